@@ -1,0 +1,103 @@
+# The same verbs for people and for CI. `make help` lists them.
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+
+PYTHON := .venv/bin/python
+# Debian's own, so that every machine resolves requirements.lock alike
+SYSTEM_PYTHON := /usr/bin/python3.11
+export PATH := $(CURDIR)/.venv/bin:$(PATH)
+PROTOS := $(wildcard proto/nocturne/v1/*.proto)
+WEB_SOURCES := $(shell find services/web/src services/web/public -type f 2>/dev/null) \
+  $(addprefix services/web/,index.html package.json package-lock.json tsconfig.json vite.config.ts)
+CPP_SOURCES := $(shell find worker tests/worker bench -name '*.cpp' -o -name '*.h' 2>/dev/null)
+STAMPS := build/stamps
+
+.PHONY: help packages venv proto web worker build demo stop test check format unit system sanitize bench lock docs clean
+
+help:  ## This list
+	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
+
+packages:  ## Install the Debian packages that are missing
+	@deploy/install-debian-packages.sh build test service
+
+$(STAMPS)/venv: requirements.lock pyproject.toml | packages
+	test -x $(PYTHON) || $(SYSTEM_PYTHON) -m venv .venv
+	$(PYTHON) -m pip install --quiet --require-hashes -r requirements.lock
+	mkdir -p build/python $(STAMPS)
+	$(PYTHON) -m pip install --quiet --no-deps --no-build-isolation --editable .
+	touch $@
+venv: $(STAMPS)/venv  ## Python environment in .venv
+
+$(STAMPS)/proto: $(PROTOS) $(STAMPS)/venv
+	$(PYTHON) -m grpc_tools.protoc -I proto --python_out=build/python --grpc_python_out=build/python \
+	  --mypy_out=quiet:build/python --mypy_grpc_out=quiet:build/python $(PROTOS)
+	touch build/python/nocturne/v1/py.typed $@
+proto: $(STAMPS)/proto  ## Python code of the contracts
+
+services/web/node_modules/.package-lock.json: services/web/package.json services/web/package-lock.json $(STAMPS)/venv
+	npm --prefix services/web ci --no-audit --no-fund --silent
+	touch $@
+$(STAMPS)/web: services/web/node_modules/.package-lock.json $(WEB_SOURCES)
+	npm --prefix services/web run --silent build
+	touch $@
+web: $(STAMPS)/web  ## The page, in services/web/dist
+
+build/release/build.ninja: worker/CMakePresets.json | packages
+	cd worker && cmake --preset release --log-level=WARNING
+worker: build/release/build.ninja  ## The C++ programs and their tests
+	@cmake --build build/release -- --quiet
+
+build: proto web worker  ## Everything
+
+demo: build  ## Start the service, render the Cornell box, show where the image and the page are
+	@deploy/demo.sh
+
+stop:  ## Stop the service that `make demo` started
+	@python3 -c "import json, os, signal; os.kill(json.load(open('data/service.json'))['pid'], signal.SIGTERM)"
+
+test: check unit system  ## All tests
+
+check: build  ## Formatting, lint, types, who may import whom
+	@clang-format --dry-run --Werror $(CPP_SOURCES)
+	ruff check .
+	ruff format --check .
+	mypy
+	lint-imports
+	npm --prefix services/web run --silent check
+
+format:  ## Put code into the agreed form
+	@clang-format -i $(CPP_SOURCES)
+	ruff check --fix-only --quiet .
+	ruff format --quiet .
+
+unit: build  ## Tests of single parts: C++, Python, page
+	ctest --test-dir build/release --output-on-failure --no-tests=error
+	pytest -m "not system"
+	npm --prefix services/web run --silent test
+
+system: build  ## Tests of the whole: service, workers, browser, images
+	pytest -m system
+
+sanitize: packages  ## C++ tests under the address and undefined-behaviour sanitizers
+	cd worker && cmake --preset sanitize --log-level=WARNING
+	cmake --build build/sanitize -- --quiet
+	ctest --test-dir build/sanitize --output-on-failure --no-tests=error
+
+bench: build  ## Speed figures, each a line of JSON; charts and latest results in bench/results
+	$(PYTHON) -m bench
+
+docs: proto  ## Pages that are generated from the code
+	$(PYTHON) -m nocturne_coordinator.scene.reference > docs/scene.md
+	$(PYTHON) -m nocturne_coordinator.scene.reference --schema > docs/scene.schema.json
+
+lock:  ## Pin the newest versions that pyproject.toml allows
+	$(SYSTEM_PYTHON) -m venv build/lock && build/lock/bin/pip install --quiet pip-tools
+	build/lock/bin/pip-compile --quiet --upgrade --generate-hashes --allow-unsafe --no-header --strip-extras \
+	  --no-emit-index-url --no-emit-find-links --no-annotate --extra dev --output-file requirements.lock pyproject.toml
+	build/lock/bin/pip-compile --quiet --generate-hashes --allow-unsafe --no-header --strip-extras --constraint requirements.lock \
+	  --no-emit-index-url --no-emit-find-links --no-annotate --output-file requirements-runtime.lock pyproject.toml
+
+clean:  ## Remove everything that was built
+	rm -rf build .venv services/web/dist services/web/node_modules
