@@ -1,0 +1,240 @@
+#include "assets/asset_cache.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <thread>
+#include <vector>
+
+#include "assets/asset_service.h"
+#include "assets/errors.h"
+
+namespace nocturne {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string content(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string many_bytes() {
+  std::string bytes(350001, '\0');
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * i % 251);
+  return bytes;
+}
+
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "nocturne-assets-XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~TemporaryFolder() { fs::remove_all(path_); }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+class AssetCacheTest : public testing::Test {
+ protected:
+  AssetCacheOptions options() {
+    return {.folder = folder_.path() / "cache",
+            .service = service_.target(),
+            .attempts = 3,
+            .first_pause = std::chrono::milliseconds(20)};
+  }
+
+  std::size_t files_in_cache() {
+    std::size_t count = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_.path() / "cache")) {
+      if (entry.is_regular_file()) ++count;
+    }
+    return count;
+  }
+
+  TemporaryFolder folder_;
+  test::AssetService service_{folder_.path()};
+};
+
+TEST_F(AssetCacheTest, FetchesOnceForAllTime) {
+  const std::string sha = service_.put(many_bytes());
+  {
+    AssetCache cache(options());
+    const fs::path path = cache.find(sha);
+    EXPECT_EQ(path, folder_.path() / "cache" / sha.substr(0, 2) / sha);
+    EXPECT_EQ(content(path), many_bytes());
+    EXPECT_EQ(cache.find(sha), path);
+  }
+  EXPECT_EQ(content(AssetCache(options()).find(sha)), many_bytes());
+  EXPECT_EQ(service_.calls, 1);
+  EXPECT_EQ(files_in_cache(), 1U);
+}
+
+TEST_F(AssetCacheTest, ThreadsShareOneFetch) {
+  const std::string sha = service_.put(many_bytes());
+  service_.delay_ms = 100;
+  AssetCache cache(options());
+  {
+    std::vector<std::jthread> threads;
+    for (int i = 0; i < 4; ++i) {
+      threads.emplace_back([&] { EXPECT_EQ(content(cache.find(sha)), many_bytes()); });
+    }
+  }
+  EXPECT_EQ(service_.calls, 1);
+}
+
+// Two caches on one folder stand for two processes.
+TEST_F(AssetCacheTest, ProcessesShareTheFolder) {
+  const std::string sha = service_.put(many_bytes());
+  service_.delay_ms = 100;
+  AssetCache a(options());
+  AssetCache b(options());
+  {
+    std::jthread first([&] { EXPECT_EQ(content(a.find(sha)), many_bytes()); });
+    std::jthread second([&] { EXPECT_EQ(content(b.find(sha)), many_bytes()); });
+  }
+  EXPECT_EQ(files_in_cache(), 1U);
+}
+
+TEST_F(AssetCacheTest, EmptyFile) {
+  const std::string sha = service_.put("");
+  AssetCache cache(options());
+  EXPECT_EQ(fs::file_size(cache.find(sha)), 0U);
+}
+
+TEST_F(AssetCacheTest, MissingFileIsAnErrorAtOnce) {
+  AssetCache cache(options());
+  try {
+    cache.find(std::string(64, 'a'));
+    FAIL() << "found";
+  } catch (const AssetUnavailable&) {
+    FAIL() << "another worker will not find it either";
+  } catch (const AssetError& error) {
+    EXPECT_NE(std::string(error.what()).find(std::string(64, 'a')), std::string::npos);
+  }
+  EXPECT_EQ(service_.calls, 1);
+}
+
+TEST_F(AssetCacheTest, NameThatIsNoDigestIsRefused) {
+  AssetCache cache(options());
+  const std::string escaping = "../" + std::string(61, 'a');
+  for (const std::string& name : {std::string(), escaping, std::string(64, 'A')}) {
+    EXPECT_THROW(cache.find(name), AssetError);
+  }
+  EXPECT_EQ(service_.calls, 0);
+}
+
+TEST_F(AssetCacheTest, OtherBytesAreRefusedAndLeaveNothing) {
+  const std::string sha(64, 'b');
+  service_.put_as(sha, many_bytes());
+  AssetCache cache(options());
+  EXPECT_THROW(cache.find(sha), AssetDamaged);
+  EXPECT_EQ(service_.calls, 3);
+  EXPECT_EQ(files_in_cache(), 0U);
+}
+
+TEST_F(AssetCacheTest, TruncatedFileIsRefusedAndLeavesNothing) {
+  const std::string sha = service_.put(many_bytes());
+  service_.announced_too_many = 1;
+  AssetCache cache(options());
+  EXPECT_THROW(cache.find(sha), AssetDamaged);
+  EXPECT_EQ(files_in_cache(), 0U);
+  service_.announced_too_many = 0;
+  EXPECT_EQ(content(cache.find(sha)), many_bytes());
+}
+
+TEST_F(AssetCacheTest, MoreBytesThanAnnouncedAreRefused) {
+  const std::string sha = service_.put(many_bytes());
+  service_.announced_too_many = -1;
+  AssetCache cache(options());
+  EXPECT_THROW(cache.find(sha), AssetDamaged);
+  EXPECT_EQ(files_in_cache(), 0U);
+}
+
+TEST_F(AssetCacheTest, InterruptedFetchIsTriedAgain) {
+  const std::string sha = service_.put(many_bytes());
+  service_.interruptions = 2;
+  AssetCache cache(options());
+  EXPECT_EQ(content(cache.find(sha)), many_bytes());
+  EXPECT_EQ(service_.calls, 3);
+  EXPECT_EQ(files_in_cache(), 1U);
+}
+
+TEST_F(AssetCacheTest, ServiceThatIsAwayIsUnavailableUntilItIsBack) {
+  const std::string sha = service_.put(many_bytes());
+  service_.stop();
+  AssetCache cache(options());
+  EXPECT_THROW(cache.find(sha), AssetUnavailable);
+  service_.start();
+  AssetCacheOptions patient = options();
+  patient.attempts = 20;
+  EXPECT_EQ(content(AssetCache(patient).find(sha)), many_bytes());
+}
+
+TEST_F(AssetCacheTest, TooLargeIsRefusedBeforeAnythingIsWritten) {
+  const std::string sha = service_.put(many_bytes());
+  AssetCacheOptions small = options();
+  small.max_asset_bytes = many_bytes().size() - 1;
+  AssetCache cache(small);
+  try {
+    cache.find(sha);
+    FAIL() << "accepted";
+  } catch (const AssetError& error) {
+    EXPECT_NE(std::string(error.what()).find("--max-asset-bytes"), std::string::npos);
+  }
+  EXPECT_EQ(service_.calls, 1);
+  EXPECT_EQ(files_in_cache(), 0U);
+}
+
+TEST_F(AssetCacheTest, DiskThatIsTooSmallMakesItUnavailable) {
+  const std::string sha = service_.put(many_bytes());
+  service_.announced_too_many = std::int64_t{1} << 60;
+  AssetCacheOptions large = options();
+  large.max_asset_bytes = std::uint64_t{1} << 62;
+  AssetCache cache(large);
+  EXPECT_THROW(cache.find(sha), AssetUnavailable);
+  EXPECT_EQ(files_in_cache(), 0U);
+}
+
+TEST_F(AssetCacheTest, DamagedFileInTheCacheIsFetchedAgain) {
+  const std::string sha = service_.put(many_bytes());
+  const fs::path path = AssetCache(options()).find(sha);
+  std::ofstream(path, std::ios::binary | std::ios::in).put('!');
+  ASSERT_NE(content(path), many_bytes());
+  EXPECT_EQ(content(AssetCache(options()).find(sha)), many_bytes());
+  EXPECT_EQ(service_.calls, 2);
+}
+
+TEST_F(AssetCacheTest, FileThatVanishedIsFetchedAgain) {
+  const std::string sha = service_.put(many_bytes());
+  AssetCache cache(options());
+  fs::remove(cache.find(sha));
+  EXPECT_EQ(content(cache.find(sha)), many_bytes());
+}
+
+TEST_F(AssetCacheTest, CacheThatCannotBeMadeIsUnavailable) {
+  std::ofstream(folder_.path() / "file") << "x";
+  AssetCacheOptions impossible = options();
+  impossible.folder = folder_.path() / "file" / "cache";
+  EXPECT_THROW(AssetCache cache(impossible), AssetUnavailable);
+}
+
+TEST_F(AssetCacheTest, OldDownloadsOfKilledProcessesAreRemoved) {
+  const fs::path cache = folder_.path() / "cache";
+  fs::create_directories(cache);
+  std::ofstream(cache / ".fetch-old") << "x";
+  std::ofstream(cache / ".fetch-new") << "x";
+  fs::last_write_time(cache / ".fetch-old",
+                      fs::file_time_type::clock::now() - std::chrono::hours(2));
+  const AssetCache started(options());
+  EXPECT_FALSE(fs::exists(cache / ".fetch-old"));
+  EXPECT_TRUE(fs::exists(cache / ".fetch-new"));
+}
+
+}  // namespace
+}  // namespace nocturne

@@ -1,0 +1,109 @@
+#include "sampling/sequence.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <vector>
+
+namespace nocturne {
+namespace {
+
+// Known answers published with Random123 (Salmon et al. 2011), philox4x32 with 10 rounds.
+TEST(Philox, GivesThePublishedWords) {
+  using Words = std::array<std::uint32_t, 4>;
+  EXPECT_EQ(philox4x32({0, 0, 0, 0}, {0, 0}),
+            (Words{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
+  EXPECT_EQ(philox4x32({~0u, ~0u, ~0u, ~0u}, {~0u, ~0u}),
+            (Words{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd}));
+  EXPECT_EQ(philox4x32({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}),
+            (Words{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
+}
+
+TEST(Owen, VectorAndScalarAgree) {
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    const std::uint32_t x = i * 2654435761u, seed = i * 40503u + 77u;
+    FourWords words;
+    _mm_store_si128(
+        reinterpret_cast<__m128i*>(&words),
+        owen_scramble(_mm_set1_epi32(static_cast<int>(x)), _mm_set1_epi32(static_cast<int>(seed))));
+    ASSERT_EQ(words.lane[2], owen_scramble(x, seed));
+  }
+}
+
+// Each pixel's first 2^k numbers of any dimension fall one into each of 2^k equal intervals;
+// dimensions 0 and 1 together fill every elementary rectangle of area 2^-k: the definition of a (0,
+// k, 2)-net, which Owen scrambling keeps.
+TEST(Sobol, PointsAreNetsAfterScrambling) {
+  constexpr std::uint32_t kLog = 8, kCount = 1u << kLog;
+  for (const std::uint32_t set : {0u, 1u, 7u}) {
+    std::vector<Uniform4> points;
+    for (std::uint32_t sample = 0; sample < kCount; ++sample) {
+      PhotonSequence sequence(SequenceKind::kSobol, 5, 123, sample);
+      Uniform4 u{};
+      for (std::uint32_t s = 0; s <= set; ++s) u = sequence.next();
+      points.push_back(u);
+    }
+    for (std::size_t d = 0; d < 4; ++d) {
+      std::set<int> cells;
+      for (const auto& u : points) cells.insert(static_cast<int>(u[d] * kCount));
+      EXPECT_EQ(cells.size(), kCount) << "dimension " << d << " of set " << set;
+    }
+    for (std::uint32_t a = 0; a <= kLog; ++a) {
+      std::set<std::pair<int, int>> cells;
+      for (const auto& u : points) {
+        cells.insert({static_cast<int>(u[0] * static_cast<float>(1u << a)),
+                      static_cast<int>(u[1] * static_cast<float>(1u << (kLog - a)))});
+      }
+      EXPECT_EQ(cells.size(), kCount) << "2^" << a << " columns of set " << set;
+    }
+  }
+}
+
+// What makes it worth having: on a smooth integrand the error falls much faster than 1/sqrt(N).
+TEST(Sobol, IntegratesASmoothFunctionBetterThanIndependentNumbers) {
+  const auto error = [](SequenceKind kind) {
+    double squares = 0.0;
+    for (std::uint32_t pixel = 0; pixel < 64; ++pixel) {
+      double sum = 0.0;
+      for (std::uint32_t sample = 0; sample < 1024; ++sample) {
+        PhotonSequence sequence(kind, 1, pixel, sample);
+        sequence.next();
+        const Uniform4 u = sequence.next();
+        sum += std::sin(3.0 * u[0]) * u[1] + u[2] * u[3];
+      }
+      const double truth = (1.0 - std::cos(3.0)) / 3.0 * 0.5 + 0.25;
+      const double deviation = sum / 1024.0 - truth;
+      squares += deviation * deviation;
+    }
+    return std::sqrt(squares / 64.0);
+  };
+  EXPECT_LT(error(SequenceKind::kSobol), 0.1 * error(SequenceKind::kIndependent));
+}
+
+// Over many pixels every single sample is uniform and two sets are uncorrelated: no bias, whatever
+// the sample index.
+TEST(Sequence, IsUniformAndUncorrelatedOverPixels) {
+  constexpr int kPixels = 200'000;
+  for (const auto kind : {SequenceKind::kSobol, SequenceKind::kIndependent}) {
+    double sum = 0.0, product = 0.0;
+    for (std::uint32_t pixel = 0; pixel < kPixels; ++pixel) {
+      PhotonSequence sequence(kind, 9, pixel, 3);
+      const Uniform4 u = sequence.next(), v = sequence.next();
+      sum += u[1] - 0.5;
+      product += (u[1] - 0.5) * (v[1] - 0.5);
+    }
+    // 4 sigma, sigma^2 of u is 1/12, of the product 1/144.
+    EXPECT_LT(std::fabs(sum / kPixels), 4.0 * std::sqrt(1.0 / 12.0 / kPixels));
+    EXPECT_LT(std::fabs(product / kPixels), 4.0 / 12.0 / std::sqrt(kPixels));
+  }
+}
+
+TEST(Sequence, NeverReachesOne) {
+  EXPECT_LT(to_unit(~0u), 1.0f);
+  EXPECT_EQ(to_unit(0), 0.0f);
+  EXPECT_EQ(to_unit(1), 0x1p-32f);
+}
+
+}  // namespace
+}  // namespace nocturne

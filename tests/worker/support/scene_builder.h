@@ -1,0 +1,113 @@
+// Small compiled scenes for tests: grey walls, one flat response, everything else at the defaults
+// that a scene document has.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+
+#include "nocturne/v1/scene.pb.h"
+#include "scene/load_scene.h"
+
+namespace nocturne::test {
+
+/// The sensor's X, Y and Z are integrals of radiance over 500-600 nm: flat radiance L gives 100 L.
+inline constexpr double kResponseIntegral = 100.0;
+
+class SceneBuilder {
+ public:
+  v1::CompiledScene message;
+
+  SceneBuilder() {
+    message.set_format(1);
+    auto& s = *message.mutable_sensor();
+    s.mutable_right()->set_x(1);
+    s.mutable_up()->set_y(1);
+    s.mutable_forward()->set_z(-1);
+    s.set_vertical_field_of_view(0.9);
+    s.set_response_first_nm(500);
+    s.set_response_step_nm(50);
+    for (int i = 0; i < 3; ++i) {
+      s.add_response_x(1);
+      s.add_response_y(1);
+      s.add_response_z(1);
+    }
+    s.set_wavelength_sampling(v1::WAVELENGTH_SAMPLING_RESPONSE);
+    auto& t = *message.mutable_tracing();
+    t.set_h(1);
+    t.set_roulette(v1::ROULETTE_WEIGHT);
+    t.set_maximum_depth(1000);
+    t.set_weight_kernel(0.65);
+    t.set_weight_luminaires(0.35);
+    t.set_sequence(v1::SAMPLE_SEQUENCE_SOBOL);
+  }
+
+  /// A quad or sphere is set on the surface that is returned.
+  v1::Surface& add_surface(float reflectance, float radiance, bool two_sided = false) {
+    auto& surface = *message.add_surfaces();
+    surface.set_kernel(static_cast<std::uint32_t>(message.kernels_size()));
+    message.add_kernels()->mutable_lambertian()->set_reflectance(add_spectrum(reflectance));
+    if (radiance > 0.0f) {
+      auto& luminaire = *message.add_luminaires();
+      luminaire.set_surface(static_cast<std::uint32_t>(message.surfaces_size()) - 1);
+      luminaire.set_radiance(add_spectrum(radiance));
+      luminaire.set_two_sided(two_sided);
+    }
+    return surface;
+  }
+
+  void add_quad(float reflectance, float radiance, Vec3 corner, Vec3 u, Vec3 v) {
+    auto& quad = *add_surface(reflectance, radiance).mutable_quad();
+    set(*quad.mutable_corner(), corner);
+    set(*quad.mutable_edge_u(), u);
+    set(*quad.mutable_edge_v(), v);
+  }
+
+  void add_sphere(float reflectance, float radiance, Vec3 centre, double radius) {
+    auto& sphere = *add_surface(reflectance, radiance).mutable_sphere();
+    set(*sphere.mutable_centre(), centre);
+    sphere.set_radius(radius);
+  }
+
+  /// A closed box [-1, 1]^3 seen from inside, all of whose walls emit.
+  void add_furnace(float albedo, float radiance) {
+    add_quad(albedo, radiance, {-1, -1, -1}, {2, 0, 0}, {0, 2, 0});  // normals point inwards
+    add_quad(albedo, radiance, {-1, -1, 1}, {0, 2, 0}, {2, 0, 0});
+    add_quad(albedo, radiance, {-1, -1, -1}, {0, 2, 0}, {0, 0, 2});
+    add_quad(albedo, radiance, {1, -1, -1}, {0, 0, 2}, {0, 2, 0});
+    add_quad(albedo, radiance, {-1, -1, -1}, {0, 0, 2}, {2, 0, 0});
+    add_quad(albedo, radiance, {-1, 1, -1}, {2, 0, 0}, {0, 0, 2});
+  }
+
+  /// Points the sensor at a target that is not above or below it.
+  void look(Vec3 from, Vec3 at, double field_of_view) {
+    const Vec3 forward = normalized(at - from);
+    const Vec3 right = normalized(cross(forward, {0, 1, 0}));
+    auto& sensor = *message.mutable_sensor();
+    set(*sensor.mutable_position(), from);
+    set(*sensor.mutable_forward(), forward);
+    set(*sensor.mutable_right(), right);
+    set(*sensor.mutable_up(), cross(right, forward));
+    sensor.set_vertical_field_of_view(field_of_view);
+  }
+
+  std::shared_ptr<const Scene> load() const {
+    return load_scene(message, [](const std::string& sha256) -> std::filesystem::path {
+      throw std::runtime_error("no blob " + sha256);
+    });
+  }
+
+  static void set(v1::Vector& to, Vec3 v) {
+    to.set_x(v.x);
+    to.set_y(v.y);
+    to.set_z(v.z);
+  }
+
+ private:
+  std::uint32_t add_spectrum(float value) {
+    message.add_spectra()->add_values(value);
+    return static_cast<std::uint32_t>(message.spectra_size()) - 1;
+  }
+};
+
+}  // namespace nocturne::test

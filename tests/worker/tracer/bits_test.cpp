@@ -1,0 +1,61 @@
+// The same job gives the same bits, and cuts don't matter beyond the order of addition that the
+// plan fixes.
+#include <gtest/gtest.h>
+#include <immintrin.h>
+
+#include "support/scene_builder.h"
+#include "tracer/trace_film.h"
+
+namespace nocturne {
+namespace {
+
+std::shared_ptr<const Scene> room() {
+  test::SceneBuilder builder;
+  builder.add_furnace(0.5f, 0.0f);
+  builder.add_sphere(0.2f, 20.0f, {0.4f, 0.5f, -0.3f}, 0.2);
+  return builder.load();
+}
+
+constexpr Film kFilm{40, 24};
+
+TEST(Bits, SameJobSameBits) {
+  const auto scene = room();
+  const TileRange range{8, 4, 16, 16, 4, 12};
+  EXPECT_EQ(trace_tile(*scene, kFilm, range).sums, trace_tile(*room(), kFilm, range).sums);
+}
+
+TEST(Bits, ASampleDoesNotDependOnTheTileAroundIt) {
+  const auto scene = room();
+  const TileSums large = trace_tile(*scene, kFilm, {0, 0, 40, 24, 3, 4});
+  const TileSums one = trace_tile(*scene, kFilm, {17, 9, 1, 1, 3, 4});
+  for (std::size_t c = 0; c < 4; ++c) EXPECT_EQ(one.sums[c], large.sums[4 * (9 * 40 + 17) + c]);
+}
+
+TEST(Bits, NumberOfThreadsDoesNotMatter) {
+  const auto scene = room();
+  const std::vector<std::uint32_t> ends{4, 8, 16, 20};
+  const auto trace = [&](unsigned threads) {
+    double last = 0.0;
+    TileSums image =
+        trace_film(*scene, {kFilm, 16, ends}, Method::kAdjointPhotons, threads, [&](double share) {
+          EXPECT_GT(share, last);
+          last = share;
+        });
+    EXPECT_DOUBLE_EQ(last, 1.0);
+    return image;
+  };
+  const TileSums one = trace(1);
+  EXPECT_EQ(one.sums, trace(3).sums);
+  EXPECT_EQ(one.photons, 40u * 24u * 20u);
+  EXPECT_GT(one.rays, one.photons);
+  EXPECT_EQ(one.rejected, 0u);
+}
+
+TEST(Bits, TracingLeavesTheFloatingPointModeAlone) {
+  const unsigned before = _mm_getcsr() & ~0x3Fu;
+  trace_tile(*room(), kFilm, {0, 0, 4, 4, 0, 1});
+  EXPECT_EQ(_mm_getcsr() & ~0x3Fu, before);
+}
+
+}  // namespace
+}  // namespace nocturne

@@ -1,0 +1,236 @@
+#include "worker_loop/worker.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <functional>
+#include <future>
+#include <set>
+#include <thread>
+
+#include "queue/job_queue.h"
+#include "queue/redis_server.h"
+
+namespace nocturne {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using test::make_job;
+
+constexpr milliseconds kLease{600};
+
+v1::Partial some_partial() {
+  v1::Partial partial;
+  partial.set_sums(std::string(2 * 2 * 4 * 8, '\1'));
+  partial.set_photons(16);
+  partial.set_rays(40);
+  return partial;
+}
+
+bool eventually(const std::function<bool()>& condition) {
+  for (int attempt = 0; attempt < 1500; ++attempt) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(milliseconds(10));
+  }
+  return false;
+}
+
+class WorkerTest : public testing::Test {
+ protected:
+  WorkerTest() { server_.make_group(); }
+
+  WorkerOptions options(const std::string& id, unsigned threads = 1) {
+    return {.redis = server_.address(), .id = id, .threads = threads, .lease = kLease};
+  }
+
+  bool results_reach(std::size_t count) {
+    return eventually([&] { return server_.results().size() >= count; });
+  }
+
+  v1::JobResult only_result() {
+    EXPECT_TRUE(results_reach(1));
+    const auto results = server_.results();
+    return results.size() == 1 ? results[0] : v1::JobResult();
+  }
+
+  test::RedisServer server_;
+};
+
+TEST_F(WorkerTest, DoesAllJobsAndSaysSo) {
+  Worker worker(options("w", 2), [](const v1::Job&) { return some_partial(); });
+  for (std::uint32_t i = 0; i < 20; ++i) server_.publish(make_job(i));
+  ASSERT_TRUE(results_reach(20));
+  std::set<std::uint32_t> tiles;
+  for (const v1::JobResult& result : server_.results()) {
+    EXPECT_EQ(result.worker_id(), "w");
+    EXPECT_EQ(result.partial().sums(), some_partial().sums());
+    tiles.insert(result.job().tile_index());
+  }
+  EXPECT_EQ(tiles.size(), 20U);
+  EXPECT_EQ(server_.pending(), 0U);
+
+  v1::WorkerStatus status;
+  EXPECT_TRUE(eventually([&] {
+    const Reply bytes = server_.run({"GET", "nocturne:worker:w"});
+    return !bytes.is_nil() && status.ParseFromString(std::string(bytes.text())) &&
+           status.jobs_done() == 20;
+  }));
+  EXPECT_EQ(status.photons(), 320U);
+  EXPECT_EQ(status.rays(), 800U);
+  EXPECT_EQ(status.threads(), 2U);
+  EXPECT_EQ(status.engine(), v1::ENGINE_CURRENT);
+  EXPECT_GT(status.started(), 1e9);
+}
+
+TEST_F(WorkerTest, GoneWorkerHasNoStatus) {
+  {
+    Worker worker(options("w"), [](const v1::Job&) { return some_partial(); });
+    EXPECT_TRUE(eventually([&] {
+      return server_.run({"EXISTS", "nocturne:worker:w"}).integer() == 1;
+    }));
+  }
+  EXPECT_EQ(server_.run({"EXISTS", "nocturne:worker:w"}).integer(), 0);
+}
+
+TEST_F(WorkerTest, ExceptionBecomesFailure) {
+  Worker worker(options("w"), [](const v1::Job&) -> v1::Partial {
+    throw std::runtime_error("no such kernel \xff");
+  });
+  server_.publish(make_job());
+  const v1::JobResult result = only_result();
+  EXPECT_EQ(result.failure(), "no such kernel ?");
+  EXPECT_EQ(result.job().SerializeAsString(), make_job().SerializeAsString());
+  EXPECT_EQ(server_.pending(), 0U);
+}
+
+TEST_F(WorkerTest, BadJobIsRefusedBeforeItIsTraced) {
+  std::atomic<bool> traced = false;
+  Worker worker(options("w"), [&](const v1::Job&) {
+    traced = true;
+    return some_partial();
+  });
+  v1::Job job = make_job();
+  job.mutable_tile()->set_width(1U << 31);
+  server_.publish(job);
+  EXPECT_TRUE(only_result().failure().starts_with("job.tile.width is 2147483648"));
+  EXPECT_FALSE(traced);
+}
+
+TEST_F(WorkerTest, OtherEngineIsRefusedInWords) {
+  Worker worker(options("w"), [](const v1::Job&) { return some_partial(); });
+  v1::Job job = make_job();
+  job.set_engine(static_cast<v1::Engine>(77));
+  server_.publish(job);
+  const std::string failure = only_result().failure();
+  EXPECT_NE(failure.find("engine " + std::to_string(int{v1::ENGINE_CURRENT})), std::string::npos);
+  EXPECT_NE(failure.find("engine 77"), std::string::npos);
+}
+
+TEST_F(WorkerTest, JobHandedBackIsDoneByAnother) {
+  std::atomic<int> refused = 0;
+  Worker full(options("full"), [&](const v1::Job&) -> v1::Partial {
+    ++refused;
+    throw HandBack("disk full");
+  });
+  server_.publish(make_job());
+  ASSERT_TRUE(eventually([&] { return refused > 0; }));
+  Worker good(options("good"), [](const v1::Job&) { return some_partial(); });
+  EXPECT_EQ(only_result().worker_id(), "good");
+}
+
+TEST_F(WorkerTest, JobLongerThanTheLeaseIsDoneOnce) {
+  std::atomic<int> traced = 0;
+  const TraceJob slow = [&](const v1::Job&) {
+    ++traced;
+    std::this_thread::sleep_for(4 * kLease);
+    return some_partial();
+  };
+  Worker a(options("a"), slow);
+  Worker b(options("b"), slow);
+  server_.publish(make_job());
+  EXPECT_TRUE(only_result().has_partial());
+  EXPECT_EQ(traced, 1);
+}
+
+TEST_F(WorkerTest, ResultSurvivesARestartOfRedis) {
+  std::promise<void> tracing, go_on;
+  Worker worker(options("w"), [&](const v1::Job&) {
+    tracing.set_value();
+    go_on.get_future().wait();
+    return some_partial();
+  });
+  server_.publish(make_job(9));
+  tracing.get_future().wait();
+  server_.kill();
+  go_on.set_value();
+  std::this_thread::sleep_for(milliseconds(300));
+  server_.start();
+  EXPECT_EQ(only_result().job().tile_index(), 9U);
+}
+
+TEST_F(WorkerTest, GoesOnAfterFlushAll) {
+  Worker worker(options("w"), [](const v1::Job&) { return some_partial(); });
+  server_.publish(make_job(1));
+  ASSERT_TRUE(results_reach(1));
+  server_.run({"FLUSHALL"});
+  std::this_thread::sleep_for(milliseconds(300));
+  server_.make_group();
+  server_.publish(make_job(2));
+  EXPECT_EQ(only_result().job().tile_index(), 2U);
+}
+
+TEST_F(WorkerTest, ResultWaitsForMemoryInRedis) {
+  std::promise<void> tracing, go_on;
+  Worker worker(options("w"), [&](const v1::Job&) {
+    tracing.set_value();
+    go_on.get_future().wait();
+    return some_partial();
+  });
+  server_.publish(make_job());
+  tracing.get_future().wait();
+  server_.run({"CONFIG", "SET", "maxmemory", "1"});
+  go_on.set_value();
+  std::this_thread::sleep_for(milliseconds(300));
+  EXPECT_TRUE(server_.results().empty());
+  server_.run({"CONFIG", "SET", "maxmemory", "0"});
+  EXPECT_TRUE(only_result().has_partial());
+}
+
+TEST_F(WorkerTest, StopWaitsForTheJobAtHand) {
+  std::promise<void> tracing;
+  Worker worker(options("w"), [&](const v1::Job&) {
+    tracing.set_value();
+    std::this_thread::sleep_for(milliseconds(300));
+    return some_partial();
+  });
+  server_.publish(make_job(1));
+  tracing.get_future().wait();
+  server_.publish(make_job(2));
+  EXPECT_TRUE(worker.stop(seconds(20)));
+  EXPECT_EQ(server_.results().size(), 1U);
+}
+
+TEST_F(WorkerTest, JobThatOutlastsTheGraceIsHandedBack) {
+  constexpr seconds kLongLease{60};
+  WorkerOptions slow = options("w");
+  slow.lease = kLongLease;
+  std::promise<void> tracing, go_on;
+  Worker worker(slow, [&](const v1::Job&) {
+    tracing.set_value();
+    go_on.get_future().wait();
+    return some_partial();
+  });
+  server_.publish(make_job(3));
+  tracing.get_future().wait();
+  EXPECT_FALSE(worker.stop(milliseconds(50)));
+  JobQueue other(server_.address(), "other/0", kLongLease);
+  worker.hand_back();
+  const auto taken = other.take();
+  go_on.set_value();
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->job.tile_index(), 3U);
+}
+
+}  // namespace
+}  // namespace nocturne

@@ -1,0 +1,154 @@
+// The tracer alone: a compiled scene and a plan in, an EXR out, no service. Gives the bits that the
+// service gives.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <thread>
+
+#include "assets/sha256.h"
+#include "image/write_exr.h"
+#include "nocturne/v1/job.pb.h"
+#include "scene/load_scene.h"
+#include "tracer/trace_film.h"
+
+namespace nocturne {
+namespace {
+
+struct Options {
+  std::string scene, plan, blobs, output, statistics;
+  Method method = Method::kAdjointPhotons;
+  unsigned threads = std::thread::hardware_concurrency();
+  bool quiet = false;
+};
+
+template <class Message>
+Message read_message(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  Message message;
+  if (!file || !message.ParseFromIstream(&file)) {
+    throw std::runtime_error(path + ": can't be read as a " + message.GetTypeName());
+  }
+  return message;
+}
+
+FilmPlan checked_plan(const v1::RenderPlan& plan) {
+  // The same bounds as the service's: 16384 pixels an edge, 2^26 in all.
+  const auto pixels = static_cast<std::uint64_t>(plan.width()) * plan.height();
+  bool good = plan.width() > 0 && plan.width() <= 16384 && plan.height() > 0 &&
+              plan.height() <= 16384 && pixels <= (1u << 26) && plan.tile_size() > 0 &&
+              plan.tile_size() <= 16384 && plan.range_ends_size() > 0;
+  std::uint32_t last = 0;
+  for (const std::uint32_t end : plan.range_ends()) {
+    good = good && end > last;
+    last = end;
+  }
+  if (!good) throw std::runtime_error("the plan's film, tiles or sample ranges make no sense");
+  return {{plan.width(), plan.height()},
+          plan.tile_size(),
+          {plan.range_ends().data(), static_cast<std::size_t>(plan.range_ends_size())}};
+}
+
+FindBlob blobs_in(const std::string& folder) {
+  return [folder](const std::string& sha256) {
+    const auto path = std::filesystem::path(folder) / sha256.substr(0, 2) / sha256;
+    if (!std::filesystem::is_regular_file(path))
+      throw std::runtime_error("no file " + path.string());
+    return path;
+  };
+}
+
+double process_cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+void write_statistics(const std::string& path, const TileSums& image, double cpu_seconds,
+                      double wall_seconds) {
+  std::ofstream file(path);
+  file.precision(17);
+  file << "{\"photons\": " << image.photons << ", \"rays\": " << image.rays
+       << ", \"rejected\": " << image.rejected << ", \"cpu_seconds\": " << cpu_seconds
+       << ", \"wall_seconds\": " << wall_seconds << "}\n";
+  if (!file) throw std::runtime_error(path + ": can't be written");
+}
+
+// Progress as lines "12.5 %" that end in a carriage return: a person sees one line, a program can
+// split.
+std::function<void(double)> progress_on_stderr(bool quiet) {
+  if (quiet) return [](double) {};
+  return [shown = -1](double share) mutable {
+    const int permille = static_cast<int>(1000.0 * share);
+    if (permille == shown) return;
+    shown = permille;
+    std::fprintf(stderr, "%5.1f %%%c", permille / 10.0, permille == 1000 ? '\n' : '\r');
+  };
+}
+
+void run(const Options& options) {
+  const auto message = read_message<v1::CompiledScene>(options.scene);
+  const auto plan_message = read_message<v1::RenderPlan>(options.plan);
+  const FilmPlan plan = checked_plan(plan_message);
+  const auto scene = load_scene(message, blobs_in(options.blobs));
+
+  // Loading is left out of the rates.
+  const double cpu_before = process_cpu_seconds();
+  const auto wall_before = std::chrono::steady_clock::now();
+  const TileSums image =
+      trace_film(*scene, plan, options.method, options.threads, progress_on_stderr(options.quiet));
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_before;
+  const double cpu = process_cpu_seconds() - cpu_before;
+
+  write_exr(options.output, plan.film.width, plan.film.height, image.sums, plan.range_ends.back(),
+            {sha256_of_file(options.scene), v1::ENGINE_CURRENT});
+  if (!options.statistics.empty()) {
+    write_statistics(options.statistics, image, cpu, wall.count());
+  }
+  if (image.rejected > 0) {
+    std::cerr << "warning: " << image.rejected << " of " << image.photons
+              << " photons were rejected (negative or not finite)\n";
+  }
+}
+
+}  // namespace
+}  // namespace nocturne
+
+int main(int argc, char** argv) {
+  nocturne::Options options;
+  CLI::App app{
+      "Traces a compiled scene on this machine and writes an EXR (X, Y, Z in absolute units, "
+      "Y.stderr, n).\n"
+      "`nocturne compile SCENE.json -o DIR` makes DIR/scene.pb, DIR/plan.pb and DIR/blobs.",
+      "nocturne-trace"};
+  app.add_option("scene", options.scene, "Compiled scene (scene.pb)")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app.add_option("--plan", options.plan, "Render plan (plan.pb)")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app.add_option("--blobs", options.blobs, "Folder of packed meshes")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  app.add_option("-o,--output", options.output, "EXR to write")->required();
+  app.add_option("--threads", options.threads, "Threads (default: all processors)")
+      ->check(CLI::Range(1, 1024));
+  app.add_option("--statistics", options.statistics,
+                 "JSON file for photon and ray counts and times");
+  app.add_option("--method", options.method, "adjoint, or path for the path-tracing baseline")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, nocturne::Method>{{"adjoint", nocturne::Method::kAdjointPhotons},
+                                                  {"path", nocturne::Method::kPathTracing}}));
+  app.add_flag("--quiet", options.quiet, "No progress");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    nocturne::run(options);
+  } catch (const std::exception& error) {
+    std::cerr << "nocturne-trace: " << error.what() << '\n';
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,134 @@
+// nocturne-worker: takes jobs from Redis, fetches scenes by digest, traces, publishes the sums.
+#include <signal.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <thread>
+
+#include "assets/asset_cache.h"
+#include "job_tracer.h"
+#include "log/log.h"
+#include "worker_loop/worker.h"
+
+namespace {
+
+using nocturne::LogLevel;
+
+struct Arguments {
+  std::string redis;
+  std::string id;
+  unsigned threads = std::max(1U, std::thread::hardware_concurrency());
+  unsigned lease_ms = 10000;
+  unsigned grace_seconds = 25;
+  bool debug = false;
+  nocturne::AssetCacheOptions cache;
+};
+
+std::string default_id() {
+  char host[256] = {};
+  gethostname(host, sizeof host - 1);
+  return std::string(host) + "-" + std::to_string(getpid());
+}
+
+std::string check_id(const std::string& id) {
+  const bool good = !id.empty() && id.size() <= 100 && std::ranges::all_of(id, [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '.' ||
+           c == '_' || c == '-';
+  });
+  return good ? "" : "expected 1 ... 100 letters, digits, '.', '_' or '-'";
+}
+
+void add_options(CLI::App& app, Arguments& arguments) {
+  app.add_option("--redis", arguments.redis,
+                 "unix:///path or tcp://host:port; user and password come from the environment: "
+                 "NOCTURNE_REDIS_USER, NOCTURNE_REDIS_PASSWORD")
+      ->required();
+  app.add_option("--assets", arguments.cache.service, "asset service: host:port or unix:/path")
+      ->required();
+  app.add_option("--cache", arguments.cache.folder, "folder for scenes and meshes")->required();
+  app.add_option("--threads", arguments.threads, "jobs at the same time")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_option("--lease-ms", arguments.lease_ms,
+                 "a job is somebody else's after this time without a sign of life")
+      ->check(CLI::Range(500, 600000))
+      ->capture_default_str();
+  app.add_option("--id", arguments.id, "name of this worker, unique; default: host and process")
+      ->check(check_id);
+  app.add_option("--max-asset-bytes", arguments.cache.max_asset_bytes,
+                 "larger files are refused; 8GiB")
+      ->transform(CLI::AsSizeValue(false));
+  app.add_option("--grace-seconds", arguments.grace_seconds,
+                 "after SIGTERM or SIGINT, how long running jobs may go on before they are handed "
+                 "back; a second signal ends the program at once")
+      ->check(CLI::Range(0, 3600))
+      ->capture_default_str();
+  app.add_flag("--debug", arguments.debug, "a log line for every job");
+}
+
+sigset_t stop_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  return signals;
+}
+
+/// Before the first thread starts, so that all threads leave these signals to wait_for_signal().
+void block_signals() {
+  const sigset_t signals = stop_signals();
+  // A shell starts background jobs with SIGINT ignored.
+  signal(SIGTERM, SIG_DFL);
+  signal(SIGINT, SIG_DFL);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  // hiredis writes to sockets that may be closed.
+  signal(SIGPIPE, SIG_IGN);
+}
+
+/// Returns at the first signal; the second one ends the process.
+void wait_for_signal() {
+  const sigset_t signals = stop_signals();
+  int number = 0;
+  sigwait(&signals, &number);
+  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+}
+
+int run(const Arguments& arguments) {
+  block_signals();
+  nocturne::AssetCache assets(arguments.cache);
+  nocturne::JobTracer tracer(assets);
+  const nocturne::WorkerOptions options{.redis = nocturne::redis_address(arguments.redis),
+                                        .id = arguments.id.empty() ? default_id() : arguments.id,
+                                        .threads = arguments.threads,
+                                        .lease = std::chrono::milliseconds(arguments.lease_ms)};
+  nocturne::Worker worker(options, [&](const nocturne::v1::Job& job) { return tracer.trace(job); });
+  log_line(LogLevel::kInfo, "worker " + options.id + " with " + std::to_string(options.threads) +
+                                " threads, Redis at " + options.redis.text());
+  wait_for_signal();
+  log_line(LogLevel::kInfo, "worker " + options.id + " stops");
+  if (worker.stop(std::chrono::seconds(arguments.grace_seconds))) return EXIT_SUCCESS;
+  log_line(LogLevel::kInfo, "worker " + options.id + " hands back what is not done");
+  worker.hand_back();
+  // The threads still trace; nothing of what they do is needed.
+  std::_Exit(EXIT_SUCCESS);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app("Does jobs of Nocturne: takes them from Redis, traces, publishes the sums.");
+  add_options(app, arguments);
+  CLI11_PARSE(app, argc, argv);
+  if (arguments.debug) nocturne::set_log_level(LogLevel::kDebug);
+  try {
+    return run(arguments);
+  } catch (const std::exception& error) {
+    log_line(LogLevel::kWarning, std::string("nocturne-worker: ") + error.what());
+    return EXIT_FAILURE;
+  }
+}

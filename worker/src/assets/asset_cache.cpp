@@ -1,0 +1,110 @@
+#include "assets/asset_cache.h"
+
+#include <algorithm>
+#include <optional>
+#include <system_error>
+#include <thread>
+
+#include "assets/download.h"
+#include "assets/errors.h"
+#include "assets/sha256.h"
+#include "log/log.h"
+
+namespace nocturne {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Files that this process remembers to have checked; one forgotten is only checked again.
+constexpr std::size_t kRemembered = 1024;
+constexpr std::chrono::milliseconds kLongestPause{2000};
+// A download that still runs has written more recently than this.
+constexpr std::chrono::hours kAbandonedAfter{1};
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw AssetUnavailable("cache " + folder.string() + ": " + error.message());
+}
+
+/// Whether the cache has the right file; a damaged one is named in the log.
+bool is_intact(const fs::path& path, const std::string& sha256) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return false;
+  try {
+    if (sha256_of_file(path) == sha256) return true;
+    log_line(LogLevel::kWarning, "cache file " + path.string() + " is damaged: fetching it again");
+  } catch (const std::runtime_error& unreadable) {
+    log_line(LogLevel::kWarning, std::string(unreadable.what()) + ": fetching it again");
+  }
+  return false;
+}
+
+}  // namespace
+
+AssetCache::AssetCache(AssetCacheOptions options)
+    : options_(std::move(options)), source_(options_.service), checked_(kRemembered) {
+  make_folder(options_.folder);
+  remove_abandoned_downloads();
+}
+
+fs::path AssetCache::find(const std::string& sha256) {
+  // It becomes part of a path.
+  if (!is_sha256_hex(sha256)) throw AssetError("not a SHA-256 in hexadecimal: " + sha256);
+  const auto load = [this](const std::string& key) { return checked_or_fetched(key); };
+  const fs::path path = checked_.get(sha256, load);
+  std::error_code error;
+  if (fs::exists(path, error)) return path;
+  checked_.forget(sha256);
+  return checked_.get(sha256, load);
+}
+
+fs::path AssetCache::checked_or_fetched(const std::string& sha256) {
+  const fs::path target = options_.folder / sha256.substr(0, 2) / sha256;
+  if (!is_intact(target, sha256)) fetch_with_retries(sha256, target);
+  return target;
+}
+
+void AssetCache::fetch_with_retries(const std::string& sha256, const fs::path& target) {
+  auto pause = options_.first_pause;
+  for (int attempt = 1;; ++attempt) {
+    try {
+      return fetch(sha256, target);
+    } catch (const AssetUnavailable&) {
+      if (attempt >= options_.attempts) throw;
+    } catch (const AssetDamaged&) {
+      if (attempt >= options_.attempts) throw;
+    }
+    std::this_thread::sleep_for(pause);
+    pause = std::min(2 * pause, kLongestPause);
+  }
+}
+
+void AssetCache::fetch(const std::string& sha256, const fs::path& target) {
+  make_folder(target.parent_path());
+  std::optional<Download> download;
+  source_.fetch(
+      sha256,
+      [&](std::uint64_t total_bytes) {
+        if (total_bytes > options_.max_asset_bytes) {
+          throw AssetError("asset " + sha256 + " has " + std::to_string(total_bytes) +
+                           " bytes, this worker takes at most " +
+                           std::to_string(options_.max_asset_bytes) + " (--max-asset-bytes)");
+        }
+        download.emplace(options_.folder, sha256, total_bytes);
+      },
+      [&](std::string_view bytes) { download->write(bytes); });
+  download->commit(target);
+}
+
+void AssetCache::remove_abandoned_downloads() {
+  const auto limit = fs::file_time_type::clock::now() - kAbandonedAfter;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(options_.folder, error)) {
+    if (!entry.path().filename().string().starts_with(Download::kPrefix)) continue;
+    const auto written = entry.last_write_time(error);
+    if (!error && written < limit) fs::remove(entry.path(), error);
+  }
+}
+
+}  // namespace nocturne

@@ -1,0 +1,48 @@
+// Files by SHA-256 on the local disk, fetched from the asset service when they are not there.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "assets/asset_source.h"
+#include "assets/load_once.h"
+
+namespace nocturne {
+
+struct AssetCacheOptions {
+  /// Created if it does not exist. May be shared by several processes.
+  std::filesystem::path folder;
+  /// In gRPC's words: host:port or unix:/path.
+  std::string service;
+  /// A larger file is refused before anything of it is written.
+  std::uint64_t max_asset_bytes = std::uint64_t{8} << 30;
+  /// Calls for one file before giving up, and the pause after the first; it doubles up to 2 s.
+  int attempts = 6;
+  std::chrono::milliseconds first_pause{100};
+};
+
+/// For all threads; a file that several ask for at once is fetched once.
+class AssetCache {
+ public:
+  /// Throws AssetUnavailable if the folder can't be made.
+  explicit AssetCache(AssetCacheOptions options);
+
+  /// Path of a file whose digest this process has checked. `sha256`: 64 lower-case hexadecimal
+  /// digits. Throws AssetUnavailable (this worker, now) or AssetError (nobody, ever; also for a bad
+  /// digest).
+  std::filesystem::path find(const std::string& sha256);
+
+ private:
+  std::filesystem::path checked_or_fetched(const std::string& sha256);
+  void fetch_with_retries(const std::string& sha256, const std::filesystem::path& target);
+  void fetch(const std::string& sha256, const std::filesystem::path& target);
+  void remove_abandoned_downloads();
+
+  AssetCacheOptions options_;
+  AssetSource source_;
+  LoadOnce<std::filesystem::path> checked_;
+};
+
+}  // namespace nocturne

@@ -1,0 +1,16 @@
+// One line per event on standard error: time, level, text.
+#pragma once
+
+#include <string_view>
+
+namespace nocturne {
+
+enum class LogLevel { kDebug, kInfo, kWarning };
+
+/// Lines below this level are left out; kInfo until it is called.
+void set_log_level(LogLevel lowest);
+
+/// Writes one line, also when several threads write at once. Line breaks in `text` become spaces.
+void log_line(LogLevel level, std::string_view text);
+
+}  // namespace nocturne

@@ -1,0 +1,26 @@
+// All names in Redis that a worker uses. The coordinator's list of the same names:
+// nocturne_coordinator/keys.py.
+#pragma once
+
+#include <string>
+
+namespace nocturne::keys {
+
+/// Stream of jobs, consumer group kGroup; one field kJobField with a serialised v1::Job.
+inline const std::string kJobs = "nocturne:jobs";
+inline const std::string kGroup = "workers";
+inline const std::string kJobField = "job";
+
+/// Stream of results; one field kResultField with a serialised v1::JobResult.
+inline const std::string kResults = "nocturne:results";
+inline const std::string kResultField = "result";
+
+/// Serialised v1::WorkerStatus with a time to live.
+inline std::string worker(const std::string& worker_id) { return "nocturne:worker:" + worker_id; }
+
+/// Name of one thread of a worker in the consumer group.
+inline std::string consumer(const std::string& worker_id, unsigned thread) {
+  return worker_id + "/" + std::to_string(thread);
+}
+
+}  // namespace nocturne::keys

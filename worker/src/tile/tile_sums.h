@@ -1,0 +1,30 @@
+// A unit of work, and what it yields: sums and counts, never averages.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace nocturne {
+
+/// Samples [first_sample, end_sample) of a rectangle of pixels; x to the right, y down.
+struct TileRange {
+  std::uint32_t x, y, width, height;
+  std::uint32_t first_sample, end_sample;
+};
+
+/// Float64: single precision stops counting at 2^24 samples.
+struct TileSums {
+  static constexpr std::size_t kChannels = 4;  // sum X, sum Y, sum Z, sum Y^2
+
+  /// Channels of each pixel side by side, row by row.
+  std::vector<double> sums;
+  std::uint64_t photons = 0;
+  std::uint64_t rays = 0;
+  /// Photons left out because their contribution was negative or not finite.
+  std::uint64_t rejected = 0;
+
+  explicit TileSums(std::size_t pixels = 0) : sums(kChannels * pixels) {}
+};
+
+}  // namespace nocturne

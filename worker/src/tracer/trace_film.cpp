@@ -1,0 +1,77 @@
+#include "tracer/trace_film.h"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace nocturne {
+namespace {
+
+// All ranges of one tile, merged; `merge` says how far it is after each.
+template <class Merged>
+TileSums trace_ranges(const Scene& scene, const FilmPlan& plan, TileRange tile, Method method,
+                      const Merged& merged) {
+  TileSums total(static_cast<std::size_t>(tile.width) * tile.height);
+  for (const std::uint32_t end : plan.range_ends) {
+    tile.end_sample = end;
+    const TileSums range = trace_tile(scene, plan.film, tile, method);
+    for (std::size_t i = 0; i < total.sums.size(); ++i) total.sums[i] += range.sums[i];
+    total.photons += range.photons;
+    total.rays += range.rays;
+    total.rejected += range.rejected;
+    tile.first_sample = end;
+    merged(range.photons);
+  }
+  return total;
+}
+
+void place(const TileSums& tile, const TileRange& where, Film film, TileSums& image) {
+  const std::size_t row = TileSums::kChannels * where.width;
+  for (std::uint32_t y = 0; y < where.height; ++y) {
+    const std::size_t to =
+        TileSums::kChannels * ((static_cast<std::size_t>(where.y) + y) * film.width + where.x);
+    std::copy_n(tile.sums.begin() + static_cast<std::ptrdiff_t>(y * row), row,
+                image.sums.begin() + static_cast<std::ptrdiff_t>(to));
+  }
+  image.photons += tile.photons;
+  image.rays += tile.rays;
+  image.rejected += tile.rejected;
+}
+
+}  // namespace
+
+TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
+                    const std::function<void(double)>& progress) {
+  const std::uint32_t columns = (plan.film.width + plan.tile_size - 1) / plan.tile_size;
+  const std::uint32_t rows = (plan.film.height + plan.tile_size - 1) / plan.tile_size;
+  const double all =
+      static_cast<double>(plan.film.width) * plan.film.height * plan.range_ends.back();
+  TileSums image(static_cast<std::size_t>(plan.film.width) * plan.film.height);
+  std::atomic<std::uint32_t> next = 0;
+  std::mutex mutex;
+  double done = 0.0;
+
+  const auto work = [&] {
+    for (std::uint32_t index = next++; index < columns * rows; index = next++) {
+      TileRange tile{
+          (index % columns) * plan.tile_size, (index / columns) * plan.tile_size, 0, 0, 0, 0};
+      tile.width = std::min(plan.tile_size, plan.film.width - tile.x);
+      tile.height = std::min(plan.tile_size, plan.film.height - tile.y);
+      const TileSums sums = trace_ranges(scene, plan, tile, method, [&](std::uint64_t photons) {
+        const std::lock_guard lock(mutex);
+        done += static_cast<double>(photons);
+        progress(done / all);
+      });
+      const std::lock_guard lock(mutex);
+      place(sums, tile, plan.film, image);
+    }
+  };
+  std::vector<std::jthread> pool;
+  for (unsigned i = 0; i < std::max(1u, threads); ++i) pool.emplace_back(work);
+  pool.clear();  // joins
+  return image;
+}
+
+}  // namespace nocturne

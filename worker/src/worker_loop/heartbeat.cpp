@@ -1,0 +1,73 @@
+#include "worker_loop/heartbeat.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "log/log.h"
+#include "queue/redis_errors.h"
+#include "worker_loop/back_off.h"
+
+namespace nocturne {
+namespace {
+
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+constexpr milliseconds kStatusInterval{2000};
+
+double unix_seconds() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+Heartbeat::Heartbeat(const WorkerOptions& options, const HeldJobs& held, const Tally& tally)
+    : options_(options),
+      held_(held),
+      tally_(tally),
+      queue_(options.redis, options.id, options.lease),
+      started_(unix_seconds()) {}
+
+void Heartbeat::run(std::stop_token stop) {
+  // Several times per interval, so that neither is late by much.
+  const milliseconds tick = std::min(kStatusInterval, options_.lease / 3) / 4;
+  while (!stop.stop_requested()) {
+    try {
+      beat();
+    } catch (const std::exception& error) {
+      // The threads say on standard error what is wrong with Redis; the next tick tries again.
+      log_line(LogLevel::kDebug, std::string("heartbeat: ") + error.what());
+      queue_.disconnect();
+    }
+    wait_unless_stopped(stop, tick);
+  }
+  try {
+    queue_.withdraw_status(options_.id);
+  } catch (const std::exception& error) {
+    log_line(LogLevel::kDebug, std::string("status not withdrawn: ") + error.what());
+  }
+}
+
+void Heartbeat::beat() {
+  const auto now = Clock::now();
+  if (now >= next_extension_) {
+    queue_.extend(held_.list());
+    next_extension_ = now + options_.lease / 3;
+  }
+  if (now >= next_status_) {
+    queue_.publish_status(status());
+    next_status_ = now + kStatusInterval;
+  }
+}
+
+v1::WorkerStatus Heartbeat::status() const {
+  v1::WorkerStatus status;
+  status.set_worker_id(options_.id);
+  status.set_engine(v1::ENGINE_CURRENT);
+  status.set_threads(options_.threads);
+  status.set_started(started_);
+  tally_.report(status);
+  return status;
+}
+
+}  // namespace nocturne

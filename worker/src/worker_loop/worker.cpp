@@ -1,0 +1,55 @@
+#include "worker_loop/worker.h"
+
+#include <utility>
+
+#include "log/log.h"
+#include "queue/job_queue.h"
+#include "worker_loop/heartbeat.h"
+#include "worker_loop/worker_thread.h"
+
+namespace nocturne {
+
+Worker::Worker(WorkerOptions options, TraceJob trace)
+    : options_(std::move(options)),
+      trace_(std::move(trace)),
+      tally_(options_.threads),
+      running_(options_.threads) {
+  heartbeat_ =
+      std::jthread([this](std::stop_token stop) { Heartbeat(options_, held_, tally_).run(stop); });
+  for (unsigned index = 0; index < options_.threads; ++index) {
+    threads_.emplace_back([this, index](std::stop_token stop) { run_thread(index, stop); });
+  }
+}
+
+Worker::~Worker() {
+  for (std::jthread& thread : threads_) thread.request_stop();
+}
+
+void Worker::run_thread(unsigned index, std::stop_token stop) {
+  WorkerThread(options_, index, trace_, held_, tally_).run(stop);
+  {
+    const std::lock_guard lock(mutex_);
+    --running_;
+  }
+  thread_ended_.notify_all();
+}
+
+bool Worker::stop(std::chrono::milliseconds grace) {
+  for (std::jthread& thread : threads_) thread.request_stop();
+  std::unique_lock lock(mutex_);
+  return thread_ended_.wait_for(lock, grace, [this] { return running_ == 0; });
+}
+
+void Worker::hand_back() {
+  heartbeat_.request_stop();
+  heartbeat_.join();
+  try {
+    JobQueue queue(options_.redis, options_.id, options_.lease);
+    queue.hand_back(held_.list());
+  } catch (const std::exception& error) {
+    // The jobs' leases run out.
+    log_line(LogLevel::kWarning, std::string("jobs not handed back: ") + error.what());
+  }
+}
+
+}  // namespace nocturne

@@ -1,0 +1,33 @@
+// What a worker needs to know.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <stdexcept>
+#include <string>
+
+#include "nocturne/v1/job.pb.h"
+#include "queue/redis_address.h"
+
+namespace nocturne {
+
+/// This worker can't do the job now, another might: the job goes back instead of failing.
+class HandBack : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Does a job that check_job() accepts; called by several threads at once. Throws HandBack, or
+/// anything else with the reason why the job can't be done.
+using TraceJob = std::function<v1::Partial(const v1::Job& job)>;
+
+struct WorkerOptions {
+  RedisAddress redis;
+  /// Unique among the workers of one Redis.
+  std::string id;
+  unsigned threads = 1;
+  /// A job that was not extended for so long is somebody else's; it is extended every third of it.
+  std::chrono::milliseconds lease{10000};
+};
+
+}  // namespace nocturne
