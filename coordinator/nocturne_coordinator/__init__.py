@@ -1,0 +1,1 @@
+"""Compiles scenes, cuts renders into jobs, merges partial results, keeps the data folder (the truth)."""

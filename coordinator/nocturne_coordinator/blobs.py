@@ -1,0 +1,105 @@
+"""Content-addressed files: immutable, named by the SHA-256 of what they hold."""
+
+import hashlib
+import os
+import re
+import tempfile
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+from .errors import InputError, NotFound
+from .limits import MAXIMUM_ASSET_BYTES
+
+_SHA256 = re.compile(r"[0-9a-f]{64}")
+
+
+class BlobWriter:
+    """Takes the bytes of one blob; refuses more than were declared."""
+
+    def __init__(self, file: BinaryIO, size_bytes: int) -> None:
+        self._file = file
+        self._declared = size_bytes
+        self._digest = hashlib.sha256()
+        self._written = 0
+
+    def write(self, data: bytes) -> None:
+        """Appends bytes; InputError at once when there are more than declared."""
+        self._written += len(data)
+        if self._written > self._declared:
+            raise InputError.at("asset", f"is longer than the declared {self._declared} bytes")
+        self._digest.update(data)
+        self._file.write(data)
+
+    def verify(self, sha256: str) -> None:
+        """InputError unless exactly the declared bytes with this digest were written."""
+        if self._written != self._declared:
+            raise InputError.at("asset", f"has {self._written} bytes; {self._declared} were declared")
+        if self._digest.hexdigest() != sha256:
+            raise InputError.at("asset", f"has SHA-256 {self._digest.hexdigest()}; {sha256} was declared")
+
+
+class BlobStore:
+    """A folder of blobs: `root/ab/abcdef...`, lower-case hexadecimal. Safe for many processes at once."""
+
+    def __init__(self, root: Path) -> None:
+        self._root = root
+        self._incoming = root / "incoming"
+        self._incoming.mkdir(parents=True, exist_ok=True)
+
+    def path(self, sha256: str) -> Path:
+        """The file of a blob; NotFound if it isn't here, InputError if this is no digest."""
+        place = self._place(sha256)
+        if not place.is_file():
+            raise NotFound(f"there is no asset sha256:{sha256}; upload it first")
+        return place
+
+    def has(self, sha256: str) -> bool:
+        """Whether the blob is here; InputError if this is no digest."""
+        return self._place(sha256).is_file()
+
+    def missing(self, sha256s: Iterable[str]) -> list[str]:
+        """Those of the digests whose blobs are not here, in the order given, each once."""
+        return [sha256 for sha256 in dict.fromkeys(sha256s) if not self.has(sha256)]
+
+    def size(self, sha256: str) -> int:
+        """Bytes; NotFound if it isn't here."""
+        return self.path(sha256).stat().st_size
+
+    @contextmanager
+    def writer(self, sha256: str, size_bytes: int) -> Iterator[BlobWriter]:
+        """Write a blob's bytes inside `with`; at its end it is verified, durable and visible, or gone.
+
+        Raises InputError where size or digest differ from what was declared, or the size is over the limit.
+        """
+        place = self._place(sha256)
+        if not 0 <= size_bytes <= MAXIMUM_ASSET_BYTES:
+            raise InputError.at("asset", f"has {size_bytes} bytes; expected 0 to {MAXIMUM_ASSET_BYTES}")
+        descriptor, name = tempfile.mkstemp(dir=self._incoming)
+        temporary = Path(name)
+        try:
+            with os.fdopen(descriptor, "wb") as file:
+                writer = BlobWriter(file, size_bytes)
+                yield writer
+                writer.verify(sha256)
+                file.flush()
+                os.fsync(file.fileno())
+            temporary.chmod(0o644)
+            place.parent.mkdir(exist_ok=True)
+            temporary.replace(place)
+        finally:
+            temporary.unlink(missing_ok=True)
+
+    def put(self, data: bytes) -> str:
+        """Stores bytes made here; gives their digest."""
+        sha256 = hashlib.sha256(data).hexdigest()
+        if not self.has(sha256):
+            with self.writer(sha256, len(data)) as writer:
+                writer.write(data)
+        return sha256
+
+    def _place(self, sha256: str) -> Path:
+        if not _SHA256.fullmatch(sha256):
+            raise InputError.at("sha256", "expected 64 lower-case hexadecimal digits")
+        return self._root / sha256[:2] / sha256

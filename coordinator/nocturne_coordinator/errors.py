@@ -1,0 +1,68 @@
+"""Every exception that this package raises on purpose.
+
+NocturneError
++-- InputError      what the user gave is wrong; each problem names its place
++-- NotFound        there is no such render or blob
++-- Conflict        a request id was used before with other content
++-- AlreadyOwned    another coordinator works on the data folder
++-- OwnershipLost   another coordinator took the data folder over; nothing may be committed any more
++-- UnusableFolder  the folder was written by another version
++-- UnusableQueue   Redis is set up in a way that loses messages
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+
+class NocturneError(Exception):
+    """Base of all errors raised on purpose; `str()` is fit to be shown to a user."""
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One thing wrong with an input: where (`$.surfaces[3].kernel`), and what, with the valid choices."""
+
+    place: str
+    message: str
+
+    def __str__(self) -> str:
+        return f"{self.place}: {self.message}" if self.place else self.message
+
+
+class InputError(NocturneError):
+    """The input can't be used; holds at least one problem."""
+
+    def __init__(self, problems: Iterable[Problem]) -> None:
+        self.problems: tuple[Problem, ...] = tuple(problems)
+        if not self.problems:
+            raise ValueError("an InputError needs at least one problem")
+        super().__init__("; ".join(str(problem) for problem in self.problems))
+
+    @classmethod
+    def at(cls, place: str, message: str) -> "InputError":
+        """An error of one problem."""
+        return cls([Problem(place, message)])
+
+
+class NotFound(NocturneError):
+    """There is no such render or blob."""
+
+
+class Conflict(NocturneError):
+    """The request id was used before, with other content."""
+
+
+class AlreadyOwned(NocturneError):
+    """Another coordinator works on the data folder."""
+
+
+class OwnershipLost(NocturneError):
+    """Another coordinator took the data folder over; this one must stop without committing."""
+
+
+class UnusableFolder(NocturneError):
+    """The data folder was written by another version of the program."""
+
+
+class UnusableQueue(NocturneError):
+    """Redis is set up in a way that loses messages."""

@@ -1,0 +1,73 @@
+"""Every bound on what is accepted and kept, each with its reason."""
+
+# --- what a render may ask for ---
+
+MAXIMUM_FILM_EDGE = 16384
+"""Pixels. An 8K wall display is 7680; the tile index and EXR tools stay comfortable."""
+
+MAXIMUM_FILM_PIXELS = 2**26
+"""The coordinator holds 32 bytes of sums per pixel in memory while a render runs: 2 GiB here."""
+
+MAXIMUM_SAMPLES = 2**31
+"""Per pixel: the sampler's index is 32 bits, and nothing on paper needs more."""
+
+MAXIMUM_RANGES = 2**31
+"""Tiles x ranges of a plan: counts of ranges travel as uint32."""
+
+MAXIMUM_REQUEST_ID = 128
+"""Characters: room for a UUID and a prefix."""
+
+MAXIMUM_NAME = 200
+"""Characters: a title, not a text."""
+
+MAXIMUM_REASON = 1000
+"""Characters kept of a failure's reason; workers write it, so it is cut."""
+
+MAXIMUM_PAGE = 200
+DEFAULT_PAGE = 50
+"""Renders in one answer: a page stays below 200 KiB."""
+
+# --- what a scene may hold ---
+
+MAXIMUM_SCENE_BYTES = 8 * 2**20
+"""A scene document; large meshes are assets, never inline."""
+
+MAXIMUM_SCENE_NESTING = 64
+"""Levels of JSON: the schema needs fewer than 10, and recursion stays far from the stack's end."""
+
+MAXIMUM_VERTICES = 200_000_000
+MAXIMUM_TRIANGLES = 200_000_000
+"""Of one mesh: indices are 32 bits, and Embree's tree of it fills some 20 GiB."""
+
+MAXIMUM_ASSET_BYTES = 4 * 2**30
+"""One blob: 200 million triangles of 12 bytes of indices fit."""
+
+# --- what the coordinator keeps in hand ---
+
+MAXIMUM_RUNNING = 8
+"""Renders that share the workers; later ones wait as QUEUED."""
+
+MAXIMUM_RUNNING_PIXELS = 2**26
+"""Pixels of all running renders together, unless one alone has more: bounds memory to 2 GiB of sums."""
+
+MINIMUM_WINDOW = 16
+JOBS_PER_THREAD = 4
+"""Jobs in flight: enough that no thread waits for the coordinator, never the whole night."""
+
+MAXIMUM_WINDOW = 40_000
+"""10,000 threads' worth: 1.3 GiB of waiting partials at the very worst."""
+
+RANGES_AHEAD = 4
+"""Ranges of one tile that may be in flight or wait for an earlier one; bounds what a slow worker holds up."""
+
+MAXIMUM_ATTEMPTS = 3
+"""Failures reported for one range before its render fails: the third says it isn't the worker's fault."""
+
+MAXIMUM_REFUSALS = 20
+"""Impossible results for one range before its render fails: a broken tracer must not run for ever."""
+
+MAXIMUM_RAYS_PER_PHOTON = 2**20
+"""No path is longer; keeps a wrong count from overflowing the sums of counts."""
+
+WORKER_SECONDS = 10.0
+"""A worker that was not heard of for so long is not listed."""

@@ -1,0 +1,100 @@
+"""`nocturne-coordinator --data DIR --redis URL`: the coordinator as a process."""
+
+import argparse
+import logging
+import signal
+import sys
+import threading
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from .coordinator import COMMIT_SECONDS, Coordinator
+from .data_folder import DataFolder
+from .errors import AlreadyOwned, NocturneError, OwnershipLost
+from .job_queue import JobQueue, QueueError
+from .store.ledger import Ledger
+from .store.ownership import Ownership
+
+EXIT_UNUSABLE = 2
+EXIT_ALREADY_OWNED = 3
+EXIT_OWNERSHIP_LOST = 4
+
+_log = logging.getLogger("nocturne_coordinator")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs until SIGTERM or SIGINT; gives the exit code."""
+    options = _parser().parse_args(arguments)
+    logging.basicConfig(
+        level=options.log_level.upper(),
+        stream=sys.stderr,
+        format="%(asctime)s %(levelname)s coordinator %(message)s",
+    )
+    stop = threading.Event()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: stop.set())
+    try:
+        _run(options.data, options.redis, options.commit_seconds, stop)
+    except AlreadyOwned as error:
+        _log.error("%s", error)
+        return EXIT_ALREADY_OWNED
+    except OwnershipLost as error:
+        _log.error("%s", error)
+        return EXIT_OWNERSHIP_LOST
+    except (NocturneError, ValueError) as error:
+        _log.error("%s", error)
+        return EXIT_UNUSABLE
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="nocturne-coordinator",
+        description="Cuts renders into jobs, merges their results, keeps the data folder.",
+        epilog=f"Exit code {EXIT_ALREADY_OWNED}: the data folder has a coordinator already.",
+    )
+    parser.add_argument("--data", type=Path, required=True, help="data folder; made if it isn't there")
+    parser.add_argument("--redis", required=True, help="redis://host:port or unix:///path/to/socket")
+    parser.add_argument(
+        "--commit-seconds",
+        type=float,
+        default=COMMIT_SECONDS,
+        help="time between commits: what a crash may cost (default %(default)s)",
+    )
+    parser.add_argument("--log-level", default="info", choices=["debug", "info", "warning", "error"])
+    return parser
+
+
+def _run(data: Path, redis_url: str, commit_seconds: float, stop: threading.Event) -> None:
+    folder = DataFolder(data)
+    ownership = Ownership(data, folder.database)
+    queue = JobQueue(redis_url)
+    try:
+        _check_queue(queue, stop)
+        _log.info("works on %s, epoch %d, process started %.0f", data, ownership.epoch, time.time())
+        Coordinator(folder, Ledger(folder.database, ownership), queue, commit_seconds).run(stop)
+    finally:
+        queue.close()
+        ownership.release()
+        folder.close()
+
+
+def _check_queue(queue: JobQueue, stop: threading.Event) -> None:
+    """Waits for Redis and checks how it is set up; a Redis that will not tell is taken as it is."""
+    wait = 0.1
+    while not stop.is_set():
+        try:
+            queue.check_settings()
+        except QueueError as trouble:
+            if "NoPermission" in str(trouble):
+                return
+            _log.warning("waits for Redis: %s", trouble)
+            stop.wait(wait)
+            wait = min(2 * wait, 2.0)
+        else:
+            return
+
+
+if __name__ == "__main__":
+    sys.exit(main())

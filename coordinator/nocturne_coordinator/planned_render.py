@@ -1,0 +1,94 @@
+"""A render as the coordinator plans it, and the check that a result belongs to it. Pure."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from nocturne.v1 import job_pb2
+
+from .limits import MAXIMUM_RAYS_PER_PHOTON
+from .merge import Sums
+from .plan import RangeList, SampleRange, TileGrid
+
+_BEYOND_PHYSICS = 1e150
+"""No sum in cd/m2 comes near; squares of what is below are finite."""
+
+
+class RefusedResult(Exception):
+    """A result must not touch an accumulator; says why."""
+
+
+@dataclass(frozen=True)
+class PlannedRender:
+    """What every job of a render has in common."""
+
+    id: str
+    plan: job_pb2.RenderPlan
+    scene: bytes
+    """SHA-256 of the compiled scene, 32 bytes."""
+    engine: "job_pb2.Engine.ValueType"
+
+    @cached_property
+    def grid(self) -> TileGrid:
+        return TileGrid.of(self.plan)
+
+    @cached_property
+    def ranges(self) -> RangeList:
+        return RangeList(self.plan)
+
+    def job(self, tile_index: int, planned: SampleRange) -> job_pb2.Job:
+        return job_pb2.Job(
+            render_id=self.id,
+            tile_index=tile_index,
+            tile=self.grid.tile(tile_index),
+            first_sample=planned.first,
+            end_sample=planned.end,
+            scene=self.scene,
+            film_width=self.plan.width,
+            film_height=self.plan.height,
+            engine=self.engine,
+        )
+
+    def find(self, job: job_pb2.Job) -> SampleRange:
+        """The range that the job is for; RefusedResult unless it is, in every field, a job of this render."""
+        planned = self.ranges.find(job.first_sample, job.end_sample)
+        if planned is None:
+            raise RefusedResult(f"samples [{job.first_sample}, {job.end_sample}) are not a planned range")
+        if job.tile_index >= self.grid.count:
+            raise RefusedResult(f"tile {job.tile_index} of {self.grid.count}")
+        if job != self.job(job.tile_index, planned):
+            raise RefusedResult("tile, scene, film or engine differ from the plan")
+        return planned
+
+
+def check_partial(partial: job_pb2.Partial, job: job_pb2.Job) -> Sums:
+    """The sums of a partial result of a job, shape (height, width, 4); RefusedResult if they can't be."""
+    pixels = job.tile.width * job.tile.height
+    samples = job.end_sample - job.first_sample
+    _check_counts(partial, pixels * samples)
+    if len(partial.sums) != pixels * 4 * 8:
+        raise RefusedResult(f"sums of {len(partial.sums)} bytes; expected {pixels * 4 * 8}")
+    sums = np.frombuffer(partial.sums, dtype="<f8").reshape(job.tile.height, job.tile.width, 4)
+    # With a NaN inside, minimum and maximum are NaN, and compare false.
+    if not (sums.min() >= 0.0 and sums.max() < _BEYOND_PHYSICS):
+        raise RefusedResult("sums that are negative, not finite or beyond all physics")
+    _check_squares(sums[..., 1], sums[..., 3], samples)
+    return sums
+
+
+def _check_counts(partial: job_pb2.Partial, photons: int) -> None:
+    if partial.photons != photons:
+        raise RefusedResult(f"{partial.photons} photons; expected {photons}")
+    if partial.rejected > photons:
+        raise RefusedResult(f"{partial.rejected} rejected of {photons} photons")
+    if partial.rays > photons * MAXIMUM_RAYS_PER_PHOTON:
+        raise RefusedResult(f"{partial.rays} rays for {photons} photons")
+    if not 0.0 <= partial.cpu_seconds < np.inf:
+        raise RefusedResult(f"{partial.cpu_seconds} processor seconds")
+
+
+def _check_squares(y: Sums, y_squared: Sums, samples: int) -> None:
+    """No n numbers have a sum whose square is above n times the sum of their squares (Cauchy-Schwarz)."""
+    # The slack is for rounding, and for squares that are too small for a float64.
+    if not (y * y <= y_squared * (samples * (1 + 1e-9)) + 1e-300).all():
+        raise RefusedResult("sums of Y and of Y squared that no samples have")

@@ -1,0 +1,164 @@
+"""Shapes as written in a scene document, and how they are placed."""
+
+import re
+from pathlib import PurePosixPath
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, Tag, model_validator
+
+from nocturne_coordinator.scene import bounds
+from nocturne_coordinator.scene.fields import (
+    MESH_FORMATS,
+    AssetReference,
+    Finite,
+    MeshFormat,
+    PositiveLength,
+    Triangle,
+    Vector,
+)
+from nocturne_coordinator.scene.node import Node, chosen_by_type, problem_at, quoted_list
+
+DIGEST_PREFIX = "sha256:"
+_DIGEST = re.compile(r"sha256:[0-9a-f]{64}")
+
+# Sine of the smallest angle that still spans an area in float32 (24 bits of mantissa).
+_SMALLEST_SINE = 1e-6
+
+
+def length(vector: tuple[float, float, float]) -> float:
+    """Euclidean length."""
+    return float(np.linalg.norm(vector))
+
+
+def parallel(a: tuple[float, float, float], b: tuple[float, float, float]) -> bool:
+    """Whether two directions span no area, also when one of them is zero."""
+    return length(tuple(np.cross(a, b))) <= _SMALLEST_SINE * length(a) * length(b)
+
+
+class InlineMesh(Node):
+    """Triangles written in the document itself; for more than a few thousand, use a file."""
+
+    type: Literal["mesh"]
+    vertices: Annotated[list[Vector], Field(min_length=3, fail_fast=True)] = Field(
+        description="Positions `[x, y, z]`."
+    )
+    triangles: Annotated[list[Triangle], Field(min_length=1, fail_fast=True)] = Field(
+        description="Triples of indices into `vertices`, from 0. Counter-clockwise seen from the "
+        "side that the normal points to."
+    )
+
+    @model_validator(mode="after")
+    def _indices_in_range(self) -> Self:
+        count = len(self.vertices)
+        for number, triangle in enumerate(self.triangles):
+            for corner, index in enumerate(triangle):
+                if index >= count:
+                    raise problem_at(
+                        f".triangles[{number}][{corner}]",
+                        f"vertex {index} does not exist; there are {count} vertices, counted from 0",
+                    )
+        return self
+
+
+class AssetMesh(Node):
+    """Triangles from a file: Wavefront OBJ, PLY, STL, glTF 2.0 or GLB. Only its geometry is used.
+
+    A file holds everything itself: material libraries are ignored, and a glTF file with buffers in other
+    files is refused (GLB and embedded buffers are fine). Polygons are split into triangles, all parts are
+    merged.
+    """
+
+    type: Literal["mesh"]
+    asset: AssetReference = Field(
+        description="`sha256:` and 64 hexadecimal digits of an uploaded file. The command line also "
+        "takes a path relative to the "
+        "document; it uploads the file and puts the digest here."
+    )
+    format: MeshFormat | None = Field(
+        default=None,
+        description="Format of the file. Needed with a digest; with a path the default is the extension.",
+    )
+
+    @model_validator(mode="after")
+    def _format_is_known(self) -> Self:
+        if self.asset.startswith(DIGEST_PREFIX) and not _DIGEST.fullmatch(self.asset):
+            raise problem_at(".asset", f'expected "{DIGEST_PREFIX}" and 64 lower-case hexadecimal digits')
+        self.resolved_format()
+        return self
+
+    def resolved_format(self) -> MeshFormat:
+        """The format as given, else by the extension of the path."""
+        if self.format is not None:
+            return self.format
+        extension = PurePosixPath(self.asset).suffix.lower().removeprefix(".")
+        if extension in MESH_FORMATS:
+            return MESH_FORMATS[extension]
+        raise problem_at(
+            ".format",
+            f"missing, and the asset's name does not tell; expected one of {quoted_list(list(MESH_FORMATS))}",
+        )
+
+
+class Quad(Node):
+    """The parallelogram `corner + s edge_u + t edge_v` for s and t in [0, 1].
+
+    Its normal points along `edge_u` x `edge_v`.
+    """
+
+    type: Literal["quad"]
+    corner: Vector = Field(description="A corner.")
+    edge_u: Vector = Field(description="From the corner along one side.")
+    edge_v: Vector = Field(description="From the corner along the other side.")
+
+    @model_validator(mode="after")
+    def _has_area(self) -> Self:
+        for name in ("edge_u", "edge_v"):
+            if length(getattr(self, name)) < bounds.SMALLEST_LENGTH:
+                raise problem_at(f".{name}", "the edge has no length")
+        if parallel(self.edge_u, self.edge_v):
+            raise problem_at(".edge_v", "the quad has no area: edge_v is parallel to edge_u")
+        return self
+
+
+class Sphere(Node):
+    """A sphere. Its normal points outwards."""
+
+    type: Literal["sphere"]
+    centre: Vector = Field(description="Centre.")
+    radius: PositiveLength = Field(description="Radius, more than 0.")
+
+
+class Rotation(Node):
+    """A rotation about an axis through the origin, counter-clockwise seen against the axis (right-handed)."""
+
+    axis: Vector = Field(description="Direction of the axis, of any length but 0.")
+    degrees: Annotated[Finite, Field(ge=-36_000, le=36_000)] = Field(description="Angle, degrees.")
+
+    @model_validator(mode="after")
+    def _has_axis(self) -> Self:
+        if length(self.axis) < bounds.SMALLEST_LENGTH:
+            raise problem_at(".axis", "the axis has no length")
+        return self
+
+
+Shape = InlineMesh | AssetMesh | Quad | Sphere
+_TAGS = {"mesh": "<mesh>", "quad": "<quad>", "sphere": "<sphere>"}
+
+
+def _shape_tag(value: Any) -> str | None:
+    """A mesh is one of two kinds: with "asset" it is a file, without it is inline."""
+    tag = _TAGS.get(str(value.get("type") if isinstance(value, dict) else getattr(value, "type", None)))
+    has_asset = "asset" in value if isinstance(value, dict) else isinstance(value, AssetMesh)
+    return "<file mesh>" if tag == "<mesh>" and has_asset else tag
+
+
+_check, _choice = chosen_by_type(_TAGS, tag=_shape_tag)
+ShapeDefinition = Annotated[
+    Annotated[InlineMesh, Tag("<mesh>")]
+    | Annotated[AssetMesh, Tag("<file mesh>")]
+    | Annotated[Quad, Tag("<quad>")]
+    | Annotated[Sphere, Tag("<sphere>")],
+    _choice,
+    _check,
+]

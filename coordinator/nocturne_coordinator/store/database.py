@@ -1,0 +1,161 @@
+"""The SQLite file of a data folder: schema, connection, transactions. For many processes and threads."""
+
+import sqlite3
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from nocturne_coordinator.errors import UnusableFolder
+
+SCHEMA_NUMBER = 1
+
+# A tile is 32 KiB: with pages of 16 KiB it is two or three of them, not nine.
+_PAGE_BYTES = 16384
+_BUSY_MILLISECONDS = 30_000
+
+_SCHEMA = """
+CREATE TABLE render (
+    number INTEGER PRIMARY KEY AUTOINCREMENT,
+    id TEXT NOT NULL UNIQUE,
+    request_id TEXT NOT NULL UNIQUE,
+    request_digest TEXT NOT NULL,
+    name TEXT NOT NULL,
+    state TEXT NOT NULL CHECK (state IN ('QUEUED', 'RUNNING', 'SUCCEEDED', 'FAILED', 'CANCELLED')),
+    reason TEXT NOT NULL DEFAULT '',
+    width INTEGER NOT NULL,
+    height INTEGER NOT NULL,
+    samples INTEGER NOT NULL,
+    scene_sha256 TEXT NOT NULL,
+    engine INTEGER NOT NULL,
+    sequence INTEGER NOT NULL DEFAULT 1,
+    created REAL NOT NULL,
+    started REAL NOT NULL DEFAULT 0,
+    ended REAL NOT NULL DEFAULT 0,
+    ranges_done INTEGER NOT NULL DEFAULT 0,
+    ranges_planned INTEGER NOT NULL,
+    photons INTEGER NOT NULL DEFAULT 0,
+    rays INTEGER NOT NULL DEFAULT 0,
+    rejected INTEGER NOT NULL DEFAULT 0,
+    relative_error REAL NOT NULL DEFAULT 0,
+    photons_per_second REAL NOT NULL DEFAULT 0,
+    cpu_seconds REAL NOT NULL DEFAULT 0,
+    image_final INTEGER NOT NULL DEFAULT 0 CHECK (image_final IN (0, 1)),
+    plan BLOB NOT NULL,
+    scene_document TEXT NOT NULL
+) STRICT;
+CREATE INDEX render_open ON render (state) WHERE state IN ('QUEUED', 'RUNNING') OR image_final = 0;
+
+-- Sums of X, Y, Z, Y squared per pixel over samples [0, samples), float64 little endian, row by row.
+CREATE TABLE tile (
+    render_id TEXT NOT NULL REFERENCES render (id) ON DELETE CASCADE,
+    tile_index INTEGER NOT NULL,
+    samples INTEGER NOT NULL,
+    sums BLOB NOT NULL,
+    PRIMARY KEY (render_id, tile_index)
+) STRICT;
+
+CREATE TABLE error_point (
+    render_id TEXT NOT NULL REFERENCES render (id) ON DELETE CASCADE,
+    unix_time REAL NOT NULL,
+    photons INTEGER NOT NULL,
+    samples REAL NOT NULL,
+    relative_error REAL NOT NULL
+) STRICT;
+CREATE INDEX error_point_of_render ON error_point (render_id, unix_time);
+
+CREATE TABLE worker (
+    id TEXT PRIMARY KEY,
+    engine INTEGER NOT NULL,
+    threads INTEGER NOT NULL,
+    photons INTEGER NOT NULL,
+    rays INTEGER NOT NULL,
+    photons_per_second REAL NOT NULL,
+    jobs_done INTEGER NOT NULL,
+    started REAL NOT NULL,
+    seen REAL NOT NULL
+) STRICT;
+
+-- Increased by every coordinator that takes the folder; each commit checks that it is still its own.
+CREATE TABLE ownership (
+    only_row INTEGER PRIMARY KEY CHECK (only_row = 1),
+    epoch INTEGER NOT NULL
+) STRICT;
+INSERT INTO ownership VALUES (1, 0);
+"""
+
+
+class Database:
+    """One connection, shared by the threads of a process under a lock."""
+
+    def __init__(self, path: Path) -> None:
+        """Opens or creates the file; UnusableFolder if another version wrote it."""
+        self._lock = threading.RLock()
+        self._connection = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
+        self._connection.row_factory = sqlite3.Row
+        # First of all: the statements after it may meet another process that creates the file just now.
+        self._connection.execute(f"PRAGMA busy_timeout = {_BUSY_MILLISECONDS}")
+        self._connection.execute(f"PRAGMA page_size = {_PAGE_BYTES}")
+        self._connection.execute("PRAGMA journal_mode = WAL")
+        # A commit lost with the machine's power is only work to be done again; no promise hangs on it.
+        self._connection.execute("PRAGMA synchronous = NORMAL")
+        self._connection.execute("PRAGMA foreign_keys = ON")
+        self._create_or_check(path)
+
+    def _create_or_check(self, path: Path) -> None:
+        with self.transaction():
+            number = self._connection.execute("PRAGMA user_version").fetchone()[0]
+            if number == 0:
+                for statement in _SCHEMA.split(";\n"):
+                    self._connection.execute(statement)
+                self._connection.execute(f"PRAGMA user_version = {SCHEMA_NUMBER}")
+            elif number != SCHEMA_NUMBER:
+                raise UnusableFolder(
+                    f"{path} has schema {number}, this program writes schema {SCHEMA_NUMBER}; "
+                    "use the program that made it, or another folder"
+                )
+
+    @contextmanager
+    def transaction(self) -> Iterator[None]:
+        """Everything executed inside happens, or nothing does; other processes can't write meanwhile."""
+        with self._lock:
+            self._connection.execute("BEGIN IMMEDIATE")
+            try:
+                yield
+                self._connection.execute("COMMIT")
+            except BaseException:
+                # A full disk may have rolled it back already.
+                if self._connection.in_transaction:
+                    self._connection.execute("ROLLBACK")
+                raise
+
+    def execute(self, statement: str, values: tuple[Any, ...] | dict[str, Any] = ()) -> int:
+        """Executes one statement; gives the number of rows it changed."""
+        with self._lock:
+            return self._connection.execute(statement, values).rowcount
+
+    def execute_many(self, statement: str, rows: list[tuple[Any, ...]]) -> None:
+        """Executes one statement for each row of values."""
+        with self._lock:
+            self._connection.executemany(statement, rows)
+
+    def rows(self, query: str, values: tuple[Any, ...] = ()) -> list[sqlite3.Row]:
+        with self._lock:
+            return self._connection.execute(query, values).fetchall()
+
+    def row(self, query: str, values: tuple[Any, ...] = ()) -> sqlite3.Row | None:
+        """The first row, if there is any."""
+        with self._lock:
+            row: sqlite3.Row | None = self._connection.execute(query, values).fetchone()
+            return row
+
+    def change_counter(self) -> int:
+        """Grows whenever any connection of any process commits a change. Microseconds."""
+        with self._lock:
+            by_others: int = self._connection.execute("PRAGMA data_version").fetchone()[0]
+            return by_others + self._connection.total_changes
+
+    def close(self) -> None:
+        with self._lock:
+            self._connection.close()

@@ -1,0 +1,162 @@
+"""The coordinator's side of the queue: keeps the window full, notices when Redis forgot, tries again."""
+
+import logging
+import secrets
+
+from google.protobuf.message import DecodeError
+from nocturne.v1 import job_pb2
+
+from . import limits
+from .crash_points import crash_point
+from .job_queue import FIRST, Entry, JobQueue, QueueError
+from .planned_render import RefusedResult
+from .running_render import RunningRender
+from .schedule import JobKey, Schedule
+from .store.rows import WorkerRow
+from .worker_status import worker_row
+
+_log = logging.getLogger(__name__)
+
+_ATTEND_SECONDS = 1.0
+_OVERDUE_SECONDS = 5.0
+_SHORTEST_WAIT = 0.1
+_LONGEST_WAIT = 2.0
+_LARGEST_PUBLISH = 500
+"""Jobs published before results are read again."""
+
+
+class Traffic:
+    """Talks to Redis for the coordinator. No method raises for trouble with Redis: it is only waited out."""
+
+    def __init__(self, queue: JobQueue, renders: dict[str, RunningRender], schedule: Schedule) -> None:
+        """Shares renders and schedule with the coordinator."""
+        self._queue = queue
+        self._renders = renders
+        self._schedule = schedule
+        self._session = secrets.token_hex(16).encode()
+        self._last_result = FIRST
+        self._results_done: list[bytes] = []
+        self._jobs_done: list[bytes] = []
+        self._in_step = False
+        self._wait = _SHORTEST_WAIT
+        self._next_attempt = 0.0
+        self._next_attend = 0.0
+        self._next_overdue = 0.0
+        self.threads = 0
+        self.workers: list[WorkerRow] = []
+
+    def acknowledge(self, results: list[bytes]) -> None:
+        """Results to delete: what they brought is committed, or is of no use."""
+        self._results_done.extend(results)
+
+    def withdraw(self, jobs: list[bytes]) -> None:
+        """Jobs to take off the stream."""
+        self._jobs_done.extend(jobs)
+
+    def exchange(self, now: float, unix_time: float, publish: bool, wait_ms: int) -> list[Entry] | None:
+        """One round: tidy up, fill the window, read results. None while Redis can't be talked to."""
+        if now < self._next_attempt:
+            return None
+        try:
+            if now >= self._next_attend or not self._in_step:
+                self._attend(now, unix_time)
+            self._delete()
+            if publish:
+                self._fill(now)
+            entries = self._queue.results(self._last_result, wait_ms)
+        except QueueError as trouble:
+            self._lost_touch(now, trouble)
+            return None
+        self._wait = _SHORTEST_WAIT
+        if entries:
+            self._last_result = entries[-1][0]
+        return entries
+
+    def _lost_touch(self, now: float, trouble: QueueError) -> None:
+        if self._in_step or self._wait == _SHORTEST_WAIT:
+            _log.warning("Redis: %s; trying again", trouble)
+        self._in_step = False
+        self._next_attempt = now + self._wait
+        self._wait = min(2 * self._wait, _LONGEST_WAIT)
+
+    def _attend(self, now: float, unix_time: float) -> None:
+        ours = self._queue.attend(self._session)
+        if not ours:
+            self._schedule.lost()
+            self._last_result = FIRST
+            self._results_done.clear()
+            self._jobs_done.clear()
+        if not ours or not self._in_step:
+            adopted = self._adopt(now)
+            _log.info("Redis: in step; %d jobs found on the stream", adopted)
+        self._in_step = True
+        self._look_at_workers(unix_time)
+        self._next_attend = now + _ATTEND_SECONDS
+        if self.threads and now >= self._next_overdue:
+            self._return_overdue(now)
+
+    def _adopt(self, now: float) -> int:
+        """Makes use of jobs that an earlier run, or a call whose answer was lost, left on the stream."""
+        found = 0
+        for entry, data in self._queue.jobs():
+            key = self._key_of(data)
+            if key is not None and self._schedule.wants(key):
+                self._schedule.published(key, entry, now)
+                found += 1
+            elif key is None or self._schedule.entry_of(key) != entry:
+                self._jobs_done.append(entry)
+        return found
+
+    def _key_of(self, data: bytes) -> JobKey | None:
+        try:
+            job = job_pb2.Job.FromString(data)
+            render = self._renders.get(job.render_id)
+            planned = render.planned.find(job) if render else None
+        except (DecodeError, RefusedResult):
+            return None
+        return JobKey(job.render_id, job.tile_index, planned.index) if planned else None
+
+    def _look_at_workers(self, unix_time: float) -> None:
+        rows = (worker_row(status, unix_time) for status in self._queue.workers())
+        self.workers = [row for row in rows if row is not None]
+        self.threads = sum(worker.threads for worker in self.workers)
+
+    def _return_overdue(self, now: float) -> None:
+        self._next_overdue = now + _OVERDUE_SECONDS
+        for key in self._schedule.overdue(now):
+            _log.warning("render=%s %s is overdue; published again", key.render_id, key[1:])
+            entry = self._schedule.returned(key)
+            if entry is not None:
+                self._jobs_done.append(entry)
+
+    def _delete(self) -> None:
+        if self._results_done:
+            self._queue.delete_results(self._results_done)
+            self._results_done.clear()
+            crash_point("after-acknowledge")
+        if self._jobs_done:
+            self._queue.delete_jobs(self._jobs_done)
+            self._jobs_done.clear()
+
+    def _fill(self, now: float) -> None:
+        """Publishes until the window is full."""
+        keys = self._schedule.take(min(self._window() - self._schedule.in_flight, _LARGEST_PUBLISH))
+        if not keys:
+            return
+        try:
+            entries = self._queue.publish([self._job_bytes(key) for key in keys])
+        except QueueError:
+            # Some may be on the stream; they are adopted when Redis answers again.
+            for key in keys:
+                self._schedule.returned(key)
+            raise
+        for key, entry in zip(keys, entries, strict=True):
+            self._schedule.published(key, entry, now)
+
+    def _window(self) -> int:
+        wanted = max(limits.MINIMUM_WINDOW, limits.JOBS_PER_THREAD * self.threads)
+        return min(wanted, limits.MAXIMUM_WINDOW)
+
+    def _job_bytes(self, key: JobKey) -> bytes:
+        planned = self._renders[key.render_id].planned
+        return planned.job(key.tile_index, planned.ranges[key.range_index]).SerializeToString()

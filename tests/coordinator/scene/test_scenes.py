@@ -1,0 +1,76 @@
+"""The scenes of the repository compile, and the Cornell box is the measured one."""
+
+import json
+import runpy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from nocturne_coordinator.blobs import BlobStore
+from nocturne_coordinator.scene import spectra
+from nocturne_coordinator.scene.document import parse_document
+
+from .conftest import Compile
+
+SCENES = Path(__file__).parents[3] / "scenes"
+
+
+def read(name: str) -> dict[str, Any]:
+    document: dict[str, Any] = json.loads((SCENES / name / "scene.json").read_text("utf-8"))
+    return document
+
+
+def test_the_cornell_box_is_compiled_in_metres(compiled: Compile, blobs: BlobStore) -> None:
+    scene = compiled(read("cornell"))
+    assert len(scene.surfaces) == 8
+    assert [surface.mesh.triangle_count for surface in scene.surfaces] == [2, 2, 4, 2, 2, 2, 12, 12]
+    assert (len(scene.kernels), len(scene.spectra)) == (4, 5)
+    luminaire = scene.surfaces[scene.luminaires[0].surface].mesh
+    vertices = np.frombuffer(blobs.path(luminaire.blob.hex()).read_bytes(), "<f4", 12).reshape(-1, 3)
+    assert np.ptp(vertices, axis=0) == pytest.approx([0.13, 0, 0.105], abs=1e-6)
+    first, second, third = vertices[:3]
+    assert np.cross(second - first, third - first)[1] < 0  # it shines down
+    assert scene.sensor.position.z == -0.8
+    assert scene.sensor.forward.z == 1
+    assert scene.sensor.vertical_field_of_view == pytest.approx(2 * np.arctan(12.5 / 35), rel=1e-5)
+
+
+def test_the_cornell_box_has_the_measured_spectra(compiled: Compile) -> None:
+    scene = compiled(read("cornell"))
+    emission = scene.spectra[scene.luminaires[0].radiance]
+    at = np.array([399.0, 400.0, 450.0, 500.0, 600.0, 700.0, 701.0])
+    assert spectra.evaluate(emission, at) == pytest.approx([0, 0, 4, 8, 15.6, 18.4, 0], rel=1e-6)
+    red = scene.spectra[scene.kernels[scene.surfaces[5].kernel].lambertian.reflectance]
+    assert (red.first_nm, red.step_nm, len(red.values)) == (400, 4, 76)
+    assert spectra.evaluate(red, np.array([600.0, 656.0, 800.0])) == pytest.approx([0.287, 0.65, 0.642])
+
+
+def test_the_bumpy_spheres_are_a_million_triangles_and_the_same_each_time(
+    compiled: Compile, blobs: BlobStore, tmp_path: Path
+) -> None:
+    script = runpy.run_path(str(SCENES / "bumpy_spheres" / "make_mesh.py"))
+    script["main"](tmp_path)
+    document = read("bumpy_spheres")
+    parse_document(json.dumps(document))  # as a person has it: with paths
+    for surface in document["surfaces"]:
+        if "asset" in surface["shape"]:
+            data = (tmp_path / surface["shape"]["asset"]).read_bytes()
+            surface["shape"] |= {"asset": f"sha256:{blobs.put(data)}", "format": "ply"}
+    scene = compiled(document)
+    assert sum(surface.mesh.triangle_count for surface in scene.surfaces) == 1_008_000
+    assert len(scene.luminaires) == 2
+    written = {path.name: path.read_bytes() for path in tmp_path.glob("*.ply")}
+    script["main"](tmp_path)
+    assert {path.name: path.read_bytes() for path in tmp_path.glob("*.ply")} == written
+
+
+def test_a_bumpy_sphere_is_closed_and_faces_outwards() -> None:
+    script = runpy.run_path(str(SCENES / "bumpy_spheres" / "make_mesh.py"))
+    indices, vertices = script["sphere_indices"](), script["sphere_vertices"](7)
+    edges = np.concatenate([indices[:, [0, 1]], indices[:, [1, 2]], indices[:, [2, 0]]])
+    assert len(np.unique(edges, axis=0)) == len(edges)
+    assert {tuple(edge) for edge in edges} == {tuple(edge[::-1]) for edge in edges}
+    a, b, c = vertices[indices].swapaxes(0, 1)
+    volume = np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+    assert volume == pytest.approx(4 / 3 * np.pi * 0.1**3, rel=0.3)

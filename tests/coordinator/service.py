@@ -1,0 +1,185 @@
+"""Starts and kills what the fault tests need, and knows what must come out."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+import redis
+from nocturne.v1 import job_pb2
+from nocturne_coordinator.data_folder import DataFolder, NewRender, RenderRow
+from nocturne_coordinator.images import mean_xyz, variance_of_mean
+from nocturne_coordinator.merge import Counts, Sums
+from nocturne_coordinator.plan import make_plan
+from nocturne_coordinator.planned_render import PlannedRender
+
+from tests.coordinator.simulated_worker import SimulatedWorker, simulated_sums
+
+SCENE = "5c" * 32
+
+
+def wait_until(true: Callable[[], bool], seconds: float = 15.0) -> None:
+    """Fails the test if it does not become true."""
+    deadline = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < deadline, "did not happen in time"
+        time.sleep(0.01)
+
+
+class RedisServer:
+    """redis-server without persistence, on a Unix socket."""
+
+    def __init__(self, folder: Path, *options: str) -> None:
+        self._socket = folder / "redis.sock"
+        self._options = options
+        self._process: subprocess.Popen[bytes] | None = None
+        self.url = f"unix://{self._socket}"
+
+    def start(self) -> None:
+        self._process = subprocess.Popen(
+            ["redis-server", "--port", "0", "--unixsocket", str(self._socket), "--save", "", *self._options],
+            stdout=subprocess.DEVNULL,
+        )
+        wait_until(self._answers)
+
+    def kill(self) -> None:
+        if self._process is not None:
+            self._process.kill()
+            self._process.wait()
+        self._socket.unlink(missing_ok=True)
+
+    def client(self) -> "redis.Redis":
+        return redis.Redis.from_url(self.url, protocol=2)
+
+    def _answers(self) -> bool:
+        client = self.client()
+        try:
+            return bool(client.ping())
+        except redis.RedisError:
+            return False
+        finally:
+            client.close()
+
+
+class Service:
+    """A data folder, a coordinator process that can be killed, simulated workers."""
+
+    def __init__(self, data: Path, server: RedisServer) -> None:
+        self.data = data
+        self.server = server
+        self.folder = DataFolder(data)
+        self._process: subprocess.Popen[bytes] | None = None
+        self._workers: list[SimulatedWorker] = []
+
+    def start(self, crash_at: str = "") -> "subprocess.Popen[bytes]":
+        self._process = subprocess.Popen(
+            [
+                *(sys.executable, "-m", "nocturne_coordinator.main"),
+                *("--data", self.data, "--redis", self.server.url, "--commit-seconds", "0.1"),
+            ],
+            env=os.environ | {"NOCTURNE_CRASH_AT": crash_at, "OMP_NUM_THREADS": "1"},
+        )
+        return self._process
+
+    def stop(self, number: int = signal.SIGTERM) -> int:
+        """Ends the coordinator; gives its exit code."""
+        assert self._process is not None
+        self._process.send_signal(number)
+        return self._process.wait(15)
+
+    def work(self, worker: SimulatedWorker) -> SimulatedWorker:
+        self._workers.append(worker)
+        worker.start()
+        return worker
+
+    def close(self) -> None:
+        for worker in self._workers:
+            worker.stop()
+        if self._process is not None and self._process.poll() is None:
+            self._process.kill()
+            self._process.wait()
+        self.folder.close()
+
+    def create(
+        self, width: int = 70, height: int = 40, samples: int = 50, request_id: str = "a"
+    ) -> RenderRow:
+        plan = make_plan(width, height, samples)
+        return self.folder.create_render(
+            NewRender(request_id, "a test", SCENE, "{}", width, height, samples, plan)
+        )
+
+    def row(self, render_id: str) -> RenderRow:
+        return self.folder.get_render(render_id)
+
+    def wait_for_end(self, render_id: str) -> RenderRow:
+        wait_until(lambda: self.row(render_id).image_final)
+        return self.row(render_id)
+
+
+def expected_film(folder: DataFolder, render_id: str, samples: dict[int, int]) -> tuple[Sums, Counts]:
+    """What tracing alone, tile by tile and range by range, gives; `samples` merged per tile."""
+    planned = PlannedRender(render_id, folder.plan(render_id), bytes.fromhex(SCENE), job_pb2.ENGINE_1)
+    film = np.zeros((planned.plan.height, planned.plan.width, 4))
+    counts = np.zeros(film.shape[:2], dtype=np.uint32)
+    for index, end in samples.items():
+        for position in range(planned.ranges.merged_at(end)):
+            job = planned.job(index, planned.ranges[position])
+            tile = job.tile
+            area = np.s_[tile.y : tile.y + tile.height, tile.x : tile.x + tile.width]
+            film[area] += simulated_sums(job)
+            counts[area] = job.end_sample
+    return film, counts
+
+
+def committed_samples(folder: DataFolder, render_id: str) -> dict[int, int]:
+    rows = folder.database.rows("SELECT tile_index, samples FROM tile WHERE render_id = ?", (render_id,))
+    return {row["tile_index"]: row["samples"] for row in rows}
+
+
+def check_committed(service: Service, row: RenderRow) -> None:
+    """Sums, counts, totals and the EXR are those of the committed samples, in every bit."""
+    samples = committed_samples(service.folder, row.id)
+    film, counts = expected_film(service.folder, row.id, samples)
+    planned = PlannedRender(row.id, service.folder.plan(row.id), bytes.fromhex(SCENE), job_pb2.ENGINE_1)
+    for tile_row in service.folder.database.rows("SELECT * FROM tile WHERE render_id = ?", (row.id,)):
+        tile = planned.grid.tile(tile_row["tile_index"])
+        area = np.s_[tile.y : tile.y + tile.height, tile.x : tile.x + tile.width]
+        assert tile_row["sums"] == film[area].astype("<f8").tobytes()
+    assert row.photons == int(counts.sum(dtype=np.uint64))
+    assert row.rays == 3 * row.photons
+    assert row.ranges_done == sum(planned.ranges.merged_at(end) for end in samples.values())
+    xyz, stderr, read_counts = read_exr(service.folder.image_path(row.id))
+    assert np.array_equal(xyz, mean_xyz(film, counts).astype(np.float32))
+    assert np.array_equal(stderr, np.sqrt(variance_of_mean(film, counts)).astype(np.float32))
+    assert np.array_equal(read_counts, counts)
+
+
+def check_complete(service: Service, render_id: str) -> None:
+    """The render succeeded, and is what it would be without any fault."""
+    row = service.wait_for_end(render_id)
+    assert row.state == "SUCCEEDED", row.reason
+    tiles = len(committed_samples(service.folder, render_id))
+    assert committed_samples(service.folder, render_id) == dict.fromkeys(range(tiles), row.samples)
+    assert row.ranges_done == row.ranges_planned
+    assert row.photons == row.width * row.height * row.samples
+    check_committed(service, row)
+    assert service.folder.preview_path(render_id).is_file()
+
+
+def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """XYZ, standard error, counts."""
+    image: Any = oiio.ImageInput.open(str(path))
+    names = image.spec().channelnames
+    assert sorted(names) == ["X", "Y", "Y.stderr", "Z", "n"]
+    channel = {
+        name: image.read_image(0, 0, index, index + 1, "uint" if name == "n" else "float")[..., 0]
+        for index, name in enumerate(names)
+    }
+    image.close()
+    return np.stack([channel[name] for name in "XYZ"], axis=-1), channel["Y.stderr"], channel["n"]

@@ -1,0 +1,123 @@
+"""A worker that does everything but trace: its sums are a fixed function of the job."""
+
+import hashlib
+import os
+import random
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import redis
+from nocturne.v1 import job_pb2
+from nocturne_coordinator import keys
+from nocturne_coordinator.merge import Sums
+
+Alter = Callable[[job_pb2.JobResult], list[job_pb2.JobResult | bytes]]
+"""What a worker sends instead of one result."""
+
+
+def simulated_sums(job: job_pb2.Job) -> Sums:
+    """Sums of the job's samples, shape (height, width, 4): possible ones, that do not add up exactly."""
+    place = f"{job.scene.hex()} {job.tile_index} {job.first_sample} {job.end_sample}"
+    seed = int.from_bytes(hashlib.sha256(place.encode()).digest()[:8], "little")
+    samples = job.end_sample - job.first_sample
+    sums = np.random.default_rng(seed).random((job.tile.height, job.tile.width, 4)) * samples
+    sums[..., 3] = sums[..., 1] ** 2 / samples * (1.5 + sums[..., 3] / samples)
+    return sums
+
+
+def simulated_result(job: job_pb2.Job, worker_id: str = "simulated") -> job_pb2.JobResult:
+    photons = job.tile.width * job.tile.height * (job.end_sample - job.first_sample)
+    return job_pb2.JobResult(
+        job=job,
+        worker_id=worker_id,
+        partial=job_pb2.Partial(
+            sums=simulated_sums(job).astype("<f8").tobytes(),
+            photons=photons,
+            rays=3 * photons,
+            rejected=job.tile_index % 2,
+            cpu_seconds=0.001,
+        ),
+    )
+
+
+def unaltered(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
+    return [result]
+
+
+class SimulatedWorker(threading.Thread):
+    """Follows the protocol of docs/queue.md in a thread; reconnects for ever, as a real one does."""
+
+    def __init__(self, url: str, alter: Alter = unaltered, delay: float = 0.0, lease_ms: int = 500) -> None:
+        super().__init__(daemon=True)
+        self._client: Any = redis.Redis.from_url(url, protocol=2)
+        self._alter = alter
+        self._delay = delay
+        self._lease_ms = lease_ms
+        self._stopping = threading.Event()
+        self.name = f"worker-{os.urandom(4).hex()}"
+        self.jobs_done = 0
+
+    def stop(self) -> None:
+        self._stopping.set()
+        self.join(10)
+        self._client.close()
+
+    def run(self) -> None:
+        while not self._stopping.is_set():
+            try:
+                self._one_turn()
+            except redis.RedisError:
+                self._stopping.wait(0.05)
+
+    def _one_turn(self) -> None:
+        status = job_pb2.WorkerStatus(worker_id=self.name, engine=job_pb2.ENGINE_CURRENT, threads=1)
+        self._client.set(keys.WORKER_PREFIX + self.name, status.SerializeToString(), ex=10)
+        taken = self._client.xreadgroup(
+            keys.WORKERS_GROUP, f"{self.name}/0", {keys.JOBS: ">"}, count=1, block=50
+        )
+        entries = taken[0][1] if taken else self._claimed()
+        for entry, fields in entries:
+            self._work(entry, job_pb2.Job.FromString(fields[keys.JOB_FIELD]))
+
+    def _claimed(self) -> list[Any]:
+        answer = self._client.xautoclaim(
+            keys.JOBS, keys.WORKERS_GROUP, f"{self.name}/0", self._lease_ms, "0-0", count=1
+        )
+        return list(answer[1])
+
+    def _work(self, entry: bytes, job: job_pb2.Job) -> None:
+        self._stopping.wait(self._delay)
+        results = self._alter(simulated_result(job, self.name))
+        while not self._stopping.is_set():
+            try:
+                self._send(entry, results)
+                self.jobs_done += 1
+                return
+            except redis.RedisError:
+                self._stopping.wait(0.05)
+
+    def _send(self, entry: bytes, results: list[job_pb2.JobResult | bytes]) -> None:
+        pipeline = self._client.pipeline(transaction=True)
+        for result in results:
+            data = result if isinstance(result, bytes) else result.SerializeToString()
+            pipeline.xadd(keys.RESULTS, {keys.RESULT_FIELD: data})
+        pipeline.xack(keys.JOBS, keys.WORKERS_GROUP, entry)
+        pipeline.xdel(keys.JOBS, entry)
+        pipeline.execute()
+
+
+class TwiceAndShuffled:
+    """Sends every result twice, in a random order, some much later."""
+
+    def __init__(self, seed: int) -> None:
+        self._random = random.Random(seed)
+        self._kept: list[job_pb2.JobResult] = []
+
+    def __call__(self, result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
+        self._kept += [result, result]
+        self._random.shuffle(self._kept)
+        count = self._random.randint(1, 3)
+        sent, self._kept = self._kept[:count], self._kept[count:]
+        return [*sent, result]

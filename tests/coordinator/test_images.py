@@ -1,0 +1,109 @@
+"""Images: right numbers, canonical files."""
+
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+import pytest
+from nocturne_coordinator.images import (
+    FINAL_COMPRESSION,
+    LIVE_COMPRESSION,
+    Provenance,
+    relative_error,
+    tone_map,
+    variance_of_mean,
+    write_image,
+    write_preview,
+)
+from nocturne_coordinator.merge import Counts, Sums
+
+from tests.coordinator.service import read_exr
+
+PROVENANCE = Provenance("5c" * 32, '{"width":9}', 1)
+
+
+def film(samples: int = 10) -> tuple[Sums, Counts]:
+    draws = np.random.default_rng(1).random((samples, 7, 9, 3)) * 50
+    sums = np.concatenate([draws.sum(axis=0), (draws[..., 1:2] ** 2).sum(axis=0)], axis=-1)
+    return sums, np.full((7, 9), samples, dtype=np.uint32)
+
+
+def test_variance_is_that_of_the_mean() -> None:
+    draws = np.random.default_rng(1).random((10, 7, 9, 3)) * 50
+    expected = draws[..., 1].var(axis=0, ddof=1) / 10
+    assert variance_of_mean(*film()) == pytest.approx(expected)
+    y = draws[..., 1].mean(axis=0)
+    relative_variance = expected / (y**2 + 0.01 * y.mean() ** 2)
+    assert relative_error(*film()) == pytest.approx(np.sqrt(relative_variance.mean()))
+
+
+def test_one_sample_has_no_error_yet() -> None:
+    sums, counts = film(1)
+    assert not variance_of_mean(sums, counts).any()
+    assert relative_error(sums, counts) == 0.0
+
+
+@pytest.mark.parametrize("count", [0, 1, 2**24, 2**24 + 4096, 3 * 2**20 + 1, 2**31])
+def test_exr_keeps_every_bit(tmp_path: Path, count: int) -> None:
+    sums, counts = film()
+    counts[2, 3] = count
+    path = tmp_path / "new" / "image.exr"
+    write_image(path, sums, counts, PROVENANCE)
+    xyz, stderr, read_counts = read_exr(path)
+    assert np.array_equal(read_counts, counts)
+    assert np.array_equal(xyz, (sums[..., :3] / np.maximum(counts, 1)[..., None]).astype(np.float32))
+    assert np.array_equal(stderr, np.sqrt(variance_of_mean(sums, counts)).astype(np.float32))
+    assert [path.name for path in path.parent.iterdir()] == ["image.exr"]
+
+
+def test_exr_says_what_it_is(tmp_path: Path) -> None:
+    write_image(tmp_path / "image.exr", *film(), PROVENANCE)
+    image: Any = oiio.ImageInput.open(str(tmp_path / "image.exr"))
+    said = {attribute.name: attribute.value for attribute in image.spec().extra_attribs}
+    image.close()
+    assert said["whiteLuminance"] == 1.0
+    assert said["chromaticities"] == pytest.approx((1, 0, 0, 1, 0, 0, 1 / 3, 1 / 3))
+    assert (said["nocturne:scene"], said["nocturne:plan"]) == ("5c" * 32, '{"width":9}')
+    assert said["nocturne:engine"] == 1
+    assert "DateTime" not in said
+
+
+def test_equal_images_are_equal_files(tmp_path: Path) -> None:
+    write_image(tmp_path / "a.exr", *film(), PROVENANCE)
+    write_preview(tmp_path / "a.png", *film(), FINAL_COMPRESSION)
+    time.sleep(1.1)
+    write_image(tmp_path / "b.exr", *film(), PROVENANCE)
+    write_preview(tmp_path / "b.png", *film(), FINAL_COMPRESSION)
+    assert (tmp_path / "a.exr").read_bytes() == (tmp_path / "b.exr").read_bytes()
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+def test_live_and_final_previews_show_the_same(tmp_path: Path) -> None:
+    for compression in (LIVE_COMPRESSION, FINAL_COMPRESSION):
+        write_preview(tmp_path / "preview.png", *film(), compression)
+        image: Any = oiio.ImageInput.open(str(tmp_path / "preview.png"))
+        assert np.array_equal(image.read_image("uint8"), tone_map(*film()))
+        image.close()
+
+
+def test_tone_mapping_keeps_neutral_and_order() -> None:
+    sums = np.zeros((2, 100, 4))
+    # D65, from dark to bright; the second row has other counts and the same means.
+    sums[..., :3] = (
+        np.array([0.9505, 1.0, 1.0888]) * np.concatenate([[0], np.geomspace(0.1, 1e4, 99)])[:, None]
+    )
+    counts = np.array([[1] * 100, [3] * 100], dtype=np.uint32)
+    sums[1] *= 3
+    shown = tone_map(sums, counts).astype(int)
+    assert np.array_equal(shown[0], shown[1])
+    assert np.all(np.ptp(shown, axis=-1) <= 1)
+    assert np.all(np.diff(shown[0, :, 1]) >= 0)
+    assert shown[0, 0, 1] == 0
+    assert shown[0, -1, 1] > 240
+
+
+def test_a_black_or_empty_film_is_black() -> None:
+    assert not tone_map(np.zeros((4, 4, 4)), np.zeros((4, 4), dtype=np.uint32)).any()
+    assert not tone_map(np.zeros((4, 4, 4)), np.ones((4, 4), dtype=np.uint32)).any()

@@ -1,0 +1,116 @@
+"""No bytes that a worker, or anybody, sends reach an accumulator unless they can be what was asked for."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from nocturne.v1 import job_pb2
+from nocturne_coordinator import limits
+
+from tests.coordinator.test_merging import Session
+
+Spoil = Callable[[job_pb2.JobResult], None]
+
+
+def changed_sums(change: Callable[[np.ndarray], None]) -> Spoil:
+    def spoil(result: job_pb2.JobResult) -> None:
+        sums = np.frombuffer(result.partial.sums).reshape(-1, 4).copy()
+        change(sums)
+        result.partial.sums = sums.tobytes()
+
+    return spoil
+
+
+def put(pixel: int, channel: int, value: float) -> Spoil:
+    return changed_sums(lambda sums: sums.__setitem__((pixel, channel), value))
+
+
+def field(path: str, value: object) -> Spoil:
+    def spoil(result: job_pb2.JobResult) -> None:
+        *parents, name = path.split(".")
+        message: object = result
+        for parent in parents:
+            message = getattr(message, parent)
+        setattr(message, name, value)
+
+    return spoil
+
+
+SPOILT: dict[str, Spoil] = {
+    "NaN": put(0, 0, float("nan")),
+    "infinite": put(3, 2, float("inf")),
+    "negative": put(1, 1, -1e-9),
+    "beyond physics": put(1, 0, 1e200),
+    "Y without Y squared": put(5, 3, 0.0),
+    "truncated": lambda result: setattr(result.partial, "sums", result.partial.sums[:-1]),
+    "too long": lambda result: setattr(result.partial, "sums", result.partial.sums + bytes(32)),
+    "no sums": field("partial.sums", b""),
+    "photons": field("partial.photons", 1),
+    "rejected": field("partial.rejected", 2**40),
+    "rays": field("partial.rays", 2**63),
+    "cpu_seconds NaN": field("partial.cpu_seconds", float("nan")),
+    "cpu_seconds negative": field("partial.cpu_seconds", -1.0),
+    "tile index": field("job.tile_index", 77),
+    "other tile": field("job.tile_index", 1),
+    "tile rectangle": field("job.tile.width", 2**31),
+    "range": field("job.end_sample", 7),
+    "range upside down": field("job.first_sample", 16),
+    "film": field("job.film_width", 71),
+    "scene": field("job.scene", b"\x00" * 32),
+    "engine": field("job.engine", 2),
+    "no outcome": lambda result: result.ClearField("partial"),
+    "no job": lambda result: result.ClearField("job"),
+}
+
+
+@pytest.mark.parametrize("spoil", SPOILT.values(), ids=list(SPOILT))
+def test_an_impossible_result_changes_nothing_and_its_range_comes_again(spoil: Spoil) -> None:
+    session = Session(samples=20)
+    session.fill(6)
+    key = next(iter(session.stream))
+    result = session.result(key)
+    spoil(result)
+    assert session.deliver(result.SerializeToString()) == [b"0-1"]
+    assert not session.render.film.sums.any()
+    assert session.render.totals.photons == 0
+    # The range is out still, or it is the next to be published.
+    session.fill(6)
+    assert key in session.stream
+    session.deliver(session.result(key).SerializeToString())
+    assert session.render.totals.ranges == 1
+
+
+@given(st.binary(max_size=200))
+def test_any_bytes_are_survived(data: bytes) -> None:
+    session = Session(samples=4)
+    session.fill(6)
+    assert session.deliver(data) == [b"0-1"]
+    assert session.render.totals.ranges == 0
+
+
+def test_workers_that_send_nonsense_for_ever_end_the_render() -> None:
+    session = Session(samples=4)
+    for _ in range(limits.MAXIMUM_REFUSALS):
+        assert not session.failed
+        session.fill(6)
+        result = session.result(next(key for key in session.stream if key.tile_index == 0))
+        result.partial.photons = 3
+        session.deliver(result.SerializeToString())
+    assert "can't be right" in session.failed["r"]
+
+
+def test_a_failure_counts_once_per_attempt() -> None:
+    session = Session(samples=4)
+    session.fill(6)
+    key = next(iter(session.stream))
+    result = session.result(key)
+    result.failure = "no such scene"
+    for attempt in range(limits.MAXIMUM_ATTEMPTS):
+        assert not session.failed, attempt
+        session.fill(6)
+        session.deliver(result.SerializeToString())
+        # Delivered twice: the job is not out now, so this is no attempt.
+        session.deliver(result.SerializeToString())
+    assert session.failed == {"r": "no such scene"}

@@ -1,0 +1,169 @@
+"""Any order, repetition and loss of partials gives the sums of merging in order, bit for bit."""
+
+import random
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from nocturne.v1 import job_pb2
+from nocturne_coordinator import limits
+from nocturne_coordinator.intake import Intake
+from nocturne_coordinator.merge import RangeSums, TileState, Verdict
+from nocturne_coordinator.plan import make_plan
+from nocturne_coordinator.running_render import RunningRender
+from nocturne_coordinator.schedule import OVERDUE_FACTOR, SHORTEST_OVERDUE, JobKey, Schedule
+from nocturne_coordinator.store.ledger import OpenRender, TileRow, Totals
+from nocturne_coordinator.store.rows import RenderState
+
+from tests.coordinator.simulated_worker import simulated_result, simulated_sums
+
+
+def tile_range(index: int, value: float = 1.0) -> RangeSums:
+    return RangeSums(index, np.full((1, 1, 4), value), 1, 1, 0, 0.0, b"%d" % index)
+
+
+@given(
+    order=st.permutations(range(limits.RANGES_AHEAD)),
+    repeats=st.lists(st.integers(0, limits.RANGES_AHEAD - 1), max_size=5),
+    values=st.lists(st.floats(0, 1e20), min_size=limits.RANGES_AHEAD, max_size=limits.RANGES_AHEAD),
+)
+def test_a_tile_adds_in_sample_order(order: list[int], repeats: list[int], values: list[float]) -> None:
+    tile = TileState(np.zeros((1, 1, 4)))
+    merged = []
+    for index in [*order, *repeats]:
+        merged += [each.index for each in tile.offer(tile_range(index, values[index]))[1]]
+    assert merged == list(range(limits.RANGES_AHEAD))
+    in_order = 0.0
+    for value in values:
+        in_order += value
+    assert np.all(tile.sums == in_order)
+    assert not tile.waiting
+
+
+def test_a_tile_says_what_became_of_a_range() -> None:
+    tile = TileState(np.zeros((1, 1, 4)))
+    assert tile.offer(tile_range(1))[0] is Verdict.EARLY
+    assert tile.offer(tile_range(1))[0] is Verdict.DUPLICATE
+    assert tile.offer(tile_range(limits.RANGES_AHEAD))[0] is Verdict.TOO_EARLY
+    verdict, released = tile.offer(tile_range(0))
+    assert (verdict, [each.index for each in released]) == (Verdict.MERGED, [0, 1])
+    assert tile.offer(tile_range(0))[0] is Verdict.DUPLICATE
+
+
+class Session:
+    """Renders, schedule and intake without I/O: the coordinator's core, and a stream that can be lost."""
+
+    def __init__(self, samples: int, tiles: list[TileRow] | None = None) -> None:
+        plan = make_plan(70, 33, samples)
+        row = OpenRender("r", RenderState.RUNNING, plan, "5c" * 32, job_pb2.ENGINE_CURRENT, Totals())
+        self.render = RunningRender(row, tiles or [])
+        self.schedule = Schedule()
+        self.schedule.add("r", len(plan.range_ends), self.render.merged_ranges)
+        self.intake = Intake({"r": self.render}, self.schedule)
+        self.stream: dict[JobKey, bytes] = {}
+        self.entries = 0
+        self.failed: dict[str, str] = {}
+
+    def fill(self, window: int) -> None:
+        for key in self.schedule.take(window - self.schedule.in_flight):
+            assert key not in self.stream
+            self.entries += 1
+            self.schedule.published(key, b"%d" % self.entries, 0.0)
+            self.stream[key] = b"%d" % self.entries
+        assert self.schedule.in_flight <= window
+
+    def deliver(self, data: bytes) -> list[bytes]:
+        outcome = self.intake.take(b"0-1", data, 1.0)
+        gone = set(outcome.withdrawn)
+        self.stream = {key: entry for key, entry in self.stream.items() if entry not in gone}
+        self.failed |= outcome.failed
+        return outcome.settled
+
+    def result(self, key: JobKey) -> job_pb2.JobResult:
+        planned = self.render.planned
+        return simulated_result(planned.job(key.tile_index, planned.ranges[key.range_index]))
+
+    def check_sums(self) -> None:
+        planned = self.render.planned
+        for index, tile in enumerate(self.render.film.tiles):
+            total = np.zeros_like(tile.sums)
+            for position in range(tile.merged):
+                total += simulated_sums(planned.job(index, planned.ranges[position]))
+            assert np.array_equal(tile.sums, total)
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=st.integers(0, 2**32), samples=st.integers(1, 70), window=st.integers(1, 40))
+def test_any_faults_give_every_range_once(seed: int, samples: int, window: int) -> None:
+    chance = random.Random(seed)
+    session = Session(samples)
+    delivered: list[bytes] = []
+    for _ in range(10_000):
+        session.fill(window)
+        if session.render.film.complete:
+            break
+        match chance.choices(["finish", "repeat", "lose", "restart"], [90, 10, 1, 1])[0]:
+            case "finish" if session.stream:
+                key = chance.choice(list(session.stream))
+                del session.stream[key]
+                delivered.append(session.result(key).SerializeToString())
+                session.deliver(delivered[-1])
+            case "repeat" if delivered:
+                session.deliver(chance.choice(delivered))
+            case "lose":
+                session.stream.clear()
+                session.schedule.lost()
+            case "restart":
+                film = session.render.film
+                tiles = [
+                    TileRow(index, film.samples(index), film.tile_bytes(index))
+                    for index, tile in enumerate(film.tiles)
+                    if tile.merged
+                ]
+                session = Session(samples, tiles)
+        session.check_sums()
+    assert session.render.film.complete
+    assert np.all(session.render.film.counts == samples)
+
+
+def test_the_whole_frame_comes_first() -> None:
+    session = Session(samples=32)
+    taken = session.schedule.take(1000)
+    assert [key.range_index for key in taken] == sorted(key.range_index for key in taken)
+    # Four ranges are planned: all may be in flight, and no more than that.
+    assert len(taken) == 6 * min(4, limits.RANGES_AHEAD)
+
+
+def test_a_slow_tile_does_not_stop_the_others() -> None:
+    session = Session(samples=5000)
+    while len(session.stream) < limits.RANGES_AHEAD:
+        session.fill(16)
+        for key in [key for key in session.stream if key.tile_index != 0]:
+            del session.stream[key]
+            session.deliver(session.result(key).SerializeToString())
+    assert all(tile.merged > limits.RANGES_AHEAD for tile in session.render.film.tiles[1:])
+
+
+def test_renders_take_turns() -> None:
+    schedule = Schedule()
+    schedule.add("a", 3, [0, 0])
+    schedule.add("b", 3, [0, 0])
+    assert [key.render_id for key in schedule.take(6)] == ["a", "b"] * 3
+    for key in schedule.take(1):
+        schedule.published(key, b"7-0", 0.0)
+        assert schedule.remove(key.render_id) == [b"7-0"]
+    assert schedule.in_flight == 0
+
+
+def test_overdue_follows_the_typical_time() -> None:
+    schedule = Schedule()
+    schedule.add("a", 1, [0, 0])
+    first, second = schedule.take(2)
+    schedule.published(first, b"1-0", 0.0)
+    schedule.published(second, b"2-0", 0.0)
+    assert schedule.overdue(SHORTEST_OVERDUE - 1) == []
+    schedule.received(first, 10.0)
+    assert schedule.overdue(OVERDUE_FACTOR * 10.0 - 1) == []
+    assert schedule.overdue(OVERDUE_FACTOR * 10.0 + 1) == [second]
+    assert schedule.returned(second) == b"2-0"
+    assert schedule.take(5) == [second]
