@@ -1,0 +1,73 @@
+"""Every error that a caller can meet, and what it is called at each door: one table for HTTP and gRPC."""
+
+import logging
+import sqlite3
+from dataclasses import dataclass
+
+import grpc
+from nocturne_coordinator.errors import Conflict, InputError, NocturneError, NotFound, Problem
+
+from nocturne_api.limits import PROBLEM_CHARACTERS, PROBLEMS_PER_ANSWER
+
+_log = logging.getLogger(__name__)
+
+
+class Overloaded(NocturneError):
+    """Too much is being asked at once; the same request can succeed later."""
+
+
+class Refused(NocturneError):
+    """The request may not be made from where it comes."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What one class of error is called in words, at the REST door and at the gRPC door."""
+
+    reason: str
+    title: str
+    http_status: int
+    grpc_status: grpc.StatusCode
+
+
+@dataclass(frozen=True)
+class Failure:
+    """One error, ready to be told at either door."""
+
+    kind: Kind
+    detail: str
+    problems: tuple[Problem, ...] = ()
+
+
+_INTERNAL = Kind("INTERNAL", "Internal error", 500, grpc.StatusCode.INTERNAL)
+
+# First match wins, so a subclass stands before its base.
+TABLE: tuple[tuple[type[Exception], Kind], ...] = (
+    (InputError, Kind("INVALID_INPUT", "The request is not valid", 422, grpc.StatusCode.INVALID_ARGUMENT)),
+    (NotFound, Kind("NOT_FOUND", "Not found", 404, grpc.StatusCode.NOT_FOUND)),
+    (Conflict, Kind("CONFLICT", "In conflict with an earlier request", 409, grpc.StatusCode.ALREADY_EXISTS)),
+    (Refused, Kind("REFUSED", "Refused", 403, grpc.StatusCode.PERMISSION_DENIED)),
+    (Overloaded, Kind("OVERLOADED", "Too much at once", 503, grpc.StatusCode.UNAVAILABLE)),
+    (
+        sqlite3.OperationalError,
+        Kind("STORE", "The data folder does not answer", 503, grpc.StatusCode.UNAVAILABLE),
+    ),
+)
+
+
+def failure_of(error: Exception) -> Failure:
+    """What to tell the caller. Errors outside the table are logged and told without their details."""
+    for error_class, kind in TABLE:
+        if isinstance(error, error_class):
+            problems = _bounded(error.problems) if isinstance(error, InputError) else ()
+            return Failure(kind, _cut(str(error)) or kind.title, problems)
+    _log.error("unexpected error", exc_info=error)
+    return Failure(_INTERNAL, "Something went wrong inside the service; its log has the details.")
+
+
+def _bounded(problems: tuple[Problem, ...]) -> tuple[Problem, ...]:
+    return tuple(Problem(_cut(each.place), _cut(each.message)) for each in problems[:PROBLEMS_PER_ANSWER])
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= PROBLEM_CHARACTERS else text[: PROBLEM_CHARACTERS - 3] + "..."

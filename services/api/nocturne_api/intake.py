@@ -1,0 +1,100 @@
+"""Checks what callers send, so that all problems are told at once, and compiles scenes. Synchronous."""
+
+import json
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from nocturne_coordinator.data_folder import DataFolder, NewRender
+from nocturne_coordinator.errors import InputError, Problem
+from nocturne_coordinator.limits import MAXIMUM_NAME, MAXIMUM_REQUEST_ID
+from nocturne_coordinator.plan import make_plan
+from nocturne_coordinator.scene.compiler import compile_scene
+from nocturne_coordinator.scene.document import check_document
+
+_T = TypeVar("_T")
+_SHA256 = re.compile("[0-9a-f]{64}")
+
+
+@dataclass(frozen=True)
+class CreateRequest:
+    """A scene to render. `scene` is the scene document as decoded JSON; film in pixels; samples per pixel."""
+
+    request_id: str
+    name: str
+    scene: Any
+    width: int
+    height: int
+    samples: int
+
+
+def compiled(request: CreateRequest, folder: DataFolder) -> NewRender:
+    """The render that `request` asks for, its scene compiled into the folder's blobs.
+
+    Raises InputError with all problems, and then leaves nothing behind. Can take seconds of processor time.
+    """
+    found = _Problems()
+    found.add(request_id_problems(request.request_id))
+    found.add(_name_problems(request.name))
+    plan = found.collect(lambda: make_plan(request.width, request.height, request.samples))
+    document = found.collect(lambda: check_document(request.scene))
+    if found.problems or plan is None or document is None:
+        raise InputError(found.problems)
+    # A request id used before decides without the scene, so a conflict leaves no blobs behind.
+    before = folder.find_request(request.request_id)
+    return NewRender(
+        request_id=request.request_id,
+        name=request.name,
+        scene_sha256=before.scene_sha256 if before else compile_scene(document, folder.blobs).scene_sha256,
+        scene_document=_canonical(request.scene),
+        width=request.width,
+        height=request.height,
+        samples=request.samples,
+        plan=plan,
+    )
+
+
+def request_id_problems(request_id: str) -> Iterator[Problem]:
+    if not 0 < len(request_id) <= MAXIMUM_REQUEST_ID or not request_id.isprintable():
+        message = f"expected 1 to {MAXIMUM_REQUEST_ID} printable characters, different for every request"
+        yield Problem("$.request_id", message)
+
+
+def _name_problems(name: str) -> Iterator[Problem]:
+    if len(name) > MAXIMUM_NAME or not name.isprintable():
+        yield Problem("$.name", f"expected at most {MAXIMUM_NAME} printable characters")
+
+
+def digest_problems(digest: str, place: str) -> Iterator[Problem]:
+    if not _SHA256.fullmatch(digest):
+        yield Problem(place, "expected a SHA-256 digest: 64 lower-case hexadecimal digits")
+
+
+def raise_if(problems: Iterable[Problem]) -> None:
+    found = list(problems)
+    if found:
+        raise InputError(found)
+
+
+class _Problems:
+    """Problems found so far in one request."""
+
+    def __init__(self) -> None:
+        self.problems: list[Problem] = []
+
+    def add(self, problems: Iterable[Problem]) -> None:
+        self.problems += problems
+
+    def collect(self, make: Callable[[], _T]) -> _T | None:
+        """What `make` gives, or None and the problems of its InputError noted."""
+        try:
+            return make()
+        except InputError as error:
+            self.add(error.problems)
+            return None
+
+
+def _canonical(scene: Any) -> str:
+    """The document in one spelling, so that a repeated request is known at either door."""
+    return json.dumps(scene, sort_keys=True, separators=(",", ":"), ensure_ascii=False)

@@ -1,0 +1,40 @@
+"""What callers can ask of the API process, with reasons. Renders have the coordinator's bounds."""
+
+from nocturne_coordinator.limits import MAXIMUM_SCENE_BYTES
+
+MEBIBYTE = 1024 * 1024
+
+# A create request at the REST door: mostly the scene document, so the same bound.
+CREATE_BODY_BYTES = MAXIMUM_SCENE_BYTES
+# gRPC holds a message in memory before any of our code sees it, so its limit is close to the document's.
+GRPC_MESSAGE_BYTES = 9 * MEBIBYTE
+
+# Digests in one question about missing assets: 10,000 of them are 700 KB of JSON.
+DIGESTS_PER_REQUEST = 10_000
+SMALL_BODY_BYTES = MEBIBYTE
+
+# Compiling is processor work in a thread; two at once, and a short queue whose documents fit in memory.
+COMPILES_AT_ONCE = 2
+COMPILES_WAITING = 16
+
+# Each watcher holds one connection and the newest state of at most a page of renders.
+WATCHERS = 256
+# How often a change in the data folder is looked for while anybody watches, seconds.
+WATCH_INTERVAL_S = 0.2
+# Proxies drop connections that are silent for half a minute or so.
+KEEP_ALIVE_S = 15.0
+
+# Bytes per read when an image or a blob is sent: below gRPC's default message limit of 4 MiB.
+CHUNK_BYTES = 256 * 1024
+# Uploads are written to disk in pieces of this size, to keep thread switches rare.
+WRITE_BYTES = MEBIBYTE
+
+# How long an unwanted request body is read and thrown away, so that its sender gets to read the answer.
+LINGER_S = 2.0
+
+# Problems named in one answer, and characters of each: gRPC carries them in headers of at most 8 KiB.
+PROBLEMS_PER_ANSWER = 20
+PROBLEM_CHARACTERS = 300
+
+# Calls in progress at the gRPC door, watchers included; further ones get RESOURCE_EXHAUSTED at once.
+GRPC_CALLS = 1000

@@ -1,0 +1,74 @@
+"""`nocturne-api`: the API process."""
+
+import argparse
+import asyncio
+import logging
+import signal
+import sys
+from pathlib import Path
+
+from nocturne_coordinator.errors import NocturneError
+
+from nocturne_api.addresses import AddressError
+from nocturne_api.service import Settings, open_service
+
+_log = logging.getLogger("nocturne_api")
+
+# services/api/nocturne_api/main.py -> services/web/dist
+_WEB = Path(__file__).resolve().parents[2] / "web" / "dist"
+
+
+def main() -> None:
+    """Runs until SIGINT or SIGTERM. Exit status: 0 stopped, 2 can't start (standard error says why)."""
+    logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
+    try:
+        asyncio.run(_run(_settings()))
+    except (AddressError, NocturneError, OSError) as error:
+        sys.exit(_failed(str(error)))
+
+
+def _failed(message: str) -> int:
+    sys.stderr.write(f"nocturne-api: {message}\n")
+    return 2
+
+
+def _settings() -> Settings:
+    parser = argparse.ArgumentParser(
+        prog="nocturne-api", description="REST, gRPC and the web page on one data folder."
+    )
+    parser.add_argument("--data", type=Path, required=True, help="data folder, shared with the coordinator")
+    parser.add_argument("--host", default="127.0.0.1", help="address of both doors (default: %(default)s)")
+    parser.add_argument("--port", type=int, default=7070, help="REST and page (default: %(default)s)")
+    parser.add_argument("--grpc-port", type=int, default=7071, help="gRPC (default: %(default)s)")
+    parser.add_argument("--grpc-unix", type=Path, metavar="PATH", help="gRPC on a Unix socket as well")
+    parser.add_argument("--web", type=Path, default=_WEB, help="folder of the built page")
+    parser.add_argument(
+        "--insecure-any-address",
+        dest="any_address",
+        action="store_true",
+        help="allow a --host that others can reach; there is no authentication yet",
+    )
+    return Settings(**vars(parser.parse_args()))
+
+
+async def _run(settings: Settings) -> None:
+    service = await open_service(settings)
+    stop = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(number, stop.set)
+    await service.start()
+    log = logging.getLogger("nocturne_api")
+    log.info(
+        "REST and page at http://%s:%d, gRPC at %s:%d",
+        settings.host,
+        service.port,
+        settings.host,
+        service.grpc_port,
+    )
+    await stop.wait()
+    await service.stop()
+
+
+if __name__ == "__main__":
+    main()

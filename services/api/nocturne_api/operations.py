@@ -1,0 +1,226 @@
+"""What the service can do, without HTTP or gRPC: both doors call these functions and nothing else."""
+
+import asyncio
+from collections.abc import AsyncGenerator, AsyncIterator, Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import asynccontextmanager
+from functools import partial
+from pathlib import Path
+from typing import ParamSpec, Self, TypeVar
+
+from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.errors import InputError, NotFound
+from nocturne_coordinator.limits import MAXIMUM_PAGE
+
+from nocturne_api import limits, uploads
+from nocturne_api.errors import Overloaded
+from nocturne_api.intake import CreateRequest, compiled, digest_problems, raise_if, request_id_problems
+from nocturne_api.open_file import OpenFile, open_file
+from nocturne_api.views import (
+    AssetView,
+    ConvergencePoint,
+    ConvergenceView,
+    PageView,
+    RenderView,
+    WorkerView,
+)
+from nocturne_api.watching import Watchers, states
+
+_P = ParamSpec("_P")
+_T = TypeVar("_T")
+
+
+class Operations:
+    """The operations on one data folder. Errors are the classes in nocturne_api.errors, whatever the door."""
+
+    def __init__(self, folder: DataFolder, database: ThreadPoolExecutor) -> None:
+        self._folder = folder
+        # SQLite calls run one after the other in a thread of their own, never behind compiles or file reads.
+        self._database = database
+        self._compiling = asyncio.Semaphore(limits.COMPILES_AT_ONCE)
+        self._waiting = 0
+        self._watchers = Watchers(self._change_counter, self._find, self._newest)
+
+    @classmethod
+    async def open(cls, path: Path) -> Self:
+        """Opens the data folder at `path`, making it if need be."""
+        database = ThreadPoolExecutor(max_workers=1, thread_name_prefix="data-folder")
+        folder = await asyncio.get_running_loop().run_in_executor(database, DataFolder, path)
+        return cls(folder, database)
+
+    async def close(self) -> None:
+        """Ends all streams and lets go of the data folder."""
+        await self._watchers.close()
+        await self._in_database(self._folder.close)
+        self._database.shutdown()
+
+    async def end_streams(self) -> None:
+        """Ends all streams, so that doors can close without waiting for watchers."""
+        await self._watchers.close()
+
+    # Renders
+
+    async def create_render(self, request: CreateRequest) -> RenderView:
+        """Makes a render, or gives back the one made before with this request id.
+
+        Raises InputError with every problem found, Conflict where the request id was used for something
+        else, and Overloaded where too many scenes wait to be compiled. A failed call leaves nothing behind.
+        """
+        async with self._compile_slot():
+            new = await asyncio.to_thread(compiled, request, self._folder)
+        return RenderView.of(await self._in_database(self._folder.create_render, new))
+
+    async def get_render(self, render_id: str) -> RenderView:
+        """One render; raises NotFound."""
+        return RenderView.of(await self._in_database(self._folder.get_render, render_id))
+
+    async def list_renders(self, page_size: int = 0, page_token: str = "") -> PageView:
+        """One page of renders, newest first; a size of 0 means 50, at most 200 come. Raises InputError."""
+        rows, next_token = await self._in_database(self._folder.list_renders, page_size, page_token)
+        return PageView(renders=[RenderView.of(row) for row in rows], next_page_token=next_token)
+
+    async def cancel_render(self, render_id: str, request_id: str = "") -> RenderView:
+        """Stops a render. That is one-way, so repeating the call is safe with or without a request id."""
+        if request_id:
+            raise_if(request_id_problems(request_id))
+        return RenderView.of(await self._in_database(self._folder.request_cancel, render_id))
+
+    async def watch_render(self, render_id: str, last_sequence: int = -1) -> AsyncGenerator[RenderView, None]:
+        """The render now and after every change, until it has ended; leaves out states to `last_sequence`."""
+        with self._watchers.watching(render_id) as watcher:
+            watcher.already_has(render_id, last_sequence)
+            render = await self.get_render(render_id)
+            watcher.offer(render)
+            if render.has_ended and render.sequence <= last_sequence:
+                return
+            async for state in states(watcher):
+                yield state
+
+    async def watch_all(self) -> AsyncGenerator[RenderView, None]:
+        """The newest page of renders, then each of them after every change."""
+        with self._watchers.watching(None) as watcher:
+            for render in reversed(await self._newest()):
+                watcher.offer(render)
+            async for state in states(watcher):
+                yield state
+
+    async def convergence(self, render_id: str) -> ConvergenceView:
+        """The error estimate at every preview so far."""
+        render = await self.get_render(render_id)
+        history = await self._in_database(self._folder.error_history, render_id)
+        return ConvergenceView(
+            points=[
+                ConvergencePoint(
+                    time_s=max(0.0, point.unix_time - (render.started or render.created)),
+                    photons=point.photons,
+                    samples=point.samples,
+                    relative_error=point.relative_error,
+                )
+                for point in history
+            ]
+        )
+
+    # Images
+
+    async def open_preview(self, render_id: str) -> OpenFile:
+        """The tone-mapped PNG of what is merged now; raises NotFound, also before the first preview."""
+        return await self._open_image(render_id, self._folder.preview_path, "preview")
+
+    async def open_image(self, render_id: str) -> OpenFile:
+        """The EXR of what is merged now; raises NotFound, also before the first image."""
+        return await self._open_image(render_id, self._folder.image_path, "image")
+
+    # Workers
+
+    async def workers(self) -> list[WorkerView]:
+        """Workers heard of in the last ten seconds."""
+        return [WorkerView.of(row) for row in await self._in_database(self._folder.workers)]
+
+    # Assets
+
+    async def missing_assets(self, digests: list[str]) -> list[str]:
+        """Which of these files are not stored yet, in the order asked, each once. Raises InputError."""
+        if len(digests) > limits.DIGESTS_PER_REQUEST:
+            message = f"{len(digests)} digests; at most {limits.DIGESTS_PER_REQUEST} in one request"
+            raise InputError.at("$.sha256", message)
+        raise_if(
+            problem
+            for index, digest in enumerate(digests)
+            for problem in digest_problems(digest, f"$.sha256[{index}]")
+        )
+        return await asyncio.to_thread(self._folder.blobs.missing, list(dict.fromkeys(digests)))
+
+    async def store_asset(self, sha256: str, size_bytes: int, pieces: AsyncIterator[bytes]) -> AssetView:
+        """Stores one file under its digest; InputError, and nothing left, where size or digest differ."""
+        raise_if(digest_problems(sha256, "sha256"))
+        if self._folder.blobs.has(sha256):
+            async for _ in pieces:  # Read to the end, so that the sender is not cut off in mid-write.
+                pass
+        else:
+            await uploads.store(self._folder.blobs, sha256, size_bytes, pieces)
+        return await self.asset(sha256)
+
+    async def asset(self, sha256: str) -> AssetView:
+        """One stored file; raises NotFound."""
+        raise_if(digest_problems(sha256, "sha256"))
+        size = await asyncio.to_thread(self._folder.blobs.size, sha256)
+        return AssetView(sha256=sha256, size_bytes=size)
+
+    async def open_asset(self, sha256: str) -> OpenFile:
+        """The bytes of an asset, a compiled scene or a packed mesh; raises NotFound."""
+        raise_if(digest_problems(sha256, "sha256"))
+        path = await asyncio.to_thread(self._folder.blobs.path, sha256)
+        opened = await open_file(path)
+        if opened is None:
+            raise NotFound(f"no asset {sha256}")
+        return opened
+
+    # Health
+
+    async def ready(self) -> bool:
+        """Whether the data folder answers."""
+        try:
+            await self._change_counter()
+        except Exception:
+            return False
+        return True
+
+    # Inside
+
+    @asynccontextmanager
+    async def _compile_slot(self) -> AsyncIterator[None]:
+        if self._waiting >= limits.COMPILES_WAITING:
+            raise Overloaded(
+                f"{limits.COMPILES_WAITING} scenes are waiting to be compiled; try again in a moment."
+            )
+        self._waiting += 1
+        try:
+            async with self._compiling:
+                yield
+        finally:
+            self._waiting -= 1
+
+    async def _open_image(self, render_id: str, path_of: Callable[[str], Path], what: str) -> OpenFile:
+        render = await self.get_render(render_id)
+        opened = await open_file(path_of(render_id))
+        if opened is None:
+            raise NotFound(
+                f"no {what} yet" if not render.has_ended else f"no {what}: the render ended before its first"
+            )
+        return opened
+
+    async def _change_counter(self) -> int:
+        return await self._in_database(self._folder.change_counter)
+
+    async def _find(self, render_id: str) -> RenderView | None:
+        try:
+            return await self.get_render(render_id)
+        except NotFound:
+            return None
+
+    async def _newest(self) -> list[RenderView]:
+        return (await self.list_renders(MAXIMUM_PAGE)).renders
+
+    async def _in_database(self, call: Callable[_P, _T], *args: _P.args, **kwargs: _P.kwargs) -> _T:
+        loop = asyncio.get_running_loop()
+        return await loop.run_in_executor(self._database, partial(call, *args, **kwargs))

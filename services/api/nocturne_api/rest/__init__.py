@@ -1,0 +1,1 @@
+"""The REST door: FastAPI routers over the operations."""

@@ -1,0 +1,43 @@
+"""Reads request bodies within bounds: what is too big is not read to the end, declared or not."""
+
+import asyncio
+from typing import TypeVar
+
+from fastapi import Request
+from nocturne_coordinator.errors import InputError
+from nocturne_coordinator.scene.json_text import decode_json
+from pydantic import BaseModel, ValidationError
+
+from nocturne_api.rest.problems import problems_of
+
+_Model = TypeVar("_Model", bound=BaseModel)
+
+
+async def read_json(request: Request, model: type[_Model], limit_bytes: int) -> _Model:
+    """The body as `model`; InputError for what is too big, no JSON, too deep, or not of the model's form."""
+    value = await asyncio.to_thread(decode_json, await _read(request, limit_bytes))
+    try:
+        return model.model_validate(value)
+    except ValidationError as error:
+        details = error.errors(include_url=False, include_input=False, include_context=False)
+        raise InputError(problems_of([{**each, "loc": ("body", *each["loc"])} for each in details])) from None
+
+
+async def _read(request: Request, limit_bytes: int) -> bytes:
+    too_big = InputError.at(
+        "$", f"the request body has more than {limit_bytes} bytes; put large meshes into assets"
+    )
+    if declared_bytes(request) > limit_bytes:
+        raise too_big
+    body = bytearray()
+    async for piece in request.stream():
+        body += piece
+        if len(body) > limit_bytes:
+            raise too_big
+    return bytes(body)
+
+
+def declared_bytes(request: Request) -> int:
+    """The body's length as its sender declared it, -1 where it did not."""
+    text = request.headers.get("content-length", "")
+    return int(text) if text.isdecimal() else -1

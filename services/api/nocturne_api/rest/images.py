@@ -1,0 +1,36 @@
+"""Previews and images, with ETags."""
+
+from fastapi import APIRouter, Request
+from starlette.responses import Response, StreamingResponse
+
+from nocturne_api.open_file import OpenFile
+from nocturne_api.rest.access import Service
+
+router = APIRouter(prefix="/v1/renders", tags=["images"])
+
+
+@router.get("/{render_id}/preview.png", response_class=Response)
+async def preview(render_id: str, request: Request, operations: Service) -> Response:
+    """The tone-mapped PNG of what is merged now."""
+    return _answer(request, await operations.open_preview(render_id), "image/png")
+
+
+@router.get("/{render_id}/image.exr", response_class=Response)
+async def image(render_id: str, request: Request, operations: Service) -> Response:
+    """EXR: X, Y, Z, Y.stderr, n; of what is merged now until the render has ended, then final."""
+    return _answer(request, await operations.open_image(render_id), "image/x-exr")
+
+
+def _answer(request: Request, opened: OpenFile, media_type: str) -> Response:
+    # no-cache lets a browser keep the image, but ask before every use.
+    headers = {"ETag": opened.etag, "Cache-Control": "no-cache"}
+    if _is_known(request.headers.get("if-none-match", ""), opened.etag):
+        opened.close()
+        return Response(status_code=304, headers=headers)
+    headers["Content-Length"] = str(opened.size_bytes)
+    return StreamingResponse(opened.chunks(), headers=headers, media_type=media_type)
+
+
+def _is_known(if_none_match: str, etag: str) -> bool:
+    tags = [tag.strip().removeprefix("W/") for tag in if_none_match.split(",")]
+    return etag in tags or "*" in tags

@@ -1,0 +1,44 @@
+"""The web page, built by Vite into one folder."""
+
+from pathlib import Path
+
+from starlette.exceptions import HTTPException
+from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.types import Receive, Scope, Send
+
+_NOT_BUILT = "The page is not built; run `make web`, or start with --web FOLDER. The API works: see /docs.\n"
+# Vite puts a hash of the content into the names of files below assets/.
+_FOREVER = "public, max-age=31536000, immutable"
+_ASK_FIRST = "no-cache"
+
+
+class Page:
+    """An ASGI application for all but the API: files of `folder`, its index.html for the page's addresses."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder.resolve()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        path = str(scope["path"]).strip("/")
+        if scope["method"] not in ("GET", "HEAD") or path.split("/")[0] == "v1":
+            raise HTTPException(404)
+        await self._answer(path)(scope, receive, send)
+
+    def _answer(self, path: str) -> Response:
+        index = self._folder / "index.html"
+        if not path and not index.is_file():
+            return PlainTextResponse(_NOT_BUILT)
+        file = self._file(path)
+        if file is not None:
+            cache = _FOREVER if path.startswith("assets/") else _ASK_FIRST
+            return FileResponse(file, headers={"Cache-Control": cache})
+        if "." in path.rpartition("/")[2] or not index.is_file():
+            raise HTTPException(404)
+        return FileResponse(index, headers={"Cache-Control": _ASK_FIRST})
+
+    def _file(self, path: str) -> Path | None:
+        """The file of the folder at `path`; None for what is not there or would lead out of the folder."""
+        if "\0" in path:
+            return None
+        file = (self._folder / path).resolve()
+        return file if file.is_relative_to(self._folder) and file.is_file() else None

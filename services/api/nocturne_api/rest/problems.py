@@ -1,0 +1,95 @@
+"""Every error of the REST door as RFC 9457 problem details, those of the framework included."""
+
+from collections.abc import Mapping, Sequence
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from nocturne_coordinator.errors import InputError, Problem
+from pydantic import BaseModel
+from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
+from starlette.responses import JSONResponse, Response
+
+from nocturne_api.errors import TABLE, Failure, failure_of
+
+MEDIA_TYPE = "application/problem+json"
+
+
+class ProblemItem(BaseModel):
+    """One thing wrong with the request."""
+
+    place: str
+    message: str
+
+
+class ProblemDetails(BaseModel):
+    """RFC 9457 problem details."""
+
+    type: str = "about:blank"
+    title: str
+    status: int
+    detail: str
+    reason: str
+    problems: list[ProblemItem] = []
+
+
+class ProblemResponse(JSONResponse):
+    """A problem document."""
+
+    media_type = MEDIA_TYPE
+
+
+def response_of(failure: Failure, headers: Mapping[str, str] | None = None) -> ProblemResponse:
+    """The answer that tells a failure."""
+    details = ProblemDetails(
+        title=failure.kind.title,
+        status=failure.kind.http_status,
+        detail=failure.detail,
+        reason=failure.kind.reason,
+        problems=[ProblemItem(place=each.place, message=each.message) for each in failure.problems],
+    )
+    return ProblemResponse(details.model_dump(), failure.kind.http_status, headers)
+
+
+def problems_of(errors: Sequence[Any]) -> list[Problem]:
+    """Pydantic's errors as problems: ("body", "a", 0) is the place `$.a[0]`, ("query", "n") is `query.n`."""
+    return [Problem(_place(error["loc"]), f"{error['msg']}") for error in errors]
+
+
+def _place(location: Sequence[str | int]) -> str:
+    head, *rest = location or ("body",)
+    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in rest)
+    return ("$" if head == "body" else str(head)) + "".join(parts)
+
+
+def install(app: FastAPI) -> None:
+    """Registers the answers to all errors."""
+    for error_class, _ in TABLE:
+        app.add_exception_handler(error_class, _answer)
+    app.add_exception_handler(Exception, _answer)
+    app.add_exception_handler(HTTPException, _answer_http)
+    app.add_exception_handler(RequestValidationError, _answer_validation)
+    app.add_exception_handler(ClientDisconnect, _answer_nobody)
+
+
+async def _answer(_: Request, error: Exception) -> Response:
+    return response_of(failure_of(error))
+
+
+async def _answer_nobody(_: Request, __: Exception) -> Response:
+    return Response(status_code=400)  # Nobody is there to read it.
+
+
+async def _answer_http(_: Request, error: Exception) -> Response:
+    """Errors of the framework's own: no such path, wrong method."""
+    assert isinstance(error, HTTPException)  # noqa: S101 - what it was registered for
+    status = HTTPStatus(error.status_code)
+    details = ProblemDetails(title=status.phrase, status=status, detail=str(error.detail), reason=status.name)
+    return ProblemResponse(details.model_dump(), status, error.headers)
+
+
+async def _answer_validation(_: Request, error: Exception) -> Response:
+    assert isinstance(error, RequestValidationError)  # noqa: S101 - what it was registered for
+    return response_of(failure_of(InputError(problems_of(error.errors()))))

@@ -1,0 +1,1 @@
+"""The gRPC door: servicers over the operations."""

@@ -1,0 +1,89 @@
+"""nocturne.v1.RenderService over the operations."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import aclosing
+from typing import Any
+
+import grpc
+from nocturne.v1 import render_service_pb2 as pb
+from nocturne.v1 import render_service_pb2_grpc
+from nocturne_coordinator.errors import InputError
+from nocturne_coordinator.scene.json_text import decode_json
+
+from nocturne_api.intake import CreateRequest
+from nocturne_api.operations import Operations
+from nocturne_api.rpc.failures import Answering
+from nocturne_api.rpc.messages import render_message, worker_message
+
+Context = grpc.aio.ServicerContext[Any, Any]
+
+
+class RenderService(render_service_pb2_grpc.RenderServiceServicer):
+    """Takes messages apart, calls one operation, puts its answer into a message."""
+
+    def __init__(self, operations: Operations) -> None:
+        self._operations = operations
+
+    async def CreateRender(self, request: pb.CreateRenderRequest, context: Context) -> pb.Render:  # noqa: N802
+        async with Answering(context):
+            created = await self._operations.create_render(
+                CreateRequest(
+                    request_id=request.request_id,
+                    name=request.name,
+                    scene=await asyncio.to_thread(decode_json, request.scene_json),
+                    width=request.width,
+                    height=request.height,
+                    samples=request.samples,
+                )
+            )
+            return render_message(created)
+
+    async def GetRender(self, request: pb.GetRenderRequest, context: Context) -> pb.Render:  # noqa: N802
+        async with Answering(context):
+            return render_message(await self._operations.get_render(request.id))
+
+    async def ListRenders(  # noqa: N802
+        self, request: pb.ListRendersRequest, context: Context
+    ) -> pb.ListRendersResponse:
+        async with Answering(context):
+            page = await self._operations.list_renders(request.page_size, request.page_token)
+            renders = [render_message(view) for view in page.renders]
+            return pb.ListRendersResponse(renders=renders, next_page_token=page.next_page_token)
+
+    async def CancelRender(self, request: pb.CancelRenderRequest, context: Context) -> pb.Render:  # noqa: N802
+        async with Answering(context):
+            return render_message(await self._operations.cancel_render(request.id, request.request_id))
+
+    async def WatchRender(  # noqa: N802
+        self, request: pb.WatchRenderRequest, context: Context
+    ) -> AsyncIterator[pb.Render]:
+        async with Answering(context), aclosing(self._operations.watch_render(request.id)) as states:
+            async for state in states:
+                yield render_message(state)
+
+    async def FetchImage(  # noqa: N802
+        self, request: pb.FetchImageRequest, context: Context
+    ) -> AsyncIterator[pb.ImageChunk]:
+        openers = {
+            pb.IMAGE_KIND_PREVIEW: self._operations.open_preview,
+            pb.IMAGE_KIND_EXR: self._operations.open_image,
+        }
+        async with Answering(context):
+            if request.kind not in openers:
+                raise InputError.at("kind", "expected one of IMAGE_KIND_PREVIEW, IMAGE_KIND_EXR")
+            opened = await openers[request.kind](request.id)
+            etag = opened.etag
+            async with aclosing(opened.chunks()) as chunks:
+                async for data in chunks:
+                    yield pb.ImageChunk(data=data, etag=etag)
+                    etag = ""
+
+    async def ListWorkers(  # noqa: N802
+        self,
+        request: pb.ListWorkersRequest,  # noqa: ARG002 - it is empty
+        context: Context,
+    ) -> pb.ListWorkersResponse:
+        async with Answering(context):
+            workers = await self._operations.workers()
+            return pb.ListWorkersResponse(workers=[worker_message(view) for view in workers])

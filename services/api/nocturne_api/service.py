@@ -1,0 +1,106 @@
+"""Both doors in one event loop, started and stopped together."""
+
+import asyncio
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import uvicorn
+
+from nocturne_api.addresses import AddressError, check_host, listen
+from nocturne_api.operations import Operations
+from nocturne_api.rest.app import build_rest
+from nocturne_api.rpc.server import GrpcDoor
+
+# Running calls get this long when the service stops, seconds; streams are ended at once.
+_GRACE_S = 3.0
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How to serve: a data folder, addresses (port 0 takes a free one), and the folder of the built page."""
+
+    data: Path
+    web: Path
+    host: str = "127.0.0.1"
+    port: int = 7070
+    grpc_port: int = 7071
+    grpc_unix: Path | None = None
+    any_address: bool = False
+
+
+class _HttpServer(uvicorn.Server):
+    """Uvicorn without its signal handlers: the process has one place that decides when to stop."""
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        yield
+
+
+class Service:
+    """A running service: `port` and `grpc_port` are where it listens."""
+
+    def __init__(self, settings: Settings, operations: Operations) -> None:
+        """Takes the addresses; raises AddressError where that fails."""
+        loopback = check_host(settings.host, settings.any_address)
+        self._operations = operations
+        self._grpc = GrpcDoor(operations)
+        self._listener = listen(settings.host, settings.port)
+        self.port: int = self._listener.getsockname()[1]
+        self.grpc_port = self._take_grpc_addresses(settings)
+        config = uvicorn.Config(
+            build_rest(operations, settings.web, loopback),
+            log_level="warning",
+            access_log=False,
+            server_header=False,
+            timeout_graceful_shutdown=int(_GRACE_S),
+            lifespan="off",
+        )
+        self._http = _HttpServer(config)
+        self._serving: asyncio.Task[None] | None = None
+
+    def _take_grpc_addresses(self, settings: Settings) -> int:
+        host = f"[{settings.host}]" if ":" in settings.host else settings.host
+        addresses = [f"{host}:{settings.grpc_port}"]
+        if settings.grpc_unix is not None:
+            addresses.append(f"unix:{settings.grpc_unix.absolute()}")
+        try:
+            port, *_ = [self._grpc.server.add_insecure_port(address) for address in addresses]
+            return port
+        except RuntimeError as error:
+            self._listener.close()
+            raise AddressError(
+                f"can't listen on {' or '.join(addresses)}. Choose another --grpc-port."
+            ) from error
+
+    async def start(self) -> None:
+        """Takes requests at both doors."""
+        await self._grpc.start()
+        self._serving = asyncio.create_task(self._http.serve(sockets=[self._listener]))
+        # Uvicorn offers a flag, no event.
+        while not self._http.started and not self._serving.done():  # noqa: ASYNC110
+            await asyncio.sleep(0.01)
+
+    async def end_streams(self) -> None:
+        """Ends all streams; watchers see their end after the states at hand."""
+        await self._operations.end_streams()
+
+    async def stop(self) -> None:
+        """Ends streams, finishes what is running, closes both doors and the data folder."""
+        await self._operations.end_streams()
+        self._http.should_exit = True
+        await self._grpc.stop(_GRACE_S)
+        if self._serving is not None:
+            await self._serving
+        await self._operations.close()
+
+
+async def open_service(settings: Settings) -> Service:
+    """A service on the data folder, not started yet. Raises AddressError, UnusableFolder."""
+    operations = await Operations.open(settings.data)
+    try:
+        return Service(settings, operations)
+    except BaseException:
+        await operations.close()
+        raise

@@ -1,0 +1,256 @@
+"""The client: every operation of the service as one method."""
+
+import json
+import os
+import tempfile
+import time
+import uuid
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Literal, Self, TypeVar
+from urllib.parse import quote
+
+import httpx
+
+from nocturne_client.errors import NocturneClientError, NotReachedError, Problem
+from nocturne_client.events import data_of
+from nocturne_client.models import Render, Worker
+from nocturne_client.scene_files import digest, read_scene
+
+DEFAULT_URL = "http://127.0.0.1:7070"
+ImageKind = Literal["exr", "png"]
+UploadProgress = Callable[[Path, int, int], None]
+
+_PATHS: dict[ImageKind, str] = {"exr": "image.exr", "png": "preview.png"}
+_TIMEOUT = httpx.Timeout(60.0, connect=5.0)
+# The service sends a comment every 15 s, so a longer silence is a lost connection.
+_WATCH_TIMEOUT = httpx.Timeout(40.0, connect=5.0)
+_RETRY_DELAYS_S = (0.2, 0.5, 1.0)
+_PIECE_BYTES = 1024 * 1024
+_T = TypeVar("_T")
+
+
+class Client:
+    """One service. Use it as a context manager, or `close` it. Raises NocturneClientError only.
+
+    `url` defaults to the environment variable NOCTURNE_URL, else http://127.0.0.1:7070. Calls are tried again
+    only when the service was not reached or said that it is busy; all of them are safe to repeat.
+    """
+
+    def __init__(self, url: str | None = None, transport: httpx.BaseTransport | None = None) -> None:
+        self.url = (url or os.environ.get("NOCTURNE_URL") or DEFAULT_URL).rstrip("/")
+        try:
+            self._http = httpx.Client(
+                base_url=self.url, timeout=_TIMEOUT, transport=transport, trust_env=False
+            )
+        except httpx.InvalidURL as error:
+            raise NocturneClientError(f"{self.url!r} is not an address: {error}") from error
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, _: type[BaseException] | None, __: BaseException | None, ___: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Lets go of the connections."""
+        self._http.close()
+
+    def upload(self, path: Path, sha256: str | None = None, progress: UploadProgress | None = None) -> str:
+        """Stores a file and gives its SHA-256; `progress` gets path, bytes sent and size."""
+        sha256 = sha256 or digest(path)
+        size = path.stat().st_size
+
+        def send() -> None:
+            headers = {"Content-Length": str(size), "Content-Type": "application/octet-stream"}
+            self._call("PUT", f"/v1/assets/{sha256}", content=_pieces(path, progress), headers=headers)
+
+        self._retrying(send)
+        return sha256
+
+    def submit(
+        self,
+        scene: Path,
+        width: int,
+        height: int,
+        samples: int,
+        name: str = "",
+        request_id: str | None = None,
+        progress: UploadProgress | None = None,
+    ) -> Render:
+        """Uploads what the scene document at `scene` names and the service lacks, and starts a render.
+
+        Film in pixels, samples per pixel. Submitting again with the same `request_id` gives the same render.
+        """
+        on_disk = read_scene(scene)
+        for sha256 in self._missing(sorted(on_disk.files)):
+            self.upload(on_disk.files[sha256], sha256, progress)
+        body = {
+            "request_id": request_id or str(uuid.uuid4()),
+            "name": name or on_disk.name or scene.stem,
+            "scene": on_disk.document,
+            "width": width,
+            "height": height,
+            "samples": samples,
+        }
+        return Render.from_json(self._json("POST", "/v1/renders", body))
+
+    def get(self, render_id: str) -> Render:
+        """One render."""
+        return Render.from_json(self._json("GET", f"/v1/renders/{_part(render_id)}"))
+
+    def cancel(self, render_id: str, request_id: str | None = None) -> Render:
+        """Stops a render; what was merged stays."""
+        body = {"request_id": request_id or str(uuid.uuid4())}
+        return Render.from_json(self._json("POST", f"/v1/renders/{_part(render_id)}:cancel", body))
+
+    def workers(self) -> Sequence[Worker]:
+        """The workers heard of in the last ten seconds."""
+        return [Worker.from_json(each) for each in self._json("GET", "/v1/workers")["workers"]]
+
+    def watch(self, render_id: str) -> Iterator[Render]:
+        """The render now and after every change, until it has ended. Connects again when cut off."""
+        last: Render | None = None
+        failures = 0
+        while last is None or not last.has_ended:
+            try:
+                for state in self._watch_once(render_id, last):
+                    last, failures = state, 0
+                    yield state
+            except NocturneClientError as error:
+                failures += 1
+                if not error.can_be_retried or failures > len(_RETRY_DELAYS_S):
+                    raise
+                time.sleep(_RETRY_DELAYS_S[failures - 1])
+
+    def download(self, render_id: str, kind: ImageKind, path: Path) -> Path:
+        """Writes the image ("exr") or the preview ("png") as it is now; `path` is whole or untouched."""
+        self._retrying(lambda: self._download_once(f"/v1/renders/{_part(render_id)}/{_PATHS[kind]}", path))
+        return path
+
+    def is_ready(self) -> bool:
+        """Whether the service answers."""
+        try:
+            self._call("GET", "/readyz")
+        except NocturneClientError:
+            return False
+        return True
+
+    def list(self, limit: int = 50) -> Sequence[Render]:
+        """The newest renders, at most `limit`."""
+        found: list[Render] = []
+        token = ""
+        while len(found) < limit:
+            params = {"page_size": min(200, limit - len(found)), "page_token": token}
+            page = self._json("GET", "/v1/renders", params=params)
+            found += [Render.from_json(each) for each in page["renders"]]
+            token = page["next_page_token"]
+            if not token:
+                break
+        return found
+
+    # Inside
+
+    def _missing(self, digests: Sequence[str]) -> Sequence[str]:
+        if not digests:
+            return []
+        answer = self._json("POST", "/v1/assets:batchMissing", {"sha256": [*digests]})
+        return [str(sha256) for sha256 in answer["sha256"]]
+
+    def _watch_once(self, render_id: str, last: Render | None) -> Iterator[Render]:
+        headers = {"Last-Event-ID": str(last.sequence)} if last else {}
+        path = f"/v1/renders/{_part(render_id)}/events"
+        try:
+            with self._http.stream("GET", path, headers=headers, timeout=_WATCH_TIMEOUT) as response:
+                _raise_for(response)
+                for value in data_of(response.iter_lines()):
+                    yield Render.from_json(value)
+        except httpx.TransportError as error:
+            raise self._not_reached(error) from error
+
+    def _download_once(self, address: str, path: Path) -> None:
+        try:
+            with self._http.stream("GET", address) as response:
+                _raise_for(response)
+                _write_atomically(path, response.iter_bytes(_PIECE_BYTES))
+        except httpx.TransportError as error:
+            raise self._not_reached(error) from error
+        except OSError as error:
+            raise NocturneClientError(f"{path}: {error.strerror}") from error
+
+    def _json(self, method: str, path: str, body: Any = None, params: dict[str, Any] | None = None) -> Any:
+        # Not httpx's own encoding: NaN must reach the service, which says where in the scene it stands.
+        content = None if body is None else json.dumps(body).encode()
+        headers = {} if body is None else {"Content-Type": "application/json"}
+        call = partial(self._call, method, path, content=content, headers=headers, params=params)
+        return self._retrying(call).json()
+
+    def _call(self, method: str, path: str, **arguments: Any) -> httpx.Response:
+        try:
+            response = self._http.request(method, path, **arguments)
+        except httpx.TransportError as error:
+            raise self._not_reached(error) from error
+        _raise_for(response)
+        return response
+
+    def _retrying(self, call: Callable[[], _T]) -> _T:
+        for delay in _RETRY_DELAYS_S:
+            try:
+                return call()
+            except NocturneClientError as error:
+                if not error.can_be_retried:
+                    raise
+            time.sleep(delay)
+        return call()
+
+    def _not_reached(self, error: Exception) -> NotReachedError:
+        return NotReachedError(
+            f"no answer from {self.url} ({error}). Start a service with `nocturne up`, or say where it is "
+            "with --url or NOCTURNE_URL."
+        )
+
+
+def _part(text: str) -> str:
+    """One part of a path: what the user typed must not lead elsewhere."""
+    return quote(text, safe="")
+
+
+def _pieces(path: Path, progress: UploadProgress | None) -> Iterator[bytes]:
+    size, sent = path.stat().st_size, 0
+    with path.open("rb") as file:
+        while piece := file.read(_PIECE_BYTES):
+            yield piece
+            sent += len(piece)
+            if progress is not None:
+                progress(path, sent, size)
+
+
+def _write_atomically(path: Path, pieces: Iterator[bytes]) -> None:
+    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    temporary = Path(name)
+    try:
+        with os.fdopen(descriptor, "wb") as file:
+            for piece in pieces:
+                file.write(piece)
+        temporary.chmod(0o644)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _raise_for(response: httpx.Response) -> None:
+    """Raises what a problem document says; any other error answer as its status."""
+    if response.status_code < 400:
+        return
+    response.read()
+    try:
+        body = response.json()
+        problems = [Problem(each["place"], each["message"]) for each in body.get("problems", [])]
+        raise NocturneClientError(body["detail"], response.status_code, problems)
+    except (ValueError, KeyError, TypeError, AttributeError):
+        message = f"{response.request.url} answered {response.status_code} {response.reason_phrase}"
+        raise NocturneClientError(message, response.status_code) from None

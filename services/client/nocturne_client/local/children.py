@@ -1,0 +1,110 @@
+"""Child processes of `nocturne up`: started so that they die with us, started again when they die alone."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from nocturne_client.errors import NocturneClientError
+
+_LAUNCHER = Path(__file__).with_name("die_with_parent.py")
+_FIRST_DELAY_S = 0.5
+_LONGEST_DELAY_S = 30.0
+# A child that lived this long was healthy: its next death is a new matter.
+_HEALTHY_S = 60.0
+_TAIL_BYTES = 2000
+
+
+class Child:
+    """One program with its log file; `start` it, look after it with `tend`, `stop` it."""
+
+    def __init__(self, name: str, command: Sequence[str], log: Path) -> None:
+        self.name = name
+        self._command = command
+        self._log = log
+        self._process: subprocess.Popen[bytes] | None = None
+        self._started = 0.0
+        self._restart_at: float | None = None
+        self._delay = _FIRST_DELAY_S
+
+    @property
+    def pid(self) -> int:
+        """Process id; 0 while it does not run."""
+        return self._process.pid if self._process is not None and self.is_alive() else 0
+
+    def is_alive(self) -> bool:
+        """Whether the process runs."""
+        return self._process is not None and self._process.poll() is None
+
+    def start(self) -> None:
+        """Starts the process in a group of its own, so that Ctrl-C reaches only us and we stop in order."""
+        launcher = [sys.executable, "-I", "-S", str(_LAUNCHER), str(os.getpid())]
+        with self._log.open("ab") as log:
+            self._process = subprocess.Popen(  # noqa: S603 - fixed programs, no shell
+                [*launcher, *self._command],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=log,
+                process_group=0,
+            )
+        self._started = time.monotonic()
+        self._restart_at = None
+
+    def tend(self, say: Callable[[str], None]) -> bool:
+        """Starts the process again when it has died, after a pause that doubles; whether it did so now."""
+        if self._process is None or self.is_alive():
+            return False
+        now = time.monotonic()
+        if self._restart_at is None:
+            if now - self._started > _HEALTHY_S:
+                self._delay = _FIRST_DELAY_S
+            self._restart_at = now + self._delay
+            say(
+                f"{self.name} {_death(self._process.returncode)}; starting it again in {self._delay:g} s. "
+                f"{self.tail()}"
+            )
+            self._delay = min(2 * self._delay, _LONGEST_DELAY_S)
+        if now < self._restart_at:
+            return False
+        self.start()
+        return True
+
+    def wait_until(self, ready: Callable[[], bool], timeout_s: float) -> None:
+        """Waits for `ready`; NocturneClientError with the end of the log if the process dies or is slow."""
+        end = time.monotonic() + timeout_s
+        while not ready():
+            if not self.is_alive():
+                raise NocturneClientError(f"{self.name} did not start. {self.tail()}")
+            if time.monotonic() > end:
+                raise NocturneClientError(f"{self.name} was not ready after {timeout_s:g} s. {self.tail()}")
+            time.sleep(0.02)
+
+    def stop(self, grace_s: float) -> None:
+        """Asks the process to end, and kills it after `grace_s` seconds."""
+        process, self._process = self._process, None
+        if process is None:
+            return
+        process.send_signal(signal.SIGTERM)
+        try:
+            process.wait(grace_s)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+    def tail(self) -> str:
+        """The last line of the log and where the rest is."""
+        try:
+            text = self._log.read_bytes()[-_TAIL_BYTES:].decode(errors="replace").strip()
+        except OSError:
+            text = ""
+        last = text.splitlines()[-1] if text else "it said nothing"
+        return f"Its last line: {last} (all of it: {self._log})"
+
+
+def _death(return_code: int) -> str:
+    if return_code < 0:
+        return f"was ended by {signal.Signals(-return_code).name}"
+    return f"ended with status {return_code}"

@@ -1,0 +1,54 @@
+"""Compiles a scene into a folder, without a service."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from nocturne_coordinator.blobs import BlobStore
+from nocturne_coordinator.errors import InputError, NocturneError
+from nocturne_coordinator.plan import make_plan
+from nocturne_coordinator.scene.compiler import compile_scene
+from nocturne_coordinator.scene.document import check_document
+
+from nocturne_client.errors import NocturneClientError, Problem
+from nocturne_client.scene_files import SceneOnDisk, read_scene
+
+_READ_BYTES = 1024 * 1024
+
+
+@dataclass(frozen=True)
+class CompiledFolder:
+    """What nocturne-trace takes."""
+
+    scene: Path
+    plan: Path
+    blobs: Path
+    scene_sha256: str
+
+
+def compile_to(scene: Path, folder: Path, width: int, height: int, samples: int) -> CompiledFolder:
+    """Writes scene.pb, plan.pb and blobs/ into `folder`. Raises NocturneClientError with all problems."""
+    on_disk = read_scene(scene)
+    try:
+        plan = make_plan(width, height, samples)
+        document = check_document(on_disk.document)
+        blobs = BlobStore(folder / "blobs")
+        _store(on_disk, blobs)
+        sha256 = compile_scene(document, blobs).scene_sha256
+        compiled = CompiledFolder(folder / "scene.pb", folder / "plan.pb", folder / "blobs", sha256)
+        compiled.scene.write_bytes(blobs.path(sha256).read_bytes())
+        compiled.plan.write_bytes(plan.SerializeToString(deterministic=True))
+    except InputError as error:
+        problems = [Problem(each.place, each.message) for each in error.problems]
+        raise NocturneClientError(f"{scene} can't be rendered", problems=problems) from error
+    except NocturneError as error:
+        raise NocturneClientError(str(error)) from error
+    except OSError as error:
+        raise NocturneClientError(f"{error.filename or folder}: {error.strerror}") from error
+    return compiled
+
+
+def _store(scene: SceneOnDisk, blobs: BlobStore) -> None:
+    for sha256, path in scene.files.items():
+        with path.open("rb") as file, blobs.writer(sha256, path.stat().st_size) as writer:
+            while piece := file.read(_READ_BYTES):
+                writer.write(piece)

@@ -1,0 +1,155 @@
+/** The chart of error against time or photons: log-log, with the 1/sqrt(N) line. */
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import { formatCount, formatDuration, formatRelativeError } from "../format.ts";
+import type { Abscissa, Curve } from "./points.ts";
+
+// The declarations name it in a const enum, which single-file compilers cannot read.
+// eslint-disable-next-line @typescript-eslint/no-unsafe-enum-assignment
+const logarithmic = 3 as uPlot.Scale.Distr;
+const height_px = 240;
+/** More dots than this run into each other. */
+const mostDots = 40;
+/** A phone has room for seven labels. */
+const decadesWithAllLabels = 2.2;
+
+export class ConvergenceChart {
+  readonly #container: HTMLElement;
+  readonly #observer: ResizeObserver;
+  readonly #theme = window.matchMedia("(prefers-color-scheme: dark)");
+  readonly #redraw = (): void => {
+    this.#plot?.destroy();
+    this.#plot = undefined;
+    this.#draw();
+  };
+  #plot: uPlot | undefined;
+  #curve: Curve = { x: [], error: [], guide: [] };
+  #abscissa: Abscissa = "time";
+
+  constructor(container: HTMLElement) {
+    this.#container = container;
+    this.#observer = new ResizeObserver(() => {
+      this.#plot?.setSize({ width: this.#width(), height: height_px });
+    });
+    this.#observer.observe(container);
+    // A canvas does not follow style sheets: new colours need a new plot.
+    this.#theme.addEventListener("change", this.#redraw);
+  }
+
+  show(curve: Curve, abscissa: Abscissa): void {
+    const rebuild = abscissa !== this.#abscissa;
+    this.#curve = curve;
+    this.#abscissa = abscissa;
+    if (rebuild) this.#redraw();
+    else this.#draw();
+  }
+
+  close(): void {
+    this.#observer.disconnect();
+    this.#theme.removeEventListener("change", this.#redraw);
+    this.#plot?.destroy();
+  }
+
+  #draw(): void {
+    const { x, error, guide } = this.#curve;
+    const data: uPlot.AlignedData = [x, error, guide];
+    if (this.#plot) this.#plot.setData(data);
+    else if (x.length > 0) this.#plot = new uPlot(options(this.#abscissa, this.#width()), data, this.#container);
+    // uPlot empties the legend when it commits, in a microtask of its own.
+    queueMicrotask(() => {
+      this.#showNow();
+    });
+  }
+
+  /** Without a cursor the legend says how things stand now. */
+  #showNow(): void {
+    const plot = this.#plot;
+    if (plot && plot.cursor.idx == null) plot.setLegend({ idx: plot.data[0].length - 1 });
+  }
+
+  #width(): number {
+    return Math.max(200, this.#container.clientWidth);
+  }
+}
+
+function options(abscissa: Abscissa, width: number): uPlot.Options {
+  const formatX = abscissa === "time" ? formatDuration : formatCount;
+  const styles = getComputedStyle(document.documentElement);
+  const colour = (name: string): string => styles.getPropertyValue(name).trim();
+  const axis = { stroke: colour("--muted"), grid: { stroke: colour("--line"), width: 1 }, ticks: { show: false }, filter: all };
+  return {
+    width,
+    height: height_px,
+    padding: [8, 28, 0, 0],
+    scales: {
+      x: { time: false, distr: logarithmic, range: wholeTicks },
+      y: { distr: logarithmic, range: wholeTicks },
+    },
+    axes: [
+      { ...axis, size: 34, space: 60, values: labels(abscissa === "time" ? tickSeconds : formatCount) },
+      { ...axis, size: 58, values: labels(tickPercent) },
+    ],
+    series: [
+      { label: abscissa === "time" ? "Time" : "Photons", value: (_, x: number | null) => text(x, formatX) },
+      {
+        label: "Relative error",
+        stroke: colour("--accent"),
+        width: 2,
+        points: { show: (plot) => plot.data[0].length <= mostDots, size: 5, fill: colour("--accent") },
+        value: (_, error: number | null) => text(error, formatRelativeError),
+      },
+      {
+        label: "1/√N",
+        stroke: colour("--muted"),
+        width: 1,
+        dash: [6, 4],
+        points: { show: false },
+        value: (_, error: number | null) => text(error, formatRelativeError),
+      },
+    ],
+  };
+}
+
+/** Widens a range to the next 1, 2 or 5 times a power of ten, so that even a short history has labelled ends. */
+function wholeTicks(_plot: uPlot, low: number | null, high: number | null): [number, number] {
+  return [roundTick(low ?? 0.1, Math.floor), roundTick(high ?? 1, Math.ceil)];
+}
+
+function roundTick(value: number, round: (value: number) => number): number {
+  const decade = 10 ** Math.floor(Math.log10(value));
+  const ticks = [1, 2, 5, 10];
+  const place = ticks.findIndex((tick) => tick * decade > value * (1 + 1e-9));
+  const above = Math.max(1, place);
+  const exact = Math.abs((ticks[above - 1] ?? 1) * decade - value) < 1e-9 * value;
+  return (exact || round === Math.floor ? (ticks[above - 1] ?? 1) : (ticks[above] ?? 10)) * decade;
+}
+
+/** Labels 1, 2 and 5 of each decade, or where there are many decades their beginnings; uPlot offers all nine and hides what is null. */
+function labels(format: (value: number) => string) {
+  return (_plot: uPlot, values: number[]): (string | null)[] => {
+    const digits = Math.log10((values.at(-1) ?? 1) / (values[0] ?? 1)) > decadesWithAllLabels ? [1] : [1, 2, 5];
+    return values.map((value) => (digits.includes(firstDigit(value)) ? format(value) : null));
+  };
+}
+
+/** Instead of uPlot's own choice of labels. */
+function all(_plot: uPlot, values: number[]): number[] {
+  return values;
+}
+
+/** Few digits and one unit: ticks must stay short. */
+function tickSeconds(seconds: number): string {
+  return `${seconds.toLocaleString("en", { maximumSignificantDigits: 1 })} s`;
+}
+
+function tickPercent(error: number): string {
+  return `${(100 * error).toLocaleString("en", { maximumSignificantDigits: 1 })} %`;
+}
+
+function firstDigit(value: number): number {
+  return Math.round(value / 10 ** Math.floor(Math.log10(value) + 1e-9));
+}
+
+function text(value: number | null, format: (value: number) => string): string {
+  return value === null ? "–" : format(value);
+}

@@ -1,0 +1,40 @@
+/** Building DOM nodes without a framework. */
+
+type Child = Node | string;
+
+interface Attributes {
+  class?: string;
+  id?: string;
+  [name: string]: string | undefined;
+}
+
+/** An element with attributes and children; texts become text nodes, never markup. */
+export function element<Tag extends keyof HTMLElementTagNameMap>(
+  tag: Tag,
+  attributes: Attributes = {},
+  ...children: Child[]
+): HTMLElementTagNameMap[Tag] {
+  const node = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value !== undefined) node.setAttribute(name, value);
+  }
+  node.append(...children);
+  return node;
+}
+
+/** Sets a text only when it differs: keeps selections, and live regions quiet. */
+export function setText(node: Element, text: string): void {
+  if (node.textContent !== text) node.textContent = text;
+}
+
+/** An element that index.html must have. */
+export function required(id: string): HTMLElement {
+  const node = document.getElementById(id);
+  if (!node) throw new Error(`index.html has no #${id}`);
+  return node;
+}
+
+/** Says a text to screen readers. */
+export function announce(text: string): void {
+  setText(required("announcer"), text);
+}

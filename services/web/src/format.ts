@@ -1,0 +1,59 @@
+/** Numbers as people read them. */
+
+const prefixes = ["", "k", "M", "G", "T", "P"];
+
+/** Three significant digits with an SI prefix: 1234567 is "1.23 M". */
+export function formatCount(value: number): string {
+  if (!Number.isFinite(value)) return "–";
+  let power = 0;
+  let scaled = value;
+  // 999.5 would round to "1000".
+  while (scaled >= 999.5 && power < prefixes.length - 1) {
+    scaled /= 1000;
+    power += 1;
+  }
+  const text = power === 0 && Number.isInteger(value) ? `${value}` : significant(scaled, 3);
+  return power === 0 ? text : `${text}\u00a0${prefixes[power] ?? ""}`;
+}
+
+/** A relative error as percent with two significant digits; 0 means unknown. */
+export function formatRelativeError(value: number): string {
+  return value > 0 && Number.isFinite(value) ? `${significant(100 * value, 2)}\u00a0%` : "–";
+}
+
+/** Mean samples per pixel: whole where it is whole. */
+export function formatSamples(value: number): string {
+  return value >= 100 || Number.isInteger(value) ? Math.floor(value).toLocaleString("en") : value.toFixed(1);
+}
+
+/** Seconds as "0.8 s", "42 s", "3 min 05 s", "2 h 07 min". */
+export function formatDuration(seconds: number): string {
+  if (seconds < 10) return `${seconds.toFixed(1)}\u00a0s`;
+  const whole = Math.floor(seconds);
+  if (whole < 60) return `${whole}\u00a0s`;
+  if (whole < 3600) return `${Math.floor(whole / 60)}\u00a0min ${twoDigits(whole % 60)}\u00a0s`;
+  return `${Math.floor(whole / 3600)}\u00a0h ${twoDigits(Math.floor((whole % 3600) / 60))}\u00a0min`;
+}
+
+/** An exposure with its sign: "+1.5 EV". */
+export function formatStops(stops: number): string {
+  const sign = stops > 0 ? "+" : stops < 0 ? "−" : "";
+  return `${sign}${Math.abs(stops).toFixed(1)}\u00a0EV`;
+}
+
+/** "SUCCEEDED" is "Succeeded". */
+export function formatState(state: string): string {
+  return state.charAt(0) + state.slice(1).toLowerCase();
+}
+
+function significant(value: number, digits: number): string {
+  if (value === 0) return "0";
+  // Rounded first: 9.997 has the decimals of 10.0.
+  const rounded = Number(value.toPrecision(digits));
+  const decimals = Math.max(0, digits - 1 - Math.floor(Math.log10(Math.abs(rounded))));
+  return rounded.toFixed(Math.min(decimals, 20));
+}
+
+function twoDigits(value: number): string {
+  return value.toString().padStart(2, "0");
+}

@@ -1,0 +1,106 @@
+/** All renders known to the page, newest state of each; kept fresh by the event stream. */
+import { getRender, listRenders } from "./client.ts";
+import { listen } from "./events.ts";
+import type { Render, RenderPage } from "./types.ts";
+
+export type Connection = "connecting" | "live" | "reconnecting";
+
+type Listener = () => void;
+
+export class Renders {
+  connection: Connection = "connecting";
+  /** The first page has arrived: an empty list means that there is nothing. */
+  loaded = false;
+  nextPageToken = "";
+  /** Counts connections; a view that sees it grow fetches what events do not carry. */
+  connections = 0;
+
+  readonly #byId = new Map<string, Render>();
+  readonly #listeners = new Set<Listener>();
+
+  start(): void {
+    listen({
+      onOpen: () => {
+        this.connections += 1;
+        this.#setConnection("live");
+        void this.#refresh();
+      },
+      onBreak: () => {
+        this.#setConnection("reconnecting");
+      },
+      onRender: (render) => {
+        this.put(render);
+      },
+    });
+  }
+
+  /** Calls back after every change, until the returned function is called. */
+  subscribe(listener: Listener): () => void {
+    this.#listeners.add(listener);
+    return () => this.#listeners.delete(listener);
+  }
+
+  get(id: string): Render | undefined {
+    return this.#byId.get(id);
+  }
+
+  newestFirst(): Render[] {
+    return [...this.#byId.values()].sort((a, b) => b.created - a.created || b.id.localeCompare(a.id));
+  }
+
+  /** Takes a render unless something newer is known. */
+  put(render: Render): void {
+    const known = this.#byId.get(render.id);
+    if (newer(render, known) === known) return;
+    this.#byId.set(render.id, render);
+    this.#notify();
+  }
+
+  /** Fetches one render; throws ServiceError where there is none. */
+  async fetch(id: string): Promise<void> {
+    this.put(await getRender(id));
+  }
+
+  async fetchNextPage(): Promise<void> {
+    this.#take(await listRenders(this.nextPageToken));
+  }
+
+  async #refresh(): Promise<void> {
+    try {
+      const page = await listRenders();
+      this.#forgetMissing(page);
+      this.loaded = true;
+      this.#take(page);
+    } catch {
+      // The stream breaks too when the service is gone; the next connection fetches again.
+    }
+  }
+
+  #take(page: RenderPage): void {
+    this.nextPageToken = page.next_page_token ?? "";
+    for (const render of page.renders) this.#byId.set(render.id, newer(render, this.#byId.get(render.id)));
+    this.#notify();
+  }
+
+  /** Drops what the first page should hold and does not: the service may have come back with another data folder. */
+  #forgetMissing(page: RenderPage): void {
+    const present = new Set(page.renders.map((render) => render.id));
+    const oldest = page.next_page_token ? (page.renders.at(-1)?.created ?? 0) : 0;
+    for (const { id, created } of this.#byId.values()) {
+      if (created >= oldest && !present.has(id)) this.#byId.delete(id);
+    }
+  }
+
+  #setConnection(connection: Connection): void {
+    this.connection = connection;
+    this.#notify();
+  }
+
+  #notify(): void {
+    for (const listener of [...this.#listeners]) listener();
+  }
+}
+
+function newer(render: Render, known: Render | undefined): Render {
+  return known && known.sequence > render.sequence ? known : render;
+}

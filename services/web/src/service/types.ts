@@ -1,0 +1,69 @@
+/** What the REST interface answers; the meaning of each field is in proto/nocturne/v1/render_service.proto. */
+
+export type RenderState = "QUEUED" | "RUNNING" | "SUCCEEDED" | "FAILED" | "CANCELLED";
+
+export interface Progress {
+  ranges_done: number;
+  ranges_planned: number;
+  photons: number;
+  rays: number;
+  rejected: number;
+  /** Mean over pixels of samples merged. */
+  mean_samples: number;
+  /** Standard error of Y, root mean square over pixels, relative to the mean Y; 0 where unknown. */
+  relative_error: number;
+  photons_per_second: number;
+  cpu_seconds: number;
+}
+
+export interface Render {
+  id: string;
+  name: string;
+  state: RenderState;
+  reason: string;
+  width: number;
+  height: number;
+  /** Samples per pixel asked for. */
+  samples: number;
+  scene_sha256: string;
+  sequence: number;
+  /** Unix times in seconds; 0 where it has not happened. */
+  created: number;
+  started: number;
+  ended: number;
+  progress: Progress;
+}
+
+export interface RenderPage {
+  renders: Render[];
+  next_page_token?: string;
+}
+
+export interface Worker {
+  id: string;
+  threads: number;
+  photons_per_second: number;
+  jobs_done: number;
+}
+
+/** One row of the error history. */
+export interface ErrorPoint {
+  /** Seconds since the render started. */
+  time_s: number;
+  photons: number;
+  samples: number;
+  relative_error: number;
+}
+
+export function hasEnded(render: Render): boolean {
+  return render.state !== "QUEUED" && render.state !== "RUNNING";
+}
+
+export function hasImage(render: Render): boolean {
+  return render.progress.mean_samples > 0;
+}
+
+/** How much is merged, 0 to 1. By samples, not by ranges: early ranges are much shorter than late ones. */
+export function fractionDone(render: Render): number {
+  return render.samples > 0 ? Math.min(1, render.progress.mean_samples / render.samples) : 0;
+}

@@ -1,0 +1,68 @@
+/** The figures of one render. */
+import { element, setText } from "../dom.ts";
+import { formatCount, formatDuration, formatRelativeError, formatSamples } from "../format.ts";
+import { elapsedSeconds } from "../service/clock.ts";
+import { hasEnded, type Render } from "../service/types.ts";
+
+const errorMeaning =
+  "The standard error of the luminance Y: how far a pixel typically is from its true value, from the scatter of its own samples. " +
+  "Root mean square over all pixels, divided by the mean Y. Halving it takes four times the samples.";
+
+interface Fact {
+  label: string;
+  value: (render: Render) => string;
+  meaning?: string;
+}
+
+const facts: Fact[] = [
+  {
+    label: "Relative error",
+    value: (render) => formatRelativeError(render.progress.relative_error),
+    meaning: errorMeaning,
+  },
+  {
+    label: "Samples per pixel",
+    value: (render) => `${formatSamples(render.progress.mean_samples)} of ${formatSamples(render.samples)}`,
+  },
+  { label: "Photons/s", value: photonsPerSecond },
+  { label: "Photons", value: (render) => formatCount(render.progress.photons) },
+  { label: "Rays", value: (render) => formatCount(render.progress.rays) },
+  { label: "Elapsed", value: (render) => (render.started > 0 ? formatDuration(elapsedSeconds(render)) : "–") },
+  { label: "CPU time", value: (render) => formatDuration(render.progress.cpu_seconds) },
+  { label: "Rejected", value: (render) => formatCount(render.progress.rejected), meaning: "Photons whose result was not a finite number; they are left out of the image." },
+  { label: "Film", value: (render) => `${render.width} × ${render.height}` },
+];
+
+export function factsList(): { node: HTMLElement; show: (render: Render) => void } {
+  const values = facts.map(() => element("dd"));
+  const rows = facts.map((fact, index) => {
+    const term = element("dt", {}, fact.label);
+    if (fact.meaning) term.append(tooltip(fact.label, fact.meaning));
+    return element("div", {}, term, values[index] ?? "");
+  });
+  return {
+    node: element("dl", { class: "facts" }, ...rows),
+    show: (render) => {
+      values.forEach((value, index) => {
+        setText(value, facts[index]?.value(render) ?? "");
+      });
+    },
+  };
+}
+
+/** While it runs the rate of now, afterwards the mean. */
+function photonsPerSecond(render: Render): string {
+  const elapsed = elapsedSeconds(render);
+  const rate = hasEnded(render) && elapsed > 0 ? render.progress.photons / elapsed : render.progress.photons_per_second;
+  return rate > 0 ? formatCount(rate) : "–";
+}
+
+/** A question mark whose text shows on hover and on focus, and goes with Escape. */
+function tooltip(label: string, text: string): HTMLElement {
+  const id = `about-${label.toLowerCase().replaceAll(/\W+/g, "-")}`;
+  const button = element("button", { type: "button", "aria-label": `About ${label}`, "aria-describedby": id }, "?");
+  button.addEventListener("keydown", (event) => {
+    if (event.key === "Escape") button.blur();
+  });
+  return element("span", { class: "hint" }, button, element("span", { id, role: "tooltip" }, text));
+}

@@ -1,0 +1,236 @@
+"""The Python client and the command line against a real API."""
+
+import asyncio
+import json
+import struct
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from nocturne_api.service import Service
+from nocturne_client import Client, NocturneClientError, NotReachedError, Render
+from nocturne_client.cli.app import app
+from nocturne_client.cli.output import ExitStatus
+from nocturne_client.scene_files import read_scene
+from nocturne_coordinator.data_folder import DataFolder
+from typer.testing import CliRunner, Result
+
+from tests.services import coordinator_acts
+
+
+def _stl() -> bytes:
+    """One triangle as binary STL."""
+    triangle = struct.pack("<12fH", 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0)
+    return b"\0" * 80 + struct.pack("<I", 1) + triangle
+
+
+@pytest.fixture
+def scene_path(scene: dict[str, Any], tmp_path: Path) -> Path:
+    """A scene on disk with a mesh in a file beside it."""
+    folder = tmp_path / "scene"
+    (folder / "meshes").mkdir(parents=True)
+    (folder / "meshes" / "floor.stl").write_bytes(_stl())
+    scene["surfaces"][0]["shape"] = {"type": "mesh", "asset": "meshes/floor.stl"}
+    path = folder / "lamp.json"
+    path.write_text(json.dumps(scene))
+    return path
+
+
+@pytest.fixture
+def url(service: Service) -> str:
+    return f"http://127.0.0.1:{service.port}"
+
+
+async def test_submit_uploads_what_is_missing(url: str, scene_path: Path) -> None:
+    uploaded: list[tuple[str, int, int]] = []
+
+    def submit() -> list[Render]:
+        with Client(url) as client:
+            return [
+                client.submit(
+                    scene_path,
+                    40,
+                    30,
+                    16,
+                    request_id=f"r{n}",
+                    progress=lambda p, n, of: uploaded.append((p.name, n, of)),
+                )
+                for n in range(2)
+            ]
+
+    first, second = await asyncio.to_thread(submit)
+    assert uploaded == [("floor.stl", 134, 134)]
+    assert first.name == "one lamp"
+    assert first.scene_sha256 == second.scene_sha256
+    assert first.id != second.id
+
+
+async def test_get_list_cancel_download(
+    url: str, scene_path: Path, folder: DataFolder, tmp_path: Path
+) -> None:
+    def use() -> None:
+        with Client(url) as client:
+            render = client.submit(scene_path, 40, 30, 16)
+            assert client.get(render.id) == render
+            assert list(client.list()) == [render]
+            target = tmp_path / "out.png"
+            target.write_bytes(b"before")
+            with pytest.raises(NocturneClientError, match="no preview yet") as caught:
+                client.download(render.id, "png", target)
+            assert caught.value.status == 404
+            assert target.read_bytes() == b"before"
+            coordinator_acts.picture(folder, render.id, b"after")
+            assert client.download(render.id, "png", target).read_bytes() == b"after"
+            assert client.cancel(render.id).state == "CANCELLED"
+            assert [state.state for state in client.watch(render.id)] == ["CANCELLED"]
+
+    await asyncio.to_thread(use)
+
+
+async def test_watch_to_the_end(url: str, scene_path: Path, folder: DataFolder) -> None:
+    def use() -> list[float]:
+        with Client(url) as client:
+            seen = []
+            for state in client.watch(client.submit(scene_path, 40, 30, 16).id):
+                seen.append(state.fraction)
+                if len(seen) == 1:
+                    coordinator_acts.progress(folder, state.id, 40 * 30 * 8)
+                else:
+                    coordinator_acts.finish(folder, state.id)
+            return seen
+
+    assert await asyncio.to_thread(use) == [0.0, 0.5, 0.5]
+
+
+def test_watch_connects_again_and_asks_for_later_states_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("nocturne_client.client._RETRY_DELAYS_S", (0.0, 0.0))
+    asked: list[str | None] = []
+
+    def answer(request: httpx.Request) -> httpx.Response:
+        asked.append(request.headers.get("last-event-id"))
+        if len(asked) == 2:
+            raise httpx.ReadError("connection lost")
+        state = "RUNNING" if len(asked) == 1 else "SUCCEEDED"
+        return httpx.Response(200, text=f"event: render\ndata: {json.dumps(_render(state, len(asked)))}\n\n")
+
+    with Client("http://test", transport=httpx.MockTransport(answer)) as client:
+        assert [state.state for state in client.watch("r")] == ["RUNNING", "SUCCEEDED"]
+    assert asked == [None, "1", "1"]
+
+
+@pytest.mark.parametrize(("status", "calls"), [(503, 3), (500, 1), (404, 1), (422, 1)])
+def test_only_unavailable_is_retried(status: int, calls: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("nocturne_client.client._RETRY_DELAYS_S", (0.0, 0.0))
+    made = 0
+
+    def answer(_: httpx.Request) -> httpx.Response:
+        nonlocal made
+        made += 1
+        return httpx.Response(status, json={"detail": "no", "problems": []})
+
+    with (
+        Client("http://test", transport=httpx.MockTransport(answer)) as client,
+        pytest.raises(NocturneClientError),
+    ):
+        client.get("r")
+    assert made == calls
+
+
+def test_ids_stay_one_part_of_the_path() -> None:
+    asked: list[bytes] = []
+
+    def answer(request: httpx.Request) -> httpx.Response:
+        asked.append(request.url.raw_path)
+        return httpx.Response(404)
+
+    with Client("http://test", transport=httpx.MockTransport(answer)) as client:
+        for render_id in ("../workers", "a?b#c", "ä/ö"):
+            with pytest.raises(NocturneClientError):
+                client.get(render_id)
+    assert asked == [b"/v1/renders/..%2Fworkers", b"/v1/renders/a%3Fb%23c", b"/v1/renders/%C3%A4%2F%C3%B6"]
+
+
+@pytest.mark.parametrize(
+    "asset", ["../secret.ply", "/etc/passwd", "missing.ply", "link.ply", "meshes", "a/../../b.ply"]
+)
+def test_asset_paths_stay_in_the_scene_folder(asset: str, scene: dict[str, Any], tmp_path: Path) -> None:
+    folder = tmp_path / "scene"
+    (folder / "meshes").mkdir(parents=True)
+    (tmp_path / "secret.ply").write_text("secret")
+    (folder / "link.ply").symlink_to(tmp_path / "secret.ply")
+    scene["surfaces"][0]["shape"] = {"type": "mesh", "asset": asset}
+    (folder / "scene.json").write_text(json.dumps(scene))
+    with pytest.raises(NocturneClientError) as caught:
+        read_scene(folder / "scene.json")
+    assert [problem.place for problem in caught.value.problems] == ["$.surfaces[0].shape.asset"]
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "[" * 100_000])
+def test_documents_that_are_no_scene(text: str, tmp_path: Path) -> None:
+    (tmp_path / "scene.json").write_text(text)
+    with pytest.raises(NocturneClientError, match=r"scene\.json"):
+        read_scene(tmp_path / "scene.json")
+
+
+@pytest.fixture
+def run(url: str) -> Callable[..., Result]:
+    """The command line in this process, asking this service."""
+
+    def invoke(*arguments: str) -> Result:
+        return CliRunner().invoke(app, list(arguments), env={"NOCTURNE_URL": url})
+
+    return invoke
+
+
+async def test_command_line(
+    run: Callable[..., Result], scene_path: Path, folder: DataFolder, tmp_path: Path
+) -> None:
+    def use() -> None:
+        submitted = run("submit", str(scene_path), "--width", "40", "--height", "30", "--samples", "16")
+        assert submitted.exit_code == 0, submitted.output
+        render_id = submitted.stdout.strip()
+        assert json.loads(run("get", render_id, "--json").stdout)["samples"] == 16
+        assert render_id in run("list").stdout
+        coordinator_acts.picture(folder, render_id, b"png")
+        assert run("get", render_id, "--png", str(tmp_path / "a.png")).exit_code == 0
+        assert (tmp_path / "a.png").read_bytes() == b"png"
+        coordinator_acts.finish(folder, render_id)
+        assert run("watch", render_id).exit_code == 0
+        states = [json.loads(line)["state"] for line in run("watch", render_id, "--json").stdout.splitlines()]
+        assert states == ["SUCCEEDED"]
+        failed = run("watch", "none")
+        assert isinstance(failed.exception, NocturneClientError)
+
+    await asyncio.to_thread(use)
+
+
+def test_no_service_there_is_a_clear_error() -> None:
+    with Client("http://127.0.0.1:9") as client, pytest.raises(NotReachedError, match="nocturne up"):
+        client._call("GET", "/readyz")
+
+
+def test_exit_statuses_are_what_the_help_says() -> None:
+    text = " ".join(CliRunner().invoke(app, ["--help"]).output.split())
+    for status in (ExitStatus.FAILED, ExitStatus.WRONG, ExitStatus.NOT_REACHED, ExitStatus.INTERRUPTED):
+        assert f"{int(status)} " in text
+
+
+def _render(state: str, sequence: int) -> dict[str, Any]:
+    numbers = (
+        "ranges_done",
+        "ranges_planned",
+        "photons",
+        "rays",
+        "rejected",
+        "mean_samples",
+        "relative_error",
+    )
+    return {
+        **dict.fromkeys(("id", "name", "reason", "scene_sha256"), ""),
+        **dict.fromkeys(("width", "height", "samples", "created", "started", "ended"), 1),
+        "state": state,
+        "sequence": sequence,
+        "progress": dict.fromkeys((*numbers, "photons_per_second", "cpu_seconds"), 0),
+    }
