@@ -39,7 +39,8 @@ TEST(Sobol, PointsAreNetsAfterScrambling) {
   for (const std::uint32_t set : {0u, 1u, 7u}) {
     std::vector<Uniform4> points;
     for (std::uint32_t sample = 0; sample < kCount; ++sample) {
-      PhotonSequence sequence(SequenceKind::kSobol, 5, 123, sample);
+      PixelSequence numbers(SequenceKind::kSobol, 5, 123);
+      PhotonSequence sequence(numbers, sample);
       Uniform4 u{};
       for (std::uint32_t s = 0; s <= set; ++s) u = sequence.next();
       points.push_back(u);
@@ -67,7 +68,8 @@ TEST(Sobol, IntegratesASmoothFunctionBetterThanIndependentNumbers) {
     for (std::uint32_t pixel = 0; pixel < 64; ++pixel) {
       double sum = 0.0;
       for (std::uint32_t sample = 0; sample < 1024; ++sample) {
-        PhotonSequence sequence(kind, 1, pixel, sample);
+        PixelSequence numbers(kind, 1, pixel);
+        PhotonSequence sequence(numbers, sample);
         sequence.next();
         const Uniform4 u = sequence.next();
         sum += std::sin(3.0 * u[0]) * u[1] + u[2] * u[3];
@@ -88,7 +90,8 @@ TEST(Sequence, IsUniformAndUncorrelatedOverPixels) {
   for (const auto kind : {SequenceKind::kSobol, SequenceKind::kIndependent}) {
     double sum = 0.0, product = 0.0;
     for (std::uint32_t pixel = 0; pixel < kPixels; ++pixel) {
-      PhotonSequence sequence(kind, 9, pixel, 3);
+      PixelSequence numbers(kind, 9, pixel);
+      PhotonSequence sequence(numbers, 3);
       const Uniform4 u = sequence.next(), v = sequence.next();
       sum += u[1] - 0.5;
       product += (u[1] - 0.5) * (v[1] - 0.5);

@@ -26,24 +26,44 @@ inline float to_unit(std::uint32_t bits) {
   return u < kLargestBelowOne ? u : kLargestBelowOne;
 }
 
-class PhotonSequence {
+/// What the photons of one pixel share. Not safe between threads: it remembers the scrambles of its
+/// first sets.
+class PixelSequence {
  public:
-  PhotonSequence(SequenceKind kind, std::uint64_t seed, std::uint32_t pixel, std::uint32_t sample)
+  /// How the numbers of one set are randomised: a shuffle of the sample index, and a scramble for
+  /// each dimension.
+  struct Randomisation {
+    __m128i scrambles;
+    std::uint32_t shuffle;
+  };
+
+  PixelSequence(SequenceKind kind, std::uint64_t seed, std::uint32_t pixel)
       : kind_(kind),
         key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
         pixel_(pixel),
-        sample_(sample),
-        pixel_hash_(mix(mix(seed) + pixel)) {}
+        hash_(mix(mix(seed) + pixel)) {}
 
-  /// The next four dimensions.
-  Uniform4 next() {
-    const std::uint32_t set = set_++;
-    if (kind_ == SequenceKind::kSobol) return sobol(set);
-    const auto words = philox4x32({sample_, set, pixel_, 0u}, key_);
-    return {to_unit(words[0]), to_unit(words[1]), to_unit(words[2]), to_unit(words[3])};
+  SequenceKind kind() const { return kind_; }
+
+  /// Independent numbers of any sample and set.
+  std::array<std::uint32_t, 4> independent(std::uint32_t sample, std::uint32_t set) const {
+    return philox4x32({sample, set, pixel_, 0u}, key_);
+  }
+
+  /// Sets are asked for in order by every photon, so the first ones are worth keeping.
+  Randomisation randomisation(std::uint32_t set) {
+    if (set >= kRemembered) return make(set);
+    while (known_ <= set) {
+      remembered_[known_] = make(known_);
+      ++known_;
+    }
+    return remembered_[set];
   }
 
  private:
+  // Two cache lines' worth; photons with more vertices are few.
+  static constexpr std::uint32_t kRemembered = 8;
+
   /// SplitMix64's finaliser (Steele, Lea and Flood, OOPSLA 2014).
   static std::uint64_t mix(std::uint64_t x) {
     x += 0x9E3779B97F4A7C15u;
@@ -52,22 +72,44 @@ class PhotonSequence {
     return x ^ (x >> 31);
   }
 
-  Uniform4 sobol(std::uint32_t set) const {
-    const std::uint64_t a = mix(pixel_hash_ + 3u * set);
-    const std::uint64_t b = mix(pixel_hash_ + 3u * set + 1u);
-    const std::uint64_t shuffle = mix(pixel_hash_ + 3u * set + 2u);
-    const __m128i seeds = _mm_set_epi64x(static_cast<long long>(b), static_cast<long long>(a));
-    const std::uint32_t index = owen_scramble(sample_, static_cast<std::uint32_t>(shuffle));
-    FourWords words;
-    _mm_store_si128(reinterpret_cast<__m128i*>(&words), owen_scramble(sobol4(index), seeds));
-    return {to_unit(words.lane[0]), to_unit(words.lane[1]), to_unit(words.lane[2]),
-            to_unit(words.lane[3])};
+  Randomisation make(std::uint32_t set) const {
+    const std::uint64_t first = hash_ + 3u * static_cast<std::uint64_t>(set);
+    return {
+        _mm_set_epi64x(static_cast<long long>(mix(first + 1u)), static_cast<long long>(mix(first))),
+        static_cast<std::uint32_t>(mix(first + 2u))};
   }
 
   SequenceKind kind_;
   std::array<std::uint32_t, 2> key_;
-  std::uint32_t pixel_, sample_, set_ = 0;
-  std::uint64_t pixel_hash_;
+  std::uint32_t pixel_;
+  std::uint32_t known_ = 0;
+  std::uint64_t hash_;
+  std::array<Randomisation, kRemembered> remembered_;
+};
+
+class PhotonSequence {
+ public:
+  PhotonSequence(PixelSequence& pixel, std::uint32_t sample) : pixel_(pixel), sample_(sample) {}
+
+  /// The next four dimensions.
+  Uniform4 next() {
+    const std::uint32_t set = set_++;
+    FourWords words;
+    if (pixel_.kind() == SequenceKind::kSobol) {
+      const auto randomisation = pixel_.randomisation(set);
+      const std::uint32_t index = owen_scramble(sample_, randomisation.shuffle);
+      _mm_store_si128(reinterpret_cast<__m128i*>(&words),
+                      owen_scramble(sobol4(index), randomisation.scrambles));
+    } else {
+      words.lane = pixel_.independent(sample_, set);
+    }
+    return {to_unit(words.lane[0]), to_unit(words.lane[1]), to_unit(words.lane[2]),
+            to_unit(words.lane[3])};
+  }
+
+ private:
+  PixelSequence& pixel_;
+  std::uint32_t sample_, set_ = 0;
 };
 
 }  // namespace nocturne

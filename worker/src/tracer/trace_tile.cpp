@@ -29,8 +29,9 @@ void trace_pixel(const Scene& scene, Film film, std::uint32_t x, std::uint32_t y
                  const TileRange& range, const Trace& trace, TileSums& tile, double* pixel) {
   const TracingOptions& options = scene.options;
   const bool lens = scene.camera.lens_radius > 0.0f;
+  PixelSequence pixel_sequence(options.sequence, options.seed, y * film.width + x);
   for (std::uint32_t sample = range.first_sample; sample < range.end_sample; ++sample) {
-    PhotonSequence sequence(options.sequence, options.seed, y * film.width + x, sample);
+    PhotonSequence sequence(pixel_sequence, sample);
     const Uniform4 u = sequence.next();
     const Uniform4 v = lens ? sequence.next() : Uniform4{};
     const Ray ray = scene.camera.ray(film, static_cast<float>(x) + u[0],

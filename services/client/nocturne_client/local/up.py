@@ -1,6 +1,7 @@
 """`nocturne up`: the whole service as children of one process, on one data folder."""
 
 import fcntl
+import http.client
 import json
 import os
 import signal
@@ -14,7 +15,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
-import httpx
 import platformdirs
 from rich.markup import escape
 from rich.panel import Panel
@@ -222,10 +222,15 @@ def _answers_ping(path: Path) -> bool:
 
 
 def _is_ready(port: int) -> bool:
+    # Asked fifty times a second while the API starts; a client of httpx costs 60 ms of processor to make.
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=2.0)
     try:
-        return httpx.get(f"{_url(port)}/readyz", timeout=2.0, trust_env=False).status_code == 200
-    except httpx.HTTPError:
+        connection.request("GET", "/readyz")
+        return connection.getresponse().status == 200
+    except (OSError, http.client.HTTPException):
         return False
+    finally:
+        connection.close()
 
 
 def _url(port: int) -> str:

@@ -1,0 +1,52 @@
+"""`python -m bench [NAME...] [--quick]`: one JSON line for each bench, kept in results/."""
+
+import argparse
+import json
+import sys
+
+from nocturne_client.errors import NocturneClientError
+
+from bench import mixture, sampling, service, traversal
+from bench.machine import load_average
+from bench.report import Bench, Figures, keep
+
+BENCHES: dict[str, Bench] = {
+    "traversal": traversal,
+    "service": service,
+    "mixture": mixture,
+    "sampling": sampling,
+}
+
+
+def main() -> int:
+    """Runs the benches asked for; the exit code is 1 where one could not run."""
+    parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
+    parser.add_argument(
+        "names", nargs="*", metavar="NAME", help=f"one of {', '.join(BENCHES)}; all by default"
+    )
+    parser.add_argument("--quick", action="store_true", help="small renders, to see that it works; not kept")
+    arguments = parser.parse_args()
+    unknown = sorted(set(arguments.names) - set(BENCHES))
+    if unknown:
+        parser.error(f"no bench {', '.join(unknown)}; expected one of {', '.join(BENCHES)}")
+    try:
+        for name in arguments.names or BENCHES:
+            figures = _run(BENCHES[name], arguments.quick)
+            print(json.dumps({"bench": name, **figures}), flush=True)
+            if not arguments.quick:
+                keep(name, figures, BENCHES)
+    except NocturneClientError as error:
+        print(f"bench: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _run(bench: Bench, quick: bool) -> Figures:
+    """The figures with the load average before and after: other programs' work, and our own."""
+    before = load_average()
+    figures = bench.run(quick)
+    return {**figures, "load_average": [before, load_average()]}
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,87 @@
+"""Runs our programs and says what they cost."""
+
+import json
+import os
+import resource
+import subprocess
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import OpenImageIO
+from nocturne_client.errors import NocturneClientError
+from nocturne_client.local.compiled import CompiledFolder
+from nocturne_client.local.programs import CHECKOUT, need_program
+
+Channel = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Traced:
+    """An image by nocturne-trace, and its cost."""
+
+    xyz: Channel
+    """Shape (height, width, 3), Y in cd/m2."""
+    y_error: Channel
+    """Standard error of Y as independent samples would have it, shape (height, width)."""
+    photons: int
+    tracing_cpu_s: float
+    """Without loading the scene and writing the image."""
+    process_cpu_s: float
+    process_wall_s: float
+
+
+def trace(compiled: CompiledFolder, threads: int | None = None) -> Traced:
+    """Runs nocturne-trace; all processors where `threads` is None."""
+    with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
+        image, statistics = Path(folder) / "image.exr", Path(folder) / "statistics.json"
+        files = [compiled.scene, "--plan", compiled.plan, "--blobs", compiled.blobs, "-o", image]
+        options = ["--threads", threads or os.cpu_count() or 1, "--statistics", statistics, "--quiet"]
+        cpu_s, wall_s = children_cpu_s(), time.monotonic()
+        run([need_program("nocturne-trace"), *files, *options])
+        cpu_s, wall_s = children_cpu_s() - cpu_s, time.monotonic() - wall_s
+        said: dict[str, Any] = json.loads(statistics.read_text())
+        xyz, y_error = read_image(image)
+    return Traced(xyz, y_error, said["photons"], said["cpu_seconds"], cpu_s, wall_s)
+
+
+def run(command: Sequence[object]) -> str:
+    """Gives what the program prints; NocturneClientError with its complaint where it fails."""
+    words = [str(word) for word in command]
+    done = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise NocturneClientError(f"{words[0]} failed ({done.returncode}): {done.stderr.strip()}")
+    return done.stdout
+
+
+def bench_program(name: str) -> Path:
+    """A program of bench/worker; NocturneClientError where it is not built."""
+    path = CHECKOUT / "build" / "release" / "bench" / name
+    if not path.is_file():
+        raise NocturneClientError(f"{path} is missing: build it with `make build`")
+    return path
+
+
+def children_cpu_s() -> float:
+    """User and system time of all children that have ended, seconds."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
+def running_cpu_s(pid: int) -> float:
+    """User and system time of a running process, seconds, in steps of 10 ms; see proc(5)."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def read_image(path: Path) -> tuple[Channel, Channel]:
+    """XYZ of shape (height, width, 3) and the standard error of Y of an EXR of ours."""
+    image = OpenImageIO.ImageBuf(str(path))
+    names = list(image.spec().channelnames)
+    pixels: Channel = np.asarray(image.get_pixels(OpenImageIO.FLOAT), dtype=np.float64)
+    return pixels[..., [names.index(name) for name in "XYZ"]], pixels[..., names.index("Y.stderr")]

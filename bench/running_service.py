@@ -1,0 +1,65 @@
+"""`nocturne up` as a child, for as long as a bench needs it."""
+
+import json
+import socket
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from nocturne_client import Client
+from nocturne_client.local.children import Child
+
+from bench.programs import running_cpu_s
+
+_START_S = 60.0
+_STOP_S = 30.0
+
+
+@dataclass(frozen=True)
+class RunningService:
+    """Where it is, and its processes by name."""
+
+    url: str
+    data: Path
+    pids: dict[str, int]
+
+    def cpu_s(self) -> dict[str, float]:
+        """User and system time so far, seconds, by process."""
+        return {name: running_cpu_s(pid) for name, pid in self.pids.items()}
+
+
+@contextmanager
+def running_service(workers: int, threads: int) -> Iterator[RunningService]:
+    """Starts it on a new data folder; stops it and removes the folder at the end."""
+    with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
+        data = Path(folder) / "data"
+        place = ["--data", str(data), "--port", str(_free_port_pair())]
+        fleet = ["--workers", str(workers), "--threads", str(threads)]
+        up = [sys.executable, "-m", "nocturne_client", "up", *place, *fleet]
+        child = Child("nocturne up", up, Path(folder) / "up.log")
+        child.start()
+        try:
+            # It writes this file when all of its children run.
+            child.wait_until((data / "service.json").exists, _START_S)
+            said = json.loads((data / "service.json").read_text())
+            with Client(said["url"]) as client:
+                child.wait_until(lambda: bool(client.workers()), _START_S)
+            yield RunningService(said["url"], data, {"up": child.pid, **said["children"]})
+        finally:
+            child.stop(_STOP_S)
+
+
+def _free_port_pair() -> int:
+    """A port that is free now, and the one above it too."""
+    while True:
+        with socket.socket() as first, socket.socket() as second:
+            first.bind(("127.0.0.1", 0))
+            port = int(first.getsockname()[1])
+            try:
+                second.bind(("127.0.0.1", port + 1))
+            except (OSError, OverflowError):
+                continue
+            return port

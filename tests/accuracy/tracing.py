@@ -1,0 +1,27 @@
+"""Scene documents through the compiler and nocturne-trace."""
+
+import json
+import subprocess
+from pathlib import Path
+from typing import Any, Literal
+
+from nocturne_client.local.compiled import compile_to
+from nocturne_client.local.programs import need_program
+
+from tests.system.images import Image
+
+Document = dict[str, Any]
+Method = Literal["adjoint", "path"]
+
+
+def trace(document: Document, folder: Path, edge: int, samples: int, method: Method = "adjoint") -> Image:
+    """The image of a scene, edge x edge pixels; `folder` is for files in between."""
+    scene = folder / "scene.json"
+    scene.write_text(json.dumps(document))
+    compiled = compile_to(scene, folder, edge, edge, samples)
+    output, statistics = folder / "image.exr", folder / "statistics.json"
+    command: list[str | Path] = [need_program("nocturne-trace"), compiled.scene, "-o", output, "--quiet"]
+    command += ["--plan", compiled.plan, "--blobs", compiled.blobs, "--statistics", statistics]
+    subprocess.run([*command, "--method", method], check=True)
+    assert json.loads(statistics.read_text())["rejected"] == 0
+    return Image.read(output)

@@ -1,0 +1,44 @@
+"""EXRs in memory, compared bit by bit."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+import numpy.typing as npt
+
+from tests.coordinator.service import read_exr
+
+Channel = npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Image:
+    """One rendered image."""
+
+    xyz: Channel
+    """Shape (height, width, 3), Y in cd/m2."""
+    y_error: Channel
+    """Standard error of Y, shape (height, width)."""
+    samples: npt.NDArray[np.uint32]
+    """Per pixel, shape (height, width)."""
+
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        return cls(*read_exr(path))
+
+    @property
+    def y(self) -> npt.NDArray[np.float64]:
+        return self.xyz[..., 1].astype(np.float64)
+
+
+def differing_values(one: Image, other: Image) -> dict[str, int]:
+    """How many values of each channel differ in any bit; empty where the images are the same."""
+    pairs = {
+        "XYZ": (one.xyz.view(np.uint32), other.xyz.view(np.uint32)),
+        "Y.stderr": (one.y_error.view(np.uint32), other.y_error.view(np.uint32)),
+        "n": (one.samples, other.samples),
+    }
+    assert all(a.shape == b.shape for a, b in pairs.values())
+    counts = {name: int(np.count_nonzero(a != b)) for name, (a, b) in pairs.items()}
+    return {name: count for name, count in counts.items() if count}

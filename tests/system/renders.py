@@ -1,0 +1,118 @@
+"""The render of the fault tests: the Cornell box, with cut tiles and a cut last range."""
+
+import sys
+import tempfile
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import numpy as np
+from nocturne_client import Client, Render
+
+from tests.system.images import Image
+from tests.system.service_processes import ServiceProcesses
+from tests.system.waiting import wait_for
+
+ROOT = Path(__file__).parents[2]
+CORNELL = ROOT / "scenes" / "cornell" / "scene.json"
+
+# 12 tiles, 9 ranges each; the last two hold more than half of the four million photons, so much is left
+# to do when the first ranges are committed.
+WIDTH, HEIGHT, SAMPLES = 100, 70, 600
+RANGES = 12 * 9
+
+_POLL_S = 0.05
+
+
+def submit(client: Client) -> str:
+    """Submits it; gives its id."""
+    return client.submit(CORNELL, WIDTH, HEIGHT, SAMPLES).id
+
+
+def has_ended(client: Client, render_id: str) -> bool:
+    return client.get(render_id).has_ended
+
+
+def is_in_mid_work(client: Client, render_id: str) -> bool:
+    """Some is committed, and some is not."""
+    return 0 < client.get(render_id).progress.ranges_done < RANGES
+
+
+def wait_for_more_ranges(client: Client, render_id: str, ranges: int) -> None:
+    """Waits until that many more than now are committed, or all."""
+    wanted = min(RANGES, client.get(render_id).progress.ranges_done + ranges)
+    wait_for(lambda: client.get(render_id).progress.ranges_done >= wanted, f"{wanted} ranges")
+
+
+def finished_image(client: Client, render_id: str) -> Image:
+    """Waits for the end, checks counts against the plan; gives the service's image."""
+    wait_for(lambda: has_ended(client, render_id), "the render to end")
+    render = client.get(render_id)
+    assert (render.state, render.reason) == ("SUCCEEDED", "")
+    assert render.progress.ranges_done == render.progress.ranges_planned == RANGES
+    assert render.progress.photons == WIDTH * HEIGHT * SAMPLES
+    assert render.progress.rejected == 0
+    with tempfile.TemporaryDirectory() as folder:
+        image = Image.read(client.download(render_id, "exr", Path(folder) / "image.exr"))
+    assert image.samples.shape == (HEIGHT, WIDTH)
+    assert np.all(image.samples == SAMPLES)
+    return image
+
+
+class FollowedRender:
+    """One that is looked at all the time."""
+
+    def __init__(self, service: ServiceProcesses) -> None:
+        self.id = submit(service.client)
+        self._service = service
+        self._seen: list[Render] = []
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._look)
+        self._thread.start()
+
+    def finished_image(self) -> Image:
+        """The service's image; checks counts against the plan, and that nothing is left in Redis."""
+        image = finished_image(self._service.client, self.id)
+        self._service.check_nothing_left()
+        return image
+
+    def stop_looking(self) -> None:
+        self._over.set()
+        self._thread.join()
+
+    def check_never_went_back(self) -> None:
+        """Neither totals nor previews."""
+        assert len(self._seen) > 1
+        _check_grows([render.sequence for render in self._seen])
+        _check_grows([render.progress.photons for render in self._seen])
+        _check_grows([render.progress.ranges_done for render in self._seen])
+        answer = httpx.get(f"{self._service.url}/v1/renders/{self.id}/convergence", trust_env=False)
+        _check_grows([point["photons"] for point in answer.json()["points"]])
+
+    def _look(self) -> None:
+        with Client(self._service.url) as client:
+            while not self._over.wait(_POLL_S):
+                self._seen.append(client.get(self.id))
+
+
+@contextmanager
+def followed_render(service: ServiceProcesses) -> Iterator[FollowedRender]:
+    """Submits the render; at the end, fails if what was merged, or a preview, ever went back."""
+    render = FollowedRender(service)
+    try:
+        yield render
+        render.stop_looking()
+        render.check_never_went_back()
+    except BaseException:
+        service.spoilt = True
+        sys.stderr.write(service.logs())
+        raise
+    finally:
+        render.stop_looking()
+
+
+def _check_grows(values: list[int]) -> None:
+    assert values
+    assert values == sorted(values)

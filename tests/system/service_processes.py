@@ -1,0 +1,166 @@
+"""The service put together by hand, so that tests can kill each part of it."""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import redis
+from nocturne.v1 import job_pb2
+from nocturne_client import Client
+from nocturne_client.local.programs import need_program
+from nocturne_coordinator import keys
+
+from tests.system.program import Program, free_port_pair
+from tests.system.waiting import wait_for
+
+# Short, so that tests do not wait long for what a killed worker had in hand.
+_LEASE_MS = 1000
+
+
+class ServiceProcesses:
+    """redis-server, coordinator, API, and workers of one thread each."""
+
+    def __init__(self, folder: Path) -> None:
+        """`folder` holds everything; its path must be short, for Unix sockets."""
+        self.spoilt = False
+        """A test failed with it: nothing is known of its state."""
+        self.workers: dict[str, Program] = {}
+        self._past_workers: list[Program] = []
+        self._folder = folder
+        self._socket = folder / "redis.sock"
+        port = free_port_pair()
+        self.url = f"http://127.0.0.1:{port}"
+        self.client = Client(self.url)
+        self.redis_server = self._program("redis", need_program("redis-server"), *self._redis_words())
+        self.coordinator = self._python(
+            *("nocturne_coordinator.main", "--redis", f"unix://{self._socket}", "--commit-seconds", "0.2")
+        )
+        self._api = self._python(
+            *("nocturne_api.main", "--port", str(port), "--grpc-port", str(port + 1)),
+            *("--grpc-unix", folder / "grpc.sock"),
+        )
+        # redis-py's answers are typed as maybe-awaitable.
+        self.queue: Any = redis.Redis.from_url(f"unix://{self._socket}", protocol=2)
+
+    def start(self) -> None:
+        """Starts all but workers."""
+        self.start_redis()
+        self.coordinator.start()
+        self._api.start()
+        wait_for(self._api_answers, "the API")
+
+    def close(self) -> None:
+        """Ends all processes at once: nothing of what they hold is of worth."""
+        for program in reversed(self._programs()):
+            program.kill()
+        self.queue.close()
+        self.client.close()
+
+    def logs(self) -> str:
+        """The end of each."""
+        return "\n".join(f"--- {program.log.name}\n{program.tail()}" for program in self._programs())
+
+    # Workers
+
+    def have_workers(self, count: int) -> None:
+        """Starts or ends some, so that there are that many."""
+        while len(self.workers) > count:
+            _, worker = self.workers.popitem()
+            self._past_workers.append(worker)
+            assert worker.end() == 0, worker.tail()
+        while len(self.workers) < count:
+            self.start_worker()
+
+    def start_worker(self) -> None:
+        """One more, under a new name."""
+        name = f"w{len(self.workers) + len(self._past_workers) + 1}"
+        worker = self._program(
+            name,
+            need_program("nocturne-worker"),
+            *("--redis", f"unix://{self._socket}", "--assets", f"unix:{self._folder / 'grpc.sock'}"),
+            *("--cache", self._folder / "cache", "--threads", "1", "--id", name),
+            *("--lease-ms", str(_LEASE_MS)),
+        )
+        worker.start()
+        self.workers[name] = worker
+
+    def kill_worker(self, name: str) -> None:
+        self.workers[name].kill()
+        self._past_workers.append(self.workers.pop(name))
+
+    def pause_workers(self) -> None:
+        for worker in self.workers.values():
+            worker.pause()
+
+    def let_workers_go_on(self) -> None:
+        for worker in self.workers.values():
+            worker.go_on()
+
+    # Queue
+
+    def start_redis(self) -> None:
+        """Empty, as it keeps nothing on disk."""
+        self._socket.unlink(missing_ok=True)
+        self.redis_server.start()
+        wait_for(self._redis_answers, "redis-server")
+
+    def jobs_held_by(self, worker: str) -> list[bytes]:
+        """Entries that the worker has taken and not yet acknowledged, after all that it has sent."""
+        self.queue.ping()
+        try:
+            pending = self.queue.xpending_range(keys.JOBS, keys.WORKERS_GROUP, "-", "+", 1000)
+        except redis.ResponseError:
+            # Redis lost all, and the coordinator has not made the group again yet.
+            return []
+        return [each["message_id"] for each in pending if each["consumer"].startswith(f"{worker}/".encode())]
+
+    def deliver_again(self) -> set[tuple[int, int]]:
+        """Copies all that waits on the result stream, in reverse; gives tile and first sample of each."""
+        copied = set()
+        for _, fields in self.queue.xrevrange(keys.RESULTS):
+            self.queue.xadd(keys.RESULTS, fields)
+            job = job_pb2.JobResult.FromString(fields[keys.RESULT_FIELD]).job
+            copied.add((job.tile_index, job.first_sample))
+        return copied
+
+    def check_nothing_left(self) -> None:
+        """No job, result or claim outlives the renders."""
+        for what, count in (
+            ("jobs to go", lambda: self.queue.xlen(keys.JOBS)),
+            ("results to go", lambda: self.queue.xlen(keys.RESULTS)),
+            ("claims to go", lambda: self.queue.xpending(keys.JOBS, keys.WORKERS_GROUP)["pending"]),
+        ):
+            wait_for(_is_zero(count), what)
+        known = {keys.JOBS, keys.RESULTS, keys.SESSION}
+        names = {name.decode() for name in self.queue.keys("*")}
+        assert {name for name in names - known if not name.startswith(keys.WORKER_PREFIX)} == set()
+
+    # Inside
+
+    def _programs(self) -> list[Program]:
+        return [self.redis_server, self.coordinator, self._api, *self.workers.values(), *self._past_workers]
+
+    def _program(self, name: str, *command: str | Path) -> Program:
+        return Program(command, self._folder / f"{name}.log")
+
+    def _python(self, module: str, *words: str | Path) -> Program:
+        return self._program(module, sys.executable, "-m", module, "--data", self._folder / "data", *words)
+
+    def _redis_words(self) -> list[str | Path]:
+        return ["--port", "0", "--unixsocket", self._socket, "--save", "", "--dir", self._folder]
+
+    def _redis_answers(self) -> bool:
+        assert self.redis_server.is_alive(), self.redis_server.tail()
+        try:
+            return bool(self.queue.ping())
+        except redis.RedisError:
+            return False
+
+    def _api_answers(self) -> bool:
+        assert self._api.is_alive(), self._api.tail()
+        return self.client.is_ready()
+
+
+def _is_zero(count: Callable[[], int]) -> Callable[[], bool]:
+    return lambda: count() == 0

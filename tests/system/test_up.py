@@ -1,0 +1,126 @@
+"""`nocturne up` and the commands that talk to it, as a user types them."""
+
+import json
+import re
+import subprocess
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from nocturne_client import Client
+from nocturne_coordinator.data_folder import DataFolder
+
+from tests.system.images import Image, differing_values
+from tests.system.program import is_running
+from tests.system.renders import (
+    CORNELL,
+    RANGES,
+    finished_image,
+    submit,
+    wait_for_more_ranges,
+)
+from tests.system.up import NOCTURNE, Up
+from tests.system.waiting import LIMIT_S, wait_for
+
+pytestmark = pytest.mark.system
+
+_SMALL = ["--width", "40", "--height", "30", "--samples", "16"]
+_ENDLESS = ["--width", "40", "--height", "30", "--samples", str(2**24)]
+
+
+def _nocturne(service: Up, *words: str | Path, status: int = 0) -> str:
+    """Runs the command line; gives its standard output."""
+    result = subprocess.run(
+        [NOCTURNE, *words, "--url", service.url], capture_output=True, text=True, timeout=LIMIT_S, check=False
+    )
+    assert result.returncode == status, result.stderr
+    return result.stdout
+
+
+def test_submit_watch_list_get(running_service: Up, tmp_path: Path) -> None:
+    render_id = _nocturne(running_service, "submit", CORNELL, *_SMALL, "--name", "small", "--watch").strip()
+    lines = _nocturne(running_service, "list", "--json").splitlines()
+    listed: dict[str, Any] = next(each for each in map(json.loads, lines) if each["id"] == render_id)
+    assert (listed["name"], listed["state"]) == ("small", "SUCCEEDED")
+
+    exr, png = tmp_path / "image.exr", tmp_path / "image.png"
+    _nocturne(running_service, "get", render_id, "--exr", exr, "--png", png)
+    assert Image.read(exr).samples.tolist() == [[16] * 40] * 30
+    assert png.read_bytes().startswith(b"\x89PNG")
+
+
+def test_cancel(running_service: Up) -> None:
+    render_id = _nocturne(running_service, "submit", CORNELL, *_ENDLESS).strip()
+    with Client(running_service.url) as client:
+        wait_for(lambda: client.get(render_id).progress.ranges_done > 0, "the render to start")
+        _nocturne(running_service, "cancel", render_id)
+        # Its end is not success.
+        _nocturne(running_service, "watch", render_id, status=1)
+        render = client.get(render_id)
+        assert (render.state, render.reason) == ("CANCELLED", "Cancelled by request.")
+        assert 0 < render.progress.photons < 40 * 30 * 2**24
+
+
+def test_the_page_is_served(running_service: Up) -> None:
+    answer = httpx.get(running_service.url, trust_env=False)
+    assert answer.status_code == 200
+    assert re.search(r'<script[^>]* src="/assets/', answer.text), "the page is not built"
+
+
+def test_doctor_finds_all_that_this_test_needs() -> None:
+    result = subprocess.run([NOCTURNE, "doctor", "--json"], capture_output=True, check=False)
+    findings = json.loads(result.stdout)
+    assert [each for each in findings if each["needed"] and not each["ok"]] == []
+    assert result.returncode == 0
+
+
+def test_a_second_service_on_the_folder_refuses(running_service: Up) -> None:
+    before = running_service.children()
+    second = subprocess.run(
+        [NOCTURNE, "up", "--data", running_service.data, "--port", "1"],
+        capture_output=True,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+    )
+    assert second.returncode == 2
+    # Where the first one is.
+    assert running_service.url in second.stderr
+    assert running_service.children() == before
+
+
+def test_ctrl_c_stops_all_and_the_next_start_goes_on(tmp_path: Path, traced_alone: Image) -> None:
+    with Up(tmp_path) as service, Client(service.url) as client:
+        render_id = submit(client)
+        wait_for_more_ranges(client, render_id, 1)
+        children = service.children()
+        assert set(children) == {"redis", "coordinator", "api", "worker-1"}
+        assert all(is_running(pid) for pid in children.values())
+        assert service.stop() == 0
+        assert not any(is_running(pid) for pid in children.values())
+        assert list(service.temporary.iterdir()) == []
+        assert not (service.data / "service.json").exists()
+        assert 0 < _committed_ranges(service.data, render_id) < RANGES, "there is nothing left to do"
+
+        service.start()
+        image = finished_image(client, render_id)
+    assert differing_values(image, traced_alone) == {}
+
+
+def _committed_ranges(data: Path, render_id: str) -> int:
+    """As the data folder has it, without a service."""
+    with closing(DataFolder(data)) as folder:
+        return folder.get_render(render_id).ranges_done
+
+
+def test_no_child_outlives_a_killed_parent(tmp_path: Path) -> None:
+    with Up(tmp_path) as service:
+        children = service.children()
+        service.program.kill()
+        wait_for(lambda: not any(is_running(pid) for pid in children.values()), "all children to end")
+        # The folder is free again, although nothing was put in order.
+        service.start()
+        assert not set(service.children().values()) & set(children.values())
+        assert service.stop() == 0

@@ -1,0 +1,84 @@
+"""`nocturne up` as a real process."""
+
+import json
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, Self
+
+import httpx
+
+from tests.system.program import Program, free_port_pair
+from tests.system.waiting import wait_for
+
+NOCTURNE = Path(sys.executable).with_name("nocturne")
+
+
+class Up:
+    """The whole service on free ports; its data folder outlives it. Use it as a context manager."""
+
+    def __init__(self, folder: Path, workers: int = 1, threads: int = 2) -> None:
+        """`folder` holds data, temporary files and the log; its path must be short, for Unix sockets."""
+        self.data = folder / "data"
+        self.temporary = folder / "tmp"
+        self.temporary.mkdir(parents=True, exist_ok=True)
+        self._port = free_port_pair()
+        self.url = f"http://127.0.0.1:{self._port}"
+        self.grpc = f"127.0.0.1:{self._port + 1}"
+        command = [str(NOCTURNE), "up", "--data", str(self.data), "--port", str(self._port)]
+        fleet = ["--workers", str(workers), "--threads", str(threads)]
+        environment = {"TMPDIR": str(self.temporary)}
+        self.program = Program([*command, *fleet], folder / "up.log", environment)
+
+    def __enter__(self) -> Self:
+        try:
+            self.start()
+        except BaseException:
+            self.close()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def start(self) -> None:
+        """Returns when everything runs."""
+        self.program.start()
+        wait_for(self._is_up, "`nocturne up` to be up")
+
+    def stop(self) -> int:
+        """Ctrl-C; gives the exit code."""
+        return self.program.end(signal.SIGINT)
+
+    def close(self) -> None:
+        """Ends it, whatever state it is in: children die with their parent."""
+        if self.program.is_alive():
+            try:
+                self.stop()
+            except subprocess.TimeoutExpired:
+                self.program.kill()
+        shutil.rmtree(self.temporary, ignore_errors=True)
+
+    def children(self) -> dict[str, int]:
+        """Process ids by name."""
+        children: dict[str, int] = self._said()["children"]
+        return children
+
+    def _said(self) -> dict[str, Any]:
+        """What it tells other programs of itself; empty while it says nothing."""
+        try:
+            said: dict[str, Any] = json.loads((self.data / "service.json").read_text())
+        except FileNotFoundError:
+            return {}
+        return said
+
+    def _is_up(self) -> bool:
+        assert self.program.is_alive(), f"`nocturne up` ended: {self.program.tail()}"
+        if self._said().get("pid") != self.program.pid:
+            return False
+        try:
+            return httpx.get(f"{self.url}/readyz", trust_env=False).status_code == 200
+        except httpx.TransportError:
+            return False
