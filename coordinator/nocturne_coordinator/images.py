@@ -65,8 +65,8 @@ def variance_of_mean(sums: Sums, counts: Counts) -> Pixels:
 def relative_error(sums: Sums, counts: Counts) -> float:
     """Root mean square over pixels of Y's standard error relative to Y; 0 where unknown.
 
-    Each pixel's variance is divided by Y^2 + 0.01 M^2, M the image's mean Y: a lamp in the picture does not drown the
-    error of what it lights, and black pixels do not make it infinite.
+    Each pixel's variance is divided by Y^2 + 0.01 M^2, M the image's mean Y: a lamp in the picture does not
+    drown the error of what it lights, and black pixels do not make it infinite.
     """
     y = sums[..., 1] / np.maximum(counts, 1)
     mean = float(np.mean(y))

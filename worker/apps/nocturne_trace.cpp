@@ -52,6 +52,16 @@ FilmPlan checked_plan(const v1::RenderPlan& plan) {
           {plan.range_ends().data(), static_cast<std::size_t>(plan.range_ends_size())}};
 }
 
+std::string plan_json(const v1::RenderPlan& plan) {
+  std::string ends;
+  for (const std::uint32_t end : plan.range_ends()) {
+    ends += (ends.empty() ? "" : ",") + std::to_string(end);
+  }
+  return "{\"width\":" + std::to_string(plan.width()) +
+         ",\"height\":" + std::to_string(plan.height()) +
+         ",\"tileSize\":" + std::to_string(plan.tile_size()) + ",\"rangeEnds\":[" + ends + "]}";
+}
+
 FindBlob blobs_in(const std::string& folder) {
   return [folder](const std::string& sha256) {
     const auto path = std::filesystem::path(folder) / sha256.substr(0, 2) / sha256;
@@ -104,7 +114,7 @@ void run(const Options& options) {
   const double cpu = process_cpu_seconds() - cpu_before;
 
   write_exr(options.output, plan.film.width, plan.film.height, image.sums, plan.range_ends.back(),
-            {sha256_of_file(options.scene), v1::ENGINE_CURRENT});
+            {sha256_of_file(options.scene), plan_json(plan_message), v1::ENGINE_CURRENT});
   if (!options.statistics.empty()) {
     write_statistics(options.statistics, image, cpu, wall.count());
   }

@@ -51,6 +51,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->required();
   app.add_option("--cache", arguments.cache.folder, "folder for scenes and meshes")->required();
   app.add_option("--threads", arguments.threads, "jobs at the same time")
+      ->envname("NOCTURNE_THREADS")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   app.add_option("--lease-ms", arguments.lease_ms,

@@ -10,6 +10,8 @@ namespace nocturne {
 /// What an image says of its making.
 struct ImageProvenance {
   std::string scene_sha256;
+  /// The plan as JSON, as the service spells it.
+  std::string plan;
   std::uint32_t engine;
 };
 
