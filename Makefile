@@ -73,7 +73,7 @@ format:  ## Put code into the agreed form
 	ruff format --quiet .
 
 unit: build  ## Tests of single parts: C++, Python, page
-	ctest --test-dir build/release --output-on-failure --no-tests=error
+	ctest --test-dir build/release --parallel 2 --output-on-failure --no-tests=error
 	pytest -m "not system"
 	npm --prefix services/web run --silent test
 
