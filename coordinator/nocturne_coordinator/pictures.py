@@ -12,7 +12,7 @@ from .store.ledger import Ledger
 _log = logging.getLogger(__name__)
 
 _PREVIEW_SECONDS = 1.0
-_PREVIEW_SHARE = 0.02
+_PREVIEW_SHARE = 0.01
 _FIRST_IMAGE_SECONDS = 10.0
 _IMAGE_SECONDS = 60.0
 _IMAGE_SHARE = 0.003
