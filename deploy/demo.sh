@@ -13,7 +13,7 @@ if ! ready; then
     mkdir -p data
     setsid nocturne up --data data --port "$port" >data/service.log 2>&1 </dev/null &
     service=$!
-    for _ in $(seq 150); do
+    for _ in $(seq 600); do
         ready && break
         kill -0 "$service" 2>/dev/null || { echo "The service stopped:" >&2; tail -n 20 data/service.log >&2; exit 1; }
         sleep 0.2

@@ -24,7 +24,8 @@ from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.children import Child
 from nocturne_client.local.programs import CHECKOUT, need_program
 
-_START_S = 30.0
+# Twenty times what it takes on an idle machine.
+_START_S = 120.0
 # A worker finishes or hands back its job; the others have nothing that takes long.
 _GRACE_S = 5.0
 _TEND_S = 0.2
