@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "tracer/mixture.h"
+#include "tracer/vertex.h"
 
 namespace nocturne {
 namespace {
@@ -44,21 +45,16 @@ PhotonResult trace_photon(const Scene& scene, Ray ray, float wavelength_nm,
     ++result.rays;
     const auto hit = scene.geometry.intersect(ray);
     if (!hit) return result;
-    const SurfaceMaterial material = scene.materials[hit->surface];
-    if (material.luminaire != SurfaceMaterial::kNoLuminaire) {
-      result.radiance += weight * scene.luminaires[material.luminaire].emitted(
-                                      hit->normal, -ray.direction, wavelength_nm);
-    }
+    result.radiance += weight * emitted(scene, *hit, -ray.direction, wavelength_nm);
     if (depth == scene.options.maximum_depth) return result;
 
-    const bool from_behind = dot(hit->normal, ray.direction) > 0.0f;
-    const Frame frame(from_behind ? -hit->normal : hit->normal);
+    const Frame frame = facing_frame(*hit, ray.direction);
     const auto scattered = std::visit(
         [&](const auto& kernel) {
           return scatter(scene, kernel.bind(wavelength_nm), frame, *hit, ray.direction, weight,
                          sequence);
         },
-        scene.kernels[material.kernel]);
+        scene.kernels[scene.materials[hit->surface].kernel]);
     if (!scattered) return result;
     weight *= scattered->factor;
     ray = {leave_surface(hit->position, hit->normal, scattered->direction), scattered->direction};

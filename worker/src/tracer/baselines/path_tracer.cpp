@@ -3,16 +3,10 @@
 #include <algorithm>
 
 #include "kernels/kernel.h"
-#include "math/frame.h"
+#include "tracer/vertex.h"
 
 namespace nocturne::baselines {
 namespace {
-
-float emitted(const Scene& scene, const Hit& hit, Vec3 towards, float wavelength_nm) {
-  const std::uint32_t luminaire = scene.materials[hit.surface].luminaire;
-  if (luminaire == SurfaceMaterial::kNoLuminaire) return 0.0f;
-  return scene.luminaires[luminaire].emitted(hit.normal, towards, wavelength_nm);
-}
 
 // Light that arrives straight from a luminaire: a direction towards one, and the nearest surface
 // there.
@@ -45,8 +39,7 @@ PhotonResult trace_path(const Scene& scene, Ray ray, float wavelength_nm,
     if (depth == 0) result.radiance += emitted(scene, *hit, -ray.direction, wavelength_nm);
     if (depth == scene.options.maximum_depth) return result;
 
-    const bool from_behind = dot(hit->normal, ray.direction) > 0.0f;
-    const Frame frame(from_behind ? -hit->normal : hit->normal);
+    const Frame frame = facing_frame(*hit, ray.direction);
     const Vec3 wo = frame.to_local(-ray.direction);
     const bool goes_on = std::visit(
         [&](const auto& any) {
