@@ -32,7 +32,7 @@ COMMIT_SECONDS = 1.0
 _MIRROR_SECONDS = 2.0
 _WAIT_MILLISECONDS = 100
 _SHORTEST_ROUND = 0.005
-_LONGEST_ROUND = 0.2
+_LONGEST_ROUND = 0.05
 _ROUNDS_PER_JOB = 3.0
 """Results that come one by one are taken together, which costs less; yet the window is filled several times
 in the time that a job takes through it, so no worker waits for that."""

@@ -41,11 +41,20 @@ def kill_redis(service: ServiceProcesses, render_id: str) -> bool:
     return hit
 
 
-def flush(service: ServiceProcesses, _: str) -> bool:
-    """FLUSHALL while jobs are on their way."""
-    with service.queue.pipeline(transaction=True) as transaction:
-        jobs, _ok = transaction.xlen(keys.JOBS).flushall().execute()
-    return int(jobs) > 0
+def flush(service: ServiceProcesses, render_id: str) -> bool:
+    """FLUSHALL while jobs are on their way: their number is asked for in the same transaction."""
+    hit = False
+
+    def flushed_with_jobs() -> bool:
+        nonlocal hit
+        if service.queue.xlen(keys.JOBS):
+            with service.queue.pipeline(transaction=True) as transaction:
+                jobs, _ok = transaction.xlen(keys.JOBS).flushall().execute()
+            hit = int(jobs) > 0
+        return hit or has_ended(service.client, render_id)
+
+    wait_for(flushed_with_jobs, "jobs to be on their way")
+    return hit
 
 
 def deliver_waiting_results_again(service: ServiceProcesses, render_id: str) -> bool:
