@@ -8,6 +8,9 @@ PYTHON := .venv/bin/python
 # Debian's own, so that every machine resolves requirements.lock alike
 SYSTEM_PYTHON := /usr/bin/python3.11
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
+# The compiler cache serves every clone on a machine, not only the folder that filled it.
+export CCACHE_BASEDIR := $(CURDIR)
+export CCACHE_NOHASHDIR := 1
 PROTOS := $(wildcard proto/nocturne/v1/*.proto)
 WEB_SOURCES := $(shell find services/web/src services/web/public -type f 2>/dev/null) \
   $(addprefix services/web/,index.html package.json package-lock.json tsconfig.json vite.config.ts)
