@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "assets/errors.h"
-#include "assets/sha256.h"
+#include "digest/sha256.h"
 #include "log/log.h"
 #include "tracer/trace_tile.h"
 #include "worker_loop/worker_options.h"

@@ -9,7 +9,7 @@
 #include <map>
 #include <thread>
 
-#include "assets/sha256.h"
+#include "digest/sha256.h"
 #include "image/write_exr.h"
 #include "nocturne/v1/job.pb.h"
 #include "scene/load_scene.h"

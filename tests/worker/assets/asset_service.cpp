@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "assets/sha256.h"
+#include "digest/sha256.h"
 
 namespace nocturne::test {
 

@@ -7,7 +7,7 @@
 
 #include "assets/download.h"
 #include "assets/errors.h"
-#include "assets/sha256.h"
+#include "digest/sha256.h"
 #include "log/log.h"
 
 namespace nocturne {

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "assets/sha256.h"
+#include "digest/sha256.h"
 
 namespace nocturne {
 

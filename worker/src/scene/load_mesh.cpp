@@ -3,22 +3,13 @@
 #include <bit>
 #include <fstream>
 
+#include "digest/sha256.h"
+
 namespace nocturne {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "packed meshes are read as they sit");
 static_assert(sizeof(Vec3) == 12 && sizeof(std::array<std::uint32_t, 3>) == 12);
-
-std::string hexadecimal(const std::string& digest) {
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string text;
-  for (const char c : digest) {
-    const auto byte = static_cast<unsigned char>(c);
-    text += kDigits[byte >> 4];
-    text += kDigits[byte & 15];
-  }
-  return text;
-}
 
 void check(const TriangleMesh& mesh, const std::string& name) {
   for (const Vec3& v : mesh.vertices) {
@@ -39,7 +30,7 @@ void check(const TriangleMesh& mesh, const std::string& name) {
 
 TriangleMesh load_mesh(const v1::Mesh& message, const FindBlob& find_blob) {
   if (message.blob().size() != 32) throw SceneError("a mesh blob is not named by a SHA-256");
-  const std::string name = hexadecimal(message.blob());
+  const std::string name = to_hex(message.blob());
   const std::uint64_t vertices = message.vertex_count(), triangles = message.triangle_count();
   if (vertices == 0 || triangles == 0) throw SceneError("mesh " + name + " is empty");
   const auto path = find_blob(name);
