@@ -1,11 +1,14 @@
-// A function of wavelength: a constant, or linear between equally spaced values. Unit as used
-// (reflectance: 1; radiance: W m-2 sr-1 nm-1); wavelengths in nm.
+// A function of wavelength: a constant, or linear between equally spaced values; plus lines. Unit
+// as used (reflectance: 1; radiance: W m-2 sr-1 nm-1); wavelengths in nm.
 #pragma once
 
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
 #include <vector>
+
+#include "spectrum/lines.h"
+#include "spectrum/spectral.h"
 
 namespace nocturne {
 
@@ -25,7 +28,38 @@ class Spectrum {
     }
   }
 
+  /// The sum of both.
+  Spectrum(Spectrum table, Lines lines) : Spectrum(std::move(table)) {
+    lines_ = std::move(lines);
+    has_lines_ = !lines_.empty();
+  }
+
   float operator()(float wavelength_nm) const {
+    const float table = in_table(wavelength_nm);
+    return has_lines_ ? table + lines_(wavelength_nm) : table;
+  }
+
+  template <int N>
+  Spectral<N> operator()(const Spectral<N>& wavelengths_nm) const {
+    Spectral<N> all = each([this](float nm) { return in_table(nm); }, wavelengths_nm);
+    // One branch for a group; most spectra have no lines.
+    if (has_lines_) all += each([this](float nm) { return lines_(nm); }, wavelengths_nm);
+    return all;
+  }
+
+  float least() const { return *std::min_element(values_.begin(), values_.end()); }
+
+  /// From `first` to `last`, nm, first < last; exact, however narrow what is in between.
+  double mean_between(double first, double last) const {
+    return (table_integral(first, last) + lines_.integral(first, last)) / (last - first);
+  }
+
+  /// Over the wavelengths that sensors see (those of the CIE's observers): for choices that may not
+  /// depend on a photon's wavelength.
+  float mean() const { return static_cast<float>(mean_between(360.0, 830.0)); }
+
+ private:
+  float in_table(float wavelength_nm) const {
     const float position = (wavelength_nm - first_nm_) * inverse_step_;
     if (zero_outside_ && (position < 0.0f || position > last_)) return 0.0f;
     const float clamped = std::clamp(position, 0.0f, last_);
@@ -34,18 +68,31 @@ class Spectrum {
     return values_[cell] + t * (values_[cell + 1] - values_[cell]);
   }
 
-  float mean() const {
+  double table_integral(double first, double last) const {
+    if (inverse_step_ == 0.0f) return values_[0] * (last - first);
+    const double step = 1.0 / inverse_step_;
+    const double a = (first - first_nm_) / step, b = (last - first_nm_) / step;
     double sum = 0.0;
-    for (const float value : values_) sum += value;
-    return static_cast<float>(sum / static_cast<double>(values_.size()));
+    if (!zero_outside_) {
+      sum += values_.front() * std::max(0.0, std::min(b, 0.0) - a);
+      sum += values_.back() * std::max(0.0, b - std::max<double>(a, last_));
+    }
+    for (std::size_t cell = 0; cell + 1 < values_.size(); ++cell) {
+      const double from = std::clamp(a - static_cast<double>(cell), 0.0, 1.0);
+      const double to = std::clamp(b - static_cast<double>(cell), 0.0, 1.0);
+      const double middle = 0.5 * (from + to);
+      sum += (to - from) * (values_[cell] + middle * (values_[cell + 1] - values_[cell]));
+    }
+    return sum * step;
   }
 
- private:
   float first_nm_ = 0.0f;
   float inverse_step_ = 0.0f;  // zero makes a constant: every position is 0
   float last_ = 1.0f;
   bool zero_outside_ = false;
+  bool has_lines_ = false;
   std::vector<float> values_;
+  Lines lines_;
 };
 
 }  // namespace nocturne
