@@ -19,7 +19,7 @@ class SceneBuilder {
   v1::CompiledScene message;
 
   SceneBuilder() {
-    message.set_format(1);
+    message.set_format(2);
     auto& s = *message.mutable_sensor();
     s.mutable_right()->set_x(1);
     s.mutable_up()->set_y(1);
@@ -40,17 +40,19 @@ class SceneBuilder {
     t.set_weight_kernel(0.65);
     t.set_weight_luminaires(0.35);
     t.set_sequence(v1::SAMPLE_SEQUENCE_SOBOL);
+    t.set_group(1);
   }
 
   /// A quad or sphere is set on the surface that is returned.
   v1::Surface& add_surface(float reflectance, float radiance, bool two_sided = false) {
     auto& surface = *message.add_surfaces();
     surface.set_kernel(static_cast<std::uint32_t>(message.kernels_size()));
-    message.add_kernels()->mutable_lambertian()->set_reflectance(add_spectrum(reflectance));
+    message.add_kernels()->mutable_lambertian()->mutable_reflectance()->set_spectrum(
+        add_spectrum(reflectance));
     if (radiance > 0.0f) {
       auto& luminaire = *message.add_luminaires();
       luminaire.set_surface(static_cast<std::uint32_t>(message.surfaces_size()) - 1);
-      luminaire.set_radiance(add_spectrum(radiance));
+      luminaire.mutable_radiance()->set_spectrum(add_spectrum(radiance));
       luminaire.set_two_sided(two_sided);
     }
     return surface;
@@ -103,7 +105,6 @@ class SceneBuilder {
     to.set_z(v.z);
   }
 
- private:
   std::uint32_t add_spectrum(float value) {
     message.add_spectra()->add_values(value);
     return static_cast<std::uint32_t>(message.spectra_size()) - 1;

@@ -2,12 +2,55 @@
 // at a vertex.
 #pragma once
 
+#include <cstddef>
+#include <stdexcept>
+#include <utility>
 #include <variant>
+#include <vector>
 
-#include "kernels/lambertian.h"
+#include "kernels/blend.h"
 
 namespace nocturne {
 
-using AnyKernel = std::variant<Lambertian>;
+using AnyKernel = std::variant<Lambertian, DiffuseTransmitter, Conductor, Dielectric, ThinPane,
+                               CoatedDiffuse, Measured, Phong, Passage, Blend>;
+
+/// Throws std::invalid_argument unless every blend has 1 to 8 parts that are there and no blends.
+inline void check_blends(const std::vector<AnyKernel>& kernels) {
+  for (const AnyKernel& kernel : kernels) {
+    const Blend* blend = std::get_if<Blend>(&kernel);
+    if (blend == nullptr) continue;
+    if (blend->parts.empty() || blend->parts.size() > BoundBlend<1>::kMostParts) {
+      throw std::invalid_argument("a blend has 1 to 8 parts");
+    }
+    for (const Blend::Part& part : blend->parts) {
+      if (part.kernel >= kernels.size())
+        throw std::invalid_argument("a blend of a kernel that is not there");
+      if (std::holds_alternative<Blend>(kernels[part.kernel])) {
+        throw std::invalid_argument("a blend of a blend");
+      }
+    }
+  }
+}
+
+/// f(bound kernel) for the kernel at `index`; blends as check_blends wants them.
+template <int N, class F>
+decltype(auto) visit_bound(const std::vector<AnyKernel>& kernels, std::size_t index,
+                           const Shading<N>& shading, F&& f) {
+  // The commonest kernel without a jump through a table: it is inlined, and plain scenes cost what
+  // they would cost without all others.
+  if (const auto* lambertian = std::get_if<Lambertian>(&kernels[index])) [[likely]] {
+    return f(lambertian->bind(shading));
+  }
+  return std::visit(
+      [&](const auto& kernel) -> decltype(auto) {
+        if constexpr (requires { kernel.bind(shading); }) {
+          return std::forward<F>(f)(kernel.bind(shading));
+        } else {
+          return std::forward<F>(f)(kernel.bind(kernels, shading));
+        }
+      },
+      kernels[index]);
+}
 
 }  // namespace nocturne

@@ -1,36 +1,108 @@
-// What every kernel is: the way a surface (later a medium) scatters. A kernel is first bound to a
-// photon's wavelength, which evaluates its spectra once; the bound kernel answers four questions in
-// the local frame, normal along +z, with `wo` where the photon came from and `wi` where it goes,
-// both pointing away from the surface, wo.z > 0.
+// What every kernel is: the way a surface (later a medium) scatters. A kernel is first bound to the
+// wavelengths of a group of photons and a point, which evaluates its spectra once; the bound kernel
+// answers questions in the local frame, normal along +z on the side that the photon came from, with
+// `wo` where it came from and `wi` where it goes, both unit, pointing away from the surface, wo.z >
+// 0. Directions with wi.z < 0 leave on the other side.
+//
+// A kernel may have a smooth part, with a density over directions, and delta parts (mirror, smooth
+// glass), which send photons along single directions.
 #pragma once
 
 #include <concepts>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "math/vec3.h"
+#include "parameters/surface_point.h"
 #include "pdfs/directions.h"
+#include "spectrum/spectral.h"
 
 namespace nocturne {
 
-template <class B>
-concept BoundKernel = requires(const B& b, Vec3 wo, Vec3 wi, float u) {
-  /// H: the integral of value over wi, in [0, 1].
-  { b.albedo(wo) } -> std::same_as<float>;
-  /// BRDF times cosine (or phase function times albedo), 1/sr, not negative.
-  { b.value(wo, wi) } -> std::same_as<float>;
-  /// A direction from two uniform numbers; empty where none is drawn.
-  { b.sample(wo, u, u) } -> std::same_as<std::optional<Vec3>>;
-  /// Density of sample, 1/sr.
-  { b.pdf(wo, wi) } -> std::same_as<float>;
+/// What the photon carries, which matters where the index of refraction changes: radiance scales
+/// with its square, flux doesn't.
+enum class Transport {
+  kAdjoint,  // from the sensor; measures radiance
+  kForward,  // from the luminaires; carries flux
+};
+
+/// What a kernel may depend on besides directions.
+template <int N>
+struct Shading {
+  /// nm, one for each photon.
+  Spectral<N> wavelengths;
+  /// Of refraction: on the side that the photon came from, and beyond.
+  Spectral<N> index_from = 1.0f, index_to = 1.0f;
+  SurfacePoint point = {};
+  Transport transport = Transport::kAdjoint;
+};
+
+/// Three uniform numbers in [0, 1): `part` chooses between parts of the kernel, u and v the
+/// direction.
+struct KernelNumbers {
+  float part, u, v;
+};
+
+template <int N>
+inline constexpr std::uint32_t kAllTogether = (1u << N) - 1u;
+
+template <int N>
+struct Draw {
+  Vec3 wi;
+  /// Drawn from a delta part: `factor` is that part's value over its probability, for each photon.
+  bool delta = false;
+  Spectral<N> factor = 1.0f;
+  /// Bit i: photon i would have drawn the same from the same numbers. The others go their own way.
+  std::uint32_t together = kAllTogether<N>;
+
+  /// Photons that drew nothing while others of the group may draw something: their way ends here.
+  static Draw ended(std::uint32_t together) {
+    return {.wi = {0.0f, 0.0f, 1.0f}, .delta = true, .factor = 0.0f, .together = together};
+  }
+};
+
+template <class B, int N>
+concept BoundKernel = requires(const B& b, Vec3 wo, Vec3 wi, const KernelNumbers& numbers,
+                               std::size_t lead) {
+  /// H: the share of the energy that goes on, over all wi and parts, in [0, 1].
+  { b.albedo(wo) } -> std::same_as<Spectral<N>>;
+  /// Of the smooth part: BRDF or BTDF times cosine (or phase function times albedo), 1/sr, not
+  /// negative.
+  { b.value(wo, wi) } -> std::same_as<Spectral<N>>;
+  /// A direction for photon `lead`; empty where no photon of the group draws one. Where only
+  /// some draw none, a delta draw with factor 0.
+  { b.sample(wo, numbers, lead) } -> std::same_as<std::optional<Draw<N>>>;
+  /// Density of sample over directions, 1/sr, for each photon. Integrates to 1 less the
+  /// probability of the delta parts.
+  { b.pdf(wo, wi) } -> std::same_as<Spectral<N>>;
+  /// Whether there is a smooth part.
+  { b.smooth() } -> std::same_as<bool>;
+  /// Whether the smooth part sends anything to the other side.
+  { b.transmits() } -> std::same_as<bool>;
 };
 
 /// The default sampling of an opaque kernel, which any other must agree with. Inherit it to start a
 /// new kernel.
+template <int N>
 struct UniformSampling {
-  static std::optional<Vec3> sample(Vec3, float u1, float u2) {
-    return UniformHemisphere::sample(u1, u2);
+  static std::optional<Draw<N>> sample(Vec3, const KernelNumbers& numbers, std::size_t) {
+    return Draw<N>{.wi = UniformHemisphere::sample(numbers.u, numbers.v)};
   }
-  static float pdf(Vec3, Vec3 wi) { return UniformHemisphere::pdf(wi); }
+  static Spectral<N> pdf(Vec3, Vec3 wi) { return UniformHemisphere::pdf(wi); }
+  static constexpr bool smooth() { return true; }
+  static constexpr bool transmits() { return false; }
+};
+
+/// The same for one that transmits.
+template <int N>
+struct UniformSphereSampling {
+  static std::optional<Draw<N>> sample(Vec3, const KernelNumbers& numbers, std::size_t) {
+    return Draw<N>{.wi = UniformSphere::sample(numbers.u, numbers.v)};
+  }
+  static Spectral<N> pdf(Vec3, Vec3) { return UniformSphere::pdf(); }
+  static constexpr bool smooth() { return true; }
+  static constexpr bool transmits() { return true; }
 };
 
 }  // namespace nocturne

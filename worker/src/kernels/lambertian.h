@@ -2,27 +2,34 @@
 #pragma once
 
 #include "kernels/kernel.h"
-#include "spectrum/spectrum.h"
+#include "parameters/colour.h"
 
 namespace nocturne {
 
-struct BoundLambertian {
-  float reflectance;
+template <int N>
+struct BoundLambertian : UniformSampling<N> {
+  Spectral<N> reflectance;
 
-  float albedo(Vec3) const { return reflectance; }
-  float value(Vec3, Vec3 wi) const { return reflectance * CosineHemisphere::pdf(wi); }
-  static std::optional<Vec3> sample(Vec3, float u1, float u2) {
-    return CosineHemisphere::sample(u1, u2);
+  explicit BoundLambertian(const Spectral<N>& r) : reflectance(r) {}
+
+  Spectral<N> albedo(Vec3) const { return reflectance; }
+  Spectral<N> value(Vec3, Vec3 wi) const { return CosineHemisphere::pdf(wi) * reflectance; }
+  static std::optional<Draw<N>> sample(Vec3, const KernelNumbers& numbers, std::size_t) {
+    return Draw<N>{.wi = CosineHemisphere::sample(numbers.u, numbers.v)};
   }
-  static float pdf(Vec3, Vec3 wi) { return CosineHemisphere::pdf(wi); }
+  static Spectral<N> pdf(Vec3, Vec3 wi) { return CosineHemisphere::pdf(wi); }
 };
-static_assert(BoundKernel<BoundLambertian>);
+static_assert(BoundKernel<BoundLambertian<1>, 1> && BoundKernel<BoundLambertian<4>, 4> &&
+              BoundKernel<BoundLambertian<8>, 8>);
 
 /// Reflectance in [0, 1].
 struct Lambertian {
-  Spectrum reflectance;
+  Colour reflectance;
 
-  BoundLambertian bind(float wavelength_nm) const { return {reflectance(wavelength_nm)}; }
+  template <int N>
+  BoundLambertian<N> bind(const Shading<N>& shading) const {
+    return BoundLambertian<N>(reflectance(shading.point, shading.wavelengths));
+  }
 };
 
 }  // namespace nocturne

@@ -22,6 +22,12 @@ struct UniformHemisphere {
   static float pdf(Vec3 w) { return w.z > 0.0f ? 0.5f * kInvPi : 0.0f; }
 };
 
+/// Uniform over all directions.
+struct UniformSphere {
+  static Vec3 sample(float u1, float u2) { return direction_from_z(1.0f - 2.0f * u1, u2); }
+  static float pdf() { return 0.25f * kInvPi; }
+};
+
 /// In proportion to the cosine, by Shirley and Chiu's concentric map (J. Graphics Tools 2(3),
 /// 1997).
 struct CosineHemisphere {

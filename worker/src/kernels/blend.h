@@ -1,0 +1,148 @@
+// A sum of other kernels with weights that add up to 1. What is drawn chooses a part in proportion
+// to its weight, the same for all wavelengths; value and density are those of the sum. An opacity
+// mask is a blend of a surface and a Passage.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "kernels/coated_diffuse.h"
+#include "kernels/conductor.h"
+#include "kernels/dielectric.h"
+#include "kernels/diffuse_transmitter.h"
+#include "kernels/lambertian.h"
+#include "kernels/measured.h"
+#include "kernels/passage.h"
+#include "kernels/phong.h"
+#include "kernels/thin_pane.h"
+#include "parameters/scalar.h"
+
+namespace nocturne {
+
+/// A kernel that is not a blend, bound. Passage first: an unused one costs nothing.
+template <int N>
+using AnyBoundPart = std::variant<BoundPassage<N>, BoundLambertian<N>, BoundDiffuseTransmitter<N>,
+                                  BoundConductor<N>, BoundDielectric<N>, BoundThinPane<N>,
+                                  BoundCoatedDiffuse<N>, BoundMeasured<N>, BoundPhong<N>>;
+
+template <int N>
+class BoundBlend {
+ public:
+  static constexpr std::size_t kMostParts = 8;
+
+  /// At most kMostParts times. A part of weight 0 is left out.
+  void add(float weight, AnyBoundPart<N> part) {
+    if (!(weight > 0.0f)) return;
+    parts_[count_].weight = weight;
+    parts_[count_].kernel = std::move(part);
+    total_ += weight;
+    ++count_;
+  }
+
+  Spectral<N> albedo(Vec3 wo) const {
+    return sum([&](const auto& kernel) { return Spectral<N>(kernel.albedo(wo)); });
+  }
+  Spectral<N> value(Vec3 wo, Vec3 wi) const {
+    return sum([&](const auto& kernel) { return Spectral<N>(kernel.value(wo, wi)); });
+  }
+  Spectral<N> pdf(Vec3 wo, Vec3 wi) const {
+    return sum([&](const auto& kernel) { return Spectral<N>(kernel.pdf(wo, wi)); }) / total_;
+  }
+  std::optional<Draw<N>> sample(Vec3 wo, KernelNumbers numbers, std::size_t lead) const {
+    if (count_ == 0) return std::nullopt;
+    float left = numbers.part * total_;
+    std::size_t chosen = 0;
+    while (chosen + 1 < count_ && left >= parts_[chosen].weight) left -= parts_[chosen++].weight;
+    // What is left of the number is uniform again.
+    constexpr float kLargestBelowOne = 0x1.fffffep-1f;
+    numbers.part = std::clamp(left / parts_[chosen].weight, 0.0f, kLargestBelowOne);
+    auto draw = std::visit(
+        [&](const auto& kernel) {
+          return std::optional<Draw<N>>(kernel.sample(wo, numbers, lead));
+        },
+        parts_[chosen].kernel);
+    if (draw && draw->delta) draw->factor *= Spectral<N>(total_);
+    return draw;
+  }
+  bool smooth() const {
+    return any([](const auto& kernel) { return kernel.smooth(); });
+  }
+  bool transmits() const {
+    return any([](const auto& kernel) { return kernel.transmits(); });
+  }
+
+ private:
+  struct Part {
+    float weight = 0.0f;
+    AnyBoundPart<N> kernel;
+  };
+
+  template <class F>
+  Spectral<N> sum(const F& of) const {
+    Spectral<N> r = 0.0f;
+    for (std::size_t i = 0; i < count_; ++i)
+      r += parts_[i].weight * std::visit(of, parts_[i].kernel);
+    return r;
+  }
+  template <class F>
+  bool any(const F& of) const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (std::visit(of, parts_[i].kernel)) return true;
+    }
+    return false;
+  }
+
+  std::array<Part, kMostParts> parts_;
+  std::size_t count_ = 0;
+  float total_ = 0.0f;
+};
+static_assert(BoundKernel<BoundBlend<1>, 1> && BoundKernel<BoundBlend<4>, 4> &&
+              BoundKernel<BoundBlend<8>, 8>);
+
+struct Blend {
+  /// A weight in [0, 1], or what is left of it.
+  struct Factor {
+    Scalar weight;
+    bool complement = false;
+  };
+  /// Index of a kernel that is not a blend; weight is the product of the factors.
+  struct Part {
+    std::uint32_t kernel;
+    std::vector<Factor> factors;
+
+    float weight(const SurfacePoint& point) const {
+      float product = 1.0f;
+      for (const Factor& factor : factors) {
+        const float w = std::clamp(factor.weight(point), 0.0f, 1.0f);
+        product *= factor.complement ? 1.0f - w : w;
+      }
+      return product;
+    }
+  };
+  /// At most 8.
+  std::vector<Part> parts;
+
+  /// `kernels` is a range of variants.
+  template <int N, class Kernels>
+  BoundBlend<N> bind(const Kernels& kernels, const Shading<N>& shading) const {
+    BoundBlend<N> bound;
+    for (const Part& part : parts) {
+      const float weight = part.weight(shading.point);
+      if (!(weight > 0.0f)) continue;
+      std::visit(
+          [&](const auto& kernel) {
+            if constexpr (requires { kernel.bind(shading); })
+              bound.add(weight, kernel.bind(shading));
+          },
+          kernels[part.kernel]);
+    }
+    return bound;
+  }
+};
+
+}  // namespace nocturne

@@ -1,0 +1,71 @@
+// Metal with the complex index n + i k: a mirror, or GGX microfacets with single scattering.
+//   BRDF = F(wo.h) D(h) G2(wo, wi) / (4 cos cos)
+// Walter et al. 2007, equation 20; D and G2 as in ggx.h, F as in fresnel.h. Light that bounces
+// between facets is lost, as in the model's source: at roughness 1 up to two thirds.
+#pragma once
+
+#include <algorithm>
+#include <utility>
+
+#include "kernels/fresnel.h"
+#include "kernels/kernel.h"
+#include "kernels/roughness.h"
+#include "spectrum/spectrum.h"
+
+namespace nocturne {
+
+template <int N>
+struct BoundConductor {
+  /// Relative to the index on the side of the light.
+  Spectral<N> n, k;
+  BoundRoughness roughness;
+
+  /// Of a mirror: more than a rough one sends on, up to the dependence of F on the angle.
+  Spectral<N> albedo(Vec3 wo) const { return fresnel(std::min(1.0f, wo.z)); }
+
+  Spectral<N> value(Vec3 wo, Vec3 wi) const {
+    if (roughness.smooth || wi.z <= 0.0f) return 0.0f;
+    const Vec3 h = half_vector(wo, wi);
+    const Ggx& ggx = roughness.ggx;
+    return ggx.reflection_pdf(wo, h) * ggx.reflection_weight(wo, wi) *
+           fresnel(std::clamp(dot(wo, h), 0.0f, 1.0f));
+  }
+
+  std::optional<Draw<N>> sample(Vec3 wo, const KernelNumbers& numbers, std::size_t) const {
+    if (roughness.smooth) {
+      return Draw<N>{.wi = {-wo.x, -wo.y, wo.z}, .delta = true, .factor = albedo(wo)};
+    }
+    const Vec3 h = roughness.ggx.sample_visible(wo, numbers.u, numbers.v);
+    const Vec3 wi = normalized(reflected(wo, h));
+    if (wi.z <= 0.0f) return std::nullopt;
+    return Draw<N>{.wi = wi};
+  }
+
+  Spectral<N> pdf(Vec3 wo, Vec3 wi) const {
+    if (roughness.smooth || wi.z <= 0.0f) return 0.0f;
+    return roughness.ggx.reflection_pdf(wo, half_vector(wo, wi));
+  }
+  bool smooth() const { return !roughness.smooth; }
+  static constexpr bool transmits() { return false; }
+
+ private:
+  Spectral<N> fresnel(float cosine) const {
+    return each([cosine](float a, float b) { return fresnel_conductor(cosine, a, b); }, n, k);
+  }
+};
+static_assert(BoundKernel<BoundConductor<1>, 1> && BoundKernel<BoundConductor<4>, 4> &&
+              BoundKernel<BoundConductor<8>, 8>);
+
+struct Conductor {
+  /// Against vacuum, not negative.
+  Spectrum n, k;
+  Roughness roughness;
+
+  template <int N>
+  BoundConductor<N> bind(const Shading<N>& shading) const {
+    return {n(shading.wavelengths) / shading.index_from,
+            k(shading.wavelengths) / shading.index_from, roughness(shading.point)};
+  }
+};
+
+}  // namespace nocturne

@@ -1,0 +1,138 @@
+// The boundary between two dielectrics: smooth, or GGX microfacets with single scattering.
+// Walter et al., EGSR 2007, equations 20 (reflection) and 21 (refraction), D and G2 as in ggx.h.
+// Radiance that crosses the boundary scales with the square of the index, so an adjoint photon's
+// transmission carries (index_from / index_to)^2 and a forward one's doesn't: Veach, PhD thesis,
+// Stanford 1997, section 5.2.
+//
+// Each photon reflects with the probability that Fresnel's equations give it, so those of a group
+// part where they decide differently, and where they refract into different directions.
+#pragma once
+
+#include <algorithm>
+
+#include "kernels/fresnel.h"
+#include "kernels/kernel.h"
+#include "kernels/roughness.h"
+
+namespace nocturne {
+
+template <int N>
+struct BoundDielectric {
+  /// index_to / index_from.
+  Spectral<N> ratio;
+  /// Of transmission.
+  Spectral<N> scale;
+  BoundRoughness roughness;
+
+  static Spectral<N> albedo(Vec3) { return 1.0f; }
+
+  Spectral<N> value(Vec3 wo, Vec3 wi) const {
+    if (roughness.smooth) return 0.0f;
+    const bool reflects = wi.z > 0.0f;
+    const float weight = reflects ? roughness.ggx.reflection_weight(wo, wi)
+                                  : roughness.ggx.transmission_weight(wo, wi);
+    const Spectral<N> weighed = weight * pdf(wo, wi);
+    return reflects ? weighed : weighed * scale;
+  }
+
+  Spectral<N> pdf(Vec3 wo, Vec3 wi) const {
+    if (roughness.smooth || wi.z == 0.0f) return 0.0f;
+    Spectral<N> r;
+    for (std::size_t i = 0; i < N; ++i) {
+      r[i] = i > 0 && ratio[i] == ratio[i - 1] ? r[i - 1] : rough_pdf(wo, wi, ratio[i]);
+    }
+    return r;
+  }
+
+  std::optional<Draw<N>> sample(Vec3 wo, const KernelNumbers& numbers, std::size_t lead) const {
+    const bool delta = roughness.smooth;
+    if (passes(ratio[lead])) {
+      return Draw<N>{.wi = -wo, .delta = true, .factor = scale, .together = those([&](float r) {
+                                                                  return passes(r);
+                                                                })};
+    }
+    const Vec3 h =
+        delta ? Vec3{0.0f, 0.0f, 1.0f} : roughness.ggx.sample_visible(wo, numbers.u, numbers.v);
+    const float cosine = std::clamp(dot(wo, h), 0.0f, 1.0f);
+    if (numbers.part < reflectance(cosine, ratio[lead])) {
+      const auto together =
+          those([&](float r) { return !passes(r) && numbers.part < reflectance(cosine, r); });
+      const Vec3 wi = delta ? Vec3{-wo.x, -wo.y, wo.z} : normalized(reflected(wo, h));
+      if (wi.z <= 0.0f) return Draw<N>::ended(together);
+      return Draw<N>{.wi = wi, .delta = delta, .together = together};
+    }
+    const auto together = those([&](float r) { return r == ratio[lead]; });
+    const Vec3 wi = refracted(wo, h, cosine, ratio[lead]);
+    if (wi.z >= 0.0f) return Draw<N>::ended(together);
+    return Draw<N>{.wi = wi, .delta = delta, .factor = delta ? scale : 1.0f, .together = together};
+  }
+
+  bool smooth() const {
+    return !roughness.smooth && those([&](float r) { return !passes(r); }) != 0u;
+  }
+  bool transmits() const { return smooth(); }
+
+ private:
+  /// Equal indices: no boundary. Of a rough one also where the indices are so close that single
+  /// precision can't tell the facet from the two directions (less than 1e-10 is reflected there).
+  bool passes(float r) const {
+    return r == 1.0f || (!roughness.smooth && std::fabs(r - 1.0f) < 2e-5f);
+  }
+
+  template <class Condition>
+  std::uint32_t those(const Condition& condition) const {
+    std::uint32_t mask = 0;
+    for (std::size_t i = 0; i < N; ++i) mask |= condition(ratio[i]) ? 1u << i : 0u;
+    return mask;
+  }
+
+  /// In double: indices may differ by little.
+  static float reflectance(float cosine, float r) {
+    return static_cast<float>(fresnel_dielectric<double>(cosine, r));
+  }
+
+  static Vec3 refracted(Vec3 wo, Vec3 h, float cosine, float r) {
+    const float g = std::sqrt(std::max(0.0f, (r - 1.0f) * (r + 1.0f) + cosine * cosine));
+    return normalized((cosine - g) * h - wo);
+  }
+
+  float rough_pdf(Vec3 wo, Vec3 wi, float r) const {
+    if (passes(r)) return 0.0f;
+    const Ggx& ggx = roughness.ggx;
+    if (wi.z > 0.0f) {
+      const Vec3 h = half_vector(wo, wi);
+      return reflectance(std::clamp(dot(wo, h), 0.0f, 1.0f), r) * ggx.reflection_pdf(wo, h);
+    }
+    const Vec3 h = half_vector(wo, wi, r);
+    const float o = dot(wo, h), i = dot(wi, h);
+    if (!(o > 0.0f && i < 0.0f)) return 0.0f;
+    // Walter's equation 17, r^2 |wi.h| / (wo.h + r wi.h)^2, without the difference: with the cosine
+    // c on the thinner side and the index ratio n > 1, the other side's is g / n, g^2 = n^2 - 1 +
+    // c^2, and both factors are sums. From the denser side g would itself be a difference.
+    const bool from_thinner = r > 1.0f;
+    const double n = from_thinner ? static_cast<double>(r) : 1.0 / static_cast<double>(r);
+    const double c = std::min(1.0, static_cast<double>(from_thinner ? o : -i));
+    const double contrast = (n - 1.0) * (n + 1.0), g = std::sqrt(contrast + c * c);
+    const double root = (g + c) / contrast;
+    const double jacobian = (from_thinner ? n * g : c) * root * root;
+    return static_cast<float>((1.0 - fresnel_dielectric(c, n)) *
+                              static_cast<double>(ggx.visible(wo, h)) * jacobian);
+  }
+};
+static_assert(BoundKernel<BoundDielectric<1>, 1> && BoundKernel<BoundDielectric<4>, 4> &&
+              BoundKernel<BoundDielectric<8>, 8>);
+
+/// The indices of refraction come with the shading: a photon knows what it is in.
+struct Dielectric {
+  Roughness roughness;
+
+  template <int N>
+  BoundDielectric<N> bind(const Shading<N>& shading) const {
+    const Spectral<N> inverse = shading.index_from / shading.index_to;
+    return {shading.index_to / shading.index_from,
+            shading.transport == Transport::kAdjoint ? inverse * inverse : Spectral<N>(1.0f),
+            roughness(shading.point)};
+  }
+};
+
+}  // namespace nocturne

@@ -1,0 +1,30 @@
+// Lets everything through unchanged, as if the surface weren't there: the clear part of an opacity
+// mask.
+#pragma once
+
+#include "kernels/kernel.h"
+
+namespace nocturne {
+
+template <int N>
+struct BoundPassage {
+  static Spectral<N> albedo(Vec3) { return 1.0f; }
+  static Spectral<N> value(Vec3, Vec3) { return 0.0f; }
+  static std::optional<Draw<N>> sample(Vec3 wo, const KernelNumbers&, std::size_t) {
+    return Draw<N>{.wi = -wo, .delta = true};
+  }
+  static Spectral<N> pdf(Vec3, Vec3) { return 0.0f; }
+  static constexpr bool smooth() { return false; }
+  static constexpr bool transmits() { return false; }
+};
+static_assert(BoundKernel<BoundPassage<1>, 1> && BoundKernel<BoundPassage<4>, 4> &&
+              BoundKernel<BoundPassage<8>, 8>);
+
+struct Passage {
+  template <int N>
+  BoundPassage<N> bind(const Shading<N>&) const {
+    return {};
+  }
+};
+
+}  // namespace nocturne

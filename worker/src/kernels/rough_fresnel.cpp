@@ -1,0 +1,122 @@
+#include "kernels/rough_fresnel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "kernels/fresnel.h"
+#include "kernels/ggx.h"
+
+namespace nocturne {
+namespace {
+
+// Nodes: the square roots of alpha and of the cosine equally spaced in [0, 1], so that they are
+// close together where little roughness meets grazing angles; log2 of the ratio in [-1, 2] in steps
+// of 1/16, with a node at ratio 1.
+constexpr std::size_t kAlphas = 17, kCosines = 25, kRatios = 49;
+constexpr float kRatiosPerOctave = 16.0f;
+constexpr int kNormals = 12;
+
+struct Cell {
+  std::size_t index;
+  float t;
+};
+
+Cell cell(float position, std::size_t nodes) {
+  const float clamped = std::clamp(position, 0.0f, static_cast<float>(nodes - 1));
+  const std::size_t index = std::min(static_cast<std::size_t>(clamped), nodes - 2);
+  return {index, clamped - static_cast<float>(index)};
+}
+
+float mix(float a, float b, float t) { return a + t * (b - a); }
+
+std::size_t place(std::size_t ratio, std::size_t alpha) { return ratio * kAlphas + alpha; }
+
+double average(double cosine, float alpha, double ratio) {
+  const Ggx ggx{alpha, alpha};
+  const Vec3 wo{static_cast<float>(std::sqrt((1.0 - cosine) * (1.0 + cosine))), 0.0f,
+                static_cast<float>(cosine)};
+  double sum = 0.0;
+  for (int i = 0; i < kNormals; ++i) {
+    for (int j = 0; j < kNormals; ++j) {
+      // The half circle: wo lies in the plane y = 0.
+      const Vec3 h = ggx.sample_visible(wo, (static_cast<float>(i) + 0.5f) / kNormals,
+                                        0.5f * (static_cast<float>(j) + 0.5f) / kNormals);
+      const auto facing = static_cast<double>(std::clamp(dot(wo, h), 0.0f, 1.0f));
+      sum += fresnel_dielectric(facing, ratio);
+    }
+  }
+  return sum / (kNormals * kNormals);
+}
+
+struct Place {
+  Cell ratio, alpha;
+  Place(float alpha_value, float ratio_value)
+      : ratio(cell((std::log2(ratio_value) + 1.0f) * kRatiosPerOctave, kRatios)),
+        alpha(cell(std::sqrt(alpha_value) * static_cast<float>(kAlphas - 1), kAlphas)) {}
+
+  template <class F>
+  float interpolate(const F& at) const {
+    const auto along = [&](std::size_t r) {
+      return mix(at(place(r, alpha.index)), at(place(r, alpha.index + 1)), alpha.t);
+    };
+    return mix(along(ratio.index), along(ratio.index + 1), ratio.t);
+  }
+};
+
+}  // namespace
+
+const RoughFresnel& RoughFresnel::instance() {
+  static const RoughFresnel tables;
+  return tables;
+}
+
+RoughFresnel::RoughFresnel()
+    : difference_(kRatios * kAlphas * kCosines), mean_difference_(kRatios * kAlphas) {
+  for (std::size_t r = 0; r < kRatios; ++r) {
+    const double ratio = std::exp2(static_cast<double>(r) / kRatiosPerOctave - 1.0);
+    for (std::size_t a = 1; a < kAlphas; ++a) {
+      const float root_alpha = static_cast<float>(a) / static_cast<float>(kAlphas - 1);
+      const float alpha = root_alpha * root_alpha;
+      float* row = &difference_[place(r, a) * kCosines];
+      for (std::size_t c = 0; c < kCosines; ++c) {
+        const double root = static_cast<double>(c) / static_cast<double>(kCosines - 1);
+        const double cosine = std::max(1e-6, root * root);
+        row[c] =
+            static_cast<float>(average(cosine, alpha, ratio) - fresnel_dielectric(cosine, ratio));
+      }
+      // 2 x the integral of d(x) mu dmu, mu = x^2: 4 d(x) x^3 dx, d linear in each cell.
+      double mean = 0.0;
+      for (std::size_t c = 0; c + 1 < kCosines; ++c) {
+        const double x0 = static_cast<double>(c) / (kCosines - 1);
+        const double x1 = static_cast<double>(c + 1) / (kCosines - 1);
+        const double slope =
+            (static_cast<double>(row[c + 1]) - static_cast<double>(row[c])) / (x1 - x0);
+        const double base = static_cast<double>(row[c]) - slope * x0;
+        mean += base * (std::pow(x1, 4) - std::pow(x0, 4)) +
+                slope * 0.8 * (std::pow(x1, 5) - std::pow(x0, 5));
+      }
+      mean_difference_[place(r, a)] = static_cast<float>(mean);
+    }
+  }
+}
+
+float RoughFresnel::reflectance(float cosine, float alpha, float ratio) const {
+  const Cell c =
+      cell(std::sqrt(std::max(0.0f, cosine)) * static_cast<float>(kCosines - 1), kCosines);
+  const float difference = Place(alpha, ratio).interpolate([&](std::size_t p) {
+    const float* row = &difference_[p * kCosines];
+    return mix(row[c.index], row[c.index + 1], c.t);
+  });
+  const auto exact =
+      static_cast<float>(fresnel_dielectric<double>(std::clamp(cosine, 0.0f, 1.0f), ratio));
+  return std::clamp(exact + difference, 0.0f, 1.0f);
+}
+
+float RoughFresnel::hemispherical(float alpha, float ratio) const {
+  const float difference =
+      Place(alpha, ratio).interpolate([&](std::size_t p) { return mean_difference_[p]; });
+  return std::clamp(static_cast<float>(hemispherical_reflectance(ratio)) + difference, 0.0f, 1.0f);
+}
+
+}  // namespace nocturne
