@@ -2,48 +2,27 @@
 
 #include <gtest/gtest.h>
 
-#include "pdfs/directions.h"
-#include "sampling/philox.h"
-#include "sampling/sequence.h"
+#include "surfaces/test_shapes.h"
 
 namespace nocturne {
 namespace {
 
-TriangleMesh box(float half, Vec3 centre) {
-  TriangleMesh mesh;
-  for (int i = 0; i < 8; ++i) {
-    mesh.vertices.push_back(
-        centre + half * Vec3{i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f});
-  }
-  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  return mesh;
-}
-
-Vec3 any_direction(std::uint32_t i) {
-  const auto words = philox4x32({i, 4, 5, 6}, {7, 8});
-  return direction_from_z(1.0f - 2.0f * to_unit(words[0]), to_unit(words[1]));
-}
+using test::any_direction;
+using test::box;
 
 TEST(Geometry, ReportsSurfacePositionAndOutwardNormal) {
   const Geometry geometry({box(1.0f, {5, 0, 0}), Sphere{0, 0, 0, 2.0}});
-  const auto sphere = geometry.intersect({{-10, 0, 0}, {1, 0, 0}});
+  const auto sphere = geometry.intersect({{-10, 0, 0}, {1, 0, 0}}, 0.0f);
   ASSERT_TRUE(sphere);
   EXPECT_EQ(sphere->surface, 1u);
   EXPECT_FLOAT_EQ(sphere->position.x, -2.0f);
   EXPECT_FLOAT_EQ(sphere->normal.x, -1.0f);
-  const auto face = geometry.intersect({{20, 0.3f, 0.1f}, {-1, 0, 0}});
+  const auto face = geometry.intersect({{20, 0.3f, 0.1f}, {-1, 0, 0}}, 0.0f);
   ASSERT_TRUE(face);
   EXPECT_EQ(face->surface, 0u);
   EXPECT_FLOAT_EQ(face->position.x, 6.0f);
   EXPECT_FLOAT_EQ(face->normal.x, 1.0f);
-  EXPECT_FALSE(geometry.intersect({{0, 50, 0}, {0, 1, 0}}));
-}
-
-TEST(Geometry, OccludedSeesOnlyWhatIsNearer) {
-  const Geometry geometry({Sphere{0, 0, 0, 1.0}});
-  EXPECT_TRUE(geometry.occluded({{-5, 0, 0}, {1, 0, 0}}, 4.5f));
-  EXPECT_FALSE(geometry.occluded({{-5, 0, 0}, {1, 0, 0}}, 3.5f));
+  EXPECT_FALSE(geometry.intersect({{0, 50, 0}, {0, 1, 0}}, 0.0f));
 }
 
 // From inside a closed box, at several places and sizes, no ray gets out and no ray meets the
@@ -55,11 +34,11 @@ TEST(Geometry, ClosedBoxLosesNoRay) {
       const Geometry geometry({box(size, centre)});
       Ray ray{centre, any_direction(0)};
       for (std::uint32_t i = 1; i < 20'000; ++i) {
-        const auto hit = geometry.intersect(ray);
+        const auto hit = geometry.intersect(ray, 0.0f);
         ASSERT_TRUE(hit) << "size " << size << " offset " << offset << " bounce " << i;
         Vec3 direction = any_direction(i);
         if (dot(direction, hit->normal) > 0.0f) direction = -direction;  // stay inside
-        ray = {leave_surface(hit->position, hit->normal, direction), direction};
+        ray = {leave_surface(*hit, direction), direction};
         ASSERT_LT(max_abs(ray.origin - centre), 1.0001f * size);
       }
     }
@@ -67,7 +46,7 @@ TEST(Geometry, ClosedBoxLosesNoRay) {
 }
 
 TEST(Geometry, VisitsEveryCrossingOnce) {
-  const Geometry geometry({box(1.0f, {0, 0, 0}), box(2.0f, {0, 0, 0})},
+  const Geometry geometry({box(1.0f, {0, 0, 0}), Sphere{0, 0, 0, 1.5}, box(2.0f, {0, 0, 0})},
                           Geometry::Queries::kCrossings);
   int visits = 0;
   float sum = 0.0f;

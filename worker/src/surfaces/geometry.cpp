@@ -2,12 +2,15 @@
 
 #include <embree3/rtcore.h>
 
-#include <cstring>
+#include <cmath>
 #include <limits>
+#include <list>
+#include <map>
 #include <stdexcept>
 #include <string>
 
-#include "surfaces/sphere_intersection.h"
+#include "surfaces/embree_callbacks.h"
+#include "surfaces/locate.h"
 
 namespace nocturne {
 namespace {
@@ -17,68 +20,7 @@ namespace {
 // (docs/decisions/0003).
 constexpr const char* kDeviceConfiguration = "isa=avx2,threads=1,set_affinity=0";
 
-// What Embree calls for a sphere: it has only the pointer given at construction.
-struct SphereGeometry {
-  Sphere sphere;
-  unsigned geometry_id;
-};
-
-void sphere_bounds(const RTCBoundsFunctionArguments* arguments) {
-  const Sphere& s = static_cast<const SphereGeometry*>(arguments->geometryUserPtr)->sphere;
-  // Rounded outwards: two units in the last place cover the conversion to float.
-  const auto below = [](double v) {
-    return static_cast<float>(v - 2.0 * std::numeric_limits<float>::epsilon() * std::fabs(v));
-  };
-  const auto above = [](double v) {
-    return static_cast<float>(v + 2.0 * std::numeric_limits<float>::epsilon() * std::fabs(v));
-  };
-  RTCBounds& box = *arguments->bounds_o;
-  box.lower_x = below(s.x - s.radius);
-  box.lower_y = below(s.y - s.radius);
-  box.lower_z = below(s.z - s.radius);
-  box.upper_x = above(s.x + s.radius);
-  box.upper_y = above(s.y + s.radius);
-  box.upper_z = above(s.z + s.radius);
-}
-
-// The first crossing within (near, far) of the ray, as Embree's callbacks see it.
-std::optional<float> first_crossing(const Sphere& sphere, RTCRayN* ray, unsigned n, unsigned i) {
-  const auto crossings = cross_sphere(sphere, RTCRayN_org_x(ray, n, i), RTCRayN_org_y(ray, n, i),
-                                      RTCRayN_org_z(ray, n, i), RTCRayN_dir_x(ray, n, i),
-                                      RTCRayN_dir_y(ray, n, i), RTCRayN_dir_z(ray, n, i));
-  if (!crossings) return std::nullopt;
-  for (const double t : {crossings->near, crossings->far}) {
-    if (t > RTCRayN_tnear(ray, n, i) && t < RTCRayN_tfar(ray, n, i)) return static_cast<float>(t);
-  }
-  return std::nullopt;
-}
-
-void sphere_intersect(const RTCIntersectFunctionNArguments* arguments) {
-  const auto& geometry = *static_cast<const SphereGeometry*>(arguments->geometryUserPtr);
-  RTCRayN* ray = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
-  RTCHitN* hit = RTCRayHitN_HitN(arguments->rayhit, arguments->N);
-  for (unsigned i = 0; i < arguments->N; ++i) {
-    if (arguments->valid[i] == 0) continue;
-    const auto t = first_crossing(geometry.sphere, ray, arguments->N, i);
-    if (!t) continue;
-    RTCRayN_tfar(ray, arguments->N, i) = *t;
-    RTCHitN_geomID(hit, arguments->N, i) = geometry.geometry_id;
-    RTCHitN_primID(hit, arguments->N, i) = 0;
-    RTCHitN_instID(hit, arguments->N, i, 0) = RTC_INVALID_GEOMETRY_ID;
-  }
-}
-
-void sphere_occluded(const RTCOccludedFunctionNArguments* arguments) {
-  const auto& geometry = *static_cast<const SphereGeometry*>(arguments->geometryUserPtr);
-  for (unsigned i = 0; i < arguments->N; ++i) {
-    if (arguments->valid[i] == 0) continue;
-    if (first_crossing(geometry.sphere, arguments->ray, arguments->N, i)) {
-      RTCRayN_tfar(arguments->ray, arguments->N, i) = -std::numeric_limits<float>::infinity();
-    }
-  }
-}
-
-RTCRay embree_ray(const Ray& ray, float distance) {
+RTCRay embree_ray(const Ray& ray, float time) {
   RTCRay r;
   r.org_x = ray.origin.x;
   r.org_y = ray.origin.y;
@@ -87,8 +29,8 @@ RTCRay embree_ray(const Ray& ray, float distance) {
   r.dir_y = ray.direction.y;
   r.dir_z = ray.direction.z;
   r.tnear = 0.0f;
-  r.tfar = distance;
-  r.time = 0.0f;
+  r.tfar = std::numeric_limits<float>::infinity();
+  r.time = time;
   r.mask = ~0u;
   r.id = 0;
   r.flags = 0;
@@ -119,116 +61,185 @@ void visit_crossing(const RTCFilterFunctionNArguments* arguments) {
   }
 }
 
-// The point from the barycentric coordinates: its error depends on the triangle's coordinates, not
-// on the ray's length.
-Hit triangle_hit(const TriangleMesh& mesh, const RTCHit& hit) {
-  const auto& corners = mesh.triangles[hit.primID];
-  const Vec3 a = mesh.vertices[corners[0]], b = mesh.vertices[corners[1]],
-             c = mesh.vertices[corners[2]];
-  const Vec3 ab = b - a, ac = c - a;
-  return {a + hit.u * ab + hit.v * ac, normalized(cross(ab, ac)), hit.geomID};
-}
-
-Hit sphere_hit(const Sphere& s, const RTCRay& ray, unsigned surface) {
-  const double x = ray.org_x + static_cast<double>(ray.tfar) * ray.dir_x - s.x;
-  const double y = ray.org_y + static_cast<double>(ray.tfar) * ray.dir_y - s.y;
-  const double z = ray.org_z + static_cast<double>(ray.tfar) * ray.dir_z - s.z;
-  const double inverse = 1.0 / std::sqrt(x * x + y * y + z * z);
-  const double nx = x * inverse, ny = y * inverse, nz = z * inverse;
-  return {{static_cast<float>(s.x + s.radius * nx), static_cast<float>(s.y + s.radius * ny),
-           static_cast<float>(s.z + s.radius * nz)},
-          {static_cast<float>(nx), static_cast<float>(ny), static_cast<float>(nz)},
-          surface};
-}
-
 }  // namespace
 
+// Shapes of group 0 are geometries of the top scene under their own number; behind them, the
+// instances. A group is a scene of its own, numbered from 0.
 struct Geometry::Embree {
-  Embree(std::vector<Shape> s, Queries queries) : shapes(std::move(s)), spheres(shapes.size()) {
+  struct Group {
+    RTCScene scene = nullptr;
+    std::vector<std::uint32_t> surfaces;  // by Embree's number in the group
+  };
+
+  Embree(std::vector<Shape> s, const std::vector<std::uint32_t>& group_of_shape,
+         std::vector<Instance> all, Queries queries)
+      : shapes(std::move(s)) {
+    if (group_of_shape.size() != shapes.size()) {
+      throw std::invalid_argument("every shape needs a group");
+    }
+    for (Instance& instance : all) instances.emplace_back(std::move(instance));
     device = rtcNewDevice(kDeviceConfiguration);
     if (device == nullptr) throw std::runtime_error("Embree can't start: the processor needs AVX2");
-    scene = rtcNewScene(device);
-    // Watertight: a closed box must lose no photon through its edges.
-    rtcSetSceneFlags(scene, queries == Queries::kCrossings
-                                ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION
-                                : RTC_SCENE_FLAG_ROBUST);
-    for (unsigned i = 0; i < shapes.size(); ++i)
-      std::visit([&](auto& shape) { attach(i, shape); }, shapes[i]);
-    rtcCommitScene(scene);
-    if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE) {
+    try {
+      build(group_of_shape, queries);
+    } catch (...) {
       release();
-      throw std::runtime_error("Embree can't build the scene: error " +
-                               std::to_string(static_cast<int>(error)));
+      throw;
     }
   }
   ~Embree() { release(); }
   Embree(const Embree&) = delete;
   Embree& operator=(const Embree&) = delete;
 
-  void release() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
+  void build(const std::vector<std::uint32_t>& group_of_shape, Queries queries) {
+    scene = new_scene();
+    if (queries == Queries::kCrossings) {
+      rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+    }
+    for (unsigned i = 0; i < shapes.size(); ++i) {
+      if (group_of_shape[i] == 0) {
+        if (queries == Queries::kNearest || std::holds_alternative<TriangleMesh>(shapes[i])) {
+          attach(scene, i, geometry_of(shapes[i], i));
+        }
+        continue;
+      }
+      Group& group = groups[group_of_shape[i]];
+      if (group.scene == nullptr) group.scene = new_scene();
+      const auto id = static_cast<unsigned>(group.surfaces.size());
+      attach(group.scene, id, geometry_of(shapes[i], id));
+      group.surfaces.push_back(i);
+    }
+    for (auto& [number, group] : groups) commit(group.scene);
+    attach_instances();
+    commit(scene);
   }
 
-  void attach(unsigned id, TriangleMesh& mesh) {
+  RTCScene new_scene() const {
+    RTCScene made = rtcNewScene(device);
+    // Watertight: a closed box must lose no photon through its edges.
+    rtcSetSceneFlags(made, RTC_SCENE_FLAG_ROBUST);
+    return made;
+  }
+
+  void commit(RTCScene filled) const {
+    rtcCommitScene(filled);
+    if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE) {
+      throw std::runtime_error("Embree can't build the scene: error " +
+                               std::to_string(static_cast<int>(error)));
+    }
+  }
+
+  void attach_instances() {
+    std::map<std::size_t, EmbreeInstances> by_time_steps;
+    for (std::uint32_t i = 0; i < instances.size(); ++i) {
+      const auto group = groups.find(instances[i].group());
+      if (group == groups.end()) throw std::invalid_argument("an instance of an empty group");
+      instance_surfaces.push_back(&group->second.surfaces);
+      by_time_steps[instances[i].time_steps()].all.push_back(
+          {&instances[i], group->second.scene, i});
+    }
+    auto id = static_cast<unsigned>(shapes.size());
+    for (auto& [time_steps, same] : by_time_steps) {
+      instance_sets.push_back(std::move(same));
+      attach(scene, id++, new_geometry(device, instance_sets.back()));
+    }
+  }
+
+  RTCGeometry geometry_of(Shape& shape, unsigned id) {
+    if (auto* mesh = std::get_if<TriangleMesh>(&shape)) return geometry_of(*mesh);
+    spheres.push_back({&std::get<Sphere>(shape), id});
+    return new_geometry(device, spheres.back());
+  }
+
+  RTCGeometry geometry_of(TriangleMesh& mesh) const {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    const std::size_t count = mesh.vertices.size();
+    const std::size_t count = mesh.vertex_count();
+    rtcSetGeometryTimeStepCount(geometry, mesh.time_steps);
     // Embree reads 16 bytes at every vertex: keep room behind the last one.
-    mesh.vertices.emplace_back();
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                               mesh.vertices.data(), 0, sizeof(Vec3), count);
+    mesh.vertices.reserve(mesh.vertices.size() + 1);
+    for (unsigned step = 0; step < mesh.time_steps; ++step) {
+      rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3,
+                                 mesh.vertices.data() + step * count, 0, sizeof(Vec3), count);
+    }
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                mesh.triangles.data(), 0, sizeof(mesh.triangles[0]),
                                mesh.triangles.size());
-    finish(id, geometry);
+    return geometry;
   }
 
-  void attach(unsigned id, Sphere& sphere) {
-    spheres[id] = {sphere, id};
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, 1);
-    rtcSetGeometryUserData(geometry, &spheres[id]);
-    rtcSetGeometryBoundsFunction(geometry, sphere_bounds, nullptr);
-    rtcSetGeometryIntersectFunction(geometry, sphere_intersect);
-    rtcSetGeometryOccludedFunction(geometry, sphere_occluded);
-    finish(id, geometry);
-  }
-
-  void finish(unsigned id, RTCGeometry geometry) {
+  static void attach(RTCScene to, unsigned id, RTCGeometry geometry) {
     rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(scene, geometry, id);
+    rtcAttachGeometryByID(to, geometry, id);
     rtcReleaseGeometry(geometry);
   }
 
+  void release() {
+    if (scene != nullptr) rtcReleaseScene(scene);
+    for (auto& [number, group] : groups) rtcReleaseScene(group.scene);
+    rtcReleaseDevice(device);
+  }
+
+  // Embree keeps pointers into all of these.
   std::vector<Shape> shapes;
-  std::vector<SphereGeometry> spheres;
+  std::vector<PlacedInstance> instances;
+  std::list<EmbreeSphere> spheres;
+  std::list<EmbreeInstances> instance_sets;
+  std::map<std::uint32_t, Group> groups;
+  std::vector<const std::vector<std::uint32_t>*> instance_surfaces;  // by instance
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 };
 
-Geometry::Geometry(std::vector<Shape> shapes, Queries queries)
-    : embree_(std::make_unique<Embree>(std::move(shapes), queries)) {}
+Geometry::Geometry(std::vector<Shape> shapes, Queries queries) {
+  std::vector<std::uint32_t> in_scene(shapes.size(), 0);
+  embree_ = std::make_unique<Embree>(std::move(shapes), in_scene, std::vector<Instance>{}, queries);
+}
+Geometry::Geometry(std::vector<Shape> shapes, std::vector<std::uint32_t> groups,
+                   std::vector<Instance> instances)
+    : embree_(std::make_unique<Embree>(std::move(shapes), groups, std::move(instances),
+                                       Queries::kNearest)) {}
 Geometry::~Geometry() = default;
+Geometry::Geometry(Geometry&&) noexcept = default;
 
-std::optional<Hit> Geometry::intersect(const Ray& ray) const {
+Geometry::Ball Geometry::bounds() const {
+  RTCLinearBounds box;
+  rtcGetSceneLinearBounds(embree_->scene, &box);
+  const Vec3 low{std::min(box.bounds0.lower_x, box.bounds1.lower_x),
+                 std::min(box.bounds0.lower_y, box.bounds1.lower_y),
+                 std::min(box.bounds0.lower_z, box.bounds1.lower_z)};
+  const Vec3 high{std::max(box.bounds0.upper_x, box.bounds1.upper_x),
+                  std::max(box.bounds0.upper_y, box.bounds1.upper_y),
+                  std::max(box.bounds0.upper_z, box.bounds1.upper_z)};
+  // A little more, so that nothing touches it.
+  return {0.5f * (low + high), 0.5005f * length(high - low)};
+}
+
+std::optional<Hit> Geometry::intersect(const Ray& ray, float time) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit query;
-  query.ray = embree_ray(ray, std::numeric_limits<float>::infinity());
+  query.ray = embree_ray(ray, time);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(embree_->scene, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  const Shape& shape = embree_->shapes[query.hit.geomID];
-  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) return triangle_hit(*mesh, query.hit);
-  return sphere_hit(std::get<Sphere>(shape), query.ray, query.hit.geomID);
+  Found found{query.hit.geomID, query.hit.instID[0], query.hit.primID,
+              query.hit.u,      query.hit.v,         query.ray.tfar};
+  if (found.instance != Hit::kNoInstance) {
+    found.surface = (*embree_->instance_surfaces[found.instance])[found.surface];
+    return locate(embree_->shapes[found.surface],
+                  embree_->instances[found.instance].placement(time), ray, found, time);
+  }
+  const Shape& shape = embree_->shapes[found.surface];
+  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) return locate(*mesh, found, time);
+  return locate(std::get<Sphere>(shape), ray, found, time);
 }
 
-bool Geometry::occluded(const Ray& ray, float distance) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  RTCRay query = embree_ray(ray, distance);
-  rtcOccluded1(embree_->scene, &context, &query);
-  return query.tfar < 0.0f;
+SurfaceDetail Geometry::detail(const Hit& hit, float time) const {
+  const Shape& shape = embree_->shapes[hit.surface];
+  if (hit.instance == Hit::kNoInstance) return surface_detail(shape, nullptr, hit, time);
+  const Placement placement = embree_->instances[hit.instance].placement(time);
+  return surface_detail(shape, &placement, hit, time);
 }
 
 void Geometry::for_each_triangle_crossing(
@@ -236,10 +247,11 @@ void Geometry::for_each_triangle_crossing(
   CrossingContext context{{}, &visit};
   rtcInitIntersectContext(&context.embree);
   context.embree.filter = visit_crossing;
-  RTCRay query = embree_ray(ray, std::numeric_limits<float>::infinity());
+  RTCRay query = embree_ray(ray, 0.0f);
   rtcOccluded1(embree_->scene, &context.embree, &query);
 }
 
 std::span<const Shape> Geometry::shapes() const { return embree_->shapes; }
+std::span<const PlacedInstance> Geometry::instances() const { return embree_->instances; }
 
 }  // namespace nocturne

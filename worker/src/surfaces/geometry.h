@@ -1,15 +1,19 @@
-// The scene's shapes in a bounding volume hierarchy. Embree does the search; only geometry.cpp
-// knows it.
+// The scene's shapes in a bounding volume hierarchy. Embree does the search; only geometry.cpp and
+// embree_callbacks know it.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "math/ray.h"
 #include "surfaces/hit.h"
+#include "surfaces/instance.h"
 #include "surfaces/shapes.h"
+#include "surfaces/surface_detail.h"
 
 namespace nocturne {
 
@@ -22,28 +26,44 @@ struct TriangleCrossing {
 
 class Geometry {
  public:
-  /// What will be asked: crossings cost every other query a check, so a tree answers them only
-  /// where it is built for it.
+  /// What will be asked. Crossings cost every other query a check, so a tree answers them only
+  /// where it is built for it; it holds no spheres.
   enum class Queries { kNearest, kCrossings };
 
   /// Shape i becomes surface i. Throws std::runtime_error where Embree can't build.
   explicit Geometry(std::vector<Shape> shapes, Queries queries = Queries::kNearest);
+  /// groups[i] is the group of shape i: 0 stands in the scene itself, all others are shown by
+  /// instances only. Throws also std::invalid_argument: instances of group 0 or of an empty group,
+  /// and what PlacedInstance says.
+  Geometry(std::vector<Shape> shapes, std::vector<std::uint32_t> groups,
+           std::vector<Instance> instances);
   ~Geometry();
+  Geometry(Geometry&&) noexcept;
   Geometry(const Geometry&) = delete;
   Geometry& operator=(const Geometry&) = delete;
 
-  /// The nearest hit in front of the origin. Safe from any number of threads.
-  std::optional<Hit> intersect(const Ray& ray) const;
+  /// The nearest hit in front of the origin, at a time within the shutter, [0, 1]. Safe from any
+  /// number of threads.
+  std::optional<Hit> intersect(const Ray& ray, float time) const;
 
-  /// True where something lies between the origin and `distance` along the ray.
-  bool occluded(const Ray& ray, float distance) const;
+  /// What is more to say about a hit, at the time at which it was found.
+  SurfaceDetail detail(const Hit& hit, float time) const;
 
   /// Needs Queries::kCrossings. Calls `visit` once for every triangle that the half-line meets, in
-  /// any order.
+  /// any order; at time 0.
   void for_each_triangle_crossing(const Ray& ray,
                                   const std::function<void(const TriangleCrossing&)>& visit) const;
 
+  /// A sphere that holds everything, at all times.
+  struct Ball {
+    Vec3 centre;
+    float radius;
+  };
+  Ball bounds() const;
+
   std::span<const Shape> shapes() const;
+  /// In the order given.
+  std::span<const PlacedInstance> instances() const;
 
  private:
   struct Embree;

@@ -1,0 +1,87 @@
+#include "surfaces/locate.h"
+
+#include "surfaces/octahedron.h"
+#include "surfaces/sphere_intersection.h"
+
+namespace nocturne {
+namespace {
+
+// Double precision leaves an error of about 2^-52 of the largest number; with room.
+constexpr double kDoubleUnits = 0x1p-44;
+
+Double3 on_sphere(Double3 centre, Double3 origin, Double3 direction, float distance) {
+  const Double3 from_centre = origin + static_cast<double>(distance) * direction - centre;
+  return (1.0 / length(from_centre)) * from_centre;
+}
+
+// `height` is the clearance within the group.
+Hit in_scene(const Placement& placement, Double3 position, Double3 normal, double height,
+             const Found& found) {
+  const Double3 n = placement.normal_to_scene(normal);
+  const double inverse = 1.0 / length(n);
+  const Double3 p = placement.point_to_scene(position);
+  return {.position = p.rounded(),
+          .normal = (inverse * n).rounded(),
+          .surface = found.surface,
+          .distance = found.distance,
+          .clearance = static_cast<float>(kClearanceUnits * max_abs(p) + height * inverse),
+          .instance = found.instance,
+          .primitive = found.primitive,
+          .u = found.u,
+          .v = found.v};
+}
+
+Hit locate_in_group(const TriangleMesh& mesh, const Placement& placement, const Found& found,
+                    float time) {
+  const Corners corners = corners_at(mesh, mesh.vertices, found.primitive, time);
+  const Double3 a = corners.a;
+  const Double3 ab = Double3(corners.b) - a, ac = Double3(corners.c) - a;
+  const Double3 position =
+      a + static_cast<double>(found.u) * ab + static_cast<double>(found.v) * ac;
+  const Double3 n = cross(ab, ac);
+  const double reach = max_abs(position) + std::fmax(max_abs(ab), max_abs(ac));
+  return in_scene(placement, position, (1.0 / length(n)) * n, kClearanceUnits * reach, found);
+}
+
+Hit locate_in_group(const Sphere& sphere, const Placement& placement, const Ray& ray, Found found,
+                    float time) {
+  const Double3 centre = centre_at(sphere, time);
+  const Double3 n = on_sphere(centre, placement.point_to_group(ray.origin),
+                              placement.inverse * Double3(ray.direction), found.distance);
+  const auto [u, v] = unfold(n);
+  found.u = u;
+  found.v = v;
+  const Double3 position = centre + sphere.radius * n;
+  return in_scene(
+      placement, position, n,
+      kClearanceUnits * max_abs(position) + kDoubleUnits * (max_abs(centre) + sphere.radius),
+      found);
+}
+
+}  // namespace
+
+Hit locate(const Sphere& sphere, const Ray& ray, const Found& found, float time) {
+  const Double3 centre = centre_at(sphere, time);
+  const Double3 n = on_sphere(centre, ray.origin, ray.direction, found.distance);
+  const Vec3 position = (centre + sphere.radius * n).rounded();
+  return {.position = position,
+          .normal = n.rounded(),
+          .surface = found.surface,
+          .distance = found.distance,
+          .clearance = kClearanceUnits * max_abs(position) +
+                       static_cast<float>(kDoubleUnits * (max_abs(centre) + sphere.radius)),
+          .instance = Hit::kNoInstance,
+          .primitive = 0,
+          .u = 0.0f,
+          .v = 0.0f};
+}
+
+Hit locate(const Shape& shape, const Placement& placement, const Ray& ray, const Found& found,
+           float time) {
+  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
+    return locate_in_group(*mesh, placement, found, time);
+  }
+  return locate_in_group(std::get<Sphere>(shape), placement, ray, found, time);
+}
+
+}  // namespace nocturne

@@ -1,0 +1,42 @@
+// From what a search found to the hit: position, normal and clearance.
+#pragma once
+
+#include "math/ray.h"
+#include "surfaces/hit.h"
+#include "surfaces/instance.h"
+#include "surfaces/shapes.h"
+#include "surfaces/triangle_at.h"
+
+namespace nocturne {
+
+/// What the search found: a surface (index in the scene), and as in Hit.
+struct Found {
+  std::uint32_t surface, instance, primitive;
+  float u, v, distance;
+};
+
+/// A triangle in the scene itself: the hot path. The point comes from the barycentric coordinates:
+/// its error depends on the triangle's coordinates, not on the ray's length.
+inline Hit locate(const TriangleMesh& mesh, const Found& found, float time) {
+  const Corners p = corners_at(mesh, mesh.vertices, found.primitive, time);
+  const Vec3 ab = p.b - p.a, ac = p.c - p.a;
+  const Vec3 position = p.a + found.u * ab + found.v * ac;
+  return {.position = position,
+          .normal = normalized(cross(ab, ac)),
+          .surface = found.surface,
+          .distance = found.distance,
+          .clearance = kClearanceUnits * (max_abs(position) + std::max(max_abs(ab), max_abs(ac))),
+          .instance = Hit::kNoInstance,
+          .primitive = found.primitive,
+          .u = found.u,
+          .v = found.v};
+}
+
+/// A sphere in the scene itself.
+Hit locate(const Sphere& sphere, const Ray& ray, const Found& found, float time);
+
+/// A shape in an instance that stands at `placement`.
+Hit locate(const Shape& shape, const Placement& placement, const Ray& ray, const Found& found,
+           float time);
+
+}  // namespace nocturne

@@ -1,0 +1,27 @@
+// A triangle's corners, and what is interpolated between them, at one time.
+#pragma once
+
+#include "surfaces/shapes.h"
+#include "surfaces/time_steps.h"
+
+namespace nocturne {
+
+struct Corners {
+  Vec3 a, b, c;
+};
+
+/// From `values`, which hold a value for each vertex, time step by time step.
+inline Corners corners_at(const TriangleMesh& mesh, const std::vector<Vec3>& values,
+                          std::uint32_t triangle, float time) {
+  const auto& t = mesh.triangles[triangle];
+  if (mesh.time_steps == 1) return {values[t[0]], values[t[1]], values[t[2]]};
+  const TimeSegment segment = segment_at(time, mesh.time_steps);
+  const std::size_t count = mesh.vertex_count(), first = segment.first * count;
+  const auto between = [&](std::size_t vertex) {
+    const Vec3 from = values[first + vertex], to = values[first + count + vertex];
+    return (1.0f - segment.fraction) * from + segment.fraction * to;  // as Embree has it
+  };
+  return {between(t[0]), between(t[1]), between(t[2])};
+}
+
+}  // namespace nocturne
