@@ -1,0 +1,68 @@
+// A sphere of a luminaire as something to point at: directions uniform over the cone that it fills,
+// a little widened (kDirectionRounding), or over all directions from inside.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "luminaires/from.h"
+#include "math/constants.h"
+#include "math/frame.h"
+#include "pdfs/directions.h"
+#include "surfaces/shapes.h"
+
+namespace nocturne {
+
+struct Ball {
+  Sphere sphere;
+  /// Else from inside there is nothing to see.
+  bool two_sided;
+
+  std::optional<Vec3> sample(Vec3 position, float u1, float u2) const {
+    const View view(sphere, position);
+    if (view.inside) {
+      if (!two_sided) return std::nullopt;
+      return direction_from_z(1.0f - 2.0f * u1, u2);
+    }
+    const double drop = u1 * view.one_minus_cosine();
+    const double sin_theta = std::sqrt(drop * (2.0 - drop));
+    const double phi = 2.0 * std::numbers::pi * u2;
+    const double inverse = 1.0 / std::sqrt(view.distance2);
+    const Frame frame({static_cast<float>(view.x * inverse), static_cast<float>(view.y * inverse),
+                       static_cast<float>(view.z * inverse)});
+    return frame.to_world({static_cast<float>(sin_theta * std::cos(phi)),
+                           static_cast<float>(sin_theta * std::sin(phi)),
+                           static_cast<float>(1.0 - drop)});
+  }
+
+  float pdf(Vec3 position, Vec3 d) const {
+    const View view(sphere, position);
+    if (view.inside) return two_sided ? 0.25f * kInvPi : 0.0f;
+    const double along = view.x * d.x + view.y * d.y + view.z * d.z;
+    const double cx = view.y * d.z - view.z * d.y, cy = view.z * d.x - view.x * d.z,
+                 cz = view.x * d.y - view.y * d.x;
+    const double across2 = cx * cx + cy * cy + cz * cz;
+    if (!(along > 0.0) || across2 > view.sin2 * (along * along + across2)) return 0.0f;
+    return static_cast<float>(1.0 / (2.0 * std::numbers::pi * view.one_minus_cosine()));
+  }
+
+ private:
+  // The sphere as seen from a point.
+  struct View {
+    double x, y, z, distance2, sin2;  // sin2 of the cone's half angle
+    bool inside;
+
+    View(const Sphere& s, Vec3 from)
+        : x(s.x - from.x), y(s.y - from.y), z(s.z - from.z), distance2(x * x + y * y + z * z) {
+      inside = s.radius * s.radius >= distance2;
+      const double sine = s.radius / std::sqrt(distance2) + kDirectionRounding;
+      sin2 = std::min(1.0, sine * sine);
+    }
+    // Of the half angle, without cancellation.
+    double one_minus_cosine() const { return sin2 / (1.0 + std::sqrt(1.0 - sin2)); }
+  };
+};
+
+}  // namespace nocturne

@@ -1,0 +1,60 @@
+// Radiance from everywhere that no surface is: the same from all directions, or a map.
+#pragma once
+
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include "luminaires/environment_map.h"
+#include "luminaires/from.h"
+#include "math/frame.h"
+#include "pdfs/directions.h"
+
+namespace nocturne {
+
+class Environment {
+ public:
+  /// W m-2 sr-1 nm-1.
+  explicit Environment(Spectrum constant)
+      : mean_(constant.mean()), radiance_(std::move(constant)) {}
+  explicit Environment(EnvironmentMap map)
+      : mean_(map.mean_radiance()), radiance_(std::move(map)) {}
+
+  template <int N>
+  Spectral<N> radiance(Vec3 direction, const Spectral<N>& wavelengths) const {
+    if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) {
+      return map->radiance(direction, wavelengths);
+    }
+    return std::get<Spectrum>(radiance_)(wavelengths);
+  }
+
+  /// Over all directions and visible wavelengths.
+  double mean_radiance() const { return mean_; }
+
+  /// A unit direction; the map in proportion to its radiance, a constant in proportion to the
+  /// receiver's cosine. Three uniform numbers.
+  std::optional<Vec3> sample(const From& from, float choice, float u1, float u2) const {
+    if (!(mean_ > 0.0)) return std::nullopt;
+    if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) return map->sample(from, u1, u2);
+    const bool behind = from.both_sides && choice < 0.5f;
+    const Vec3 direction =
+        Frame(behind ? -from.normal : from.normal).to_world(CosineHemisphere::sample(u1, u2));
+    if (!from.sees(direction)) return std::nullopt;
+    return direction;
+  }
+
+  /// Density of `sample`, 1/sr.
+  float pdf(const From& from, Vec3 direction) const {
+    if (!(mean_ > 0.0)) return 0.0f;
+    if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) return map->pdf(from, direction);
+    const float cosine = dot(from.normal, direction);
+    if (from.both_sides) return 0.5f * kInvPi * std::fabs(cosine);
+    return kInvPi * std::max(0.0f, cosine);
+  }
+
+ private:
+  double mean_;
+  std::variant<Spectrum, EnvironmentMap> radiance_;
+};
+
+}  // namespace nocturne

@@ -1,0 +1,196 @@
+#include "luminaires/environment_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+#include "math/constants.h"
+
+namespace nocturne {
+namespace {
+
+constexpr int kVisibleFirst = 380, kVisibleLast = 780;  // nm
+
+// The spectrum's mean in bands of 20 nm, so that no line in it goes unseen.
+struct Bands {
+  static constexpr int kCount = 20, kWidth = (kVisibleLast - kVisibleFirst) / kCount;
+  std::array<float, kCount> mean;
+
+  explicit Bands(const Spectrum& spectrum) {
+    for (int i = 0; i < kCount; ++i) {
+      const int first = kVisibleFirst + i * kWidth;
+      mean[static_cast<std::size_t>(i)] =
+          static_cast<float>(spectrum.mean_between(first, first + kWidth));
+    }
+  }
+
+  float mean_radiance(const EnvironmentMap::Texel& texel) const {
+    if (texel.scale == 0.0f) return 0.0f;
+    const SigmoidSpectrum shape{texel.c0, texel.c1, texel.c2};
+    float sum = 0.0f;
+    for (int i = 0; i < kCount; ++i) {
+      const auto centre = static_cast<float>(kVisibleFirst + i * kWidth) + 0.5f * kWidth;
+      sum += shape(centre) * mean[static_cast<std::size_t>(i)];
+    }
+    return texel.scale * sum / kCount;
+  }
+};
+
+void check(const EnvironmentMap::Texel& t) {
+  if (!(t.scale >= 0.0f) || !std::isfinite(t.scale) || !std::isfinite(t.c0) ||
+      !std::isfinite(t.c1) || !std::isfinite(t.c2)) {
+    throw std::invalid_argument("a texel of the environment map is negative or not finite");
+  }
+}
+
+void check(const EnvironmentMap::Axes& a) {
+  const auto small = [](float x) { return std::fabs(x) < 1e-4f; };
+  if (!small(dot(a.x, a.x) - 1.0f) || !small(dot(a.y, a.y) - 1.0f) ||
+      !small(dot(a.z, a.z) - 1.0f) || !small(dot(a.x, a.y)) || !small(dot(a.y, a.z)) ||
+      !small(dot(a.z, a.x))) {
+    throw std::invalid_argument("the axes of the environment map are not orthonormal");
+  }
+}
+
+// The largest i in [low, high) with sum(i) <= target, for a sum that does not decrease.
+template <class Sum>
+std::uint32_t bisect(std::uint32_t low, std::uint32_t high, std::uint64_t target, const Sum& sum) {
+  while (high - low > 1) {
+    const std::uint32_t middle = low + (high - low) / 2;
+    (sum(middle) <= target ? low : high) = middle;
+  }
+  return low;
+}
+
+// A uniform number, what lies left of it, and where it is in the cell that it fell into.
+struct Target {
+  double exact;
+  std::uint64_t whole;
+
+  Target(float u, std::uint64_t total)
+      : exact(u * static_cast<double>(total)),
+        whole(std::min(static_cast<std::uint64_t>(exact), total - 1)) {}
+
+  double inside(std::uint64_t before, std::uint64_t cell) const {
+    return std::clamp((exact - static_cast<double>(before)) / static_cast<double>(cell), 0.0, 1.0);
+  }
+};
+
+}  // namespace
+
+EnvironmentMap::EnvironmentMap(std::uint32_t columns, std::uint32_t rows, std::vector<Texel> texels,
+                               Spectrum spectrum, Axes axes)
+    : columns_(columns),
+      rows_(rows),
+      texels_(std::move(texels)),
+      spectrum_(std::move(spectrum)),
+      axes_(axes) {
+  if (columns == 0 || rows == 0 || columns > kMostColumns || rows > kMostRows) {
+    throw std::invalid_argument("the environment map has no texels, or more than 8192 x 4096");
+  }
+  if (texels_.size() != std::size_t{columns} * rows) {
+    throw std::invalid_argument("the environment map's texels are not columns x rows");
+  }
+  check(axes_);
+  const Bands bands(spectrum_);
+  std::vector<float> means;
+  means.reserve(texels_.size());
+  for (const Texel& texel : texels_) {
+    check(texel);
+    means.push_back(bands.mean_radiance(texel));
+  }
+  sum_up(means);
+}
+
+void EnvironmentMap::sum_up(const std::vector<float>& means) {
+  double total = 0.0;
+  for (const float mean : means) total += mean;
+  mean_radiance_ = total / static_cast<double>(means.size());
+  const double scale = total > 0.0 ? 0x1p61 / total : 0.0;
+  sums_.assign(std::size_t{rows_ + 1} * (columns_ + 1), 0);
+  for (std::size_t row = 0; row < rows_; ++row) {
+    const std::uint64_t* above = &sums_[row * (columns_ + 1)];
+    std::uint64_t* below = &sums_[(row + 1) * (columns_ + 1)];
+    std::uint64_t sum = 0;
+    for (std::size_t column = 0; column < columns_; ++column) {
+      const float mean = means[row * columns_ + column];
+      if (mean > 0.0f) sum += std::max<std::uint64_t>(1, static_cast<std::uint64_t>(mean * scale));
+      below[column + 1] = above[column + 1] + sum;
+    }
+  }
+}
+
+EnvironmentMap::Place EnvironmentMap::place_of(Vec3 in_map) const {
+  const float row = 0.5f * (1.0f - in_map.z) * static_cast<float>(rows_);
+  const float turn = std::atan2(in_map.y, in_map.x) * (0.5f * kInvPi);
+  const float column = (turn < 0.0f ? turn + 1.0f : turn) * static_cast<float>(columns_);
+  return {std::min(static_cast<std::uint32_t>(std::max(row, 0.0f)), rows_ - 1),
+          std::min(static_cast<std::uint32_t>(column), columns_ - 1)};
+}
+
+// The hemisphere above a tilted plane reaches in z from -sin(tilt) to the pole. Only for a vertical
+// plane is it narrower than all around in azimuth, and half a turn then.
+EnvironmentMap::Window EnvironmentMap::window(const From& from) const {
+  Window window{0, rows_, 0, columns_};
+  if (from.both_sides) return window;
+  const Vec3 n = to_map(from.normal);
+  const float level = std::sqrt(n.x * n.x + n.y * n.y) + 1e-5f;
+  const auto row_of = [&](float z) { return 0.5f * (1.0f - z) * static_cast<float>(rows_); };
+  if (n.z > 0.0f && level < 1.0f) {
+    window.row1 = std::min(rows_, static_cast<std::uint32_t>(row_of(-level)) + 1);
+  } else if (n.z < 0.0f && level < 1.0f) {
+    window.row0 = std::min(rows_ - 1, static_cast<std::uint32_t>(row_of(level)));
+  }
+  // What such a plane sees beyond the half turn has a cosine of at most 1e-6: nothing, in float.
+  if (std::fabs(n.z) <= 1e-6f && columns_ >= 8) {
+    const float turn = std::atan2(n.y, n.x) * (0.5f * kInvPi) - 0.25f - 1e-5f;
+    const float first = (turn - std::floor(turn)) * static_cast<float>(columns_);
+    window.column0 = std::min(static_cast<std::uint32_t>(first), columns_ - 1);
+    window.columns = columns_ / 2 + 3;  // whole ones, both rims and the margin
+  }
+  return window;
+}
+
+std::optional<Vec3> EnvironmentMap::sample(const From& from, float u1, float u2) const {
+  const Window w = window(from);
+  const std::uint64_t total = weight(w);
+  if (total == 0) return std::nullopt;
+
+  const Target down(u1, total);
+  const auto above = [&](std::uint32_t row) { return weight({w.row0, row, w.column0, w.columns}); };
+  const std::uint32_t row = bisect(w.row0, w.row1, down.whole, above);
+  const std::uint64_t row_weight = weight({row, row + 1, w.column0, w.columns});
+
+  const Target across(u2, row_weight);
+  const auto left = [&](std::uint32_t n) { return weight({row, row + 1, w.column0, n}); };
+  const std::uint32_t column = bisect(0, w.columns, across.whole, left);
+  const std::uint64_t texel_weight = weight({row, row + 1, w.column0 + column, 1});
+
+  const double z = 1.0 - 2.0 * (row + down.inside(above(row), row_weight)) / rows_;
+  const double phi = 2.0 * std::numbers::pi *
+                     (w.column0 + column + across.inside(left(column), texel_weight)) / columns_;
+  const double r = std::sqrt(std::max(0.0, (1.0 - z) * (1.0 + z)));
+  const Vec3 direction = static_cast<float>(r * std::cos(phi)) * axes_.x +
+                         static_cast<float>(r * std::sin(phi)) * axes_.y +
+                         static_cast<float>(z) * axes_.z;
+  if (!from.sees(direction)) return std::nullopt;
+  return direction;
+}
+
+float EnvironmentMap::pdf(const From& from, Vec3 direction) const {
+  if (!from.sees(direction)) return 0.0f;
+  const Window w = window(from);
+  const Place place = place_of(to_map(direction));
+  if (place.row < w.row0 || place.row >= w.row1) return 0.0f;
+  const std::uint32_t turned = place.column + (place.column < w.column0 ? columns_ : 0);
+  if (turned - w.column0 >= w.columns) return 0.0f;
+  const std::uint64_t total = weight(w);
+  if (total == 0) return 0.0f;
+  const double share = static_cast<double>(weight({place.row, place.row + 1, place.column, 1})) /
+                       static_cast<double>(total);
+  return static_cast<float>(share * columns_ * rows_ * (0.25 * std::numbers::inv_pi));
+}
+
+}  // namespace nocturne

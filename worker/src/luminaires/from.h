@@ -1,0 +1,24 @@
+// Where a direction towards light is asked for.
+#pragma once
+
+#include "math/vec3.h"
+
+namespace nocturne {
+
+struct From {
+  Vec3 position;
+  /// Unit, on the side that the photon came from. Without `both_sides` nothing is drawn below its
+  /// horizon, and the density there is zero.
+  Vec3 normal;
+  bool both_sides = false;
+  /// Of the shutter interval, [0, 1).
+  float time = 0.0f;
+
+  bool sees(Vec3 direction) const { return both_sides || dot(normal, direction) > 0.0f; }
+};
+
+/// Directions are rounded to float, which moves them by less than this angle. Cones that are drawn
+/// from are wider by it: the density stays flat up to the rim of what they hold, however small.
+inline constexpr double kDirectionRounding = 0x1p-21;
+
+}  // namespace nocturne

@@ -1,0 +1,105 @@
+#include "luminaires/light_directions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "math/constants.h"
+
+namespace nocturne {
+namespace {
+
+constexpr float kLargestBelowOne = 0x1.fffffep-1f;
+
+// A number that fell into [start, start + width), stretched to [0, 1).
+float stretched(float u, float start, float width) {
+  return std::clamp((u - start) / width, 0.0f, kLargestBelowOne);
+}
+
+}  // namespace
+
+LightDirections::LightDirections(Elements luminaires, std::optional<Environment> environment,
+                                 std::vector<DistantDisc> discs, Elements important_shapes,
+                                 const LightWeights& weights)
+    : luminaires_(std::move(luminaires)),
+      important_(std::move(important_shapes), LightTree::Choice::kWeight),
+      environment_(std::move(environment)),
+      discs_(std::move(discs)) {
+  for (const float w : {weights.luminaires, weights.environment, weights.important}) {
+    if (!(w >= 0.0f) || !std::isfinite(w)) {
+      throw std::invalid_argument("a weight of directions towards light is negative");
+    }
+  }
+  float sky = environment_irradiance();
+  for (const DistantDisc& disc : discs_) sky += disc.irradiance({0, 0, 1}, true);
+  if (!luminaires_.empty()) luminaires_share_ = weights.luminaires;
+  if (sky > 0.0f) sky_share_ = weights.environment;
+  if (!important_.empty()) important_share_ = weights.important;
+  const float total = luminaires_share_ + sky_share_ + important_share_;
+  if (!(total > 0.0f)) return;
+  luminaires_share_ /= total;
+  sky_share_ /= total;
+  important_share_ /= total;
+}
+
+std::optional<Vec3> LightDirections::sample(const From& from, float choice, float u1,
+                                            float u2) const {
+  if (choice < luminaires_share_) {
+    return luminaires_.sample(from, stretched(choice, 0.0f, luminaires_share_), u1, u2);
+  }
+  const float before_important = luminaires_share_ + sky_share_;
+  if (sky_share_ > 0.0f && (choice < before_important || !(important_share_ > 0.0f))) {
+    return sample_sky(from, stretched(choice, luminaires_share_, sky_share_), u1, u2);
+  }
+  if (!(important_share_ > 0.0f)) return std::nullopt;
+  return important_.sample(from, stretched(choice, before_important, important_share_), u1, u2);
+}
+
+float LightDirections::pdf(const From& from, Vec3 direction) const {
+  float sum = 0.0f;
+  if (luminaires_share_ > 0.0f) sum += luminaires_share_ * luminaires_.pdf(from, direction);
+  if (sky_share_ > 0.0f) sum += sky_share_ * sky_pdf(from, direction);
+  if (important_share_ > 0.0f) sum += important_share_ * important_.pdf(from, direction);
+  return sum;
+}
+
+float LightDirections::environment_irradiance() const {
+  return environment_ ? kPi * static_cast<float>(environment_->mean_radiance()) : 0.0f;
+}
+
+std::optional<Vec3> LightDirections::sample_sky(const From& from, float choice, float u1,
+                                                float u2) const {
+  const float around = environment_irradiance();
+  float total = around;
+  for (const DistantDisc& disc : discs_) total += disc.irradiance(from.normal, from.both_sides);
+  if (!(total > 0.0f)) return std::nullopt;
+  float left = choice * total;
+  if (left < around) return environment_->sample(from, stretched(left, 0.0f, around), u1, u2);
+  left -= around;
+  for (const DistantDisc& disc : discs_) {
+    const float irradiance = disc.irradiance(from.normal, from.both_sides);
+    if (left < irradiance) {
+      const Vec3 direction = disc.sample(u1, u2);
+      if (!from.sees(direction)) return std::nullopt;
+      return direction;
+    }
+    left -= irradiance;
+  }
+  return std::nullopt;  // rounding, behind the last one
+}
+
+float LightDirections::sky_pdf(const From& from, Vec3 direction) const {
+  if (!from.sees(direction)) return 0.0f;
+  const float around = environment_irradiance();
+  float total = around;
+  float sum = around > 0.0f ? around * environment_->pdf(from, direction) : 0.0f;
+  for (const DistantDisc& disc : discs_) {
+    const float irradiance = disc.irradiance(from.normal, from.both_sides);
+    total += irradiance;
+    if (irradiance > 0.0f) sum += irradiance * disc.pdf(direction);
+  }
+  return total > 0.0f ? sum / total : 0.0f;
+}
+
+}  // namespace nocturne

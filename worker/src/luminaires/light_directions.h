@@ -1,0 +1,54 @@
+// All ways to point at light from a vertex, as one density: area luminaires, environment, distant
+// discs, important shapes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "luminaires/distant_disc.h"
+#include "luminaires/environment.h"
+#include "luminaires/from.h"
+#include "luminaires/luminaire_directions.h"
+
+namespace nocturne {
+
+/// Relative to each other, not negative. Of a group that is empty the others get the share.
+struct LightWeights {
+  float luminaires, environment, important;
+};
+
+class LightDirections {
+ public:
+  /// Distant discs share the environment's weight, by the irradiance that each gives to the
+  /// receiver as it is turned. Throws std::invalid_argument where a weight is negative or not
+  /// finite.
+  LightDirections(Elements luminaires, std::optional<Environment> environment,
+                  std::vector<DistantDisc> discs, Elements important_shapes,
+                  const LightWeights& weights);
+
+  /// Nothing to point at, or no weight on it.
+  bool empty() const { return !(luminaires_share_ + sky_share_ + important_share_ > 0.0f); }
+
+  /// A unit direction from there; three uniform numbers. Empty where the drawn way gives none.
+  std::optional<Vec3> sample(const From& from, float choice, float u1, float u2) const;
+
+  /// Density of `sample`, 1/sr; finite, not negative.
+  float pdf(const From& from, Vec3 direction) const;
+
+  const std::optional<Environment>& environment() const { return environment_; }
+  const std::vector<DistantDisc>& discs() const { return discs_; }
+
+ private:
+  std::optional<Vec3> sample_sky(const From& from, float choice, float u1, float u2) const;
+  float sky_pdf(const From& from, Vec3 direction) const;
+  float environment_irradiance() const;
+
+  LuminaireDirections luminaires_, important_;
+  std::optional<Environment> environment_;
+  std::vector<DistantDisc> discs_;
+  float luminaires_share_ = 0.0f, sky_share_ = 0.0f, important_share_ = 0.0f;  // sum 1, or all 0
+};
+
+}  // namespace nocturne

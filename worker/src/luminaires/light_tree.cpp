@@ -1,0 +1,196 @@
+#include "luminaires/light_tree.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace nocturne {
+namespace {
+
+constexpr double kPiD = std::numbers::pi;
+
+double axis_of(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+Vec3 middle(const ElementBounds& b) { return 0.5f * (b.low + b.high); }
+
+// The smallest cone around two, Conty Estevez and Kulla 2018, algorithm 1.
+void unite_cones(ElementBounds& a, const ElementBounds& b) {
+  double wide = std::acos(std::clamp(a.cos_spread, -1.0f, 1.0f));
+  double narrow = std::acos(std::clamp(b.cos_spread, -1.0f, 1.0f));
+  Vec3 wide_axis = a.axis, narrow_axis = b.axis;
+  if (narrow > wide) {
+    std::swap(wide, narrow);
+    std::swap(wide_axis, narrow_axis);
+  }
+  // Of two-sided elements either normal will do.
+  if (a.two_sided && b.two_sided && dot(wide_axis, narrow_axis) < 0.0f) narrow_axis = -narrow_axis;
+  const double apart = std::acos(std::clamp(dot(wide_axis, narrow_axis), -1.0f, 1.0f));
+  a.axis = wide_axis;
+  a.cos_spread = static_cast<float>(std::cos(wide));
+  if (std::min(apart + narrow, kPiD) <= wide) return;
+  const double spread = 0.5 * (wide + apart + narrow);
+  const Vec3 across = narrow_axis - dot(wide_axis, narrow_axis) * wide_axis;
+  if (spread >= kPiD || !(dot(across, across) > 1e-12f)) {
+    a.cos_spread = spread >= kPiD || apart > 1.0 ? -1.0f : static_cast<float>(std::cos(spread));
+    return;
+  }
+  const double turn = spread - wide;
+  a.axis = normalized(static_cast<float>(std::cos(turn)) * wide_axis +
+                      static_cast<float>(std::sin(turn)) * normalized(across));
+  a.cos_spread = static_cast<float>(std::cos(spread));
+}
+
+ElementBounds unite(ElementBounds a, const ElementBounds& b) {
+  a.low = {std::min(a.low.x, b.low.x), std::min(a.low.y, b.low.y), std::min(a.low.z, b.low.z)};
+  a.high = {std::max(a.high.x, b.high.x), std::max(a.high.y, b.high.y),
+            std::max(a.high.z, b.high.z)};
+  unite_cones(a, b);
+  a.two_sided = a.two_sided || b.two_sided;
+  a.cosine_power = std::min(a.cosine_power, b.cosine_power);
+  a.weight += b.weight;
+  return a;
+}
+
+// Surface area x orientation x weight, equation 1 of the paper with theta_e = pi / 2.
+double cost(const ElementBounds& b) {
+  const Vec3 d = b.high - b.low;
+  const double area = 2.0 * (static_cast<double>(d.x) * d.y + static_cast<double>(d.y) * d.z +
+                             static_cast<double>(d.z) * d.x);
+  const double spread = std::acos(std::clamp(b.cos_spread, -1.0f, 1.0f));
+  const double wide = std::min(spread + 0.5 * kPiD, kPiD);
+  const double s = std::sin(spread), c = std::cos(spread);
+  const double solid =
+      2.0 * kPiD * (1.0 - c) +
+      0.5 * kPiD * (2.0 * wide * s - std::cos(spread - 2.0 * wide) - 2.0 * spread * s + c);
+  // A row of lamps in a line has no area: its length still counts.
+  const double length2 = static_cast<double>(dot(d, d));
+  return b.weight * (b.two_sided ? 2.0 : 1.0) * solid * (area + 1e-4 * length2);
+}
+
+struct Split {
+  double cost = std::numeric_limits<double>::infinity();
+  int axis = 0, bucket = 0;
+};
+
+}  // namespace
+
+class LightTreeBuilder {
+ public:
+  LightTreeBuilder(LightTree& tree, const Elements& elements) : tree_(tree), elements_(elements) {
+    order_.resize(elements.size());
+    std::iota(order_.begin(), order_.end(), 0u);
+    tree_.leaf_of_.resize(elements.size());
+    tree_.nodes_.reserve(2 * elements.size());
+    if (!order_.empty()) build(0, order_.size(), 0, 0);
+  }
+
+ private:
+  static constexpr int kBuckets = 12;
+  // Beyond this depth halves are taken, so that recursion ends soon whatever the scene.
+  static constexpr int kDeepest = 48;
+
+  void build(std::size_t begin, std::size_t end, std::uint32_t parent, int depth) {
+    const auto index = static_cast<std::uint32_t>(tree_.nodes_.size());
+    ElementBounds bounds = elements_.bounds(order_[begin]);
+    for (std::size_t i = begin + 1; i < end; ++i) {
+      bounds = unite(bounds, elements_.bounds(order_[i]));
+    }
+    const float cosine = std::clamp(bounds.cos_spread, -1.0f, 1.0f);
+    tree_.nodes_.push_back({bounds.low, bounds.high, bounds.axis, cosine,
+                            std::sqrt(1.0f - cosine * cosine), static_cast<float>(bounds.weight),
+                            bounds.cosine_power, 0, parent, LightTree::kInner, bounds.two_sided});
+    if (end - begin == 1) {
+      tree_.nodes_[index].element = order_[begin];
+      tree_.leaf_of_[order_[begin]] = index;
+    } else {
+      const std::size_t middle_index = divide(begin, end, depth);
+      build(begin, middle_index, index, depth + 1);
+      build(middle_index, end, index, depth + 1);
+    }
+    tree_.nodes_[index].next = static_cast<std::uint32_t>(tree_.nodes_.size());
+  }
+
+  // Where the middles of the elements lie.
+  struct Range {
+    std::array<double, 3> low, high;
+  };
+
+  Range range_of(std::size_t begin, std::size_t end) const {
+    Range r;
+    r.low.fill(std::numeric_limits<double>::infinity());
+    r.high.fill(-std::numeric_limits<double>::infinity());
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3 m = middle(elements_.bounds(order_[i]));
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double x = axis_of(m, static_cast<int>(axis));
+        r.low[axis] = std::min(r.low[axis], x);
+        r.high[axis] = std::max(r.high[axis], x);
+      }
+    }
+    return r;
+  }
+
+  static int bucket_of(const Range& r, int axis, Vec3 m) {
+    const auto a = static_cast<std::size_t>(axis);
+    const double t = (axis_of(m, axis) - r.low[a]) / (r.high[a] - r.low[a]);
+    return std::min(kBuckets - 1, static_cast<int>(t * kBuckets));
+  }
+
+  // The best place to cut along one axis.
+  Split best_split(std::size_t begin, std::size_t end, const Range& r, int axis) const {
+    std::array<std::optional<ElementBounds>, kBuckets> buckets;
+    for (std::size_t i = begin; i < end; ++i) {
+      const ElementBounds& b = elements_.bounds(order_[i]);
+      auto& bucket = buckets[static_cast<std::size_t>(bucket_of(r, axis, middle(b)))];
+      bucket = bucket ? unite(*bucket, b) : b;
+    }
+    std::array<double, kBuckets> from_right{};
+    std::optional<ElementBounds> sum;
+    for (std::size_t i = kBuckets; i-- > 1;) {
+      if (buckets[i]) sum = sum ? unite(*sum, *buckets[i]) : *buckets[i];
+      from_right[i] = sum ? cost(*sum) : 0.0;
+    }
+    sum.reset();
+    Split best;
+    for (std::size_t i = 0; i + 1 < kBuckets; ++i) {
+      if (buckets[i]) sum = sum ? unite(*sum, *buckets[i]) : *buckets[i];
+      const double total = (sum ? cost(*sum) : 0.0) + from_right[i + 1];
+      if (total < best.cost) best = {total, axis, static_cast<int>(i)};
+    }
+    return best;
+  }
+
+  std::size_t divide(std::size_t begin, std::size_t end, int depth) {
+    const Range r = range_of(begin, end);
+    const double longest =
+        std::max({r.high[0] - r.low[0], r.high[1] - r.low[1], r.high[2] - r.low[2]});
+    Split best;
+    for (int axis = 0; axis < 3 && depth < kDeepest && end - begin > 2; ++axis) {
+      const double extent =
+          r.high[static_cast<std::size_t>(axis)] - r.low[static_cast<std::size_t>(axis)];
+      if (!(extent > 0.0)) continue;
+      Split split = best_split(begin, end, r, axis);
+      split.cost *= longest / extent;  // against thin slices, as in the paper
+      if (split.cost < best.cost) best = split;
+    }
+    const auto first = order_.begin() + static_cast<std::ptrdiff_t>(begin);
+    const auto last = order_.begin() + static_cast<std::ptrdiff_t>(end);
+    if (std::isfinite(best.cost)) {
+      const auto cut = std::partition(first, last, [&](std::uint32_t element) {
+        return bucket_of(r, best.axis, middle(elements_.bounds(element))) <= best.bucket;
+      });
+      if (cut != first && cut != last) return static_cast<std::size_t>(cut - order_.begin());
+    }
+    return begin + (end - begin) / 2;
+  }
+
+  LightTree& tree_;
+  const Elements& elements_;
+  std::vector<std::uint32_t> order_;
+};
+
+LightTree::LightTree(const Elements& elements, Choice choice) : choice_(choice) {
+  LightTreeBuilder(*this, elements);
+}
+
+}  // namespace nocturne

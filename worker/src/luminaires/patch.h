@@ -1,0 +1,79 @@
+// A flat piece of a luminaire, triangle or parallelogram, as something to point at. From afar a
+// point is drawn uniformly over its area; from close by, where the density of that varies a lot
+// over direction, uniformly over the solid angle (spherical_triangle.h).
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+#include "math/vec3.h"
+
+namespace nocturne {
+
+struct Patch {
+  // corner + u edge_u + v edge_v; u, v in [0, 1], for a triangle also u + v <= 1.
+  Vec3 corner, edge_u, edge_v;
+  Vec3 normal;          // edge_u x edge_v: the side that emits
+  Vec3 dual_u, dual_v;  // u = q . dual_u for q in the plane, from the corner
+  Vec3 centre;
+  float near2;  // square of the distance up to which solid angle is used; < 0: no area
+  bool triangle, two_sided;
+
+  static Patch make(Vec3 corner, Vec3 edge_u, Vec3 edge_v, bool triangle, bool two_sided);
+
+  bool has_area() const { return near2 > 0.0f; }
+  float area() const { return (triangle ? 0.5f : 1.0f) * length(normal); }
+
+  /// A unit direction from the position, two uniform numbers; empty where there is none.
+  std::optional<Vec3> sample(Vec3 position, float u1, float u2) const {
+    if (!has_area()) return std::nullopt;
+    const Vec3 to_centre = centre - position;
+    if (!two_sided && dot(corner - position, normal) >= 0.0f) return std::nullopt;
+    if (dot(to_centre, to_centre) < near2) {
+      if (const auto direction = sample_near(position, u1, u2)) return direction;
+    }
+    float u = u1, v = u2;
+    if (triangle) {
+      const float root = std::sqrt(u1);
+      u = 1.0f - root;
+      v = u2 * root;
+    }
+    const Vec3 to = corner + u * edge_u + v * edge_v - position;
+    const float distance = length(to);
+    if (!(distance > 0.0f)) return std::nullopt;
+    return (1.0f / distance) * to;
+  }
+
+  /// Density of `sample`, 1/sr.
+  float pdf(Vec3 position, Vec3 direction) const {
+    const float towards = dot(direction, normal);
+    if (!two_sided && towards >= 0.0f) return 0.0f;
+    // In double precision: from afar float would leave gaps between the triangles of a small lamp,
+    // and a direction drawn into one would have no density.
+    const double tx = double{corner.x} - position.x, ty = double{corner.y} - position.y,
+                 tz = double{corner.z} - position.z;
+    const auto along = [](double x, double y, double z, Vec3 b) {
+      return x * b.x + y * b.y + z * b.z;
+    };
+    const double t =
+        along(tx, ty, tz, normal) / along(double{direction.x}, direction.y, direction.z, normal);
+    if (!(t > 0.0) || std::isinf(t)) return 0.0f;  // behind, or parallel (NaN and infinity)
+    const double qx = t * direction.x - tx, qy = t * direction.y - ty, qz = t * direction.z - tz;
+    const double u = along(qx, qy, qz, dual_u), v = along(qx, qy, qz, dual_v);
+    if (!(u >= 0.0 && v >= 0.0) || (triangle ? u + v > 1.0 : (u > 1.0 || v > 1.0))) return 0.0f;
+    const Vec3 to_centre = centre - position;
+    if (dot(to_centre, to_centre) < near2) {
+      if (const float near = near_pdf(position); near > 0.0f) return near;
+    }
+    // t^2 / (area cosine), with the normal's length in both.
+    const auto distance = static_cast<float>(t);
+    return (triangle ? 2.0f : 1.0f) * distance * distance / std::fabs(towards);
+  }
+
+ private:
+  // By solid angle; empty and zero where that can't be computed well (the same positions for both).
+  std::optional<Vec3> sample_near(Vec3 position, float u1, float u2) const;
+  float near_pdf(Vec3 position) const;
+};
+
+}  // namespace nocturne

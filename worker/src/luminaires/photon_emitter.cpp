@@ -1,0 +1,95 @@
+#include "luminaires/photon_emitter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace nocturne {
+namespace {
+
+// Between the time steps around `time`.
+Vec3 at_time(std::span<const Vec3> points, std::size_t stride, std::size_t index, float time) {
+  const std::size_t steps = points.size() / stride;
+  if (steps == 1) return points[index];
+  const float position = time * static_cast<float>(steps - 1);
+  const std::size_t step = std::min(static_cast<std::size_t>(position), steps - 2);
+  const float t = position - static_cast<float>(step);
+  const Vec3 before = points[step * stride + index], after = points[(step + 1) * stride + index];
+  return before + t * (after - before);
+}
+
+}  // namespace
+
+void PhotonEmitter::add(Element element, const Luminaire& what) {
+  const Emission emission = what.emission();
+  const double flux =
+      std::numbers::pi * emission.radiance * element.area * (what.two_sided() ? 2.0 : 1.0);
+  if (!(flux > 0.0)) return;
+  fluxes_.push_back(flux);
+  elements_.push_back(std::move(element));
+}
+
+void PhotonEmitter::add_triangle(std::uint32_t luminaire, const Luminaire& what,
+                                 std::vector<std::array<Vec3, 3>> corners) {
+  const auto& first = corners.front();
+  const float area = 0.5f * length(cross(first[1] - first[0], first[2] - first[0]));
+  Element element{luminaire, area, {}, 0.0f};
+  for (const auto& triangle : corners) {
+    element.points.insert(element.points.end(), triangle.begin(), triangle.end());
+  }
+  add(std::move(element), what);
+}
+
+void PhotonEmitter::add_sphere(std::uint32_t luminaire, const Luminaire& what,
+                               std::vector<Vec3> centres, float radius) {
+  add({luminaire, 4.0f * kPi * radius * radius, std::move(centres), radius}, what);
+}
+
+void PhotonEmitter::finish(std::span<const DistantDisc> discs,
+                           const std::optional<Environment>& environment, Geometry::Ball bounds) {
+  bounds_ = bounds;
+  const double disc_area = std::numbers::pi * bounds.radius * bounds.radius;
+  for (const DistantDisc& disc : discs) {
+    fluxes_.push_back(disc_area * disc.irradiance(disc.direction(), false));
+  }
+  if (environment) {
+    fluxes_.push_back(disc_area * 4.0 * std::numbers::pi * environment->mean_radiance());
+  }
+  double total = 0.0;
+  for (const double flux : fluxes_) total += flux;
+  double sum = 0.0;
+  for (const double flux : fluxes_) {
+    if (!(total > 0.0)) break;
+    sum += flux;
+    cumulative_.push_back(static_cast<float>(sum / total));
+  }
+  if (!cumulative_.empty()) cumulative_.back() = 1.0f;
+  fluxes_ = {};
+}
+
+std::size_t PhotonEmitter::choose(float u) const {
+  return static_cast<std::size_t>(std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u) -
+                                  cumulative_.begin());
+}
+
+Hit PhotonEmitter::point_on(const Element& element, float time, float u, float v) {
+  Hit hit{};
+  if (element.radius > 0.0f) {
+    const Vec3 centre = at_time(element.points, 1, 0, time);
+    hit.normal = UniformSphere::sample(u, v);
+    hit.position = centre + element.radius * hit.normal;
+    hit.clearance = kClearanceUnits * (max_abs(centre) + element.radius);
+    return hit;
+  }
+  const Vec3 corner = at_time(element.points, 3, 0, time);
+  const Vec3 edge_u = at_time(element.points, 3, 1, time) - corner;
+  const Vec3 edge_v = at_time(element.points, 3, 2, time) - corner;
+  const float root = std::sqrt(u);
+  hit.position = corner + (1.0f - root) * edge_u + (v * root) * edge_v;
+  hit.normal = normalized(cross(edge_u, edge_v));
+  hit.clearance =
+      kClearanceUnits * (max_abs(hit.position) + std::max(max_abs(edge_u), max_abs(edge_v)));
+  return hit;
+}
+
+}  // namespace nocturne

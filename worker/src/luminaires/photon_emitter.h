@@ -1,0 +1,122 @@
+// Photons that leave the luminaires, distributed over area and direction as the luminaires emit:
+// where forward tracing starts (Morley et al. 2006, section 2). A luminaire is chosen in proportion
+// to an estimate of its flux.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "luminaires/distant_disc.h"
+#include "luminaires/environment.h"
+#include "luminaires/luminaire.h"
+#include "sampling/sequence.h"
+#include "surfaces/geometry.h"
+
+namespace nocturne {
+
+/// Where a photon leaves, and the flux that a group carries: its mean over emissions is the flux of
+/// all luminaires at each wavelength, W/nm.
+template <int N>
+struct Emitted {
+  static constexpr std::uint32_t kDistant = ~0u;
+
+  Ray ray;
+  Spectral<N> flux;
+  /// Index of the luminaire, or kDistant.
+  std::uint32_t luminaire;
+};
+
+class PhotonEmitter {
+ public:
+  /// Corners or centres at equally spaced times over the shutter, at least one.
+  void add_triangle(std::uint32_t luminaire, const Luminaire& what,
+                    std::vector<std::array<Vec3, 3>> corners);
+  void add_sphere(std::uint32_t luminaire, const Luminaire& what, std::vector<Vec3> centres,
+                  float radius);
+  /// After the last element. `bounds` holds the scene: distant light is emitted from a disc of its
+  /// size, outside it.
+  void finish(std::span<const DistantDisc> discs, const std::optional<Environment>& environment,
+              Geometry::Ball bounds);
+
+  /// Time in [0, 1]; eight uniform numbers. Empty where nothing is emitted from the drawn place.
+  template <int N>
+  std::optional<Emitted<N>> emit(std::span<const Luminaire> luminaires,
+                                 std::span<const DistantDisc> discs,
+                                 const std::optional<Environment>& environment, float time,
+                                 const Spectral<N>& wavelengths_nm, const Uniform4& a,
+                                 const Uniform4& b) const {
+    if (cumulative_.empty()) return std::nullopt;
+    const std::size_t chosen = choose(a[2]);
+    const float probability = cumulative_[chosen] - (chosen > 0 ? cumulative_[chosen - 1] : 0.0f);
+    if (chosen >= elements_.size()) {
+      return emit_distant<N>(chosen - elements_.size(), discs, environment, wavelengths_nm, a, b,
+                             probability);
+    }
+    const Element& element = elements_[chosen];
+    const Luminaire& luminaire = luminaires[element.luminaire];
+    const bool back = luminaire.two_sided() && a[3] < 0.5f;
+    const float sides = luminaire.two_sided() ? 2.0f : 1.0f;
+    const Hit from = point_on(element, time, a[0], a[1]);
+    const Vec3 normal = back ? -from.normal : from.normal;
+    const Vec3 direction = normalized(Frame(normal).to_world(CosineHemisphere::sample(b[0], b[1])));
+    // Radiance x cosine over the density cosine/pi x 1/area x 1/sides.
+    const float scale = kPi * element.area * sides / probability;
+    return Emitted<N>{
+        {leave_surface(from, direction), direction},
+        scale * luminaire.emitted(from.normal, direction, SurfacePoint{}, wavelengths_nm),
+        element.luminaire};
+  }
+
+ private:
+  struct Element {
+    std::uint32_t luminaire;
+    float area;
+    /// Three corners for each time step; or one centre, and a radius.
+    std::vector<Vec3> points;
+    float radius;
+  };
+
+  std::size_t choose(float u) const;
+  static Hit point_on(const Element& element, float time, float u, float v);
+  void add(Element element, const Luminaire& what);
+
+  template <int N>
+  std::optional<Emitted<N>> emit_distant(std::size_t which, std::span<const DistantDisc> discs,
+                                         const std::optional<Environment>& environment,
+                                         const Spectral<N>& wavelengths_nm, const Uniform4& a,
+                                         const Uniform4& b, float probability) const {
+    const From anywhere{bounds_.centre, {0, 0, 1}, true, 0.0f};
+    Vec3 towards;
+    float pdf;
+    if (which < discs.size()) {
+      towards = discs[which].sample(a[0], a[1]);
+      pdf = discs[which].pdf(towards);
+    } else {
+      const auto drawn = environment->sample(anywhere, a[3], a[0], a[1]);
+      if (!drawn) return std::nullopt;
+      towards = *drawn;
+      pdf = environment->pdf(anywhere, towards);
+    }
+    if (!(pdf > 0.0f)) return std::nullopt;
+    const Spectral<N> radiance = which < discs.size()
+                                     ? discs[which].radiance(towards, wavelengths_nm)
+                                     : environment->radiance(towards, wavelengths_nm);
+    const Vec3 disc = CosineHemisphere::sample(b[0], b[1]);  // x, y uniform on the unit disc
+    const Frame frame(towards);
+    const float r = bounds_.radius;
+    const Vec3 origin =
+        bounds_.centre + r * (towards + disc.x * frame.tangent + disc.y * frame.bitangent);
+    return Emitted<N>{
+        {origin, -towards}, (kPi * r * r / (pdf * probability)) * radiance, Emitted<N>::kDistant};
+  }
+
+  std::vector<Element> elements_;
+  std::vector<double> fluxes_;     // only while building
+  std::vector<float> cumulative_;  // elements, discs, environment
+  Geometry::Ball bounds_{};
+};
+
+}  // namespace nocturne
