@@ -10,35 +10,38 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <stdexcept>
 #include <vector>
 
 namespace nocturne {
 namespace {
 
-// One pixel as it lies in memory for the file.
-struct Pixel {
-  float x, y, z, y_stderr;
-  std::uint32_t n;
-};
-
-Pixel pixel_from_sums(const double* sums, std::uint32_t samples) {
+// As many floats for a pixel as it has sums: X, Y, Z, Y.stderr, further responses.
+void put_pixel(std::span<const double> sums, std::uint32_t samples, float* pixel) {
   const double n = samples;
+  for (std::size_t i = 0; i < sums.size(); ++i) pixel[i] = static_cast<float>(sums[i] / n);
   const double variance_of_mean =
       samples < 2 ? 0.0 : (sums[3] - sums[1] * sums[1] / n) / (n * (n - 1.0));
-  return {static_cast<float>(sums[0] / n), static_cast<float>(sums[1] / n),
-          static_cast<float>(sums[2] / n),
-          static_cast<float>(std::sqrt(std::max(0.0, variance_of_mean))), samples};
+  pixel[3] = static_cast<float>(std::sqrt(std::max(0.0, variance_of_mean)));
 }
 
 }  // namespace
 
 void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
-               std::span<const double> sums, std::uint32_t samples,
-               const ImageProvenance& provenance) {
-  std::vector<Pixel> pixels(static_cast<std::size_t>(width) * height);
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    pixels[i] = pixel_from_sums(&sums[4 * i], samples);
+               std::span<const double> sums, std::span<const std::string> further_responses,
+               std::uint32_t samples, const ImageProvenance& provenance) {
+  std::vector<std::string> names{"X", "Y", "Z", "Y.stderr"};
+  names.insert(names.end(), further_responses.begin(), further_responses.end());
+  const std::size_t channels = names.size();
+  const std::size_t pixels = static_cast<std::size_t>(width) * height;
+  if (sums.size() != channels * pixels) {
+    throw std::invalid_argument("an image's sums don't fit its channels");
   }
+  std::vector<float> values(sums.size());
+  for (std::size_t i = 0; i < pixels; ++i) {
+    put_pixel(sums.subspan(channels * i, channels), samples, &values[channels * i]);
+  }
+  std::vector<std::uint32_t> counts(pixels, samples);
 
   Imf::Header header(static_cast<int>(width), static_cast<int>(height));
   header.compression() = Imf::ZIP_COMPRESSION;
@@ -50,16 +53,18 @@ void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint
   header.insert("nocturne:engine", Imf::IntAttribute(static_cast<int>(provenance.engine)));
 
   Imf::FrameBuffer buffer;
-  const auto add = [&](const char* name, Imf::PixelType type, std::size_t offset) {
+  const auto add = [&](const std::string& name, Imf::PixelType type, void* first,
+                       std::size_t stride) {
+    if (header.channels().findChannel(name) != nullptr) {
+      throw std::invalid_argument("two channels of an image are named " + name);
+    }
     header.channels().insert(name, Imf::Channel(type));
-    buffer.insert(name, Imf::Slice(type, reinterpret_cast<char*>(pixels.data()) + offset,
-                                   sizeof(Pixel), sizeof(Pixel) * width));
+    buffer.insert(name, Imf::Slice(type, static_cast<char*>(first), stride, stride * width));
   };
-  add("X", Imf::FLOAT, offsetof(Pixel, x));
-  add("Y", Imf::FLOAT, offsetof(Pixel, y));
-  add("Z", Imf::FLOAT, offsetof(Pixel, z));
-  add("Y.stderr", Imf::FLOAT, offsetof(Pixel, y_stderr));
-  add("n", Imf::UINT, offsetof(Pixel, n));
+  for (std::size_t i = 0; i < channels; ++i) {
+    add(names[i], Imf::FLOAT, &values[i], channels * sizeof(float));
+  }
+  add("n", Imf::UINT, counts.data(), sizeof(std::uint32_t));
 
   Imf::OutputFile file(path.c_str(), header);
   file.setFrameBuffer(buffer);

@@ -1,58 +1,106 @@
 #include "sensors/wavelengths.h"
 
-#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
 namespace nocturne {
+namespace {
 
-WavelengthSampler::WavelengthSampler(ResponseCurves curves, bool in_proportion_to_response)
-    : curves_(std::move(curves)) {
-  const std::size_t count = curves_.y.size();
-  if (count < 2 || curves_.x.size() != count || curves_.z.size() != count ||
-      !(curves_.step_nm > 0.0f)) {
+// What any curve asks for is drawn: further ones count as much as X, Y and Z together, each scaled
+// to their size.
+std::vector<float> importance_of(const ResponseCurves& curves) {
+  const std::size_t count = curves.y.size();
+  bool equal = curves.x.size() == count && curves.z.size() == count;
+  for (const auto& curve : curves.further) equal = equal && curve.size() == count;
+  if (count < 2 || !equal || !(curves.step_nm > 0.0f)) {
     throw std::invalid_argument("response curves need one grid of at least two values");
   }
-  const std::size_t cells = count - 1;
-  std::vector<double> sums{0.0};
-  for (std::size_t i = 0; i < cells; ++i) {
-    const double at_ends = static_cast<double>(curves_.x[i]) + curves_.y[i] + curves_.z[i] +
-                           curves_.x[i + 1] + curves_.y[i + 1] + curves_.z[i + 1];
-    sums.push_back(sums.back() + (in_proportion_to_response ? at_ends : 1.0));
+  std::vector<double> importance(count);
+  double total = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    importance[i] = static_cast<double>(curves.x[i]) + curves.y[i] + curves.z[i];
+    total += importance[i];
   }
-  if (!(sums.back() > 0.0)) throw std::invalid_argument("the sensor responds to no wavelength");
-  for (const double sum : sums) cumulative_.push_back(static_cast<float>(sum / sums.back()));
-  cumulative_.back() = 1.0f;
-
-  std::uint32_t cell = 0;
-  for (std::size_t slice = 0; slice < 2 * cells; ++slice) {
-    const float u = static_cast<float>(slice) / static_cast<float>(2 * cells);
-    while (cumulative_[cell + 1] <= u) ++cell;
-    guide_.push_back(cell);
+  for (const auto& curve : curves.further) {
+    double sum = 0.0;
+    for (const float value : curve) sum += value;
+    for (std::size_t i = 0; sum > 0.0 && i < count; ++i) {
+      importance[i] += (total > 0.0 ? total / sum : 1.0) * curve[i];
+    }
   }
+  if (!(*std::max_element(importance.begin(), importance.end()) > 0.0)) {
+    throw std::invalid_argument("the sensor responds to no wavelength");
+  }
+  return {importance.begin(), importance.end()};
 }
 
-WavelengthSample WavelengthSampler::sample(float u) const {
-  const auto slices = static_cast<float>(guide_.size());
-  std::size_t cell = guide_[std::min(static_cast<std::size_t>(u * slices), guide_.size() - 1)];
-  while (cumulative_[cell + 1] <= u) ++cell;
-  while (cumulative_[cell] > u) --cell;  // where u * slices was rounded up
-  const float share = cumulative_[cell + 1] - cumulative_[cell];
-  const float t = (u - cumulative_[cell]) / share;
-  const float nm = curves_.first_nm + (static_cast<float>(cell) + t) * curves_.step_nm;
-  const float inverse_density = curves_.step_nm / share;
-  const auto weight = [&](const std::vector<float>& curve) {
-    return inverse_density * (curve[cell] + t * (curve[cell + 1] - curve[cell]));
+float wavelength(const ResponseCurves& curves, std::size_t i) {
+  return curves.first_nm + static_cast<float>(i) * curves.step_nm;
+}
+
+DensityTable own_density(const ResponseCurves& curves, bool in_proportion_to_response) {
+  const std::vector<float> importance = importance_of(curves);
+  const std::size_t last = importance.size() - 1;
+  if (!in_proportion_to_response)
+    return {{curves.first_nm, wavelength(curves, last)}, {1.0f, 1.0f}};
+  DensityTable density{{}, importance};
+  for (std::size_t i = 0; i <= last; ++i) density.knots_nm.push_back(wavelength(curves, i));
+  return density;
+}
+
+// Of linear pieces at `nm`, zero outside.
+float interpolated(const std::vector<float>& knots, const std::vector<float>& values, float nm) {
+  if (knots.empty() || nm < knots.front() || nm > knots.back()) return 0.0f;
+  const auto at = std::upper_bound(knots.begin() + 1, knots.end() - 1, nm) - knots.begin();
+  const auto high = static_cast<std::size_t>(at);
+  const float width = knots[high] - knots[high - 1];
+  const float t = width > 0.0f ? (nm - knots[high - 1]) / width : 0.0f;
+  return values[high - 1] + t * (values[high] - values[high - 1]);
+}
+
+// Both are linear between the knots of both, so that these are all that has to be looked at.
+void check_covers(const ResponseCurves& curves, const DensityTable& density) {
+  const std::vector<float> importance = importance_of(curves);
+  std::vector<float> grid;
+  for (std::size_t i = 0; i < importance.size(); ++i) grid.push_back(wavelength(curves, i));
+  const auto check = [&](bool covered) {
+    if (!covered)
+      throw std::invalid_argument("a wavelength density that is zero where a response is not");
   };
-  return {nm, {weight(curves_.x), weight(curves_.y), weight(curves_.z)}};
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    check(importance[i] == 0.0f || interpolated(density.knots_nm, density.values, grid[i]) > 0.0f);
+  }
+  const float first = density.knots_nm.front(), last = density.knots_nm.back();
+  check(first <= grid.front() || interpolated(grid, importance, first) == 0.0f);
+  check(last >= grid.back() || interpolated(grid, importance, last) == 0.0f);
+  for (std::size_t i = 0; i < density.values.size(); ++i) {
+    const float nm = density.knots_nm[i];
+    if (nm < grid.front() || nm > grid.back()) {
+      throw std::invalid_argument("a wavelength density that reaches out of the responses");
+    }
+    check(density.values[i] > 0.0f || interpolated(grid, importance, nm) == 0.0f);
+  }
 }
 
-float WavelengthSampler::pdf(float nm) const {
-  const float position = (nm - curves_.first_nm) / curves_.step_nm;
-  const auto cells = static_cast<float>(cumulative_.size() - 1);
-  if (!(position >= 0.0f && position < cells)) return 0.0f;
-  const auto cell = static_cast<std::size_t>(position);
-  return (cumulative_[cell + 1] - cumulative_[cell]) / curves_.step_nm;
+WavelengthDensity checked(const ResponseCurves& curves, const DensityTable& table) {
+  WavelengthDensity density(table.knots_nm, table.values);
+  check_covers(curves, table);
+  return density;
+}
+
+}  // namespace
+
+WavelengthSampler::WavelengthSampler(const ResponseCurves& curves, bool in_proportion_to_response)
+    : WavelengthSampler(curves, own_density(curves, in_proportion_to_response)) {}
+
+WavelengthSampler::WavelengthSampler(const ResponseCurves& curves, const DensityTable& density)
+    : density_(checked(curves, density)),
+      first_nm_(curves.first_nm),
+      inverse_step_(1.0f / curves.step_nm),
+      further_(curves.further) {
+  for (std::size_t i = 0; i < curves.y.size(); ++i) {
+    xyz_.push_back({curves.x[i], curves.y[i], curves.z[i], 0.0f});
+  }
 }
 
 }  // namespace nocturne

@@ -1,9 +1,12 @@
-// The one wavelength of a photon, and what the sensor's X, Y, Z responses make of it.
+// The wavelengths of a group of photons, and what the sensor's responses make of them.
 #pragma once
 
+#include <algorithm>
 #include <array>
-#include <cstdint>
 #include <vector>
+
+#include "sensors/wavelength_density.h"
+#include "spectrum/spectral.h"
 
 namespace nocturne {
 
@@ -11,34 +14,83 @@ namespace nocturne {
 struct ResponseCurves {
   float first_nm, step_nm;
   std::vector<float> x, y, z;
+  /// Any number more.
+  std::vector<std::vector<float>> further;
 };
 
-struct WavelengthSample {
-  float nm;
+/// N wavelengths, each distributed like every other, together stratified.
+template <int N>
+struct WavelengthSamples {
+  Spectral<N> nm;
   /// Response over density: the mean of weight x spectral radiance is X, Y, Z (Y in cd/m2).
-  std::array<float, 3> weight;
+  std::array<Spectral<N>, 3> weight;
+  /// Place in the grid, and one over the density, nm.
+  Spectral<N> position, inverse_density;
 };
 
-/// Draws wavelengths cell by cell of the response grid, with a constant density inside a cell: in
-/// proportion to the mean of X + Y + Z there, or the same everywhere. The inverse of the cumulative
-/// density is found through a guide table (Chen and Asau, 1974), so that a stratified u gives
-/// stratified wavelengths.
+/// Knots in nm, and densities of any size; see WavelengthDensity.
+struct DensityTable {
+  std::vector<float> knots_nm, values;
+};
+
+/// Draws wavelengths: in proportion to X + Y + Z, with further curves counting as much; uniformly;
+/// or from a density that is given, such as one that finds narrow lines.
 class WavelengthSampler {
  public:
   /// Throws std::invalid_argument where the curves are shorter than two values, differ in length or
   /// are all zero.
-  WavelengthSampler(ResponseCurves curves, bool in_proportion_to_response);
+  WavelengthSampler(const ResponseCurves& curves, bool in_proportion_to_response);
 
-  /// u in [0, 1).
-  WavelengthSample sample(float u) const;
+  /// Also throws where the density is no WavelengthDensity, reaches out of the curves' grid, or is
+  /// zero where a curve is not: what never is drawn would be missing.
+  WavelengthSampler(const ResponseCurves& curves, const DensityTable& density);
+
+  /// u in [0, 1). Photon k gets the wavelength that belongs to the fraction of u + k / N.
+  template <int N>
+  WavelengthSamples<N> sample(float u) const {
+    WavelengthSamples<N> samples;
+    for (std::size_t k = 0; k < N; ++k) {
+      float shifted = u + static_cast<float>(k) / N;
+      if (shifted >= 1.0f) shifted -= 1.0f;
+      const WavelengthDensity::Draw drawn = density_.sample(shifted);
+      const float position = (drawn.nm - first_nm_) * inverse_step_;
+      const std::size_t cell = std::min(static_cast<std::size_t>(position), xyz_.size() - 2);
+      const float t = position - static_cast<float>(cell);
+      samples.position[k] = position;
+      samples.nm[k] = drawn.nm;
+      samples.inverse_density[k] = drawn.inverse_density;
+      const auto& low = xyz_[cell];
+      const auto& high = xyz_[cell + 1];
+      for (std::size_t c = 0; c < 3; ++c) {
+        samples.weight[c][k] = drawn.inverse_density * (low[c] + t * (high[c] - low[c]));
+      }
+    }
+    return samples;
+  }
+
+  std::size_t further_curves() const { return further_.size(); }
+
+  /// The same as `weight` for a further curve.
+  template <int N>
+  Spectral<N> further_weight(std::size_t curve, const WavelengthSamples<N>& samples) const {
+    const std::vector<float>& values = further_[curve];
+    return each(
+        [&](float position, float inverse_density) {
+          const std::size_t cell = std::min(static_cast<std::size_t>(position), values.size() - 2);
+          const float t = position - static_cast<float>(cell);
+          return inverse_density * (values[cell] + t * (values[cell + 1] - values[cell]));
+        },
+        samples.position, samples.inverse_density);
+  }
 
   /// Density of sample, 1/nm; zero outside the grid.
-  float pdf(float nm) const;
+  float pdf(float nm) const { return density_.pdf(nm); }
 
  private:
-  ResponseCurves curves_;
-  std::vector<float> cumulative_;     // cell count + 1 values from 0 to 1
-  std::vector<std::uint32_t> guide_;  // first cell that a slice of u can fall into
+  WavelengthDensity density_;
+  float first_nm_, inverse_step_;
+  std::vector<std::array<float, 4>> xyz_;  // side by side; the fourth fills the row
+  std::vector<std::vector<float>> further_;
 };
 
 }  // namespace nocturne

@@ -15,8 +15,11 @@ struct TileRange {
 
 /// Float64: single precision stops counting at 2^24 samples.
 struct TileSums {
-  static constexpr std::size_t kChannels = 4;  // sum X, sum Y, sum Z, sum Y^2
+  /// Sum X, sum Y, sum Z, sum Y^2; then a sum for each further response of the sensor.
+  static constexpr std::size_t kXyzChannels = 4;
 
+  /// At least kXyzChannels.
+  std::size_t channels;
   /// Channels of each pixel side by side, row by row.
   std::vector<double> sums;
   std::uint64_t photons = 0;
@@ -24,7 +27,8 @@ struct TileSums {
   /// Photons left out because their contribution was negative or not finite.
   std::uint64_t rejected = 0;
 
-  explicit TileSums(std::size_t pixels = 0) : sums(kChannels * pixels) {}
+  explicit TileSums(std::size_t pixels = 0, std::size_t further_responses = 0)
+      : channels(kXyzChannels + further_responses), sums(channels * pixels) {}
 };
 
 }  // namespace nocturne

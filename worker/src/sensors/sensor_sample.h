@@ -1,0 +1,33 @@
+// What a sensor gives the tracer: where an adjoint photon starts, and where a forward photon
+// counts.
+#pragma once
+
+#include <cstdint>
+
+#include "math/ray.h"
+
+namespace nocturne {
+
+struct SensorSample {
+  Ray ray;
+  /// The mean over samples of weight x radiance along the ray is what the pixel measures: 1 for a
+  /// radiance; sr for an irradiance; m2 for an intensity.
+  float weight;
+  /// What a pixel sees of a surface across the ray at a distance: width + spread x distance,
+  /// metres.
+  float spread;
+  float width;
+};
+
+/// Where a forward photon is counted: the sum over photons of flux x weight is what the pixel
+/// measures.
+struct Reception {
+  /// Row by row.
+  std::uint32_t pixel;
+  /// 1/m2 for an irradiance, 1/sr for an intensity.
+  float weight;
+  /// From the start of the segment, m; infinite where the photon leaves the scene.
+  float distance;
+};
+
+}  // namespace nocturne
