@@ -1,18 +1,22 @@
 // The tracer alone: a compiled scene and a plan in, an EXR out, no service. Gives the bits that the
 // service gives.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "digest/sha256.h"
 #include "image/write_exr.h"
 #include "nocturne/v1/job.pb.h"
 #include "scene/load_scene.h"
+#include "textures/texture.h"
 #include "tracer/trace_film.h"
 
 namespace nocturne {
@@ -22,6 +26,7 @@ struct Options {
   std::string scene, plan, blobs, output, statistics;
   Method method = Method::kAdjointPhotons;
   unsigned threads = std::thread::hardware_concurrency();
+  std::uint64_t texture_bytes = kTextureMemoryBytes;
   bool quiet = false;
 };
 
@@ -52,14 +57,33 @@ FilmPlan checked_plan(const v1::RenderPlan& plan) {
           {plan.range_ends().data(), static_cast<std::size_t>(plan.range_ends_size())}};
 }
 
+// The plan's names, which must be those of the scene's sensor.
+std::vector<std::string> checked_responses(const v1::RenderPlan& plan, const v1::Sensor& sensor) {
+  std::vector<std::string> names(plan.further_responses().begin(), plan.further_responses().end());
+  const bool same = std::ranges::equal(
+      names, sensor.further_responses(), {}, {},
+      [](const v1::Response& response) -> const std::string& { return response.name(); });
+  if (!same) throw std::runtime_error("the plan's further responses are not those of the scene");
+  return names;
+}
+
+// Names need no escapes: they are letters, digits, '.', '_' and '-'.
 std::string plan_json(const v1::RenderPlan& plan) {
-  std::string ends;
+  std::string ends, responses;
   for (const std::uint32_t end : plan.range_ends()) {
     ends += (ends.empty() ? "" : ",") + std::to_string(end);
   }
+  for (const std::string& name : plan.further_responses()) {
+    responses += (responses.empty() ? "\"" : ",\"") + name + "\"";
+  }
+  if (!responses.empty()) responses = ",\"furtherResponses\":[" + responses + "]";
+  if (plan.photons_per_sample() != 0) {
+    responses += ",\"photonsPerSample\":" + std::to_string(plan.photons_per_sample());
+  }
   return "{\"width\":" + std::to_string(plan.width()) +
          ",\"height\":" + std::to_string(plan.height()) +
-         ",\"tileSize\":" + std::to_string(plan.tile_size()) + ",\"rangeEnds\":[" + ends + "]}";
+         ",\"tileSize\":" + std::to_string(plan.tile_size()) + ",\"rangeEnds\":[" + ends + "]" +
+         responses + "}";
 }
 
 FindBlob blobs_in(const std::string& folder) {
@@ -100,9 +124,11 @@ std::function<void(double)> progress_on_stderr(bool quiet) {
 }
 
 void run(const Options& options) {
+  set_texture_memory(options.texture_bytes);
   const auto message = read_message<v1::CompiledScene>(options.scene);
   const auto plan_message = read_message<v1::RenderPlan>(options.plan);
   const FilmPlan plan = checked_plan(plan_message);
+  const auto further_responses = checked_responses(plan_message, message.sensor());
   const auto scene = load_scene(message, blobs_in(options.blobs));
 
   // Loading is left out of the rates.
@@ -113,7 +139,8 @@ void run(const Options& options) {
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_before;
   const double cpu = process_cpu_seconds() - cpu_before;
 
-  write_exr(options.output, plan.film.width, plan.film.height, image.sums, plan.range_ends.back(),
+  write_exr(options.output, plan.film.width, plan.film.height, image.sums, further_responses,
+            plan.range_ends.back(),
             {sha256_of_file(options.scene), plan_json(plan_message), v1::ENGINE_CURRENT});
   if (!options.statistics.empty()) {
     write_statistics(options.statistics, image, cpu, wall.count());
@@ -131,7 +158,8 @@ int main(int argc, char** argv) {
   nocturne::Options options;
   CLI::App app{
       "Traces a compiled scene on this machine and writes an EXR (X, Y, Z in absolute units, "
-      "Y.stderr, n).\n"
+      "Y.stderr, n, further "
+      "responses).\n"
       "`nocturne compile SCENE.json -o DIR` makes DIR/scene.pb, DIR/plan.pb and DIR/blobs.",
       "nocturne-trace"};
   app.add_option("scene", options.scene, "Compiled scene (scene.pb)")
@@ -140,12 +168,15 @@ int main(int argc, char** argv) {
   app.add_option("--plan", options.plan, "Render plan (plan.pb)")
       ->required()
       ->check(CLI::ExistingFile);
-  app.add_option("--blobs", options.blobs, "Folder of packed meshes")
+  app.add_option("--blobs", options.blobs, "Folder of meshes, textures and tables")
       ->required()
       ->check(CLI::ExistingDirectory);
   app.add_option("-o,--output", options.output, "EXR to write")->required();
   app.add_option("--threads", options.threads, "Threads (default: all processors)")
       ->check(CLI::Range(1, 1024));
+  app.add_option("--texture-memory", options.texture_bytes,
+                 "Tiles of textures held in memory (default 256MiB)")
+      ->transform(CLI::AsSizeValue(false));
   app.add_option("--statistics", options.statistics,
                  "JSON file for photon and ray counts and times");
   app.add_option("--method", options.method, "adjoint, or path for the path-tracing baseline")

@@ -12,6 +12,7 @@
 #include "assets/asset_cache.h"
 #include "job_tracer.h"
 #include "log/log.h"
+#include "textures/texture.h"
 #include "worker_loop/worker.h"
 
 namespace {
@@ -25,6 +26,7 @@ struct Arguments {
   unsigned lease_ms = 10000;
   unsigned grace_seconds = 25;
   bool debug = false;
+  std::uint64_t texture_bytes = nocturne::kTextureMemoryBytes;
   nocturne::AssetCacheOptions cache;
 };
 
@@ -63,6 +65,9 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--max-asset-bytes", arguments.cache.max_asset_bytes,
                  "larger files are refused; 8GiB")
       ->transform(CLI::AsSizeValue(false));
+  app.add_option("--texture-memory", arguments.texture_bytes,
+                 "tiles of textures held in memory; 256MiB")
+      ->transform(CLI::AsSizeValue(false));
   app.add_option("--grace-seconds", arguments.grace_seconds,
                  "after SIGTERM or SIGINT, how long running jobs may go on before they are handed "
                  "back; a second signal ends the program at once")
@@ -100,6 +105,7 @@ void wait_for_signal() {
 
 int run(const Arguments& arguments) {
   block_signals();
+  nocturne::set_texture_memory(arguments.texture_bytes);
   nocturne::AssetCache assets(arguments.cache);
   nocturne::JobTracer tracer(assets);
   const nocturne::WorkerOptions options{.redis = nocturne::redis_address(arguments.redis),

@@ -1,9 +1,7 @@
 #include "scene/load_scene.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <fstream>
 #include <functional>
 #include <limits>
 
@@ -20,6 +18,11 @@ test::SceneBuilder good_scene() {
 
 TEST(LoadScene, TakesAGoodScene) { EXPECT_NO_THROW(good_scene().load()); }
 
+std::uint32_t add_spectrum(v1::CompiledScene& scene, float value) {
+  scene.add_spectra()->add_values(value);
+  return static_cast<std::uint32_t>(scene.spectra_size()) - 1;
+}
+
 struct Damage {
   const char* says;
   std::function<void(v1::CompiledScene&)> apply;
@@ -28,7 +31,7 @@ struct Damage {
 // What a worker gets comes over a network: every number is checked before it is used.
 TEST(LoadScene, RefusesDamagedMessagesInWords) {
   const Damage damages[] = {
-      {"format", [](auto& m) { m.set_format(2); }},
+      {"format", [](auto& m) { m.set_format(1); }},
       {"surfaces",
        [](auto& m) {
          m.clear_surfaces();
@@ -36,7 +39,9 @@ TEST(LoadScene, RefusesDamagedMessagesInWords) {
        }},
       {"kernel index", [](auto& m) { m.mutable_surfaces(0)->set_kernel(7); }},
       {"spectrum index",
-       [](auto& m) { m.mutable_kernels(0)->mutable_lambertian()->set_reflectance(9); }},
+       [](auto& m) {
+         m.mutable_kernels(0)->mutable_lambertian()->mutable_reflectance()->set_spectrum(9);
+       }},
       {"kernel", [](auto& m) { m.mutable_kernels(0)->clear_lambertian(); }},
       {"luminaire", [](auto& m) { m.mutable_luminaires(0)->set_surface(3); }},
       {"two luminaires", [](auto& m) { *m.add_luminaires() = m.luminaires(0); }},
@@ -57,6 +62,30 @@ TEST(LoadScene, RefusesDamagedMessagesInWords) {
       {"depth", [](auto& m) { m.mutable_tracing()->set_maximum_depth(0); }},
       {"roulette", [](auto& m) { m.mutable_tracing()->clear_roulette(); }},
       {"sequence", [](auto& m) { m.mutable_tracing()->clear_sequence(); }},
+      {"group of photons", [](auto& m) { m.mutable_tracing()->set_group(3); }},
+      {"split", [](auto& m) { m.mutable_tracing()->set_split_vertices(9); }},
+      {"forward photons",
+       [](auto& m) { m.mutable_tracing()->set_direction(v1::DIRECTION_FORWARD); }},
+      {"interior index", [](auto& m) { m.mutable_surfaces(0)->set_interior(0); }},
+      {"index of refraction", [](auto& m) { m.add_interiors()->set_index(add_spectrum(m, 0.0f)); }},
+      {"number out of range",
+       [](auto& m) {
+         auto& conductor = *m.add_kernels()->mutable_conductor();
+         conductor.mutable_roughness()->mutable_alpha_u()->set_constant(-1);
+       }},
+      {"blend of a blend",
+       [](auto& m) {
+         m.add_kernels()->mutable_blend()->add_parts()->set_kernel(0);
+         m.add_kernels()->mutable_blend()->add_parts()->set_kernel(1);
+       }},
+      {"blend", [](auto& m) { m.add_kernels()->mutable_blend(); }},
+      {"12 numbers", [](auto& m) { m.add_instances()->add_transforms(1.0); }},
+      {"important shape", [](auto& m) { m.add_important_shapes()->set_weight(1); }},
+      {"without texels", [](auto& m) { m.mutable_environment()->mutable_map(); }},
+      {"further responses",
+       [](auto& m) {
+         for (int i = 0; i < 61; ++i) m.mutable_sensor()->add_further_responses();
+       }},
   };
   for (const Damage& damage : damages) {
     auto builder = good_scene();
@@ -68,51 +97,6 @@ TEST(LoadScene, RefusesDamagedMessagesInWords) {
       EXPECT_NE(std::string(error.what()).find(damage.says), std::string::npos) << error.what();
     }
   }
-}
-
-class LoadMesh : public testing::Test {
- protected:
-  std::filesystem::path path_ =
-      std::filesystem::temp_directory_path() / ("nocturne-mesh-" + std::to_string(::getpid()));
-  ~LoadMesh() override { std::filesystem::remove(path_); }
-
-  void load(std::vector<float> vertices, std::vector<std::uint32_t> indices,
-            std::uint32_t vertex_count, std::uint32_t triangle_count) {
-    std::ofstream file(path_, std::ios::binary);
-    file.write(reinterpret_cast<const char*>(vertices.data()),
-               static_cast<std::streamsize>(4 * vertices.size()));
-    file.write(reinterpret_cast<const char*>(indices.data()),
-               static_cast<std::streamsize>(4 * indices.size()));
-    file.close();
-    test::SceneBuilder builder;
-    auto& mesh = *builder.add_surface(0.5f, 1.0f).mutable_mesh();
-    mesh.set_blob(std::string(32, '\x5a'));
-    mesh.set_vertex_count(vertex_count);
-    mesh.set_triangle_count(triangle_count);
-    load_scene(builder.message, [this](const std::string& sha256) {
-      EXPECT_EQ(sha256.substr(0, 4), "5a5a");
-      return path_;
-    });
-  }
-};
-
-TEST_F(LoadMesh, TakesAGoodMesh) {
-  EXPECT_NO_THROW(load({0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}, 3, 1));
-}
-
-TEST_F(LoadMesh, ChecksTheLengthBeforeTakingMemory) {
-  EXPECT_THROW(load({0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2}, 4'000'000'000u, 4'000'000'000u),
-               SceneError);
-}
-
-TEST_F(LoadMesh, RefusesIndicesOutOfRange) {
-  EXPECT_THROW(load({0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 3}, 3, 1), SceneError);
-}
-
-TEST_F(LoadMesh, RefusesVerticesThatAreNotFinite) {
-  EXPECT_THROW(
-      load({0, 0, 0, std::numeric_limits<float>::infinity(), 0, 0, 0, 1, 0}, {0, 1, 2}, 3, 1),
-      SceneError);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ struct PixelEstimate {
 };
 
 PixelEstimate estimate(const TileSums& tile, std::size_t pixel, double n) {
-  const double* sums = &tile.sums[TileSums::kChannels * pixel];
+  const double* sums = &tile.sums[tile.channels * pixel];
   const double variance = (sums[3] - sums[1] * sums[1] / n) / (n * (n - 1.0));
   return {sums[1] / n, std::sqrt(std::max(0.0, variance))};
 }
@@ -26,7 +26,7 @@ PixelEstimate estimate(const TileSums& tile, std::size_t pixel, double n) {
 // truth), and the mean of all pixels within 4: 256 pixels at 4.4 and one mean give one false alarm
 // in 350 for independent samples, where seeds are fixed; stratified ones do better.
 void expect_all_pixels(const TileSums& tile, double n, double truth) {
-  const std::size_t pixels = tile.sums.size() / TileSums::kChannels;
+  const std::size_t pixels = tile.sums.size() / tile.channels;
   double mean = 0.0, variance = 0.0;
   for (std::size_t i = 0; i < pixels; ++i) {
     const PixelEstimate e = estimate(tile, i, n);
@@ -41,8 +41,10 @@ void expect_all_pixels(const TileSums& tile, double n, double truth) {
 struct Variant {
   const char* name;
   Method method;
-  v1::SampleSequence sequence;
   double kernel, luminaires, uniform;
+  v1::Estimator estimator = v1::ESTIMATOR_MIXTURE;
+  std::uint32_t group = 1;
+  v1::SampleSequence sequence = v1::SAMPLE_SEQUENCE_SOBOL;
 };
 
 class Truths : public testing::TestWithParam<Variant> {
@@ -55,6 +57,9 @@ class Truths : public testing::TestWithParam<Variant> {
     tracing.set_weight_kernel(GetParam().kernel);
     tracing.set_weight_luminaires(GetParam().luminaires);
     tracing.set_weight_uniform(GetParam().uniform);
+    tracing.set_estimator(GetParam().estimator);
+    tracing.set_split_vertices(2);
+    tracing.set_group(GetParam().group);
     return trace_tile(*builder.load(), kFilm, {0, 0, 16, 16, 0, samples}, GetParam().method);
   }
 };
@@ -120,14 +125,22 @@ TEST_P(Truths, LampSeenDirectly) {
 INSTANTIATE_TEST_SUITE_P(
     All, Truths,
     testing::Values(
-        Variant{"Mixture", Method::kAdjointPhotons, v1::SAMPLE_SEQUENCE_SOBOL, 0.65, 0.35, 0},
-        Variant{"HalfAndHalf", Method::kAdjointPhotons, v1::SAMPLE_SEQUENCE_SOBOL, 0.5, 0.5, 0},
-        Variant{"ThreeParts", Method::kAdjointPhotons, v1::SAMPLE_SEQUENCE_SOBOL, 0.3, 0.3, 0.4},
-        Variant{"Independent", Method::kAdjointPhotons, v1::SAMPLE_SEQUENCE_INDEPENDENT, 0.65, 0.35,
-                0},
-        Variant{"KernelOnly", Method::kAdjointPhotons, v1::SAMPLE_SEQUENCE_SOBOL, 1, 0, 0},
-        Variant{"UniformOnly", Method::kAdjointPhotons, v1::SAMPLE_SEQUENCE_SOBOL, 0, 0, 1},
-        Variant{"PathTracing", Method::kPathTracing, v1::SAMPLE_SEQUENCE_SOBOL, 0.65, 0.35, 0}),
+        Variant{"Mixture", Method::kAdjointPhotons, 0.65, 0.35, 0},
+        Variant{"HalfAndHalf", Method::kAdjointPhotons, 0.5, 0.5, 0},
+        Variant{"ThreeParts", Method::kAdjointPhotons, 0.3, 0.3, 0.4},
+        Variant{"Independent", Method::kAdjointPhotons, 0.65, 0.35, 0, v1::ESTIMATOR_MIXTURE, 1,
+                v1::SAMPLE_SEQUENCE_INDEPENDENT},
+        Variant{"KernelOnly", Method::kAdjointPhotons, 1, 0, 0},
+        Variant{"UniformOnly", Method::kAdjointPhotons, 0, 0, 1},
+        Variant{"MixtureOfFour", Method::kAdjointPhotons, 0.65, 0.35, 0, v1::ESTIMATOR_MIXTURE, 4},
+        Variant{"Split", Method::kAdjointPhotons, 0.65, 0.35, 0, v1::ESTIMATOR_SPLIT},
+        Variant{"SplitOfFour", Method::kAdjointPhotons, 0.5, 0.3, 0.2, v1::ESTIMATOR_SPLIT, 4},
+        Variant{"TwoPhotons", Method::kAdjointPhotons, 0.65, 0.35, 0, v1::ESTIMATOR_TWO_PHOTONS},
+        Variant{"TwoPhotonsOfFour", Method::kAdjointPhotons, 0.65, 0.35, 0,
+                v1::ESTIMATOR_TWO_PHOTONS, 4},
+        Variant{"TwoPhotonsOfEight", Method::kAdjointPhotons, 0.65, 0.35, 0,
+                v1::ESTIMATOR_TWO_PHOTONS, 8},
+        Variant{"PathTracing", Method::kPathTracing, 0.65, 0.35, 0}),
     [](const auto& instance) { return instance.param.name; });
 
 }  // namespace

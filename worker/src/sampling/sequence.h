@@ -89,26 +89,34 @@ class PixelSequence {
 
 class PhotonSequence {
  public:
-  PhotonSequence(PixelSequence& pixel, std::uint32_t sample) : pixel_(pixel), sample_(sample) {}
+  PhotonSequence(PixelSequence& pixel, std::uint32_t sample) : pixel_(&pixel), sample_(sample) {}
 
   /// The next four dimensions.
   Uniform4 next() {
     const std::uint32_t set = set_++;
     FourWords words;
-    if (pixel_.kind() == SequenceKind::kSobol) {
-      const auto randomisation = pixel_.randomisation(set);
+    if (pixel_->kind() == SequenceKind::kSobol) {
+      const auto randomisation = pixel_->randomisation(set);
       const std::uint32_t index = owen_scramble(sample_, randomisation.shuffle);
       _mm_store_si128(reinterpret_cast<__m128i*>(&words),
                       owen_scramble(sobol4(index), randomisation.scrambles));
     } else {
-      words.lane = pixel_.independent(sample_, set);
+      words.lane = pixel_->independent(sample_, set);
     }
     return {to_unit(words.lane[0]), to_unit(words.lane[1]), to_unit(words.lane[2]),
             to_unit(words.lane[3])};
   }
 
+  /// Numbers of a photon that leaves this one's way: they have nothing in common with what follows
+  /// here. Number 1 or 2.
+  PhotonSequence branch(std::uint32_t number) const {
+    PhotonSequence other = *this;
+    other.set_ += number << 24;
+    return other;
+  }
+
  private:
-  PixelSequence& pixel_;
+  PixelSequence* pixel_;
   std::uint32_t sample_, set_ = 0;
 };
 

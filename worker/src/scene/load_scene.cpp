@@ -1,34 +1,36 @@
 #include "scene/load_scene.h"
 
-#include <cmath>
 #include <numbers>
 
-#include "scene/load_mesh.h"
+#include "digest/sha256.h"
+#include "scene/load_context.h"
+#include "scene/load_kernels.h"
+#include "scene/load_lights.h"
+#include "scene/load_sensor.h"
+#include "scene/load_surfaces.h"
+#include "scene/load_textures.h"
 
 namespace nocturne {
 namespace {
 
-constexpr std::uint32_t kFormat = 1;
+constexpr std::uint32_t kFormat = 2;
 // A photon costs at most this many rays; the scene compiler allows no more either.
 constexpr std::uint32_t kMostDepth = 100'000;
+// Of one spectrum, so that a scene's size says how much work it makes.
+constexpr int kMostLines = 10'000;
 
-[[noreturn]] void refuse(const std::string& what) { throw SceneError("compiled scene: " + what); }
-
-void require(bool condition, const char* what) {
-  if (!condition) refuse(what);
+Lines load_lines(const v1::Spectrum& message) {
+  require(message.lines_size() <= kMostLines, "a spectrum with more than 10000 lines");
+  std::vector<Line> lines;
+  for (const auto& line : message.lines()) {
+    lines.push_back({finite(line.centre_nm(), "a line's centre"),
+                     finite(line.power(), "a line's power"),
+                     finite(line.width_nm(), "a line's width")});
+  }
+  return checked([&] { return Lines(lines); });
 }
 
-float finite(double value, const char* what) {
-  const auto narrowed = static_cast<float>(value);
-  if (!std::isfinite(narrowed)) refuse(std::string(what) + " is not finite");
-  return narrowed;
-}
-
-Vec3 vector(const v1::Vector& v, const char* what) {
-  return {finite(v.x(), what), finite(v.y(), what), finite(v.z(), what)};
-}
-
-Spectrum spectrum(const v1::Spectrum& message) {
+Spectrum load_table(const v1::Spectrum& message) {
   require(message.values_size() > 0, "a spectrum without values");
   for (const float value : message.values()) {
     require(std::isfinite(value) && value >= 0.0f, "a spectrum with a negative or infinite value");
@@ -40,171 +42,126 @@ Spectrum spectrum(const v1::Spectrum& message) {
                   {message.values().begin(), message.values().end()}, message.zero_outside());
 }
 
-class Loader {
- public:
-  Loader(const v1::CompiledScene& message, const FindBlob& find_blob)
-      : message_(message), find_blob_(find_blob) {
-    if (message.format() != kFormat) {
-      refuse("format " + std::to_string(message.format()) + "; this program reads format " +
-             std::to_string(kFormat));
-    }
-    for (const auto& s : message.spectra()) spectra_.push_back(spectrum(s));
-  }
+Spectrum load_spectrum(const v1::Spectrum& message) {
+  return {load_table(message), load_lines(message)};
+}
 
-  std::shared_ptr<const Scene> load() {
-    auto luminaires = this->luminaires();
-    auto shapes = this->shapes();
-    LuminaireDirections directions(luminaires, shapes);
-    const TracingOptions options = tracing(directions.empty());
-    return std::shared_ptr<const Scene>(
-        new Scene{Geometry(std::move(shapes)), materials(), kernels(), std::move(luminaires),
-                  std::move(directions), camera(), wavelengths(), options});
+LoadContext make_context(const v1::CompiledScene& message, const FindBlob& find_blob) {
+  if (message.format() != kFormat) {
+    refuse("format " + std::to_string(message.format()) + "; this program reads format " +
+           std::to_string(kFormat));
   }
+  LoadContext context{message, find_blob, {}, {}, {}};
+  for (const auto& s : message.spectra()) context.spectra.push_back(load_spectrum(s));
+  context.textures = load_textures(message, find_blob);
+  if (message.has_rgb_table()) context.rgb_spectra = load_rgb_table(message.rgb_table(), find_blob);
+  return context;
+}
 
- private:
-  const Spectrum& spectrum_at(std::uint32_t index) const {
-    require(index < spectra_.size(), "a spectrum index out of range");
-    return spectra_[index];
+// Without anything to point at, the weight of lights goes to the kernel.
+MixtureWeights load_mixture(const v1::Tracing& t, bool no_lights) {
+  double kernel = t.weight_kernel();
+  double lights = t.weight_luminaires() + t.weight_environment() + t.weight_important();
+  const double uniform = t.weight_uniform();
+  for (const double weight :
+       {kernel, t.weight_luminaires(), t.weight_environment(), t.weight_important(), uniform}) {
+    require(weight >= 0.0, "a mixture weight that is negative");
   }
-
-  std::vector<Shape> shapes() const {
-    require(message_.surfaces_size() > 0, "no surfaces");
-    std::vector<Shape> shapes;
-    for (const auto& surface : message_.surfaces()) shapes.push_back(shape(surface));
-    return shapes;
+  require(std::fabs(kernel + lights + uniform - 1.0) < 1e-6,
+          "mixture weights that don't add up to 1");
+  if (no_lights) {
+    kernel += lights;
+    lights = 0.0;
   }
+  return {static_cast<float>(kernel), static_cast<float>(lights), static_cast<float>(uniform)};
+}
 
-  Shape shape(const v1::Surface& surface) const {
-    switch (surface.shape_case()) {
-      case v1::Surface::kMesh:
-        return load_mesh(surface.mesh(), find_blob_);
-      case v1::Surface::kSphere: {
-        const auto& s = surface.sphere();
-        vector(s.centre(), "a sphere's centre");
-        require(std::isfinite(s.radius()) && s.radius() > 0.0, "a sphere without a radius");
-        return Sphere{s.centre().x(), s.centre().y(), s.centre().z(), s.radius()};
-      }
-      case v1::Surface::kQuad:
-        return quad(surface.quad());
-      case v1::Surface::SHAPE_NOT_SET:
-        break;
-    }
-    refuse("a surface of a shape that this program doesn't know");
+Estimator load_estimator(const v1::Tracing& t) {
+  switch (t.estimator()) {
+    case v1::ESTIMATOR_MIXTURE:
+      return Estimator::kMixture;
+    case v1::ESTIMATOR_SPLIT:
+      return Estimator::kSplit;
+    case v1::ESTIMATOR_TWO_PHOTONS:
+      return Estimator::kTwoPhotons;
+    default:
+      refuse("an estimator that this program doesn't know");
   }
+}
 
-  static TriangleMesh quad(const v1::Quad& q) {
-    const Vec3 corner = vector(q.corner(), "a quad's corner");
-    const Vec3 u = vector(q.edge_u(), "a quad's edge"), v = vector(q.edge_v(), "a quad's edge");
-    return {{corner, corner + u, corner + u + v, corner + v}, {{0, 1, 2}, {0, 2, 3}}};
-  }
+TracingOptions load_tracing(const v1::Tracing& t, bool no_lights) {
+  require(t.h() > 0.0 && std::isfinite(t.h()), "h is not positive");
+  require(t.maximum_depth() >= 1 && t.maximum_depth() <= kMostDepth,
+          "a maximum depth outside [1, 100000]");
+  require(
+      t.sequence() == v1::SAMPLE_SEQUENCE_SOBOL || t.sequence() == v1::SAMPLE_SEQUENCE_INDEPENDENT,
+      "a sample sequence that this program doesn't know");
+  require(t.roulette() == v1::ROULETTE_WEIGHT || t.roulette() == v1::ROULETTE_ALBEDO,
+          "a roulette that this program doesn't know");
+  require(t.split_vertices() <= TracingOptions::kMostSplitVertices,
+          "more than 8 vertices that split");
+  require(t.group() == 1 || t.group() == 4 || t.group() == 8,
+          "a group of photons that is not 1, 4 or 8");
+  require(t.direction() == v1::DIRECTION_ADJOINT || t.direction() == v1::DIRECTION_FORWARD,
+          "a direction that this program doesn't know");
+  return {
+      static_cast<float>(t.h()),
+      t.roulette() == v1::ROULETTE_WEIGHT,
+      t.roulette_after(),
+      t.maximum_depth(),
+      load_mixture(t, no_lights),
+      load_estimator(t),
+      t.split_vertices(),
+      t.group(),
+      t.direction() == v1::DIRECTION_FORWARD,
+      t.sequence() == v1::SAMPLE_SEQUENCE_SOBOL ? SequenceKind::kSobol : SequenceKind::kIndependent,
+      t.seed()};
+}
 
-  std::vector<SurfaceMaterial> materials() const {
-    std::vector<SurfaceMaterial> materials;
-    for (const auto& surface : message_.surfaces()) {
-      require(surface.kernel() < static_cast<std::uint32_t>(message_.kernels_size()),
-              "a kernel index out of range");
-      materials.push_back({surface.kernel(), SurfaceMaterial::kNoLuminaire});
-    }
-    for (int i = 0; i < message_.luminaires_size(); ++i) {
-      auto& material = materials[message_.luminaires(i).surface()];
-      require(material.luminaire == SurfaceMaterial::kNoLuminaire, "a surface with two luminaires");
-      material.luminaire = static_cast<std::uint32_t>(i);
-    }
-    return materials;
-  }
-
-  std::vector<AnyKernel> kernels() const {
-    std::vector<AnyKernel> kernels;
-    for (const auto& kernel : message_.kernels()) {
-      require(kernel.has_lambertian(), "a kernel that this program doesn't know");
-      kernels.emplace_back(Lambertian{spectrum_at(kernel.lambertian().reflectance())});
-    }
-    return kernels;
-  }
-
-  std::vector<Luminaire> luminaires() const {
-    std::vector<Luminaire> luminaires;
-    for (const auto& luminaire : message_.luminaires()) {
-      require(luminaire.surface() < static_cast<std::uint32_t>(message_.surfaces_size()),
-              "a luminaire on a surface that is not there");
-      luminaires.push_back(
-          {luminaire.surface(), spectrum_at(luminaire.radiance()), luminaire.two_sided()});
-    }
-    return luminaires;
-  }
-
-  Camera camera() const {
-    const auto& s = message_.sensor();
-    require(s.vertical_field_of_view() > 0.0 && s.vertical_field_of_view() < std::numbers::pi,
-            "a field of view outside (0, pi)");
-    require(s.lens_radius() >= 0.0 && (s.lens_radius() == 0.0 || s.focus_distance() > 0.0),
-            "a lens without a focus distance");
-    return {vector(s.position(), "the sensor's position"),
-            vector(s.right(), "the sensor's right"),
-            vector(s.up(), "the sensor's up"),
-            vector(s.forward(), "the sensor's forward"),
-            finite(std::tan(0.5 * s.vertical_field_of_view()), "the field of view"),
-            finite(s.lens_radius(), "the lens radius"),
-            finite(s.focus_distance(), "the focus distance")};
-  }
-
-  WavelengthSampler wavelengths() const {
-    const auto& s = message_.sensor();
-    const auto curve = [](const auto& values) {
-      for (const float value : values) {
-        require(std::isfinite(value) && value >= 0.0f, "a response that is negative or infinite");
-      }
-      return std::vector<float>(values.begin(), values.end());
-    };
-    require(s.wavelength_sampling() == v1::WAVELENGTH_SAMPLING_RESPONSE ||
-                s.wavelength_sampling() == v1::WAVELENGTH_SAMPLING_UNIFORM,
-            "a wavelength sampling that this program doesn't know");
-    return WavelengthSampler({finite(s.response_first_nm(), "a wavelength"),
-                              finite(s.response_step_nm(), "a wavelength step"),
-                              curve(s.response_x()), curve(s.response_y()), curve(s.response_z())},
-                             s.wavelength_sampling() == v1::WAVELENGTH_SAMPLING_RESPONSE);
-  }
-
-  // Without anything to point at, the luminaires' weight goes to the kernel.
-  TracingOptions tracing(bool no_luminaire_directions) const {
-    const auto& t = message_.tracing();
-    double kernel = t.weight_kernel(), luminaires = t.weight_luminaires();
-    const double uniform = t.weight_uniform();
-    require(kernel >= 0.0 && luminaires >= 0.0 && uniform >= 0.0 &&
-                std::fabs(kernel + luminaires + uniform - 1.0) < 1e-6,
-            "mixture weights that are negative or don't add up to 1");
-    if (no_luminaire_directions) {
-      kernel += luminaires;
-      luminaires = 0.0;
-    }
-    require(t.h() > 0.0 && std::isfinite(t.h()), "h is not positive");
-    require(t.maximum_depth() >= 1 && t.maximum_depth() <= kMostDepth,
-            "a maximum depth outside [1, 100000]");
-    require(t.sequence() == v1::SAMPLE_SEQUENCE_SOBOL ||
-                t.sequence() == v1::SAMPLE_SEQUENCE_INDEPENDENT,
-            "a sample sequence that this program doesn't know");
-    require(t.roulette() == v1::ROULETTE_WEIGHT || t.roulette() == v1::ROULETTE_ALBEDO,
-            "a roulette that this program doesn't know");
-    return {
-        static_cast<float>(t.h()),
-        t.roulette() == v1::ROULETTE_WEIGHT,
-        t.maximum_depth(),
-        {static_cast<float>(kernel), static_cast<float>(luminaires), static_cast<float>(uniform)},
-        t.sequence() == v1::SAMPLE_SEQUENCE_SOBOL ? SequenceKind::kSobol
-                                                  : SequenceKind::kIndependent,
-        t.seed()};
-  }
-
-  const v1::CompiledScene& message_;
-  const FindBlob& find_blob_;
-  std::vector<Spectrum> spectra_;
-};
+// Of a lamp's intensity, photons start around it.
+Vec3 sensor_start(const v1::Sensor& s) {
+  const Vec3 position = vector(s.position(), "the sensor's position");
+  if (s.model() != v1::SENSOR_MODEL_INTENSITY) return position;
+  return position + 1.001f * finite(s.lamp_radius(), "the lamp's radius") *
+                        vector(s.forward(), "the sensor's forward");
+}
 
 }  // namespace
 
+std::string blob_name(const std::string& sha256) {
+  require(sha256.size() == 32, "a blob that is not named by a SHA-256");
+  return to_hex(sha256);
+}
+
 std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message,
                                         const FindBlob& find_blob) {
-  return Loader(message, find_blob).load();
+  const LoadContext context = make_context(message, find_blob);
+  auto kernels = load_kernels(context);
+  LoadedShapes loaded = load_shapes(context);
+  auto materials = load_materials(context, kernels, loaded.shapes);
+  const bool moves = loaded.moves || message.sensor().later_poses_size() > 0;
+  return checked([&] {
+    Geometry geometry(std::move(loaded.shapes), loaded.groups, std::move(loaded.instances));
+    auto luminaires = load_luminaires(context, geometry, materials);
+    auto lights = load_light_directions(context, luminaires, geometry, loaded.groups);
+    const TracingOptions options = load_tracing(message.tracing(), lights.empty());
+    auto sensor = load_sensor(message.sensor());
+    const InteriorList sensor_inside =
+        bodies_around(sensor_start(message.sensor()), geometry, materials);
+    PhotonEmitter emitter;
+    std::vector<InteriorList> luminaires_inside;
+    if (options.forward) {
+      require(sensor.receives_segments() || sensor.receives_escapes(),
+              "forward photons need a plane or an intensity sensor");
+      emitter = load_emitter(luminaires, lights, geometry, loaded.groups);
+      luminaires_inside = load_luminaires_inside(luminaires, geometry, loaded.groups, materials);
+    }
+    return std::shared_ptr<const Scene>(new Scene{
+        std::move(geometry), std::move(materials), std::move(kernels), load_interiors(context),
+        load_reliefs(context), std::move(luminaires), std::move(lights), std::move(emitter),
+        std::move(sensor), load_wavelengths(message.sensor()), options, sensor_inside,
+        std::move(luminaires_inside), moves});
+  });
 }
 
 }  // namespace nocturne

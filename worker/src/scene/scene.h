@@ -2,51 +2,92 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "kernels/any_kernel.h"
+#include "luminaires/light_directions.h"
 #include "luminaires/luminaire.h"
-#include "luminaires/luminaire_directions.h"
+#include "luminaires/photon_emitter.h"
 #include "sampling/sequence.h"
-#include "sensors/camera.h"
+#include "scene/interior_list.h"
+#include "scene/relief.h"
+#include "scene/tracing_options.h"
+#include "sensors/sensor.h"
 #include "sensors/wavelengths.h"
 #include "surfaces/geometry.h"
 
 namespace nocturne {
 
-/// Weights of the mixture density; not negative, sum 1.
-struct MixtureWeights {
-  float kernel, luminaires, uniform;
-};
-
-struct TracingOptions {
-  /// A photon survives a vertex with probability min(1, H h), times its weight inside the minimum
-  /// where roulette_by_weight says so.
-  float h;
-  bool roulette_by_weight;
-  /// Surface interactions after which it is absorbed.
-  std::uint32_t maximum_depth;
-  MixtureWeights mixture;
-  SequenceKind sequence;
-  std::uint64_t seed;
-};
-
-/// What a surface is made of: index of a kernel, and of a luminaire or kNoLuminaire.
+/// What a surface is made of: indices into the scene's lists, or kNone.
 struct SurfaceMaterial {
-  static constexpr std::uint32_t kNoLuminaire = ~0u;
-  std::uint32_t kernel;
-  std::uint32_t luminaire;
+  static constexpr std::uint32_t kNone = ~0u;
+  /// For photons from the side that the normal points to, and from the other.
+  std::uint32_t front_kernel = 0, back_kernel = 0;
+  std::uint32_t luminaire = kNone;
+  std::uint32_t interior = kNone;
+  std::uint32_t relief = kNone;
+  /// Photons may pass or be mirrored without being spread.
+  bool may_be_clear = false;
+  /// Something depends on texture coordinates, tangents or shading normals.
+  bool needs_detail = false;
 };
 
 struct Scene {
   Geometry geometry;
   std::vector<SurfaceMaterial> materials;  // by surface
   std::vector<AnyKernel> kernels;
+  std::vector<Interior> interiors;
+  std::vector<Relief> reliefs;
   std::vector<Luminaire> luminaires;
-  LuminaireDirections luminaire_directions;
-  Camera camera;
+  LightDirections lights;
+  /// Empty unless the direction is forward.
+  PhotonEmitter emitter;
+  Sensor sensor;
   WavelengthSampler wavelengths;
   TracingOptions options;
+  /// Bodies that the sensor, and each luminaire, stands in.
+  InteriorList sensor_inside;
+  std::vector<InteriorList> luminaires_inside;
+  /// Something moves.
+  bool has_motion = false;
+
+  bool has_distant_light() const { return lights.environment() || !lights.discs().empty(); }
+
+  /// Radiance of a luminaire at a hit, towards `direction`.
+  template <int N>
+  Spectral<N> emitted(const Luminaire& luminaire, const Hit& hit, Vec3 direction, float time,
+                      const Spectral<N>& wavelengths_nm) const {
+    SurfacePoint point;
+    if (luminaire.textured()) {
+      const SurfaceDetail detail = geometry.detail(hit, time);
+      point = {detail.u, detail.v, 0.0f};
+    }
+    return luminaire.emitted(hit.normal, direction, point, wavelengths_nm);
+  }
+
+  /// Radiance that arrives from outside all surfaces, from `direction`.
+  template <int N>
+  Spectral<N> distant_radiance(Vec3 direction, const Spectral<N>& wavelengths_nm) const {
+    Spectral<N> radiance = lights.environment()
+                               ? lights.environment()->radiance(direction, wavelengths_nm)
+                               : Spectral<N>(0.0f);
+    for (const DistantDisc& disc : lights.discs()) {
+      radiance += disc.radiance(direction, wavelengths_nm);
+    }
+    return radiance;
+  }
+
+  /// What is left after `distance` metres in the body that is there (Beer, Lambert, Bouguer).
+  template <int N>
+  Spectral<N> transmittance(const InteriorList& inside, float distance,
+                            const Spectral<N>& wavelengths_nm) const {
+    if (inside.empty()) return 1.0f;
+    const Interior& body = interiors[inside.current(interiors)];
+    if (!body.absorbs) return 1.0f;
+    return each([distance](float a) { return std::exp(-a * distance); },
+                body.absorption(wavelengths_nm));
+  }
 };
 
 }  // namespace nocturne

@@ -13,7 +13,8 @@ namespace {
 template <class Merged>
 TileSums trace_ranges(const Scene& scene, const FilmPlan& plan, TileRange tile, Method method,
                       const Merged& merged) {
-  TileSums total(static_cast<std::size_t>(tile.width) * tile.height);
+  TileSums total(static_cast<std::size_t>(tile.width) * tile.height,
+                 scene.wavelengths.further_curves());
   for (const std::uint32_t end : plan.range_ends) {
     tile.end_sample = end;
     const TileSums range = trace_tile(scene, plan.film, tile, method);
@@ -28,10 +29,10 @@ TileSums trace_ranges(const Scene& scene, const FilmPlan& plan, TileRange tile, 
 }
 
 void place(const TileSums& tile, const TileRange& where, Film film, TileSums& image) {
-  const std::size_t row = TileSums::kChannels * where.width;
+  const std::size_t row = image.channels * where.width;
   for (std::uint32_t y = 0; y < where.height; ++y) {
     const std::size_t to =
-        TileSums::kChannels * ((static_cast<std::size_t>(where.y) + y) * film.width + where.x);
+        image.channels * ((static_cast<std::size_t>(where.y) + y) * film.width + where.x);
     std::copy_n(tile.sums.begin() + static_cast<std::ptrdiff_t>(y * row), row,
                 image.sums.begin() + static_cast<std::ptrdiff_t>(to));
   }
@@ -48,7 +49,8 @@ TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, uns
   const std::uint32_t rows = (plan.film.height + plan.tile_size - 1) / plan.tile_size;
   const double all =
       static_cast<double>(plan.film.width) * plan.film.height * plan.range_ends.back();
-  TileSums image(static_cast<std::size_t>(plan.film.width) * plan.film.height);
+  TileSums image(static_cast<std::size_t>(plan.film.width) * plan.film.height,
+                 scene.wavelengths.further_curves());
   std::atomic<std::uint32_t> next = 0;
   std::mutex mutex;
   double done = 0.0;

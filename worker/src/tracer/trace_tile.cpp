@@ -3,9 +3,11 @@
 #include <immintrin.h>
 
 #include <cmath>
+#include <stdexcept>
 
 #include "tracer/baselines/path_tracer.h"
-#include "tracer/trace_photon.h"
+#include "tracer/trace_forward.h"
+#include "tracer/trace_group.h"
 
 namespace nocturne {
 namespace {
@@ -23,58 +25,172 @@ class FlushDenormals {
   unsigned before_;
 };
 
-// Trace is PhotonResult(scene, ray, wavelength, sequence).
-template <class Trace>
+// What a group adds to a pixel: the mean over its photons of response x radiance, for X, Y, Z and
+// then each further response. Photons that found what is no radiance are left out and counted.
+template <int N>
+class Response {
+ public:
+  Response(const WavelengthSampler& sampler, const WavelengthSamples<N>& wavelengths)
+      : sampler_(sampler), wavelengths_(wavelengths) {}
+
+  /// Adds `scale` times the response to channels X, Y, Z of `pixel` and to those from kXyzChannels
+  /// on; returns the number of photons left out.
+  std::uint32_t add(const Spectral<N>& radiance, double scale, double* pixel) const {
+    const Kept kept = add_xyz(radiance, scale, pixel);
+    for (std::size_t c = 0; c < sampler_.further_curves(); ++c) {
+      pixel[TileSums::kXyzChannels + c] +=
+          scale * mean(sampler_.further_weight(c, wavelengths_), kept.radiance);
+    }
+    return kept.rejected;
+  }
+
+  struct Kept {
+    Spectral<N> radiance;
+    std::uint32_t rejected;
+  };
+
+  Kept add_xyz(const Spectral<N>& radiance, double scale, double* pixel) const {
+    Kept kept{radiance, 0};
+    for (std::size_t k = 0; k < N; ++k) {
+      if (std::isfinite(radiance[k]) && radiance[k] >= 0.0f) continue;
+      kept.radiance[k] = 0.0f;
+      ++kept.rejected;
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      pixel[c] += scale * mean(wavelengths_.weight[c], kept.radiance);
+    }
+    return kept;
+  }
+
+ private:
+  static double mean(const Spectral<N>& weight, const Spectral<N>& radiance) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < N; ++k) sum += static_cast<double>(weight[k]) * radiance[k];
+    return sum / N;
+  }
+
+  const WavelengthSampler& sampler_;
+  const WavelengthSamples<N>& wavelengths_;
+};
+
+// One sample's values into the sums, and the square of its Y.
+void add_sample(const double* sample, std::size_t channels, double* pixel) {
+  for (std::size_t c = 0; c < channels; ++c) {
+    if (c != 3) pixel[c] += sample[c];
+  }
+  pixel[3] += sample[1] * sample[1];
+}
+
+// A sample is a group of N photons; Trace is GroupResult<N>(scene, start, sequence).
+template <int N, class Trace>
 void trace_pixel(const Scene& scene, Film film, std::uint32_t x, std::uint32_t y,
-                 const TileRange& range, const Trace& trace, TileSums& tile, double* pixel) {
+                 const TileRange& range, const Trace& trace, std::vector<double>& values,
+                 TileSums& tile, double* pixel) {
   const TracingOptions& options = scene.options;
-  const bool lens = scene.camera.lens_radius > 0.0f;
+  const bool lens = scene.sensor.needs_lens();
   PixelSequence pixel_sequence(options.sequence, options.seed, y * film.width + x);
   for (std::uint32_t sample = range.first_sample; sample < range.end_sample; ++sample) {
     PhotonSequence sequence(pixel_sequence, sample);
     const Uniform4 u = sequence.next();
     const Uniform4 v = lens ? sequence.next() : Uniform4{};
-    const Ray ray = scene.camera.ray(film, static_cast<float>(x) + u[0],
-                                     static_cast<float>(y) + u[1], v[0], v[1]);
-    const WavelengthSample wavelength = scene.wavelengths.sample(u[2]);
-    const PhotonResult photon = trace(scene, ray, wavelength.nm, sequence);
-    tile.rays += photon.rays;
-    if (!std::isfinite(photon.radiance) || photon.radiance < 0.0f) {
-      ++tile.rejected;
+    const SensorSample from = scene.sensor.sample(film, static_cast<float>(x) + u[0],
+                                                  static_cast<float>(y) + u[1], v[0], v[1], u[3]);
+    const WavelengthSamples<N> wavelengths = scene.wavelengths.sample<N>(u[2]);
+    const GroupResult<N> group =
+        trace(scene, {from.ray, wavelengths.nm, scene.sensor_inside, u[3], from.width, from.spread},
+              sequence);
+    tile.rays += group.rays;
+    const Response<N> response(scene.wavelengths, wavelengths);
+    if (tile.channels == TileSums::kXyzChannels) {
+      std::array<double, TileSums::kXyzChannels> xyz{};
+      tile.rejected += response.add_xyz(group.radiance, from.weight, xyz.data()).rejected;
+      add_sample(xyz.data(), TileSums::kXyzChannels, pixel);
       continue;
     }
-    const double radiance = photon.radiance;
-    const double luminance = wavelength.weight[1] * radiance;
-    pixel[0] += wavelength.weight[0] * radiance;
-    pixel[1] += luminance;
-    pixel[2] += wavelength.weight[2] * radiance;
-    pixel[3] += luminance * luminance;
+    std::fill(values.begin(), values.end(), 0.0);
+    tile.rejected += response.add(group.radiance, from.weight, values.data());
+    add_sample(values.data(), tile.channels, pixel);
   }
 }
 
-template <class Trace>
+template <int N, class Trace>
 TileSums trace_pixels(const Scene& scene, Film film, const TileRange& range, const Trace& trace) {
-  const FlushDenormals flush;
-  TileSums tile(static_cast<std::size_t>(range.width) * range.height);
+  TileSums tile(static_cast<std::size_t>(range.width) * range.height,
+                scene.wavelengths.further_curves());
+  std::vector<double> values(tile.channels);
   double* pixel = tile.sums.data();
   for (std::uint32_t y = range.y; y < range.y + range.height; ++y) {
     for (std::uint32_t x = range.x; x < range.x + range.width; ++x) {
-      trace_pixel(scene, film, x, y, range, trace, tile, pixel);
-      pixel += TileSums::kChannels;
+      trace_pixel<N>(scene, film, x, y, range, trace, values, tile, pixel);
+      pixel += tile.channels;
     }
   }
-  tile.photons = static_cast<std::uint64_t>(range.width) * range.height *
-                 (range.end_sample - range.first_sample);
   return tile;
+}
+
+// Forward photons fall anywhere on the film. As many as it has pixels make one sample of the whole
+// image, so that means and errors are those of any other image.
+template <int N>
+TileSums trace_film_forward(const Scene& scene, Film film, const TileRange& range) {
+  if (range.width != film.width || range.height != film.height) {
+    throw std::invalid_argument("a forward tile that is not the whole film");
+  }
+  const TracingOptions& options = scene.options;
+  const std::uint32_t pixels = film.width * film.height;
+  TileSums tile(pixels, scene.wavelengths.further_curves());
+  std::vector<double> sample_values(tile.sums.size());
+  std::vector<Deposit<N>> deposits;
+  for (std::uint32_t sample = range.first_sample; sample < range.end_sample; ++sample) {
+    std::fill(sample_values.begin(), sample_values.end(), 0.0);
+    for (std::uint32_t photon = 0; photon < pixels; ++photon) {
+      PixelSequence photon_sequence(options.sequence, options.seed, photon);
+      PhotonSequence sequence(photon_sequence, sample);
+      const Uniform4 u = sequence.next();
+      const WavelengthSamples<N> wavelengths = scene.wavelengths.sample<N>(u[2]);
+      deposits.clear();
+      tile.rays += trace_forward<N>(scene, film, u[3], wavelengths.nm, sequence, deposits);
+      const Response<N> response(scene.wavelengths, wavelengths);
+      for (const Deposit<N>& deposit : deposits) {
+        tile.rejected += response.add(deposit.value, 1.0 / pixels,
+                                      &sample_values[tile.channels * deposit.pixel]);
+      }
+    }
+    for (std::size_t i = 0; i < tile.sums.size(); i += tile.channels) {
+      add_sample(&sample_values[i], tile.channels, &tile.sums[i]);
+    }
+  }
+  return tile;
+}
+
+template <int N>
+TileSums trace_tile_in_groups(const Scene& scene, Film film, const TileRange& range) {
+  return scene.options.forward ? trace_film_forward<N>(scene, film, range)
+                               : trace_pixels<N>(scene, film, range, trace_group<N>);
+}
+
+TileSums trace_any(const Scene& scene, Film film, const TileRange& range, Method method) {
+  if (method == Method::kPathTracing) {
+    return trace_pixels<1>(scene, film, range, baselines::trace_path);
+  }
+  switch (scene.options.group) {
+    case 4:
+      return trace_tile_in_groups<4>(scene, film, range);
+    case 8:
+      return trace_tile_in_groups<8>(scene, film, range);
+    default:
+      return trace_tile_in_groups<1>(scene, film, range);
+  }
 }
 
 }  // namespace
 
 TileSums trace_tile(const Scene& scene, Film film, const TileRange& range, Method method) {
-  if (method == Method::kPathTracing) {
-    return trace_pixels(scene, film, range, baselines::trace_path);
-  }
-  return trace_pixels(scene, film, range, trace_photon);
+  const FlushDenormals flush;
+  TileSums tile = trace_any(scene, film, range, method);
+  const std::uint32_t together = method == Method::kPathTracing ? 1 : scene.options.group;
+  tile.photons = static_cast<std::uint64_t>(range.width) * range.height *
+                 (range.end_sample - range.first_sample) * together;
+  return tile;
 }
 
 }  // namespace nocturne

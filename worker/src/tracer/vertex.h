@@ -1,22 +1,90 @@
-// What every method asks first where a photon meets a surface.
+// Where photons meet a surface: everything that follows from the hit alone.
 #pragma once
+
+#include <optional>
 
 #include "math/frame.h"
 #include "scene/scene.h"
+#include "surfaces/shading_normal.h"
+#include "tracer/group.h"
 
 namespace nocturne {
 
-/// Radiance that the surface itself sends to where the photon came from; 0 where it is no
-/// luminaire.
-inline float emitted(const Scene& scene, const Hit& hit, Vec3 towards, float wavelength_nm) {
-  const std::uint32_t luminaire = scene.materials[hit.surface].luminaire;
-  if (luminaire == SurfaceMaterial::kNoLuminaire) return 0.0f;
-  return scene.luminaires[luminaire].emitted(hit.normal, towards, wavelength_nm);
+template <int N>
+struct Vertex {
+  Hit hit;
+  /// The kernel's frame: its normal, which may be a shading normal, on the side that the photons
+  /// came from.
+  Frame frame;
+  /// The geometric normal on that side.
+  Vec3 normal;
+  /// Where they came from, in the frame.
+  Vec3 wo;
+  std::uint32_t kernel;
+  Shading<N> shading;
+  /// What they are in once through; as before where the surface bounds no body.
+  InteriorList beyond;
+
+  Vec3 to_local(Vec3 direction) const { return frame.to_local(direction); }
+  Vec3 to_world(Vec3 direction) const { return frame.to_world(direction); }
+};
+
+/// Indices of refraction before and behind the boundary of a body; false where it is not seen,
+/// because it lies inside a body of higher priority.
+template <int N>
+bool enter_boundary(const Scene& scene, std::uint32_t body, bool front, Vertex<N>& vertex) {
+  const Boundary boundary = cross_boundary(vertex.beyond, scene.interiors, body, front);
+  vertex.beyond = boundary.beyond;
+  if (boundary.from == boundary.to) return false;
+  const auto index = [&](std::uint32_t at) {
+    return at == InteriorList::kOutside ? Spectral<N>(1.0f)
+                                        : scene.interiors[at].index(vertex.shading.wavelengths);
+  };
+  vertex.shading.index_from = index(boundary.from);
+  vertex.shading.index_to = index(boundary.to);
+  return true;
 }
 
-/// The kernel's frame: its normal on the side that the photon came from.
-inline Frame facing_frame(const Hit& hit, Vec3 incoming) {
-  return Frame(dot(hit.normal, incoming) > 0.0f ? -hit.normal : hit.normal);
+/// Texture coordinates and the frame of a surface that is not the same everywhere.
+template <int N>
+void look_closer(const Scene& scene, const SurfaceMaterial& material, const Group<N>& group,
+                 float time, bool front, Vertex<N>& vertex) {
+  const SurfaceDetail detail = scene.geometry.detail(vertex.hit, time);
+  SurfacePoint& point = vertex.shading.point;
+  point = {detail.u, detail.v, group.width * detail.texture_per_metre};
+  Vec3 normal = detail.shading_normal;
+  if (material.relief != SurfaceMaterial::kNone) {
+    normal = scene.reliefs[material.relief].normal(detail, point);
+  }
+  vertex.frame = frame_along(front ? normal : -normal, detail.dp_du);
+  // Seen from behind the shading normal, though not from behind the surface: the surface's own.
+  if (dot(vertex.frame.normal, group.ray.direction) >= 0.0f) {
+    vertex.frame = frame_along(vertex.normal, detail.dp_du);
+  }
+}
+
+/// Empty where the surface is not seen.
+template <int N>
+std::optional<Vertex<N>> make_vertex(const Scene& scene, const Hit& hit, const Group<N>& group,
+                                     const Spectral<N>& wavelengths, float time,
+                                     Transport transport) {
+  const SurfaceMaterial& material = scene.materials[hit.surface];
+  const bool front = dot(hit.normal, group.ray.direction) < 0.0f;
+  const Vec3 normal = front ? hit.normal : -hit.normal;
+  Vertex<N> vertex{.hit = hit,
+                   .frame = Frame(normal),
+                   .normal = normal,
+                   .wo = {},
+                   .kernel = front ? material.front_kernel : material.back_kernel,
+                   .shading = {.wavelengths = wavelengths, .point = {}, .transport = transport},
+                   .beyond = group.inside};
+  if (material.interior != SurfaceMaterial::kNone &&
+      !enter_boundary(scene, material.interior, front, vertex)) {
+    return std::nullopt;
+  }
+  if (material.needs_detail) look_closer(scene, material, group, time, front, vertex);
+  vertex.wo = vertex.frame.to_local(-group.ray.direction);
+  return vertex;
 }
 
 }  // namespace nocturne

@@ -9,7 +9,8 @@ namespace {
 // The coordinator's bounds for a film (nocturne_coordinator/limits.py).
 constexpr std::uint64_t kLargestFilmEdge = 16384;
 constexpr std::uint64_t kMostFilmPixels = std::uint64_t{1} << 26;
-// 32 MiB of sums, far above the tiles of any plan; bounds what one job can make a worker allocate.
+// 32 MiB of sums without further responses, far above the tiles of any plan; bounds what one job
+// can make a worker allocate.
 constexpr std::uint64_t kLargestTileEdge = 1024;
 // The sample sequence has 2^31 indices.
 constexpr std::uint64_t kMostSamples = std::uint64_t{1} << 31;

@@ -1,65 +1,125 @@
 #include "tracer/baselines/path_tracer.h"
 
 #include <algorithm>
+#include <cmath>
 
-#include "kernels/kernel.h"
-#include "tracer/vertex.h"
+#include "math/frame.h"
 
 namespace nocturne::baselines {
 namespace {
 
-// Light that arrives straight from a luminaire: a direction towards one, and the nearest surface
-// there.
-template <BoundKernel Bound>
-float direct_light(const Scene& scene, const Bound& kernel, const Frame& frame, const Hit& hit,
-                   Vec3 wo, float wavelength_nm, const Uniform4& u, PhotonResult& result) {
-  const auto direction = scene.luminaire_directions.sample(hit.position, u[0], u[1], u[2]);
-  if (!direction) return 0.0f;
-  const float value = kernel.value(wo, frame.to_local(*direction));
-  if (value <= 0.0f) return 0.0f;
-  const float pdf = scene.luminaire_directions.pdf(hit.position, *direction);
-  if (!(pdf > 0.0f)) return 0.0f;
-  ++result.rays;
-  const auto met =
-      scene.geometry.intersect({leave_surface(hit.position, hit.normal, *direction), *direction});
-  if (!met) return 0.0f;
-  return value / pdf * emitted(scene, *met, -*direction, wavelength_nm);
+float power_share(float drawn, float other) {
+  return drawn * drawn / (drawn * drawn + other * other);
 }
+
+class Path {
+ public:
+  Path(const Scene& scene, const Start<1>& start, const PhotonSequence& sequence)
+      : scene_(scene), start_(start), sequence_(sequence), ray_(start.ray) {}
+
+  GroupResult<1> run() {
+    for (std::uint32_t depth = 0; bounce(depth); ++depth) {
+    }
+    return {radiance_, rays_};
+  }
+
+ private:
+  std::optional<Hit> cast(const Ray& ray) {
+    ++rays_;
+    return scene_.geometry.intersect(ray, start_.time);
+  }
+
+  // What the ray sees by itself.
+  float light(const std::optional<Hit>& hit, Vec3 direction) const {
+    if (!hit) return scene_.distant_radiance<1>(direction, start_.wavelengths)[0];
+    const std::uint32_t luminaire = scene_.materials[hit->surface].luminaire;
+    if (luminaire == SurfaceMaterial::kNone) return 0.0f;
+    return scene_.emitted(scene_.luminaires[luminaire], *hit, -direction, start_.time,
+                          start_.wavelengths)[0];
+  }
+
+  bool bounce(std::uint32_t depth) {
+    const auto hit = cast(ray_);
+    const float seen = light(hit, ray_.direction);
+    // Light that the last vertex could have asked for itself counts in part.
+    if (seen > 0.0f) {
+      const float share = kernel_pdf_ > 0.0f
+                              ? power_share(kernel_pdf_, scene_.lights.pdf(from_, ray_.direction))
+                              : 1.0f;
+      radiance_ += weight_ * share * seen;
+    }
+    if (!hit || depth == scene_.options.maximum_depth) return false;
+    const SurfaceMaterial& material = scene_.materials[hit->surface];
+    const bool front = dot(hit->normal, ray_.direction) < 0.0f;
+    Shading<1> shading{.wavelengths = start_.wavelengths, .point = {}};
+    const Interior* interior = nullptr;
+    if (material.interior != SurfaceMaterial::kNone) {
+      interior = &scene_.interiors[material.interior];
+      (front ? shading.index_to : shading.index_from) = interior->index(start_.wavelengths);
+      if (!front && interior->absorbs) {
+        weight_ *= std::exp(-interior->absorption(start_.wavelengths)[0] * hit->distance);
+      }
+    }
+    return visit_bound<1>(scene_.kernels, front ? material.front_kernel : material.back_kernel,
+                          shading,
+                          [&](const auto& kernel) { return scatter(*hit, front, kernel); });
+  }
+
+  template <class Kernel>
+  bool scatter(const Hit& hit, bool front, const Kernel& kernel) {
+    const Frame frame(front ? hit.normal : -hit.normal);
+    const Vec3 wo = frame.to_local(-ray_.direction);
+    from_ = {hit.position, frame.normal, kernel.transmits(), start_.time};
+    if (kernel.smooth() && !scene_.lights.empty()) ask_lights(hit, frame, wo, kernel);
+    const Uniform4 u = sequence_.next();
+    const float survival = std::min(1.0f, kernel.albedo(wo)[0] * scene_.options.h);
+    const auto draw = kernel.sample(wo, {u[3], u[0], u[1]}, 0);
+    if (u[2] >= survival || !draw) return false;
+    if (draw->delta) {
+      kernel_pdf_ = 0.0f;
+      weight_ *= draw->factor[0] / survival;
+    } else {
+      kernel_pdf_ = scene_.lights.empty() ? 0.0f : kernel.pdf(wo, draw->wi)[0];
+      const float pdf = kernel.pdf(wo, draw->wi)[0];
+      if (!(pdf > 0.0f)) return false;
+      weight_ *= kernel.value(wo, draw->wi)[0] / (pdf * survival);
+    }
+    const Vec3 direction = frame.to_world(draw->wi);
+    ray_ = {leave_surface(hit, direction), direction};
+    return weight_ > 0.0f;
+  }
+
+  template <class Kernel>
+  void ask_lights(const Hit& hit, const Frame& frame, Vec3 wo, const Kernel& kernel) {
+    const Uniform4 u = sequence_.next();
+    const auto direction = scene_.lights.sample(from_, u[2], u[0], u[1]);
+    if (!direction) return;
+    const Vec3 wi = frame.to_local(*direction);
+    const float value = kernel.value(wo, wi)[0];
+    if (!(value > 0.0f)) return;
+    const auto met = cast({leave_surface(hit, *direction), *direction});
+    const float seen = light(met, *direction);
+    const float pdf = scene_.lights.pdf(from_, *direction);
+    if (!(seen > 0.0f && pdf > 0.0f)) return;
+    radiance_ += weight_ * value * seen / pdf * power_share(pdf, kernel.pdf(wo, wi)[0]);
+  }
+
+  const Scene& scene_;
+  const Start<1>& start_;
+  PhotonSequence sequence_;
+  Ray ray_;
+  From from_{};
+  // Of the last draw; zero where no light could have been asked for in its place.
+  float kernel_pdf_ = 0.0f;
+  float weight_ = 1.0f, radiance_ = 0.0f;
+  std::uint32_t rays_ = 0;
+};
 
 }  // namespace
 
-PhotonResult trace_path(const Scene& scene, Ray ray, float wavelength_nm,
-                        PhotonSequence& sequence) {
-  PhotonResult result{0.0f, 0};
-  float weight = 1.0f;
-  for (std::uint32_t depth = 0;; ++depth) {
-    ++result.rays;
-    const auto hit = scene.geometry.intersect(ray);
-    if (!hit) return result;
-    if (depth == 0) result.radiance += emitted(scene, *hit, -ray.direction, wavelength_nm);
-    if (depth == scene.options.maximum_depth) return result;
-
-    const Frame frame = facing_frame(*hit, ray.direction);
-    const Vec3 wo = frame.to_local(-ray.direction);
-    const bool goes_on = std::visit(
-        [&](const auto& any) {
-          const auto kernel = any.bind(wavelength_nm);
-          result.radiance += weight * direct_light(scene, kernel, frame, *hit, wo, wavelength_nm,
-                                                   sequence.next(), result);
-          const Uniform4 u = sequence.next();
-          const float survival = std::min(1.0f, kernel.albedo(wo) * scene.options.h);
-          const auto local = kernel.sample(wo, u[1], u[2]);
-          if (u[0] >= survival || !local) return false;
-          const float pdf = kernel.pdf(wo, *local);
-          if (!(pdf > 0.0f)) return false;
-          weight *= kernel.value(wo, *local) / (pdf * survival);
-          const Vec3 direction = frame.to_world(*local);
-          ray = {leave_surface(hit->position, hit->normal, direction), direction};
-          return true;
-        },
-        scene.kernels[scene.materials[hit->surface].kernel]);
-    if (!goes_on) return result;
-  }
+GroupResult<1> trace_path(const Scene& scene, const Start<1>& start,
+                          const PhotonSequence& sequence) {
+  return Path(scene, start, sequence).run();
 }
 
 }  // namespace nocturne::baselines

@@ -1,14 +1,15 @@
-// A path tracer with explicit direct light, kept for comparison: a second method for the same
-// answer. Cook-style shadow rays to one luminaire point at every vertex, kernel sampling for the
-// rest, luminaires met by chance counted for the sensor's ray only. Kajiya, "The Rendering
-// Equation", SIGGRAPH 1986.
+// Path tracing with explicit direct light, for comparison only. Kajiya, SIGGRAPH 1986; weights of
+// both ways to a light by the power heuristic, Veach and Guibas, SIGGRAPH 1995. It shares nothing
+// with the tracing loop, so that each can be held against the other.
 #pragma once
 
-#include "tracer/trace_photon.h"
+#include "tracer/trace_group.h"
 
 namespace nocturne::baselines {
 
-/// Same meaning as trace_photon; mixture weights are not used.
-PhotonResult trace_path(const Scene& scene, Ray ray, float wavelength_nm, PhotonSequence& sequence);
+/// A shadow ray ends at the first surface, so light behind glass is found by the kernel alone.
+/// Bodies of glass must not overlap.
+GroupResult<1> trace_path(const Scene& scene, const Start<1>& start,
+                          const PhotonSequence& sequence);
 
 }  // namespace nocturne::baselines

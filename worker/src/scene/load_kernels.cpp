@@ -1,0 +1,159 @@
+#include "scene/load_kernels.h"
+
+#include <algorithm>
+#include <fstream>
+#include <memory>
+#include <unordered_map>
+
+#include "scene/load_textures.h"
+
+namespace nocturne {
+namespace {
+
+// 64 M numbers, and room for what stands before them.
+constexpr std::uintmax_t kMostTableBytes = (256u << 20) + (1u << 20);
+
+class KernelLoader {
+ public:
+  explicit KernelLoader(const LoadContext& context) : context_(context) {}
+
+  AnyKernel load(const v1::Kernel& message) {
+    switch (message.model_case()) {
+      case v1::Kernel::kLambertian:
+        return Lambertian{colour(message.lambertian().reflectance())};
+      case v1::Kernel::kDiffuseTransmitter:
+        return DiffuseTransmitter(colour(message.diffuse_transmitter().reflectance()),
+                                  colour(message.diffuse_transmitter().transmittance()));
+      case v1::Kernel::kConductor:
+        return Conductor{context_.spectrum(message.conductor().n()),
+                         context_.spectrum(message.conductor().k()),
+                         roughness(message.conductor().roughness())};
+      case v1::Kernel::kDielectric:
+        return Dielectric{roughness(message.dielectric().roughness())};
+      case v1::Kernel::kThinPane:
+        return ThinPane(context_.spectrum(message.thin_pane().index()),
+                        context_.spectrum(message.thin_pane().transmittance()));
+      case v1::Kernel::kCoatedDiffuse:
+        return CoatedDiffuse(context_.spectrum(message.coated_diffuse().index()),
+                             roughness(message.coated_diffuse().roughness()),
+                             colour(message.coated_diffuse().reflectance()));
+      case v1::Kernel::kMeasured:
+        return Measured{table(message.measured().blob())};
+      case v1::Kernel::kPhong: {
+        const double exponent = message.phong().exponent();
+        require(exponent >= 0.0 && exponent <= 1e6, "a Phong exponent outside [0, 1e6]");
+        return Phong{colour(message.phong().reflectance()), static_cast<float>(exponent)};
+      }
+      case v1::Kernel::kPassage:
+        return Passage{};
+      case v1::Kernel::kBlend:
+        return blend(message.blend());
+      case v1::Kernel::MODEL_NOT_SET:
+        break;
+    }
+    refuse("a kernel that this program doesn't know");
+  }
+
+ private:
+  Colour colour(const v1::Colour& message) const { return load_colour(context_, message, 1.0f); }
+
+  Roughness roughness(const v1::Roughness& message) const {
+    return {load_scalar(context_, message.alpha_u(), 0.0, 1.0),
+            load_scalar(context_, message.alpha_v(), 0.0, 1.0)};
+  }
+
+  Blend blend(const v1::Blend& message) const {
+    Blend blend;
+    for (const auto& part : message.parts()) {
+      Blend::Part loaded{part.kernel(), {}};
+      for (const auto& factor : part.factors()) {
+        loaded.factors.push_back(
+            {load_scalar(context_, factor.weight(), 0.0, 1.0), factor.complement()});
+      }
+      blend.parts.push_back(std::move(loaded));
+    }
+    return blend;
+  }
+
+  std::shared_ptr<const MeasuredTable> table(const std::string& sha256) {
+    const std::string name = blob_name(sha256);
+    auto& table = tables_[name];
+    if (table) return table;
+    const auto path = context_.find_blob(name);
+    const auto size = std::filesystem::file_size(path);
+    require(size <= kMostTableBytes, "a measured table that is too large");
+    std::vector<std::byte> bytes(size);
+    std::ifstream file(path, std::ios::binary);
+    file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+    require(static_cast<bool>(file), "a measured table that can't be read");
+    table = std::make_shared<const MeasuredTable>(bytes);
+    return table;
+  }
+
+  const LoadContext& context_;
+  std::unordered_map<std::string, std::shared_ptr<const MeasuredTable>> tables_;
+};
+
+bool varies(const v1::Colour& colour) { return colour.has_texture(); }
+bool varies(const v1::Scalar& scalar) { return scalar.has_texture(); }
+bool anisotropic(const v1::Roughness& roughness) {
+  return varies(roughness.alpha_u()) || varies(roughness.alpha_v()) ||
+         roughness.alpha_u().constant() != roughness.alpha_v().constant();
+}
+
+}  // namespace
+
+std::vector<AnyKernel> load_kernels(const LoadContext& context) {
+  KernelLoader loader(context);
+  std::vector<AnyKernel> kernels;
+  for (const auto& kernel : context.message.kernels()) {
+    kernels.push_back(checked([&] { return loader.load(kernel); }));
+  }
+  checked([&] {
+    check_blends(kernels);
+    return 0;
+  });
+  return kernels;
+}
+
+bool may_be_clear(const std::vector<AnyKernel>& kernels, std::uint32_t index) {
+  const AnyKernel& kernel = kernels[index];
+  if (const auto* blend = std::get_if<Blend>(&kernel)) {
+    return std::ranges::any_of(
+        blend->parts, [&](const Blend::Part& part) { return may_be_clear(kernels, part.kernel); });
+  }
+  return !(std::holds_alternative<Lambertian>(kernel) ||
+           std::holds_alternative<DiffuseTransmitter>(kernel) ||
+           std::holds_alternative<Measured>(kernel) || std::holds_alternative<Phong>(kernel));
+}
+
+bool needs_detail(const v1::CompiledScene& message, std::uint32_t index) {
+  const v1::Kernel& kernel = message.kernels(static_cast<int>(index));
+  switch (kernel.model_case()) {
+    case v1::Kernel::kLambertian:
+      return varies(kernel.lambertian().reflectance());
+    case v1::Kernel::kDiffuseTransmitter:
+      return varies(kernel.diffuse_transmitter().reflectance()) ||
+             varies(kernel.diffuse_transmitter().transmittance());
+    case v1::Kernel::kConductor:
+      return anisotropic(kernel.conductor().roughness());
+    case v1::Kernel::kDielectric:
+      return anisotropic(kernel.dielectric().roughness());
+    case v1::Kernel::kCoatedDiffuse:
+      return anisotropic(kernel.coated_diffuse().roughness()) ||
+             varies(kernel.coated_diffuse().reflectance());
+    case v1::Kernel::kPhong:
+      return varies(kernel.phong().reflectance());
+    case v1::Kernel::kBlend:
+      return std::ranges::any_of(kernel.blend().parts(), [&](const v1::Blend::Part& part) {
+        return needs_detail(message, part.kernel()) ||
+               std::ranges::any_of(part.factors(), [](const v1::Blend::Factor& factor) {
+                 return varies(factor.weight());
+               });
+      });
+    default:
+      return false;
+  }
+}
+
+}  // namespace nocturne

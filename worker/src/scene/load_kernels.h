@@ -1,0 +1,18 @@
+#pragma once
+
+#include <vector>
+
+#include "kernels/any_kernel.h"
+#include "scene/load_context.h"
+
+namespace nocturne {
+
+std::vector<AnyKernel> load_kernels(const LoadContext& context);
+
+/// Whether photons may pass it or be mirrored without being spread.
+bool may_be_clear(const std::vector<AnyKernel>& kernels, std::uint32_t index);
+
+/// Whether it varies over the surface or tells directions around the normal apart.
+bool needs_detail(const v1::CompiledScene& message, std::uint32_t index);
+
+}  // namespace nocturne

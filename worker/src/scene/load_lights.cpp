@@ -1,0 +1,305 @@
+#include "scene/load_lights.h"
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <numbers>
+
+#include "scene/load_kernels.h"
+#include "scene/load_mesh.h"
+#include "scene/load_surfaces.h"
+#include "scene/load_textures.h"
+#include "surfaces/sphere_intersection.h"
+#include "surfaces/time_steps.h"
+
+namespace nocturne {
+namespace {
+
+// Of a texture: finite.
+constexpr float kMostRadiance = std::numeric_limits<float>::max();
+
+// Where a surface stands: once in the scene, or in each instance of its group.
+template <class Use>
+void for_each_place(const Geometry& geometry, std::uint32_t group, const Use& use) {
+  if (group == 0) {
+    use(nullptr);
+    return;
+  }
+  for (const PlacedInstance& instance : geometry.instances()) {
+    if (instance.group() == group) use(&instance);
+  }
+}
+
+// Steps of the shape or of the instance, whichever are more: directions drawn towards it need not
+// follow a motion that is the product of two to the last digit.
+std::size_t time_steps(const Shape& shape, const PlacedInstance* instance) {
+  const auto* mesh = std::get_if<TriangleMesh>(&shape);
+  const std::size_t own =
+      mesh ? mesh->time_steps : std::get<Sphere>(shape).later_centres.size() + 1;
+  return instance ? std::max(own, instance->time_steps()) : own;
+}
+
+float time_of(std::size_t step, std::size_t steps) {
+  return steps == 1 ? 0.0f : static_cast<float>(step) / static_cast<float>(steps - 1);
+}
+
+Vec3 placed(const PlacedInstance* instance, float time, Vec3 p) {
+  if (instance == nullptr) return p;
+  const Double3 q = instance->placement(time).point_to_scene(Double3(p.x, p.y, p.z));
+  return {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z)};
+}
+
+// All vertices at each time step, in the scene.
+std::vector<std::vector<Vec3>> placed_vertices(const TriangleMesh& mesh,
+                                               const PlacedInstance* instance, std::size_t steps) {
+  std::vector<std::vector<Vec3>> all(steps);
+  for (std::size_t step = 0; step < steps; ++step) {
+    const float time = time_of(step, steps);
+    const std::size_t count = mesh.vertex_count();
+    for (std::size_t i = 0; i < count; ++i) {
+      Vec3 vertex = mesh.vertices[i];
+      if (mesh.time_steps > 1) {
+        const TimeSegment at = segment_at(time, mesh.time_steps);
+        const Vec3 before = mesh.vertices[at.first * count + i];
+        vertex = before + at.fraction * (mesh.vertices[(at.first + 1) * count + i] - before);
+      }
+      all[step].push_back(placed(instance, time, vertex));
+    }
+  }
+  return all;
+}
+
+std::vector<Sphere> placed_spheres(const Sphere& sphere, const PlacedInstance* instance,
+                                   std::size_t steps) {
+  std::vector<Sphere> all;
+  for (std::size_t step = 0; step < steps; ++step) {
+    const float time = time_of(step, steps);
+    const Double3 centre = centre_at(sphere, time);
+    if (instance == nullptr) {
+      all.push_back({centre.x, centre.y, centre.z, sphere.radius});
+      continue;
+    }
+    const Placement placement = instance->placement(time);
+    const Double3 c = placement.point_to_scene(centre);
+    all.push_back({c.x, c.y, c.z, sphere.radius * placement.largest_stretch()});
+  }
+  return all;
+}
+
+AngularProfile load_profile(const v1::Luminaire& message, const Shape& shape, bool instanced) {
+  if (message.has_cosine_power()) {
+    return CosinePowerProfile{finite(message.cosine_power(), "a cosine power")};
+  }
+  if (!message.has_intensity()) return LambertianProfile{};
+  require(!instanced, "an intensity profile on an instanced surface");
+  const v1::IntensityProfile& p = message.intensity();
+  const auto floats = [](const auto& values) {
+    return std::vector<float>(values.begin(), values.end());
+  };
+  IntensityProfile profile({vector(p.axis(), "a profile's axis"),
+                            vector(p.zero(), "a profile's zero direction"), floats(p.vertical()),
+                            floats(p.horizontal()), floats(p.values())});
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) {
+    return IntensityLamp{std::move(profile),
+                         static_cast<float>(std::numbers::pi * sphere->radius * sphere->radius),
+                         false};
+  }
+  const auto& mesh = std::get<TriangleMesh>(shape);
+  double area = 0.0;
+  for (const auto& t : mesh.triangles) {
+    area += 0.5 * length(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]],
+                               mesh.vertices[t[2]] - mesh.vertices[t[0]]));
+  }
+  return IntensityLamp{std::move(profile), static_cast<float>(area), true};
+}
+
+Elements luminaire_elements(const std::vector<Luminaire>& luminaires, const Geometry& geometry,
+                            const std::vector<std::uint32_t>& groups) {
+  Elements elements;
+  for (const Luminaire& luminaire : luminaires) {
+    const Shape& shape = geometry.shapes()[luminaire.surface];
+    const Emission emission = luminaire.emission();
+    for_each_place(geometry, groups[luminaire.surface], [&](const PlacedInstance* instance) {
+      const std::size_t steps = time_steps(shape, instance);
+      if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
+        const auto vertices = placed_vertices(*mesh, instance, steps);
+        const std::vector<std::span<const Vec3>> spans(vertices.begin(), vertices.end());
+        elements.add_mesh(spans, mesh->triangles, emission);
+      } else {
+        elements.add_sphere(placed_spheres(std::get<Sphere>(shape), instance, steps), emission);
+      }
+    });
+  }
+  return elements;
+}
+
+Elements important_elements(const LoadContext& context) {
+  Elements elements;
+  for (const auto& important : context.message.important_shapes()) {
+    const std::size_t first = elements.size();
+    const Emission emission{.radiance = 1.0f, .two_sided = true};
+    if (important.has_sphere()) {
+      const std::vector<Sphere> spheres{load_sphere(important.sphere())};
+      elements.add_sphere(spheres, emission);
+    } else {
+      require(important.has_quad() || important.has_mesh(),
+              "an important shape that this program doesn't know");
+      const TriangleMesh mesh = important.has_quad()
+                                    ? load_quad(important.quad())
+                                    : load_mesh(important.mesh(), context.find_blob);
+      const std::vector<std::span<const Vec3>> vertices{
+          std::span(mesh.vertices).first(mesh.vertex_count())};
+      elements.add_mesh(vertices, mesh.triangles, emission);
+    }
+    require(important.weight() > 0.0 && std::isfinite(important.weight()),
+            "an important shape without a weight");
+    elements.share_weight(first, important.weight());
+  }
+  return elements;
+}
+
+EnvironmentMap load_map(const LoadContext& context, const v1::EnvironmentMap& message) {
+  require(message.columns() > 0 && message.columns() <= EnvironmentMap::kMostColumns &&
+              message.rows() > 0 && message.rows() <= EnvironmentMap::kMostRows,
+          "an environment map without texels or with too many");
+  const std::size_t count = std::size_t{message.columns()} * message.rows();
+  const auto path = context.find_blob(blob_name(message.blob()));
+  require(std::filesystem::file_size(path) == count * sizeof(EnvironmentMap::Texel),
+          "an environment map of another length than its size says");
+  std::vector<EnvironmentMap::Texel> texels(count);
+  std::ifstream file(path, std::ios::binary);
+  file.read(reinterpret_cast<char*>(texels.data()),
+            static_cast<std::streamsize>(count * sizeof(EnvironmentMap::Texel)));
+  require(static_cast<bool>(file), "an environment map that can't be read");
+  return EnvironmentMap(message.columns(), message.rows(), std::move(texels),
+                        context.spectrum(message.spectrum()),
+                        {vector(message.x(), "a map's axis"), vector(message.y(), "a map's axis"),
+                         vector(message.z(), "a map's axis")});
+}
+
+std::optional<Environment> load_environment(const LoadContext& context) {
+  if (!context.message.has_environment()) return std::nullopt;
+  const v1::Environment& message = context.message.environment();
+  if (message.has_map()) return Environment(load_map(context, message.map()));
+  return Environment(context.spectrum(message.constant()));
+}
+
+std::vector<DistantDisc> load_discs(const LoadContext& context) {
+  std::vector<DistantDisc> discs;
+  for (const auto& disc : context.message.distant_discs()) {
+    DistantDisc::LimbDarkening limb;
+    for (const std::uint32_t index : disc.limb_plus()) {
+      limb.plus.push_back(context.spectrum(index));
+    }
+    for (const std::uint32_t index : disc.limb_minus()) {
+      limb.minus.push_back(context.spectrum(index));
+    }
+    discs.emplace_back(vector(disc.direction(), "a disc's direction"), disc.half_angle(),
+                       context.spectrum(disc.radiance()), std::move(limb));
+  }
+  return discs;
+}
+
+}  // namespace
+
+std::vector<Luminaire> load_luminaires(const LoadContext& context, const Geometry& geometry,
+                                       std::vector<SurfaceMaterial>& materials) {
+  std::vector<Luminaire> luminaires;
+  for (const auto& message : context.message.luminaires()) {
+    require(message.surface() < materials.size(), "a luminaire on a surface that is not there");
+    SurfaceMaterial& material = materials[message.surface()];
+    require(material.luminaire == SurfaceMaterial::kNone, "a surface with two luminaires");
+    material.luminaire = static_cast<std::uint32_t>(luminaires.size());
+    const bool instanced =
+        context.message.surfaces(static_cast<int>(message.surface())).group() != 0;
+    luminaires.push_back(checked([&] {
+      return Luminaire(message.surface(), load_colour(context, message.radiance(), kMostRadiance),
+                       message.two_sided(),
+                       load_profile(message, geometry.shapes()[message.surface()], instanced));
+    }));
+  }
+  return luminaires;
+}
+
+LightDirections load_light_directions(const LoadContext& context,
+                                      const std::vector<Luminaire>& luminaires,
+                                      const Geometry& geometry,
+                                      const std::vector<std::uint32_t>& groups) {
+  const v1::Tracing& t = context.message.tracing();
+  return checked([&] {
+    return LightDirections(
+        luminaire_elements(luminaires, geometry, groups), load_environment(context),
+        load_discs(context), important_elements(context),
+        {static_cast<float>(t.weight_luminaires()), static_cast<float>(t.weight_environment()),
+         static_cast<float>(t.weight_important())});
+  });
+}
+
+PhotonEmitter load_emitter(const std::vector<Luminaire>& luminaires, const LightDirections& lights,
+                           const Geometry& geometry, const std::vector<std::uint32_t>& groups) {
+  PhotonEmitter emitter;
+  for (std::uint32_t i = 0; i < luminaires.size(); ++i) {
+    const Luminaire& luminaire = luminaires[i];
+    const Shape& shape = geometry.shapes()[luminaire.surface];
+    for_each_place(geometry, groups[luminaire.surface], [&](const PlacedInstance* instance) {
+      const std::size_t steps = time_steps(shape, instance);
+      if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
+        const auto vertices = placed_vertices(*mesh, instance, steps);
+        for (const auto& t : mesh->triangles) {
+          std::vector<std::array<Vec3, 3>> corners;
+          for (const auto& v : vertices) corners.push_back({v[t[0]], v[t[1]], v[t[2]]});
+          emitter.add_triangle(i, luminaire, std::move(corners));
+        }
+        return;
+      }
+      if (instance != nullptr) {
+        refuse("forward photons from a sphere in an instance");
+      }
+      std::vector<Vec3> centres;
+      for (const Sphere& s : placed_spheres(std::get<Sphere>(shape), nullptr, steps)) {
+        centres.push_back(
+            {static_cast<float>(s.x), static_cast<float>(s.y), static_cast<float>(s.z)});
+      }
+      emitter.add_sphere(i, luminaire, std::move(centres),
+                         static_cast<float>(std::get<Sphere>(shape).radius));
+    });
+  }
+  emitter.finish(lights.discs(), lights.environment(), geometry.bounds());
+  return emitter;
+}
+
+std::vector<InteriorList> load_luminaires_inside(const std::vector<Luminaire>& luminaires,
+                                                 const Geometry& geometry,
+                                                 const std::vector<std::uint32_t>& groups,
+                                                 const std::vector<SurfaceMaterial>& materials) {
+  std::vector<InteriorList> inside;
+  for (const Luminaire& luminaire : luminaires) {
+    const Shape& shape = geometry.shapes()[luminaire.surface];
+    InteriorList list;
+    bool first = true;
+    for_each_place(geometry, groups[luminaire.surface], [&](const PlacedInstance* instance) {
+      if (!std::exchange(first, false)) return;
+      Vec3 point, normal;
+      if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
+        const auto& t = mesh->triangles.front();
+        const Vec3 a = placed(instance, 0.0f, mesh->vertices[t[0]]);
+        const Vec3 b = placed(instance, 0.0f, mesh->vertices[t[1]]);
+        const Vec3 c = placed(instance, 0.0f, mesh->vertices[t[2]]);
+        normal = normalized(cross(b - a, c - a));
+        point = a + 0.3f * (b - a) + 0.3f * (c - a);
+      } else {
+        const auto& s = std::get<Sphere>(shape);
+        normal = {0, 0, 1};
+        point = placed(
+            instance, 0.0f,
+            {static_cast<float>(s.x), static_cast<float>(s.y), static_cast<float>(s.z + s.radius)});
+      }
+      list = bodies_around(point + 1e-5f * std::max(max_abs(point), 1e-3f) * normal, geometry,
+                           materials);
+    });
+    inside.push_back(list);
+  }
+  return inside;
+}
+
+}  // namespace nocturne

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "luminaires/light_directions.h"
+#include "luminaires/luminaire.h"
+#include "luminaires/photon_emitter.h"
+#include "scene/load_context.h"
+#include "scene/scene.h"
+
+namespace nocturne {
+
+/// Sets the materials' luminaires.
+std::vector<Luminaire> load_luminaires(const LoadContext& context, const Geometry& geometry,
+                                       std::vector<SurfaceMaterial>& materials);
+
+LightDirections load_light_directions(const LoadContext& context,
+                                      const std::vector<Luminaire>& luminaires,
+                                      const Geometry& geometry,
+                                      const std::vector<std::uint32_t>& groups);
+
+PhotonEmitter load_emitter(const std::vector<Luminaire>& luminaires, const LightDirections& lights,
+                           const Geometry& geometry, const std::vector<std::uint32_t>& groups);
+
+/// A point just outside each luminaire, where its photons start.
+std::vector<InteriorList> load_luminaires_inside(const std::vector<Luminaire>& luminaires,
+                                                 const Geometry& geometry,
+                                                 const std::vector<std::uint32_t>& groups,
+                                                 const std::vector<SurfaceMaterial>& materials);
+
+}  // namespace nocturne

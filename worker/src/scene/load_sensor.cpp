@@ -1,0 +1,100 @@
+#include "scene/load_sensor.h"
+
+#include <numbers>
+
+namespace nocturne {
+namespace {
+
+// Partials would be too large to hand over.
+constexpr int kMostFurtherResponses = 60;
+// Three for each of many lines.
+constexpr int kMostKnots = 100'000;
+
+template <class PoseMessage>
+Pose pose(const PoseMessage& message) {
+  return {vector(message.position(), "the sensor's position"),
+          vector(message.right(), "the sensor's right"), vector(message.up(), "the sensor's up"),
+          vector(message.forward(), "the sensor's forward")};
+}
+
+SensorModel perspective(const v1::Sensor& s) {
+  require(s.vertical_field_of_view() > 0.0 && s.vertical_field_of_view() < std::numbers::pi,
+          "a field of view outside (0, pi)");
+  require(s.lens_radius() >= 0.0 && (s.lens_radius() == 0.0 || s.focus_distance() > 0.0),
+          "a lens without a focus distance");
+  const Pinhole film(finite(std::tan(0.5 * s.vertical_field_of_view()), "the field of view"));
+  if (s.lens_radius() == 0.0) return film;
+  return ThinLens(film,
+                  Aperture(finite(s.lens_radius(), "the lens radius"), s.aperture_blades(),
+                           finite(s.aperture_angle(), "the aperture's angle")),
+                  finite(s.focus_distance(), "the focus distance"));
+}
+
+SensorModel model(const v1::Sensor& s) {
+  switch (s.model()) {
+    case v1::SENSOR_MODEL_PERSPECTIVE:
+      return perspective(s);
+    case v1::SENSOR_MODEL_ORTHOGRAPHIC:
+      return Orthographic(FilmRectangle(finite(s.height(), "the film's height")));
+    case v1::SENSOR_MODEL_PANORAMA:
+      return Panorama{};
+    case v1::SENSOR_MODEL_PLANE:
+      return Plane(FilmRectangle(finite(s.height(), "the film's height")));
+    case v1::SENSOR_MODEL_RADIANCE_METER:
+      return RadianceMeter(finite(s.height(), "the meter's diameter"),
+                           finite(s.acceptance(), "the meter's acceptance"));
+    case v1::SENSOR_MODEL_INTENSITY:
+      return IntensityMeter(finite(s.lamp_radius(), "the lamp's radius"));
+    default:
+      refuse("a sensor that this program doesn't know");
+  }
+}
+
+std::vector<float> curve(const google::protobuf::RepeatedField<float>& values) {
+  for (const float value : values) {
+    require(std::isfinite(value) && value >= 0.0f, "a response that is negative or infinite");
+  }
+  return {values.begin(), values.end()};
+}
+
+DensityTable load_density(const v1::Sensor& s) {
+  require(s.wavelength_knots_size() <= kMostKnots,
+          "a wavelength density of more than 100000 knots");
+  DensityTable table{{}, {s.wavelength_density().begin(), s.wavelength_density().end()}};
+  for (const double nm : s.wavelength_knots()) table.knots_nm.push_back(finite(nm, "a wavelength"));
+  return table;
+}
+
+}  // namespace
+
+Sensor load_sensor(const v1::Sensor& message) {
+  return checked([&] {
+    std::vector<Pose> poses{pose(message)};
+    for (const auto& later : message.later_poses()) poses.push_back(pose(later));
+    return Sensor(model(message), Motion(std::move(poses)));
+  });
+}
+
+WavelengthSampler load_wavelengths(const v1::Sensor& s) {
+  require(s.wavelength_sampling() == v1::WAVELENGTH_SAMPLING_RESPONSE ||
+              s.wavelength_sampling() == v1::WAVELENGTH_SAMPLING_UNIFORM,
+          "a wavelength sampling that this program doesn't know");
+  require(s.further_responses_size() <= kMostFurtherResponses, "more than 60 further responses");
+  ResponseCurves curves{finite(s.response_first_nm(), "a wavelength"),
+                        finite(s.response_step_nm(), "a wavelength step"),
+                        curve(s.response_x()),
+                        curve(s.response_y()),
+                        curve(s.response_z()),
+                        {}};
+  for (const auto& further : s.further_responses()) {
+    curves.further.push_back(curve(further.values()));
+  }
+  return checked([&] {
+    if (s.wavelength_knots_size() > 0 || s.wavelength_density_size() > 0) {
+      return WavelengthSampler(curves, load_density(s));
+    }
+    return WavelengthSampler(curves, s.wavelength_sampling() == v1::WAVELENGTH_SAMPLING_RESPONSE);
+  });
+}
+
+}  // namespace nocturne

@@ -1,0 +1,169 @@
+#include "scene/load_surfaces.h"
+
+#include <algorithm>
+
+#include "scene/load_kernels.h"
+#include "scene/load_mesh.h"
+#include "scene/load_textures.h"
+
+namespace nocturne {
+namespace {
+
+constexpr int kTransformSize = 12;
+
+Shape load_shape(const LoadContext& context, const v1::Surface& surface) {
+  switch (surface.shape_case()) {
+    case v1::Surface::kMesh:
+      return load_mesh(surface.mesh(), context.find_blob);
+    case v1::Surface::kSphere:
+      return load_sphere(surface.sphere());
+    case v1::Surface::kQuad:
+      return load_quad(surface.quad());
+    case v1::Surface::SHAPE_NOT_SET:
+      break;
+  }
+  refuse("a surface of a shape that this program doesn't know");
+}
+
+bool moves(const Shape& shape) {
+  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) return mesh->time_steps > 1;
+  return !std::get<Sphere>(shape).later_centres.empty();
+}
+
+Instance load_instance(const v1::Instance& message) {
+  require(message.transforms_size() > 0 && message.transforms_size() % kTransformSize == 0,
+          "an instance whose transforms are not 12 numbers each");
+  Instance instance{message.group(), {}};
+  for (int step = 0; step < message.transforms_size(); step += kTransformSize) {
+    Transform transform;
+    for (int i = 0; i < kTransformSize; ++i) {
+      transform[static_cast<std::size_t>(i)] = message.transforms(step + i);
+      require(std::isfinite(message.transforms(step + i)), "a transform that is not finite");
+    }
+    instance.transforms.push_back(transform);
+  }
+  return instance;
+}
+
+std::uint32_t checked_kernel(const v1::CompiledScene& message, std::uint32_t index) {
+  require(index < static_cast<std::uint32_t>(message.kernels_size()),
+          "a kernel index out of range");
+  return index;
+}
+
+}  // namespace
+
+TriangleMesh load_quad(const v1::Quad& q) {
+  return quad_mesh(vector(q.corner(), "a quad's corner"), vector(q.edge_u(), "a quad's edge"),
+                   vector(q.edge_v(), "a quad's edge"));
+}
+
+Sphere load_sphere(const v1::Sphere& s) {
+  const auto centre = [](const v1::Vector& v) {
+    vector(v, "a sphere's centre");
+    return Double3(v.x(), v.y(), v.z());
+  };
+  const Double3 first = centre(s.centre());
+  require(std::isfinite(s.radius()) && s.radius() > 0.0, "a sphere without a radius");
+  require(s.later_centres_size() < 129, "a sphere with more than 129 time steps");
+  Sphere sphere{first.x, first.y, first.z, s.radius()};
+  for (const auto& later : s.later_centres()) sphere.later_centres.push_back(centre(later));
+  return sphere;
+}
+
+LoadedShapes load_shapes(const LoadContext& context) {
+  require(context.message.surfaces_size() > 0, "no surfaces");
+  LoadedShapes loaded;
+  for (const auto& surface : context.message.surfaces()) {
+    loaded.shapes.push_back(load_shape(context, surface));
+    loaded.groups.push_back(surface.group());
+    loaded.moves = loaded.moves || moves(loaded.shapes.back());
+  }
+  for (const auto& instance : context.message.instances()) {
+    loaded.instances.push_back(load_instance(instance));
+    loaded.moves = loaded.moves || loaded.instances.back().transforms.size() > 1;
+  }
+  return loaded;
+}
+
+std::vector<Interior> load_interiors(const LoadContext& context) {
+  require(context.message.interiors_size() <= static_cast<int>(InteriorList::kMostBodies),
+          "more interiors than 65535");
+  std::vector<Interior> interiors;
+  for (const auto& interior : context.message.interiors()) {
+    const Spectrum& index = context.spectrum(interior.index());
+    require(index.least() >= 1e-3f, "an index of refraction below 0.001");
+    const bool absorbs = interior.has_absorption();
+    interiors.push_back({index, absorbs ? context.spectrum(interior.absorption()) : Spectrum(0.0f),
+                         absorbs, interior.priority()});
+  }
+  return interiors;
+}
+
+std::vector<Relief> load_reliefs(const LoadContext& context) {
+  std::vector<Relief> reliefs;
+  for (const auto& surface : context.message.surfaces()) {
+    if (surface.has_normal_map()) {
+      reliefs.push_back(Relief::of_normals(load_texture_use(context, surface.normal_map(), 3)));
+    } else if (surface.has_bump_map()) {
+      reliefs.push_back(Relief::of_heights(load_texture_use(context, surface.bump_map(), 1)));
+    }
+  }
+  return reliefs;
+}
+
+std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
+                                            const std::vector<AnyKernel>& kernels,
+                                            const std::vector<Shape>& shapes) {
+  std::vector<SurfaceMaterial> materials;
+  std::uint32_t reliefs = 0;
+  for (const auto& surface : context.message.surfaces()) {
+    SurfaceMaterial material;
+    material.front_kernel = checked_kernel(context.message, surface.kernel());
+    material.back_kernel = surface.has_back_kernel()
+                               ? checked_kernel(context.message, surface.back_kernel())
+                               : material.front_kernel;
+    if (surface.has_interior()) {
+      require(surface.interior() < static_cast<std::uint32_t>(context.message.interiors_size()),
+              "an interior index out of range");
+      material.interior = surface.interior();
+    }
+    if (surface.has_normal_map() || surface.has_bump_map()) material.relief = reliefs++;
+    material.may_be_clear =
+        may_be_clear(kernels, material.front_kernel) || may_be_clear(kernels, material.back_kernel);
+    const auto* mesh = std::get_if<TriangleMesh>(&shapes[materials.size()]);
+    material.needs_detail = material.relief != SurfaceMaterial::kNone ||
+                            (mesh != nullptr && !mesh->normals.empty()) ||
+                            needs_detail(context.message, material.front_kernel) ||
+                            needs_detail(context.message, material.back_kernel);
+    materials.push_back(material);
+  }
+  return materials;
+}
+
+InteriorList bodies_around(Vec3 position, const Geometry& geometry,
+                           const std::vector<SurfaceMaterial>& materials) {
+  constexpr int kMostSurfaces = 10'000;
+  // No axis, no diagonal: few scenes have edges there.
+  Ray ray{position, normalized(Vec3{0.5317f, 0.7621f, 0.3694f})};
+  std::vector<std::uint32_t> entered, left;
+  for (int i = 0; i < kMostSurfaces; ++i) {
+    const auto hit = geometry.intersect(ray, 0.0f);
+    if (!hit) break;
+    ray.origin = leave_surface(*hit, ray.direction);
+    const std::uint32_t body = materials[hit->surface].interior;
+    if (body == SurfaceMaterial::kNone) continue;
+    if (dot(hit->normal, ray.direction) < 0.0f) {
+      entered.push_back(body);
+    } else if (const auto found = std::ranges::find(entered, body); found != entered.end()) {
+      entered.erase(found);
+    } else {
+      left.push_back(body);
+    }
+  }
+  InteriorList inside;
+  std::ranges::for_each(left.rbegin(), left.rend(), [&](std::uint32_t b) { inside.enter(b); });
+  return inside;
+}
+
+}  // namespace nocturne

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "scene/interior_list.h"
+#include "scene/load_context.h"
+#include "scene/relief.h"
+#include "scene/scene.h"
+#include "surfaces/instance.h"
+#include "surfaces/shapes.h"
+
+namespace nocturne {
+
+struct LoadedShapes {
+  std::vector<Shape> shapes;          // by surface
+  std::vector<std::uint32_t> groups;  // of each
+  std::vector<Instance> instances;
+  bool moves = false;
+};
+
+LoadedShapes load_shapes(const LoadContext& context);
+TriangleMesh load_quad(const v1::Quad& message);
+Sphere load_sphere(const v1::Sphere& message);
+
+std::vector<Interior> load_interiors(const LoadContext& context);
+std::vector<Relief> load_reliefs(const LoadContext& context);
+
+/// By surface. Luminaires are set by their own loader.
+std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
+                                            const std::vector<AnyKernel>& kernels,
+                                            const std::vector<Shape>& shapes);
+
+/// The bodies around a point, found by leaving them along a straight line.
+InteriorList bodies_around(Vec3 position, const Geometry& geometry,
+                           const std::vector<SurfaceMaterial>& materials);
+
+}  // namespace nocturne

@@ -1,0 +1,48 @@
+// How photons are traced. None of it changes what an image converges to, but for maximum_depth.
+#pragma once
+
+#include <cstdint>
+
+#include "sampling/sequence.h"
+
+namespace nocturne {
+
+/// Weights of the mixture density; not negative, sum 1.
+struct MixtureWeights {
+  float kernel, lights, uniform;
+};
+
+/// How directions are drawn where a photon meets a surface.
+enum class Estimator {
+  /// One photon, from the mixture of all densities.
+  kMixture,
+  /// A photon from each density at the first vertices, weighted by the power heuristic.
+  kSplit,
+  /// A photon from the kernel, and one towards the lights that ends on the first ordinary surface.
+  kTwoPhotons,
+};
+
+struct TracingOptions {
+  static constexpr std::uint32_t kMostSplitVertices = 8;
+
+  /// A photon survives a vertex with probability min(1, H h), times its weight inside the minimum
+  /// where roulette_by_weight says so.
+  float h;
+  bool roulette_by_weight;
+  /// Vertices before roulette starts.
+  std::uint32_t roulette_after;
+  /// Surface interactions after which it is absorbed.
+  std::uint32_t maximum_depth;
+  MixtureWeights mixture;
+  Estimator estimator;
+  /// Vertices that split.
+  std::uint32_t split_vertices;
+  /// Photons that travel together: 1, 4 or 8.
+  std::uint32_t group;
+  /// From the luminaires to the sensor.
+  bool forward;
+  SequenceKind sequence;
+  std::uint64_t seed;
+};
+
+}  // namespace nocturne

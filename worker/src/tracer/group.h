@@ -1,0 +1,70 @@
+// Photons on their way together.
+#pragma once
+
+#include <cstdint>
+
+#include "luminaires/light_directions.h"
+#include "math/ray.h"
+#include "sampling/sequence.h"
+#include "scene/interior_list.h"
+#include "spectrum/spectral.h"
+
+namespace nocturne {
+
+/// What a light that photons meet counts, as long as it could have been met in two ways: by a
+/// direction from the kernel, and by one drawn towards lights. Both ways' shares add up to one.
+enum class Shared {
+  kNot,
+  /// Drawn by the kernel; the weight holds the division by its density.
+  kByKernel,
+  /// Drawn towards lights; the weight holds no division yet.
+  kTowardsLights,
+};
+
+/// The densities at the vertex where the direction was drawn.
+template <int N>
+struct Share {
+  Shared how = Shared::kNot;
+  From from;
+  Vec3 direction;
+  /// Of the kernel, times the probability to survive, 1/sr.
+  Spectral<N> kernel_pdf;
+};
+
+template <int N>
+struct Group {
+  Ray ray;
+  /// What each photon carries; zero for those that are gone or went another way.
+  Spectral<N> weight;
+  InteriorList inside;
+  /// Interactions so far.
+  std::uint32_t depth;
+  /// Width of the footprint, m.
+  float width;
+  Share<N> share;
+  PhotonSequence sequence;
+};
+
+/// Bit i: photon i still carries something.
+template <int N>
+std::uint32_t alive(const Spectral<N>& weight) {
+  std::uint32_t mask = 0;
+  for (std::size_t i = 0; i < N; ++i) mask |= weight[i] > 0.0f ? 1u << i : 0u;
+  return mask;
+}
+
+/// The weights of those in `mask`, zero for the others.
+template <int N>
+Spectral<N> only(const Spectral<N>& weight, std::uint32_t mask) {
+  Spectral<N> kept;
+  for (std::size_t i = 0; i < N; ++i) kept[i] = (mask >> i) & 1u ? weight[i] : 0.0f;
+  return kept;
+}
+
+/// a / b, and zero where b is.
+template <int N>
+Spectral<N> ratio(const Spectral<N>& a, const Spectral<N>& b) {
+  return each([](float x, float y) { return y > 0.0f ? x / y : 0.0f; }, a, b);
+}
+
+}  // namespace nocturne

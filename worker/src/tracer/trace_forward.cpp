@@ -1,0 +1,77 @@
+#include "tracer/trace_forward.h"
+
+namespace nocturne {
+namespace {
+
+// Counts the photons that meet the sensor.
+template <int N>
+class SensorCounter {
+ public:
+  static constexpr Transport kTransport = Transport::kForward;
+
+  SensorCounter(const Scene& scene, Film film, float time, const Spectral<N>& wavelengths,
+                const Spectral<N>& flux, std::vector<Deposit<N>>& deposits)
+      : scene_(scene),
+        film_(film),
+        time_(time),
+        wavelengths_(wavelengths),
+        flux_(flux),
+        deposits_(deposits) {}
+
+  void flies(const Group<N>& group, const std::optional<Hit>& hit) {
+    const float distance = hit ? hit->distance : std::numeric_limits<float>::infinity();
+    if (scene_.sensor.receives_segments()) {
+      put(group, scene_.sensor.receive_segment(film_, group.ray.origin, group.ray.direction,
+                                               distance, time_));
+    } else if (!hit) {
+      put(group, scene_.sensor.receive_escape(film_, group.ray.direction, time_));
+    }
+  }
+
+  void arrives(const Group<N>&, const Hit&) {}
+
+ private:
+  void put(const Group<N>& group, const std::optional<Reception>& reception) {
+    if (!reception) return;
+    const Spectral<N> left =
+        group.inside.empty() || std::isinf(reception->distance)
+            ? Spectral<N>(1.0f)
+            : scene_.transmittance(group.inside, reception->distance, wavelengths_);
+    deposits_.push_back({reception->pixel, reception->weight * (flux_ * group.weight * left)});
+  }
+
+  const Scene& scene_;
+  const Film film_;
+  const float time_;
+  const Spectral<N> wavelengths_, flux_;
+  std::vector<Deposit<N>>& deposits_;
+};
+
+}  // namespace
+
+template <int N>
+std::uint32_t trace_forward(const Scene& scene, Film film, float time,
+                            const Spectral<N>& wavelengths_nm, const PhotonSequence& sequence,
+                            std::vector<Deposit<N>>& deposits) {
+  PhotonSequence numbers = sequence;
+  const Uniform4 first = numbers.next(), second = numbers.next();
+  const auto emitted =
+      scene.emitter.emit(scene.luminaires, scene.lights.discs(), scene.lights.environment(), time,
+                         wavelengths_nm, first, second);
+  if (!emitted) return 0;
+  Start<N> start{.ray = emitted->ray, .wavelengths = wavelengths_nm, .inside = {}, .time = time};
+  if (emitted->luminaire != Emitted<N>::kDistant) {
+    start.inside = scene.luminaires_inside[emitted->luminaire];
+  }
+  SensorCounter<N> counter(scene, film, time, wavelengths_nm, emitted->flux, deposits);
+  return Walk<N, SensorCounter<N>>(scene, start, counter).run(start, numbers);
+}
+
+template std::uint32_t trace_forward(const Scene&, Film, float, const Spectral<1>&,
+                                     const PhotonSequence&, std::vector<Deposit<1>>&);
+template std::uint32_t trace_forward(const Scene&, Film, float, const Spectral<4>&,
+                                     const PhotonSequence&, std::vector<Deposit<4>>&);
+template std::uint32_t trace_forward(const Scene&, Film, float, const Spectral<8>&,
+                                     const PhotonSequence&, std::vector<Deposit<8>>&);
+
+}  // namespace nocturne

@@ -1,0 +1,367 @@
+// The tracing loop, for both directions: from the sensor to the luminaires, counting light, and
+// from the luminaires to the sensor, counting what meets it. Morley et al., "Image Synthesis using
+// Adjoint Photons", GI 2006, sections 2 to 4; groups and the two photons at a vertex:
+// docs/decisions/0010 and 0011.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+#include "tracer/fixed_stack.h"
+#include "tracer/group.h"
+#include "tracer/vertex.h"
+
+namespace nocturne {
+
+/// How a group of photons starts.
+template <int N>
+struct Start {
+  Ray ray;
+  /// nm.
+  Spectral<N> wavelengths;
+  /// Bodies that it starts inside of.
+  InteriorList inside;
+  /// Of the shutter, [0, 1].
+  float time = 0.0f;
+  /// Footprint, for the sharpness of textures: width at the start, m, and growth per metre.
+  float width = 0.0f, spread = 0.0f;
+};
+
+/// Follows a group of photons until all are absorbed or out of the scene. They share their numbers,
+/// and so every decision that does not depend on the wavelength; where one differs they part.
+///
+/// Counter has kTransport; flies(group, hit), called for every ray with the nearest hit or none,
+/// before the medium on the way absorbs; and arrives(group, hit), called after.
+template <int N, class Counter>
+class Walk {
+ public:
+  Walk(const Scene& scene, const Start<N>& start, Counter& counter)
+      : scene_(scene),
+        options_(scene.options),
+        wavelengths_(start.wavelengths),
+        time_(start.time),
+        spread_(start.spread),
+        counter_(counter) {}
+
+  /// Returns the number of rays cast.
+  std::uint32_t run(const Start<N>& start, const PhotonSequence& sequence) {
+    Group<N> group{.ray = start.ray,
+                   .weight = 1.0f,
+                   .inside = start.inside,
+                   .depth = 0,
+                   .width = start.width,
+                   .share = {},
+                   .sequence = sequence};
+    follow(group);
+    return rays_;
+  }
+
+ private:
+  static constexpr bool kAdjoint = Counter::kTransport == Transport::kAdjoint;
+
+  // What can wait at once: for each vertex that splits two branches, and the members of each that
+  // part.
+  using Waiting = FixedStack<Group<N>, N*(2 * TracingOptions::kMostSplitVertices + 2)>;
+
+  // To the end of a group and of all that it leaves behind.
+  void follow(Group<N>& group) {
+    const std::size_t before = waiting_.size();
+    for (;;) {
+      while (step(group)) {
+      }
+      if (waiting_.size() == before) return;
+      group = waiting_.pop();
+    }
+  }
+
+  // To the next surface and off it; false where the group ends.
+  bool step(Group<N>& group) {
+    const auto vertex = next_vertex(group);
+    if (!vertex) return false;
+    return visit_bound<N>(scene_.kernels, vertex->kernel, vertex->shading, [&](const auto& kernel) {
+      if constexpr (kAdjoint) {
+        if (group.share.how == Shared::kTowardsLights) return pass_on(group, *vertex, kernel);
+      }
+      return scatter(group, *vertex, kernel);
+    });
+  }
+
+  // The nearest surface that is seen; empty where the group leaves the scene or has gone deep
+  // enough. What the counter looks for on the way is counted.
+  std::optional<Vertex<N>> next_vertex(Group<N>& group) {
+    for (;;) {
+      ++rays_;
+      const auto hit = scene_.geometry.intersect(group.ray, time_);
+      counter_.flies(group, hit);
+      if (!hit) return std::nullopt;
+      if (!group.inside.empty()) {
+        group.weight *= scene_.transmittance(group.inside, hit->distance, wavelengths_);
+      }
+      group.width += spread_ * hit->distance;
+      counter_.arrives(group, *hit);
+      if (group.depth == options_.maximum_depth || ends_here(group, *hit)) return std::nullopt;
+      auto vertex = make_vertex(scene_, *hit, group, wavelengths_, time_, Counter::kTransport);
+      if (vertex) {
+        ++group.depth;
+        return vertex;
+      }
+      pass_unseen(group, *hit);
+    }
+  }
+
+  // Most photons that went towards lights end without another look at the surface.
+  bool ends_here(const Group<N>& group, const Hit& hit) const {
+    return group.share.how == Shared::kTowardsLights && !scene_.materials[hit.surface].may_be_clear;
+  }
+
+  // Inside a body radiance is n^2 times what it is outside, and the photon's weight as much less:
+  // it is worth what it will be outside.
+  Spectral<N> square_of_index(const InteriorList& inside) const {
+    const Spectral<N> n = scene_.interiors[inside.current(scene_.interiors)].index(wavelengths_);
+    return n * n;
+  }
+
+  void pass_unseen(Group<N>& group, const Hit& hit) const {
+    const bool entering = dot(hit.normal, group.ray.direction) < 0.0f;
+    group.inside = cross_boundary(group.inside, scene_.interiors,
+                                  scene_.materials[hit.surface].interior, entering)
+                       .beyond;
+    group.ray.origin = leave_surface(hit, group.ray.direction);
+  }
+
+  template <class Kernel>
+  bool scatter(Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel) {
+    const Uniform4 u = group.sequence.next();
+    // The paper's survival probability is H h. Times the weight that the photon carries, light
+    // photons die and heavy ones stay (docs/decisions/0004-roulette-by-weight.md). One probability
+    // for the group: it stays together as long as one of them is worth it.
+    float survival = 1.0f;
+    if (group.depth > options_.roulette_after) {
+      Spectral<N> albedo = kernel.albedo(vertex.wo);
+      if (kAdjoint && !group.inside.empty()) albedo *= square_of_index(group.inside);
+      survival = std::min(1.0f, options_.h * largest(options_.roulette_by_weight
+                                                         ? albedo * group.weight
+                                                         : only(albedo, alive(group.weight))));
+    }
+    const KernelNumbers numbers{u[3], u[0], u[1]};
+    if constexpr (kAdjoint) {
+      const bool two_photons =
+          options_.estimator == Estimator::kTwoPhotons && kernel.smooth() && !scene_.lights.empty();
+      if (two_photons) send_to_lights(group, vertex, kernel, survival);
+      if (u[2] >= survival) return false;
+      if (options_.estimator == Estimator::kTwoPhotons || !kernel.smooth()) {
+        return draw_from_kernel(group, vertex, kernel, numbers, survival, two_photons);
+      }
+      if (options_.estimator == Estimator::kSplit && group.depth <= options_.split_vertices) {
+        return split(group, vertex, kernel, numbers, survival);
+      }
+      // What is left of the number is uniform once more.
+      return draw_from_mixture(group, vertex, kernel, numbers, u[2] / survival, survival);
+    } else {
+      if (u[2] >= survival) return false;
+      return draw_from_kernel(group, vertex, kernel, numbers, survival, false);
+    }
+  }
+
+  // A draw for each photon of the group; those that draw the same go on together, the others wait.
+  // `weigh` multiplies the weights by value over density.
+  template <class Kernel, class Weigh>
+  bool for_each_draw(Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
+                     const KernelNumbers& numbers, const Weigh& weigh) {
+    const std::uint32_t all = alive(group.weight);
+    for (std::uint32_t left = all; left != 0;) {
+      const auto lead = static_cast<std::size_t>(std::countr_zero(left));
+      const auto draw = kernel.sample(vertex.wo, numbers, lead);
+      const std::uint32_t together = draw ? draw->together & left : 1u << lead;
+      left &= ~together;
+      if (!draw) continue;
+      if (together == all) {
+        weigh(group, *draw);
+        return leave(group, vertex, draw->wi);
+      }
+      Group<N> part = group;
+      part.weight = only(group.weight, together);
+      weigh(part, *draw);
+      if (leave(part, vertex, draw->wi)) waiting_.push(part);
+    }
+    return false;
+  }
+
+  bool leave(Group<N>& group, const Vertex<N>& vertex, Vec3 wi) const {
+    if (!(largest(group.weight) > 0.0f)) return false;
+    const Vec3 direction = vertex.to_world(wi);
+    const float cosine = dot(vertex.normal, direction);
+    // Where a shading normal says one side and the surface the other, nothing goes on.
+    if (cosine * wi.z <= 0.0f) return false;
+    if (cosine < 0.0f) group.inside = vertex.beyond;
+    if constexpr (!kAdjoint) {
+      // A shading normal is not symmetric: flux is scaled by the cosines that radiance is not.
+      // Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, eq. 5.19.
+      group.weight *= Spectral<N>(
+          std::fabs(cosine * vertex.wo.z / (dot(vertex.normal, group.ray.direction) * wi.z)));
+    }
+    group.ray = {leave_surface(vertex.hit, direction), direction};
+    return true;
+  }
+
+  template <class Kernel>
+  static Vec3 uniform_sample(const Kernel& kernel, float u, float v) {
+    return kernel.transmits() ? UniformSphere::sample(u, v) : UniformHemisphere::sample(u, v);
+  }
+  template <class Kernel>
+  static float uniform_pdf(const Kernel& kernel, Vec3 wi) {
+    return kernel.transmits() ? UniformSphere::pdf() : UniformHemisphere::pdf(wi);
+  }
+
+  // One photon from the kernel alone. Where another goes towards lights, lights found are shared.
+  template <class Kernel>
+  bool draw_from_kernel(Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
+                        const KernelNumbers& numbers, float survival, bool shared) {
+    return for_each_draw(group, vertex, kernel, numbers, [&](Group<N>& on, const Draw<N>& draw) {
+      if (draw.delta) {
+        // Towards lights nothing was drawn from this part: an earlier share goes on.
+        on.weight *= (1.0f / survival) * draw.factor;
+        return;
+      }
+      const Spectral<N> pdf = survival * kernel.pdf(vertex.wo, draw.wi);
+      on.weight *= ratio(kernel.value(vertex.wo, draw.wi), pdf);
+      on.share.how = Shared::kNot;
+      if (shared) {
+        on.share = {Shared::kByKernel, from(vertex, kernel), vertex.to_world(draw.wi), pdf};
+      }
+    });
+  }
+
+  // One photon from the mixture of kernel, lights and uniform domain: the density is the sum of
+  // all, whichever drew. Morley et al. 2006, section 4.
+  template <class Kernel>
+  bool draw_from_mixture(Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
+                         const KernelNumbers& numbers, float part, float survival) {
+    const MixtureWeights& weights = options_.mixture;
+    const From here = from(vertex, kernel);
+    const bool from_lights = part >= weights.kernel && part < weights.kernel + weights.lights;
+    const auto weigh = [&](Group<N>& on, const Draw<N>& draw) {
+      if (draw.delta) {
+        on.weight *= (1.0f / (survival * weights.kernel)) * draw.factor;
+        return;
+      }
+      const float lights = weights.lights > 0.0f
+                               ? weights.lights * scene_.lights.pdf(here, vertex.to_world(draw.wi))
+                               : 0.0f;
+      // Drawn at a rim and rounded off it, where only the other ways can have gone.
+      if (from_lights && !(lights > 0.0f)) {
+        on.weight = 0.0f;
+        return;
+      }
+      const float others =
+          (weights.uniform > 0.0f ? weights.uniform * uniform_pdf(kernel, draw.wi) : 0.0f) + lights;
+      const Spectral<N> pdf = survival * (weights.kernel * kernel.pdf(vertex.wo, draw.wi) + others);
+      on.weight *= ratio(kernel.value(vertex.wo, draw.wi), pdf);
+    };
+    if (part < weights.kernel) return for_each_draw(group, vertex, kernel, numbers, weigh);
+    Draw<N> draw;
+    if (from_lights) {
+      const auto world = scene_.lights.sample(here, numbers.part, numbers.u, numbers.v);
+      if (!world) return false;
+      draw.wi = vertex.to_local(*world);
+    } else {
+      draw.wi = uniform_sample(kernel, numbers.u, numbers.v);
+    }
+    weigh(group, draw);
+    return leave(group, vertex, draw.wi);
+  }
+
+  // A photon from each density, weighted by the power heuristic with exponent 2 (Veach and Guibas,
+  // SIGGRAPH 1995). The one from the kernel goes on, the others wait.
+  template <class Kernel>
+  bool split(Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
+             const KernelNumbers& numbers, float survival) {
+    const From here = from(vertex, kernel);
+    const bool uniform = options_.mixture.uniform > 0.0f;
+    const auto weigh = [&](Group<N>& on, const Draw<N>& draw, int drawn_by) {
+      if (draw.delta) {
+        on.weight *= (1.0f / survival) * draw.factor;
+        return;
+      }
+      const Spectral<N> by_kernel = kernel.pdf(vertex.wo, draw.wi);
+      const float by_lights = scene_.lights.pdf(here, vertex.to_world(draw.wi));
+      const float by_uniform = uniform ? uniform_pdf(kernel, draw.wi) : 0.0f;
+      const Spectral<N> value = kernel.value(vertex.wo, draw.wi);
+      // value / p times p^2 over the sum of squares.
+      on.weight *= each(
+          [&](float v, float k) {
+            const float p = drawn_by == 0 ? k : drawn_by == 1 ? by_lights : by_uniform;
+            const float squares = k * k + by_lights * by_lights + by_uniform * by_uniform;
+            return squares > 0.0f ? v * p / (survival * squares) : 0.0f;
+          },
+          value, by_kernel);
+    };
+    for (int drawn_by = 1; drawn_by <= (uniform ? 2 : 1); ++drawn_by) {
+      Group<N> branch = group;
+      branch.sequence = group.sequence.branch(static_cast<std::uint32_t>(drawn_by));
+      const Uniform4 u = branch.sequence.next();
+      Draw<N> draw;
+      if (drawn_by == 1) {
+        const auto world = scene_.lights.sample(here, u[2], u[0], u[1]);
+        if (!world) continue;
+        draw.wi = vertex.to_local(*world);
+      } else {
+        draw.wi = uniform_sample(kernel, u[0], u[1]);
+      }
+      weigh(branch, draw, drawn_by);
+      if (leave(branch, vertex, draw.wi)) waiting_.push(branch);
+    }
+    return for_each_draw(group, vertex, kernel, numbers,
+                         [&](Group<N>& on, const Draw<N>& draw) { weigh(on, draw, 0); });
+  }
+
+  // The photon towards lights counts what it meets, with its share, through mirrors and clear glass
+  // too. It ends on the first surface that spreads light: there the one from the kernel carries the
+  // whole weight.
+  template <class Kernel>
+  void send_to_lights(const Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
+                      float survival) {
+    Group<N> photon = group;
+    photon.sequence = group.sequence.branch(1);
+    const Uniform4 u = photon.sequence.next();
+    const From here = from(vertex, kernel);
+    const auto direction = scene_.lights.sample(here, u[2], u[0], u[1]);
+    if (!direction) return;
+    const Vec3 wi = vertex.to_local(*direction);
+    if (wi.z <= 0.0f && !kernel.transmits()) return;
+    photon.weight *= kernel.value(vertex.wo, wi);
+    photon.share = {Shared::kTowardsLights, here, *direction, survival * kernel.pdf(vertex.wo, wi)};
+    if (leave(photon, vertex, wi)) follow(photon);
+  }
+
+  // A photon towards lights where it meets a surface that may be clear.
+  template <class Kernel>
+  bool pass_on(Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel) {
+    const Uniform4 u = group.sequence.next();
+    const float survival =
+        std::min(1.0f, largest(only(kernel.albedo(vertex.wo), alive(group.weight))));
+    if (u[2] >= survival) return false;
+    return for_each_draw(
+        group, vertex, kernel, {u[3], u[0], u[1]}, [&](Group<N>& on, const Draw<N>& draw) {
+          on.weight = draw.delta ? (1.0f / survival) * on.weight * draw.factor : Spectral<N>(0.0f);
+        });
+  }
+
+  template <class Kernel>
+  From from(const Vertex<N>& vertex, const Kernel& kernel) const {
+    return {vertex.hit.position, vertex.normal, kernel.transmits(), time_};
+  }
+
+  const Scene& scene_;
+  const TracingOptions& options_;
+  const Spectral<N> wavelengths_;
+  const float time_, spread_;
+  Counter& counter_;
+  std::uint32_t rays_ = 0;
+  Waiting waiting_;
+};
+
+}  // namespace nocturne
