@@ -1,0 +1,1 @@
+"""Published numbers as files, each with its source inside."""
