@@ -43,3 +43,71 @@ PROBLEMS = 50
 
 # Names listed after "expected one of".
 CHOICES_SHOWN = 20
+
+# --- kernels ---
+
+# Kernels inside kernels, names followed: deeper ones are a mistake, or made by a program.
+KERNEL_DEPTH = 8
+
+# Parts of a flattened blend, as the tracer takes it.
+BLEND_PARTS = 8
+
+# Of a Phong lobe: a half width of 0.07 degrees.
+PHONG_EXPONENT = 1e6
+
+# 1/m. Light fades within a micrometre.
+ABSORPTION = 1e6
+
+# Priorities of interiors: 32-bit numbers in the compiled scene, of which far fewer are needed.
+PRIORITY = 1_000_000
+
+# Lines of one spectrum: the iron arc has fewer in the visible range.
+SPECTRAL_LINES = 1000
+
+# --- what varies ---
+
+# Entries of $.textures.
+TEXTURES = 10_000
+
+# Repeats of a texture over a surface's coordinates, and shifts of it.
+TEXTURE_SCALE = 1e6
+
+# Time steps of anything that moves, ends included: Embree's limit.
+TIME_STEPS = 129
+
+# Moving along an arc in straight pieces: the farthest from the arc, as a part of the distance to the axis.
+# 1/3000 lets 128 pieces make one full turn.
+ARC_DEVIATION = 1 / 3000
+
+# --- geometry ---
+
+# Corners of a disc's edge. At 65536 its area is right to float32's last digit.
+DISC_SEGMENTS = 65_536
+
+# Entries of $.groups, of one group, and of $.instances.
+GROUPS = 10_000
+INSTANCES = 1_000_000
+
+# Instances once groups in groups are flattened: 100 bytes each in the compiled scene, some 500 in Embree.
+FLATTENED_INSTANCES = 1_000_000
+
+# --- the rest ---
+
+# Discs at infinity, important shapes: each is looked at from every vertex.
+DISTANT_DISCS = 100
+IMPORTANT_SHAPES = 100
+
+# Channels beyond X, Y, Z: each takes memory for every pixel.
+RESPONSES = 64
+
+# Edges of a lens opening.
+APERTURE_BLADES = 64
+
+# Vertices at which a path splits: each doubles or trebles the work.
+SPLIT_VERTICES = 8
+
+# Degrees. Directions in float32 are 3e-6 degrees apart; the smallest disc in the sky is thousands of them.
+SMALLEST_ANGLE = 0.01
+
+# Groups inside groups; each level multiplies, so more than a few are a mistake.
+GROUP_DEPTH = 32

@@ -1,33 +1,54 @@
-"""Checks that need the whole document: what a spectrum is used for, and whether there is light at all."""
+"""Checks that need the whole document: circles of names, uses of spectra, whether there is light."""
 
 from collections.abc import Iterator
 
 from nocturne_coordinator.errors import Problem
-from nocturne_coordinator.scene.model import Lambertian, SceneDocument
-from nocturne_coordinator.scene.problems import path
-from nocturne_coordinator.scene.spectrum_model import (
-    BlackbodySpectrum,
-    ConstantSpectrum,
-    IlluminantSpectrum,
-    Spectrum,
-    TableSpectrum,
+from nocturne_coordinator.scene.graph_checks import group_problems, kernel_graph_problems
+from nocturne_coordinator.scene.kernel_model import (
+    CoatedDiffuse,
+    Dielectric,
+    DiffuseTransmitter,
+    Kernel,
+    Lambertian,
+    Phong,
+    ThinPane,
+    inner_kernels,
 )
+from nocturne_coordinator.scene.luminaire_model import ConstantEnvironment, PhotometricProfile
+from nocturne_coordinator.scene.model import SceneDocument, all_surfaces
+from nocturne_coordinator.scene.problems import path
+from nocturne_coordinator.scene.spectrum_checks import (
+    Reference,
+    absorption_problems,
+    radiance_problems,
+    reflectance_problems,
+)
+from nocturne_coordinator.scene.spectrum_model import ConstantSpectrum, Spectrum
+from nocturne_coordinator.scene.surface_model import Instance, Surface
+from nocturne_coordinator.scene.texture_model import ColourTexture
 
 
 def whole_document_problems(document: SceneDocument) -> Iterator[Problem]:
     """Yield what the schema alone cannot see; all names are known to exist."""
+    graph = [*kernel_graph_problems(document), *group_problems(document)]
+    yield from graph
+    if graph:
+        return  # what follows would go round in circles
     for name, kernel in document.kernels.items():
         yield from _kernel_problems(document, kernel, path(("kernels", name)))
-    for index, surface in enumerate(document.surfaces):
-        place = path(("surfaces", index))
-        if isinstance(surface.kernel, Lambertian):
+    for place, surface in all_surfaces(document):
+        if not isinstance(surface.kernel, str):
             yield from _kernel_problems(document, surface.kernel, f"{place}.kernel")
-        if surface.luminaire is not None:
-            yield from _radiance_problems(document, surface.luminaire.radiance, f"{place}.luminaire.radiance")
-    if all(surface.luminaire is None for surface in document.surfaces):
+        yield from _luminaire_problems(document, surface, place)
+    yield from _surrounding_problems(document)
+    yield from _tracing_problems(document)
+    if not document.surfaces and not document.instances:
+        yield Problem("$.surfaces", "expected at least 1 surface here, or instance in $.instances")
+    elif not _has_light(document):
         yield Problem(
             "$.surfaces",
-            "no surface has a luminaire, so the image would be black; give at least one a luminaire",
+            "no surface has a luminaire, so the image would be black; give at least one a luminaire, or give "
+            "the scene an environment",
         )
 
 
@@ -37,45 +58,82 @@ def resolve_spectrum(document: SceneDocument, reference: str | float | Spectrum)
     return ConstantSpectrum(constant=found) if isinstance(found, int | float) else found
 
 
-def _kernel_problems(document: SceneDocument, kernel: Lambertian, place: str) -> Iterator[Problem]:
-    spectrum = resolve_spectrum(document, kernel.reflectance)
-    place, whose = f"{place}.reflectance", _whose(kernel.reflectance)
-    if isinstance(spectrum, BlackbodySpectrum | IlluminantSpectrum):
-        yield Problem(
-            place, f"{whose}a radiance; expected a reflectance: a constant or a table with values in [0, 1]"
-        )
+def _has_light(document: SceneDocument) -> bool:
+    if document.environment is not None or document.distant:
+        return True
+    if any(surface.luminaire is not None for surface in document.surfaces):
+        return True
+    waiting, seen = [instance.group for instance in document.instances], set[str]()
+    while waiting:
+        name = waiting.pop()
+        if name in seen:
+            continue
+        seen.add(name)
+        for member in document.groups[name]:
+            if isinstance(member, Instance):
+                waiting.append(member.group)
+            elif member.luminaire is not None:
+                return True
+    return False
+
+
+def _kernel_problems(document: SceneDocument, kernel: Kernel, place: str) -> Iterator[Problem]:
+    """Yield wrong uses of spectra in a kernel and those inside it; named ones where they stand."""
+    for field, value in _reflectances(kernel):
+        used, at = _spectrum_of(value, f"{place}.{field}")
+        yield from reflectance_problems(resolve_spectrum(document, used), used, at)
+    if isinstance(kernel, Dielectric) and kernel.absorption is not None:
+        absorption = resolve_spectrum(document, kernel.absorption)
+        yield from absorption_problems(absorption, kernel.absorption, f"{place}.absorption")
+    for field, inner in inner_kernels(kernel):
+        if not isinstance(inner, str):
+            yield from _kernel_problems(document, inner, f"{place}.{field}")
+
+
+def _reflectances(kernel: Kernel) -> list[tuple[str, Reference | ColourTexture]]:
+    match kernel:
+        case Lambertian() | Phong() | CoatedDiffuse():
+            return [("reflectance", kernel.reflectance)]
+        case DiffuseTransmitter():
+            return [("reflectance", kernel.reflectance), ("transmittance", kernel.transmittance)]
+        case ThinPane():
+            return [("transmittance", kernel.transmittance)]
+    return []
+
+
+def _spectrum_of(value: Reference | ColourTexture, place: str) -> tuple[Reference, str]:
+    if isinstance(value, ColourTexture):
+        return value.spectrum, f"{place}.spectrum"
+    return value, place
+
+
+def _luminaire_problems(document: SceneDocument, surface: Surface, place: str) -> Iterator[Problem]:
+    luminaire = surface.luminaire
+    if luminaire is None:
         return
-    if spectrum.luminance is not None:
+    used, at = _spectrum_of(luminaire.radiance, f"{place}.luminaire.radiance")
+    relative = isinstance(luminaire.profile, PhotometricProfile)
+    yield from radiance_problems(resolve_spectrum(document, used), used, at, may_be_relative=relative)
+
+
+def _surrounding_problems(document: SceneDocument) -> Iterator[Problem]:
+    environment = document.environment
+    if isinstance(environment, ConstantEnvironment):
+        used = environment.radiance
+        yield from radiance_problems(resolve_spectrum(document, used), used, "$.environment.radiance")
+    for index, disc in enumerate(document.distant):
+        for field in ("radiance", "irradiance"):
+            reference = getattr(disc, field)
+            if reference is not None:
+                place = path(("distant", index, field))
+                yield from radiance_problems(resolve_spectrum(document, reference), reference, place)
+
+
+def _tracing_problems(document: SceneDocument) -> Iterator[Problem]:
+    sensor = document.sensor.type
+    if document.tracing.direction == "forward" and sensor not in ("irradiance_meter", "intensity_meter"):
         yield Problem(
-            place, f"{whose}scaled to a luminance, which only a radiance can be; a reflectance has none"
+            "$.tracing.direction",
+            f'"forward" needs a sensor that photons can meet, and a {sensor} has no size; expected "adjoint" '
+            'or a sensor whose type is one of "irradiance_meter", "intensity_meter"',
         )
-    for inside, value in _values(spectrum, is_bare=isinstance(kernel.reflectance, int | float)):
-        if value > 1:
-            within = f" at {inside}" if isinstance(kernel.reflectance, str) else ""
-            at = place if isinstance(kernel.reflectance, str) else place + inside
-            yield Problem(at, f"{whose}{value:g}{within}; a reflectance lies in [0, 1]")
-
-
-def _radiance_problems(
-    document: SceneDocument, radiance: str | float | Spectrum, place: str
-) -> Iterator[Problem]:
-    spectrum = resolve_spectrum(document, radiance)
-    if isinstance(spectrum, IlluminantSpectrum) and spectrum.luminance is None:
-        yield Problem(
-            place,
-            f"{_whose(radiance)}a relative spectrum without a size; add its luminance in cd/m2, such as "
-            f'{{"illuminant": "{spectrum.illuminant}", "luminance": 100}}',
-        )
-
-
-def _whose(reference: str | float | Spectrum) -> str:
-    return f'spectrum "{reference}" is ' if isinstance(reference, str) else "is "
-
-
-def _values(spectrum: ConstantSpectrum | TableSpectrum, *, is_bare: bool) -> Iterator[tuple[str, float]]:
-    """Yield each value with the path to it inside the spectrum."""
-    if isinstance(spectrum, ConstantSpectrum):
-        yield "" if is_bare else ".constant", spectrum.constant
-        return
-    for index, (_, value) in enumerate(spectrum.table):
-        yield f".table[{index}][1]", value

@@ -21,6 +21,8 @@ VertexIndex = Annotated[int, Field(strict=True, ge=0, lt=2**32)]
 
 Switch = StrictBool
 Vector = tuple[Coordinate, Coordinate, Coordinate]
+# Degrees of an angle of any number of turns, within reason.
+Degrees = Annotated[Finite, Field(ge=-36_000, le=36_000)]
 Triangle = tuple[VertexIndex, VertexIndex, VertexIndex]
 Knot = tuple[Wavelength, SpectralValue]
 

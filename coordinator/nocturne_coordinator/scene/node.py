@@ -9,6 +9,9 @@ from pydantic_core import PydanticCustomError
 
 from nocturne_coordinator.scene import bounds
 
+# Fields of the document whose keys are names that people choose and other parts use.
+NAMED = ("spectra", "textures", "kernels", "groups")
+
 
 class Node(BaseModel):
     """An immutable object of a scene document; unknown fields are errors."""
@@ -70,8 +73,8 @@ def chosen_by_key(
 ) -> tuple[BeforeValidator, Discriminator]:
     """Choose among objects by the field that only one of them has.
 
-    `otherwise` gives the tag of a value that is no object (None: not allowed), `bare` says in words what is
-    allowed.
+    `otherwise` gives the tag of a value that is no object (None: not allowed), `bare` says in words what
+    such values are allowed; empty for none.
     """
 
     def tag(value: Any) -> str | None:
@@ -81,8 +84,9 @@ def chosen_by_key(
 
     def check(value: Any) -> Any:
         if tag(value) is None:
+            others = f"{bare} or " if bare else ""
             raise problem_at(
-                "", f"expected {bare} or an object with one of the fields {quoted_list(list(kinds))}"
+                "", f"expected {others}an object with one of the fields {quoted_list(list(kinds))}"
             )
         return value
 

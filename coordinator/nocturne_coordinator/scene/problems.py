@@ -11,7 +11,7 @@ from pydantic_core import ErrorDetails
 
 from nocturne_coordinator.errors import Problem
 from nocturne_coordinator.scene import bounds
-from nocturne_coordinator.scene.node import quoted_list
+from nocturne_coordinator.scene.node import NAMED, quoted_list
 
 _PLAIN_KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _TAG = re.compile(r"<[a-z ]+>")
@@ -48,7 +48,7 @@ def _is_noise(location: Sequence[str | int], index: int) -> bool:
     step = location[index]
     if isinstance(step, int):
         return False
-    named_by_user = index == 1 and location[0] in ("spectra", "kernels")
+    named_by_user = index == 1 and location[0] in NAMED
     return not named_by_user and (step == "[key]" or _TAG.fullmatch(step) is not None)
 
 
@@ -127,7 +127,8 @@ def _fields_around(location: Sequence[str | int], model: type[BaseModel]) -> lis
     for step in location[:-1]:
         around = _inside(around, step)
     kind = _first_arm(around)
-    return list(kind.model_fields) if _is_model(kind) else []
+    fields = kind.model_fields if _is_model(kind) else ()
+    return sorted(fields, key=lambda name: name != "type")  # the rest as it is
 
 
 def _inside(kind: Any, step: str | int) -> Any:

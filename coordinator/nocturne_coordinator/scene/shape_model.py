@@ -11,14 +11,16 @@ from nocturne_coordinator.scene import bounds
 from nocturne_coordinator.scene.fields import (
     MESH_FORMATS,
     AssetReference,
-    Finite,
+    Coordinate,
     MeshFormat,
     PositiveLength,
+    Switch,
     Triangle,
     Vector,
 )
 from nocturne_coordinator.scene.node import Node, chosen_by_type, problem_at, quoted_list
 
+_Coordinates = tuple[Coordinate, Coordinate]
 DIGEST_PREFIX = "sha256:"
 _DIGEST = re.compile(r"sha256:[0-9a-f]{64}")
 
@@ -36,6 +38,13 @@ def parallel(a: tuple[float, float, float], b: tuple[float, float, float]) -> bo
     return length(tuple(np.cross(a, b))) <= _SMALLEST_SINE * length(a) * length(b)
 
 
+_SMOOTH = Field(
+    default=False,
+    description="Shade with normals that are interpolated between vertices: those of the mesh where it has "
+    "them, else the mean of the adjoining triangles'. `false`: flat triangles.",
+)
+
+
 class InlineMesh(Node):
     """Triangles written in the document itself; for more than a few thousand, use a file."""
 
@@ -47,6 +56,21 @@ class InlineMesh(Node):
         description="Triples of indices into `vertices`, from 0. Counter-clockwise seen from the "
         "side that the normal points to."
     )
+    normals: Annotated[list[Vector], Field(fail_fast=True)] | None = Field(
+        default=None, description="A direction for each vertex, for `smooth`."
+    )
+    texture_coordinates: Annotated[list[_Coordinates], Field(fail_fast=True)] | None = Field(
+        default=None, description="`[u, v]` for each vertex."
+    )
+    smooth: Switch = _SMOOTH
+
+    @model_validator(mode="after")
+    def _one_for_each_vertex(self) -> Self:
+        for name in ("normals", "texture_coordinates"):
+            values = getattr(self, name)
+            if values is not None and len(values) != len(self.vertices):
+                raise problem_at(f".{name}", f"has {len(values)} entries for {len(self.vertices)} vertices")
+        return self
 
     @model_validator(mode="after")
     def _indices_in_range(self) -> Self:
@@ -62,7 +86,9 @@ class InlineMesh(Node):
 
 
 class AssetMesh(Node):
-    """Triangles from a file: Wavefront OBJ, PLY, STL, glTF 2.0 or GLB. Only its geometry is used.
+    """Triangles from a file: Wavefront OBJ, PLY, STL, glTF 2.0 or GLB.
+
+    Its geometry is used, its texture coordinates where they are needed, and its normals if `smooth`.
 
     A file holds everything itself: material libraries are ignored, and a glTF file with buffers in other
     files is refused (GLB and embedded buffers are fine). Polygons are split into triangles, all parts are
@@ -79,6 +105,7 @@ class AssetMesh(Node):
         default=None,
         description="Format of the file. Needed with a digest; with a path the default is the extension.",
     )
+    smooth: Switch = _SMOOTH
 
     @model_validator(mode="after")
     def _format_is_known(self) -> Self:
@@ -129,28 +156,68 @@ class Sphere(Node):
     radius: PositiveLength = Field(description="Radius, more than 0.")
 
 
-class Rotation(Node):
-    """A rotation about an axis through the origin, counter-clockwise seen against the axis (right-handed)."""
+class Disc(Node):
+    """A flat disc, made of `segments` triangles around its centre.
 
-    axis: Vector = Field(description="Direction of the axis, of any length but 0.")
-    degrees: Annotated[Finite, Field(ge=-36_000, le=36_000)] = Field(description="Angle, degrees.")
+    Its corners lie on the circle, so its area is too small by a part of 6.58 / segments²: 1.0e-4 with 256,
+    6.3e-6 with 1024. Texture coordinates run from 0 to 1 across it.
+    """
+
+    type: Literal["disc"]
+    centre: Vector = Field(description="Centre.")
+    normal: Vector = Field(description="Direction of the normal, of any length but 0.")
+    radius: PositiveLength = Field(description="Radius, more than 0.")
+    segments: Annotated[int, Field(strict=True, ge=3, le=bounds.DISC_SEGMENTS)] = Field(
+        default=256, description="Corners on the circle."
+    )
 
     @model_validator(mode="after")
-    def _has_axis(self) -> Self:
-        if length(self.axis) < bounds.SMALLEST_LENGTH:
-            raise problem_at(".axis", "the axis has no length")
+    def _has_normal(self) -> Self:
+        if length(self.normal) < bounds.SMALLEST_LENGTH:
+            raise problem_at(".normal", "the normal has no length")
         return self
 
 
-Shape = InlineMesh | AssetMesh | Quad | Sphere
-_TAGS = {"mesh": "<mesh>", "quad": "<quad>", "sphere": "<sphere>"}
+class Box(Node):
+    """A box along the axes. Its normals point outwards."""
+
+    type: Literal["box"]
+    minimum: Vector = Field(description="The corner with the smallest coordinates.")
+    maximum: Vector = Field(description="The corner with the largest coordinates.")
+
+    @model_validator(mode="after")
+    def _has_volume(self) -> Self:
+        for axis, (low, high) in enumerate(zip(self.minimum, self.maximum, strict=True)):
+            if high - low < bounds.SMALLEST_LENGTH:
+                raise problem_at(f".maximum[{axis}]", f"must be more than minimum's {low:g}, found {high:g}")
+        return self
+
+
+Shape = InlineMesh | AssetMesh | Quad | Sphere | Disc | Box
+_TAGS = {"mesh": "<mesh>", "quad": "<quad>", "sphere": "<sphere>", "disc": "<disc>", "box": "<box>"}
 
 
 def _shape_tag(value: Any) -> str | None:
     """A mesh is one of two kinds: with "asset" it is a file, without it is inline."""
-    tag = _TAGS.get(str(value.get("type") if isinstance(value, dict) else getattr(value, "type", None)))
+    kind = str(value.get("type") if isinstance(value, dict) else getattr(value, "type", None))
+    refuse_without_size(kind)
+    tag = _TAGS.get(kind)
     has_asset = "asset" in value if isinstance(value, dict) else isinstance(value, AssetMesh)
     return "<file mesh>" if tag == "<mesh>" and has_asset else tag
+
+
+def refuse_without_size(kind: Any) -> None:
+    """Raise an error if `kind` is the type of a lamp that has no size."""
+    if kind in ("point", "spot", "directional"):
+        raise problem_at(
+            ".type",
+            f'a lamp needs a size, and a "{kind}" light has none; expected '
+            + (
+                "an entry of $.distant with an angular diameter"
+                if kind == "directional"
+                else "a surface with a luminaire, such as a small sphere or disc"
+            ),
+        )
 
 
 _check, _choice = chosen_by_type(_TAGS, tag=_shape_tag)
@@ -158,7 +225,9 @@ ShapeDefinition = Annotated[
     Annotated[InlineMesh, Tag("<mesh>")]
     | Annotated[AssetMesh, Tag("<file mesh>")]
     | Annotated[Quad, Tag("<quad>")]
-    | Annotated[Sphere, Tag("<sphere>")],
+    | Annotated[Sphere, Tag("<sphere>")]
+    | Annotated[Disc, Tag("<disc>")]
+    | Annotated[Box, Tag("<box>")],
     _choice,
     _check,
 ]

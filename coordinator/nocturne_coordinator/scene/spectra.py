@@ -1,31 +1,33 @@
-"""Spectra of a scene document as the tracer's tables. The only user of colour-science.
+"""Spectra of a scene document as the tracer's tables.
 
-The tracer samples wavelengths from FIRST to LAST only, so tables are cut to that range.
+The tracer samples wavelengths from FIRST to LAST only, so tables are cut to that range, and lines outside of
+it are left out.
 """
 
 import math
-import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from types import ModuleType
 from typing import Literal
 
 import numpy as np
 from nocturne.v1 import scene_pb2
 from numpy.typing import NDArray
 
+from nocturne_coordinator.scene import line_spectra, published, rgb_spectra
+from nocturne_coordinator.scene.published import FIRST, LAST, STEP, visible_wavelengths
 from nocturne_coordinator.scene.spectrum_model import (
     BlackbodySpectrum,
+    ChartSpectrum,
     ConstantSpectrum,
     IlluminantSpectrum,
+    LineSpectrum,
+    RgbSpectrum,
     Spectrum,
     TableSpectrum,
 )
 
-# nm. The range of the CIE 1931 2-degree observer (CIE 018:2019, table 6), and its step.
-FIRST = 360.0
-LAST = 830.0
-RESPONSE_STEP = 1.0
+# The observer of photometry: whose Y is luminance.
+STANDARD_OBSERVER = "CIE 1931 2 degree"
 
 # lm/W. CIE 018:2019: the luminous efficacy that makes Y the luminance in cd/m2.
 MAXIMUM_LUMINOUS_EFFICACY = 683.0
@@ -48,30 +50,14 @@ class NotCompilableError(Exception):
     """The spectrum has no usable size; the message says why."""
 
 
-@lru_cache(maxsize=1)
-def _colour() -> ModuleType:
-    """Import colour-science late, as that takes a second; nobody here needs its remark about Matplotlib."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message='"Matplotlib" related API features are not available')
-        import colour
-    return colour
-
-
-@lru_cache(maxsize=1)
-def response() -> NDArray[np.float64]:
+def response(observer: str = STANDARD_OBSERVER) -> NDArray[np.float64]:
     """Return the response curves X, Y, Z, shape (471, 3), each 1 nm from FIRST.
 
-    They are K_m times the colour matching functions of the CIE 1931 2-degree observer.
+    They are K_m times the colour matching functions of one of `published.OBSERVERS`.
 
     Summed over wavelengths against spectral radiance in W m-2 sr-1 nm-1 they give XYZ with Y in cd/m2.
     """
-    observer = _colour().MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
-    visible = (observer.wavelengths >= FIRST) & (observer.wavelengths <= LAST)
-    return MAXIMUM_LUMINOUS_EFFICACY * np.asarray(observer.values[visible], dtype=np.float64)
-
-
-def _response_wavelengths() -> NDArray[np.float64]:
-    return np.asarray(FIRST + RESPONSE_STEP * np.arange(len(response())), dtype=np.float64)
+    return MAXIMUM_LUMINOUS_EFFICACY * published.observer(observer)
 
 
 def planck(temperature: float, wavelengths: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -91,6 +77,27 @@ def reflectance(spectrum: Spectrum) -> scene_pb2.Spectrum:
     return _message(_sampled(spectrum, outside="hold"))
 
 
+def tabulated(knots: Sequence[tuple[float, float]], outside: Outside = "hold") -> scene_pb2.Spectrum:
+    """Compile pairs of wavelength and value, such as an index of refraction."""
+    values = np.array(knots, dtype=np.float64)
+    return _message(_from_table(values[:, 0], values[:, 1], outside))
+
+
+def response_curve(spectrum: Spectrum) -> NDArray[np.float64]:
+    """Return a sensor's further response at the wavelengths of `response`; zero beyond a table.
+
+    A line becomes as wide as the grid's step, where it is narrower.
+    """
+    sampled = _sampled(spectrum, outside="zero")
+    table = evaluate(_message(replace(sampled, lines=())), visible_wavelengths())
+    return table + line_spectra.projected(sampled.lines)
+
+
+def at_visible(values: NDArray[np.float64]) -> scene_pb2.Spectrum:
+    """Compile values at `published.visible_wavelengths`, zero beyond."""
+    return _message(_Sampled(FIRST, STEP, values, zero_outside=True))
+
+
 def radiance(spectrum: Spectrum) -> scene_pb2.Spectrum:
     """Compile a spectral radiance in W m-2 sr-1 nm-1, zero beyond its table unless it says otherwise.
 
@@ -98,22 +105,45 @@ def radiance(spectrum: Spectrum) -> scene_pb2.Spectrum:
     into float32.
     """
     sampled = _sampled(spectrum, outside="zero")
-    if spectrum.luminance is not None:
-        sampled = sampled.scaled(_factor(spectrum.luminance, luminance(_message(sampled))))
+    wanted = None if isinstance(spectrum, ChartSpectrum) else spectrum.luminance
+    if wanted is not None:
+        sampled = sampled.scaled(_factor(wanted, luminance(_message(sampled))))
     message = _message(sampled)
-    if not np.all(np.isfinite(message.values)):
-        raise NotCompilableError("the radiance is too large for a 32-bit number")
+    check_finite(message)
     return message
 
 
+def check_finite(message: scene_pb2.Spectrum) -> None:
+    """Raise NotCompilableError where a radiance does not fit into float32."""
+    with np.errstate(over="ignore"):
+        heights = np.array([line.power / line.width_nm for line in message.lines], dtype=np.float32)
+    if not (np.all(np.isfinite(message.values)) and np.all(np.isfinite(heights))):
+        raise NotCompilableError("the radiance is too large for a 32-bit number")
+
+
 def luminance(message: scene_pb2.Spectrum) -> float:
-    """Return the luminance of a compiled spectral radiance, cd/m2: its sum against the response for Y."""
-    wavelengths = _response_wavelengths()
-    return float(evaluate(message, wavelengths) @ response()[:, 1]) * RESPONSE_STEP
+    """Return the luminance of a compiled spectral radiance, cd/m2.
+
+    The sum of its table against the response for Y, and the integrals of its lines.
+    """
+    return float(integral(message, response()[:, 1]))
+
+
+def integral(message: scene_pb2.Spectrum, curves: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the integral of a compiled spectrum times curves, given as rows at `visible_wavelengths`.
+
+    The sum of its table each nm; exact for its lines.
+    """
+    table = _table_at(message, visible_wavelengths())
+    return np.asarray(table @ curves * STEP + line_spectra.integrals(message.lines, curves))
 
 
 def evaluate(message: scene_pb2.Spectrum, wavelengths: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a compiled spectrum's values at wavelengths in nm, as the tracer sees them."""
+    """Return a compiled spectrum's values at increasing wavelengths in nm, as the tracer sees them."""
+    return _table_at(message, wavelengths) + line_spectra.values_at(message.lines, wavelengths)
+
+
+def _table_at(message: scene_pb2.Spectrum, wavelengths: NDArray[np.float64]) -> NDArray[np.float64]:
     values = np.asarray(message.values, dtype=np.float64)
     if len(values) == 1:
         return np.full(wavelengths.shape, values[0])
@@ -122,9 +152,33 @@ def evaluate(message: scene_pb2.Spectrum, wavelengths: NDArray[np.float64]) -> N
     return np.interp(wavelengths, knots, values, left=end, right=end)
 
 
+def scaled_to_luminance(message: scene_pb2.Spectrum, wanted: float) -> scene_pb2.Spectrum:
+    """Return a compiled radiance with the luminance `wanted`, cd/m2; raises NotCompilableError."""
+    factor = _factor(wanted, luminance(message))
+    return scaled(message, np.full(visible_wavelengths().shape, factor))
+
+
+def scaled(message: scene_pb2.Spectrum, factors: NDArray[np.float64]) -> scene_pb2.Spectrum:
+    """Return a compiled spectrum times factors at `visible_wavelengths`; a line times that at its centre.
+
+    Where factors differ, the table becomes one at these wavelengths, zero beyond.
+    """
+    if np.all(factors == factors[0]):
+        result = scene_pb2.Spectrum()
+        result.CopyFrom(message)
+        with np.errstate(over="ignore"):
+            result.values[:] = (factors[0] * np.asarray(message.values)).astype(np.float32).tolist()
+    else:
+        result = at_visible(factors * _table_at(message, visible_wavelengths()))
+        result.lines.extend(message.lines)
+    for line in result.lines:
+        line.power *= float(np.interp(line.centre_nm, visible_wavelengths(), factors))
+    return result
+
+
 def is_black(message: scene_pb2.Spectrum) -> bool:
     """Whether the spectrum is zero everywhere."""
-    return not any(message.values)
+    return not any(message.values) and not any(line.power for line in message.lines)
 
 
 def _factor(wanted: float, found: float) -> float:
@@ -135,15 +189,20 @@ def _factor(wanted: float, found: float) -> float:
 
 @dataclass(frozen=True)
 class _Sampled:
-    """Values at first, first + step, ..., nm; a single value holds everywhere."""
+    """Values at first, first + step, ..., nm; a single value holds everywhere. And lines."""
 
     first: float
     step: float
     values: NDArray[np.float64]
     zero_outside: bool
+    lines: tuple[scene_pb2.Line, ...] = ()
 
     def scaled(self, factor: float) -> "_Sampled":
-        return replace(self, values=self.values * factor)
+        lines = [
+            scene_pb2.Line(centre_nm=line.centre_nm, power=factor * line.power, width_nm=line.width_nm)
+            for line in self.lines
+        ]
+        return replace(self, values=self.values * factor, lines=tuple(lines))
 
 
 def _constant(value: float) -> _Sampled:
@@ -158,6 +217,7 @@ def _message(sampled: _Sampled) -> scene_pb2.Spectrum:
         step_nm=sampled.step,
         values=values.tolist(),
         zero_outside=sampled.zero_outside,
+        lines=sampled.lines,
     )
 
 
@@ -169,21 +229,48 @@ def _sampled(spectrum: Spectrum, outside: Outside) -> _Sampled:
             knots = np.array(spectrum.table, dtype=np.float64)
             return _from_table(knots[:, 0], knots[:, 1], spectrum.outside or outside)
         case BlackbodySpectrum():
-            wavelengths = _response_wavelengths()
-            return _Sampled(FIRST, RESPONSE_STEP, planck(spectrum.blackbody, wavelengths), zero_outside=True)
+            wavelengths = visible_wavelengths()
+            return _Sampled(FIRST, STEP, planck(spectrum.blackbody, wavelengths), zero_outside=True)
         case IlluminantSpectrum():
             return _illuminant(spectrum.illuminant)
+        case LineSpectrum():
+            return _lines(spectrum)
+        case RgbSpectrum():
+            return _rgb(spectrum, outside)
+        case ChartSpectrum():
+            return _from_table(*published.chart_patch(spectrum.chart_patch), "hold")
 
 
 def _illuminant(name: str) -> _Sampled:
-    """The relative spectrum as CIE 015:2018 tabulates it, each 5 nm and linear in between.
-
-    D and A end at 780 nm.
-    """
+    """The relative spectrum as it is published, linear in between."""
     if name == "E":
         return _constant(1.0)
-    found = _colour().SDS_ILLUMINANTS[name]
-    return _from_table(np.asarray(found.wavelengths), np.asarray(found.values), "zero")
+    return _from_table(*published.illuminant(name), "zero")
+
+
+def line_messages(spectrum: LineSpectrum) -> list[scene_pb2.Line]:
+    """Return the lines as they are written."""
+    return [
+        scene_pb2.Line(centre_nm=line.nm, power=line.power, width_nm=line.width) for line in spectrum.lines
+    ]
+
+
+def _lines(spectrum: LineSpectrum) -> _Sampled:
+    visible = (line for line in line_messages(spectrum) if line.power > 0 and line_spectra.is_visible(line))
+    return replace(_constant(0.0), lines=tuple(visible))
+
+
+def _rgb(spectrum: RgbSpectrum, outside: Outside) -> _Sampled:
+    """The smooth spectrum of a colour; as radiance times D65."""
+    rgb = np.array(spectrum.rgb)
+    if outside == "hold":
+        coefficients = rgb_spectra.rgb_to_coefficients(rgb)
+        values = rgb_spectra.spectra_of(coefficients.astype(np.float64), visible_wavelengths())
+    else:
+        scale, coefficients = rgb_spectra.emission(rgb)
+        shape = rgb_spectra.spectra_of(coefficients.astype(np.float64), visible_wavelengths())
+        values = float(scale) * shape * rgb_spectra.d65_of_luminance(1.0)[1]
+    return _Sampled(FIRST, STEP, values, zero_outside=outside == "zero")
 
 
 def _from_table(wavelengths: NDArray[np.float64], values: NDArray[np.float64], outside: Outside) -> _Sampled:

@@ -6,10 +6,37 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, Tag, ValidationInfo, model_validator
 
-from nocturne_coordinator.scene import bounds
-from nocturne_coordinator.scene.fields import Finite, Knot, SpectralValue
+from nocturne_coordinator.scene import bounds, line_spectra, published
+from nocturne_coordinator.scene.fields import Finite, Knot, SpectralValue, Wavelength
 from nocturne_coordinator.scene.node import Node, chosen_by_key, problem_at, quoted_list
 
+
+def _known_illuminant(name: str) -> str:
+    return _one_of(name, "illuminant", published.ILLUMINANTS)
+
+
+def _known_patch(name: str) -> str:
+    return _one_of(name, "patch", tuple(published.CHART_PATCHES))
+
+
+def _one_of(name: str, noun: str, names: Collection[str]) -> str:
+    if name not in names:
+        shown = name[: bounds.NAME_LENGTH]
+        raise problem_at("", f'no {noun} named "{shown}"; expected one of {quoted_list(names)}')
+    return name
+
+
+Illuminant = Annotated[
+    str,
+    Field(strict=True, json_schema_extra={"enum": list(published.ILLUMINANTS)}),
+    AfterValidator(_known_illuminant),
+]
+ChartPatch = Annotated[
+    str,
+    Field(strict=True, json_schema_extra={"enum": list(published.CHART_PATCHES)}),
+    AfterValidator(_known_patch),
+]
+_Part = Annotated[Finite, Field(ge=0, le=1)]
 Luminance = Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)]
 _LUMINANCE_HELP = (
     "Only for radiance: scales the spectrum so that it has this luminance, cd/m². "
@@ -65,30 +92,77 @@ class BlackbodySpectrum(Node):
 
 
 class IlluminantSpectrum(Node):
-    """A CIE standard illuminant (CIE 015:2018).
+    """A CIE illuminant (CIE 015:2018).
 
     It has a shape and no size, so as radiance it needs `luminance`.
     """
 
-    illuminant: Literal["A", "D50", "D65", "E"] = Field(description="Which one.")
+    illuminant: Illuminant = Field(description="Which one.")
     luminance: Luminance | None = Field(default=None, description=_LUMINANCE_HELP)
 
 
-_BY_KEY = {
+class SpectralLine(Node):
+    """One line. Nothing is infinitely thin, so it has a width."""
+
+    nm: Wavelength = Field(description="Its middle, nm.")
+    power: SpectralValue = Field(
+        description="The line's radiance, W m⁻² sr⁻¹; with `luminance` only the lines' proportions count."
+    )
+    width: Annotated[Finite, Field(ge=line_spectra.SMALLEST_WIDTH, le=line_spectra.LARGEST_WIDTH)] = Field(
+        default=line_spectra.DEFAULT_WIDTH, description="Full width at half maximum, nm."
+    )
+
+
+class LineSpectrum(Node):
+    """Light of a gas discharge or a laser: lines, each a triangle over wavelength.
+
+    The triangle has its full width at half of its height, twice that at its foot; its area is the power.
+    Lines may overlap. Those that lie outside of 360 to 830 nm are left out. However narrow a line is, it
+    needs no more photons than other light does: see the sensor's `wavelengths`.
+    """
+
+    lines: Annotated[list[SpectralLine], Field(min_length=1, max_length=bounds.SPECTRAL_LINES)] = Field(
+        description="The lines."
+    )
+    luminance: Luminance | None = Field(default=None, description=_LUMINANCE_HELP)
+
+
+class RgbSpectrum(Node):
+    """The smooth spectrum of a colour (Jakob and Hanika 2019), in linear light with the primaries of sRGB.
+
+    As reflectance the values lie in [0, 1], and a white surface has (1, 1, 1) under D65. As radiance it needs
+    `luminance`, and (1, 1, 1) is D65.
+    """
+
+    rgb: tuple[_Part, _Part, _Part] = Field(description="Red, green and blue, linear.")
+    luminance: Luminance | None = Field(default=None, description=_LUMINANCE_HELP)
+
+
+class ChartSpectrum(Node):
+    """The reflectance of a patch of the 24-patch colour chart (the mean of 30 charts, BabelColor 2012)."""
+
+    chart_patch: ChartPatch = Field(description="Which one.")
+
+
+SPECTRUM_KEYS = {
     "constant": "<constant>",
     "table": "<table>",
     "blackbody": "<blackbody>",
     "illuminant": "<illuminant>",
+    "lines": "<lines>",
+    "rgb": "<rgb>",
+    "chart_patch": "<chart patch>",
 }
 
 
-def _number(value: Any) -> str | None:
+def number(value: Any) -> str | None:
     """Tag of a bare number. True and false are numbers to Python, but not to JSON."""
     return "<number>" if isinstance(value, int | float) and not isinstance(value, bool) else None
 
 
-def _number_or_name(value: Any) -> str | None:
-    return "<name>" if isinstance(value, str) else _number(value)
+def number_or_name(value: Any) -> str | None:
+    """Tag of a name or of a bare number."""
+    return "<name>" if isinstance(value, str) else number(value)
 
 
 def known_name(name: str, noun: str, collection: str, info: ValidationInfo) -> str:
@@ -104,23 +178,34 @@ def _known_spectrum(name: str, info: ValidationInfo) -> str:
     return known_name(name, "spectrum", "spectra", info)
 
 
-Spectrum = ConstantSpectrum | TableSpectrum | BlackbodySpectrum | IlluminantSpectrum
+Spectrum = (
+    ConstantSpectrum
+    | TableSpectrum
+    | BlackbodySpectrum
+    | IlluminantSpectrum
+    | LineSpectrum
+    | RgbSpectrum
+    | ChartSpectrum
+)
 
-_Inline = (
+InlineSpectrum = (
     Annotated[SpectralValue, Tag("<number>")]
     | Annotated[ConstantSpectrum, Tag("<constant>")]
     | Annotated[TableSpectrum, Tag("<table>")]
     | Annotated[BlackbodySpectrum, Tag("<blackbody>")]
     | Annotated[IlluminantSpectrum, Tag("<illuminant>")]
+    | Annotated[LineSpectrum, Tag("<lines>")]
+    | Annotated[RgbSpectrum, Tag("<rgb>")]
+    | Annotated[ChartSpectrum, Tag("<chart patch>")]
 )
-_SpectrumName = Annotated[
+SpectrumName = Annotated[
     str, Field(strict=True, title="name"), AfterValidator(_known_spectrum), Tag("<name>")
 ]
 
-_definition_check, _definition_choice = chosen_by_key(_BY_KEY, _number, "a number")
-_reference_check, _reference_choice = chosen_by_key(_BY_KEY, _number_or_name, "a name, a number")
+_definition_check, _definition_choice = chosen_by_key(SPECTRUM_KEYS, number, "a number")
+_reference_check, _reference_choice = chosen_by_key(SPECTRUM_KEYS, number_or_name, "a name, a number")
 
 # In $.spectra.
-SpectrumDefinition = Annotated[_Inline, _definition_choice, _definition_check]
+SpectrumDefinition = Annotated[InlineSpectrum, _definition_choice, _definition_check]
 # Where a spectrum is used: also the name of one in $.spectra.
-SpectrumReference = Annotated[_SpectrumName | _Inline, _reference_choice, _reference_check]
+SpectrumReference = Annotated[SpectrumName | InlineSpectrum, _reference_choice, _reference_check]

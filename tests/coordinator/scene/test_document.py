@@ -74,7 +74,7 @@ _TABLE = ("spectra", "white", "table")
             _RADIANCE,
             {"illuminant": "D66"},
             "$.surfaces[1].luminaire.radiance.illuminant",
-            '"A", "D50", "D65", "E"',
+            'no illuminant named "D66"; expected one of "A", "C", "D50", "D55", "D65", "D75", "E"',
         ),
         (
             _RADIANCE,

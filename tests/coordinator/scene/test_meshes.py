@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from nocturne_coordinator.scene.compile.mesh_files import load_mesh
+from nocturne_coordinator.scene.compile.placement import IDENTITY, Similarity
+from nocturne_coordinator.scene.compile.triangles import BadVertexError, Triangles, pack_mesh
 from nocturne_coordinator.scene.fields import MeshFormat
 from nocturne_coordinator.scene.mesh_headers import UnusableMeshError
-from nocturne_coordinator.scene.meshes import BadVertexError, Triangles, inline_mesh, load_mesh, pack_mesh
-from nocturne_coordinator.scene.placement import Placement
 
-AS_IT_IS = Placement(1.0, np.eye(3), np.zeros(3))
+AS_IT_IS = [IDENTITY]
 
 OBJ = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 5\nf 1 2 3\n"
 PLY_HEADER = (
@@ -65,6 +66,12 @@ def glb() -> bytes:
 def load(tmp_path: Path, data: bytes, file_format: MeshFormat) -> Triangles:
     (tmp_path / "mesh").write_bytes(data)
     return load_mesh(tmp_path / "mesh", file_format)
+
+
+def inline_mesh(
+    vertices: list[tuple[float, float, float]], triangles: list[tuple[int, int, int]]
+) -> Triangles:
+    return Triangles(np.array(vertices, dtype=np.float64), np.array(triangles))
 
 
 def corners(mesh: Triangles) -> Any:
@@ -175,7 +182,7 @@ def test_a_bad_vertex_is_named(tmp_path: Path, bad: bytes) -> None:
 def test_a_vertex_that_is_placed_too_far_is_named() -> None:
     mesh = inline_mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
     with pytest.raises(BadVertexError, match=r"vertex 1 .* farther than"):
-        pack_mesh(mesh, Placement(1e12, np.diag([2.0, 1.0, 1.0]), np.zeros(3)))
+        pack_mesh(mesh, [Similarity(1e12, np.diag([2.0, 1.0, 1.0]), np.zeros(3))])
 
 
 def test_triangles_without_area_and_their_vertices_are_dropped() -> None:

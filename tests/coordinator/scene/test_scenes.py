@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from nocturne_coordinator.blobs import BlobStore
 from nocturne_coordinator.scene import spectra
+from nocturne_coordinator.scene.compiler import compile_scene
 from nocturne_coordinator.scene.document import parse_document
 
 from .conftest import Compile
@@ -38,10 +39,10 @@ def test_the_cornell_box_is_compiled_in_metres(compiled: Compile, blobs: BlobSto
 
 def test_the_cornell_box_has_the_measured_spectra(compiled: Compile) -> None:
     scene = compiled(read("cornell"))
-    emission = scene.spectra[scene.luminaires[0].radiance]
+    emission = scene.spectra[scene.luminaires[0].radiance.spectrum]
     at = np.array([399.0, 400.0, 450.0, 500.0, 600.0, 700.0, 701.0])
     assert spectra.evaluate(emission, at) == pytest.approx([0, 0, 4, 8, 15.6, 18.4, 0], rel=1e-6)
-    red = scene.spectra[scene.kernels[scene.surfaces[5].kernel].lambertian.reflectance]
+    red = scene.spectra[scene.kernels[scene.surfaces[5].kernel].lambertian.reflectance.spectrum]
     assert (red.first_nm, red.step_nm, len(red.values)) == (400, 4, 76)
     assert spectra.evaluate(red, np.array([600.0, 656.0, 800.0])) == pytest.approx([0.287, 0.65, 0.642])
 
@@ -74,3 +75,33 @@ def test_a_bumpy_sphere_is_closed_and_faces_outwards() -> None:
     a, b, c = vertices[indices].swapaxes(0, 1)
     volume = np.einsum("ij,ij->", a, np.cross(b, c)) / 6
     assert volume == pytest.approx(4 / 3 * np.pi * 0.1**3, rel=0.3)
+
+
+@pytest.mark.parametrize("name", ["colour_chart", "mixtures", "prism", "reflector"])
+def test_every_scene_uses_all_that_it_holds(name: str, blobs: BlobStore) -> None:
+    output = compile_scene(parse_document((SCENES / name / "scene.json").read_bytes()), blobs)
+    assert output.dropped == []
+
+
+def test_the_prism_is_at_minimum_deviation(compiled: Compile) -> None:
+    scene = compiled(read("prism"))
+    interior = scene.interiors[scene.surfaces[0].interior]
+    [n] = spectra.evaluate(scene.spectra[interior.index], np.array([587.5618]))
+    slit, screen = scene.surfaces[1].quad, scene.surfaces[2].quad
+    # Through the prism the light is level; before, it climbs by half of the deviation, then it falls as much.
+    half = np.arcsin(n * np.sin(np.pi / 6)) - np.pi / 6
+    for quad, slope in ((slit, half), (screen, np.pi - half)):
+        u, v = ([edge.x, edge.y, edge.z] for edge in (quad.edge_u, quad.edge_v))
+        normal = np.cross(u, v)
+        assert np.arctan2(normal[1], normal[0]) == pytest.approx(slope, abs=1e-3)
+    assert scene.tracing.group == 1
+
+
+def test_the_glossy_spheres_have_a_sky(compiled: Compile, blobs: BlobStore, tmp_path: Path) -> None:
+    script = runpy.run_path(str(SCENES / "glossy_spheres" / "make_map.py"))
+    script["main"](tmp_path)
+    document = read("glossy_spheres")
+    document["environment"]["asset"] = f"sha256:{blobs.put((tmp_path / 'sky.exr').read_bytes())}"
+    scene = compiled(document)
+    assert (scene.environment.map.columns, scene.environment.map.rows) == (512, 256)
+    assert not scene.luminaires

@@ -7,11 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from nocturne.v1 import scene_pb2
-from nocturne_coordinator.scene import spectra
+from nocturne_coordinator.scene import rgb_spectra, spectra
 from nocturne_coordinator.scene.spectrum_model import (
     BlackbodySpectrum,
+    ChartSpectrum,
     ConstantSpectrum,
     IlluminantSpectrum,
+    LineSpectrum,
+    RgbSpectrum,
     TableSpectrum,
 )
 
@@ -131,3 +134,32 @@ def test_light_without_visible_part_has_no_luminance() -> None:
     spectrum = TableSpectrum.model_validate({"table": [[900, 1], [1000, 2]], "luminance": 5})
     with pytest.raises(spectra.NotCompilableError, match="no visible light"):
         spectra.radiance(spectrum)
+
+
+def test_lines_have_their_power_and_a_width() -> None:
+    lines = [{"nm": 546.1, "power": 2, "width": 1}, {"nm": 611, "power": 3}]
+    message = spectra.radiance(LineSpectrum.model_validate({"lines": lines}))
+    fine = np.arange(500.0, 650.0, 0.001)
+    values = spectra.evaluate(message, fine)
+    powers = [values[part].sum() * 0.001 for part in (fine < 580, fine >= 580)]
+    assert powers == pytest.approx([2, 3], rel=1e-3)
+    assert values[np.searchsorted(fine, 546.1)] == pytest.approx(
+        2 * values[np.searchsorted(fine, 545.6)], rel=1e-2
+    )
+
+
+@pytest.mark.parametrize("rgb", [(0.2, 0.5, 0.8), (1.0, 1.0, 1.0), (0.9, 0.1, 0.05)])
+def test_a_colour_has_a_smooth_spectrum_of_that_colour(rgb: tuple[float, float, float]) -> None:
+    message = spectra.reflectance(RgbSpectrum.model_validate({"rgb": rgb}))
+    wavelengths = np.arange(360.0, 831.0)
+    found = spectra.evaluate(message, wavelengths) @ rgb_spectra.rgb_weights()
+    assert found == pytest.approx(rgb, abs=4e-3)
+    assert max(message.values) <= 1
+    radiance = spectra.radiance(RgbSpectrum.model_validate({"rgb": rgb, "luminance": 80}))
+    assert spectra.luminance(radiance) == pytest.approx(80, rel=1e-6)
+
+
+def test_a_patch_of_the_chart_is_as_published() -> None:
+    message = spectra.reflectance(ChartSpectrum.model_validate({"chart_patch": "white"}))
+    assert (message.first_nm, message.step_nm, len(message.values)) == (380, 10, 36)
+    assert message.values[20] == pytest.approx(0.9, abs=0.03)

@@ -1,0 +1,1 @@
+"""From a checked scene document to the messages that the tracer reads."""

@@ -1,0 +1,91 @@
+"""How photons are traced, as a message: weights for what the scene has, and choices made for `auto`."""
+
+from collections.abc import Mapping
+
+from nocturne.v1 import scene_pb2
+
+from nocturne_coordinator.scene.compile.workspace import Workspace
+from nocturne_coordinator.scene.tracing_model import Mixture, Tracing
+
+# Part of the weight for what is aimed at, where the document does not say.
+AIMED = 0.35
+
+_SEQUENCES = {
+    "sobol": scene_pb2.SAMPLE_SEQUENCE_SOBOL,
+    "independent": scene_pb2.SAMPLE_SEQUENCE_INDEPENDENT,
+}
+_ROULETTES = {
+    "weight": scene_pb2.ROULETTE_WEIGHT,
+    "albedo": scene_pb2.ROULETTE_ALBEDO,
+}
+_H = {"weight": 4.0, "albedo": 1.0}
+_ESTIMATORS = {
+    "two_photons": scene_pb2.ESTIMATOR_TWO_PHOTONS,
+    "mixture": scene_pb2.ESTIMATOR_MIXTURE,
+    "split": scene_pb2.ESTIMATOR_SPLIT,
+}
+_DIRECTIONS = {
+    "adjoint": scene_pb2.DIRECTION_ADJOINT,
+    "forward": scene_pb2.DIRECTION_FORWARD,
+}
+
+
+def compile_tracing(
+    workspace: Workspace, scene: scene_pb2.CompiledScene, *, scatters: bool
+) -> scene_pb2.Tracing:
+    """Return how to trace a scene whose other parts are compiled; `scatters`: a kernel sends light on."""
+    tracing = workspace.document.tracing
+    there = {
+        "luminaires": bool(scene.luminaires),
+        "environment": scene.HasField("environment") or bool(scene.distant_discs),
+        "important": bool(scene.important_shapes),
+    }
+    weights = _weights(tracing.mixture, there)
+    if not scatters:
+        workspace.dropped.append(
+            "$.tracing.mixture: no surface scatters light, so no direction is ever chosen"
+        )
+        weights = dict.fromkeys(weights, 0.0)
+    elif not sum(weights.values()) > 0:
+        workspace.dropped.append(
+            "$.tracing.mixture: the scene has nothing that its weights are for, so all weight is the kernel's"
+        )
+    total = sum(weights.values())
+    if not total > 0:
+        weights["kernel"] = total = 1.0
+    share = {way: weight / total for way, weight in weights.items()}
+    return scene_pb2.Tracing(
+        h=_H[tracing.roulette] if tracing.h is None else tracing.h,
+        roulette=_ROULETTES[tracing.roulette],
+        roulette_after=tracing.roulette_after,
+        maximum_depth=tracing.maximum_depth,
+        weight_kernel=share["kernel"],
+        weight_luminaires=share["luminaires"],
+        weight_uniform=share["uniform"],
+        weight_environment=share["environment"],
+        weight_important=share["important"],
+        sequence=_SEQUENCES[tracing.sequence],
+        seed=tracing.seed,
+        estimator=_ESTIMATORS[tracing.estimator],
+        split_vertices=tracing.split_vertices if tracing.estimator == "split" else 0,
+        group=_group(tracing, scene),
+        direction=_DIRECTIONS[tracing.direction],
+    )
+
+
+def _weights(mixture: Mixture, there: Mapping[str, bool]) -> dict[str, float]:
+    """Weights as the document or else `Mixture` says; zero for what is not there."""
+    given = {name: getattr(mixture, name) for name in there}
+    if all(weight is None for weight in given.values()):
+        share = AIMED / max(1, sum(there.values()))
+        aimed = {name: share if is_there else 0.0 for name, is_there in there.items()}
+    else:
+        aimed = {name: (given[name] or 0.0) if is_there else 0.0 for name, is_there in there.items()}
+    return {"kernel": mixture.kernel, **aimed, "uniform": mixture.uniform}
+
+
+def _group(tracing: Tracing, scene: scene_pb2.CompiledScene) -> int:
+    if tracing.photons_together != "auto":
+        return tracing.photons_together
+    dispersive = any(len(scene.spectra[interior.index].values) > 1 for interior in scene.interiors)
+    return 1 if dispersive else 4

@@ -1,0 +1,136 @@
+"""What all parts of one compilation share: the document, what was made, used, dropped and found wrong."""
+
+import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Generic, TypeVar
+
+from nocturne.v1 import scene_pb2
+
+from nocturne_coordinator.blobs import BlobStore
+from nocturne_coordinator.errors import InputError, NotFound, Problem
+from nocturne_coordinator.scene import bounds, indices, line_spectra, spectra
+from nocturne_coordinator.scene.checks import resolve_spectrum
+from nocturne_coordinator.scene.mesh_headers import UnusableMeshError
+from nocturne_coordinator.scene.model import SceneDocument
+from nocturne_coordinator.scene.node import NAMED
+from nocturne_coordinator.scene.problems import path
+from nocturne_coordinator.scene.published import FIRST, LAST
+from nocturne_coordinator.scene.shape_model import DIGEST_PREFIX
+from nocturne_coordinator.scene.spectrum_model import LineSpectrum, Spectrum
+
+_Message = TypeVar("_Message", scene_pb2.Spectrum, scene_pb2.Kernel, scene_pb2.Interior, scene_pb2.Texture)
+
+
+class Unusable(Exception):
+    """A part of the document can't be compiled; `suffix` leads to the culprit from where the part is."""
+
+    def __init__(self, message: str, suffix: str = "") -> None:
+        self.suffix = suffix
+        super().__init__(message)
+
+
+class Pool(Generic[_Message]):
+    """Messages without duplicates, in order of first use."""
+
+    def __init__(self) -> None:
+        self._index_by_bytes: dict[bytes, int] = {}
+        self.messages: list[_Message] = []
+
+    def index_of(self, message: _Message) -> int:
+        """Return the index of an equal message, added if there is none."""
+        key = message.SerializeToString(deterministic=True)
+        if key not in self._index_by_bytes:
+            self._index_by_bytes[key] = len(self.messages)
+            self.messages.append(message)
+        return self._index_by_bytes[key]
+
+
+class Workspace:
+    """The state of one compilation."""
+
+    def __init__(self, document: SceneDocument, blobs: BlobStore) -> None:
+        self.document = document
+        self.blobs = blobs
+        self.packed: dict[bytes, bytes] = {}
+        """Blobs to be written once all is well, by digest."""
+        self.dropped: list[str] = []
+        self.problems: list[Problem] = []
+        self.spectra: Pool[scene_pb2.Spectrum] = Pool()
+        self.kernels: Pool[scene_pb2.Kernel] = Pool()
+        self.interiors: Pool[scene_pb2.Interior] = Pool()
+        self.textures: Pool[scene_pb2.Texture] = Pool()
+        self._used: set[tuple[str, str]] = set()
+
+    @contextmanager
+    def problems_at(self, place: str) -> Iterator[None]:
+        """Note what can't be used, and go on after the block."""
+        try:
+            yield
+        except Unusable as error:
+            self.problems.append(Problem(place + error.suffix, str(error)))
+        except (UnusableMeshError, spectra.NotCompilableError, indices.BadIndexError) as error:
+            self.problems.append(Problem(place, str(error)))
+
+    @property
+    def has_too_many_problems(self) -> bool:
+        """Whether more of them help nobody."""
+        return len(self.problems) >= bounds.PROBLEMS
+
+    def use(self, collection: str, name: str) -> None:
+        """Note that something refers to an entry of a collection."""
+        self._used.add((collection, name))
+
+    def spectrum(self, reference: str | float | Spectrum) -> Spectrum:
+        """Return the spectrum that a reference stands for."""
+        if isinstance(reference, str):
+            self.use("spectra", reference)
+        return resolve_spectrum(self.document, reference)
+
+    def reflectance(self, reference: str | float | Spectrum) -> int:
+        """Return the index of a spectrum that is held beyond its table."""
+        return self.spectra.index_of(spectra.reflectance(self.spectrum(reference)))
+
+    def keep(self, data: bytes) -> bytes:
+        """Remember a blob and return its digest."""
+        digest = hashlib.sha256(data).digest()
+        self.packed[digest] = data
+        return digest
+
+    def asset(self, reference: str, suffix: str = "") -> bytes:
+        """Return the digest of an asset, 32 bytes; raises Unusable, also if it was not uploaded."""
+        if not reference.startswith(DIGEST_PREFIX):
+            raise Unusable(
+                f'expected "{DIGEST_PREFIX}" and the digest of an uploaded file; the service has no paths',
+                suffix,
+            )
+        digest = reference.removeprefix(DIGEST_PREFIX)
+        try:
+            self.blobs.path(digest)
+        except (NotFound, InputError) as error:
+            raise Unusable(str(error), suffix) from None
+        return bytes.fromhex(digest)
+
+    def read(self, digest: bytes, maximum: int) -> bytes:
+        """Return at most one byte more than `maximum` of an asset, so that its reader can refuse it."""
+        with self.blobs.path(digest.hex()).open("rb") as file:
+            return file.read(maximum + 1)
+
+    def report_unseen(self, reference: object, place: str) -> None:
+        """Add the lines of a spectrum that nobody sees; a named one's once."""
+        spectrum = reference
+        if isinstance(reference, str):
+            place, spectrum = path(("spectra", reference)), self.document.spectra[reference]
+        if not isinstance(spectrum, LineSpectrum):
+            return
+        for number, line in enumerate(spectra.line_messages(spectrum)):
+            report = f"{place}.lines[{number}]: lies outside of {FIRST:g} to {LAST:g} nm"
+            if not line_spectra.is_visible(line) and report not in self.dropped:
+                self.dropped.append(report)
+
+    def report_unused(self) -> None:
+        """Add the entries of collections that nothing refers to."""
+        for collection in NAMED:
+            names = sorted(getattr(self.document, collection))
+            unused = [name for name in names if (collection, name) not in self._used]
+            self.dropped.extend(f"{path((collection, name))}: nothing uses it" for name in unused)

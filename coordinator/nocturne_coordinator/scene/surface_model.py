@@ -1,0 +1,63 @@
+"""Surfaces, groups of them and instances of groups, as written in a scene document."""
+
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationInfo
+
+from nocturne_coordinator.scene import bounds
+from nocturne_coordinator.scene.fields import Text
+from nocturne_coordinator.scene.kernel_model import KernelReference
+from nocturne_coordinator.scene.luminaire_model import Luminaire
+from nocturne_coordinator.scene.placement_model import Moving
+from nocturne_coordinator.scene.shape_model import ShapeDefinition
+from nocturne_coordinator.scene.spectrum_model import known_name
+from nocturne_coordinator.scene.texture_model import BumpMap, NormalMap
+
+
+class Surface(Moving):
+    """A shape, where it stands, what it is made of and whether it emits.
+
+    `scale` comes first, then `rotate`, then `translate`.
+    """
+
+    name: Text = Field(default="", description="For people; not part of the compiled scene.")
+    shape: ShapeDefinition = Field(description="The geometry.")
+    kernel: KernelReference = Field(
+        description="How the surface scatters light: a name from `$.kernels` or a kernel."
+    )
+    luminaire: Luminaire | None = Field(default=None, description="Present if the surface emits light.")
+    normal_map: NormalMap | None = Field(default=None, description="Shading normals from a texture.")
+    bump_map: BumpMap | None = Field(default=None, description="Shading normals from a texture of heights.")
+
+
+def _known_group(name: str, info: ValidationInfo) -> str:
+    return known_name(name, "group", "groups", info)
+
+
+class Instance(Moving):
+    """All surfaces of a group once more, without taking their memory again.
+
+    Groups can hold instances of other groups. Of an instance and those around it only one may move; surfaces
+    of a group may move as well.
+    """
+
+    name: Text = Field(default="", description="For people; not part of the compiled scene.")
+    group: Annotated[str, Field(strict=True, title="name"), AfterValidator(_known_group)] = Field(
+        description="A name from `$.groups`."
+    )
+
+
+def _member_tag(value: Any) -> str:
+    is_instance = "group" in value if isinstance(value, dict) else isinstance(value, Instance)
+    return "<instance>" if is_instance else "<surface>"
+
+
+Group = Annotated[
+    list[
+        Annotated[
+            Annotated[Surface, Tag("<surface>")] | Annotated[Instance, Tag("<instance>")],
+            Discriminator(_member_tag),
+        ]
+    ],
+    Field(min_length=1, max_length=bounds.SURFACES),
+]
