@@ -16,6 +16,7 @@ from .crash_points import crash_point
 from .data_folder import DataFolder
 from .intake import Intake
 from .job_queue import JobQueue
+from .merge import XYZ_SUMS
 from .pictures import Pictures
 from .running_render import RunningRender
 from .schedule import Schedule
@@ -154,11 +155,9 @@ class Coordinator:
     def _has_room(self, row: OpenRender) -> bool:
         if not self._renders:
             return True
-        pixels = sum(render.film.counts.size for render in self._renders.values())
-        wanted = row.plan.width * row.plan.height
-        return (
-            len(self._renders) < limits.MAXIMUM_RUNNING and pixels + wanted <= limits.MAXIMUM_RUNNING_PIXELS
-        )
+        held = sum(render.film.sums.size for render in self._renders.values())
+        wanted = row.plan.width * row.plan.height * (XYZ_SUMS + len(row.plan.further_responses))
+        return len(self._renders) < limits.MAXIMUM_RUNNING and held + wanted <= limits.MAXIMUM_RUNNING_SUMS
 
     def _drop(self, render_id: str) -> None:
         self._traffic.withdraw(self._schedule.remove(render_id))

@@ -72,8 +72,8 @@ class DataFolder:
         ranges_planned = TileGrid.of(new.plan).count * len(new.plan.range_ends)
         self.database.execute(
             """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
-                   scene_sha256, engine, created, ranges_planned, plan, scene_document)
-               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
+                   photons_per_sample, scene_sha256, engine, created, ranges_planned, plan, scene_document)
+               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
             (
                 render_id,
                 new.request_id,
@@ -82,6 +82,7 @@ class DataFolder:
                 new.width,
                 new.height,
                 new.samples,
+                max(1, new.plan.photons_per_sample),
                 new.scene_sha256,
                 int(job_pb2.ENGINE_CURRENT),
                 time.time(),

@@ -7,12 +7,12 @@ from .planned_render import PlannedRender
 
 
 class Film:
-    """Sums of 32 bytes per pixel, and the merge state of every tile, whose sums are views into them."""
+    """Sums, of 32 bytes or more per pixel, and the merge state of every tile, which holds views into them."""
 
     def __init__(self, render: PlannedRender) -> None:
         self._render = render
         width, height = render.plan.width, render.plan.height
-        self.sums: Sums = np.zeros((height, width, 4))
+        self.sums: Sums = np.zeros((height, width, render.sums_per_pixel))
         self.counts: Counts = np.zeros((height, width), dtype=np.uint32)
         areas = [self._area(index) for index in range(render.grid.count)]
         self.tiles = [TileState(self.sums[area]) for area in areas]

@@ -1,10 +1,11 @@
-"""From sums to what people look at and measure: means, errors, EXR, PNG. The only OpenImageIO user here.
+"""From sums to what people look at and measure: means, errors, EXR, PNG.
 
 Files hold nothing but content (no date, no host, no program version), so that equal images are equal files.
 """
 
 import os
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 
-from .merge import Counts, Sums
+from .merge import XYZ_SUMS, Counts, Sums
 
 Pixels = npt.NDArray[np.float64]
 
@@ -51,6 +52,11 @@ class Provenance:
 def mean_xyz(sums: Sums, counts: Counts) -> Pixels:
     """Shape (height, width, 3); Y in cd/m2; 0 where there are no samples."""
     return sums[..., :3] / np.maximum(counts, 1)[..., None]
+
+
+def mean_further_responses(sums: Sums, counts: Counts) -> Pixels:
+    """Shape (height, width, further responses); 0 where there are no samples."""
+    return sums[..., XYZ_SUMS:] / np.maximum(counts, 1)[..., None]
 
 
 def variance_of_mean(sums: Sums, counts: Counts) -> Pixels:
@@ -120,12 +126,15 @@ def write_preview(path: Path, sums: Sums, counts: Counts, compression: int) -> N
     _write(path, spec, pixels)
 
 
-def write_image(path: Path, sums: Sums, counts: Counts, provenance: Provenance) -> None:
-    """Replaces the EXR, at once: channels X, Y, Z, Y.stderr (float) and n (uint)."""
+def write_image(
+    path: Path, sums: Sums, counts: Counts, provenance: Provenance, further_responses: Sequence[str] = ()
+) -> None:
+    """Replaces the EXR, at once: channels X, Y, Z, Y.stderr (float), n (uint), further responses (float)."""
     height, width = counts.shape
-    spec = oiio.ImageSpec(width, height, 5, "float")
-    spec.channelnames = ("X", "Y", "Z", "Y.stderr", "n")
-    spec.channelformats = ("float", "float", "float", "float", "uint")
+    names = ("X", "Y", "Z", "Y.stderr", "n", *further_responses)
+    spec = oiio.ImageSpec(width, height, len(names), "float")
+    spec.channelnames = names
+    spec.channelformats = tuple("uint" if name == "n" else "float" for name in names)
     spec.attribute("compression", "zip")
     # Left to itself, OpenImageIO writes the time of day.
     spec.attribute("DateTime", "")
@@ -138,12 +147,13 @@ def write_image(path: Path, sums: Sums, counts: Counts, provenance: Provenance) 
 
 
 def _exr_channels(sums: Sums, counts: Counts) -> Pixels:
-    channels = np.empty((*counts.shape, 5))
+    channels = np.empty((*counts.shape, sums.shape[-1] + 1))
     channels[..., :3] = mean_xyz(sums, counts)
     channels[..., 3] = np.sqrt(variance_of_mean(sums, counts))
     # OpenImageIO takes one type for all channels and maps 1.0 to the largest uint, in 24 bits of mantissa:
     # exact up to 2^24 samples, and for every multiple of 4096, which all longer ranges but a last one end on.
     channels[..., 4] = counts / float(2**32 - 1)
+    channels[..., 5:] = mean_further_responses(sums, counts)
     return channels
 
 

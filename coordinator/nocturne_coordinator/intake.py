@@ -68,7 +68,12 @@ class Intake:
             self._fail(render, key, entry, result, outcome)
             return
         try:
-            sums = check_partial(result.partial, result.job)
+            sums = check_partial(
+                result.partial,
+                result.job,
+                render.planned.sums_per_pixel,
+                render.planned.photons_per_sample,
+            )
         except RefusedResult as refusal:
             self._refuse_for(render, key, entry, f"worker={result.worker_id[:80]}: {refusal}", outcome)
             return

@@ -23,7 +23,7 @@ FIRST = b"0-0"
 # Seconds. Longer than any answer of a healthy Redis, short enough that commits go on meanwhile.
 _TIMEOUT = 5.0
 
-# Results read at once: 64 x 32 KiB = 2 MiB.
+# Results read at once: 64 x 32 KiB = 2 MiB, 4 MiB with further responses.
 _BATCH = 64
 
 # Entries named in one XDEL, jobs listed by one XRANGE.

@@ -6,7 +6,17 @@ MAXIMUM_FILM_EDGE = 16384
 """Pixels. An 8K wall display is 7680; the tile index and EXR tools stay comfortable."""
 
 MAXIMUM_FILM_PIXELS = 2**26
-"""The coordinator holds 32 bytes of sums per pixel in memory while a render runs: 2 GiB here."""
+"""Of an image with X, Y and Z only: the coordinator holds 32 bytes of sums per pixel in memory while a render
+runs, 2 GiB here. Every further response costs 8 bytes more, and so pixels."""
+
+MAXIMUM_FURTHER_RESPONSES = 60
+"""With those, a pixel has 64 sums and the smallest tile's partial fills 32 KiB."""
+
+MAXIMUM_FORWARD_PIXELS = 2**18
+"""Traced forward, a job's result is the whole film: 8 MiB of sums here; 512 x 512 or 1 degree all around."""
+
+MAXIMUM_FORWARD_RANGES = 2**20
+"""Ranges of a plan that is traced forward; as many as the other plans have at most, and some."""
 
 MAXIMUM_SAMPLES = 2**31
 """Per pixel: the sampler's index is 32 bits, and nothing on paper needs more."""
@@ -47,15 +57,15 @@ MAXIMUM_ASSET_BYTES = 4 * 2**30
 MAXIMUM_RUNNING = 8
 """Renders that share the workers; later ones wait as QUEUED."""
 
-MAXIMUM_RUNNING_PIXELS = 2**26
-"""Pixels of all running renders together, unless one alone has more: bounds memory to 2 GiB of sums."""
+MAXIMUM_RUNNING_SUMS = 2**28
+"""Of all running renders together, 8 bytes each: bounds memory to 2 GiB of sums."""
 
 MINIMUM_WINDOW = 16
 JOBS_PER_THREAD = 4
 """Jobs in flight: enough that no thread waits for the coordinator, never the whole night."""
 
 MAXIMUM_WINDOW = 40_000
-"""10,000 threads' worth: 1.3 GiB of waiting partials at the very worst."""
+"""10,000 threads' worth: 1.3 GiB of waiting partials at the very worst, twice that with further responses."""
 
 RANGES_AHEAD = 4
 """Ranges of one tile that may be in flight or wait for an earlier one; bounds what a slow worker holds up."""

@@ -13,7 +13,11 @@ import numpy.typing as npt
 from .limits import RANGES_AHEAD
 
 Sums = npt.NDArray[np.float64]
-"""Shape (height, width, 4): sums of X, Y, Z and Y squared over samples."""
+"""Shape (height, width, XYZ_SUMS or more): over samples, sums of X, Y, Z and Y squared, then of each further
+response of the sensor."""
+
+XYZ_SUMS = 4
+"""Of a pixel without further responses."""
 
 Counts = npt.NDArray[np.uint32]
 """Shape (height, width): samples in a film's sums."""

@@ -66,7 +66,8 @@ class Pictures:
 
     def _image(self, render: RunningRender) -> None:
         path = self._folder.image_path(render.id)
-        write_image(path, render.film.sums, render.film.counts, render.provenance())
+        names = render.planned.plan.further_responses
+        write_image(path, render.film.sums, render.film.counts, render.provenance(), names)
 
 
 def _time_of(work: Callable[[], None]) -> float:

@@ -1,5 +1,6 @@
-"""How a render is cut into tiles and sample ranges: a fixed function of film and sample count. Pure."""
+"""How a render is cut into tiles and sample ranges: a fixed function of film, samples and responses. Pure."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
@@ -8,15 +9,23 @@ from nocturne.v1 import job_pb2
 
 from . import limits
 from .errors import InputError, Problem
+from .merge import XYZ_SUMS
+from .responses import name_problems
 
 TILE_SIZE = 32
 """Pixels: 32 x 32 x 4 sums x 8 bytes = 32 KiB, half of the entry size at which Redis streams get slow."""
+
+_LARGEST_PARTIAL = 64 * 1024
+"""Bytes: where Redis streams get slow. Tiles of more sums per pixel are smaller."""
 
 FIRST_RANGE = 4
 """Samples: a first look at the whole frame after four photons per pixel."""
 
 LONGEST_RANGE = 4096
 """Samples: 4 million photons per job, a few seconds of one core."""
+
+LONGEST_JOB = LONGEST_RANGE * TILE_SIZE**2
+"""Photons: shortens the ranges of tiles that are larger than usual."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,22 +37,47 @@ class SampleRange:
     end: int
 
 
-def make_plan(width: int, height: int, samples: int) -> job_pb2.RenderPlan:
+def make_plan(
+    width: int,
+    height: int,
+    samples: int,
+    further_responses: Sequence[str] = (),
+    *,
+    one_tile: bool = False,
+    photons_per_sample: int = 1,
+) -> job_pb2.RenderPlan:
     """The plan of a film of width x height pixels with `samples` samples per pixel.
 
-    Raises InputError with the places `$.width`, `$.height`, `$.samples`.
+    `further_responses` are the names of the sensor's, besides X, Y and Z. `one_tile`: the whole film is one
+    tile, as a photon from a luminaire may meet any pixel. `photons_per_sample`: photons that travel together.
+    Raises InputError with the places `$.width`,
+    `$.height`, `$.samples`, and `$.scene` for the names.
     """
     problems = [*_edge_problems("$.width", width), *_edge_problems("$.height", height)]
-    if not problems and width * height > limits.MAXIMUM_FILM_PIXELS:
-        problems.append(
-            Problem("$.width", f"the film has {width * height} pixels; at most {limits.MAXIMUM_FILM_PIXELS}")
-        )
+    sums_per_pixel = XYZ_SUMS + len(further_responses)
+    most = limits.MAXIMUM_FORWARD_PIXELS if one_tile else limits.MAXIMUM_FILM_PIXELS
+    most = most * XYZ_SUMS // sums_per_pixel
+    if not problems and width * height > most:
+        of = " of a scene that is traced forward" if one_tile else ""
+        problems.append(Problem("$.width", f"the film{of} has {width * height} pixels; at most {most}"))
+    problems.extend(Problem("$.scene", message) for message in name_problems(further_responses))
     if not 1 <= samples <= limits.MAXIMUM_SAMPLES:
         problems.append(Problem("$.samples", f"is {samples}; expected 1 to {limits.MAXIMUM_SAMPLES}"))
     if problems:
         raise InputError(problems)
+    longest = LONGEST_RANGE
+    if one_tile:
+        longest = min(LONGEST_RANGE, max(FIRST_RANGE, LONGEST_JOB // (width * height)))
+        if samples // longest > limits.MAXIMUM_FORWARD_RANGES:
+            most = limits.MAXIMUM_FORWARD_RANGES * longest
+            raise InputError.at("$.samples", f"is {samples}; at most {most} of this film, traced forward")
     plan = job_pb2.RenderPlan(
-        width=width, height=height, tile_size=TILE_SIZE, range_ends=_range_ends(samples)
+        width=width,
+        height=height,
+        tile_size=max(width, height) if one_tile else _tile_size(sums_per_pixel),
+        range_ends=_range_ends(samples, longest),
+        further_responses=further_responses,
+        photons_per_sample=photons_per_sample if photons_per_sample > 1 else 0,
     )
     planned = TileGrid.of(plan).count * len(plan.range_ends)
     if planned > limits.MAXIMUM_RANGES:
@@ -59,13 +93,20 @@ def _edge_problems(place: str, edge: int) -> list[Problem]:
     return [Problem(place, f"is {edge} pixels; expected 1 to {limits.MAXIMUM_FILM_EDGE}")]
 
 
-def _range_ends(samples: int) -> list[int]:
-    """4, 8, 16, ... doubling until a range is LONGEST_RANGE long, then steps of that, up to `samples`."""
+def _tile_size(sums_per_pixel: int) -> int:
+    size = TILE_SIZE
+    while size * size * sums_per_pixel * 8 > _LARGEST_PARTIAL:
+        size //= 2
+    return size
+
+
+def _range_ends(samples: int, longest: int) -> list[int]:
+    """4, 8, 16, ... doubling until a range is `longest` long, then steps of that, up to `samples`."""
     ends = []
     end = FIRST_RANGE
     while end < samples:
         ends.append(end)
-        end += min(end, LONGEST_RANGE)
+        end += min(end, longest)
     return [*ends, samples]
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from nocturne.v1 import job_pb2
 
 from .limits import MAXIMUM_RAYS_PER_PHOTON
-from .merge import Sums
+from .merge import XYZ_SUMS, Sums
 from .plan import RangeList, SampleRange, TileGrid
 
 _BEYOND_PHYSICS = 1e150
@@ -36,6 +36,14 @@ class PlannedRender:
     def ranges(self) -> RangeList:
         return RangeList(self.plan)
 
+    @property
+    def photons_per_sample(self) -> int:
+        return max(1, self.plan.photons_per_sample)
+
+    @property
+    def sums_per_pixel(self) -> int:
+        return XYZ_SUMS + len(self.plan.further_responses)
+
     def job(self, tile_index: int, planned: SampleRange) -> job_pb2.Job:
         return job_pb2.Job(
             render_id=self.id,
@@ -61,14 +69,18 @@ class PlannedRender:
         return planned
 
 
-def check_partial(partial: job_pb2.Partial, job: job_pb2.Job) -> Sums:
-    """The sums of a partial result of a job, shape (height, width, 4); RefusedResult if they can't be."""
+def check_partial(
+    partial: job_pb2.Partial, job: job_pb2.Job, sums_per_pixel: int, photons_per_sample: int = 1
+) -> Sums:
+    """The sums of a partial result of a job; RefusedResult if they can't be."""
     pixels = job.tile.width * job.tile.height
     samples = job.end_sample - job.first_sample
-    _check_counts(partial, pixels * samples)
-    if len(partial.sums) != pixels * 4 * 8:
-        raise RefusedResult(f"sums of {len(partial.sums)} bytes; expected {pixels * 4 * 8}")
-    sums = np.frombuffer(partial.sums, dtype="<f8").reshape(job.tile.height, job.tile.width, 4)
+    _check_counts(partial, pixels * samples * photons_per_sample)
+    expected = pixels * sums_per_pixel * 8
+    if len(partial.sums) != expected:
+        raise RefusedResult(f"sums of {len(partial.sums)} bytes; expected {expected}")
+    shape = (job.tile.height, job.tile.width, sums_per_pixel)
+    sums = np.frombuffer(partial.sums, dtype="<f8").reshape(shape)
     # With a NaN inside, minimum and maximum are NaN, and compare false.
     if not (sums.min() >= 0.0 and sums.max() < _BEYOND_PHYSICS):
         raise RefusedResult("sums that are negative, not finite or beyond all physics")

@@ -1,5 +1,6 @@
 """A render that the coordinator works on: its film, and what of it is not committed yet. No I/O."""
 
+import json
 from collections import Counter, deque
 from collections.abc import Iterable
 from typing import cast
@@ -103,7 +104,7 @@ class RunningRender:
         point = ErrorPoint(
             unix_time=unix_time,
             photons=self.totals.photons,
-            samples=self.totals.photons / (plan.width * plan.height),
+            samples=self.totals.photons / (plan.width * plan.height * self.planned.photons_per_sample),
             relative_error=relative_error(self.film.sums, self.film.counts),
         )
         in_history = point.relative_error > 0.0 and point.photons >= self._history_photons
@@ -117,5 +118,14 @@ class RunningRender:
 
 def plan_json(plan: job_pb2.RenderPlan) -> str:
     """The plan in proto3 JSON, one line, in one spelling for ever: it is part of canonical files."""
-    ends = ",".join(map(str, plan.range_ends))
-    return f'{{"width":{plan.width},"height":{plan.height},"tileSize":{plan.tile_size},"rangeEnds":[{ends}]}}'
+    content: dict[str, int | list[int] | list[str]] = {
+        "width": plan.width,
+        "height": plan.height,
+        "tileSize": plan.tile_size,
+        "rangeEnds": list(plan.range_ends),
+    }
+    if plan.further_responses:
+        content["furtherResponses"] = list(plan.further_responses)
+    if plan.photons_per_sample:
+        content["photonsPerSample"] = plan.photons_per_sample
+    return json.dumps(content, separators=(",", ":"))

@@ -5,7 +5,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import redis
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.data_folder import DataFolder, NewRender, RenderRow
-from nocturne_coordinator.images import mean_xyz, variance_of_mean
+from nocturne_coordinator.images import mean_further_responses, mean_xyz, variance_of_mean
 from nocturne_coordinator.merge import Counts, Sums
 from nocturne_coordinator.plan import make_plan
 from nocturne_coordinator.planned_render import PlannedRender
@@ -107,9 +107,14 @@ class Service:
         self.folder.close()
 
     def create(
-        self, width: int = 70, height: int = 40, samples: int = 50, request_id: str = "a"
+        self,
+        width: int = 70,
+        height: int = 40,
+        samples: int = 50,
+        request_id: str = "a",
+        further_responses: Sequence[str] = (),
     ) -> RenderRow:
-        plan = make_plan(width, height, samples)
+        plan = make_plan(width, height, samples, further_responses)
         return self.folder.create_render(
             NewRender(request_id, "a test", SCENE, "{}", width, height, samples, plan)
         )
@@ -125,14 +130,14 @@ class Service:
 def expected_film(folder: DataFolder, render_id: str, samples: dict[int, int]) -> tuple[Sums, Counts]:
     """What tracing alone, tile by tile and range by range, gives; `samples` merged per tile."""
     planned = PlannedRender(render_id, folder.plan(render_id), bytes.fromhex(SCENE), job_pb2.ENGINE_1)
-    film = np.zeros((planned.plan.height, planned.plan.width, 4))
+    film = np.zeros((planned.plan.height, planned.plan.width, planned.sums_per_pixel))
     counts = np.zeros(film.shape[:2], dtype=np.uint32)
     for index, end in samples.items():
         for position in range(planned.ranges.merged_at(end)):
             job = planned.job(index, planned.ranges[position])
             tile = job.tile
             area = np.s_[tile.y : tile.y + tile.height, tile.x : tile.x + tile.width]
-            film[area] += simulated_sums(job)
+            film[area] += simulated_sums(job, len(planned.plan.further_responses))
             counts[area] = job.end_sample
     return film, counts
 
@@ -158,6 +163,11 @@ def check_committed(service: Service, row: RenderRow) -> None:
     assert np.array_equal(xyz, mean_xyz(film, counts).astype(np.float32))
     assert np.array_equal(stderr, np.sqrt(variance_of_mean(film, counts)).astype(np.float32))
     assert np.array_equal(read_counts, counts)
+    further = read_further_responses(service.folder.image_path(row.id))
+    means = mean_further_responses(film, counts).astype(np.float32)
+    assert sorted(further) == sorted(planned.plan.further_responses)
+    for index, name in enumerate(planned.plan.further_responses):
+        assert np.array_equal(further[name], means[..., index])
 
 
 def check_complete(service: Service, render_id: str) -> None:
@@ -174,12 +184,24 @@ def check_complete(service: Service, render_id: str) -> None:
 
 def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """XYZ, standard error, counts."""
+    channel = _read_channels(path)
+    return np.stack([channel[name] for name in "XYZ"], axis=-1), channel["Y.stderr"], channel["n"]
+
+
+def read_further_responses(path: Path) -> dict[str, np.ndarray]:
+    """All other channels by name."""
+    return {
+        name: channel
+        for name, channel in _read_channels(path).items()
+        if name not in ("X", "Y", "Z", "Y.stderr", "n")
+    }
+
+
+def _read_channels(path: Path) -> dict[str, np.ndarray]:
     image: Any = oiio.ImageInput.open(str(path))
-    names = image.spec().channelnames
-    assert sorted(names) == ["X", "Y", "Y.stderr", "Z", "n"]
-    channel = {
+    channels = {
         name: image.read_image(0, 0, index, index + 1, "uint" if name == "n" else "float")[..., 0]
-        for index, name in enumerate(names)
+        for index, name in enumerate(image.spec().channelnames)
     }
     image.close()
-    return np.stack([channel[name] for name in "XYZ"], axis=-1), channel["Y.stderr"], channel["n"]
+    return channels

@@ -11,29 +11,32 @@ import numpy as np
 import redis
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import keys
-from nocturne_coordinator.merge import Sums
+from nocturne_coordinator.merge import XYZ_SUMS, Sums
 
 Alter = Callable[[job_pb2.JobResult], list[job_pb2.JobResult | bytes]]
 """What a worker sends instead of one result."""
 
 
-def simulated_sums(job: job_pb2.Job) -> Sums:
-    """Sums of the job's samples, shape (height, width, 4): possible ones, that do not add up exactly."""
+def simulated_sums(job: job_pb2.Job, further_responses: int = 0) -> Sums:
+    """Sums of the job's samples: possible ones, that do not add up exactly."""
     place = f"{job.scene.hex()} {job.tile_index} {job.first_sample} {job.end_sample}"
     seed = int.from_bytes(hashlib.sha256(place.encode()).digest()[:8], "little")
     samples = job.end_sample - job.first_sample
-    sums = np.random.default_rng(seed).random((job.tile.height, job.tile.width, 4)) * samples
+    shape = (job.tile.height, job.tile.width, XYZ_SUMS + further_responses)
+    sums = np.random.default_rng(seed).random(shape) * samples
     sums[..., 3] = sums[..., 1] ** 2 / samples * (1.5 + sums[..., 3] / samples)
     return sums
 
 
-def simulated_result(job: job_pb2.Job, worker_id: str = "simulated") -> job_pb2.JobResult:
+def simulated_result(
+    job: job_pb2.Job, worker_id: str = "simulated", further_responses: int = 0
+) -> job_pb2.JobResult:
     photons = job.tile.width * job.tile.height * (job.end_sample - job.first_sample)
     return job_pb2.JobResult(
         job=job,
         worker_id=worker_id,
         partial=job_pb2.Partial(
-            sums=simulated_sums(job).astype("<f8").tobytes(),
+            sums=simulated_sums(job, further_responses).astype("<f8").tobytes(),
             photons=photons,
             rays=3 * photons,
             rejected=job.tile_index % 2,
@@ -49,8 +52,16 @@ def unaltered(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
 class SimulatedWorker(threading.Thread):
     """Follows the protocol of docs/queue.md in a thread; reconnects for ever, as a real one does."""
 
-    def __init__(self, url: str, alter: Alter = unaltered, delay: float = 0.0, lease_ms: int = 500) -> None:
+    def __init__(
+        self,
+        url: str,
+        alter: Alter = unaltered,
+        delay: float = 0.0,
+        lease_ms: int = 500,
+        further_responses: int = 0,
+    ) -> None:
         super().__init__(daemon=True)
+        self._further_responses = further_responses
         self._client: Any = redis.Redis.from_url(url, protocol=2)
         self._alter = alter
         self._delay = delay
@@ -89,7 +100,7 @@ class SimulatedWorker(threading.Thread):
 
     def _work(self, entry: bytes, job: job_pb2.Job) -> None:
         self._stopping.wait(self._delay)
-        results = self._alter(simulated_result(job, self.name))
+        results = self._alter(simulated_result(job, self.name, self._further_responses))
         while not self._stopping.is_set():
             try:
                 self._send(entry, results)

@@ -10,6 +10,7 @@ from nocturne_coordinator.blobs import BlobStore
 from nocturne_coordinator.data_folder import DataFolder, NewRender
 from nocturne_coordinator.errors import Conflict, InputError, NotFound, OwnershipLost, UnusableFolder
 from nocturne_coordinator.plan import make_plan
+from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.ledger import Ledger, RenderCommit, TileRow, Totals
 from nocturne_coordinator.store.ownership import Ownership
 
@@ -138,3 +139,16 @@ def test_a_blob_is_whole_or_not_there(tmp_path: Path) -> None:
 def test_a_digest_is_never_a_path(tmp_path: Path, sha256: str) -> None:
     with pytest.raises(InputError):
         BlobStore(tmp_path).path(sha256)
+
+
+def test_a_folder_of_the_schema_before_is_taken_over(tmp_path: Path) -> None:
+    path = tmp_path / "nocturne.db"
+    Database(path).close()
+    old = sqlite3.connect(path)
+    old.execute("ALTER TABLE render DROP COLUMN photons_per_sample")
+    old.execute("PRAGMA user_version = 1")
+    old.commit()
+    old.close()
+    database = Database(path)
+    assert database.row("SELECT photons_per_sample FROM render") is None
+    database.close()

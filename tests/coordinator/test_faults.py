@@ -42,6 +42,15 @@ def test_two_renders_share_the_workers(service: Service) -> None:
     assert service.stop() == 0
 
 
+def test_further_responses_come_through_a_restart(service: Service) -> None:
+    coordinator = service.start(crash_at="after-commit:2")
+    render = service.create(further_responses=["rod", "far-red"])
+    service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY, further_responses=2))
+    assert coordinator.wait(15) != 0
+    service.start()
+    check_complete(service, render.id)
+
+
 @pytest.mark.parametrize("seed", [1, 2])
 def test_results_twice_and_shuffled(service: Service, seed: int) -> None:
     service.start()

@@ -19,7 +19,7 @@ from nocturne_coordinator.images import (
 )
 from nocturne_coordinator.merge import Counts, Sums
 
-from tests.coordinator.service import read_exr
+from tests.coordinator.service import read_exr, read_further_responses
 
 PROVENANCE = Provenance("5c" * 32, '{"width":9}', 1)
 
@@ -56,6 +56,28 @@ def test_exr_keeps_every_bit(tmp_path: Path, count: int) -> None:
     assert np.array_equal(xyz, (sums[..., :3] / np.maximum(counts, 1)[..., None]).astype(np.float32))
     assert np.array_equal(stderr, np.sqrt(variance_of_mean(sums, counts)).astype(np.float32))
     assert [path.name for path in path.parent.iterdir()] == ["image.exr"]
+
+
+def test_exr_has_a_channel_for_each_further_response(tmp_path: Path) -> None:
+    sums, counts = film()
+    further = np.random.default_rng(2).random((7, 9, 2)) * 50
+    counts[2, 3] = 0
+    write_image(
+        tmp_path / "image.exr",
+        np.concatenate([sums, further], axis=-1),
+        counts,
+        PROVENANCE,
+        ("rod", "A-far_red"),
+    )
+    read = read_further_responses(tmp_path / "image.exr")
+    assert sorted(read) == ["A-far_red", "rod"]
+    n = np.maximum(counts, 1)
+    assert np.array_equal(read["rod"], (further[..., 0] / n).astype(np.float32))
+    assert np.array_equal(read["A-far_red"], (further[..., 1] / n).astype(np.float32))
+    xyz, stderr, read_counts = read_exr(tmp_path / "image.exr")
+    assert np.array_equal(xyz, (sums[..., :3] / n[..., None]).astype(np.float32))
+    assert np.array_equal(stderr, np.sqrt(variance_of_mean(sums, counts)).astype(np.float32))
+    assert np.array_equal(read_counts, counts)
 
 
 def test_exr_says_what_it_is(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import limits
 
+from tests.coordinator.simulated_worker import simulated_result
 from tests.coordinator.test_merging import Session
 
 Spoil = Callable[[job_pb2.JobResult], None]
@@ -59,7 +60,7 @@ SPOILT: dict[str, Spoil] = {
     "range upside down": field("job.first_sample", 16),
     "film": field("job.film_width", 71),
     "scene": field("job.scene", b"\x00" * 32),
-    "engine": field("job.engine", 2),
+    "engine": field("job.engine", 1),
     "no outcome": lambda result: result.ClearField("partial"),
     "no job": lambda result: result.ClearField("job"),
 }
@@ -80,6 +81,32 @@ def test_an_impossible_result_changes_nothing_and_its_range_comes_again(spoil: S
     assert key in session.stream
     session.deliver(session.result(key).SerializeToString())
     assert session.render.totals.ranges == 1
+
+
+@pytest.mark.parametrize(("planned", "sent"), [(0, 1), (1, 0), (2, 1), (1, 2)])
+def test_sums_of_other_responses_than_planned_are_refused(planned: int, sent: int) -> None:
+    session = Session(samples=4, further_responses=["rod", "cone"][:planned])
+    session.fill(6)
+    key = next(iter(session.stream))
+    render = session.render.planned
+    job = render.job(key.tile_index, render.ranges[key.range_index])
+    session.deliver(simulated_result(job, further_responses=sent).SerializeToString())
+    assert session.intake.refused == 1
+    assert session.render.totals.photons == 0
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -1e-9, 1e200])
+def test_further_responses_are_checked_as_x_and_z_are(value: float) -> None:
+    session = Session(samples=4, further_responses=["rod"])
+    session.fill(6)
+    key = next(iter(session.stream))
+    result = session.result(key)
+    sums = np.frombuffer(result.partial.sums).copy()
+    sums[4] = value
+    result.partial.sums = sums.tobytes()
+    session.deliver(result.SerializeToString())
+    assert session.intake.refused == 1
+    assert session.render.totals.photons == 0
 
 
 @given(st.binary(max_size=200))

@@ -1,6 +1,7 @@
 """Any order, repetition and loss of partials gives the sums of merging in order, bit for bit."""
 
 import random
+from collections.abc import Sequence
 
 import numpy as np
 from hypothesis import given, settings
@@ -53,8 +54,11 @@ def test_a_tile_says_what_became_of_a_range() -> None:
 class Session:
     """Renders, schedule and intake without I/O: the coordinator's core, and a stream that can be lost."""
 
-    def __init__(self, samples: int, tiles: list[TileRow] | None = None) -> None:
-        plan = make_plan(70, 33, samples)
+    def __init__(
+        self, samples: int, tiles: list[TileRow] | None = None, further_responses: Sequence[str] = ()
+    ) -> None:
+        self._further_responses = len(further_responses)
+        plan = make_plan(70, 33, samples, further_responses)
         row = OpenRender("r", RenderState.RUNNING, plan, "5c" * 32, job_pb2.ENGINE_CURRENT, Totals())
         self.render = RunningRender(row, tiles or [])
         self.schedule = Schedule()
@@ -81,22 +85,29 @@ class Session:
 
     def result(self, key: JobKey) -> job_pb2.JobResult:
         planned = self.render.planned
-        return simulated_result(planned.job(key.tile_index, planned.ranges[key.range_index]))
+        job = planned.job(key.tile_index, planned.ranges[key.range_index])
+        return simulated_result(job, further_responses=self._further_responses)
 
     def check_sums(self) -> None:
         planned = self.render.planned
         for index, tile in enumerate(self.render.film.tiles):
             total = np.zeros_like(tile.sums)
             for position in range(tile.merged):
-                total += simulated_sums(planned.job(index, planned.ranges[position]))
+                job = planned.job(index, planned.ranges[position])
+                total += simulated_sums(job, self._further_responses)
             assert np.array_equal(tile.sums, total)
 
 
 @settings(max_examples=25, deadline=None)
-@given(seed=st.integers(0, 2**32), samples=st.integers(1, 70), window=st.integers(1, 40))
-def test_any_faults_give_every_range_once(seed: int, samples: int, window: int) -> None:
+@given(
+    seed=st.integers(0, 2**32),
+    samples=st.integers(1, 70),
+    window=st.integers(1, 40),
+    responses=st.sampled_from([[], ["rod"], ["rod", "far-red", "S"]]),
+)
+def test_any_faults_give_every_range_once(seed: int, samples: int, window: int, responses: list[str]) -> None:
     chance = random.Random(seed)
-    session = Session(samples)
+    session = Session(samples, further_responses=responses)
     delivered: list[bytes] = []
     for _ in range(10_000):
         session.fill(window)
@@ -120,7 +131,7 @@ def test_any_faults_give_every_range_once(seed: int, samples: int, window: int) 
                     for index, tile in enumerate(film.tiles)
                     if tile.merged
                 ]
-                session = Session(samples, tiles)
+                session = Session(samples, tiles, responses)
         session.check_sums()
     assert session.render.film.complete
     assert np.all(session.render.film.counts == samples)

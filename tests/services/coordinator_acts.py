@@ -3,12 +3,12 @@
 from nocturne_coordinator.data_folder import DataFolder
 
 
-def progress(folder: DataFolder, render_id: str, photons: int) -> None:
-    """Commits some photons."""
+def progress(folder: DataFolder, render_id: str, pixel_samples: int) -> None:
+    """Commits the photons of some samples of pixels."""
     folder.database.execute(
-        "UPDATE render SET state = 'RUNNING', started = created, photons = ?, sequence = sequence + 1 "
-        "WHERE id = ?",
-        (photons, render_id),
+        "UPDATE render SET state = 'RUNNING', started = created, photons = ? * photons_per_sample, "
+        "sequence = sequence + 1 WHERE id = ?",
+        (pixel_samples, render_id),
     )
 
 

@@ -167,6 +167,25 @@ def test_asset_paths_stay_in_the_scene_folder(asset: str, scene: dict[str, Any],
     assert [problem.place for problem in caught.value.problems] == ["$.surfaces[0].shape.asset"]
 
 
+def test_every_file_of_a_scene_is_named_by_digest(scene: dict[str, Any], tmp_path: Path) -> None:
+    names = ("sky.exr", "wood.png", "lamp.ies", "paint.binary", "a.ply")
+    for name in names:
+        (tmp_path / name).write_text(name)
+    scene["environment"] = {"asset": "sky.exr"}
+    scene["textures"] = {"wood": {"asset": "wood.png"}}
+    scene["surfaces"][0]["shape"] = {"type": "mesh", "asset": "a.ply"}
+    scene["surfaces"][0]["kernel"] = {"type": "measured", "asset": "paint.binary", "format": "merl"}
+    scene["surfaces"][0]["luminaire"] = {"radiance": 1, "profile": {"asset": "lamp.ies"}}
+    scene["sensor"]["responses"] = {"asset": "white"}
+    (tmp_path / "scene.json").write_text(json.dumps(scene))
+    found = read_scene(tmp_path / "scene.json")
+    assert {path.name for path in found.files.values()} == set(names)
+    assert found.document["environment"]["asset"].startswith("sha256:")
+    assert found.document["surfaces"][0]["shape"]["format"] == "ply"
+    assert "format" not in found.document["environment"]
+    assert found.document["sensor"]["responses"] == {"asset": "white"}
+
+
 @pytest.mark.parametrize("text", ["", "{", "[]", "[" * 100_000])
 def test_documents_that_are_no_scene(text: str, tmp_path: Path) -> None:
     (tmp_path / "scene.json").write_text(text)

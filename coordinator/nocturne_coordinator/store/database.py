@@ -9,7 +9,7 @@ from typing import Any
 
 from nocturne_coordinator.errors import UnusableFolder
 
-SCHEMA_NUMBER = 1
+SCHEMA_NUMBER = 2
 
 # A tile is 32 KiB: with pages of 16 KiB it is two or three of them, not nine.
 _PAGE_BYTES = 16384
@@ -27,6 +27,7 @@ CREATE TABLE render (
     width INTEGER NOT NULL,
     height INTEGER NOT NULL,
     samples INTEGER NOT NULL,
+    photons_per_sample INTEGER NOT NULL DEFAULT 1,
     scene_sha256 TEXT NOT NULL,
     engine INTEGER NOT NULL,
     sequence INTEGER NOT NULL DEFAULT 1,
@@ -47,7 +48,8 @@ CREATE TABLE render (
 ) STRICT;
 CREATE INDEX render_open ON render (state) WHERE state IN ('QUEUED', 'RUNNING') OR image_final = 0;
 
--- Sums of X, Y, Z, Y squared per pixel over samples [0, samples), float64 little endian, row by row.
+-- Sums of X, Y, Z, Y squared and further responses per pixel over samples [0, samples), float64 little
+-- endian, row by row.
 CREATE TABLE tile (
     render_id TEXT NOT NULL REFERENCES render (id) ON DELETE CASCADE,
     tile_index INTEGER NOT NULL,
@@ -85,6 +87,9 @@ CREATE TABLE ownership (
 INSERT INTO ownership VALUES (1, 0);
 """
 
+# What makes schema n + 1 of schema n.
+_UPGRADES = {1: "ALTER TABLE render ADD COLUMN photons_per_sample INTEGER NOT NULL DEFAULT 1"}
+
 
 class Database:
     """One connection, shared by the threads of a process under a lock."""
@@ -110,7 +115,12 @@ class Database:
                 for statement in _SCHEMA.split(";\n"):
                     self._connection.execute(statement)
                 self._connection.execute(f"PRAGMA user_version = {SCHEMA_NUMBER}")
-            elif number != SCHEMA_NUMBER:
+                return
+            while number in _UPGRADES:
+                self._connection.execute(_UPGRADES[number])
+                number += 1
+                self._connection.execute(f"PRAGMA user_version = {number}")
+            if number != SCHEMA_NUMBER:
                 raise UnusableFolder(
                     f"{path} has schema {number}, this program writes schema {SCHEMA_NUMBER}; "
                     "use the program that made it, or another folder"

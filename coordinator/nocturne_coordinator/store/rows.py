@@ -46,6 +46,7 @@ class RenderRow:
     width: int
     height: int
     samples: int
+    photons_per_sample: int
     scene_sha256: str
     sequence: int
     created: float
@@ -64,8 +65,8 @@ class RenderRow:
 
     @property
     def mean_samples(self) -> float:
-        """Mean over pixels of samples merged: each photon is one sample of one pixel."""
-        return self.photons / (self.width * self.height)
+        """Mean over pixels of samples merged."""
+        return self.photons / (self.width * self.height * self.photons_per_sample)
 
 
 @dataclass(frozen=True, slots=True)

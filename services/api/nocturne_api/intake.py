@@ -12,6 +12,7 @@ from nocturne_coordinator.limits import MAXIMUM_NAME, MAXIMUM_REQUEST_ID
 from nocturne_coordinator.plan import make_plan
 from nocturne_coordinator.scene.compiler import compile_scene
 from nocturne_coordinator.scene.document import check_document
+from nocturne_coordinator.scene_plan import plan_for_scene
 
 _T = TypeVar("_T")
 _SHA256 = re.compile("[0-9a-f]{64}")
@@ -37,16 +38,23 @@ def compiled(request: CreateRequest, folder: DataFolder) -> NewRender:
     found = _Problems()
     found.add(request_id_problems(request.request_id))
     found.add(_name_problems(request.name))
-    plan = found.collect(lambda: make_plan(request.width, request.height, request.samples))
+    film = (request.width, request.height, request.samples)
+    plan = found.collect(lambda: make_plan(*film))
     document = found.collect(lambda: check_document(request.scene))
     if found.problems or plan is None or document is None:
         raise InputError(found.problems)
     # A request id used before decides without the scene, so a conflict leaves no blobs behind.
     before = folder.find_request(request.request_id)
+    if before is None:
+        scene_sha256 = compile_scene(document, folder.blobs).scene_sha256
+        plan = plan_for_scene(folder.blobs, scene_sha256, *film)
+    else:
+        scene_sha256 = before.scene_sha256
+        plan = folder.plan(before.id)
     return NewRender(
         request_id=request.request_id,
         name=request.name,
-        scene_sha256=before.scene_sha256 if before else compile_scene(document, folder.blobs).scene_sha256,
+        scene_sha256=scene_sha256,
         scene_document=_canonical(request.scene),
         width=request.width,
         height=request.height,

@@ -33,21 +33,22 @@ class SceneOnDisk:
 def read_scene(path: Path) -> SceneOnDisk:
     """Reads the scene document at `path` and replaces relative paths of assets by digests.
 
-    A path must stay inside the document's folder. The extension becomes the asset's `format` if it has none.
+    A path must stay inside the document's folder. A mesh's extension becomes its `format` if it has none.
     Raises NocturneClientError that names every path that can't be used.
     """
     document = _read_document(path)
     files: dict[str, Path] = {}
     problems: list[Problem] = []
-    for place, shape in _shapes_with_paths(document):
+    for place, part in _parts_with_paths(document):
         try:
-            file = _resolve(path.parent, shape["asset"])
+            file = _resolve(path.parent, part["asset"])
             sha256 = digest(file)
         except (OSError, ValueError) as error:
-            problems.append(Problem(place, f"{shape['asset']}: {_reason(error)}"))
+            problems.append(Problem(place, f"{part['asset']}: {_reason(error)}"))
             continue
-        shape.setdefault("format", file.suffix.removeprefix(".").lower())
-        shape["asset"] = DIGEST_PREFIX + sha256
+        if part.get("type") == "mesh":
+            part.setdefault("format", file.suffix.removeprefix(".").lower())
+        part["asset"] = DIGEST_PREFIX + sha256
         files[sha256] = file
     if problems:
         raise NocturneClientError(f"{path}: files are missing", problems=problems)
@@ -81,14 +82,33 @@ def _read_document(path: Path) -> dict[str, Any]:
     return document
 
 
-def _shapes_with_paths(document: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Shapes whose asset is a path, with their places. The malformed is left for the service to report."""
-    surfaces = document.get("surfaces")
-    for index, surface in enumerate(surfaces if isinstance(surfaces, list) else []):
-        shape = surface.get("shape") if isinstance(surface, dict) else None
-        asset = shape.get("asset") if isinstance(shape, dict) else None
-        if isinstance(shape, dict) and isinstance(asset, str) and not asset.startswith(DIGEST_PREFIX):
-            yield f"$.surfaces[{index}].shape.asset", shape
+def _parts_with_paths(document: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Objects whose field "asset" is a path, with its place. The malformed is left for the service to report.
+
+    Wherever a document names a file, it does so by a field of that name. Without recursion, for any depth.
+    """
+    waiting: list[tuple[str, Any]] = [("$", document)]
+    while waiting:
+        place, value = waiting.pop()
+        if isinstance(value, dict):
+            asset = value.get("asset")
+            if isinstance(asset, str) and not asset.startswith(DIGEST_PREFIX):
+                yield f"{place}.asset", value
+            # In a sensor's responses, people choose the keys and values are names.
+            inside = ((key, inner) for key, inner in reversed(value.items()) if key != "responses")
+            waiting.extend((place + _step(key), inner) for key, inner in inside)
+        elif isinstance(value, list) and not _is_numbers(value):
+            indexed = reversed(list(enumerate(value)))
+            waiting.extend((f"{place}[{index}]", inner) for index, inner in indexed)
+
+
+def _step(key: str) -> str:
+    return f".{key}" if key.isidentifier() else f"[{json.dumps(key)}]"
+
+
+def _is_numbers(values: list[Any]) -> bool:
+    """Whether a list is a point or a triangle, as most lists of a document are."""
+    return bool(values) and isinstance(values[0], int | float)
 
 
 def _resolve(folder: Path, asset: str) -> Path:

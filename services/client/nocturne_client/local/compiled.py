@@ -8,6 +8,7 @@ from nocturne_coordinator.errors import InputError, NocturneError
 from nocturne_coordinator.plan import make_plan
 from nocturne_coordinator.scene.compiler import compile_scene
 from nocturne_coordinator.scene.document import check_document
+from nocturne_coordinator.scene_plan import plan_for_scene
 
 from nocturne_client.errors import NocturneClientError, Problem
 from nocturne_client.scene_files import SceneOnDisk, read_scene
@@ -29,11 +30,13 @@ def compile_to(scene: Path, folder: Path, width: int, height: int, samples: int)
     """Writes scene.pb, plan.pb and blobs/ into `folder`. Raises NocturneClientError with all problems."""
     on_disk = read_scene(scene)
     try:
-        plan = make_plan(width, height, samples)
+        # Problems of the film are told before the work.
+        make_plan(width, height, samples)
         document = check_document(on_disk.document)
         blobs = BlobStore(folder / "blobs")
         _store(on_disk, blobs)
         sha256 = compile_scene(document, blobs).scene_sha256
+        plan = plan_for_scene(blobs, sha256, width, height, samples)
         compiled = CompiledFolder(folder / "scene.pb", folder / "plan.pb", folder / "blobs", sha256)
         compiled.scene.write_bytes(blobs.path(sha256).read_bytes())
         compiled.plan.write_bytes(plan.SerializeToString(deterministic=True))
