@@ -10,6 +10,7 @@ from statistics import NormalDist
 
 import numpy as np
 import numpy.typing as npt
+from scipy import stats
 
 from tests.system.images import Image
 
@@ -52,6 +53,12 @@ class Agreement:
 def sidak_bound(count: int) -> float:
     """The |z| that the largest of `count` independent values exceeds with probability ALPHA."""
     return -NormalDist().inv_cdf((1.0 - (1.0 - ALPHA) ** (1.0 / count)) / 2.0)
+
+
+def student_bound(count: int, degrees: int) -> float:
+    """The same of Student's t: where each standard error comes from only `degrees` + 1 values."""
+    tail = (1.0 - (1.0 - ALPHA) ** (1.0 / count)) / 2.0
+    return float(stats.t.isf(tail, degrees))
 
 
 def compare(one: Image, other: Image) -> Agreement:

@@ -4,6 +4,9 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from tests.accuracy.meters import GREY
 from tests.accuracy.tracing import Document
 
 _CORNELL = Path(__file__).parents[2] / "scenes" / "cornell" / "scene.json"
@@ -51,3 +54,90 @@ def furnace(albedo: float, radiance: float) -> Document:
             for corner, edge_u, edge_v in walls
         ],
     }
+
+
+BLACK = {"type": "lambertian", "reflectance": 0}
+
+
+def diffuse(reflectance: float) -> Document:
+    return {"type": "lambertian", "reflectance": reflectance}
+
+
+def surface(shape: Document, kernel: Document = BLACK, radiance: float = 0.0, **luminaire: Any) -> Document:
+    """One that may emit the same grey radiance everywhere."""
+    made: Document = {"shape": shape, "kernel": kernel}
+    return made | ({"luminaire": {"radiance": radiance, **luminaire}} if radiance else {})
+
+
+def disc(centre: list[float], normal: list[float], radius: float, segments: int = 1024) -> Document:
+    """Its area is too small by a part of 6e-6."""
+    return {"type": "disc", "centre": centre, "normal": normal, "radius": radius, "segments": segments}
+
+
+def quad(corner: list[float], edge_u: list[float], edge_v: list[float]) -> Document:
+    return {"type": "quad", "corner": corner, "edge_u": edge_u, "edge_v": edge_v}
+
+
+def sphere(centre: list[float], radius: float) -> Document:
+    return {"type": "sphere", "centre": centre, "radius": radius}
+
+
+def ring(inner: float, outer: float, z: float, segments: int = 1024) -> Document:
+    """Around the z axis: a plane with a round opening."""
+    angles = np.linspace(0.0, 2.0 * np.pi, segments, endpoint=False)
+    circle = np.column_stack([np.cos(angles), np.sin(angles)])
+    flat = np.concatenate([inner * circle, outer * circle])
+    here = np.arange(segments)
+    after = (here + 1) % segments
+    triangles = np.concatenate(
+        [
+            np.column_stack([here, here + segments, after]),
+            np.column_stack([after, here + segments, after + segments]),
+        ]
+    )
+    vertices = np.column_stack([flat, np.full(2 * segments, z)])
+    return {"type": "mesh", "vertices": vertices.tolist(), "triangles": triangles.tolist()}
+
+
+def measured_scene(sensor: Document, surfaces: list[Document], **tracing: Any) -> Document:
+    """A document whose sensor has a `grey` channel."""
+    return {"nocturne": 1, "sensor": {**GREY, **sensor}, "surfaces": surfaces, "tracing": tracing}
+
+
+def film(position: list[float], normal: list[float], height: float, **more: Any) -> Document:
+    """An irradiance meter."""
+    return {"type": "irradiance_meter", "position": position, "normal": normal, "height": height, **more}
+
+
+def box(minimum: list[float], maximum: list[float]) -> Document:
+    return {"type": "box", "minimum": minimum, "maximum": maximum}
+
+
+Point = tuple[list[float], list[float]]
+"""Where, and the unit normal."""
+
+_TILE = 1e-4
+"""Edge, m."""
+
+TILE_OFF_PLANE = 1e-5
+"""How far a tile is in front of the wall that it is on, m."""
+
+
+def white_tile(point: Point) -> tuple[Document, Document]:
+    """A small white surface at a point, and a sensor that reads its radiance: irradiance over pi."""
+    place, normal = (np.array(vector, dtype=float) for vector in point)
+    across = np.eye(3)[np.abs(normal).argmin()]
+    u = np.cross(normal, across)
+    u *= _TILE / np.linalg.norm(u)
+    v = np.cross(normal, u)
+    centre = place + TILE_OFF_PLANE * normal
+    corner = centre - 0.5 * (u + v)
+    meter = {
+        "type": "radiance_meter",
+        "position": (centre + 0.01 * normal).tolist(),
+        "look_at": centre.tolist(),
+        "up": u.tolist(),
+        "diameter": 0.2 * _TILE,
+        "cone_degrees": 0.1,
+    }
+    return surface(quad(corner.tolist(), u.tolist(), v.tolist()), diffuse(1.0)), meter

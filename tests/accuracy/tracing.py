@@ -14,11 +14,14 @@ Document = dict[str, Any]
 Method = Literal["adjoint", "path"]
 
 
-def trace(document: Document, folder: Path, edge: int, samples: int, method: Method = "adjoint") -> Image:
-    """The image of a scene, edge x edge pixels; `folder` is for files in between."""
+def trace(
+    document: Document, folder: Path, edge: int | tuple[int, int], samples: int, method: Method = "adjoint"
+) -> Image:
+    """The image of a scene, edge x edge or (width, height) pixels; `folder` is for files in between."""
+    width, height = edge if isinstance(edge, tuple) else (edge, edge)
     scene = folder / "scene.json"
     scene.write_text(json.dumps(document))
-    compiled = compile_to(scene, folder, edge, edge, samples)
+    compiled = compile_to(scene, folder, width, height, samples)
     output, statistics = folder / "image.exr", folder / "statistics.json"
     command: list[str | Path] = [need_program("nocturne-trace"), compiled.scene, "-o", output, "--quiet"]
     command += ["--plan", compiled.plan, "--blobs", compiled.blobs, "--statistics", statistics]

@@ -1,5 +1,6 @@
 """EXRs in memory, compared bit by bit."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
@@ -7,7 +8,7 @@ from typing import Self
 import numpy as np
 import numpy.typing as npt
 
-from tests.coordinator.service import read_exr
+from tests.coordinator.service import read_exr, read_further_responses
 
 Channel = npt.NDArray[np.float32]
 
@@ -22,10 +23,12 @@ class Image:
     """Standard error of Y, shape (height, width)."""
     samples: npt.NDArray[np.uint32]
     """Per pixel, shape (height, width)."""
+    further: Mapping[str, Channel]
+    """The sensor's further responses by name, shape (height, width) each."""
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        return cls(*read_exr(path))
+        return cls(*read_exr(path), read_further_responses(path))
 
     @property
     def y(self) -> npt.NDArray[np.float64]:
@@ -38,6 +41,10 @@ def differing_values(one: Image, other: Image) -> dict[str, int]:
         "XYZ": (one.xyz.view(np.uint32), other.xyz.view(np.uint32)),
         "Y.stderr": (one.y_error.view(np.uint32), other.y_error.view(np.uint32)),
         "n": (one.samples, other.samples),
+    }
+    assert one.further.keys() == other.further.keys()
+    pairs |= {
+        name: (one.further[name].view(np.uint32), other.further[name].view(np.uint32)) for name in one.further
     }
     assert all(a.shape == b.shape for a, b in pairs.values())
     counts = {name: int(np.count_nonzero(a != b)) for name, (a, b) in pairs.items()}

@@ -1,0 +1,160 @@
+"""Measures single numbers: what a meter reads, with a standard error that is honest for Sobol points too.
+
+The standard error of Sobol points that an image carries is too large, which hides faults. Here it comes from
+the scatter of repeated measurements: pixels of a film that all measure the same, or runs with other seeds.
+Their scrambling is independent, so the mean of n is compared by Student's t with n - 1 degrees of freedom.
+
+Wavelengths are drawn uniformly and the response is 1 at all of them, so that a grey scene has no noise from
+wavelengths: readings are per nanometre, mean values over 360 to 830 nm.
+"""
+
+import json
+import subprocess
+from copy import deepcopy
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from nocturne.v1 import scene_pb2
+from nocturne_client.local.compiled import CompiledFolder, compile_to
+from nocturne_client.local.programs import need_program
+from nocturne_coordinator.plan import make_plan
+from scipy.stats import t as student
+
+from tests.accuracy.agreement import ALPHA, Values
+from tests.accuracy.tracing import Document
+from tests.system.images import Image
+
+ROUNDING = 1e-5
+"""Of a reading: single precision along a chain of a few dozen operations."""
+
+_RANGE_NM = 830.0 - 360.0
+
+GREY = {"wavelengths": "uniform", "responses": {"grey": 1.0}}
+"""Fields of any sensor whose `grey` channel a reading comes from."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """The mean of independent measurements of the same."""
+
+    mean: float
+    error: float
+    """Standard error of the mean."""
+    count: int
+    """Measurements."""
+
+    @classmethod
+    def of(cls, values: Values) -> "Reading":
+        mean, count = float(values.mean()), values.size
+        return cls(mean, float(values.std(ddof=1)) / count**0.5, count)
+
+    def bound(self, values: int = 1) -> float:
+        """Largest deviation that chance alone explains, in standard errors.
+
+        False alarms: 0.01 for all `values` that a test looks at (Sidak).
+        """
+        tail = (1.0 - (1.0 - ALPHA) ** (1.0 / values)) / 2.0
+        return float(student.isf(tail, self.count - 1))
+
+    def check(self, truth: float, uncertainty: float = ROUNDING, values: int = 1) -> None:
+        """Fails unless the truth is near; `uncertainty` is a part of it, beside chance."""
+        allowed = self.bound(values) * self.error + uncertainty * abs(truth)
+        assert abs(self.mean - truth) <= allowed, (
+            f"read {self.mean:.8g} +- {self.error:.2g}, truth {truth:.8g}, z {self.z(truth):.2f}, "
+            f"off by a part of {self.mean / truth - 1.0 if truth else np.inf:.2g}"
+        )
+
+    def z(self, truth: float) -> float:
+        if self.mean == truth:
+            return 0.0
+        return (self.mean - truth) / self.error if self.error else float("inf")
+
+    def __mul__(self, factor: float) -> "Reading":
+        return Reading(self.mean * factor, self.error * abs(factor), self.count)
+
+    def __sub__(self, known: float) -> "Reading":
+        return Reading(self.mean - known, self.error, self.count)
+
+
+def check_equal(one: Reading, other: Reading, uncertainty: float = ROUNDING, values: int = 1) -> None:
+    """Fails unless two readings of the same agree; degrees of freedom of the one with fewer measurements."""
+    error = float(np.hypot(one.error, other.error))
+    fewest = Reading(0.0, error, min(one.count, other.count))
+    allowed = fewest.bound(values) * error + uncertainty * abs(one.mean)
+    assert abs(one.mean - other.mean) <= allowed, (one, other, (one.mean - other.mean) / error)
+
+
+class Measurement:
+    """A scene, compiled once; its meter can then be moved and its random numbers changed."""
+
+    def __init__(self, document: Document, folder: Path, width: int = 1, height: int = 1) -> None:
+        self._folder = folder
+        self._document = document
+        self._size = width, height
+        self._compiled = self._compile(document, folder / "scene")
+        self._scene = scene_pb2.CompiledScene.FromString(self._compiled.scene.read_bytes())
+
+    def move(self, **sensor: Any) -> None:
+        """Another sensor in the same scene."""
+        document = deepcopy(self._document)
+        # What lights the scene stays as it is; without a map this is quick.
+        document["environment"] = {"radiance": 1.0}
+        document["sensor"] = {**GREY, **sensor}
+        document["surfaces"] = document["surfaces"][:1]
+        moved = self._compile(document, self._folder / "moved")
+        other = scene_pb2.CompiledScene.FromString(moved.scene.read_bytes())
+        self._scene.sensor.CopyFrom(other.sensor)
+
+    def by_pixels(self, samples: int, channel: str = "grey", seed: int = 0) -> Reading:
+        """For a film whose pixels all measure the same."""
+        return Reading.of(_values(self.image(samples, seed), channel))
+
+    def by_seeds(self, samples: int, seeds: int = 8, channel: str = "grey") -> Reading:
+        """The mean over a film; for films whose pixels differ."""
+        images = (self.image(samples, seed) for seed in range(1, seeds + 1))
+        return Reading.of(np.array([_values(image, channel).mean() for image in images]))
+
+    def image(self, samples: int, seed: int = 0) -> Image:
+        self._scene.tracing.seed = seed
+        plan = self._plan(samples)
+        scene, output = self._folder / "scene.pb", self._folder / "image.exr"
+        scene.write_bytes(self._scene.SerializeToString(deterministic=True))
+        command: list[str | Path] = [need_program("nocturne-trace"), scene, "-o", output, "--quiet"]
+        command += ["--plan", plan, "--blobs", self._compiled.blobs]
+        command += ["--statistics", self._folder / "statistics.json"]
+        subprocess.run(command, check=True)
+        assert self.statistics["rejected"] == 0
+        return Image.read(output)
+
+    @property
+    def statistics(self) -> dict[str, Any]:
+        """Of the last image."""
+        statistics: dict[str, Any] = json.loads((self._folder / "statistics.json").read_text())
+        return statistics
+
+    def _plan(self, samples: int) -> Path:
+        plan = self._folder / "plan.pb"
+        sensor = self._scene.sensor
+        made = make_plan(
+            *self._size,
+            samples,
+            [response.name for response in sensor.further_responses],
+            one_tile=self._scene.tracing.direction == scene_pb2.DIRECTION_FORWARD,
+            photons_per_sample=self._scene.tracing.group,
+        )
+        plan.write_bytes(made.SerializeToString(deterministic=True))
+        return plan
+
+    def _compile(self, document: Document, folder: Path) -> CompiledFolder:
+        folder.mkdir(exist_ok=True)
+        path = self._folder / "scene.json"
+        path.write_text(json.dumps(document))
+        return compile_to(path, folder, *self._size, 1)
+
+
+def _values(image: Image, channel: str) -> Values:
+    if channel == "Y":
+        return image.y
+    return image.further[channel].astype(np.float64) / _RANGE_NM

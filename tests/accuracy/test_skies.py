@@ -1,0 +1,125 @@
+"""Irradiance from CIE skies, on tilted planes and through an opening in a room's ceiling.
+
+A sky is an environment map of 512 x 256 pixels. What its texels must give is computed by quadrature over
+them: the tracer is compared with that, and that with the published value.
+"""
+
+import json
+from math import pi, radians
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.accuracy.agreement import Values
+from tests.accuracy.meters import ROUNDING, Measurement
+from tests.accuracy.scenes import film, measured_scene, quad, surface, white_tile
+from tests.accuracy.skies import ORIENTATION, Sky, horizontal_illuminance, map_luminance
+from tests.accuracy.test_illuminance import FLOOR_G_TO_N, WALL_A_TO_F
+from tests.accuracy.tracing import Document
+
+pytestmark = pytest.mark.system
+
+_ROOMS: dict[str, dict[str, list[float]]] = json.loads(
+    (Path(__file__).parent / "data" / "cie171.json").read_text()
+)["5.9"]["A to N"]
+
+_MAP_ERROR = 1e-3
+"""Of an illuminance: texels are 0.7 degrees, 2 % of an opening of 1 m or more, each of one luminance. Along
+the opening's edge that is wrong by up to half of a texel's change, 4 % near the sun."""
+
+_COLOUR = 1e-4
+"""Of a luminance: the spectrum that stands for a grey texel."""
+
+_SAMPLES = 128
+
+
+def _document(picture: Path, sensor: Document, surfaces: list[Document]) -> Document:
+    document = measured_scene(sensor, surfaces, photons_together=8)
+    document["environment"] = {
+        "asset": picture.name,
+        "luminance": 1.0,
+        **ORIENTATION,
+    }
+    return document
+
+
+@pytest.mark.parametrize(
+    ("degrees", "uniform", "overcast"),
+    [
+        (0, 3.1415927, 2.443461),
+        (30, 2.9311458, 2.2069372),
+        (60, 2.3561945, 1.6357195),
+        (90, 1.5707963, 0.96804322),
+    ],
+)
+def test_tilted_planes(degrees: int, uniform: float, overcast: float, tmp_path: Path) -> None:
+    """Under a uniform sky, pi (1 + cos b) / 2, and the overcast sky of Moon and Spencer (1942), 7 pi / 9 for
+    a level plane and pi / 6 + 4 / 9 for an upright one; black ground. False alarms: 0.01."""
+    tilt = radians(degrees)
+    for kind, truth in ((5, uniform), (16, overcast)):
+        folder = tmp_path / str(kind)
+        folder.mkdir()
+        Sky(kind).write(folder / "sky.exr")
+        sensor = film([0, 0, 0], [0, float(np.sin(tilt)), float(np.cos(tilt))], 1e-3)
+        ground = surface(quad([-1, -1, -9], [2, 0, 0], [0, 2, 0]))
+        measurement = Measurement(_document(folder / "sky.exr", sensor, [ground]), folder, 16, 16)
+        measurement.by_pixels(_SAMPLES, "Y").check(truth, _COLOUR, values=2)
+
+
+@pytest.mark.parametrize(("edge", "kind"), [(edge, kind) for edge in _ROOMS for kind in _ROOMS[edge]])
+def test_cie_171_5_9_roof_opening(edge: str, kind: str, tmp_path: Path) -> None:
+    """Fourteen points of a black room below an opening without glass. False alarms: 0.01.
+
+    Points stand 1e-5 m in front of the walls, which matters most for A, 0.25 m below the opening: 4e-5.
+    """
+    sky, size = Sky(int(kind)), float(edge)
+    picture = tmp_path / "sky.exr"
+    sky.write(picture)
+    outside = horizontal_illuminance(sky)
+    points = WALL_A_TO_F + FLOOR_G_TO_N
+    tiles, meters = zip(*(white_tile(point) for point in points), strict=True)
+    document = _document(picture, meters[0], [*tiles, *_room(size)])
+    # So that photons from the tiles go through it more often.
+    low = 2.0 - size / 2
+    document["important_directions"] = [{"shape": quad([low, low, 3], [size, 0, 0], [0, size, 0])}]
+    measurement = Measurement(document, tmp_path, 8, 8)
+    truths = _ROOMS[edge][kind]
+    for seed, (meter, (place, normal), published) in enumerate(zip(meters, points, truths, strict=True)):
+        by_map = 100.0 * _through_opening(picture, size, place, normal) / outside
+        assert by_map == pytest.approx(published, rel=_MAP_ERROR)
+        measurement.move(**meter)
+        reading = measurement.by_pixels(_SAMPLES, "Y", seed) * (100.0 * pi / outside)
+        reading.check(by_map, _COLOUR + 4e-5 + ROUNDING, values=len(points))
+
+
+def _through_opening(picture: Path, size: float, place: list[float], normal: list[float]) -> float:
+    count = 400
+    across = 2.0 + size * ((np.arange(count) + 0.5) / count - 0.5)
+    x, y = np.meshgrid(across, across, indexing="ij")
+    to: Values = np.stack([x - place[0], y - place[1], np.full_like(x, 3.0 - place[2])], axis=-1)
+    distance = np.sqrt((to**2).sum(axis=-1))
+    directions = to / distance[..., None]
+    cosine = np.clip(directions @ np.array(normal), 0.0, None)
+    seen = map_luminance(picture, directions) * cosine * directions[..., 2] / distance**2
+    return float(seen.sum()) * (size / count) ** 2
+
+
+def _room(opening: float) -> list[Document]:
+    """Black floor, walls, and a ceiling around an opening in the middle."""
+    walls = [
+        quad([0, 0, 0], [4, 0, 0], [0, 4, 0]),
+        quad([0, 0, 0], [4, 0, 0], [0, 0, 3]),
+        quad([0, 4, 0], [4, 0, 0], [0, 0, 3]),
+        quad([0, 0, 0], [0, 4, 0], [0, 0, 3]),
+        quad([4, 0, 0], [0, 4, 0], [0, 0, 3]),
+    ]
+    low, high = 2.0 - opening / 2, 2.0 + opening / 2
+    if low > 0.0:
+        walls += [
+            quad([0, 0, 3], [4, 0, 0], [0, low, 0]),
+            quad([0, high, 3], [4, 0, 0], [0, low, 0]),
+            quad([0, low, 3], [low, 0, 0], [0, opening, 0]),
+            quad([high, low, 3], [low, 0, 0], [0, opening, 0]),
+        ]
+    return [surface(wall) for wall in walls]
