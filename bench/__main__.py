@@ -6,20 +6,21 @@ import sys
 
 from nocturne_client.errors import NocturneClientError
 
-from bench import mixture, sampling, service, traversal
+from bench import mixture, peers, sampling, service, traversal
 from bench.machine import load_average
-from bench.report import Bench, Figures, keep
+from bench.report import Bench, Figures, Skipped, keep
 
 BENCHES: dict[str, Bench] = {
     "traversal": traversal,
     "service": service,
     "mixture": mixture,
     "sampling": sampling,
+    "peers": peers,
 }
 
 
 def main() -> int:
-    """Runs the benches asked for; the exit code is 1 where one could not run."""
+    """Runs the benches asked for; the exit code is 1 where one failed, 0 where one was skipped."""
     parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
     parser.add_argument(
         "names", nargs="*", metavar="NAME", help=f"one of {', '.join(BENCHES)}; all by default"
@@ -31,7 +32,11 @@ def main() -> int:
         parser.error(f"no bench {', '.join(unknown)}; expected one of {', '.join(BENCHES)}")
     try:
         for name in arguments.names or BENCHES:
-            figures = _run(BENCHES[name], arguments.quick)
+            try:
+                figures = _run(BENCHES[name], arguments.quick)
+            except Skipped as reason:
+                print(f"bench: {name} is skipped: {reason}", file=sys.stderr)
+                continue
             print(json.dumps({"bench": name, **figures}), flush=True)
             if not arguments.quick:
                 keep(name, figures, BENCHES)

@@ -94,6 +94,10 @@ def _compile(
 ) -> list[CompiledFolder]:
     tracing = {
         "roulette": roulette,
+        "estimator": "mixture",
+        "photons_together": 1,
+        "h": 1.0,
+        "roulette_after": 0,
         "mixture": {"kernel": 1.0 - luminaires, "luminaires": luminaires, "uniform": 0.0},
         "sequence": "independent",
     }

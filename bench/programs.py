@@ -81,7 +81,12 @@ def running_cpu_s(pid: int) -> float:
 
 def read_image(path: Path) -> tuple[Channel, Channel]:
     """XYZ of shape (height, width, 3) and the standard error of Y of an EXR of ours."""
+    return read_channels(path, "XYZ"), read_channels(path, ["Y.stderr"])[..., 0]
+
+
+def read_channels(path: Path, names: Sequence[str]) -> Channel:
+    """Some channels of a picture, in this order, of shape (height, width, number of names)."""
     image = OpenImageIO.ImageBuf(str(path))
-    names = list(image.spec().channelnames)
+    there = list(image.spec().channelnames)
     pixels: Channel = np.asarray(image.get_pixels(OpenImageIO.FLOAT), dtype=np.float64)
-    return pixels[..., [names.index(name) for name in "XYZ"]], pixels[..., names.index("Y.stderr")]
+    return pixels[..., [there.index(name) for name in names]]

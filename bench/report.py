@@ -27,11 +27,15 @@ class Row:
     aim: str = ""
 
 
+class Skipped(Exception):
+    """Something is missing that is no part of ours, so there is nothing to measure; the message says what."""
+
+
 class Bench(Protocol):
     """What each bench module has."""
 
     def run(self, quick: bool) -> Figures:
-        """Measures; NocturneClientError where something that it needs is missing or fails."""
+        """Measures; NocturneClientError where something that it needs is missing or fails, or Skipped."""
 
     def rows(self, figures: Figures) -> list[Row]:
         """The figures for people."""

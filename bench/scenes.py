@@ -72,7 +72,12 @@ def compile_document(
         "tracing": {**document.get("tracing", {}), **tracing},
         "sensor": {**document["sensor"], **(sensor or {})},
     }
+    return compile_film(changed, folder, edge, edge, samples)
+
+
+def compile_film(document: Document, folder: Path, width: int, height: int, samples: int) -> CompiledFolder:
+    """Compiles the document; files that it names are in `folder`."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "scene.json"
-    path.write_text(json.dumps(changed))
-    return compile_to(path, folder, edge, edge, samples)
+    path.write_text(json.dumps(document))
+    return compile_to(path, folder, width, height, samples)

@@ -1,0 +1,1 @@
+"""Another renderer beside ours: the scenes, their translation, and how it is installed and asked."""

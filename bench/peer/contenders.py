@@ -1,0 +1,140 @@
+"""Those who are compared: each gives frames of the same scene."""
+
+import json
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import IO, Protocol
+
+import numpy as np
+from nocturne.v1 import scene_pb2
+from nocturne_client.errors import NocturneClientError
+from nocturne_client.local.compiled import CompiledFolder
+from nocturne_coordinator.blobs import BlobStore
+from nocturne_coordinator.plan import make_plan
+
+from bench.peer.install import Installed
+from bench.peer.scenes import SKY
+from bench.peer.translate import CANDELAS_PER_UNIT, Translation
+from bench.programs import Channel, trace
+
+SAMPLERS = ("multijitter", "independent")
+
+
+@dataclass(frozen=True)
+class Frame:
+    """An image and its cost."""
+
+    y: Channel
+    """Luminance, cd/m2."""
+    cpu_s: float
+    """All threads, without loading the scene, compiling it and writing the image."""
+
+
+class Contender(Protocol):
+    """A renderer with its choices made."""
+
+    def frame(self, samples: int, seed: int) -> Frame:
+        """Renders the scene with so many samples per pixel; other seeds give independent noise."""
+
+
+@dataclass(frozen=True)
+class Film:
+    """Pixels."""
+
+    width: int
+    height: int
+
+
+class Ours:
+    """nocturne-trace."""
+
+    def __init__(self, compiled: CompiledFolder, film: Film, threads: int) -> None:
+        self._compiled = compiled
+        self._film = film
+        self._threads = threads
+        self._scene = scene_pb2.CompiledScene.FromString(compiled.scene.read_bytes())
+
+    def frame(self, samples: int, seed: int) -> Frame:
+        """As Contender says."""
+        folder = self._compiled.scene.parent
+        used = replace(self._compiled, scene=folder / "seeded.pb", plan=folder / "seeded-plan.pb")
+        self._scene.tracing.seed = seed
+        used.scene.write_bytes(self._scene.SerializeToString(deterministic=True))
+        plan = make_plan(self._film.width, self._film.height, samples)
+        used.plan.write_bytes(plan.SerializeToString(deterministic=True))
+        traced = trace(used, self._threads)
+        return Frame(traced.xyz[..., 1], traced.tracing_cpu_s)
+
+
+class Mitsuba:
+    """Mitsuba 3 with one of its samplers, in a process that serves all of them."""
+
+    def __init__(self, process: "subprocess.Popen[str]", sensor: int, image: Path) -> None:
+        self._process = process
+        self._sensor = sensor
+        self._image = image
+        self._compiled_for: set[int] = set()
+
+    def frame(self, samples: int, seed: int) -> Frame:
+        """As Contender says. A new number of samples compiles kernels, so that frame is rendered twice."""
+        if samples not in self._compiled_for:
+            self._compiled_for.add(samples)
+            self._ask(samples, seed)
+        cpu_s = self._ask(samples, seed)
+        return Frame(np.load(self._image)[..., 1] * CANDELAS_PER_UNIT, cpu_s)
+
+    def _ask(self, samples: int, seed: int) -> float:
+        request = {"sensor": self._sensor, "samples": samples, "seed": seed, "image": str(self._image)}
+        to_it, from_it = _pipe(self._process.stdin), _pipe(self._process.stdout)
+        try:
+            to_it.write(json.dumps(request) + "\n")
+            to_it.flush()
+        except BrokenPipeError:
+            pass
+        answer = from_it.readline()
+        if not answer:
+            raise NocturneClientError(
+                f"Mitsuba ended with status {self._process.wait()}; see its words above"
+            )
+        cpu_s: float = json.loads(answer)["cpu_s"]
+        return cpu_s
+
+
+@contextmanager
+def mitsuba(
+    installed: Installed, compiled: CompiledFolder, film: Film, threads: int
+) -> Iterator[dict[str, Mitsuba]]:
+    """Starts it with the compiled scene; gives a contender for each sampler."""
+    folder = compiled.scene.parent / "mitsuba"
+    folder.mkdir()
+    scene = scene_pb2.CompiledScene.FromString(compiled.scene.read_bytes())
+    translation = Translation(scene, BlobStore(compiled.blobs), folder, compiled.scene.parent / SKY)
+    description = translation.description()
+    for sampler in SAMPLERS:
+        description[f"sensor-{sampler}"] = translation.sensor(film.width, film.height, sampler)
+    path = folder / "scene.json"
+    path.write_text(json.dumps(description))
+    script = Path(__file__).with_name("mitsuba_server.py")
+    process = subprocess.Popen(
+        [str(installed.python), "-P", str(script), installed.variant, str(threads), str(path)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env=installed.environment,
+    )
+    try:
+        yield {
+            sampler: Mitsuba(process, index, folder / "image.npy") for index, sampler in enumerate(SAMPLERS)
+        }
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def _pipe(stream: IO[str] | None) -> IO[str]:
+    if stream is None:
+        raise ValueError("the process was started without pipes")
+    return stream
