@@ -52,7 +52,7 @@ def finished_image(client: Client, render_id: str) -> Image:
     render = client.get(render_id)
     assert (render.state, render.reason) == ("SUCCEEDED", "")
     assert render.progress.ranges_done == render.progress.ranges_planned == RANGES
-    assert render.progress.photons == WIDTH * HEIGHT * SAMPLES
+    assert render.progress.mean_samples == SAMPLES
     assert render.progress.rejected == 0
     with tempfile.TemporaryDirectory() as folder:
         image = Image.read(client.download(render_id, "exr", Path(folder) / "image.exr"))
