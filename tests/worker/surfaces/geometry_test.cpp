@@ -45,20 +45,5 @@ TEST(Geometry, ClosedBoxLosesNoRay) {
   }
 }
 
-TEST(Geometry, VisitsEveryCrossingOnce) {
-  const Geometry geometry({box(1.0f, {0, 0, 0}), Sphere{0, 0, 0, 1.5}, box(2.0f, {0, 0, 0})},
-                          Geometry::Queries::kCrossings);
-  int visits = 0;
-  float sum = 0.0f;
-  geometry.for_each_triangle_crossing({{-10.0f, 0.3f, 0.1f}, {1, 0, 0}},
-                                      [&](const TriangleCrossing& crossing) {
-                                        ++visits;
-                                        sum += crossing.distance;
-                                        EXPECT_FLOAT_EQ(crossing.cosine, 1.0f);
-                                      });
-  EXPECT_EQ(visits, 4);
-  EXPECT_FLOAT_EQ(sum, 8 + 9 + 11 + 12);
-}
-
 }  // namespace
 }  // namespace nocturne

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "math/time_steps.h"
+
 namespace nocturne {
 namespace {
 
@@ -39,18 +41,6 @@ ElementBounds empty_bounds(const Emission& emission) {
 }
 
 Vec3 between(Vec3 a, Vec3 b, float t) { return a + t * (b - a); }
-
-// The time step before `time`, and how far it is on to the next.
-struct Moment {
-  std::uint32_t step;
-  float t;
-
-  Moment(float time, std::uint32_t steps) {
-    const float position = std::clamp(time, 0.0f, 1.0f) * static_cast<float>(steps - 1);
-    step = std::min(static_cast<std::uint32_t>(position), steps - 2);
-    t = position - static_cast<float>(step);
-  }
-};
 
 }  // namespace
 
@@ -161,18 +151,18 @@ double Elements::total_weight() const {
 }
 
 Patch Elements::patch_at(const Entry& entry, float time) const {
-  const Moment m(time, entry.steps);
-  const Patch& a = patches_[entry.first + m.step];
-  const Patch& b = patches_[entry.first + m.step + 1];
-  return Patch::make(between(a.corner, b.corner, m.t), between(a.edge_u, b.edge_u, m.t),
-                     between(a.edge_v, b.edge_v, m.t), a.triangle, a.two_sided);
+  const auto [step, t] = segment_at(time, entry.steps);
+  const Patch& a = patches_[entry.first + step];
+  const Patch& b = patches_[entry.first + step + 1];
+  return Patch::make(between(a.corner, b.corner, t), between(a.edge_u, b.edge_u, t),
+                     between(a.edge_v, b.edge_v, t), a.triangle, a.two_sided);
 }
 
 Ball Elements::ball_at(const Entry& entry, float time) const {
-  const Moment m(time, entry.steps);
-  const Sphere& a = balls_[entry.first + m.step].sphere;
-  const Sphere& b = balls_[entry.first + m.step + 1].sphere;
-  const auto mix = [&](double x, double y) { return x + m.t * (y - x); };
+  const auto [step, t] = segment_at(time, entry.steps);
+  const Sphere& a = balls_[entry.first + step].sphere;
+  const Sphere& b = balls_[entry.first + step + 1].sphere;
+  const auto mix = [fraction = t](double x, double y) { return x + fraction * (y - x); };
   return {{mix(a.x, b.x), mix(a.y, b.y), mix(a.z, b.z), mix(a.radius, b.radius)},
           balls_[entry.first].two_sided};
 }

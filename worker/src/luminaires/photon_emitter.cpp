@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "math/time_steps.h"
+
 namespace nocturne {
 namespace {
 
@@ -11,9 +13,7 @@ namespace {
 Vec3 at_time(std::span<const Vec3> points, std::size_t stride, std::size_t index, float time) {
   const std::size_t steps = points.size() / stride;
   if (steps == 1) return points[index];
-  const float position = time * static_cast<float>(steps - 1);
-  const std::size_t step = std::min(static_cast<std::size_t>(position), steps - 2);
-  const float t = position - static_cast<float>(step);
+  const auto [step, t] = segment_at(time, steps);
   const Vec3 before = points[step * stride + index], after = points[(step + 1) * stride + index];
   return before + t * (after - before);
 }

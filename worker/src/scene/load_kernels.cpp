@@ -1,10 +1,10 @@
 #include "scene/load_kernels.h"
 
 #include <algorithm>
-#include <fstream>
 #include <memory>
 #include <unordered_map>
 
+#include "scene/blob_file.h"
 #include "scene/load_textures.h"
 
 namespace nocturne {
@@ -76,17 +76,11 @@ class KernelLoader {
   }
 
   std::shared_ptr<const MeasuredTable> table(const std::string& sha256) {
-    const std::string name = blob_name(sha256);
-    auto& table = tables_[name];
+    auto& table = tables_[sha256];
     if (table) return table;
-    const auto path = context_.find_blob(name);
-    const auto size = std::filesystem::file_size(path);
-    require(size <= kMostTableBytes, "a measured table that is too large");
-    std::vector<std::byte> bytes(size);
-    std::ifstream file(path, std::ios::binary);
-    file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-    require(static_cast<bool>(file), "a measured table that can't be read");
-    table = std::make_shared<const MeasuredTable>(bytes);
+    BlobFile file(context_.find_blob, sha256, "a measured table");
+    require(file.size() <= kMostTableBytes, "a measured table that is too large");
+    table = std::make_shared<const MeasuredTable>(file.read<std::byte>(file.size()));
     return table;
   }
 

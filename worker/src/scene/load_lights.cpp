@@ -1,16 +1,16 @@
 #include "scene/load_lights.h"
 
 #include <algorithm>
-#include <fstream>
 #include <limits>
 #include <numbers>
 
+#include "scene/blob_file.h"
 #include "scene/load_kernels.h"
 #include "scene/load_mesh.h"
 #include "scene/load_surfaces.h"
 #include "scene/load_textures.h"
 #include "surfaces/sphere_intersection.h"
-#include "surfaces/time_steps.h"
+#include "surfaces/triangle_at.h"
 
 namespace nocturne {
 namespace {
@@ -55,14 +55,10 @@ std::vector<std::vector<Vec3>> placed_vertices(const TriangleMesh& mesh,
   std::vector<std::vector<Vec3>> all(steps);
   for (std::size_t step = 0; step < steps; ++step) {
     const float time = time_of(step, steps);
-    const std::size_t count = mesh.vertex_count();
-    for (std::size_t i = 0; i < count; ++i) {
-      Vec3 vertex = mesh.vertices[i];
-      if (mesh.time_steps > 1) {
-        const TimeSegment at = segment_at(time, mesh.time_steps);
-        const Vec3 before = mesh.vertices[at.first * count + i];
-        vertex = before + at.fraction * (mesh.vertices[(at.first + 1) * count + i] - before);
-      }
+    for (std::size_t i = 0; i < mesh.vertex_count(); ++i) {
+      const Vec3 vertex = mesh.time_steps == 1 ? mesh.vertices[i]
+                                               : vertex_at(mesh, mesh.vertices,
+                                                           segment_at(time, mesh.time_steps), i);
       all[step].push_back(placed(instance, time, vertex));
     }
   }
@@ -163,14 +159,10 @@ EnvironmentMap load_map(const LoadContext& context, const v1::EnvironmentMap& me
               message.rows() > 0 && message.rows() <= EnvironmentMap::kMostRows,
           "an environment map without texels or with too many");
   const std::size_t count = std::size_t{message.columns()} * message.rows();
-  const auto path = context.find_blob(blob_name(message.blob()));
-  require(std::filesystem::file_size(path) == count * sizeof(EnvironmentMap::Texel),
+  BlobFile file(context.find_blob, message.blob(), "an environment map");
+  require(file.size() == count * sizeof(EnvironmentMap::Texel),
           "an environment map of another length than its size says");
-  std::vector<EnvironmentMap::Texel> texels(count);
-  std::ifstream file(path, std::ios::binary);
-  file.read(reinterpret_cast<char*>(texels.data()),
-            static_cast<std::streamsize>(count * sizeof(EnvironmentMap::Texel)));
-  require(static_cast<bool>(file), "an environment map that can't be read");
+  auto texels = file.read<EnvironmentMap::Texel>(count);
   return EnvironmentMap(message.columns(), message.rows(), std::move(texels),
                         context.spectrum(message.spectrum()),
                         {vector(message.x(), "a map's axis"), vector(message.y(), "a map's axis"),

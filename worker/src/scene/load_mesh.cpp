@@ -5,8 +5,8 @@
 #include <cmath>
 #include <fstream>
 
-#include "digest/sha256.h"
-#include "surfaces/time_steps.h"
+#include "math/time_steps.h"
+#include "scene/load_context.h"
 
 namespace nocturne {
 namespace {
@@ -89,8 +89,7 @@ TriangleMesh read(const std::filesystem::path& path, const Counts& counts) {
 }  // namespace
 
 TriangleMesh load_mesh(const v1::Mesh& message, const FindBlob& find_blob) {
-  if (message.blob().size() != 32) throw SceneError("a mesh blob is not named by a SHA-256");
-  const std::string name = to_hex(message.blob());
+  const std::string name = blob_name(message.blob());
   const Checks checks(name);
   checks.require(message.time_steps() <= kMostTimeSteps, "has more than 129 time steps");
   const Counts counts(message);

@@ -139,7 +139,6 @@ std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message,
   auto kernels = load_kernels(context);
   LoadedShapes loaded = load_shapes(context);
   auto materials = load_materials(context, kernels, loaded.shapes);
-  const bool moves = loaded.moves || message.sensor().later_poses_size() > 0;
   return checked([&] {
     Geometry geometry(std::move(loaded.shapes), loaded.groups, std::move(loaded.instances));
     auto luminaires = load_luminaires(context, geometry, materials);
@@ -160,7 +159,7 @@ std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message,
         std::move(geometry), std::move(materials), std::move(kernels), load_interiors(context),
         load_reliefs(context), std::move(luminaires), std::move(lights), std::move(emitter),
         std::move(sensor), load_wavelengths(message.sensor()), options, sensor_inside,
-        std::move(luminaires_inside), moves});
+        std::move(luminaires_inside)});
   });
 }
 

@@ -25,11 +25,6 @@ Shape load_shape(const LoadContext& context, const v1::Surface& surface) {
   refuse("a surface of a shape that this program doesn't know");
 }
 
-bool moves(const Shape& shape) {
-  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) return mesh->time_steps > 1;
-  return !std::get<Sphere>(shape).later_centres.empty();
-}
-
 Instance load_instance(const v1::Instance& message) {
   require(message.transforms_size() > 0 && message.transforms_size() % kTransformSize == 0,
           "an instance whose transforms are not 12 numbers each");
@@ -77,11 +72,9 @@ LoadedShapes load_shapes(const LoadContext& context) {
   for (const auto& surface : context.message.surfaces()) {
     loaded.shapes.push_back(load_shape(context, surface));
     loaded.groups.push_back(surface.group());
-    loaded.moves = loaded.moves || moves(loaded.shapes.back());
   }
   for (const auto& instance : context.message.instances()) {
     loaded.instances.push_back(load_instance(instance));
-    loaded.moves = loaded.moves || loaded.instances.back().transforms.size() > 1;
   }
   return loaded;
 }

@@ -16,7 +16,6 @@ struct LoadedShapes {
   std::vector<Shape> shapes;          // by surface
   std::vector<std::uint32_t> groups;  // of each
   std::vector<Instance> instances;
-  bool moves = false;
 };
 
 LoadedShapes load_shapes(const LoadContext& context);

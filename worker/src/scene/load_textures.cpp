@@ -1,12 +1,10 @@
 #include "scene/load_textures.h"
 
-#include <bit>
-#include <fstream>
+#include "scene/blob_file.h"
 
 namespace nocturne {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "tables are little-endian float32");
 static_assert(sizeof(SigmoidSpectrum) == 3 * sizeof(float));
 
 Texture load_texture(const v1::Texture& message, const FindBlob& find_blob) {
@@ -47,18 +45,12 @@ std::shared_ptr<const RgbSpectra> load_rgb_table(const v1::RgbTable& message,
   const std::size_t n = message.resolution();
   require(n >= RgbSpectra::kLeastResolution && n <= RgbSpectra::kMostResolution,
           "an RGB table of a resolution outside [2, 64]");
-  std::vector<float> scales(n);
-  std::vector<SigmoidSpectrum> coefficients(3 * n * n * n);
-  const std::size_t scale_bytes = n * sizeof(float);
-  const std::size_t table_bytes = coefficients.size() * sizeof(SigmoidSpectrum);
-  const auto path = find_blob(blob_name(message.blob()));
-  require(std::filesystem::file_size(path) == scale_bytes + table_bytes,
+  const std::size_t count = 3 * n * n * n;
+  BlobFile file(find_blob, message.blob(), "an RGB table");
+  require(file.size() == n * sizeof(float) + count * sizeof(SigmoidSpectrum),
           "an RGB table of another length than its resolution says");
-  std::ifstream file(path, std::ios::binary);
-  file.read(reinterpret_cast<char*>(scales.data()), static_cast<std::streamsize>(scale_bytes));
-  file.read(reinterpret_cast<char*>(coefficients.data()),
-            static_cast<std::streamsize>(table_bytes));
-  require(static_cast<bool>(file), "an RGB table that can't be read");
+  auto scales = file.read<float>(n);
+  auto coefficients = file.read<SigmoidSpectrum>(count);
   return checked([&] {
     return std::make_shared<const RgbSpectra>(std::move(scales), std::move(coefficients));
   });

@@ -49,8 +49,6 @@ struct Scene {
   /// Bodies that the sensor, and each luminaire, stands in.
   InteriorList sensor_inside;
   std::vector<InteriorList> luminaires_inside;
-  /// Something moves.
-  bool has_motion = false;
 
   bool has_distant_light() const { return lights.environment() || !lights.discs().empty(); }
 

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "math/time_steps.h"
+
 namespace nocturne {
 namespace {
 
@@ -41,10 +43,7 @@ Motion::Motion(std::vector<Pose> poses) : poses_(std::move(poses)) {
 }
 
 Pose Motion::between(float time) const {
-  const auto last = static_cast<float>(poses_.size() - 1);
-  const float position = std::clamp(time, 0.0f, 1.0f) * last;
-  const auto step = std::min(static_cast<std::size_t>(position), poses_.size() - 2);
-  const float t = position - static_cast<float>(step);
+  const auto [step, t] = segment_at(time, poses_.size());
   const Pose& from = poses_[step];
   const Pose& to = poses_[step + 1];
   Pose pose{mix(from.position, to.position, t), from.right, from.up, from.forward};

@@ -37,30 +37,6 @@ RTCRay embree_ray(const Ray& ray, float time) {
   return r;
 }
 
-// Embree's context with our visitor behind it; the filter gets the context back.
-struct CrossingContext {
-  RTCIntersectContext embree;
-  const std::function<void(const TriangleCrossing&)>* visit;
-};
-
-// Visits every candidate and accepts none, so that the traversal goes on to the end of the
-// half-line.
-void visit_crossing(const RTCFilterFunctionNArguments* arguments) {
-  const auto& visit = *reinterpret_cast<const CrossingContext*>(arguments->context)->visit;
-  for (unsigned i = 0; i < arguments->N; ++i) {
-    if (arguments->valid[i] == 0) continue;
-    const Vec3 n{RTCHitN_Ng_x(arguments->hit, arguments->N, i),
-                 RTCHitN_Ng_y(arguments->hit, arguments->N, i),
-                 RTCHitN_Ng_z(arguments->hit, arguments->N, i)};
-    const Vec3 d{RTCRayN_dir_x(arguments->ray, arguments->N, i),
-                 RTCRayN_dir_y(arguments->ray, arguments->N, i),
-                 RTCRayN_dir_z(arguments->ray, arguments->N, i)};
-    visit({RTCHitN_geomID(arguments->hit, arguments->N, i),
-           RTCRayN_tfar(arguments->ray, arguments->N, i), std::fabs(dot(n, d)) / length(n)});
-    arguments->valid[i] = 0;
-  }
-}
-
 }  // namespace
 
 // Shapes of group 0 are geometries of the top scene under their own number; behind them, the
@@ -72,7 +48,7 @@ struct Geometry::Embree {
   };
 
   Embree(std::vector<Shape> s, const std::vector<std::uint32_t>& group_of_shape,
-         std::vector<Instance> all, Queries queries)
+         std::vector<Instance> all)
       : shapes(std::move(s)) {
     if (group_of_shape.size() != shapes.size()) {
       throw std::invalid_argument("every shape needs a group");
@@ -81,7 +57,7 @@ struct Geometry::Embree {
     device = rtcNewDevice(kDeviceConfiguration);
     if (device == nullptr) throw std::runtime_error("Embree can't start: the processor needs AVX2");
     try {
-      build(group_of_shape, queries);
+      build(group_of_shape);
     } catch (...) {
       release();
       throw;
@@ -91,16 +67,11 @@ struct Geometry::Embree {
   Embree(const Embree&) = delete;
   Embree& operator=(const Embree&) = delete;
 
-  void build(const std::vector<std::uint32_t>& group_of_shape, Queries queries) {
+  void build(const std::vector<std::uint32_t>& group_of_shape) {
     scene = new_scene();
-    if (queries == Queries::kCrossings) {
-      rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
-    }
     for (unsigned i = 0; i < shapes.size(); ++i) {
       if (group_of_shape[i] == 0) {
-        if (queries == Queries::kNearest || std::holds_alternative<TriangleMesh>(shapes[i])) {
-          attach(scene, i, geometry_of(shapes[i], i));
-        }
+        attach(scene, i, geometry_of(shapes[i], i));
         continue;
       }
       Group& group = groups[group_of_shape[i]];
@@ -190,14 +161,13 @@ struct Geometry::Embree {
   RTCScene scene = nullptr;
 };
 
-Geometry::Geometry(std::vector<Shape> shapes, Queries queries) {
+Geometry::Geometry(std::vector<Shape> shapes) {
   std::vector<std::uint32_t> in_scene(shapes.size(), 0);
-  embree_ = std::make_unique<Embree>(std::move(shapes), in_scene, std::vector<Instance>{}, queries);
+  embree_ = std::make_unique<Embree>(std::move(shapes), in_scene, std::vector<Instance>{});
 }
 Geometry::Geometry(std::vector<Shape> shapes, std::vector<std::uint32_t> groups,
                    std::vector<Instance> instances)
-    : embree_(std::make_unique<Embree>(std::move(shapes), groups, std::move(instances),
-                                       Queries::kNearest)) {}
+    : embree_(std::make_unique<Embree>(std::move(shapes), groups, std::move(instances))) {}
 Geometry::~Geometry() = default;
 Geometry::Geometry(Geometry&&) noexcept = default;
 
@@ -240,15 +210,6 @@ SurfaceDetail Geometry::detail(const Hit& hit, float time) const {
   if (hit.instance == Hit::kNoInstance) return surface_detail(shape, nullptr, hit, time);
   const Placement placement = embree_->instances[hit.instance].placement(time);
   return surface_detail(shape, &placement, hit, time);
-}
-
-void Geometry::for_each_triangle_crossing(
-    const Ray& ray, const std::function<void(const TriangleCrossing&)>& visit) const {
-  CrossingContext context{{}, &visit};
-  rtcInitIntersectContext(&context.embree);
-  context.embree.filter = visit_crossing;
-  RTCRay query = embree_ray(ray, 0.0f);
-  rtcOccluded1(embree_->scene, &context.embree, &query);
 }
 
 std::span<const Shape> Geometry::shapes() const { return embree_->shapes; }

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -17,21 +16,10 @@
 
 namespace nocturne {
 
-/// A triangle on a half-line: its distance, and the cosine between its normal and the direction
-/// (absolute value).
-struct TriangleCrossing {
-  std::uint32_t shape;
-  float distance, cosine;
-};
-
 class Geometry {
  public:
-  /// What will be asked. Crossings cost every other query a check, so a tree answers them only
-  /// where it is built for it; it holds no spheres.
-  enum class Queries { kNearest, kCrossings };
-
   /// Shape i becomes surface i. Throws std::runtime_error where Embree can't build.
-  explicit Geometry(std::vector<Shape> shapes, Queries queries = Queries::kNearest);
+  explicit Geometry(std::vector<Shape> shapes);
   /// groups[i] is the group of shape i: 0 stands in the scene itself, all others are shown by
   /// instances only. Throws also std::invalid_argument: instances of group 0 or of an empty group,
   /// and what PlacedInstance says.
@@ -48,11 +36,6 @@ class Geometry {
 
   /// What is more to say about a hit, at the time at which it was found.
   SurfaceDetail detail(const Hit& hit, float time) const;
-
-  /// Needs Queries::kCrossings. Calls `visit` once for every triangle that the half-line meets, in
-  /// any order; at time 0.
-  void for_each_triangle_crossing(const Ray& ray,
-                                  const std::function<void(const TriangleCrossing&)>& visit) const;
 
   /// A sphere that holds everything, at all times.
   struct Ball {

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "surfaces/time_steps.h"
+#include "math/time_steps.h"
 
 namespace nocturne {
 namespace {

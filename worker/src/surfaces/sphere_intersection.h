@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "math/double3.h"
+#include "math/time_steps.h"
 #include "surfaces/shapes.h"
-#include "surfaces/time_steps.h"
 
 namespace nocturne {
 

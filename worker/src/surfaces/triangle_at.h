@@ -1,8 +1,8 @@
 // A triangle's corners, and what is interpolated between them, at one time.
 #pragma once
 
+#include "math/time_steps.h"
 #include "surfaces/shapes.h"
-#include "surfaces/time_steps.h"
 
 namespace nocturne {
 
@@ -10,18 +10,22 @@ struct Corners {
   Vec3 a, b, c;
 };
 
+/// Of a vertex of a mesh that moves; `values` as in corners_at.
+inline Vec3 vertex_at(const TriangleMesh& mesh, const std::vector<Vec3>& values,
+                      const TimeSegment& segment, std::size_t vertex) {
+  const std::size_t count = mesh.vertex_count(), first = segment.first * count;
+  const Vec3 from = values[first + vertex], to = values[first + count + vertex];
+  return (1.0f - segment.fraction) * from + segment.fraction * to;  // as Embree has it
+}
+
 /// From `values`, which hold a value for each vertex, time step by time step.
 inline Corners corners_at(const TriangleMesh& mesh, const std::vector<Vec3>& values,
                           std::uint32_t triangle, float time) {
   const auto& t = mesh.triangles[triangle];
   if (mesh.time_steps == 1) return {values[t[0]], values[t[1]], values[t[2]]};
   const TimeSegment segment = segment_at(time, mesh.time_steps);
-  const std::size_t count = mesh.vertex_count(), first = segment.first * count;
-  const auto between = [&](std::size_t vertex) {
-    const Vec3 from = values[first + vertex], to = values[first + count + vertex];
-    return (1.0f - segment.fraction) * from + segment.fraction * to;  // as Embree has it
-  };
-  return {between(t[0]), between(t[1]), between(t[2])};
+  return {vertex_at(mesh, values, segment, t[0]), vertex_at(mesh, values, segment, t[1]),
+          vertex_at(mesh, values, segment, t[2])};
 }
 
 }  // namespace nocturne

@@ -79,9 +79,9 @@ class Path {
       kernel_pdf_ = 0.0f;
       weight_ *= draw->factor[0] / survival;
     } else {
-      kernel_pdf_ = scene_.lights.empty() ? 0.0f : kernel.pdf(wo, draw->wi)[0];
       const float pdf = kernel.pdf(wo, draw->wi)[0];
       if (!(pdf > 0.0f)) return false;
+      kernel_pdf_ = scene_.lights.empty() ? 0.0f : pdf;
       weight_ *= kernel.value(wo, draw->wi)[0] / (pdf * survival);
     }
     const Vec3 direction = frame.to_world(draw->wi);
