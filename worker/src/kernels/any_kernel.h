@@ -9,13 +9,15 @@
 #include <vector>
 
 #include "kernels/blend.h"
+#include "kernels/phase.h"
 
 namespace nocturne {
 
 using AnyKernel = std::variant<Lambertian, DiffuseTransmitter, Conductor, Dielectric, ThinPane,
-                               CoatedDiffuse, Measured, Phong, Passage, Blend>;
+                               CoatedDiffuse, Measured, Phong, Passage, Blend, Phase>;
 
-/// Throws std::invalid_argument unless every blend has 1 to 8 parts that are there and no blends.
+/// Throws std::invalid_argument unless every blend has 1 to 8 parts that are there and that are
+/// surfaces' kernels, no blends.
 inline void check_blends(const std::vector<AnyKernel>& kernels) {
   for (const AnyKernel& kernel : kernels) {
     const Blend* blend = std::get_if<Blend>(&kernel);
@@ -28,6 +30,9 @@ inline void check_blends(const std::vector<AnyKernel>& kernels) {
         throw std::invalid_argument("a blend of a kernel that is not there");
       if (std::holds_alternative<Blend>(kernels[part.kernel])) {
         throw std::invalid_argument("a blend of a blend");
+      }
+      if (std::holds_alternative<Phase>(kernels[part.kernel])) {
+        throw std::invalid_argument("a blend of a phase function");
       }
     }
   }

@@ -136,7 +136,7 @@ struct Blend {
       if (!(weight > 0.0f)) continue;
       std::visit(
           [&](const auto& kernel) {
-            if constexpr (requires { kernel.bind(shading); })
+            if constexpr (requires { bound.add(weight, kernel.bind(shading)); })
               bound.add(weight, kernel.bind(shading));
           },
           kernels[part.kernel]);

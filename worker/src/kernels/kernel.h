@@ -1,4 +1,4 @@
-// What every kernel is: the way a surface (later a medium) scatters. A kernel is first bound to the
+// What every kernel is: the way a surface or a medium scatters. A kernel is first bound to the
 // wavelengths of a group of photons and a point, which evaluates its spectra once; the bound kernel
 // answers questions in the local frame, normal along +z on the side that the photon came from, with
 // `wo` where it came from and `wi` where it goes, both unit, pointing away from the surface, wo.z >

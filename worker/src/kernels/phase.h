@@ -1,0 +1,80 @@
+// How a medium scatters: albedo times a phase function, a density over directions that depends only
+// on the angle by which a photon is turned. There is no surface: nothing but that angle matters,
+// and what goes on and what goes back are the same to it.
+#pragma once
+
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include "kernels/henyey_greenstein.h"
+#include "kernels/kernel.h"
+#include "kernels/rayleigh_phase.h"
+#include "kernels/tabulated_phase.h"
+#include "spectrum/spectrum.h"
+
+namespace nocturne {
+
+template <int N>
+class BoundPhase {
+ public:
+  using Shape = std::variant<HenyeyGreenstein, DoubleHenyeyGreenstein, BoundRayleigh<N>,
+                             BoundTabulatedPhase<N>>;
+
+  BoundPhase(const Spectral<N>& albedo, Shape shape) : albedo_(albedo), shape_(std::move(shape)) {}
+
+  Spectral<N> albedo(Vec3) const { return albedo_; }
+  Spectral<N> value(Vec3 wo, Vec3 wi) const {
+    const auto angle = ScatteringAngle::between(wo, wi);
+    return albedo_ *
+           std::visit([&](const auto& s) { return Spectral<N>(s.density(angle)); }, shape_);
+  }
+  /// From the mean over the group's photons of their densities: no photon goes its own way.
+  std::optional<Draw<N>> sample(Vec3 wo, const KernelNumbers& numbers, std::size_t) const {
+    const auto angle = std::visit([&](const auto& s) { return s.sample(numbers); }, shape_);
+    return Draw<N>{.wi = angle.direction(wo, numbers.v)};
+  }
+  Spectral<N> pdf(Vec3 wo, Vec3 wi) const {
+    const auto angle = ScatteringAngle::between(wo, wi);
+    return std::visit(
+        [&](const auto& s) {
+          if constexpr (requires { s.mean_density(angle); }) {
+            return s.mean_density(angle);
+          } else {
+            return s.density(angle);
+          }
+        },
+        shape_);
+  }
+  static constexpr bool smooth() { return true; }
+  static constexpr bool transmits() { return true; }
+
+ private:
+  Spectral<N> albedo_;
+  Shape shape_;
+};
+static_assert(BoundKernel<BoundPhase<1>, 1> && BoundKernel<BoundPhase<4>, 4> &&
+              BoundKernel<BoundPhase<8>, 8>);
+
+struct Phase {
+  /// Not negative, in a common unit.
+  Spectrum absorption, scattering;
+  std::variant<HenyeyGreenstein, DoubleHenyeyGreenstein, RayleighPhase, TabulatedPhase> shape;
+
+  template <int N>
+  BoundPhase<N> bind(const Shading<N>& shading) const& {
+    const Spectral<N> albedo =
+        each([](float a, float s) { return s > 0.0f ? s / (a + s) : 0.0f; },
+             absorption(shading.wavelengths), scattering(shading.wavelengths));
+    return {albedo, std::visit(
+                        [&](const auto& s) {
+                          return typename BoundPhase<N>::Shape(s.bind(shading.wavelengths));
+                        },
+                        shape)};
+  }
+  /// What is bound may point into the table.
+  template <int N>
+  BoundPhase<N> bind(const Shading<N>&) const&& = delete;
+};
+
+}  // namespace nocturne

@@ -1,0 +1,111 @@
+// A phase function given by numbers, such as that of droplets from Mie's theory: linear between
+// wavelengths and between cosines of the scattering angle.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "kernels/kernel.h"
+#include "kernels/scattering_angle.h"
+
+namespace nocturne {
+
+class TabulatedPhase;
+
+template <int N>
+struct BoundTabulatedPhase {
+  /// Rows `low` and low + 1, `fraction` of the way.
+  struct Rows {
+    std::size_t low;
+    float fraction;
+  };
+  const TabulatedPhase* table;
+  std::array<Rows, N> rows;
+
+  Spectral<N> density(const ScatteringAngle& angle) const;
+  float mean_density(const ScatteringAngle& angle) const {
+    return sum(density(angle)) / static_cast<float>(N);
+  }
+  /// A photon's row by chance, then by inversion.
+  ScatteringAngle sample(const KernelNumbers& numbers) const;
+};
+
+class TabulatedPhase {
+ public:
+  static constexpr std::size_t kMostWavelengths = 10'000, kMostCosines = 100'000,
+                               kMostValues = 10'000'000;
+
+  /// A place between two cosines.
+  struct Place {
+    std::size_t cell;
+    float fraction;
+  };
+
+  /// `wavelengths`: nm, increasing; the first and last hold outside. `cosines`: increasing from -1
+  /// to 1. `values`: by wavelength, then cosine; not negative, not all zero in a row; any unit, as
+  /// each row is normalised. Throws std::invalid_argument.
+  TabulatedPhase(const std::vector<double>& wavelengths, std::vector<double> cosines,
+                 std::vector<float> values);
+
+  template <int N>
+  BoundTabulatedPhase<N> bind(const Spectral<N>& wavelengths_nm) const& {
+    BoundTabulatedPhase<N> bound;
+    bound.table = this;
+    for (std::size_t i = 0; i < N; ++i) {
+      const auto [low, fraction] = rows_at(wavelengths_nm[i]);
+      bound.rows[i] = {low, fraction};
+    }
+    return bound;
+  }
+  /// What is bound points into the table.
+  template <int N>
+  BoundTabulatedPhase<N> bind(const Spectral<N>&) const&& = delete;
+
+  Place place(double cosine) const;
+  /// Of one wavelength's row, 1/sr.
+  float density(std::size_t row, const Place& at) const {
+    const float* value = &values_[row * cosines_.size() + at.cell];
+    return value[0] + at.fraction * (value[1] - value[0]);
+  }
+  /// A cosine by inversion of a row's cumulative distribution.
+  double sample(std::size_t row, float u) const;
+
+ private:
+  struct RowsAt {
+    std::size_t low;
+    float fraction;
+  };
+  RowsAt rows_at(float wavelength_nm) const;
+
+  std::vector<float> wavelengths_;
+  // In double precision: large droplets want knots closer than single precision has numbers.
+  std::vector<double> cosines_;
+  // 1/sr, by row.
+  std::vector<float> values_;
+  // Probability below each cosine but the first, by row.
+  std::vector<double> cumulative_;
+};
+
+template <int N>
+Spectral<N> BoundTabulatedPhase<N>::density(const ScatteringAngle& angle) const {
+  const TabulatedPhase::Place at = table->place(angle.cosine());
+  Spectral<N> r;
+  for (std::size_t i = 0; i < N; ++i) {
+    const auto& [low, fraction] = rows[i];
+    r[i] = table->density(low, at);
+    if (fraction > 0.0f) r[i] += fraction * (table->density(low + 1, at) - r[i]);
+  }
+  return r;
+}
+
+template <int N>
+ScatteringAngle BoundTabulatedPhase<N>::sample(const KernelNumbers& numbers) const {
+  const float position = numbers.part * static_cast<float>(N);
+  const auto photon = static_cast<std::size_t>(position);
+  const auto& [low, fraction] = rows[photon];
+  const bool high = position - static_cast<float>(photon) < fraction;
+  return ScatteringAngle::from_cosine(table->sample(high ? low + 1 : low, numbers.u));
+}
+
+}  // namespace nocturne
