@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <stdexcept>
+#include <vector>
 
 #include "nocturne/v1/scene.pb.h"
 #include "scene/load_scene.h"
@@ -81,6 +82,45 @@ class SceneBuilder {
     add_quad(albedo, radiance, {-1, 1, -1}, {2, 0, 0}, {0, 0, 2});
   }
 
+  /// Coefficients are indices of spectra, 1/m.
+  std::uint32_t add_medium(std::uint32_t absorption, std::uint32_t scattering, double g) {
+    auto& medium = *message.add_media();
+    medium.set_absorption(absorption);
+    medium.set_scattering(scattering);
+    medium.set_constant(1.0);
+    medium.mutable_phase()->mutable_henyey_greenstein()->set_g(g);
+    return static_cast<std::uint32_t>(message.media_size()) - 1;
+  }
+
+  void add_matched_sphere(Vec3 centre, double radius, const std::vector<std::uint32_t>& media) {
+    auto& sphere = *add_boundary(add_matched(media)).mutable_sphere();
+    set(*sphere.mutable_centre(), centre);
+    sphere.set_radius(radius);
+  }
+
+  void add_matched_box(Vec3 low, Vec3 high, const std::vector<std::uint32_t>& media) {
+    add_box(low, high,
+            [this, body = add_matched(media)]() -> v1::Surface& { return add_boundary(body); });
+  }
+
+  void add_unbounded(const std::vector<std::uint32_t>& media) {
+    message.add_unbounded_interiors(add_matched(media));
+  }
+
+  void add_glass_box(Vec3 low, Vec3 high, float index) {
+    message.add_interiors()->set_index(add_spectrum(index));
+    const auto body = static_cast<std::uint32_t>(message.interiors_size()) - 1;
+    add_box(low, high, [this, body]() -> v1::Surface& {
+      auto& surface = *message.add_surfaces();
+      surface.set_kernel(static_cast<std::uint32_t>(message.kernels_size()));
+      auto& roughness = *message.add_kernels()->mutable_dielectric()->mutable_roughness();
+      roughness.mutable_alpha_u()->set_constant(0.0);
+      roughness.mutable_alpha_v()->set_constant(0.0);
+      surface.set_interior(body);
+      return surface;
+    });
+  }
+
   /// Points the sensor at a target that is not above or below it.
   void look(Vec3 from, Vec3 at, double field_of_view) {
     const Vec3 forward = normalized(at - from);
@@ -105,9 +145,54 @@ class SceneBuilder {
     to.set_z(v.z);
   }
 
+  /// Linear over the response.
+  std::uint32_t add_ramp(float first, float last) {
+    auto& spectrum = *message.add_spectra();
+    spectrum.set_first_nm(500);
+    spectrum.set_step_nm(100);
+    spectrum.add_values(first);
+    spectrum.add_values(last);
+    return static_cast<std::uint32_t>(message.spectra_size()) - 1;
+  }
+
   std::uint32_t add_spectrum(float value) {
     message.add_spectra()->add_values(value);
     return static_cast<std::uint32_t>(message.spectra_size()) - 1;
+  }
+
+ private:
+  std::uint32_t add_matched(const std::vector<std::uint32_t>& media) {
+    auto& interior = *message.add_interiors();
+    interior.set_matched(true);
+    for (const std::uint32_t medium : media) interior.add_media(medium);
+    return static_cast<std::uint32_t>(message.interiors_size()) - 1;
+  }
+
+  v1::Surface& add_boundary(std::uint32_t body) {
+    auto& surface = *message.add_surfaces();
+    surface.set_kernel(static_cast<std::uint32_t>(message.kernels_size()));
+    message.add_kernels()->mutable_passage();
+    surface.set_interior(body);
+    return surface;
+  }
+
+  /// Six quads whose normals point out; `add` makes their surface.
+  template <class Add>
+  static void add_box(Vec3 low, Vec3 high, const Add& add) {
+    const Vec3 size = high - low;
+    const Vec3 x{size.x, 0, 0}, y{0, size.y, 0}, z{0, 0, size.z};
+    const auto quad = [&](Vec3 corner, Vec3 u, Vec3 v) {
+      auto& q = *add().mutable_quad();
+      set(*q.mutable_corner(), corner);
+      set(*q.mutable_edge_u(), u);
+      set(*q.mutable_edge_v(), v);
+    };
+    quad(low, y, x);
+    quad(low, z, y);
+    quad(low, x, z);
+    quad(low + z, x, y);
+    quad(low + x, y, z);
+    quad(low + y, z, x);
   }
 };
 

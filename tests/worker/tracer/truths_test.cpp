@@ -4,39 +4,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "support/estimates.h"
 #include "support/scene_builder.h"
 #include "tracer/trace_tile.h"
 
 namespace nocturne {
 namespace {
 
+using test::expect_all_pixels;
 using test::kResponseIntegral;
-
-struct PixelEstimate {
-  double y, standard_error;
-};
-
-PixelEstimate estimate(const TileSums& tile, std::size_t pixel, double n) {
-  const double* sums = &tile.sums[tile.channels * pixel];
-  const double variance = (sums[3] - sums[1] * sums[1] / n) / (n * (n - 1.0));
-  return {sums[1] / n, std::sqrt(std::max(0.0, variance))};
-}
-
-// Every pixel within z standard errors and the rounding of single precision chains (1e-5 of the
-// truth), and the mean of all pixels within 4: 256 pixels at 4.4 and one mean give one false alarm
-// in 350 for independent samples, where seeds are fixed; stratified ones do better.
-void expect_all_pixels(const TileSums& tile, double n, double truth) {
-  const std::size_t pixels = tile.sums.size() / tile.channels;
-  double mean = 0.0, variance = 0.0;
-  for (std::size_t i = 0; i < pixels; ++i) {
-    const PixelEstimate e = estimate(tile, i, n);
-    ASSERT_NEAR(e.y, truth, 4.4 * e.standard_error + 1e-5 * truth) << "pixel " << i;
-    mean += e.y / static_cast<double>(pixels);
-    variance += e.standard_error * e.standard_error;
-  }
-  EXPECT_NEAR(mean, truth, 4.0 * std::sqrt(variance) / static_cast<double>(pixels) + 1e-5 * truth);
-  EXPECT_EQ(tile.rejected, 0u);
-}
 
 struct Variant {
   const char* name;

@@ -1,27 +1,34 @@
-// The dielectric bodies that a photon is inside of. Where bodies overlap, the one with the highest
+// The bodies that a photon is inside of. Where dielectric bodies overlap, the one with the highest
 // priority is there, and boundaries of others are not seen: a liquid may reach into its glass.
 // Schmidt and Budge, "Simple nested dielectrics in ray traced images", J. Graphics Tools 7(2),
-// 2002.
+// 2002. Matched bodies, such as a bank of fog, overlap each other freely; a dielectric keeps out
+// those of no higher priority.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "spectrum/spectrum.h"
 
 namespace nocturne {
 
-/// The inside of a dielectric body.
+/// The inside of a body.
 struct Interior {
-  /// Of refraction.
+  /// Of refraction; not looked at where matched.
   Spectrum index;
   /// 1/m; not looked at where the body is clear.
   Spectrum absorption;
   bool absorbs;
   /// Where bodies overlap, the one with the highest is there.
   std::int32_t priority;
+  /// Has the index of what is around it.
+  bool matched = false;
+  /// That fill it: indices into the scene's list.
+  std::vector<std::uint32_t> media = {};
 };
 
 class InteriorList {
@@ -33,15 +40,35 @@ class InteriorList {
 
   bool empty() const { return count_ == 0; }
 
-  /// The body that is there: highest priority, of equals the one entered first.
+  /// In the same order.
+  friend bool operator==(const InteriorList& a, const InteriorList& b) {
+    return std::ranges::equal(std::span(a.body_).first(a.count_),
+                              std::span(b.body_).first(b.count_));
+  }
+
+  /// The dielectric body that is there: highest priority, of equals the one entered first.
   std::uint32_t current(std::span<const Interior> interiors) const {
     std::uint32_t best = kOutside;
     for (std::size_t i = 0; i < count_; ++i) {
-      if (best == kOutside || interiors[body_[i]].priority > interiors[best].priority) {
-        best = body_[i];
-      }
+      const Interior& body = interiors[body_[i]];
+      if (body.matched) continue;
+      if (best == kOutside || body.priority > interiors[best].priority) best = body_[i];
     }
     return best;
+  }
+
+  /// f(interior) for every body that is there: the dielectric, and the matched ones that it does
+  /// not keep out.
+  template <class F>
+  void for_each_present(std::span<const Interior> interiors, const F& f) const {
+    const std::uint32_t dielectric = current(interiors);
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Interior& body = interiors[body_[i]];
+      const bool there =
+          body.matched ? dielectric == kOutside || body.priority > interiors[dielectric].priority
+                       : body_[i] == dielectric;
+      if (there) f(body);
+    }
   }
 
   void enter(std::uint32_t body) {
@@ -78,7 +105,7 @@ inline Boundary cross_boundary(const InteriorList& inside, std::span<const Inter
     boundary.beyond.enter(body);
   } else {
     // A photon that leaves what it never entered started inside, in an open shape.
-    if (boundary.from == InteriorList::kOutside) boundary.from = body;
+    if (boundary.from == InteriorList::kOutside && !interiors[body].matched) boundary.from = body;
     boundary.beyond.leave(body);
   }
   boundary.to = boundary.beyond.current(interiors);

@@ -263,7 +263,8 @@ PhotonEmitter load_emitter(const std::vector<Luminaire>& luminaires, const Light
 std::vector<InteriorList> load_luminaires_inside(const std::vector<Luminaire>& luminaires,
                                                  const Geometry& geometry,
                                                  const std::vector<std::uint32_t>& groups,
-                                                 const std::vector<SurfaceMaterial>& materials) {
+                                                 const std::vector<SurfaceMaterial>& materials,
+                                                 const InteriorList& everywhere) {
   std::vector<InteriorList> inside;
   for (const Luminaire& luminaire : luminaires) {
     const Shape& shape = geometry.shapes()[luminaire.surface];
@@ -287,7 +288,7 @@ std::vector<InteriorList> load_luminaires_inside(const std::vector<Luminaire>& l
             {static_cast<float>(s.x), static_cast<float>(s.y), static_cast<float>(s.z + s.radius)});
       }
       list = bodies_around(point + 1e-5f * std::max(max_abs(point), 1e-3f) * normal, geometry,
-                           materials);
+                           materials, everywhere);
     });
     inside.push_back(list);
   }

@@ -26,6 +26,7 @@ PhotonEmitter load_emitter(const std::vector<Luminaire>& luminaires, const Light
 std::vector<InteriorList> load_luminaires_inside(const std::vector<Luminaire>& luminaires,
                                                  const Geometry& geometry,
                                                  const std::vector<std::uint32_t>& groups,
-                                                 const std::vector<SurfaceMaterial>& materials);
+                                                 const std::vector<SurfaceMaterial>& materials,
+                                                 const InteriorList& everywhere);
 
 }  // namespace nocturne

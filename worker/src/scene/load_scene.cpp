@@ -1,11 +1,13 @@
 #include "scene/load_scene.h"
 
+#include <limits>
 #include <numbers>
 
 #include "digest/sha256.h"
 #include "scene/load_context.h"
 #include "scene/load_kernels.h"
 #include "scene/load_lights.h"
+#include "scene/load_media.h"
 #include "scene/load_sensor.h"
 #include "scene/load_surfaces.h"
 #include "scene/load_textures.h"
@@ -14,8 +16,6 @@ namespace nocturne {
 namespace {
 
 constexpr std::uint32_t kFormat = 2;
-// A photon costs at most this many rays; the scene compiler allows no more either.
-constexpr std::uint32_t kMostDepth = 100'000;
 // Of one spectrum, so that a scene's size says how much work it makes.
 constexpr int kMostLines = 10'000;
 
@@ -91,8 +91,6 @@ Estimator load_estimator(const v1::Tracing& t) {
 
 TracingOptions load_tracing(const v1::Tracing& t, bool no_lights) {
   require(t.h() > 0.0 && std::isfinite(t.h()), "h is not positive");
-  require(t.maximum_depth() >= 1 && t.maximum_depth() <= kMostDepth,
-          "a maximum depth outside [1, 100000]");
   require(
       t.sequence() == v1::SAMPLE_SEQUENCE_SOBOL || t.sequence() == v1::SAMPLE_SEQUENCE_INDEPENDENT,
       "a sample sequence that this program doesn't know");
@@ -108,7 +106,7 @@ TracingOptions load_tracing(const v1::Tracing& t, bool no_lights) {
       static_cast<float>(t.h()),
       t.roulette() == v1::ROULETTE_WEIGHT,
       t.roulette_after(),
-      t.maximum_depth(),
+      t.maximum_depth() == 0 ? std::numeric_limits<std::uint32_t>::max() : t.maximum_depth(),
       load_mixture(t, no_lights),
       load_estimator(t),
       t.split_vertices(),
@@ -139,27 +137,32 @@ std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message,
   auto kernels = load_kernels(context);
   LoadedShapes loaded = load_shapes(context);
   auto materials = load_materials(context, kernels, loaded.shapes);
+  const InteriorList everywhere = load_unbounded(context);
   return checked([&] {
     Geometry geometry(std::move(loaded.shapes), loaded.groups, std::move(loaded.instances));
     auto luminaires = load_luminaires(context, geometry, materials);
+    auto media = load_media(context, kernels, materials);
     auto lights = load_light_directions(context, luminaires, geometry, loaded.groups);
     const TracingOptions options = load_tracing(message.tracing(), lights.empty());
     auto sensor = load_sensor(message.sensor());
     const InteriorList sensor_inside =
-        bodies_around(sensor_start(message.sensor()), geometry, materials);
+        bodies_around(sensor_start(message.sensor()), geometry, materials, everywhere);
     PhotonEmitter emitter;
     std::vector<InteriorList> luminaires_inside;
     if (options.forward) {
       require(sensor.receives_segments() || sensor.receives_escapes(),
               "forward photons need a plane or an intensity sensor");
+      // What a sensor on the way counts must not depend on where photons beyond it went.
+      require(media.empty() || options.group == 1, "forward photons in groups through media");
       emitter = load_emitter(luminaires, lights, geometry, loaded.groups);
-      luminaires_inside = load_luminaires_inside(luminaires, geometry, loaded.groups, materials);
+      luminaires_inside =
+          load_luminaires_inside(luminaires, geometry, loaded.groups, materials, everywhere);
     }
     return std::shared_ptr<const Scene>(new Scene{
         std::move(geometry), std::move(materials), std::move(kernels), load_interiors(context),
-        load_reliefs(context), std::move(luminaires), std::move(lights), std::move(emitter),
-        std::move(sensor), load_wavelengths(message.sensor()), options, sensor_inside,
-        std::move(luminaires_inside)});
+        std::move(media), load_reliefs(context), std::move(luminaires), std::move(lights),
+        std::move(emitter), std::move(sensor), load_wavelengths(message.sensor()), options,
+        sensor_inside, std::move(luminaires_inside)});
   });
 }
 

@@ -80,17 +80,40 @@ LoadedShapes load_shapes(const LoadContext& context) {
 }
 
 std::vector<Interior> load_interiors(const LoadContext& context) {
-  require(context.message.interiors_size() <= static_cast<int>(InteriorList::kMostBodies),
+  const auto& message = context.message;
+  require(message.interiors_size() <= static_cast<int>(InteriorList::kMostBodies),
           "more interiors than 65535");
   std::vector<Interior> interiors;
-  for (const auto& interior : context.message.interiors()) {
-    const Spectrum& index = context.spectrum(interior.index());
-    require(index.least() >= 1e-3f, "an index of refraction below 0.001");
+  for (const auto& interior : message.interiors()) {
     const bool absorbs = interior.has_absorption();
-    interiors.push_back({index, absorbs ? context.spectrum(interior.absorption()) : Spectrum(0.0f),
-                         absorbs, interior.priority()});
+    interiors.push_back({interior.matched() ? Spectrum(1.0f) : context.spectrum(interior.index()),
+                         absorbs ? context.spectrum(interior.absorption()) : Spectrum(0.0f),
+                         absorbs,
+                         interior.priority(),
+                         interior.matched(),
+                         {interior.media().begin(), interior.media().end()}});
+    require(interiors.back().index.least() >= 1e-3f, "an index of refraction below 0.001");
+    for (const std::uint32_t medium : interiors.back().media) {
+      require(medium < static_cast<std::uint32_t>(message.media_size()),
+              "a medium index out of range");
+    }
   }
   return interiors;
+}
+
+InteriorList load_unbounded(const LoadContext& context) {
+  const auto& message = context.message;
+  require(message.unbounded_interiors_size() <= static_cast<int>(InteriorList::kMost),
+          "more than 7 unbounded interiors");
+  InteriorList everywhere;
+  for (const std::uint32_t body : message.unbounded_interiors()) {
+    require(body < static_cast<std::uint32_t>(message.interiors_size()),
+            "an unbounded interior out of range");
+    require(message.interiors(static_cast<int>(body)).matched(),
+            "an unbounded interior that is a dielectric");
+    everywhere.enter(body);
+  }
+  return everywhere;
 }
 
 std::vector<Relief> load_reliefs(const LoadContext& context) {
@@ -122,6 +145,10 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
       material.interior = surface.interior();
     }
     if (surface.has_normal_map() || surface.has_bump_map()) material.relief = reliefs++;
+    material.unseen = surface.has_interior() &&
+                      context.message.interiors(static_cast<int>(surface.interior())).matched() &&
+                      std::holds_alternative<Passage>(kernels[material.front_kernel]) &&
+                      std::holds_alternative<Passage>(kernels[material.back_kernel]);
     material.may_be_clear =
         may_be_clear(kernels, material.front_kernel) || may_be_clear(kernels, material.back_kernel);
     const auto* mesh = std::get_if<TriangleMesh>(&shapes[materials.size()]);
@@ -135,7 +162,8 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
 }
 
 InteriorList bodies_around(Vec3 position, const Geometry& geometry,
-                           const std::vector<SurfaceMaterial>& materials) {
+                           const std::vector<SurfaceMaterial>& materials,
+                           const InteriorList& everywhere) {
   constexpr int kMostSurfaces = 10'000;
   // No axis, no diagonal: few scenes have edges there.
   Ray ray{position, normalized(Vec3{0.5317f, 0.7621f, 0.3694f})};
@@ -154,7 +182,7 @@ InteriorList bodies_around(Vec3 position, const Geometry& geometry,
       left.push_back(body);
     }
   }
-  InteriorList inside;
+  InteriorList inside = everywhere;
   std::ranges::for_each(left.rbegin(), left.rend(), [&](std::uint32_t b) { inside.enter(b); });
   return inside;
 }

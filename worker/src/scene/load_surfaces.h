@@ -23,6 +23,8 @@ TriangleMesh load_quad(const v1::Quad& message);
 Sphere load_sphere(const v1::Sphere& message);
 
 std::vector<Interior> load_interiors(const LoadContext& context);
+/// The bodies that all of space is inside of.
+InteriorList load_unbounded(const LoadContext& context);
 std::vector<Relief> load_reliefs(const LoadContext& context);
 
 /// By surface. Luminaires are set by their own loader.
@@ -30,8 +32,10 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
                                             const std::vector<AnyKernel>& kernels,
                                             const std::vector<Shape>& shapes);
 
-/// The bodies around a point, found by leaving them along a straight line.
+/// The bodies around a point: those that are everywhere, and those that a straight line from it
+/// leaves.
 InteriorList bodies_around(Vec3 position, const Geometry& geometry,
-                           const std::vector<SurfaceMaterial>& materials);
+                           const std::vector<SurfaceMaterial>& materials,
+                           const InteriorList& everywhere);
 
 }  // namespace nocturne

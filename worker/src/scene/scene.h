@@ -9,6 +9,7 @@
 #include "luminaires/light_directions.h"
 #include "luminaires/luminaire.h"
 #include "luminaires/photon_emitter.h"
+#include "media/medium.h"
 #include "sampling/sequence.h"
 #include "scene/interior_list.h"
 #include "scene/relief.h"
@@ -19,7 +20,8 @@
 
 namespace nocturne {
 
-/// What a surface is made of: indices into the scene's lists, or kNone.
+/// What a surface, or a medium where it is hit, is made of: indices into the scene's lists, or
+/// kNone.
 struct SurfaceMaterial {
   static constexpr std::uint32_t kNone = ~0u;
   /// For photons from the side that the normal points to, and from the other.
@@ -29,15 +31,19 @@ struct SurfaceMaterial {
   std::uint32_t relief = kNone;
   /// Photons may pass or be mirrored without being spread.
   bool may_be_clear = false;
+  /// Bounds a matched body and does nothing else.
+  bool unseen = false;
   /// Something depends on texture coordinates, tangents or shading normals.
   bool needs_detail = false;
 };
 
 struct Scene {
   Geometry geometry;
-  std::vector<SurfaceMaterial> materials;  // by surface
+  /// By surface; then by medium, as a hit on a medium is one on a surface of its own.
+  std::vector<SurfaceMaterial> materials;
   std::vector<AnyKernel> kernels;
   std::vector<Interior> interiors;
+  std::vector<Medium> media;
   std::vector<Relief> reliefs;
   std::vector<Luminaire> luminaires;
   LightDirections lights;
@@ -76,15 +82,23 @@ struct Scene {
     return radiance;
   }
 
-  /// What is left after `distance` metres in the body that is there (Beer, Lambert, Bouguer).
+  std::uint32_t surface_of(std::size_t medium) const {
+    return static_cast<std::uint32_t>(materials.size() - media.size() + medium);
+  }
+  bool is_medium(std::uint32_t surface) const { return surface >= surface_of(0); }
+
+  /// What is left after `distance` metres in the bodies that are there (Beer, Lambert, Bouguer);
+  /// their media are not part of it.
   template <int N>
   Spectral<N> transmittance(const InteriorList& inside, float distance,
                             const Spectral<N>& wavelengths_nm) const {
-    if (inside.empty()) return 1.0f;
-    const Interior& body = interiors[inside.current(interiors)];
-    if (!body.absorbs) return 1.0f;
-    return each([distance](float a) { return std::exp(-a * distance); },
-                body.absorption(wavelengths_nm));
+    Spectral<N> left = 1.0f;
+    inside.for_each_present(interiors, [&](const Interior& body) {
+      if (!body.absorbs) return;
+      left *= each([distance](float a) { return std::exp(-a * distance); },
+                   body.absorption(wavelengths_nm));
+    });
+    return left;
   }
 };
 

@@ -24,6 +24,10 @@ enum class Estimator {
 
 struct TracingOptions {
   static constexpr std::uint32_t kMostSplitVertices = 8;
+  /// A photon caught in clear glass never ends by itself. After so many surfaces it survives each
+  /// further one with this probability, and carries as much more: no bias, whatever the depth.
+  static constexpr std::uint32_t kManyBounces = 1000;
+  static constexpr float kSurvivalOfMany = 0.99f;
 
   /// A photon survives a vertex with probability min(1, H h), times its weight inside the minimum
   /// where roulette_by_weight says so.
@@ -31,7 +35,7 @@ struct TracingOptions {
   bool roulette_by_weight;
   /// Vertices before roulette starts.
   std::uint32_t roulette_after;
-  /// Surface interactions after which it is absorbed.
+  /// Interactions after which it is absorbed.
   std::uint32_t maximum_depth;
   MixtureWeights mixture;
   Estimator estimator;

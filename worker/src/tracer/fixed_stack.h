@@ -14,6 +14,11 @@ class FixedStack {
 
  public:
   std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  const T& operator[](std::size_t i) const {
+    return *std::launder(reinterpret_cast<const T*>(&storage_[i * sizeof(T)]));
+  }
+  void clear() { size_ = 0; }
   void push(const T& value) { new (&storage_[size_++ * sizeof(T)]) T(value); }
   T pop() { return *std::launder(reinterpret_cast<T*>(&storage_[--size_ * sizeof(T)])); }
 

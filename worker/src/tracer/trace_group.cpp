@@ -24,6 +24,11 @@ class LightCounter {
                                 wavelengths_));
   }
 
+  // No photon towards lights could have counted it.
+  void glows(const Group<N>& group, const Spectral<N>& radiance) {
+    radiance_ += group.weight * radiance;
+  }
+
   const Spectral<N>& radiance() const { return radiance_; }
 
  private:

@@ -29,8 +29,8 @@ struct Vertex {
   Vec3 to_world(Vec3 direction) const { return frame.to_world(direction); }
 };
 
-/// Indices of refraction before and behind the boundary of a body; false where it is not seen,
-/// because it lies inside a body of higher priority.
+/// Indices of refraction before and behind the boundary of a body; false where they are the same,
+/// because it lies inside a body of higher priority or is matched.
 template <int N>
 bool enter_boundary(const Scene& scene, std::uint32_t body, bool front, Vertex<N>& vertex) {
   const Boundary boundary = cross_boundary(vertex.beyond, scene.interiors, body, front);
@@ -80,7 +80,7 @@ std::optional<Vertex<N>> make_vertex(const Scene& scene, const Hit& hit, const G
                    .beyond = group.inside};
   if (material.interior != SurfaceMaterial::kNone &&
       !enter_boundary(scene, material.interior, front, vertex)) {
-    return std::nullopt;
+    if (material.unseen || !scene.interiors[material.interior].matched) return std::nullopt;
   }
   if (material.needs_detail) look_closer(scene, material, group, time, front, vertex);
   vertex.wo = vertex.frame.to_local(-group.ray.direction);

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "tracer/fixed_stack.h"
+#include "tracer/free_flight.h"
 #include "tracer/group.h"
 #include "tracer/vertex.h"
 
@@ -34,7 +35,8 @@ struct Start {
 /// and so every decision that does not depend on the wavelength; where one differs they part.
 ///
 /// Counter has kTransport; flies(group, hit), called for every ray with the nearest hit or none,
-/// before the medium on the way absorbs; and arrives(group, hit), called after.
+/// before the body on the way absorbs; arrives(group, hit), called after; and glows(group,
+/// radiance), called where a medium that is hit emits.
 template <int N, class Counter>
 class Walk {
  public:
@@ -44,7 +46,8 @@ class Walk {
         wavelengths_(start.wavelengths),
         time_(start.time),
         spread_(start.spread),
-        counter_(counter) {}
+        counter_(counter),
+        flight_(scene, start.wavelengths) {}
 
   /// Returns the number of rays cast.
   std::uint32_t run(const Start<N>& start, const PhotonSequence& sequence) {
@@ -52,6 +55,7 @@ class Walk {
                    .weight = 1.0f,
                    .inside = start.inside,
                    .depth = 0,
+                   .bounces = 0,
                    .width = start.width,
                    .share = {},
                    .sequence = sequence};
@@ -89,12 +93,26 @@ class Walk {
     });
   }
 
+  // The nearest of surfaces and media; none where the group leaves the scene.
+  std::optional<Hit> nearest(Group<N>& group) {
+    ++rays_;
+    auto hit = scene_.geometry.intersect(group.ray, time_);
+    if (scene_.media.empty() || group.inside.empty()) return hit;
+    if (!flight_.enter(group.inside)) return hit;
+    const float end = hit ? hit->distance : std::numeric_limits<float>::max();
+    if (group.share.how == Shared::kTowardsLights) {
+      flight_.pass(group, end);
+      return hit;
+    }
+    const auto collision = flight_.collide(group, end);
+    return collision ? collision : hit;
+  }
+
   // The nearest surface that is seen; empty where the group leaves the scene or has gone deep
   // enough. What the counter looks for on the way is counted.
   std::optional<Vertex<N>> next_vertex(Group<N>& group) {
     for (;;) {
-      ++rays_;
-      const auto hit = scene_.geometry.intersect(group.ray, time_);
+      const auto hit = nearest(group);
       counter_.flies(group, hit);
       if (!hit) return std::nullopt;
       if (!group.inside.empty()) {
@@ -106,6 +124,7 @@ class Walk {
       auto vertex = make_vertex(scene_, *hit, group, wavelengths_, time_, Counter::kTransport);
       if (vertex) {
         ++group.depth;
+        if (!scene_.is_medium(hit->surface)) ++group.bounces;
         return vertex;
       }
       pass_unseen(group, *hit);
@@ -120,7 +139,9 @@ class Walk {
   // Inside a body radiance is n^2 times what it is outside, and the photon's weight as much less:
   // it is worth what it will be outside.
   Spectral<N> square_of_index(const InteriorList& inside) const {
-    const Spectral<N> n = scene_.interiors[inside.current(scene_.interiors)].index(wavelengths_);
+    const std::uint32_t body = inside.current(scene_.interiors);
+    if (body == InteriorList::kOutside) return 1.0f;
+    const Spectral<N> n = scene_.interiors[body].index(wavelengths_);
     return n * n;
   }
 
@@ -130,6 +151,13 @@ class Walk {
                                   scene_.materials[hit.surface].interior, entering)
                        .beyond;
     group.ray.origin = leave_surface(hit, group.ray.direction);
+  }
+
+  // From within glass no light lies where it seems to. A surface that spreads light in there may
+  // still stand before one in the same glass; a medium has too many vertices to try at each.
+  bool may_see_lights(const Group<N>& group, const Vertex<N>& vertex) const {
+    return !scene_.is_medium(vertex.hit.surface) ||
+           group.inside.current(scene_.interiors) == InteriorList::kOutside;
   }
 
   template <class Kernel>
@@ -146,10 +174,13 @@ class Walk {
                                                          ? albedo * group.weight
                                                          : only(albedo, alive(group.weight))));
     }
+    if (group.bounces > TracingOptions::kManyBounces) {
+      survival = std::min(survival, TracingOptions::kSurvivalOfMany);
+    }
     const KernelNumbers numbers{u[3], u[0], u[1]};
     if constexpr (kAdjoint) {
-      const bool two_photons =
-          options_.estimator == Estimator::kTwoPhotons && kernel.smooth() && !scene_.lights.empty();
+      const bool two_photons = options_.estimator == Estimator::kTwoPhotons && kernel.smooth() &&
+                               !scene_.lights.empty() && may_see_lights(group, vertex);
       if (two_photons) send_to_lights(group, vertex, kernel, survival);
       if (u[2] >= survival) return false;
       if (options_.estimator == Estimator::kTwoPhotons || !kernel.smooth()) {
@@ -361,6 +392,7 @@ class Walk {
   const float time_, spread_;
   Counter& counter_;
   std::uint32_t rays_ = 0;
+  FreeFlight<N> flight_;
   Waiting waiting_;
 };
 

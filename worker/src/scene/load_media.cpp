@@ -1,0 +1,67 @@
+#include "scene/load_media.h"
+
+#include <optional>
+
+namespace nocturne {
+namespace {
+
+using Shape = decltype(Phase::shape);
+
+Shape load_tabulated(const v1::TabulatedPhase& message) {
+  require(message.wavelengths_size() <= static_cast<int>(TabulatedPhase::kMostWavelengths) &&
+              message.cosines_size() <= static_cast<int>(TabulatedPhase::kMostCosines) &&
+              message.values_size() <= static_cast<int>(TabulatedPhase::kMostValues),
+          "a phase function with too many values");
+  return TabulatedPhase({message.wavelengths().begin(), message.wavelengths().end()},
+                        {message.cosines().begin(), message.cosines().end()},
+                        {message.values().begin(), message.values().end()});
+}
+
+Shape load_shape(const LoadContext& context, const v1::PhaseFunction& message) {
+  switch (message.shape_case()) {
+    case v1::PhaseFunction::kHenyeyGreenstein:
+      return HenyeyGreenstein(message.henyey_greenstein().g());
+    case v1::PhaseFunction::kDoubleHenyeyGreenstein: {
+      const auto& two = message.double_henyey_greenstein();
+      return DoubleHenyeyGreenstein(two.g_first(), two.g_second(), two.weight());
+    }
+    case v1::PhaseFunction::kRayleigh: {
+      const auto& rayleigh = message.rayleigh();
+      if (!rayleigh.has_depolarisation()) return RayleighPhase(std::nullopt);
+      return RayleighPhase(context.spectrum(rayleigh.depolarisation()));
+    }
+    case v1::PhaseFunction::kTabulated:
+      return load_tabulated(message.tabulated());
+    case v1::PhaseFunction::SHAPE_NOT_SET:
+      break;
+  }
+  refuse("a phase function that this program doesn't know");
+}
+
+AnyDensity load_density(const v1::Medium& message) {
+  switch (message.density_case()) {
+    case v1::Medium::kConstant:
+      require(message.constant() >= 0.0, "a medium's density is negative");
+      return ConstantDensity{finite(message.constant(), "a medium's density")};
+    default:
+      refuse("a medium's density that this program doesn't know");
+  }
+}
+
+}  // namespace
+
+std::vector<Medium> load_media(const LoadContext& context, std::vector<AnyKernel>& kernels,
+                               std::vector<SurfaceMaterial>& materials) {
+  std::vector<Medium> media;
+  for (const auto& message : context.message.media()) {
+    const Spectrum& absorption = context.spectrum(message.absorption());
+    const Spectrum& scattering = context.spectrum(message.scattering());
+    const auto kernel = static_cast<std::uint32_t>(kernels.size());
+    kernels.emplace_back(Phase{absorption, scattering, load_shape(context, message.phase())});
+    materials.push_back({.front_kernel = kernel, .back_kernel = kernel});
+    media.push_back({absorption, scattering, load_density(message)});
+  }
+  return media;
+}
+
+}  // namespace nocturne

@@ -1,0 +1,335 @@
+// How far photons get in media. A medium is a surface that is there by chance: each medium on the
+// way is tried on its own, with numbers of its own, and the nearest hit wins (Morley et al. 2006,
+// section 5), so that media may overlap as they like.
+//
+// Photons of a group meet a medium at different places where its extinction depends on the
+// wavelength. One of them, drawn by the odds, decides for all; each weight is then multiplied by
+// the photon's own probability of what happened over the mean of all photons' (balance heuristic
+// over the choice of the one that leads; Wilkie et al., "Hero wavelength spectral sampling", EGSR
+// 2014, with null collisions as in Miller, Georgiev and Jarosz, "A null-scattering path integral
+// formulation of light transport", SIGGRAPH 2019). In grey media all of this is 1.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <variant>
+
+#include "media/bound_segment.h"
+#include "scene/scene.h"
+#include "tracer/fixed_stack.h"
+#include "tracer/group.h"
+
+namespace nocturne {
+
+/// A stream of uniform numbers for one flight in one medium. SplitMix64 (Steele, Lea and Flood,
+/// OOPSLA 2014).
+class FlightNumbers {
+ public:
+  explicit FlightNumbers(std::uint64_t seed) : state_(seed) {}
+
+  float operator()() {
+    state_ += 0x9E3779B97F4A7C15u;
+    std::uint64_t x = state_;
+    x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
+    x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
+    return to_unit(static_cast<std::uint32_t>((x ^ (x >> 31)) >> 32));
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+/// Optical depths are exponentially distributed. Numbers have 32 bits, so depths end at 22.2 (and
+/// a share of 2e-10 that lies beyond is moved there).
+inline float exponential(float u) { return -std::log(std::max(u, 0x1p-33f)); }
+
+template <int N>
+class FreeFlight {
+ public:
+  FreeFlight(const Scene& scene, const Spectral<N>& wavelengths_nm)
+      : scene_(scene), wavelengths_(wavelengths_nm) {}
+
+  /// What follows is about the media in these bodies; false where there are none.
+  bool enter(const InteriorList& inside) {
+    if (!(inside == inside_)) find_present(inside);
+    return !present_.empty();
+  }
+
+  /// The nearest collision before `end`, as the hit of a surface, and what it is worth to each
+  /// photon.
+  std::optional<Hit> collide(Group<N>& group, float end) const {
+    const Uniform4 u = group.sequence.next();
+    const std::size_t lead = draw_lead(group, u[1]);
+    Way way{end, kNone, 1.0f};
+    if (constant_[lead] > 0.0f) {
+      const float distance = exponential(u[0]) / constant_[lead];
+      if (distance < end) {
+        way.distance = distance;
+        way.medium = choose_constant(lead, FlightNumbers(seed(u, kMostPresent))());
+      }
+    }
+    fly(group.ray, u, lead, end, way);
+    weigh(group, lead, way);
+    if (way.medium == kNone) return std::nullopt;
+    const Vec3 direction = group.ray.direction;
+    return Hit{.position = group.ray.origin + way.distance * direction,
+               .normal = -direction,
+               .surface = scene_.surface_of(present_[way.medium].index),
+               .distance = way.distance,
+               .clearance = 0.0f,
+               .instance = Hit::kNoInstance,
+               .primitive = 0,
+               .u = 0.0f,
+               .v = 0.0f};
+  }
+
+  /// Multiplies the weights by the transmittance up to `end`, or by an unbiased estimate of it
+  /// (ratio tracking; Novak, Selle and Jarosz, "Residual ratio tracking for estimating attenuation
+  /// in participating media", SIGGRAPH Asia 2014). The group may end.
+  void pass(Group<N>& group, float end) const {
+    const Uniform4 u = group.sequence.next();
+    group.weight *= each([end](float sigma) { return std::exp(-sigma * end); }, constant_);
+    for (std::size_t i = 0; i < present_.size(); ++i) {
+      if (!(largest(group.weight) > 0.0f)) return;
+      const Present& present = present_[i];
+      std::visit(
+          [&](const auto& density) {
+            if constexpr (requires { density.bounds(group.ray, end); }) {
+              group.weight *= transmitted(density, present.extinction, group.ray, end,
+                                          FlightNumbers(seed(u, i)));
+            }
+          },
+          scene_.media[present.index].density);
+    }
+  }
+
+ private:
+  // Of media at one point.
+  static constexpr std::size_t kMostPresent = 32;
+  static constexpr std::size_t kNone = ~std::size_t{0};
+  // An estimate below this goes on by roulette.
+  static constexpr float kSmallTransmittance = 0.05f;
+
+  struct Present {
+    std::uint32_t index;
+    /// 1/m at density 1.
+    Spectral<N> extinction;
+    /// Zero unless it is the same everywhere.
+    float density;
+  };
+
+  struct Way {
+    float distance;
+    // Which medium was hit.
+    std::size_t medium;
+    // Probability of what happened, for each photon, up to a common factor.
+    Spectral<N> probability;
+  };
+
+  void find_present(const InteriorList& inside) {
+    inside_ = inside;
+    present_.clear();
+    constant_ = 0.0f;
+    inside.for_each_present(scene_.interiors, [&](const Interior& body) {
+      for (const std::uint32_t medium : body.media) add(medium);
+    });
+  }
+
+  // Media beyond what fits are not seen, as bodies beyond InteriorList::kMost are not.
+  void add(std::uint32_t index) {
+    if (present_.size() == kMostPresent) return;
+    const Medium& medium = scene_.media[index];
+    Present present{index, medium.extinction(wavelengths_), 0.0f};
+    if (const auto* constant = std::get_if<ConstantDensity>(&medium.density)) {
+      present.density = constant->value;
+      constant_ += present.density * present.extinction;
+    }
+    present_.push(present);
+  }
+
+  static std::uint64_t seed(const Uniform4& u, std::size_t medium) {
+    const auto bits = [](float x) { return std::uint64_t{std::bit_cast<std::uint32_t>(x)}; };
+    return (bits(u[2]) << 32 | bits(u[3])) + medium * 0xD1B54A32D192ED03u;
+  }
+
+  // By the odds of those that still carry something.
+  static std::size_t draw_lead(Group<N>& group, float u) {
+    if constexpr (N == 1) return 0;
+    Spectral<N> odds = only(group.odds, alive(group.weight));
+    const float all = sum(odds);
+    if (!(all > 0.0f)) {
+      const std::uint32_t mask = alive(group.weight);
+      odds = only(Spectral<N>(1.0f / static_cast<float>(std::popcount(mask))), mask);
+    } else {
+      odds = odds / all;
+    }
+    group.odds = odds;
+    std::size_t last = 0;
+    for (std::size_t i = 0; i < N; ++i) {
+      if (!(odds[i] > 0.0f)) continue;
+      last = i;
+      if (u < odds[i]) return i;
+      u -= odds[i];
+    }
+    return last;
+  }
+
+  std::size_t choose_constant(std::size_t lead, float u) const {
+    float left = u * constant_[lead];
+    std::size_t last = kNone;
+    for (std::size_t i = 0; i < present_.size(); ++i) {
+      const float share = present_[i].density * present_[i].extinction[lead];
+      if (!(share > 0.0f)) continue;
+      last = i;
+      if (left < share) return i;
+      left -= share;
+    }
+    return last;
+  }
+
+  // Through the media that vary. Where a later one is hit before an earlier one's way ended, what
+  // the earlier did beyond is taken back by doing it once more.
+  void fly(const Ray& ray, const Uniform4& u, std::size_t lead, float end, Way& way) const {
+    bool shortened = false;
+    for (std::size_t i = 0; i < present_.size(); ++i) {
+      const bool hit = fly_one(i, ray, u, lead, end, way);
+      shortened = shortened || (hit && i > 0);
+    }
+    if (!shortened || N == 1) return;
+    way.probability = 1.0f;
+    for (std::size_t i = 0; i < present_.size(); ++i) fly_one(i, ray, u, lead, end, way);
+  }
+
+  bool fly_one(std::size_t i, const Ray& ray, const Uniform4& u, std::size_t lead, float end,
+               Way& way) const {
+    return std::visit(
+        [&](const auto& density) {
+          if constexpr (requires { density.bounds(ray, end); }) {
+            const bool hit = track(density, present_[i].extinction, lead, ray, end,
+                                   FlightNumbers(seed(u, i)), way);
+            if (hit) way.medium = i;
+            return hit;
+          } else {
+            return false;
+          }
+        },
+        scene_.media[present_[i].index].density);
+  }
+
+  // Delta tracking (Woodcock et al. 1965) under bounds that are constant over segments. One bound
+  // serves the whole group, so that only the share of null collisions tells photons apart.
+  template <class Density>
+  static bool track(const Density& density, const Spectral<N>& extinction, std::size_t lead,
+                    const Ray& ray, float end, FlightNumbers numbers, Way& way) {
+    const float largest_extinction = largest(extinction);
+    auto bounds = density.bounds(ray, end);
+    auto lookup = density.lookup();
+    float position = 0.0f, depth = exponential(numbers());
+    for (BoundSegment segment; bounds.next(segment);) {
+      const float most = segment.most * largest_extinction;
+      if (!(most > 0.0f)) {
+        position = segment.end;
+        continue;
+      }
+      for (;;) {
+        const float left = (segment.end - position) * most;
+        if (depth >= left) {
+          depth -= left;
+          position = segment.end;
+          break;
+        }
+        position += depth / most;
+        if (position > way.distance) return false;
+        depth = exponential(numbers());
+        // Rounding may lift a looked-up density above its bound by a unit in the last place.
+        const float here = std::min(lookup(ray.origin + position * ray.direction), segment.most);
+        if (numbers() * most < here * extinction[lead]) {
+          way.distance = position;
+          if constexpr (N > 1) way.probability *= extinction;
+          normalise(way.probability);
+          return true;
+        }
+        if constexpr (N > 1) {
+          way.probability *= Spectral<N>(most) - here * extinction;
+          normalise(way.probability);
+        }
+      }
+      if (position > way.distance) return false;
+    }
+    return false;
+  }
+
+  static void normalise(Spectral<N>& probability) {
+    if constexpr (N > 1) {
+      const float most = largest(probability);
+      if (most > 0.0f) probability = probability / most;
+    }
+  }
+
+  template <class Density>
+  static Spectral<N> transmitted(const Density& density, const Spectral<N>& extinction,
+                                 const Ray& ray, float end, FlightNumbers numbers) {
+    Spectral<N> left = 1.0f;
+    const float largest_extinction = largest(extinction);
+    auto bounds = density.bounds(ray, end);
+    auto lookup = density.lookup();
+    float position = 0.0f, depth = exponential(numbers());
+    for (BoundSegment segment; bounds.next(segment);) {
+      const float most = segment.most * largest_extinction;
+      if (!(most > 0.0f)) {
+        position = segment.end;
+        continue;
+      }
+      for (;;) {
+        const float to_end = (segment.end - position) * most;
+        if (depth >= to_end) {
+          depth -= to_end;
+          position = segment.end;
+          break;
+        }
+        position += depth / most;
+        depth = exponential(numbers());
+        const float here = std::min(lookup(ray.origin + position * ray.direction), segment.most);
+        left *= Spectral<N>(1.0f) - (here / most) * extinction;
+        const float best = largest(left);
+        if (best < kSmallTransmittance) {
+          if (numbers() * kSmallTransmittance >= best) return 0.0f;
+          left = (kSmallTransmittance / best) * left;
+        }
+      }
+    }
+    return left;
+  }
+
+  // Constant media enter in closed form, now that the way is known.
+  void weigh(Group<N>& group, std::size_t lead, const Way& way) const {
+    if constexpr (N > 1) {
+      Spectral<N> p = way.probability;
+      const float reference = constant_[lead];
+      p *= each([&](float sigma) { return std::exp((reference - sigma) * way.distance); },
+                constant_);
+      if (way.medium != kNone && present_[way.medium].density > 0.0f) {
+        p *= present_[way.medium].extinction;
+      }
+      const float mean = sum(group.odds * p);
+      if (!(mean > 0.0f)) return;
+      p = p / mean;
+      group.weight *= p;
+      group.odds *= p;
+    }
+  }
+
+  const Scene& scene_;
+  const Spectral<N> wavelengths_;
+  InteriorList inside_;
+  // Extinction of all media that are the same everywhere, 1/m.
+  Spectral<N> constant_ = 0.0f;
+  FixedStack<Present, kMostPresent> present_;
+};
+
+}  // namespace nocturne
