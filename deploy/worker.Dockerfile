@@ -10,7 +10,7 @@ COPY proto /src/proto
 COPY worker /src/worker
 RUN cmake --preset release -DNOCTURNE_TESTS=OFF \
  && cmake --build /src/build/release --target nocturne-worker nocturne-trace \
- && strip /src/build/release/worker/nocturne-worker /src/build/release/worker/nocturne-trace
+ && strip /src/build/release/worker/nocturne*
 
 FROM debian:bookworm-slim AS worker
 COPY deploy/debian-packages.txt deploy/debian-packages.sh /deploy/
@@ -21,7 +21,7 @@ RUN apt-get update \
 RUN groupadd --gid 10001 nocturne \
  && useradd --uid 10001 --gid 10001 --no-create-home --home-dir /nonexistent nocturne \
  && install -d -o nocturne -g nocturne /cache
-COPY --from=build /src/build/release/worker/nocturne-worker /src/build/release/worker/nocturne-trace /usr/local/bin/
+COPY --from=build /src/build/release/worker/ /usr/local/bin/
 COPY deploy/health/redis-has.sh /usr/local/bin/redis-has
 USER 10001:10001
 ENTRYPOINT ["nocturne-worker"]

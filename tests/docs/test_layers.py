@@ -16,7 +16,7 @@ _SUBFOLDER = re.compile(r"^add_subdirectory\((\w+)\)", re.MULTILINE)
 _INCLUDE = re.compile(r'^#include "(\w+)/', re.MULTILINE)
 
 # Libraries that are not folders of worker/src.
-_GENERATED = {"contracts", "contracts_grpc"}
+_NO_FOLDERS = {"contracts", "contracts_grpc", "flags", "image_library"}
 
 
 def _order() -> list[str]:
@@ -26,7 +26,7 @@ def _order() -> list[str]:
 
 def _linked(folder: str) -> set[str]:
     """Folders that one links by its own CMake file."""
-    return _nocturne_libraries(folder) - {folder} - _GENERATED
+    return _nocturne_libraries(folder) - {folder} - _NO_FOLDERS
 
 
 def _nocturne_libraries(folder: str) -> set[str]:

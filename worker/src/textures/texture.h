@@ -41,9 +41,12 @@ class Texture {
   std::array<float, 3> mean() const { return mean_; }
 
  private:
-  void look_up(float u, float v, float width, int count, float* result) const;
+  using LookUp = void (*)(void* handle, TextureWrap wrap, float u, float v, float width, int count,
+                          float* result);
 
-  void* handle_;  // OpenImageIO's; lives as long as the process
+  // The image library's; live as long as the process.
+  LookUp look_up_;
+  void* handle_;
   int channels_;
   TextureWrap wrap_;
   std::array<float, 3> mean_;
