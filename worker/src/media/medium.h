@@ -4,12 +4,13 @@
 
 #include <variant>
 
-#include "media/constant_density.h"
+#include "media/altitude_density.h"
+#include "media/bounds.h"
 #include "spectrum/spectrum.h"
 
 namespace nocturne {
 
-using AnyDensity = std::variant<ConstantDensity>;
+using AnyDensity = std::variant<ConstantDensity, AltitudeDensity>;
 
 struct Medium {
   /// 1/m at density 1.

@@ -38,11 +38,30 @@ Shape load_shape(const LoadContext& context, const v1::PhaseFunction& message) {
   refuse("a phase function that this program doesn't know");
 }
 
+AltitudeDensity load_altitude(const v1::AltitudeDensity& message) {
+  const Ground ground{Double3(message.base().x(), message.base().y(), message.base().z()),
+                      Double3(message.up().x(), message.up().y(), message.up().z()),
+                      message.radius()};
+  switch (message.profile_case()) {
+    case v1::AltitudeDensity::kScaleHeight:
+      return AltitudeDensity::exponential(ground, message.scale_height());
+    case v1::AltitudeDensity::kTable:
+      return AltitudeDensity::table(
+          ground, {message.table().altitudes().begin(), message.table().altitudes().end()},
+          {message.table().densities().begin(), message.table().densities().end()});
+    case v1::AltitudeDensity::PROFILE_NOT_SET:
+      break;
+  }
+  refuse("a profile over altitude that this program doesn't know");
+}
+
 AnyDensity load_density(const v1::Medium& message) {
   switch (message.density_case()) {
     case v1::Medium::kConstant:
       require(message.constant() >= 0.0, "a medium's density is negative");
       return ConstantDensity{finite(message.constant(), "a medium's density")};
+    case v1::Medium::kAltitude:
+      return load_altitude(message.altitude());
     default:
       refuse("a medium's density that this program doesn't know");
   }

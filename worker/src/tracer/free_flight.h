@@ -17,9 +17,9 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <type_traits>
 #include <variant>
 
-#include "media/bound_segment.h"
 #include "scene/scene.h"
 #include "tracer/fixed_stack.h"
 #include "tracer/group.h"
@@ -99,7 +99,7 @@ class FreeFlight {
       const Present& present = present_[i];
       std::visit(
           [&](const auto& density) {
-            if constexpr (requires { density.bounds(group.ray, end); }) {
+            if constexpr (!kIsConstant<decltype(density)>) {
               group.weight *= transmitted(density, present.extinction, group.ray, end,
                                           FlightNumbers(seed(u, i)));
             }
@@ -114,6 +114,9 @@ class FreeFlight {
   static constexpr std::size_t kNone = ~std::size_t{0};
   // An estimate below this goes on by roulette.
   static constexpr float kSmallTransmittance = 0.05f;
+
+  template <class Density>
+  static constexpr bool kIsConstant = std::is_same_v<std::remove_cvref_t<Density>, ConstantDensity>;
 
   struct Present {
     std::uint32_t index;
@@ -209,7 +212,7 @@ class FreeFlight {
                Way& way) const {
     return std::visit(
         [&](const auto& density) {
-          if constexpr (requires { density.bounds(ray, end); }) {
+          if constexpr (!kIsConstant<decltype(density)>) {
             const bool hit = track(density, present_[i].extinction, lead, ray, end,
                                    FlightNumbers(seed(u, i)), way);
             if (hit) way.medium = i;
@@ -227,8 +230,7 @@ class FreeFlight {
   static bool track(const Density& density, const Spectral<N>& extinction, std::size_t lead,
                     const Ray& ray, float end, FlightNumbers numbers, Way& way) {
     const float largest_extinction = largest(extinction);
-    auto bounds = density.bounds(ray, end);
-    auto lookup = density.lookup();
+    typename Density::Bounds bounds(density, ray, end);
     float position = 0.0f, depth = exponential(numbers());
     for (BoundSegment segment; bounds.next(segment);) {
       const float most = segment.most * largest_extinction;
@@ -247,7 +249,8 @@ class FreeFlight {
         if (position > way.distance) return false;
         depth = exponential(numbers());
         // Rounding may lift a looked-up density above its bound by a unit in the last place.
-        const float here = std::min(lookup(ray.origin + position * ray.direction), segment.most);
+        const float here =
+            std::min(density.at(ray.origin + position * ray.direction), segment.most);
         if (numbers() * most < here * extinction[lead]) {
           way.distance = position;
           if constexpr (N > 1) way.probability *= extinction;
@@ -276,8 +279,7 @@ class FreeFlight {
                                  const Ray& ray, float end, FlightNumbers numbers) {
     Spectral<N> left = 1.0f;
     const float largest_extinction = largest(extinction);
-    auto bounds = density.bounds(ray, end);
-    auto lookup = density.lookup();
+    typename Density::Bounds bounds(density, ray, end);
     float position = 0.0f, depth = exponential(numbers());
     for (BoundSegment segment; bounds.next(segment);) {
       const float most = segment.most * largest_extinction;
@@ -294,7 +296,8 @@ class FreeFlight {
         }
         position += depth / most;
         depth = exponential(numbers());
-        const float here = std::min(lookup(ray.origin + position * ray.direction), segment.most);
+        const float here =
+            std::min(density.at(ray.origin + position * ray.direction), segment.most);
         left *= Spectral<N>(1.0f) - (here / most) * extinction;
         const float best = largest(left);
         if (best < kSmallTransmittance) {

@@ -1,0 +1,257 @@
+#include "media/altitude_density.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace nocturne {
+namespace {
+
+constexpr double kLowest = -80.0, kHighest = 100.0;  // scale heights
+// So that no rounding puts what is there above a bound.
+constexpr float kRoundedUp = 1.000001f;
+constexpr std::size_t kMostKnots = 10'000, kMostLayers = 64;
+
+[[noreturn]] void refuse(const std::string& what) { throw std::invalid_argument(what); }
+
+bool finite(Double3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+}  // namespace
+
+AltitudeDensity::AltitudeDensity(const Ground& ground) : ground_(ground) {
+  const double size = length(ground.up);
+  if (!finite(ground.base) || !(size > 0.0) || !std::isfinite(size)) {
+    refuse("a ground that is nowhere");
+  }
+  if (!(ground.radius >= 0.0) || !std::isfinite(ground.radius)) {
+    refuse("a ground with a negative or infinite radius");
+  }
+  ground_.up = (1.0 / size) * ground.up;
+}
+
+// On top of the last one; layers of nothing become one.
+void AltitudeDensity::add_layer(float most, double upper_edge) {
+  if (!most_.empty() && most == 0.0f && most_.back() == 0.0f) {
+    edges_.back() = upper_edge;
+    return;
+  }
+  most_.push_back(most);
+  edges_.push_back(upper_edge);
+}
+void AltitudeDensity::add_space_above() {
+  if (most_.back() == 0.0f) {
+    edges_.pop_back();
+  } else {
+    most_.push_back(0.0f);
+  }
+}
+
+AltitudeDensity AltitudeDensity::exponential(const Ground& ground, double scale_height) {
+  if (!(scale_height > 0.0) || !std::isfinite(scale_height)) {
+    refuse("a scale height that is not positive and finite");
+  }
+  AltitudeDensity d(ground);
+  d.scale_height_ = scale_height;
+  const auto most = [](double heights) {
+    return static_cast<float>(std::exp(-heights) * 1.000001);
+  };
+  // Half a scale height each up to the ground; above it they grow, as ever less is met there.
+  // Bounds on a vertical ray are half again as much as there is.
+  double low = kLowest, step = 0.5;
+  d.add_layer(most(low), low * scale_height);
+  for (; low < kHighest; low += step) {
+    if (low > 0.0) step *= 1.5;
+    d.add_layer(most(low), std::min(low + step, kHighest) * scale_height);
+  }
+  d.add_space_above();
+  return d;
+}
+
+AltitudeDensity AltitudeDensity::table(const Ground& ground, std::vector<double> altitudes,
+                                       std::vector<float> densities) {
+  AltitudeDensity d(ground);
+  if (altitudes.size() < 2 || altitudes.size() > kMostKnots) {
+    refuse("a table without 2 to " + std::to_string(kMostKnots) + " altitudes");
+  }
+  if (densities.size() != altitudes.size()) refuse("a table without one density for each altitude");
+  if (!std::ranges::all_of(altitudes, [](double x) { return std::isfinite(x); }) ||
+      std::ranges::adjacent_find(altitudes, std::greater_equal<>{}) != altitudes.end()) {
+    refuse("a table whose altitudes do not increase");
+  }
+  if (!std::ranges::all_of(densities, [](float x) { return std::isfinite(x) && x >= 0.0f; })) {
+    refuse("a table with a density that is negative or not finite");
+  }
+  d.altitudes_ = std::move(altitudes);
+  d.densities_ = std::move(densities);
+  // Few layers with bounds that are not much too high.
+  double tolerance = 0.01;
+  std::vector<std::size_t> ends = d.layers_of_table(tolerance);
+  while (ends.size() > kMostLayers) ends = d.layers_of_table(tolerance *= 2.0);
+  d.add_layer(0.0f, d.altitudes_.front());
+  std::size_t first = 0;
+  for (const std::size_t last : ends) {
+    const float most = *std::max_element(&d.densities_[first], &d.densities_[last] + 1);
+    d.add_layer(most * kRoundedUp, d.altitudes_[last]);
+    first = last;
+  }
+  d.add_space_above();
+  return d;
+}
+
+// The knots at which layers end. A layer's bound is too high by no more than this share of the
+// whole column, or a third, or it has but two knots.
+std::vector<std::size_t> AltitudeDensity::layers_of_table(double tolerance) const {
+  const auto column = [&](std::size_t i) {
+    return 0.5 * (altitudes_[i + 1] - altitudes_[i]) *
+           (static_cast<double>(densities_[i]) + static_cast<double>(densities_[i + 1]));
+  };
+  double total = 0.0;
+  for (std::size_t i = 0; i + 1 < altitudes_.size(); ++i) total += column(i);
+  std::vector<std::size_t> ends;
+  std::size_t first = 0;
+  double here = 0.0;
+  float most = densities_[0];
+  for (std::size_t i = 0; i + 1 < altitudes_.size(); ++i) {
+    const float more = std::max(most, densities_[i + 1]);
+    const double bound = static_cast<double>(more) * (altitudes_[i + 1] - altitudes_[first]);
+    const double with = here + column(i);
+    // Empty space stays by itself.
+    const bool joins = i == first || (here == 0.0) == (column(i) == 0.0);
+    if (i > first && !(joins && bound - with <= std::max(tolerance * total, with / 3.0))) {
+      ends.push_back(i);
+      first = i;
+      here = column(i);
+      most = std::max(densities_[i], densities_[i + 1]);
+    } else {
+      here = with;
+      most = more;
+    }
+  }
+  ends.push_back(altitudes_.size() - 1);
+  return ends;
+}
+
+float AltitudeDensity::at_altitude(double altitude) const {
+  if (scale_height_ > 0.0) {
+    const double heights = altitude / scale_height_;
+    return heights > kHighest ? 0.0f : static_cast<float>(std::exp(-std::max(kLowest, heights)));
+  }
+  if (!(altitude >= altitudes_.front() && altitude <= altitudes_.back())) return 0.0f;
+  const auto above = std::upper_bound(altitudes_.begin() + 1, altitudes_.end() - 1, altitude);
+  const auto i = static_cast<std::size_t>(above - altitudes_.begin());
+  const double t = (altitude - altitudes_[i - 1]) / (altitudes_[i] - altitudes_[i - 1]);
+  const double low = static_cast<double>(densities_[i - 1]);
+  return static_cast<float>(low + t * (static_cast<double>(densities_[i]) - low));
+}
+
+float AltitudeDensity::most_between(double low, double high) const {
+  if (scale_height_ > 0.0) return at_altitude(low) * kRoundedUp;
+  auto i = static_cast<std::size_t>(std::ranges::lower_bound(edges_, low) - edges_.begin());
+  float most = most_[i];
+  for (; i < edges_.size() && edges_[i] <= high; ++i) most = std::max(most, most_[i + 1]);
+  return most;
+}
+
+AltitudeBounds::AltitudeBounds(const AltitudeDensity& density, const Ray& ray, float end)
+    : density_(&density), altitude_(density.ground_, ray.origin, ray.direction), end_(end) {
+  // A product and a sum, each right to 6e-8 in every coordinate: with room to spare.
+  constexpr double kRounding = 4e-7;
+  const Double3 o(ray.origin), d(ray.direction), up = density.ground_.up;
+  const bool flat = density.ground_.radius == 0.0;
+  const auto along = [&](Double3 v) {
+    return flat ? std::fabs(v.x * up.x) + std::fabs(v.y * up.y) + std::fabs(v.z * up.z) : length(v);
+  };
+  reach_ = kRounding * along(o);
+  per_metre_ = kRounding * along(d);
+  const auto above = std::ranges::upper_bound(density.edges_, altitude_(0.0));
+  layer_ = static_cast<std::size_t>(above - density.edges_.begin());
+}
+
+bool AltitudeBounds::next(BoundSegment& segment) {
+  if (ahead_) {
+    segment = *ahead_;
+    ahead_.reset();
+  } else if (!advance(segment)) {
+    return false;
+  }
+  BoundSegment after;
+  while (segment.most == 0.0f && advance(after)) {
+    if (after.most > 0.0f) {
+      ahead_ = after;
+      break;
+    }
+    segment.end = after.end;
+  }
+  return true;
+}
+
+bool AltitudeBounds::advance(BoundSegment& segment) {
+  if (!(at_ < end_)) return false;
+  const float to = way_out();
+  segment = {to, most_between(at_, to)};
+  at_ = to;
+  return true;
+}
+
+// Out of the layer; on to the next one.
+float AltitudeBounds::way_out() {
+  const std::vector<double>& edges = density_->edges_;
+  for (;;) {
+    float out = end_;
+    std::size_t next = layer_;
+    if (!rising_) {
+      const double t = layer_ > 0 ? crossing(layer_ - 1, false) : AltitudeAlong::kNever;
+      if (t == AltitudeAlong::kNever) {
+        rising_ = true;
+        continue;
+      }
+      out = static_cast<float>(t);
+      next = layer_ - 1;
+    } else if (layer_ < edges.size()) {
+      out = static_cast<float>(crossing(layer_, true));
+      next = layer_ + 1;
+    }
+    if (next != layer_ && out <= at_) {
+      layer_ = next;
+      continue;
+    }
+    // Far away, where rounding is more than a layer, only as far again.
+    if (layer_ > 0 && layer_ < edges.size() && per_metre_ > 0.0) {
+      const double thin = 0.25 * (edges[layer_] - edges[layer_ - 1]);
+      const auto far = static_cast<float>(
+          std::max(2.0 * static_cast<double>(at_), (thin - reach_) / per_metre_));
+      if (far < out && far > at_) return std::min(far, end_);
+    }
+    if (!(out < end_)) return end_;
+    layer_ = next;
+    return out;
+  }
+}
+
+// Where the ray is over an edge: while all that rounding can reach has the higher bound.
+double AltitudeBounds::crossing(std::size_t edge, bool rising) const {
+  const double h = density_->edges_[edge];
+  const auto to = [&](double altitude) {
+    return rising ? altitude_.rises_to(altitude) : altitude_.falls_to(altitude);
+  };
+  const double t = to(h);
+  if (t == AltitudeAlong::kNever) return t;
+  const bool denser_below = density_->most_[edge] > density_->most_[edge + 1];
+  const double room = 2.0 * reach(std::fmax(0.0, t));
+  return to(denser_below ? h + room : h - room);
+}
+
+float AltitudeBounds::most_between(float from, float to) const {
+  constexpr double kFar = 1e18;
+  const double t0 = static_cast<double>(from), t1 = std::fmin(static_cast<double>(to), kFar);
+  const double middle = std::clamp(altitude_.lowest(), t0, std::fmax(t0, t1));
+  const double h0 = altitude_(t0), h1 = altitude_(t1), hm = altitude_(middle);
+  const double low = std::min({h0 - reach(t0), hm - reach(middle), h1 - reach(t1)});
+  const double high = std::max(h0 + reach(t0), h1 + reach(t1));
+  return density_->most_between(low, high);
+}
+
+}  // namespace nocturne

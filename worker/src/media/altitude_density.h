@@ -1,0 +1,75 @@
+// Density that depends on the altitude alone: air, haze, a layer of ozone, ground fog.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "math/ray.h"
+#include "media/bounds.h"
+#include "media/ground.h"
+
+namespace nocturne {
+
+class AltitudeBounds;
+
+class AltitudeDensity {
+ public:
+  using Bounds = AltitudeBounds;
+
+  /// exp(-altitude / scale_height), metres; held below -80 scale heights, where it is 5e34, and
+  /// zero above 100, where it is 4e-44. The ground's `up` need not be a unit vector. Throws
+  /// std::invalid_argument.
+  static AltitudeDensity exponential(const Ground& ground, double scale_height);
+  /// Linear between altitudes (metres, increasing, two at least), zero outside. Throws
+  /// std::invalid_argument.
+  static AltitudeDensity table(const Ground& ground, std::vector<double> altitudes,
+                               std::vector<float> densities);
+
+  float at(Vec3 p) const { return at_altitude(ground_.altitude(p)); }
+  float at_altitude(double altitude) const;
+
+ private:
+  friend class AltitudeBounds;
+
+  explicit AltitudeDensity(const Ground& ground);
+  void add_layer(float most, double upper_edge);
+  void add_space_above();
+  float most_between(double low, double high) const;
+  std::vector<std::size_t> layers_of_table(double tolerance) const;
+
+  Ground ground_;
+  // 0: a table.
+  double scale_height_ = 0.0;
+  std::vector<double> altitudes_;
+  std::vector<float> densities_;
+  // Layers of air, for bounds: layer i is between edges i - 1 and i, and holds at most most_[i].
+  std::vector<double> edges_;
+  std::vector<float> most_;
+};
+
+/// Walks a ray from layer to layer.
+class AltitudeBounds {
+ public:
+  /// `end` may be infinite. `density` must outlive this.
+  AltitudeBounds(const AltitudeDensity& density, const Ray& ray, float end);
+  bool next(BoundSegment& segment);
+
+ private:
+  bool advance(BoundSegment& segment);
+  float way_out();
+  double crossing(std::size_t edge, bool rising) const;
+  double reach(double t) const { return reach_ + per_metre_ * t; }
+  float most_between(float from, float to) const;
+
+  const AltitudeDensity* density_;
+  AltitudeAlong altitude_;
+  // What rounding to single precision can do to the altitude of a position along the ray.
+  double reach_, per_metre_;
+  float at_ = 0.0f, end_;
+  std::size_t layer_;
+  bool rising_ = false;
+  std::optional<BoundSegment> ahead_;
+};
+
+}  // namespace nocturne
