@@ -92,6 +92,14 @@ class SceneBuilder {
     return static_cast<std::uint32_t>(message.media_size()) - 1;
   }
 
+  /// Falls exponentially from density 1 at `base`: with y where `base` is off the axis in y, else z.
+  void set_scale_height(std::uint32_t medium, Vec3 base, double height) {
+    auto& altitude = *message.mutable_media(static_cast<int>(medium))->mutable_altitude();
+    set(*altitude.mutable_base(), base);
+    set(*altitude.mutable_up(), base.y != 0.0f ? Vec3{0, 1, 0} : Vec3{0, 0, 1});
+    altitude.set_scale_height(height);
+  }
+
   void add_matched_sphere(Vec3 centre, double radius, const std::vector<std::uint32_t>& media) {
     auto& sphere = *add_boundary(add_matched(media)).mutable_sphere();
     set(*sphere.mutable_centre(), centre);

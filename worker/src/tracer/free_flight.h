@@ -31,6 +31,11 @@ namespace nocturne {
 class FlightNumbers {
  public:
   explicit FlightNumbers(std::uint64_t seed) : state_(seed) {}
+  /// The first number is given.
+  FlightNumbers(std::uint64_t seed, float first) : state_(seed), first_(first) {}
+
+  /// Where a distance starts.
+  float first() { return first_ >= 0.0f ? first_ : (*this)(); }
 
   float operator()() {
     state_ += 0x9E3779B97F4A7C15u;
@@ -42,6 +47,7 @@ class FlightNumbers {
 
  private:
   std::uint64_t state_;
+  float first_ = -1.0f;
 };
 
 /// Optical depths are exponentially distributed. Numbers have 32 bits, so depths end at 22.2 (and
@@ -100,8 +106,8 @@ class FreeFlight {
       std::visit(
           [&](const auto& density) {
             if constexpr (!kIsConstant<decltype(density)>) {
-              group.weight *= transmitted(density, present.extinction, group.ray, end,
-                                          FlightNumbers(seed(u, i)));
+              group.weight *=
+                  transmitted(density, present.extinction, group.ray, end, numbers(u, i));
             }
           },
           scene_.media[present.index].density);
@@ -137,6 +143,7 @@ class FreeFlight {
   void find_present(const InteriorList& inside) {
     inside_ = inside;
     present_.clear();
+    first_varying_ = kNone;
     constant_ = 0.0f;
     inside.for_each_present(scene_.interiors, [&](const Interior& body) {
       for (const std::uint32_t medium : body.media) add(medium);
@@ -151,8 +158,18 @@ class FreeFlight {
     if (const auto* constant = std::get_if<ConstantDensity>(&medium.density)) {
       present.density = constant->value;
       constant_ += present.density * present.extinction;
+    } else if (first_varying_ == kNone) {
+      first_varying_ = present_.size();
     }
     present_.push(present);
+  }
+
+  // The first of the flight's own numbers is better spread than any: it goes to the first medium
+  // that is asked for a distance.
+  FlightNumbers numbers(const Uniform4& u, std::size_t medium) const {
+    return medium == first_varying_ && !(largest(constant_) > 0.0f)
+               ? FlightNumbers(seed(u, medium), u[0])
+               : FlightNumbers(seed(u, medium));
   }
 
   static std::uint64_t seed(const Uniform4& u, std::size_t medium) {
@@ -213,8 +230,8 @@ class FreeFlight {
     return std::visit(
         [&](const auto& density) {
           if constexpr (!kIsConstant<decltype(density)>) {
-            const bool hit = track(density, present_[i].extinction, lead, ray, end,
-                                   FlightNumbers(seed(u, i)), way);
+            const bool hit =
+                track(density, present_[i].extinction, lead, ray, end, numbers(u, i), way);
             if (hit) way.medium = i;
             return hit;
           } else {
@@ -231,7 +248,7 @@ class FreeFlight {
                     const Ray& ray, float end, FlightNumbers numbers, Way& way) {
     const float largest_extinction = largest(extinction);
     typename Density::Bounds bounds(density, ray, end);
-    float position = 0.0f, depth = exponential(numbers());
+    float position = 0.0f, depth = exponential(numbers.first());
     for (BoundSegment segment; bounds.next(segment);) {
       const float most = segment.most * largest_extinction;
       if (!(most > 0.0f)) {
@@ -280,7 +297,7 @@ class FreeFlight {
     Spectral<N> left = 1.0f;
     const float largest_extinction = largest(extinction);
     typename Density::Bounds bounds(density, ray, end);
-    float position = 0.0f, depth = exponential(numbers());
+    float position = 0.0f, depth = exponential(numbers.first());
     for (BoundSegment segment; bounds.next(segment);) {
       const float most = segment.most * largest_extinction;
       if (!(most > 0.0f)) {
@@ -333,6 +350,7 @@ class FreeFlight {
   // Extinction of all media that are the same everywhere, 1/m.
   Spectral<N> constant_ = 0.0f;
   FixedStack<Present, kMostPresent> present_;
+  std::size_t first_varying_;
 };
 
 }  // namespace nocturne

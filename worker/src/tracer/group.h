@@ -40,8 +40,8 @@ struct Group {
   /// relative, sum 1 over those that are there.
   Spectral<N> odds = 1.0f / N;
   InteriorList inside;
-  /// Interactions so far; those of them with surfaces.
-  std::uint32_t depth, bounces;
+  /// Interactions so far; those of them with media.
+  std::uint32_t depth, collisions;
   /// Width of the footprint, m.
   float width;
   Share<N> share;

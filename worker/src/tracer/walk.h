@@ -46,6 +46,7 @@ class Walk {
         wavelengths_(start.wavelengths),
         time_(start.time),
         spread_(start.spread),
+        has_media_(!scene.media.empty()),
         counter_(counter),
         flight_(scene, start.wavelengths) {}
 
@@ -55,7 +56,7 @@ class Walk {
                    .weight = 1.0f,
                    .inside = start.inside,
                    .depth = 0,
-                   .bounces = 0,
+                   .collisions = 0,
                    .width = start.width,
                    .share = {},
                    .sequence = sequence};
@@ -93,26 +94,25 @@ class Walk {
     });
   }
 
-  // The nearest of surfaces and media; none where the group leaves the scene.
-  std::optional<Hit> nearest(Group<N>& group) {
-    ++rays_;
-    auto hit = scene_.geometry.intersect(group.ray, time_);
-    if (scene_.media.empty() || group.inside.empty()) return hit;
-    if (!flight_.enter(group.inside)) return hit;
+  // Media up to the nearest surface, if there is one; a medium that is hit takes its place.
+  void fly(Group<N>& group, std::optional<Hit>& hit) {
+    if (!flight_.enter(group.inside)) return;
     const float end = hit ? hit->distance : std::numeric_limits<float>::max();
     if (group.share.how == Shared::kTowardsLights) {
       flight_.pass(group, end);
-      return hit;
+    } else if (const auto collision = flight_.collide(group, end)) {
+      hit = collision;
+      ++group.collisions;
     }
-    const auto collision = flight_.collide(group, end);
-    return collision ? collision : hit;
   }
 
   // The nearest surface that is seen; empty where the group leaves the scene or has gone deep
   // enough. What the counter looks for on the way is counted.
   std::optional<Vertex<N>> next_vertex(Group<N>& group) {
     for (;;) {
-      const auto hit = nearest(group);
+      ++rays_;
+      auto hit = scene_.geometry.intersect(group.ray, time_);
+      if (has_media_) fly(group, hit);
       counter_.flies(group, hit);
       if (!hit) return std::nullopt;
       if (!group.inside.empty()) {
@@ -124,7 +124,6 @@ class Walk {
       auto vertex = make_vertex(scene_, *hit, group, wavelengths_, time_, Counter::kTransport);
       if (vertex) {
         ++group.depth;
-        if (!scene_.is_medium(hit->surface)) ++group.bounces;
         return vertex;
       }
       pass_unseen(group, *hit);
@@ -156,7 +155,7 @@ class Walk {
   // From within glass no light lies where it seems to. A surface that spreads light in there may
   // still stand before one in the same glass; a medium has too many vertices to try at each.
   bool may_see_lights(const Group<N>& group, const Vertex<N>& vertex) const {
-    return !scene_.is_medium(vertex.hit.surface) ||
+    return !has_media_ || !scene_.is_medium(vertex.hit.surface) ||
            group.inside.current(scene_.interiors) == InteriorList::kOutside;
   }
 
@@ -174,7 +173,7 @@ class Walk {
                                                          ? albedo * group.weight
                                                          : only(albedo, alive(group.weight))));
     }
-    if (group.bounces > TracingOptions::kManyBounces) {
+    if (group.depth - group.collisions > TracingOptions::kManyBounces) {
       survival = std::min(survival, TracingOptions::kSurvivalOfMany);
     }
     const KernelNumbers numbers{u[3], u[0], u[1]};
@@ -390,6 +389,7 @@ class Walk {
   const TracingOptions& options_;
   const Spectral<N> wavelengths_;
   const float time_, spread_;
+  const bool has_media_;
   Counter& counter_;
   std::uint32_t rays_ = 0;
   FreeFlight<N> flight_;
