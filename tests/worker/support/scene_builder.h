@@ -3,8 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <map>
 #include <memory>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "nocturne/v1/scene.pb.h"
@@ -18,6 +21,8 @@ inline constexpr double kResponseIntegral = 100.0;
 class SceneBuilder {
  public:
   v1::CompiledScene message;
+  /// Blobs by hexadecimal name.
+  std::map<std::string, std::filesystem::path> files;
 
   SceneBuilder() {
     message.set_format(2);
@@ -142,8 +147,10 @@ class SceneBuilder {
   }
 
   std::shared_ptr<const Scene> load() const {
-    return load_scene(message, [](const std::string& sha256) -> std::filesystem::path {
-      throw std::runtime_error("no blob " + sha256);
+    return load_scene(message, [this](const std::string& sha256) -> std::filesystem::path {
+      const auto file = files.find(sha256);
+      if (file == files.end()) throw std::runtime_error("no blob " + sha256);
+      return file->second;
     });
   }
 

@@ -1,8 +1,15 @@
 // Media with an answer on paper: white furnaces, attenuation, slabs, and one medium cut in two.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <string>
 
+#include "digest/sha256.h"
+#include "media/grid_bytes.h"
 #include "support/estimates.h"
 #include "support/scene_builder.h"
 #include "tracer/trace_tile.h"
@@ -156,6 +163,74 @@ INSTANTIATE_TEST_SUITE_P(All, Media,
                                          Variant{"TwoPhotonsOfEight", v1::ESTIMATOR_TWO_PHOTONS,
                                                  8}),
                          [](const auto& variant) { return variant.param.name; });
+
+// Grids of voxels, from z = low to high of the slab [-0.5, 0.5] in steps of a tenth of a metre.
+class GridMedia : public testing::Test {
+ protected:
+  // A hundred metres wide, of one value in each layer.
+  static void set_grid(test::SceneBuilder& builder, v1::DensityGrid& grid, const char* name,
+                       const std::function<float(int z)>& value) {
+    const auto bytes =
+        test::grid_bytes([&](int, int, int z) { return value(z); }, {-8, -8, 0}, {7, 7, 9});
+    const auto file = std::filesystem::path(testing::TempDir()) / (std::string("media_") + name);
+    std::ofstream(file, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
+    const std::string blob(32, name[0]);
+    grid.set_blob(blob);
+    builder.files[to_hex(blob)] = file;
+    // Voxel z holds the layer from -0.5 + z / 10 to a tenth above.
+    for (const double number : {10.0, 0.0, 0.0, 0.0, 0.0, 10.0, 0.0, 0.0, 0.0, 0.0, 0.1, -0.45}) {
+      grid.add_transform(number);
+    }
+    grid.set_scale(1.0);
+    grid.set_nearest(true);
+  }
+
+  static TileSums trace(test::SceneBuilder& builder) {
+    builder.look({0, 0, 4}, {0, 0, 0}, 1e-3);
+    builder.add_matched_box({-50, -50, -0.5f}, {50, 50, 0.5f}, {0});
+    auto& tracing = *builder.message.mutable_tracing();
+    tracing.set_estimator(v1::ESTIMATOR_TWO_PHOTONS);
+    tracing.set_group(4);
+    tracing.set_maximum_depth(0);
+    return trace_tile(*builder.load(), {16, 16}, {0, 0, 16, 16, 0, 256}, Method::kAdjointPhotons);
+  }
+};
+
+// As VanDeHulstSlab, with the scatterers in layers of any density, some of them empty.
+TEST_F(GridMedia, SlabInLayers) {
+  const std::array<float, 10> layers{0, 3, 0.5f, 0, 7, 0, 0, 1, 2.5f, 6};  // sum 20, a tenth each
+  test::SceneBuilder builder;
+  builder.add_quad(0.0f, 1.0f, {-400, -400, -1.0f}, {800, 0, 0}, {0, 800, 0});
+  const auto medium =
+      builder.add_medium(builder.add_spectrum(0.1f), builder.add_spectrum(0.9f), 0.75);
+  set_grid(builder, *builder.message.mutable_media(static_cast<int>(medium))->mutable_grid(),
+           "slab", [&](int z) { return layers[static_cast<std::size_t>(z)]; });
+  expect_all_pixels(trace(builder), 256, kResponseIntegral * 0.6609577);
+}
+
+// Gas of one temperature that only absorbs: B (1 - exp(-a d)). Planck's law over 500-600 nm at
+// 3000 K is flat enough for Simpson's rule.
+TEST_F(GridMedia, GlowingSlab) {
+  test::SceneBuilder builder;
+  const auto index =
+      builder.add_medium(builder.add_spectrum(1.3f), builder.add_spectrum(0.0f), 0.0);
+  auto& medium = *builder.message.mutable_media(static_cast<int>(index));
+  set_grid(builder, *medium.mutable_grid(), "density", [](int) { return 1.0f; });
+  set_grid(builder, *medium.mutable_temperature(), "temperature", [](int) { return 3000.0f; });
+  medium.set_emission_scale(2.0);
+  const auto planck = [](double nm) {
+    const double h = 6.62607015e-34, c = 299792458.0, k = 1.380649e-23, l = nm * 1e-9;
+    return 2 * h * c * c / std::pow(l, 5) / std::expm1(h * c / (l * k * 3000.0)) * 1e-9;
+  };
+  double integral = 0.0;
+  for (int i = 0; i < 10; ++i) {
+    const double nm = 500.0 + 10.0 * i;
+    integral += 10.0 / 6.0 * (planck(nm) + 4.0 * planck(nm + 5.0) + planck(nm + 10.0));
+  }
+  expect_all_pixels(trace(builder), 256, 2.0 * integral * (1.0 - std::exp(-1.3)));
+}
 
 // A body without an index is not seen; a dielectric in it keeps it out, unless it has the higher
 // priority. Looking at the sky through a slab of absorbing medium with a clear slab of index 1 in

@@ -170,24 +170,6 @@ AltitudeBounds::AltitudeBounds(const AltitudeDensity& density, const Ray& ray, f
   layer_ = static_cast<std::size_t>(above - density.edges_.begin());
 }
 
-bool AltitudeBounds::next(BoundSegment& segment) {
-  if (ahead_) {
-    segment = *ahead_;
-    ahead_.reset();
-  } else if (!advance(segment)) {
-    return false;
-  }
-  BoundSegment after;
-  while (segment.most == 0.0f && advance(after)) {
-    if (after.most > 0.0f) {
-      ahead_ = after;
-      break;
-    }
-    segment.end = after.end;
-  }
-  return true;
-}
-
 bool AltitudeBounds::advance(BoundSegment& segment) {
   if (!(at_ < end_)) return false;
   const float to = way_out();

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "math/ray.h"
@@ -53,7 +52,9 @@ class AltitudeBounds {
  public:
   /// `end` may be infinite. `density` must outlive this.
   AltitudeBounds(const AltitudeDensity& density, const Ray& ray, float end);
-  bool next(BoundSegment& segment);
+  bool next(BoundSegment& segment) {
+    return empty_.next(segment, [this](BoundSegment& s) { return advance(s); });
+  }
 
  private:
   bool advance(BoundSegment& segment);
@@ -69,7 +70,7 @@ class AltitudeBounds {
   float at_ = 0.0f, end_;
   std::size_t layer_;
   bool rising_ = false;
-  std::optional<BoundSegment> ahead_;
+  EmptySpace empty_;
 };
 
 }  // namespace nocturne

@@ -5,6 +5,7 @@
 // tile [0, end). A bound holds where a position along the ray is rounded to single precision, too.
 #pragma once
 
+#include <optional>
 #include <utility>
 
 #include "math/ray.h"
@@ -16,6 +17,32 @@ struct BoundSegment {
   float end;
   /// At least the density anywhere in the segment; 0 where there is nothing.
   float most;
+};
+
+/// Makes one segment of neighbours where there is nothing.
+class EmptySpace {
+ public:
+  /// `advance` is what `next` would be without it.
+  template <class Advance>
+  bool next(BoundSegment& segment, const Advance& advance) {
+    if (ahead_) {
+      segment = *std::exchange(ahead_, std::nullopt);
+    } else if (!advance(segment)) {
+      return false;
+    }
+    BoundSegment after;
+    while (segment.most == 0.0f && advance(after)) {
+      if (after.most > 0.0f) {
+        ahead_ = after;
+        break;
+      }
+      segment.end = after.end;
+    }
+    return true;
+  }
+
+ private:
+  std::optional<BoundSegment> ahead_;
 };
 
 class ConstantBounds;

@@ -1,6 +1,11 @@
 #include "scene/load_media.h"
 
+#include <algorithm>
+#include <array>
+#include <map>
+#include <memory>
 #include <optional>
+#include <string>
 
 namespace nocturne {
 namespace {
@@ -55,16 +60,47 @@ AltitudeDensity load_altitude(const v1::AltitudeDensity& message) {
   refuse("a profile over altitude that this program doesn't know");
 }
 
-AnyDensity load_density(const v1::Medium& message) {
+// Grids are large, and density and temperature, or several media, may share one.
+class Grids {
+ public:
+  explicit Grids(const LoadContext& context) : context_(context) {}
+
+  GridField field(const v1::DensityGrid& message) {
+    auto& grid = grids_[message.blob()];
+    if (!grid) {
+      grid = std::make_shared<FloatGrid>(
+          FloatGrid::read(context_.find_blob(blob_name(message.blob()))));
+    }
+    require(message.transform_size() == 12, "a grid's transform that is not 12 numbers");
+    std::array<double, 12> transform;
+    std::ranges::copy(message.transform(), transform.begin());
+    return GridField(grid, transform, message.scale(), message.nearest());
+  }
+
+ private:
+  const LoadContext& context_;
+  std::map<std::string, std::shared_ptr<const FloatGrid>> grids_;
+};
+
+AnyDensity load_density(const v1::Medium& message, Grids& grids) {
   switch (message.density_case()) {
     case v1::Medium::kConstant:
       require(message.constant() >= 0.0, "a medium's density is negative");
       return ConstantDensity{finite(message.constant(), "a medium's density")};
     case v1::Medium::kAltitude:
       return load_altitude(message.altitude());
+    case v1::Medium::kGrid:
+      return GridDensity(grids.field(message.grid()));
     default:
       refuse("a medium's density that this program doesn't know");
   }
+}
+
+std::optional<Glow> load_glow(const v1::Medium& message, Grids& grids) {
+  if (!message.has_temperature()) return std::nullopt;
+  const float scale = finite(message.emission_scale(), "a medium's emission scale");
+  require(scale >= 0.0f, "a medium's emission scale is negative");
+  return Glow(grids.field(message.temperature()), scale);
 }
 
 }  // namespace
@@ -72,13 +108,15 @@ AnyDensity load_density(const v1::Medium& message) {
 std::vector<Medium> load_media(const LoadContext& context, std::vector<AnyKernel>& kernels,
                                std::vector<SurfaceMaterial>& materials) {
   std::vector<Medium> media;
+  Grids grids(context);
   for (const auto& message : context.message.media()) {
     const Spectrum& absorption = context.spectrum(message.absorption());
     const Spectrum& scattering = context.spectrum(message.scattering());
     const auto kernel = static_cast<std::uint32_t>(kernels.size());
     kernels.emplace_back(Phase{absorption, scattering, load_shape(context, message.phase())});
     materials.push_back({.front_kernel = kernel, .back_kernel = kernel});
-    media.push_back({absorption, scattering, load_density(message)});
+    media.push_back(
+        {absorption, scattering, load_density(message, grids), load_glow(message, grids)});
   }
   return media;
 }

@@ -85,6 +85,7 @@ struct Scene {
   std::uint32_t surface_of(std::size_t medium) const {
     return static_cast<std::uint32_t>(materials.size() - media.size() + medium);
   }
+  const Medium& medium(std::uint32_t surface) const { return media[surface - surface_of(0)]; }
   bool is_medium(std::uint32_t surface) const { return surface >= surface_of(0); }
 
   /// What is left after `distance` metres in the bodies that are there (Beer, Lambert, Bouguer);

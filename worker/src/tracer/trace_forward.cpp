@@ -29,7 +29,7 @@ class SensorCounter {
   }
 
   void arrives(const Group<N>&, const Hit&) {}
-  void glows(const Group<N>&, const Spectral<N>&) {}
+  void glows(const Group<N>&, const Hit&) {}
 
  private:
   void put(const Group<N>& group, const std::optional<Reception>& reception) {

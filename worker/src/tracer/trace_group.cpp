@@ -25,8 +25,8 @@ class LightCounter {
   }
 
   // No photon towards lights could have counted it.
-  void glows(const Group<N>& group, const Spectral<N>& radiance) {
-    radiance_ += group.weight * radiance;
+  void glows(const Group<N>& group, const Hit& hit) {
+    radiance_ += group.weight * scene_.medium(hit.surface).source(hit.position, wavelengths_);
   }
 
   const Spectral<N>& radiance() const { return radiance_; }

@@ -35,8 +35,8 @@ struct Start {
 /// and so every decision that does not depend on the wavelength; where one differs they part.
 ///
 /// Counter has kTransport; flies(group, hit), called for every ray with the nearest hit or none,
-/// before the body on the way absorbs; arrives(group, hit), called after; and glows(group,
-/// radiance), called where a medium that is hit emits.
+/// before the body on the way absorbs; arrives(group, hit) for a surface and glows(group, hit) for
+/// a medium, called after.
 template <int N, class Counter>
 class Walk {
  public:
@@ -119,7 +119,11 @@ class Walk {
         group.weight *= scene_.transmittance(group.inside, hit->distance, wavelengths_);
       }
       group.width += spread_ * hit->distance;
-      counter_.arrives(group, *hit);
+      if (has_media_ && scene_.is_medium(hit->surface)) {
+        counter_.glows(group, *hit);
+      } else {
+        counter_.arrives(group, *hit);
+      }
       if (group.depth == options_.maximum_depth || ends_here(group, *hit)) return std::nullopt;
       auto vertex = make_vertex(scene_, *hit, group, wavelengths_, time_, Counter::kTransport);
       if (vertex) {
