@@ -25,7 +25,8 @@ GridField field(const std::vector<std::byte>& bytes, bool nearest = false,
 float cloud(int x, int y, int z) {
   if (x < 0 && y < 0) return 0.25f;
   if ((x >> 4) + (y >> 3) + (z >> 3) == 3) return 0.0f;
-  const auto u = test::media_numbers(static_cast<std::uint32_t>((x * 7919 + y) * 6007 + z), 31);
+  const auto word = [](int v) { return static_cast<std::uint32_t>(v); };
+  const auto u = test::media_numbers((word(x) * 7919u + word(y)) * 6007u + word(z), 31);
   return u[0] < 0.5f ? 0.0f : u[1];
 }
 const std::vector<std::byte>& cloud_bytes() {
