@@ -179,10 +179,14 @@ int main(int argc, char** argv) {
       ->transform(CLI::AsSizeValue(false));
   app.add_option("--statistics", options.statistics,
                  "JSON file for photon and ray counts and times");
-  app.add_option("--method", options.method, "adjoint, or path for the path-tracing baseline")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, nocturne::Method>{{"adjoint", nocturne::Method::kAdjointPhotons},
-                                                  {"path", nocturne::Method::kPathTracing}}));
+  app.add_option("--method", options.method.kind,
+                 "adjoint; or, for comparison only, path (path tracing) or march (ray marching)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, nocturne::Method::Kind>{
+          {"adjoint", nocturne::Method::kAdjointPhotons},
+          {"path", nocturne::Method::kPathTracing},
+          {"march", nocturne::Method::kRayMarching}}));
+  app.add_option("--steps", options.method.steps, "Steps of a ray marcher (default 64)")
+      ->check(CLI::Range(1, 1'000'000));
   app.add_flag("--quiet", options.quiet, "No progress");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -2,12 +2,17 @@
 
 #include <dlfcn.h>
 
+#include <mutex>
 #include <string>
 
 #include "textures/image_library.h"
 
 namespace nocturne {
 namespace {
+
+std::mutex memory_mutex;
+std::uint64_t memory_bytes = kTextureMemoryBytes;
+bool is_loaded = false;
 
 const ImageLibrary& load() {
   // Beside the program, which the program's run path says; never closed, as threads may look up.
@@ -16,7 +21,11 @@ const ImageLibrary& load() {
   if (entry == nullptr) {
     throw TextureError(std::string("the program is not whole: ") + dlerror());
   }
-  return *reinterpret_cast<decltype(&nocturne_image_library)>(entry)();
+  const ImageLibrary& loaded = *reinterpret_cast<decltype(&nocturne_image_library)>(entry)();
+  const std::lock_guard lock(memory_mutex);
+  loaded.set_memory(memory_bytes);
+  is_loaded = true;
+  return loaded;
 }
 
 const ImageLibrary& library() {
@@ -45,7 +54,11 @@ std::array<float, 3> Texture::rgb(float u, float v, float width) const {
   return values;
 }
 
-void set_texture_memory(std::uint64_t bytes) { library().set_memory(bytes); }
+void set_texture_memory(std::uint64_t bytes) {
+  const std::lock_guard lock(memory_mutex);
+  memory_bytes = bytes;
+  if (is_loaded) library().set_memory(bytes);
+}
 std::uint64_t texture_memory_used() { return library().memory_used(); }
 
 }  // namespace nocturne

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "tracer/baselines/path_tracer.h"
+#include "tracer/baselines/ray_marcher.h"
 #include "tracer/trace_forward.h"
 #include "tracer/trace_group.h"
 
@@ -169,7 +170,14 @@ TileSums trace_tile_in_groups(const Scene& scene, Film film, const TileRange& ra
 }
 
 TileSums trace_any(const Scene& scene, Film film, const TileRange& range, Method method) {
-  if (method == Method::kPathTracing) {
+  if (method.kind == Method::kRayMarching) {
+    const auto march = [&](const Scene& s, const Start<1>& start, const PhotonSequence& sequence) {
+      return baselines::march_ray(s, start, sequence, method.steps);
+    };
+    return trace_pixels<1>(scene, film, range, march);
+  }
+  if (method.kind == Method::kPathTracing) {
+    if (!scene.media.empty()) throw std::invalid_argument("the path tracer knows no media");
     return trace_pixels<1>(scene, film, range, baselines::trace_path);
   }
   switch (scene.options.group) {
@@ -187,7 +195,7 @@ TileSums trace_any(const Scene& scene, Film film, const TileRange& range, Method
 TileSums trace_tile(const Scene& scene, Film film, const TileRange& range, Method method) {
   const FlushDenormals flush;
   TileSums tile = trace_any(scene, film, range, method);
-  const std::uint32_t together = method == Method::kPathTracing ? 1 : scene.options.group;
+  const std::uint32_t together = method.kind != Method::kAdjointPhotons ? 1 : scene.options.group;
   tile.photons = static_cast<std::uint64_t>(range.width) * range.height *
                  (range.end_sample - range.first_sample) * together;
   return tile;

@@ -7,14 +7,26 @@
 namespace nocturne {
 
 /// How a photon's path is followed; everything around it is shared.
-enum class Method {
-  kAdjointPhotons,
-  /// Explicit direct light, for comparison only (tracer/baselines).
-  kPathTracing,
+struct Method {
+  enum Kind {
+    kAdjointPhotons,
+    /// Explicit direct light, for comparison only (tracer/baselines). Knows no media.
+    kPathTracing,
+    /// Through media step by step, for comparison only.
+    kRayMarching,
+  };
+  Kind kind = kAdjointPhotons;
+  /// Of a ray marcher, on each piece of a ray; at least 1.
+  std::uint32_t steps = 64;
+
+  // Not explicit: most methods have nothing more to say.
+  Method(Kind k) : kind(k) {}  // NOLINT(google-explicit-constructor)
+  Method(Kind k, std::uint32_t s) : kind(k), steps(s) {}
 };
 
 /// Sums over the range's samples in sample order: a pure function of its arguments, bit for bit.
-/// The range must lie in the film.
+/// The range must lie in the film. Throws std::invalid_argument where the method can't trace the
+/// scene.
 TileSums trace_tile(const Scene& scene, Film film, const TileRange& range,
                     Method method = Method::kAdjointPhotons);
 

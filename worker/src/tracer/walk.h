@@ -124,10 +124,10 @@ class Walk {
       } else {
         counter_.arrives(group, *hit);
       }
-      if (group.depth == options_.maximum_depth || ends_here(group, *hit)) return std::nullopt;
+      if (ends_here(group, *hit)) return std::nullopt;
       auto vertex = make_vertex(scene_, *hit, group, wavelengths_, time_, Counter::kTransport);
       if (vertex) {
-        ++group.depth;
+        if (group.depth++ == options_.maximum_depth) return std::nullopt;
         return vertex;
       }
       pass_unseen(group, *hit);
