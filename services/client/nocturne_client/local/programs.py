@@ -13,6 +13,7 @@ _BUILT = CHECKOUT / "build" / "release" / "worker"
 HOW_TO_GET = {
     "nocturne-worker": "build it with `make build`, or say where it is with NOCTURNE_BIN=FOLDER",
     "nocturne-trace": "build it with `make build`, or say where it is with NOCTURNE_BIN=FOLDER",
+    "nocturne-grid": "build it with `make build`, or say where it is with NOCTURNE_BIN=FOLDER",
     "redis-server": "install it with `sudo apt-get install redis-server`",
 }
 

@@ -1,0 +1,22 @@
+// What nocturne-grid does. All throw std::exception, in words, and answer what was read or written.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "vdb_file.h"
+
+namespace nocturne {
+
+nlohmann::json inspect_grids(const std::filesystem::path& vdb, const GridLimits& limits);
+
+/// A grid of floats that are no less than 0, as NanoVDB lays it out for the worker.
+nlohmann::json convert_grid(const std::filesystem::path& vdb, const std::string& name,
+                            const std::filesystem::path& output, const GridLimits& limits);
+
+/// From arrays: docs/density-grids.md.
+nlohmann::json create_grids(const std::filesystem::path& input, const std::filesystem::path& output,
+                            const GridLimits& limits);
+
+}  // namespace nocturne
