@@ -152,10 +152,16 @@ void check_nodes(const std::byte* bytes, std::size_t size) {
   }
 }
 
+int offset(int x, int y, int z) { return (x & 7) << 6 | (y & 7) << 3 | (z & 7); }
+
 // The block around a voxel.
 struct Found {
   const float* values;
   float value;
+
+  float at(int x, int y, int z) const {
+    return values == nullptr ? value : values[offset(x, y, z)];
+  }
 };
 
 std::uint32_t slot_of(int x, int y, int z, std::uint32_t log2, std::uint32_t log2_child) {
@@ -302,24 +308,28 @@ void FloatGrid::for_each_block(const std::function<void(const Block&)>& f) const
 }
 
 float FloatGrid::value(int x, int y, int z) const {
-  const Found found = find(root_of(bytes_.get()), x, y, z);
-  return found.values == nullptr ? found.value
-                                 : found.values[(x & 7) << 6 | (y & 7) << 3 | (z & 7)];
+  return find(root_of(bytes_.get()), x, y, z).at(x, y, z);
 }
 
 std::array<float, 8> FloatGrid::corners(int x, int y, int z) const {
-  std::array<float, 8> all;
-  if ((x & 7) < 7 && (y & 7) < 7 && (z & 7) < 7) {
-    const Found found = find(root_of(bytes_.get()), x, y, z);
-    if (found.values == nullptr) {
-      all.fill(found.value);
-      return all;
-    }
-    const float* low = found.values + ((x & 7) << 6 | (y & 7) << 3 | (z & 7));
+  const Root& root = root_of(bytes_.get());
+  std::array<Found, 8> blocks;
+  blocks[0] = find(root, x, y, z);
+  const auto last = [](int v) { return static_cast<unsigned>((v & 7) == 7); };
+  // Along which axes the corners lie in two blocks.
+  const unsigned across = last(x) << 2 | last(y) << 1 | last(z);
+  if (across == 0 && blocks[0].values != nullptr) {
+    const float* low = blocks[0].values + offset(x, y, z);
     return {low[0], low[1], low[8], low[9], low[64], low[65], low[72], low[73]};
   }
-  for (int i = 0; i < 8; ++i) {
-    all[static_cast<std::size_t>(i)] = value(x + (i >> 2), y + (i >> 1 & 1), z + (i & 1));
+  std::array<float, 8> all;
+  for (unsigned i = 0; i < 8; ++i) {
+    const auto bit = [&](unsigned n) { return static_cast<int>(i >> n & 1u); };
+    const int cx = x + bit(2), cy = y + bit(1), cz = z + bit(0);
+    // The first corner in a block finds it for those that follow.
+    const unsigned block = i & across;
+    if (i > 0 && block == i) blocks[i] = find(root, cx, cy, cz);
+    all[i] = blocks[block].at(cx, cy, cz);
   }
   return all;
 }
