@@ -1,7 +1,6 @@
 """`nocturne up` as a child, for as long as a bench needs it."""
 
 import json
-import socket
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -13,6 +12,7 @@ from nocturne_client import Client
 from nocturne_client.local.children import Child
 
 from bench.programs import running_cpu_s
+from tests.system.free_ports import free_port_pair
 
 _START_S = 60.0
 _STOP_S = 30.0
@@ -36,7 +36,7 @@ def running_service(workers: int, threads: int) -> Iterator[RunningService]:
     """Starts it on a new data folder; stops it and removes the folder at the end."""
     with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
         data = Path(folder) / "data"
-        place = ["--data", str(data), "--port", str(_free_port_pair())]
+        place = ["--data", str(data), "--port", str(free_port_pair())]
         fleet = ["--workers", str(workers), "--threads", str(threads)]
         up = [sys.executable, "-m", "nocturne_client", "up", *place, *fleet]
         child = Child("nocturne up", up, Path(folder) / "up.log")
@@ -50,16 +50,3 @@ def running_service(workers: int, threads: int) -> Iterator[RunningService]:
             yield RunningService(said["url"], data, {"up": child.pid, **said["children"]})
         finally:
             child.stop(_STOP_S)
-
-
-def _free_port_pair() -> int:
-    """A port that is free now, and the one above it too."""
-    while True:
-        with socket.socket() as first, socket.socket() as second:
-            first.bind(("127.0.0.1", 0))
-            port = int(first.getsockname()[1])
-            try:
-                second.bind(("127.0.0.1", port + 1))
-            except (OSError, OverflowError):
-                continue
-            return port

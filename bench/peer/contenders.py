@@ -13,7 +13,7 @@ from nocturne.v1 import scene_pb2
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import CompiledFolder
 from nocturne_coordinator.blobs import BlobStore
-from nocturne_coordinator.plan import make_plan
+from nocturne_coordinator.scene_plan import plan_of
 
 from bench.peer.install import Installed
 from bench.peer.scenes import SKY
@@ -63,7 +63,7 @@ class Ours:
         used = replace(self._compiled, scene=folder / "seeded.pb", plan=folder / "seeded-plan.pb")
         self._scene.tracing.seed = seed
         used.scene.write_bytes(self._scene.SerializeToString(deterministic=True))
-        plan = make_plan(self._film.width, self._film.height, samples)
+        plan = plan_of(self._scene, self._film.width, self._film.height, samples)
         used.plan.write_bytes(plan.SerializeToString(deterministic=True))
         traced = trace(used, self._threads)
         return Frame(traced.xyz[..., 1], traced.tracing_cpu_s)

@@ -11,6 +11,11 @@ def plan_for_scene(
 ) -> job_pb2.RenderPlan:
     """The plan of a film of width x height pixels. Raises InputError as `make_plan`, and NotFound."""
     scene = scene_pb2.CompiledScene.FromString(blobs.path(scene_sha256).read_bytes())
+    return plan_of(scene, width, height, samples)
+
+
+def plan_of(scene: scene_pb2.CompiledScene, width: int, height: int, samples: int) -> job_pb2.RenderPlan:
+    """The same of a scene in memory. Raises InputError as `make_plan`."""
     return make_plan(
         width,
         height,

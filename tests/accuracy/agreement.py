@@ -15,6 +15,12 @@ from scipy import stats
 from tests.system.images import Image
 
 ALPHA = 0.01
+
+ROUNDING = 1e-5
+"""Of a reading, beside chance: single precision along a path of many vertices, and rounded tables of the
+observer.
+"""
+
 _TILE = 8
 
 Values = npt.NDArray[np.float64]

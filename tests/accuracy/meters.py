@@ -9,25 +9,19 @@ wavelengths: readings are per nanometre, mean values over 360 to 830 nm.
 """
 
 import json
-import subprocess
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from nocturne.v1 import scene_pb2
 from nocturne_client.local.compiled import CompiledFolder, compile_to
-from nocturne_client.local.programs import need_program
-from nocturne_coordinator.plan import make_plan
-from scipy.stats import t as student
+from nocturne_coordinator.scene_plan import plan_of
 
-from tests.accuracy.agreement import ALPHA, Values
-from tests.accuracy.tracing import Document
+from tests.accuracy.agreement import ROUNDING, Values, student_bound
+from tests.accuracy.tracing import Document, run
 from tests.system.images import Image
-
-ROUNDING = 1e-5
-"""Of a reading: single precision along a chain of a few dozen operations."""
 
 _RANGE_NM = 830.0 - 360.0
 
@@ -55,8 +49,7 @@ class Reading:
 
         False alarms: 0.01 for all `values` that a test looks at (Sidak).
         """
-        tail = (1.0 - (1.0 - ALPHA) ** (1.0 / values)) / 2.0
-        return float(student.isf(tail, self.count - 1))
+        return student_bound(values, self.count - 1)
 
     def check(self, truth: float, uncertainty: float = ROUNDING, values: int = 1) -> None:
         """Fails unless the truth is near; `uncertainty` is a part of it, beside chance."""
@@ -90,6 +83,8 @@ class Measurement:
     """A scene, compiled once; its meter can then be moved and its random numbers changed."""
 
     def __init__(self, document: Document, folder: Path, width: int = 1, height: int = 1) -> None:
+        self.statistics: dict[str, Any] = {}
+        """Of the last image."""
         self._folder = folder
         self._document = document
         self._size = width, height
@@ -118,34 +113,12 @@ class Measurement:
 
     def image(self, samples: int, seed: int = 0) -> Image:
         self._scene.tracing.seed = seed
-        plan = self._plan(samples)
-        scene, output = self._folder / "scene.pb", self._folder / "image.exr"
-        scene.write_bytes(self._scene.SerializeToString(deterministic=True))
-        command: list[str | Path] = [need_program("nocturne-trace"), scene, "-o", output, "--quiet"]
-        command += ["--plan", plan, "--blobs", self._compiled.blobs]
-        command += ["--statistics", self._folder / "statistics.json"]
-        subprocess.run(command, check=True)
-        assert self.statistics["rejected"] == 0
-        return Image.read(output)
-
-    @property
-    def statistics(self) -> dict[str, Any]:
-        """Of the last image."""
-        statistics: dict[str, Any] = json.loads((self._folder / "statistics.json").read_text())
-        return statistics
-
-    def _plan(self, samples: int) -> Path:
-        plan = self._folder / "plan.pb"
-        sensor = self._scene.sensor
-        made = make_plan(
-            *self._size,
-            samples,
-            [response.name for response in sensor.further_responses],
-            one_tile=self._scene.tracing.direction == scene_pb2.DIRECTION_FORWARD,
-            photons_per_sample=self._scene.tracing.group,
-        )
-        plan.write_bytes(made.SerializeToString(deterministic=True))
-        return plan
+        plan = plan_of(self._scene, *self._size, samples)
+        used = replace(self._compiled, scene=self._folder / "scene.pb", plan=self._folder / "plan.pb")
+        used.scene.write_bytes(self._scene.SerializeToString(deterministic=True))
+        used.plan.write_bytes(plan.SerializeToString(deterministic=True))
+        image, self.statistics = run(used, self._folder)
+        return image
 
     def _compile(self, document: Document, folder: Path) -> CompiledFolder:
         folder.mkdir(exist_ok=True)

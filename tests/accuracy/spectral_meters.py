@@ -10,16 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from tests.accuracy.agreement import ROUNDING
 from tests.accuracy.tracing import Document, trace
 from tests.system.images import Image
 
 Y_PER_RADIANCE = 683.0 * 106.856895
 """683 lm/W times the integral of the CIE 1931 observer's y-bar, nm: cd/m2 per W m-2 sr-1 nm-1."""
 
-ROUNDING = 1e-5
-"""Of the truth: single precision along a path of many vertices, and rounded tables of the observer."""
-
-BLACK: dict[str, Any] = {"type": "lambertian", "reflectance": 0.0}
 NO_ROULETTE: dict[str, Any] = {"h": 1e6}
 
 

@@ -8,7 +8,8 @@ import pytest
 
 from tests.accuracy.agreement import sidak_bound
 from tests.accuracy.ruler import Vector
-from tests.accuracy.spectral_meters import BLACK, Estimate, flat, measure, scene
+from tests.accuracy.scenes import BLACK
+from tests.accuracy.spectral_meters import Estimate, flat, measure, scene
 from tests.accuracy.tracing import trace
 
 pytestmark = pytest.mark.system

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from tests.accuracy.agreement import sidak_bound, student_bound
-from tests.accuracy.spectral_meters import BLACK, NO_ROULETTE, level
+from tests.accuracy.scenes import BLACK
+from tests.accuracy.spectral_meters import NO_ROULETTE, level
 from tests.accuracy.tracing import Document, trace
 from tests.system.images import Image
 

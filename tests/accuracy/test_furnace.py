@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.accuracy.agreement import sidak_bound
+from tests.accuracy.agreement import ROUNDING, sidak_bound
 from tests.accuracy.scenes import furnace
+from tests.accuracy.spectral_meters import Y_PER_RADIANCE
 from tests.accuracy.tracing import trace
 
 pytestmark = pytest.mark.system
@@ -20,12 +21,6 @@ _SAMPLES = 512
 _RADIANCE = 2.0
 """W m-2 sr-1 nm-1, at all wavelengths."""
 
-_Y_PER_RADIANCE = 683.0 * 106.856895
-"""683 lm/W times the integral of the CIE 1931 observer's y-bar, nm: cd/m2 per W m-2 sr-1 nm-1."""
-
-_ROUNDING = 1e-5
-"""Of the truth: single precision along a path of many vertices, and rounded tables of the observer."""
-
 
 @pytest.mark.parametrize("albedo", [0.0, 0.5, 0.9])
 def test_every_pixel_is_right(albedo: float, tmp_path: Path) -> None:
@@ -34,11 +29,11 @@ def test_every_pixel_is_right(albedo: float, tmp_path: Path) -> None:
     False alarms: 0.01 + 0.003 with independent points; less with Sobol's, whose standard errors are large.
     """
     image = trace(furnace(albedo, _RADIANCE), tmp_path, _EDGE, _SAMPLES)
-    truth = _RADIANCE / (1.0 - albedo) * _Y_PER_RADIANCE
-    allowed = sidak_bound(image.y.size) * image.y_error + _ROUNDING * truth
+    truth = _RADIANCE / (1.0 - albedo) * Y_PER_RADIANCE
+    allowed = sidak_bound(image.y.size) * image.y_error + ROUNDING * truth
     np.testing.assert_array_less(np.abs(image.y - truth), allowed)
     mean_error = np.sqrt(np.mean(image.y_error.astype(np.float64) ** 2) / image.y.size)
-    assert abs(image.y.mean() - truth) < 3.0 * mean_error + _ROUNDING * truth
+    assert abs(image.y.mean() - truth) < 3.0 * mean_error + ROUNDING * truth
 
 
 def test_units_are_absolute(tmp_path: Path) -> None:
@@ -47,4 +42,4 @@ def test_units_are_absolute(tmp_path: Path) -> None:
     So the mean is right to 1e-4, ten times better than the standard error of independent points.
     """
     image = trace(furnace(0.0, _RADIANCE), tmp_path, _EDGE, _SAMPLES)
-    assert image.y.mean() == pytest.approx(_RADIANCE * _Y_PER_RADIANCE, rel=1e-4)
+    assert image.y.mean() == pytest.approx(_RADIANCE * Y_PER_RADIANCE, rel=1e-4)

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from tests.accuracy.agreement import sidak_bound
+from tests.accuracy.scenes import BLACK
 from tests.accuracy.spectral_meters import (
-    BLACK,
     NO_ROULETTE,
     Estimate,
     beam,

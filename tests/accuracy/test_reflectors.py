@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 from tests.accuracy.agreement import sidak_bound
-from tests.accuracy.spectral_meters import BLACK, Estimate, flat
+from tests.accuracy.scenes import BLACK
+from tests.accuracy.spectral_meters import Estimate, flat
 from tests.accuracy.tracing import Document, trace
 
 pytestmark = pytest.mark.system

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.accuracy.agreement import Values
-from tests.accuracy.meters import ROUNDING, Measurement
+from tests.accuracy.agreement import ROUNDING, Values
+from tests.accuracy.meters import Measurement
 from tests.accuracy.scenes import film, measured_scene, quad, surface, white_tile
 from tests.accuracy.skies import ORIENTATION, Sky, horizontal_illuminance, map_luminance
 from tests.accuracy.test_illuminance import FLOOR_G_TO_N, WALL_A_TO_F

@@ -13,7 +13,8 @@ from typing import Any
 import pytest
 
 from tests.accuracy.agreement import sidak_bound
-from tests.accuracy.spectral_meters import BLACK, beam, level, measure, scene, slab
+from tests.accuracy.scenes import BLACK
+from tests.accuracy.spectral_meters import beam, level, measure, scene, slab
 from tests.accuracy.tracing import Document
 
 pytestmark = pytest.mark.system

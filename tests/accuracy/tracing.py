@@ -5,7 +5,7 @@ import subprocess
 from pathlib import Path
 from typing import Any, Literal
 
-from nocturne_client.local.compiled import compile_to
+from nocturne_client.local.compiled import CompiledFolder, compile_to
 from nocturne_client.local.programs import need_program
 
 from tests.system.images import Image
@@ -22,9 +22,15 @@ def trace(
     scene = folder / "scene.json"
     scene.write_text(json.dumps(document))
     compiled = compile_to(scene, folder, width, height, samples)
-    output, statistics = folder / "image.exr", folder / "statistics.json"
+    return run(compiled, folder, method)[0]
+
+
+def run(compiled: CompiledFolder, folder: Path, method: Method = "adjoint") -> tuple[Image, dict[str, Any]]:
+    """Traces into `folder`; the image, and what nocturne-trace counted: no photon was rejected."""
+    output, file = folder / "image.exr", folder / "statistics.json"
     command: list[str | Path] = [need_program("nocturne-trace"), compiled.scene, "-o", output, "--quiet"]
-    command += ["--plan", compiled.plan, "--blobs", compiled.blobs, "--statistics", statistics]
+    command += ["--plan", compiled.plan, "--blobs", compiled.blobs, "--statistics", file]
     subprocess.run([*command, "--method", method], check=True)
-    assert json.loads(statistics.read_text())["rejected"] == 0
-    return Image.read(output)
+    statistics: dict[str, Any] = json.loads(file.read_text())
+    assert statistics["rejected"] == 0
+    return Image.read(output), statistics

@@ -2,7 +2,6 @@
 
 import os
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
@@ -88,16 +87,3 @@ def _state(stat: Path) -> str:
 def is_running(pid: int) -> bool:
     """Whether there is such a process, zombies left out: they have ended."""
     return _state(Path(f"/proc/{pid}/stat")) != "Z"
-
-
-def free_port_pair() -> int:
-    """A port that is free now, and the one above it too."""
-    while True:
-        with socket.socket() as first, socket.socket() as second:
-            first.bind(("127.0.0.1", 0))
-            port = int(first.getsockname()[1])
-            try:
-                second.bind(("127.0.0.1", port + 1))
-            except (OSError, OverflowError):
-                continue
-            return port

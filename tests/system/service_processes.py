@@ -11,7 +11,8 @@ from nocturne_client import Client
 from nocturne_client.local.programs import need_program
 from nocturne_coordinator import keys
 
-from tests.system.program import Program, free_port_pair
+from tests.system.free_ports import free_port_pair
+from tests.system.program import Program
 from tests.system.waiting import wait_for
 
 # Short, so that tests do not wait long for what a killed worker had in hand.

@@ -10,7 +10,8 @@ from typing import Any, Self
 
 import httpx
 
-from tests.system.program import Program, free_port_pair
+from tests.system.free_ports import free_port_pair
+from tests.system.program import Program
 from tests.system.waiting import wait_for
 
 NOCTURNE = Path(sys.executable).with_name("nocturne")

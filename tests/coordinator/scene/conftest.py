@@ -1,5 +1,6 @@
 """A small valid scene document to spoil, and a blob store to compile into."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -7,8 +8,9 @@ from typing import Any
 import pytest
 from nocturne.v1 import scene_pb2
 from nocturne_coordinator.blobs import BlobStore
+from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.scene.compiler import compile_scene
-from nocturne_coordinator.scene.document import check_document
+from nocturne_coordinator.scene.document import check_document, parse_document
 
 Document = dict[str, Any]
 Compile = Callable[[Document], scene_pb2.CompiledScene]
@@ -60,6 +62,15 @@ def compiled(blobs: BlobStore) -> Compile:
         return scene_pb2.CompiledScene.FromString(blobs.path(output.scene_sha256).read_bytes())
 
     return run
+
+
+def expect_problem(document: Document, blobs: BlobStore, place: str, words: str) -> None:
+    """Fails unless the compiler's first complaint about a document is at a place and has these words."""
+    with pytest.raises(InputError) as caught:
+        compile_scene(parse_document(json.dumps(document)), blobs)
+    problem = str(caught.value.problems[0])
+    assert problem.startswith(f"{place}: ")
+    assert words in problem
 
 
 def files_in(folder: Path) -> list[Path]:

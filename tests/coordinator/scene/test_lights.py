@@ -10,13 +10,12 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne.v1 import scene_pb2
 from nocturne_coordinator.blobs import BlobStore
-from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.scene import photometric_files, spectra, sun
 from nocturne_coordinator.scene.compiler import compile_scene
 from nocturne_coordinator.scene.document import parse_document
 from nocturne_coordinator.scene.published import visible_wavelengths
 
-from .conftest import Compile
+from .conftest import Compile, expect_problem
 
 
 def photometric(blobs: BlobStore) -> str:
@@ -219,7 +218,7 @@ def test_a_wrong_luminaire_is_told(
     document: dict[str, Any], blobs: BlobStore, changes: dict[str, Any], place: str, words: str
 ) -> None:
     document["surfaces"][1] |= changes
-    _expect(document, blobs, place, words)
+    expect_problem(document, blobs, place, words)
 
 
 @pytest.mark.parametrize(
@@ -250,7 +249,7 @@ def test_a_wrong_luminaire_is_told(
 def test_wrong_light_from_afar_is_told(
     document: dict[str, Any], blobs: BlobStore, changes: dict[str, Any], place: str, words: str
 ) -> None:
-    _expect(document | changes, blobs, place, words)
+    expect_problem(document | changes, blobs, place, words)
 
 
 def test_a_photometric_file_is_for_flat_shapes_and_spheres(
@@ -258,12 +257,4 @@ def test_a_photometric_file_is_for_flat_shapes_and_spheres(
 ) -> None:
     document["surfaces"][1]["luminaire"]["profile"] = {"asset": photometric(blobs)}
     document["surfaces"][1]["shape"] = _BOX
-    _expect(document, blobs, "$.surfaces[1].luminaire.profile", "a flat shape or a sphere")
-
-
-def _expect(document: dict[str, Any], blobs: BlobStore, place: str, words: str) -> None:
-    with pytest.raises(InputError) as caught:
-        compile_scene(parse_document(json.dumps(document)), blobs)
-    problem = str(caught.value.problems[0])
-    assert problem.startswith(f"{place}: ")
-    assert words in problem
+    expect_problem(document, blobs, "$.surfaces[1].luminaire.profile", "a flat shape or a sphere")

@@ -1,6 +1,5 @@
 """Textures are made once for each use, and what varies by one says so; meshes keep what it needs."""
 
-import json
 import struct
 from pathlib import Path
 from typing import Any
@@ -11,10 +10,8 @@ import pytest
 from nocturne.v1 import scene_pb2
 from nocturne_coordinator.blobs import BlobStore
 from nocturne_coordinator.errors import InputError
-from nocturne_coordinator.scene.compiler import compile_scene
-from nocturne_coordinator.scene.document import parse_document
 
-from .conftest import Compile
+from .conftest import Compile, expect_problem
 
 SQUARE = {
     "type": "mesh",
@@ -224,7 +221,7 @@ def test_a_wrong_table_is_refused(
 ) -> None:
     kernel = {"type": "measured", "asset": f"sha256:{blobs.put(data)}", "format": kind}
     document["surfaces"][0]["kernel"] = kernel
-    _expect(document, blobs, "$.surfaces[0].kernel.asset", words)
+    expect_problem(document, blobs, "$.surfaces[0].kernel.asset", words)
 
 
 @pytest.mark.parametrize(
@@ -241,18 +238,10 @@ def test_a_wrong_texture_is_told(
     document: dict[str, Any], blobs: BlobStore, reflectance: Any, place: str, words: str
 ) -> None:
     document["surfaces"][1]["kernel"]["reflectance"] = reflectance
-    _expect(document, blobs, f"$.surfaces[1].kernel.reflectance{place}", words)
+    expect_problem(document, blobs, f"$.surfaces[1].kernel.reflectance{place}", words)
 
 
 def test_a_file_that_is_no_picture_is_told(document: dict[str, Any], blobs: BlobStore) -> None:
     use = {"texture": {"asset": f"sha256:{blobs.put(b'hello')}"}}
     document["surfaces"][1]["kernel"]["reflectance"] = use
-    _expect(document, blobs, "$.surfaces[1].kernel.reflectance.texture.asset", "OpenImageIO")
-
-
-def _expect(document: dict[str, Any], blobs: BlobStore, place: str, words: str) -> None:
-    with pytest.raises(InputError) as caught:
-        compile_scene(parse_document(json.dumps(document)), blobs)
-    problem = str(caught.value.problems[0])
-    assert problem.startswith(f"{place}: ")
-    assert words in problem
+    expect_problem(document, blobs, "$.surfaces[1].kernel.reflectance.texture.asset", "OpenImageIO")
