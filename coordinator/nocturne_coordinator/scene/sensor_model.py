@@ -178,7 +178,7 @@ class IntensityMeter(_AnySensor):
 
     Columns are equal steps of the horizontal angle from 0 to 360 degrees, rows equal steps of the vertical
     angle from `axis` (0) to its opposite (180). The lamp is all that is inside a sphere; light from outside
-    passes by.
+    passes by. `nocturne ies` writes the image as a photometric file, which a luminaire's profile can be.
     """
 
     type: Literal["intensity_meter"]
@@ -187,7 +187,8 @@ class IntensityMeter(_AnySensor):
     axis: Vector = Field(default=(0.0, -1.0, 0.0), description="Direction of vertical angle 0.")
     zero: Vector = Field(
         default=(1.0, 0.0, 0.0),
-        description="Direction of horizontal angle 0; what of it is along the axis is left out.",
+        description="Direction of horizontal angle 0; what of it is along the axis is left out. Angles "
+        "increase counter-clockwise for someone who looks along `axis`.",
     )
 
     @model_validator(mode="after")

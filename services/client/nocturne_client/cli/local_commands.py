@@ -14,7 +14,7 @@ Threads = Annotated[int, typer.Option("--threads", min=0, help="0: one per proce
 
 def add_to(app: typer.Typer) -> None:
     """Adds these commands to the program."""
-    for command in (up, render, compile_scene, doctor):
+    for command in (up, render, ies, compile_scene, doctor):
         app.command(name="compile" if command is compile_scene else None)(command)
 
 
@@ -49,6 +49,17 @@ def render(
     from nocturne_client.local.render import render_scene
 
     render_scene(scene, output, width, height, samples, threads or len(os.sched_getaffinity(0)))
+    typer.echo(output)
+
+
+def ies(
+    image: Annotated[Path, typer.Argument(metavar="IMAGE.exr", help="Of an intensity meter.")],
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE.ies", help="Where the file goes.")],
+) -> None:
+    """Write the image of an intensity meter as a photometric file, LM-63-2002, in candelas."""
+    from nocturne_client.local.photometry import write_photometry
+
+    write_photometry(image, output)
     typer.echo(output)
 
 

@@ -1,0 +1,39 @@
+"""`nocturne ies`: what an intensity meter saw, as a photometric file."""
+
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from nocturne_coordinator.scene import photometric_files
+from nocturne_coordinator.scene.photometric_images import photometry_of
+
+from nocturne_client.errors import NocturneClientError
+
+
+def write_photometry(image: Path, output: Path) -> None:
+    """Writes the EXR of an intensity meter as LM-63-2002, in candelas. Raises NocturneClientError.
+
+    An image doesn't say which sensor it is from, so that is not checked.
+    """
+    buffer = oiio.ImageBuf(str(image))
+    spec = buffer.spec()
+    scene, engine = (spec.getattribute(f"nocturne:{name}") for name in ("scene", "engine"))
+    if buffer.has_error or scene is None or "Y" not in spec.channelnames:
+        raise NocturneClientError(f"{image} is no EXR of ours: expected an image of an intensity meter")
+    pixels = np.asarray(buffer.get_pixels(oiio.FLOAT), dtype=np.float64)
+    candela, error = (pixels[..., spec.channelnames.index(name)] for name in ("Y", "Y.stderr"))
+    # LM-63-2002, 5.2, asks for the first four.
+    keywords = {
+        "TEST": f"computed, scene {scene}",
+        "TESTLAB": f"Nocturne, engine {engine}",
+        "ISSUEDATE": "not said",
+        "MANUFAC": "not said",
+        "OTHER": f"standard errors up to {error.max():.3g} cd",
+    }
+    try:
+        data = photometric_files.write(photometry_of(candela, keywords))
+        output.write_bytes(data)
+    except ValueError as problem:
+        raise NocturneClientError(f"{image}: {problem}") from problem
+    except OSError as problem:
+        raise NocturneClientError(f"{output}: {problem.strerror}") from problem
