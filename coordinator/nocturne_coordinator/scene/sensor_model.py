@@ -23,7 +23,8 @@ class _AnySensor(Node):
     responses: Annotated[dict[Name, SpectrumReference], Field(max_length=bounds.RESPONSES)] = Field(
         default={},
         description="Further channels by name: response per unit of spectral radiance and nanometre, "
-        "zero beyond a table.",
+        "zero beyond a table. They are resolved to 1 nm: what is narrower or steeper keeps its integral and "
+        "its centre, and becomes as wide.",
     )
     wavelengths: Literal["response", "uniform"] = Field(
         default="response",

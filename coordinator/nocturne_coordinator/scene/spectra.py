@@ -86,11 +86,15 @@ def tabulated(knots: Sequence[tuple[float, float]], outside: Outside = "hold") -
 def response_curve(spectrum: Spectrum) -> NDArray[np.float64]:
     """Return a sensor's further response at the wavelengths of `response`; zero beyond a table.
 
-    A line becomes as wide as the grid's step, where it is narrower.
+    Straight lines between these wavelengths are exact for tables with whole nm that begin and end at zero.
+    What is narrower or steeper than the grid, such as a line, keeps its integral and its centre, and becomes
+    as wide as the grid's step.
     """
     sampled = _sampled(spectrum, outside="zero")
-    table = evaluate(_message(replace(sampled, lines=())), visible_wavelengths())
-    return table + line_spectra.projected(sampled.lines)
+    lines = line_spectra.projected(sampled.lines)
+    if _on_response_grid(sampled):
+        return _table_at(_message(replace(sampled, lines=())), visible_wavelengths()) + lines
+    return _projected(sampled) + lines
 
 
 def at_visible(values: NDArray[np.float64]) -> scene_pb2.Spectrum:
@@ -207,6 +211,37 @@ class _Sampled:
 
 def _constant(value: float) -> _Sampled:
     return _Sampled(0.0, 0.0, np.array([value]), zero_outside=False)
+
+
+def _on_response_grid(sampled: _Sampled) -> bool:
+    """Whether straight lines between whole nm are the table itself."""
+    if len(sampled.values) == 1:
+        return True
+    last = sampled.first + sampled.step * (len(sampled.values) - 1)
+    jumps = (sampled.values[0] > 0 and sampled.first > FIRST) or (sampled.values[-1] > 0 and last < LAST)
+    whole = (sampled.first - FIRST) % STEP == 0 and sampled.step % STEP == 0
+    return whole and not (jumps and sampled.zero_outside)
+
+
+def _projected(sampled: _Sampled) -> NDArray[np.float64]:
+    """Return the integrals of a table times the hat around each of `visible_wavelengths`, over the hat's own.
+
+    Between the knots of both a product is a parabola, for which Simpson's rule is exact.
+    """
+    grid = visible_wavelengths()
+    knots = sampled.first + sampled.step * np.arange(len(sampled.values))
+    low, high = (max(knots[0], FIRST), min(knots[-1], LAST)) if sampled.zero_outside else (FIRST, LAST)
+    bends = np.concatenate([grid, knots])
+    ends = np.unique(np.concatenate([[low], bends[(bends > low) & (bends < high)], [high]]))
+    at = np.stack([ends[:-1], (ends[:-1] + ends[1:]) / 2, ends[1:]])
+    parts = np.interp(at, knots, sampled.values) * np.array([[1], [4], [1]]) / 6 * np.diff(ends)
+    cell = ((at[1] - FIRST) / STEP).astype(np.int64)
+    right = (at - grid[cell]) / STEP
+    totals = np.zeros(grid.shape)
+    np.add.at(totals, cell, (parts * (1 - right)).sum(axis=0))
+    np.add.at(totals, cell + 1, (parts * right).sum(axis=0))
+    totals[[0, -1]] *= 2  # half of a hat
+    return totals / STEP
 
 
 def _message(sampled: _Sampled) -> scene_pb2.Spectrum:

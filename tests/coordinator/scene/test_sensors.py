@@ -84,6 +84,41 @@ def test_observer_and_further_responses(document: dict[str, Any], compiled: Comp
 
 
 @pytest.mark.parametrize(
+    "table",
+    [
+        [[550.2, 0], [550.3, 1], [550.4, 1], [550.5, 0]],
+        [[589.99, 1], [590.0, 1]],
+        [[800, 1], [820, 1]],
+        [[360, 1], [361.5, 2]],
+        [[828.3, 1], [900, 1]],
+        [[300, 1], [500.25, 0.5], [700, 3]],
+    ],
+)
+def test_a_response_keeps_its_integral_and_its_centre(
+    document: dict[str, Any], compiled: Compile, table: list[list[float]]
+) -> None:
+    """However narrow or steep; by sums over the visible part of the table in fine steps."""
+    document["sensor"]["responses"] = {"filter": {"table": table}}
+    [response] = compiled(document).sensor.further_responses
+    values, nm = np.array(response.values, dtype=np.float64), np.arange(360.0, 831.0)
+    knots = np.array(table)
+    edges = np.linspace(max(360.0, knots[0, 0]), min(830.0, knots[-1, 0]), 1_000_001)
+    middles, step = (edges[:-1] + edges[1:]) / 2, edges[1] - edges[0]
+    fine = np.interp(middles, *knots.T)
+    integral = fine.sum() * step
+    assert np.trapezoid(values, nm) == pytest.approx(integral, rel=1e-6)
+    # Not where the response is cut by the range: half of a hat has its centre elsewhere.
+    if edges[0] >= 361 and edges[-1] <= 829:
+        assert values @ nm / values.sum() == pytest.approx(middles @ fine * step / integral, abs=1e-4)
+
+
+def test_a_response_of_whole_nanometres_is_exact(document: dict[str, Any], compiled: Compile) -> None:
+    document["sensor"]["responses"] = {"filter": {"table": [[500, 0], [501, 1], [504, 0]]}}
+    [response] = compiled(document).sensor.further_responses
+    assert response.values[139:146] == pytest.approx([0, 0, 1, 2 / 3, 1 / 3, 0, 0])
+
+
+@pytest.mark.parametrize(
     ("sensor", "place", "words"),
     [
         ({"type": "fisheye"}, "$.sensor.type", '"pinhole", "thin_lens", "orthographic", "panorama"'),
@@ -95,6 +130,11 @@ def test_observer_and_further_responses(document: dict[str, Any], compiled: Comp
         (SENSORS[5] | {"lamp_radius": 0}, "$.sensor.lamp_radius", "found 0"),
         (SENSORS[0] | {"observer": "mine"}, "$.sensor.observer", '"CIE 1931 2 degree", "CIE 1964 10 degree"'),
         (SENSORS[0] | {"responses": {"a": "x"}}, "$.sensor.responses.a", 'no spectrum named "x"'),
+        (
+            SENSORS[0] | {"responses": {"a": {"table": [[550, 1]]}}},
+            "$.sensor.responses.a",
+            "zero from 360 to",
+        ),
         (
             SENSORS[0] | {"motion": {"placements": [{}, {"scale": 2}]}},
             "$.sensor.motion.placements",

@@ -74,6 +74,10 @@ def unit(values: _Direction) -> _Direction:
 def _response(workspace: Workspace, name: str) -> scene_pb2.Response:
     spectrum = workspace.spectrum(workspace.document.sensor.responses[name])
     values = spectra.response_curve(spectrum).astype(np.float32)
+    if not values.any():
+        raise Unusable(
+            f"the response is zero from {published.FIRST:g} to {published.LAST:g} nm", f".responses.{name}"
+        )
     return scene_pb2.Response(name=name, values=values.tolist())
 
 
