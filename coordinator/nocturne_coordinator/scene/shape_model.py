@@ -88,7 +88,8 @@ class InlineMesh(Node):
 class AssetMesh(Node):
     """Triangles from a file: Wavefront OBJ, PLY, STL, glTF 2.0 or GLB.
 
-    Its geometry is used, its texture coordinates where they are needed, and its normals if `smooth`.
+    Its geometry is used, its texture coordinates where they are needed (of OBJ and PLY files), and its normals
+    if `smooth`.
 
     A file holds everything itself: material libraries are ignored, and a glTF file with buffers in other
     files is refused (GLB and embedded buffers are fine). Polygons are split into triangles, all parts are
@@ -149,7 +150,11 @@ class Quad(Node):
 
 
 class Sphere(Node):
-    """A sphere. Its normal points outwards."""
+    """A sphere. Its normal points outwards.
+
+    Texture coordinates: u is the angle about z, from x towards y, over a full turn; v goes from the lowest
+    point (0) to the highest (1) in equal steps of angle, where z is up. `rotate` turns both with the surface.
+    """
 
     type: Literal["sphere"]
     centre: Vector = Field(description="Centre.")

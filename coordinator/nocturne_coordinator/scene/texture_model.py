@@ -23,7 +23,10 @@ Encoding = Literal["sRGB", "linear"]
 
 
 class Texture(Node):
-    """An image that varies a value over a surface. Any format that OpenImageIO reads, such as PNG or EXR."""
+    """An image that varies a value over a surface. Any format that OpenImageIO reads, such as PNG or EXR.
+
+    u goes from the image's left edge (0) to its right (1), v from its bottom edge up to its top.
+    """
 
     asset: AssetReference = Field(
         description="The image file: a path relative to the document, or `sha256:` and its digest."

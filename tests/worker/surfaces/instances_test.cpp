@@ -97,7 +97,7 @@ TEST(Instances, SpheresBecomeEllipsoids) {
       if (azimuth < 0.0) azimuth += 1.0;
       const double off_axis = std::hypot(n_local.x, n_local.y);
       EXPECT_NEAR(std::remainder(detail.u - azimuth, 1.0), 0.0, 1e-5 / off_axis);
-      EXPECT_NEAR(detail.v, std::acos(n_local.z) / std::numbers::pi, 1e-5);
+      EXPECT_NEAR(detail.v, 1.0 - std::acos(n_local.z) / std::numbers::pi, 1e-5);
     }
   }
 }

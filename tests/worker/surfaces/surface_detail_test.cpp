@@ -93,13 +93,13 @@ TEST(SurfaceDetail, SpheresHaveLongitudeAndLatitude) {
     ASSERT_TRUE(hit);
     const SurfaceDetail d = geometry.detail(*hit, 0.0f);
     EXPECT_NEAR(std::remainder(d.u - q[0], 1.0), 0.0, 1e-6 / std::sin(theta));
-    EXPECT_NEAR(d.v, theta / std::numbers::pi, 1e-6);
+    EXPECT_NEAR(d.v, 1.0 - theta / std::numbers::pi, 1e-6);
     // Derivatives of c + r n(u, v).
     const Double3 du =
         2.0 * std::numbers::pi * r * std::sin(theta) * Double3{-std::sin(phi), std::cos(phi), 0};
-    const Double3 dv =
-        std::numbers::pi * r *
-        Double3{std::cos(theta) * std::cos(phi), std::cos(theta) * std::sin(phi), -std::sin(theta)};
+    const Double3 dv = std::numbers::pi * r *
+                       Double3{-std::cos(theta) * std::cos(phi), -std::cos(theta) * std::sin(phi),
+                               std::sin(theta)};
     EXPECT_LT(length(Double3(d.dp_du) - du), 1e-4);
     EXPECT_LT(length(Double3(d.dp_dv) - dv), 1e-4 / std::sin(theta));
     EXPECT_NEAR(d.texture_per_metre, 1.0 / std::sqrt(length(cross(du, dv))),
@@ -107,7 +107,7 @@ TEST(SurfaceDetail, SpheresHaveLongitudeAndLatitude) {
   }
   const auto pole = geometry.intersect({{1, -2, 10}, {0, 0, -1}}, 0.0f);
   const SurfaceDetail d = geometry.detail(*pole, 0.0f);
-  EXPECT_EQ(d.v, 0.0f);
+  EXPECT_EQ(d.v, 1.0f);
   EXPECT_NEAR(length(d.dp_du), 1.0f, 1e-6f);
 }
 

@@ -33,8 +33,8 @@ inline TriangleMesh quad_mesh(Vec3 corner, Vec3 edge_u, Vec3 edge_v) {
           .texture_coordinates = {{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
 }
 
-/// Texture coordinates: u is the azimuth about z, from x towards y, over 2 pi; v the angle from z
-/// over pi.
+/// Texture coordinates: u is the azimuth about z, from x towards y, over 2 pi; v the angle from -z
+/// over pi, so that a picture stands upright on it where z is up.
 struct Sphere {
   /// Centre at the first time.
   double x, y, z, radius;

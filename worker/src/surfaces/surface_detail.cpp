@@ -56,12 +56,12 @@ OnShape on_shape(const Sphere& sphere, const Hit& hit, float, bool instanced) {
   const double turns = azimuth / (2.0 * std::numbers::pi);
   OnShape detail;
   detail.u = static_cast<float>(turns < 0.0 ? turns + 1.0 : turns);
-  detail.v = static_cast<float>(std::atan2(off_axis, n.z) / std::numbers::pi);
+  detail.v = static_cast<float>(std::atan2(off_axis, -n.z) / std::numbers::pi);
   if (off_axis == 0.0) return detail;  // the poles
   const double r = sphere.radius;
   detail.dp_du = 2.0 * std::numbers::pi * r * Double3{-n.y, n.x, 0.0};
   detail.dp_dv =
-      std::numbers::pi * r * Double3{n.z * n.x / off_axis, n.z * n.y / off_axis, -off_axis};
+      std::numbers::pi * r * Double3{-n.z * n.x / off_axis, -n.z * n.y / off_axis, off_axis};
   detail.has_tangents = true;
   return detail;
 }
