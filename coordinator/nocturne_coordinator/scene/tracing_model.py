@@ -75,7 +75,7 @@ class Tracing(Node):
     direction: Literal["adjoint", "forward"] = Field(
         default="adjoint",
         description="From the sensor to the luminaires, or the other way round. `forward` is for the "
-        "irradiance meter and the intensity meter.",
+        "irradiance meter and the intensity meter, and not for luminaires with textures.",
     )
     sequence: Literal["sobol", "independent"] = Field(
         default="sobol",

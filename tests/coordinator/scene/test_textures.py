@@ -245,3 +245,16 @@ def test_a_file_that_is_no_picture_is_told(document: dict[str, Any], blobs: Blob
     use = {"texture": {"asset": f"sha256:{blobs.put(b'hello')}"}}
     document["surfaces"][1]["kernel"]["reflectance"] = use
     expect_problem(document, blobs, "$.surfaces[1].kernel.reflectance.texture.asset", "OpenImageIO")
+
+
+def test_photons_do_not_start_by_a_texture(
+    document: dict[str, Any], compiled: Compile, blobs: BlobStore, picture: Any
+) -> None:
+    document["sensor"] = {"type": "irradiance_meter", "position": [0, 0, 0], "normal": [0, 1, 0], "height": 1}
+    document["surfaces"][1]["luminaire"]["radiance"] = {
+        "texture": {"asset": picture(3)},
+        "spectrum": {"illuminant": "D65", "luminance": 100},
+    }
+    assert compiled(document).luminaires[0].radiance.HasField("texture")
+    document["tracing"] = {"direction": "forward"}
+    expect_problem(document, blobs, "$.surfaces[1].luminaire.radiance", "can't start by a texture")

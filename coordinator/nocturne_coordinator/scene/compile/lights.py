@@ -48,6 +48,13 @@ class Lights:
             if colour is None:
                 self._workspace.dropped.append(f"{place}.luminaire: emits no visible light")
                 return None
+            forward = self._workspace.document.tracing.direction == "forward"
+            if forward and colour.HasField("texture"):
+                raise Unusable(
+                    'photons that start at luminaires can\'t start by a texture; expected "adjoint" in '
+                    "$.tracing.direction, or a radiance without a texture",
+                    ".radiance",
+                )
             message.radiance.CopyFrom(colour)
             self._put_profile(message, surface, luminaire)
             return message
