@@ -8,6 +8,14 @@ LENGTH = 1e12
 # Metres. Squares of lengths stay above the smallest normal float32 (1.2e-38).
 SMALLEST_LENGTH = 1e-18
 
+# Square metres: twice a triangle's area, times a ray's cosine. Embree takes hits below it for a corner (its
+# min_rcp_input), which is why smaller triangles count as having no area.
+EMBREE_AREA = 1e-18
+
+# Metres across a shape. At this size hits suffer from EMBREE_AREA only where the cosine is below 1e-4: one
+# in 1e8 of diffuse light. Below the wavelength of light rays mean nothing anyway.
+SMALLEST_SIZE = 1e-7
+
 # W m-2 sr-1 nm-1. Twenty bounces' worth of weights stay finite in float32; the sun's surface is about 3e4.
 RADIANCE = 1e20
 

@@ -88,8 +88,8 @@ class InlineMesh(Node):
 class AssetMesh(Node):
     """Triangles from a file: Wavefront OBJ, PLY, STL, glTF 2.0 or GLB.
 
-    Its geometry is used, its texture coordinates where they are needed (of OBJ and PLY files), and its normals
-    if `smooth`.
+    Its geometry is used, its texture coordinates where they are needed (of OBJ and PLY files), and its
+    normals if `smooth`.
 
     A file holds everything itself: material libraries are ignored, and a glTF file with buffers in other
     files is refused (GLB and embedded buffers are fine). Polygons are split into triangles, all parts are

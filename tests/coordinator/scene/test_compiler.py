@@ -203,6 +203,25 @@ def asset_of(data: bytes, blobs: BlobStore) -> dict[str, Any]:
             "no triangle with an area",
         ),
         (
+            lambda _: {
+                "type": "mesh",
+                "vertices": [[0, 0, 0], [2e-8, 0, 0], [0, 2e-8, 0]],
+                "triangles": [[0, 1, 2]],
+            },
+            "$.surfaces[3].shape",
+            "is 5.65685e-08 m large once scaled; expected at least 1e-07 m",
+        ),
+        (
+            lambda _: {"type": "sphere", "centre": [0, 0, 0], "radius": 4e-8},
+            "$.surfaces[3].shape.radius",
+            "is 8e-08 m long once scaled; expected 1e-07",
+        ),
+        (
+            lambda _: {"type": "quad", "corner": [0, 0, 0], "edge_u": [1e-9, 0, 0], "edge_v": [0, 1, 0]},
+            "$.surfaces[3].shape.edge_u",
+            "is 2e-09 m long once scaled",
+        ),
+        (
             lambda _: {"type": "sphere", "centre": [0, 0, 0], "radius": 1e12},
             "$.surfaces[3].shape.radius",
             "scaled",

@@ -12,7 +12,6 @@ from nocturne_coordinator.scene.compile.placement import Similarity
 from nocturne_coordinator.scene.mesh_headers import UnusableMeshError, check_counts
 
 _CHUNK = 2**20  # triangles handled at once, to bound memory for intermediate results
-_SMALLEST_NORMAL = float(np.finfo(np.float32).tiny)
 
 
 class BadVertexError(UnusableMeshError):
@@ -72,6 +71,7 @@ def pack_mesh(mesh: Triangles, steps: Sequence[Similarity]) -> PackedMesh:
     check_indices(len(mesh.vertices), mesh.indices)
     _check_vertices(mesh.vertices, mesh.vertices)
     vertices = np.stack([_placed(mesh, step) for step in steps])
+    _check_extent(vertices[0])
     kept = mesh.indices[_has_area(vertices[0], mesh.indices)]
     if len(kept) == 0:
         raise UnusableMeshError("the mesh has no triangle with an area")
@@ -171,12 +171,20 @@ def _check_vertices(vertices: NDArray[np.float64], original: NDArray[np.float64]
         raise BadVertexError(index, original[index], reason)
 
 
+def _check_extent(vertices: NDArray[np.float32]) -> None:
+    extent = float(np.linalg.norm(np.ptp(vertices.astype(np.float64), axis=0))) if len(vertices) else 0.0
+    if extent < bounds.SMALLEST_SIZE:
+        raise UnusableMeshError(
+            f"is {extent:g} m large once scaled; expected at least {bounds.SMALLEST_SIZE:g} m"
+        )
+
+
 def _has_area(vertices: NDArray[np.float32], indices: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Whether a triangle's normal can be computed in float32, as the tracer does."""
+    """Whether the tracer meets a triangle where its rays do."""
     parts = [_chunk_has_area(vertices[indices[at : at + _CHUNK]]) for at in range(0, len(indices), _CHUNK)]
     return np.concatenate(parts)
 
 
 def _chunk_has_area(corners: NDArray[np.float32]) -> NDArray[np.bool_]:
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).astype(np.float64)
-    return np.asarray(np.einsum("ij,ij->i", normal, normal) >= _SMALLEST_NORMAL, dtype=np.bool_)
+    return np.asarray(np.einsum("ij,ij->i", normal, normal) >= bounds.EMBREE_AREA**2, dtype=np.bool_)
