@@ -19,10 +19,15 @@ def trace(
 ) -> Image:
     """The image of a scene, edge x edge or (width, height) pixels; `folder` is for files in between."""
     width, height = edge if isinstance(edge, tuple) else (edge, edge)
+    compiled = compile_to(write(document, folder), folder, width, height, samples)
+    return run(compiled, folder, method)[0]
+
+
+def write(document: Document, folder: Path) -> Path:
+    """The document as a file."""
     scene = folder / "scene.json"
     scene.write_text(json.dumps(document))
-    compiled = compile_to(scene, folder, width, height, samples)
-    return run(compiled, folder, method)[0]
+    return scene
 
 
 def run(compiled: CompiledFolder, folder: Path, method: Method = "adjoint") -> tuple[Image, dict[str, Any]]:

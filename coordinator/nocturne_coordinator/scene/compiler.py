@@ -63,7 +63,7 @@ def _compile(workspace: Workspace) -> scene_pb2.CompiledScene:
     surfaces = Surfaces(workspace, textures, shapes, kernels)
     for index, (surface, group, place) in enumerate(_all_surfaces(workspace, instances)):
         message.surfaces.append(surfaces.compile(surface, group, place))
-        luminaire = lights.luminaire(surface, index, place)
+        luminaire = lights.luminaire(surface, index, place, in_group=group > 0)
         if luminaire is not None:
             message.luminaires.append(luminaire)
         if workspace.has_too_many_problems:

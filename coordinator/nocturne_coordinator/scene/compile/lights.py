@@ -35,7 +35,9 @@ class Lights:
         self._textures = textures
         self._shapes = shapes
 
-    def luminaire(self, surface: Surface, index: int, place: str) -> scene_pb2.Luminaire | None:
+    def luminaire(
+        self, surface: Surface, index: int, place: str, *, in_group: bool
+    ) -> scene_pb2.Luminaire | None:
         """Return the luminaire of surface number `index`; None if it has none, or one that emits nothing."""
         luminaire = surface.luminaire
         if luminaire is None:
@@ -54,6 +56,11 @@ class Lights:
                     'photons that start at luminaires can\'t start by a texture; expected "adjoint" in '
                     "$.tracing.direction, or a radiance without a texture",
                     ".radiance",
+                )
+            if forward and in_group and isinstance(surface.shape, Sphere):
+                raise Unusable(
+                    'photons can\'t start at a sphere in a group; expected "adjoint" in $.tracing.direction, '
+                    "a mesh, or the sphere outside of groups"
                 )
             message.radiance.CopyFrom(colour)
             self._put_profile(message, surface, luminaire)
