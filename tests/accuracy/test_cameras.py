@@ -8,7 +8,7 @@ import pytest
 
 from tests.accuracy.agreement import sidak_bound
 from tests.accuracy.ruler import Vector
-from tests.accuracy.scenes import BLACK
+from tests.accuracy.scenes import BLACK, quad, ring, surface
 from tests.accuracy.spectral_meters import Estimate, flat, measure, scene
 from tests.accuracy.tracing import trace
 
@@ -67,6 +67,40 @@ def test_light_on_a_film(lens: tuple[float, float, float, float], tmp_path: Path
     estimate.check(LENSES[lens][1], sidak_bound(6), f"E / L, {lens}")
 
 
+@pytest.mark.parametrize("lens", LENSES)
+def test_light_through_the_camera(lens: tuple[float, float, float, float], tmp_path: Path) -> None:
+    """A pixel is the radiance of what is in focus, the mean over the lens's area: E / L is by the lens alone.
+
+    A wide lamp in focus, and a black plate close to the lens that covers a part of it: all around a round
+    opening of the same axis, or one half. What is left counts by its area, except for polygons (6e-6 of it)
+    and the plate's distance (1e-4 of the lens, seen under up to its opening angle).
+    """
+    focal, stop, focus, _ = lens
+    radius = focal / stop / 2
+    sensor = {
+        "type": "thin_lens",
+        "position": [0, 0, 0],
+        "look_at": [0, 0, 1],
+        "vertical_field_of_view_degrees": 0.01,
+        "lens_radius": radius,
+        "focus_distance": focus,
+    }
+    wide = quad([-radius, -radius, focus], [0, 2 * radius, 0], [2 * radius, 0, 0])
+    lamp = surface(wide, radiance=1.0)
+    near = 1e-4 * radius
+    half = quad([0, -2 * radius, near], [2 * radius, 0, 0], [0, 4 * radius, 0])
+    plates = {1.0: [], 0.5: [half]} | {
+        part**2: [ring(part * radius, 2 * radius, near)] for part in (0.3, 0.8)
+    }
+    for share, shapes in plates.items():
+        document = scene(sensor, [lamp, *map(surface, shapes)], None)
+        estimate = measure(document, tmp_path, 1024)
+        estimate.check(share, sidak_bound(8), f"part {share} of the lens {lens}")
+    # The film of the test before sees the whole lens with this radiance, so this is its E / L.
+    film = 1.0 / (1.0 / focal - 1.0 / focus)
+    assert pi * radius**2 / (radius**2 + film**2) == pytest.approx(LENSES[lens][1], rel=1e-7)
+
+
 def test_fall_off(tmp_path: Path) -> None:
     """Of the light through an opening of a tenth of its distance; through a tiny one it is cos^4."""
     ratios = []
@@ -114,9 +148,8 @@ def test_a_lens_camera_shows_radiance_everywhere(tmp_path: Path) -> None:
 
 def test_motion_blur(tmp_path: Path) -> None:
     """A bar of width 1 that moves by 3: ramps of width 1, a plateau of 1/3 between them."""
-    quad = {"type": "quad", "corner": [-1, -5, 0], "edge_u": [1, 0, 0], "edge_v": [0, 10, 0]}
     bar = {
-        "shape": quad,
+        "shape": quad([-1, -5, 0], [1, 0, 0], [0, 10, 0]),
         "kernel": BLACK,
         "luminaire": {"radiance": 1.0},
         "motion": {"translate": [3, 0, 0]},
