@@ -6,7 +6,7 @@ import sys
 
 from nocturne_client.errors import NocturneClientError
 
-from bench import mixture, peers, sampling, service, traversal
+from bench import choices, mixture, peers, sampling, service, traversal
 from bench.machine import load_average
 from bench.report import Bench, Figures, Skipped, keep
 
@@ -15,6 +15,7 @@ BENCHES: dict[str, Bench] = {
     "service": service,
     "mixture": mixture,
     "sampling": sampling,
+    "choices": choices,
     "peers": peers,
 }
 

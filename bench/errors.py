@@ -21,6 +21,12 @@ def true_relmse(image: Channel, reference: Channel, reference_error: Channel) ->
     return float(np.mean(((image - reference) ** 2 - reference_error**2) / _scale(reference)))
 
 
+def trimmed_relmse(image: Channel, reference: Channel, reference_error: Channel, worst: float) -> float:
+    """The same without a part of the pixels, in [0, 1): those with the largest errors."""
+    errors = np.sort(((image - reference) ** 2 - reference_error**2) / _scale(reference), axis=None)
+    return float(np.mean(errors[: errors.size - round(worst * errors.size)]))
+
+
 def _scale(image: Channel) -> Channel:
     scale: Channel = image**2 + _LEVEL * np.mean(image) ** 2
     return scale

@@ -41,6 +41,11 @@ class Bench(Protocol):
         """The figures for people."""
 
 
+def results_folder() -> Path:
+    """Where figures and charts are kept."""
+    return _LATEST.parent
+
+
 def spread(values: Sequence[float]) -> Figures:
     """Median and extremes of the rounds."""
     return {

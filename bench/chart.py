@@ -1,0 +1,78 @@
+"""Lines over two logarithmic axes, as an SVG."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from xml.sax.saxutils import escape
+
+_WIDTH, _HEIGHT = 640, 400
+_LEFT, _RIGHT, _TOP, _BOTTOM = 80, 150, 40, 50
+# Told apart by people who do not see colours alike: Okabe and Ito, "Color Universal Design", 2008.
+_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+
+
+@dataclass(frozen=True)
+class Line:
+    """Points (x, y), all more than 0, x increasing."""
+
+    name: str
+    points: Sequence[tuple[float, float]]
+
+
+class _Axis:
+    """Logarithmic, from a pixel to a pixel, with a little room at both ends."""
+
+    def __init__(self, values: list[float], begin: float, end: float) -> None:
+        low, high = math.log10(min(values)), math.log10(max(values))
+        room = 0.05 * (high - low) + 0.02
+        self._low, self._high = low - room, high + room
+        self._begin, self._end = begin, end
+
+    def at(self, value: float) -> float:
+        part = (math.log10(value) - self._low) / (self._high - self._low)
+        return round(self._begin + part * (self._end - self._begin), 1)
+
+    def ticks(self) -> list[float]:
+        """1, 2 and 5 times powers of ten."""
+        decades = range(math.floor(self._low), math.ceil(self._high) + 1)
+        found = [factor * 10.0**decade for decade in decades for factor in (1, 2, 5)]
+        return [each for each in found if self._low <= math.log10(each) <= self._high]
+
+
+def write_chart(path: Path, title: str, x_name: str, y_name: str, lines: Sequence[Line]) -> None:
+    """Draws at most six lines into a file."""
+    points = [point for line in lines for point in line.points]
+    right, bottom = _WIDTH - _RIGHT, _HEIGHT - _BOTTOM
+    x = _Axis([point[0] for point in points], _LEFT, right)
+    y = _Axis([point[1] for point in points], bottom, _TOP)
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" '
+        'font-family="sans-serif" font-size="12">',
+        f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="white"/>',
+        _text(_LEFT, 22, title),
+        _text((_LEFT + right) / 2, _HEIGHT - 12, x_name, "middle"),
+        _text(12, _TOP - 6, y_name),
+    ]
+    for tick in x.ticks():
+        parts.append(_path([(x.at(tick), _TOP), (x.at(tick), bottom)], "#ddd", 1))
+        parts.append(_text(x.at(tick), bottom + 18, f"{tick:g}", "middle"))
+    for tick in y.ticks():
+        parts.append(_path([(_LEFT, y.at(tick)), (right, y.at(tick))], "#ddd", 1))
+        parts.append(_text(_LEFT - 6, y.at(tick) + 4, f"{tick:g}", "end"))
+    for line, colour in zip(lines, _COLOURS, strict=False):
+        places = [(x.at(a), y.at(b)) for a, b in line.points]
+        parts.append(_path(places, colour, 2))
+        parts += [f'<circle cx="{a}" cy="{b}" r="3.5" fill="{colour}"/>' for a, b in places]
+        parts.append(_text(right + 8, places[-1][1] + 4, line.name, colour=colour))
+    path.parent.mkdir(exist_ok=True)
+    path.write_text("\n".join([*parts, "</svg>", ""]))
+
+
+def _text(x: float, y: float, text: str, anchor: str = "start", colour: str = "black") -> str:
+    return f'<text x="{x}" y="{y}" text-anchor="{anchor}" fill="{colour}">{escape(text)}</text>'
+
+
+def _path(points: Sequence[tuple[float, float]], colour: str, width: int) -> str:
+    places = " L".join(f"{x} {y}" for x, y in points)
+    return f'<path d="M{places}" fill="none" stroke="{colour}" stroke-width="{width}"/>'
