@@ -133,7 +133,7 @@ const Placed kPlaced[]{{"as it is", kAsItIs, 200.0f},
                        {"millimetres", {1e-3, 0, 0, 0.5, 0, 0, 1e-3, 0.1, 0, -2e-3, 0, 0.2}, 0.3f},
                        {"sheared", {0.3, 0.1, 0, 2, -0.1, 0.2, 0.1, 3, 0.05, 0, 0.4, -4}, 60.0f},
                        // Voxels of 10 cm ten kilometres away, where single precision steps by 1 mm.
-                       {"far", {0.1, 0, 0, 1e4, 0, 0.1, 0, -1e4, 0, 0, 0.1, 1e4}, 2e4f}};
+                       {"far", {0.1, 0, 0, 10000.0005, 0, 0.1, 0, -1e4, 0, 0, 0.1, 1e4}, 8.0f}};
 
 TEST(GridBounds, HoldOnAnyRay) {
   const auto ball = test::grid_bytes(
@@ -143,8 +143,12 @@ TEST(GridBounds, HoldOnAnyRay) {
       },
       {-40, -40, -40}, {40, 40, 40});
   const auto around = test::grid_bytes(cloud, {0, 0, 0}, {40, 40, 40}, 0.125f);
+  // Starts just beyond what the first cells interpolate: only rounding gets there from within.
+  const auto wall =
+      test::grid_bytes([](int x, int y, int z) { return x >= 9 && y >= 9 && z >= 9 ? 1.0f : 0.0f; },
+                       {0, 0, 0}, {40, 40, 40});
   std::uint32_t i = 0;
-  for (const auto* bytes : {&cloud_bytes(), &ball, &around}) {
+  for (const auto* bytes : {&cloud_bytes(), &ball, &around, &wall}) {
     for (const bool nearest : {false, true}) {
       for (const Placed& placed : kPlaced) {
         for (const std::int64_t cell : {8, 16, 64}) {
