@@ -27,7 +27,7 @@ packages:  ## Install the Debian packages that are missing
 
 $(STAMPS)/venv: requirements.lock pyproject.toml | packages
 	test -x $(PYTHON) || $(SYSTEM_PYTHON) -m venv .venv
-	$(PYTHON) -m pip install --quiet --require-hashes -r requirements.lock
+	$(PYTHON) -m pip install --quiet --no-deps --require-hashes -r requirements.lock
 	mkdir -p build/python $(STAMPS)
 	$(PYTHON) -m pip install --quiet --no-deps --no-build-isolation --editable .
 	touch $@
@@ -95,11 +95,16 @@ docs: proto  ## Pages that are generated from the code
 	$(PYTHON) -m nocturne_coordinator.scene.reference > docs/scene.md
 	$(PYTHON) -m nocturne_coordinator.scene.reference --schema > docs/scene.schema.json
 
+# What miepython asks for and does not need (docs/decisions/0018), with what that asks for. So locks are installed with
+# --no-deps.
+UNWANTED := $(addprefix --unsafe-package ,contourpy cycler fonttools kiwisolver llvmlite matplotlib numba pillow \
+  pyparsing python-dateutil six tzdata)
+
 lock:  ## Pin the newest versions that pyproject.toml allows
 	$(SYSTEM_PYTHON) -m venv build/lock && build/lock/bin/pip install --quiet pip-tools
-	build/lock/bin/pip-compile --quiet --upgrade --generate-hashes --allow-unsafe --no-header --strip-extras \
+	build/lock/bin/pip-compile --quiet --upgrade --generate-hashes $(UNWANTED) --no-header --strip-extras \
 	  --no-emit-index-url --no-emit-find-links --no-annotate --extra dev --output-file requirements.lock pyproject.toml
-	build/lock/bin/pip-compile --quiet --generate-hashes --allow-unsafe --no-header --strip-extras --constraint requirements.lock \
+	build/lock/bin/pip-compile --quiet --generate-hashes $(UNWANTED) --no-header --strip-extras --constraint requirements.lock \
 	  --no-emit-index-url --no-emit-find-links --no-annotate --output-file requirements-runtime.lock pyproject.toml
 
 clean:  ## Remove everything that was built

@@ -16,13 +16,13 @@ RUN apt-get update \
  && rm -rf /var/lib/apt/lists/*
 ENV PIP_NO_CACHE_DIR=1 PIP_DISABLE_PIP_VERSION_CHECK=1 PATH=/opt/tools/bin:$PATH
 COPY requirements.lock /src/
-RUN python3.11 -m venv /opt/tools && pip install --quiet --require-hashes -r /src/requirements.lock
+RUN python3.11 -m venv /opt/tools && pip install --quiet --no-deps --require-hashes -r /src/requirements.lock
 
 FROM tools AS packages
 ARG SITE=/opt/nocturne/lib/python3.11/site-packages
 COPY requirements-runtime.lock /src/
 RUN python3.11 -m venv --without-pip /opt/nocturne \
- && pip --python /opt/nocturne/bin/python install --quiet --require-hashes -r /src/requirements-runtime.lock
+ && pip --python /opt/nocturne/bin/python install --quiet --no-deps --require-hashes -r /src/requirements-runtime.lock
 WORKDIR /src
 COPY proto proto
 RUN python -m grpc_tools.protoc -I proto --python_out=$SITE --grpc_python_out=$SITE proto/nocturne/v1/*.proto \
