@@ -228,14 +228,17 @@ class Walk {
     if (!(largest(group.weight) > 0.0f)) return false;
     const Vec3 direction = vertex.to_world(wi);
     const float cosine = dot(vertex.normal, direction);
-    // Where a shading normal says one side and the surface the other, nothing goes on.
-    if (cosine * wi.z <= 0.0f) return false;
-    if (cosine < 0.0f) group.inside = vertex.beyond;
-    if constexpr (!kAdjoint) {
-      // A shading normal is not symmetric: flux is scaled by the cosines that radiance is not.
-      // Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, eq. 5.19.
-      group.weight *= Spectral<N>(
-          std::fabs(cosine * vertex.wo.z / (dot(vertex.normal, group.ray.direction) * wi.z)));
+    // A medium has no sides, and turns one of 2^24 photons to go exactly across.
+    if (!has_media_ || !scene_.is_medium(vertex.hit.surface)) {
+      // Where a shading normal says one side and the surface the other, nothing goes on.
+      if (cosine * wi.z <= 0.0f) return false;
+      if (cosine < 0.0f) group.inside = vertex.beyond;
+      if constexpr (!kAdjoint) {
+        // A shading normal is not symmetric: flux is scaled by the cosines that radiance is not.
+        // Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, eq. 5.19.
+        group.weight *= Spectral<N>(
+            std::fabs(cosine * vertex.wo.z / (dot(vertex.normal, group.ray.direction) * wi.z)));
+      }
     }
     group.ray = {leave_surface(vertex.hit, direction), direction};
     return true;
