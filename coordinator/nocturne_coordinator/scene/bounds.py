@@ -119,3 +119,31 @@ SMALLEST_ANGLE = 0.01
 
 # Groups inside groups; each level multiplies, so more than a few are a mistake.
 GROUP_DEPTH = 32
+
+# --- media ---
+
+# Media that fill one body: each is asked for its nearest hit.
+MEDIA_IN_BODY = 32
+
+# Entries of $.media.
+MEDIA = 1000
+
+# 1/m, where the density is 1.
+COEFFICIENT = 1e20
+
+# Factor of a medium's coefficients: a molecule's cross-section is 1e-31 m2, and there are 1e25 in a cubic
+# metre.
+MEDIUM_DENSITY = 1e30
+
+# Droplets in a cubic metre: molecules of air are fewer.
+DROPLETS = 1e26
+
+# Exponents of a distribution of droplets: beyond, all have one size.
+DROPLET_SHAPE = 100.0
+
+# Largest circumference of a droplet over the wavelength. Time grows with its square: seconds here.
+DROPLET_SIZE = 1000.0
+
+# Cosines of a tabulated phase function, and all of its values: as the tracer takes them.
+PHASE_COSINES = 100_000
+PHASE_VALUES = 10_000_000

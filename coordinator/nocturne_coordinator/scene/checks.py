@@ -15,6 +15,7 @@ from nocturne_coordinator.scene.kernel_model import (
     inner_kernels,
 )
 from nocturne_coordinator.scene.luminaire_model import ConstantEnvironment, PhotometricProfile
+from nocturne_coordinator.scene.media_checks import glows, media_problems
 from nocturne_coordinator.scene.model import SceneDocument, all_surfaces
 from nocturne_coordinator.scene.problems import path
 from nocturne_coordinator.scene.spectrum_checks import (
@@ -37,12 +38,14 @@ def whole_document_problems(document: SceneDocument) -> Iterator[Problem]:
     for name, kernel in document.kernels.items():
         yield from _kernel_problems(document, kernel, path(("kernels", name)))
     for place, surface in all_surfaces(document):
-        if not isinstance(surface.kernel, str):
+        if surface.kernel is not None and not isinstance(surface.kernel, str):
             yield from _kernel_problems(document, surface.kernel, f"{place}.kernel")
         yield from _luminaire_problems(document, surface, place)
+    yield from media_problems(document, resolve_spectrum)
     yield from _surrounding_problems(document)
     yield from _tracing_problems(document)
-    if not document.surfaces and not document.instances:
+    something = (document.surfaces, document.instances, document.unbounded_media, document.atmosphere)
+    if not any(something):
         yield Problem("$.surfaces", "expected at least 1 surface here, or instance in $.instances")
     elif not _has_light(document):
         yield Problem(
@@ -59,7 +62,7 @@ def resolve_spectrum(document: SceneDocument, reference: str | float | Spectrum)
 
 
 def _has_light(document: SceneDocument) -> bool:
-    if document.environment is not None or document.distant:
+    if document.environment is not None or document.distant or glows(document):
         return True
     if any(surface.luminaire is not None for surface in document.surfaces):
         return True

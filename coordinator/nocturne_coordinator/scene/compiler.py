@@ -12,9 +12,12 @@ from nocturne.v1 import scene_pb2
 from nocturne_coordinator.blobs import BlobStore
 from nocturne_coordinator.errors import InputError, Problem
 from nocturne_coordinator.scene import bounds
+from nocturne_coordinator.scene.compile.atmosphere import atmosphere_surfaces
+from nocturne_coordinator.scene.compile.grids import Grids
 from nocturne_coordinator.scene.compile.instances import Instances
 from nocturne_coordinator.scene.compile.kernels import Kernels
 from nocturne_coordinator.scene.compile.lights import Lights
+from nocturne_coordinator.scene.compile.media import Media
 from nocturne_coordinator.scene.compile.sensors import compile_sensor
 from nocturne_coordinator.scene.compile.shapes import Shapes
 from nocturne_coordinator.scene.compile.surfaces import Surfaces
@@ -47,20 +50,23 @@ def compile_scene(document: SceneDocument, blobs: BlobStore) -> CompiledOutput:
     leaves nothing behind: blobs are written last, when all of them are there.
     """
     workspace = Workspace(document, blobs)
-    message = _compile(workspace)
-    for packed in workspace.packed.values():
-        blobs.put(packed)
+    try:
+        message = _compile(workspace)
+        workspace.write_blobs()
+    finally:
+        workspace.clean_up()
     scene_sha256 = blobs.put(message.SerializeToString(deterministic=True))
     return CompiledOutput(scene_sha256, workspace.dropped)
 
 
 def _compile(workspace: Workspace) -> scene_pb2.CompiledScene:
     message = scene_pb2.CompiledScene(format=FORMAT)
-    textures, shapes, instances = Textures(workspace), Shapes(workspace), Instances(workspace)
+    textures, grids, instances = Textures(workspace), Grids(workspace), Instances(workspace)
+    shapes, media = Shapes(workspace, grids), Media(workspace, grids)
     kernels, lights = Kernels(workspace, textures), Lights(workspace, textures, shapes)
     with workspace.problems_at("$.sensor"):
         message.sensor.CopyFrom(compile_sensor(workspace))
-    surfaces = Surfaces(workspace, textures, shapes, kernels)
+    surfaces = Surfaces(workspace, textures, shapes, kernels, media)
     for index, (surface, group, place) in enumerate(_all_surfaces(workspace, instances)):
         message.surfaces.append(surfaces.compile(surface, group, place))
         luminaire = lights.luminaire(surface, index, place, in_group=group > 0)
@@ -68,6 +74,9 @@ def _compile(workspace: Workspace) -> scene_pb2.CompiledScene:
             message.luminaires.append(luminaire)
         if workspace.has_too_many_problems:
             break
+    message.surfaces.extend(atmosphere_surfaces(workspace, media))
+    message.unbounded_interiors.extend(media.unbounded())
+    message.media.extend(media.messages)
     message.instances.extend(instances.flattened())
     environment = lights.environment()
     if environment is not None:
@@ -84,7 +93,9 @@ def _compile(workspace: Workspace) -> scene_pb2.CompiledScene:
     message.textures.extend(workspace.textures.messages)
     if textures.rgb_table is not None:
         message.rgb_table.CopyFrom(textures.rgb_table)
-    message.tracing.CopyFrom(compile_tracing(workspace, message, scatters=kernels.scatters()))
+    message.tracing.CopyFrom(
+        compile_tracing(workspace, message, scatters=kernels.scatters() or media.scatters())
+    )
     workspace.report_unused()
     return message
 
@@ -96,7 +107,8 @@ def _all_surfaces(workspace: Workspace, instances: Instances) -> Iterator[tuple[
 
 
 def _check_light(workspace: Workspace, message: scene_pb2.CompiledScene) -> None:
-    if workspace.problems or message.luminaires:
+    glows = any(medium.HasField("temperature") for medium in message.media)
+    if workspace.problems or message.luminaires or glows:
         return
     if not message.HasField("environment") and not message.distant_discs:
         workspace.problems.append(

@@ -80,7 +80,7 @@ def _kernels(document: SceneDocument) -> Iterator[tuple[str, Kernel]]:
     for name, kernel in document.kernels.items():
         yield path(("kernels", name)), kernel
     for place, surface in all_surfaces(document):
-        if not isinstance(surface.kernel, str):
+        if surface.kernel is not None and not isinstance(surface.kernel, str):
             yield f"{place}.kernel", surface.kernel
 
 

@@ -10,9 +10,12 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from nocturne_coordinator.scene import bounds
+from nocturne_coordinator.scene.atmosphere_model import Atmosphere
 from nocturne_coordinator.scene.fields import Name, Text
+from nocturne_coordinator.scene.interior_model import MediumNames
 from nocturne_coordinator.scene.kernel_model import KernelDefinition
 from nocturne_coordinator.scene.luminaire_model import DistantDisc, EnvironmentDefinition, ImportantDirection
+from nocturne_coordinator.scene.medium_model import Medium
 from nocturne_coordinator.scene.node import NAMED, Node, problem_at
 from nocturne_coordinator.scene.problems import path
 from nocturne_coordinator.scene.sensor_model import SensorDefinition
@@ -38,6 +41,9 @@ class SceneDocument(Node):
     kernels: Annotated[dict[Name, KernelDefinition], Field(max_length=bounds.NAMED_ENTRIES)] = Field(
         default={}, description="Kernels by name. Only those that are used are compiled."
     )
+    media: Annotated[dict[Name, Medium], Field(max_length=bounds.MEDIA)] = Field(
+        default={}, description="Media by name: fog, smoke, milk. Only those that are used are compiled."
+    )
     groups: Annotated[dict[Name, Group], Field(max_length=bounds.GROUPS)] = Field(
         default={}, description="Surfaces that only instances show, and instances of other groups, by name."
     )
@@ -48,6 +54,10 @@ class SceneDocument(Node):
     instances: Annotated[list[Instance], Field(max_length=bounds.INSTANCES)] = Field(
         default=[], description="Groups, where they stand."
     )
+    unbounded_media: MediumNames = Field(
+        default=[], description="Names from `$.media` that fill all of space, except for dielectric bodies."
+    )
+    atmosphere: Atmosphere | None = Field(default=None, description="A planet with its air.")
     environment: EnvironmentDefinition | None = Field(
         default=None, description="Light from infinitely far away, from all directions."
     )

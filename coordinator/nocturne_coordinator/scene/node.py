@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 from nocturne_coordinator.scene import bounds
 
 # Fields of the document whose keys are names that people choose and other parts use.
-NAMED = ("spectra", "textures", "kernels", "groups")
+NAMED = ("spectra", "textures", "kernels", "media", "groups")
 
 
 class Node(BaseModel):

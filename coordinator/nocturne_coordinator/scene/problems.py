@@ -156,8 +156,11 @@ def _bare(kind: Any) -> Any:
 
 
 def _arms(kind: Any) -> tuple[Any, ...]:
+    """The types of a union, those of unions inside it included."""
     bare = _bare(kind)
-    return get_args(bare) if _is_union(bare) else (kind,)
+    if not _is_union(bare):
+        return (kind,)
+    return tuple(inner for arm in get_args(bare) for inner in ((arm,) if _tag(arm) else _arms(arm)))
 
 
 def _is_union(kind: Any) -> bool:

@@ -30,6 +30,25 @@ _ORDER = (
     "Sphere",
     "Disc",
     "Box",
+    "MediumBox",
+    "Interior",
+    "Medium",
+    "Droplets",
+    "ExponentialDensity",
+    "LayeredDensity",
+    "AbovePlane",
+    "AboveSphere",
+    "Grid",
+    "IsotropicPhase",
+    "HenyeyGreensteinPhase",
+    "DoubleHenyeyGreensteinPhase",
+    "RayleighPhase",
+    "TabulatedPhase",
+    "MiePhase",
+    "Atmosphere",
+    "AtmosphericAir",
+    "AtmosphericOzone",
+    "AtmosphericAerosol",
     "Lambertian",
     "DiffuseTransmitter",
     "Conductor",
@@ -126,8 +145,9 @@ Fields that this page does not name are errors, as are repeated keys, NaN and nu
 names its place, such as `$.surfaces[3].kernel.reflectance`, and what is expected there. The same schema as
 JSON Schema: [scene.schema.json](scene.schema.json).
 
-A document is compiled to what it uses: spectra and kernels that nothing refers to, triangles without an area
-and luminaires without visible light are left out, and the compiler says so.
+A document is compiled to what it uses: spectra, kernels and media that nothing refers to, triangles without
+an area and luminaires without visible light are left out, and the compiler says so. How to put media into a
+scene, with an example: [media.md](media.md).
 
 ```json
 {EXAMPLE}```

@@ -18,6 +18,7 @@ from nocturne_coordinator.scene.fields import (
     Triangle,
     Vector,
 )
+from nocturne_coordinator.scene.interior_model import MediumName
 from nocturne_coordinator.scene.node import Node, chosen_by_type, problem_at, quoted_list
 
 _Coordinates = tuple[Coordinate, Coordinate]
@@ -198,8 +199,25 @@ class Box(Node):
         return self
 
 
-Shape = InlineMesh | AssetMesh | Quad | Sphere | Disc | Box
-_TAGS = {"mesh": "<mesh>", "quad": "<quad>", "sphere": "<sphere>", "disc": "<disc>", "box": "<box>"}
+class MediumBox(Node):
+    """The box around what a medium's grid holds, with room for its linear interpolation.
+
+    It stands as the grid stands, so it has no placement of its own. Its normals point outwards.
+    """
+
+    type: Literal["medium_box"]
+    medium: MediumName = Field(description="A name from `$.media`, whose `density` is a grid.")
+
+
+Shape = InlineMesh | AssetMesh | Quad | Sphere | Disc | Box | MediumBox
+_TAGS = {
+    "mesh": "<mesh>",
+    "quad": "<quad>",
+    "sphere": "<sphere>",
+    "disc": "<disc>",
+    "box": "<box>",
+    "medium_box": "<medium box>",
+}
 
 
 def _shape_tag(value: Any) -> str | None:
@@ -232,7 +250,8 @@ ShapeDefinition = Annotated[
     | Annotated[Quad, Tag("<quad>")]
     | Annotated[Sphere, Tag("<sphere>")]
     | Annotated[Disc, Tag("<disc>")]
-    | Annotated[Box, Tag("<box>")],
+    | Annotated[Box, Tag("<box>")]
+    | Annotated[MediumBox, Tag("<medium box>")],
     _choice,
     _check,
 ]

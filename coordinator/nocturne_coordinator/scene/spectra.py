@@ -97,9 +97,11 @@ def response_curve(spectrum: Spectrum) -> NDArray[np.float64]:
     return _projected(sampled) + lines
 
 
-def at_visible(values: NDArray[np.float64]) -> scene_pb2.Spectrum:
-    """Compile values at `published.visible_wavelengths`, zero beyond."""
-    return _message(_Sampled(FIRST, STEP, values, zero_outside=True))
+def at_visible(values: NDArray[np.float64], *, zero_outside: bool = True) -> scene_pb2.Spectrum:
+    """Compile values at `published.visible_wavelengths`, zero beyond or else held."""
+    if not zero_outside and np.all(values == values[0]):
+        return _message(_constant(float(values[0])))
+    return _message(_Sampled(FIRST, STEP, values, zero_outside=zero_outside))
 
 
 def radiance(spectrum: Spectrum) -> scene_pb2.Spectrum:

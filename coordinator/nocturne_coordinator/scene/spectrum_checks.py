@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from nocturne_coordinator.errors import Problem
+from nocturne_coordinator.scene import bounds
 from nocturne_coordinator.scene.spectrum_model import (
     BlackbodySpectrum,
     ChartSpectrum,
@@ -48,6 +49,39 @@ def absorption_problems(spectrum: Spectrum, reference: Reference, place: str) ->
             f"{_whose(reference)}no absorption coefficient; expected a constant or a table, in 1/m, without "
             "luminance",
         )
+
+
+def coefficient_problems(spectrum: Spectrum, reference: Reference, place: str) -> Iterator[Problem]:
+    """Yield why a spectrum can't be a medium's coefficient."""
+    if isinstance(spectrum, BlackbodySpectrum | IlluminantSpectrum | LineSpectrum):
+        yield Problem(
+            place,
+            f"{_whose(reference)}a radiance; expected a coefficient in 1/m: a number, a table, or a colour",
+        )
+    elif not isinstance(spectrum, ChartSpectrum) and spectrum.luminance is not None:
+        yield Problem(
+            place, f"{_whose(reference)}scaled to a luminance, which only a radiance can be; leave it out"
+        )
+    elif isinstance(spectrum, ConstantSpectrum | TableSpectrum):
+        for inside, value in _values(spectrum, is_bare=isinstance(reference, int | float)):
+            if value > bounds.COEFFICIENT:
+                at = place if isinstance(reference, str) else place + inside
+                yield Problem(
+                    at, f"{_whose(reference)}{value:g}; expected at most {bounds.COEFFICIENT:g} 1/m"
+                )
+
+
+def depolarisation_problems(spectrum: Spectrum, reference: Reference, place: str) -> Iterator[Problem]:
+    """Yield why a spectrum can't be a depolarisation ratio."""
+    if not isinstance(spectrum, ConstantSpectrum | TableSpectrum) or spectrum.luminance is not None:
+        yield Problem(
+            place, f"{_whose(reference)}no depolarisation ratio; expected a number or a table in [0, 1)"
+        )
+        return
+    for inside, value in _values(spectrum, is_bare=isinstance(reference, int | float)):
+        if value >= 1:
+            at = place if isinstance(reference, str) else place + inside
+            yield Problem(at, f"{_whose(reference)}{value:g}; a depolarisation ratio lies in [0, 1)")
 
 
 def radiance_problems(

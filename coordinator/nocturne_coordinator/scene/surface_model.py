@@ -1,13 +1,15 @@
 """Surfaces, groups of them and instances of groups, as written in a scene document."""
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationInfo
+from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationInfo, model_validator
 
 from nocturne_coordinator.scene import bounds
 from nocturne_coordinator.scene.fields import Text
+from nocturne_coordinator.scene.interior_model import Interior
 from nocturne_coordinator.scene.kernel_model import KernelReference
 from nocturne_coordinator.scene.luminaire_model import Luminaire
+from nocturne_coordinator.scene.node import problem_at
 from nocturne_coordinator.scene.placement_model import Moving
 from nocturne_coordinator.scene.shape_model import ShapeDefinition
 from nocturne_coordinator.scene.spectrum_model import known_name
@@ -22,12 +24,23 @@ class Surface(Moving):
 
     name: Text = Field(default="", description="For people; not part of the compiled scene.")
     shape: ShapeDefinition = Field(description="The geometry.")
-    kernel: KernelReference = Field(
-        description="How the surface scatters light: a name from `$.kernels` or a kernel."
+    kernel: KernelReference | None = Field(
+        default=None,
+        description="How the surface scatters light: a name from `$.kernels` or a kernel. Without one, and "
+        "with an interior, it is the boundary of media, and not seen.",
     )
+    interior: Interior | None = Field(default=None, description="Media that fill what it encloses.")
     luminaire: Luminaire | None = Field(default=None, description="Present if the surface emits light.")
     normal_map: NormalMap | None = Field(default=None, description="Shading normals from a texture.")
     bump_map: BumpMap | None = Field(default=None, description="Shading normals from a texture of heights.")
+
+    @model_validator(mode="after")
+    def _is_something(self) -> Self:
+        if self.kernel is None and self.interior is None:
+            raise problem_at(
+                ".kernel", "missing; expected a kernel, or an interior for the boundary of media"
+            )
+        return self
 
 
 def _known_group(name: str, info: ValidationInfo) -> str:

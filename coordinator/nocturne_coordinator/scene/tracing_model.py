@@ -54,8 +54,11 @@ class Tracing(Node):
     roulette_after: Annotated[int, Field(strict=True, ge=0, le=bounds.DEPTH)] = Field(
         default=2, description="Interactions that every photon survives; then roulette starts."
     )
-    maximum_depth: Annotated[int, Field(strict=True, ge=1, le=bounds.DEPTH)] = Field(
-        default=1000, description="Interactions after which a photon is absorbed."
+    maximum_depth: Annotated[int, Field(strict=True, ge=1, le=bounds.DEPTH)] | None = Field(
+        default=None,
+        description="Interactions with surfaces and media after which a photon is absorbed. Default: 1000; "
+        "none in a scene with media, where a photon ends by leaving, or by roulette once absorption has made "
+        "it light.",
     )
     estimator: Literal["two_photons", "mixture", "split"] = Field(
         default="two_photons",
@@ -70,7 +73,8 @@ class Tracing(Node):
     photons_together: Literal["auto", 1, 4, 8] = Field(
         default="auto",
         description="Photons of different wavelengths that travel together as long as nothing parts them. "
-        "`auto`: 1 where a body's index of refraction depends on wavelength, else 4.",
+        "`auto`: 1 where a body's index of refraction depends on wavelength, and for `forward` with media, "
+        "else 4.",
     )
     direction: Literal["adjoint", "forward"] = Field(
         default="adjoint",

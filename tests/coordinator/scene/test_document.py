@@ -30,7 +30,7 @@ def problems_of(text: str | bytes) -> list[str]:
 
 def test_a_valid_document_is_read_with_its_defaults(document: dict[str, Any]) -> None:
     scene = parse_document(json.dumps(document).encode())
-    assert scene.tracing.maximum_depth == 1000
+    assert scene.tracing.photons_together == "auto"
     assert scene.sensor.wavelengths == "response"
     assert len(scene.surfaces) == 3
 

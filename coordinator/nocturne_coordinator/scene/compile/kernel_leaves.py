@@ -34,7 +34,7 @@ class Leaf:
     """A kernel, and the interior that its surface then has."""
 
     kernel: scene_pb2.Kernel
-    interior: int | None = None
+    interior: scene_pb2.Interior | None = None
 
 
 def passage() -> scene_pb2.Kernel:
@@ -112,13 +112,13 @@ class Leaves:
             raise Unusable(str(error), f".index{error.suffix}") from None
         return scene_pb2.Conductor(n=n, k=k, roughness=self._roughness(kernel))
 
-    def _interior(self, kernel: Dielectric) -> int:
+    def _interior(self, kernel: Dielectric) -> scene_pb2.Interior:
         message = scene_pb2.Interior(index=self._index(kernel.index), priority=kernel.priority)
         if kernel.absorption is not None:
             absorption = spectra.reflectance(self._workspace.spectrum(kernel.absorption))
             if not spectra.is_black(absorption):
                 message.absorption = self._workspace.spectra.index_of(absorption)
-        return self._workspace.interiors.index_of(message)
+        return message
 
     def _index(self, index: AnyIndex) -> int:
         try:

@@ -21,7 +21,7 @@ class CompiledKernel:
 
     front: int
     back: int | None = None
-    interior: int | None = None
+    interior: scene_pb2.Interior | None = None
     needs_coordinates: bool = False
 
 
@@ -31,7 +31,7 @@ class _Part:
 
     kernel: scene_pb2.Kernel
     factors: tuple[scene_pb2.Blend.Factor, ...]
-    interior: int | None
+    interior: scene_pb2.Interior | None
     needs_coordinates: bool
 
 
@@ -103,15 +103,15 @@ class Kernels:
                 f"blends {len(parts)} kernels once all blends and masks in it are taken together; "
                 f"at most {bounds.BLEND_PARTS}"
             )
-        interiors = {part.interior for part in parts if part.interior is not None}
-        if len(interiors) > 1:
+        interiors = [part.interior for part in parts if part.interior is not None]
+        if any(interior != interiors[0] for interior in interiors):
             raise Unusable(
                 "blends dielectrics of different bodies; the surface encloses one body, so they must agree "
                 "in index, absorption and priority"
             )
         return CompiledKernel(
             self._sum(parts),
-            interior=min(interiors, default=None),
+            interior=interiors[0] if interiors else None,
             needs_coordinates=any(part.needs_coordinates for part in parts),
         )
 

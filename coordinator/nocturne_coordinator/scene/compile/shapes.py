@@ -7,14 +7,25 @@ from nocturne.v1 import scene_pb2
 from numpy.typing import NDArray
 
 from nocturne_coordinator.scene import bounds
+from nocturne_coordinator.scene.compile.grids import Grids
 from nocturne_coordinator.scene.compile.mesh_files import load_mesh
-from nocturne_coordinator.scene.compile.placement import Similarity
+from nocturne_coordinator.scene.compile.placement import IDENTITY, Similarity
 from nocturne_coordinator.scene.compile.sensors import vector
 from nocturne_coordinator.scene.compile.simple_meshes import box_mesh, disc_mesh, inline_mesh, quad_mesh
 from nocturne_coordinator.scene.compile.triangles import BadVertexError, Triangles, pack_mesh, unit_normals
 from nocturne_coordinator.scene.compile.workspace import Unusable, Workspace
 from nocturne_coordinator.scene.mesh_headers import UnusableMeshError
-from nocturne_coordinator.scene.shape_model import AssetMesh, Box, Disc, InlineMesh, Quad, Shape, Sphere
+from nocturne_coordinator.scene.problems import path
+from nocturne_coordinator.scene.shape_model import (
+    AssetMesh,
+    Box,
+    Disc,
+    InlineMesh,
+    MediumBox,
+    Quad,
+    Shape,
+    Sphere,
+)
 
 AnyShape = scene_pb2.Quad | scene_pb2.Sphere | scene_pb2.Mesh
 
@@ -22,8 +33,9 @@ AnyShape = scene_pb2.Quad | scene_pb2.Sphere | scene_pb2.Mesh
 class Shapes:
     """Compiles shapes; each mesh file is read once."""
 
-    def __init__(self, workspace: Workspace) -> None:
+    def __init__(self, workspace: Workspace, grids: Grids) -> None:
         self._workspace = workspace
+        self._grids = grids
         self._loaded: dict[tuple[str, str, bool], Triangles] = {}
 
     def compile(
@@ -44,6 +56,8 @@ class Shapes:
                     return self._mesh(mesh, shape.smooth, steps, place, coordinates)
                 except (UnusableMeshError, Unusable) as error:
                     raise Unusable(str(error), ".asset") from None
+            case MediumBox():
+                return self._medium_box(shape, place)
             case InlineMesh():
                 try:
                     mesh = inline_mesh(shape)
@@ -57,7 +71,7 @@ class Shapes:
         match shape:
             case Quad() | Disc():
                 return True
-            case Box() | Sphere():
+            case Box() | Sphere() | MediumBox():
                 return False
             case AssetMesh():
                 vertices = self._asset(shape).vertices
@@ -66,6 +80,17 @@ class Shapes:
         centred = vertices - vertices.mean(axis=0)
         _, sizes, _ = np.linalg.svd(centred.T @ centred)
         return bool(sizes[2] <= 1e-8 * sizes[0])
+
+    def _medium_box(self, shape: MediumBox, place: str) -> scene_pb2.Mesh:
+        grid = self._workspace.document.media[shape.medium].grid_density()
+        if grid is None:
+            raise Unusable("the medium has no grid", ".medium")
+        try:
+            box = self._grids.box(grid)
+        except Unusable as error:
+            medium = path(("media", shape.medium))
+            raise Unusable(f"{medium}.density{error.suffix}: {error}", ".medium") from None
+        return self._mesh(box, False, [IDENTITY], place, coordinates=False)
 
     def _asset(self, shape: AssetMesh) -> Triangles:
         key = (shape.asset, shape.resolved_format(), shape.smooth)

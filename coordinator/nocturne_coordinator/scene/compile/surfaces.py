@@ -3,10 +3,12 @@
 from nocturne.v1 import scene_pb2
 
 from nocturne_coordinator.scene.compile.kernels import Kernels
+from nocturne_coordinator.scene.compile.media import Media
 from nocturne_coordinator.scene.compile.placement import placements_of
 from nocturne_coordinator.scene.compile.shapes import Shapes, put_shape
 from nocturne_coordinator.scene.compile.textures import Textures
 from nocturne_coordinator.scene.compile.workspace import Workspace
+from nocturne_coordinator.scene.kernel_model import Passage
 from nocturne_coordinator.scene.surface_model import Surface
 from nocturne_coordinator.scene.texture_model import ColourTexture
 
@@ -14,23 +16,27 @@ from nocturne_coordinator.scene.texture_model import ColourTexture
 class Surfaces:
     """Compiles surfaces."""
 
-    def __init__(self, workspace: Workspace, textures: Textures, shapes: Shapes, kernels: Kernels) -> None:
+    def __init__(
+        self, workspace: Workspace, textures: Textures, shapes: Shapes, kernels: Kernels, media: Media
+    ) -> None:
         self._workspace = workspace
         self._textures = textures
         self._shapes = shapes
         self._kernels = kernels
+        self._media = media
 
     def compile(self, surface: Surface, group: int, place: str) -> scene_pb2.Surface:
         """Return a surface; what can't be compiled is noted and left out."""
         message = scene_pb2.Surface(group=group)
-        kernel = self._kernels.compile(surface.kernel, f"{place}.kernel")
+        kernel = self._kernels.compile(surface.kernel or Passage(type="passage"), f"{place}.kernel")
         needs_coordinates = False
         if kernel is not None:
+            interior = self._media.interior(surface.interior, kernel.interior, f"{place}.interior")
             message.kernel = kernel.front
             if kernel.back is not None:
                 message.back_kernel = kernel.back
-            if kernel.interior is not None:
-                message.interior = kernel.interior
+            if interior is not None:
+                message.interior = interior
             needs_coordinates = kernel.needs_coordinates
         luminaire = surface.luminaire
         needs_coordinates |= luminaire is not None and isinstance(luminaire.radiance, ColourTexture)

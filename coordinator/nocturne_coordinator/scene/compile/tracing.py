@@ -10,6 +10,10 @@ from nocturne_coordinator.scene.tracing_model import Mixture, Tracing
 # Part of the weight for what is aimed at, where the document does not say.
 AIMED = 0.35
 
+# Interactions of a photon where the document does not say, without and with media.
+DEPTH = 1000
+NO_LIMIT = 0
+
 _SEQUENCES = {
     "sobol": scene_pb2.SAMPLE_SEQUENCE_SOBOL,
     "independent": scene_pb2.SAMPLE_SEQUENCE_INDEPENDENT,
@@ -33,7 +37,7 @@ _DIRECTIONS = {
 def compile_tracing(
     workspace: Workspace, scene: scene_pb2.CompiledScene, *, scatters: bool
 ) -> scene_pb2.Tracing:
-    """Return how to trace a scene whose other parts are compiled; `scatters`: a kernel sends light on."""
+    """Return how to trace a scene whose other parts are compiled; `scatters`: something sends light on."""
     tracing = workspace.document.tracing
     there = {
         "luminaires": bool(scene.luminaires),
@@ -42,9 +46,7 @@ def compile_tracing(
     }
     weights = _weights(tracing.mixture, there)
     if not scatters:
-        workspace.dropped.append(
-            "$.tracing.mixture: no surface scatters light, so no direction is ever chosen"
-        )
+        workspace.dropped.append("$.tracing.mixture: nothing scatters light, so no direction is ever chosen")
         weights = dict.fromkeys(weights, 0.0)
     elif not sum(weights.values()) > 0:
         workspace.dropped.append(
@@ -58,7 +60,7 @@ def compile_tracing(
         h=_H[tracing.roulette] if tracing.h is None else tracing.h,
         roulette=_ROULETTES[tracing.roulette],
         roulette_after=tracing.roulette_after,
-        maximum_depth=tracing.maximum_depth,
+        maximum_depth=_depth(tracing, scene),
         weight_kernel=share["kernel"],
         weight_luminaires=share["luminaires"],
         weight_uniform=share["uniform"],
@@ -84,8 +86,16 @@ def _weights(mixture: Mixture, there: Mapping[str, bool]) -> dict[str, float]:
     return {"kernel": mixture.kernel, **aimed, "uniform": mixture.uniform}
 
 
+def _depth(tracing: Tracing, scene: scene_pb2.CompiledScene) -> int:
+    if tracing.maximum_depth is not None:
+        return tracing.maximum_depth
+    return NO_LIMIT if scene.media else DEPTH
+
+
 def _group(tracing: Tracing, scene: scene_pb2.CompiledScene) -> int:
     if tracing.photons_together != "auto":
         return tracing.photons_together
-    dispersive = any(len(scene.spectra[interior.index].values) > 1 for interior in scene.interiors)
-    return 1 if dispersive else 4
+    dielectrics = (interior for interior in scene.interiors if not interior.matched)
+    dispersive = any(len(scene.spectra[interior.index].values) > 1 for interior in dielectrics)
+    parts_at_once = tracing.direction == "forward" and scene.media
+    return 1 if dispersive or parts_at_once else 4

@@ -1,8 +1,10 @@
 """What all parts of one compilation share: the document, what was made, used, dropped and found wrong."""
 
 import hashlib
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Generic, TypeVar
 
 from nocturne.v1 import scene_pb2
@@ -54,6 +56,8 @@ class Workspace:
         self.blobs = blobs
         self.packed: dict[bytes, bytes] = {}
         """Blobs to be written once all is well, by digest."""
+        self.files: dict[bytes, Path] = {}
+        """The same of blobs that are too large for memory."""
         self.dropped: list[str] = []
         self.problems: list[Problem] = []
         self.spectra: Pool[scene_pb2.Spectrum] = Pool()
@@ -61,6 +65,7 @@ class Workspace:
         self.interiors: Pool[scene_pb2.Interior] = Pool()
         self.textures: Pool[scene_pb2.Texture] = Pool()
         self._used: set[tuple[str, str]] = set()
+        self._folder: tempfile.TemporaryDirectory[str] | None = None
 
     @contextmanager
     def problems_at(self, place: str) -> Iterator[None]:
@@ -96,6 +101,31 @@ class Workspace:
         digest = hashlib.sha256(data).digest()
         self.packed[digest] = data
         return digest
+
+    def temporary(self, name: str) -> Path:
+        """Return where a file may be written; it is gone at the end of the compilation."""
+        if self._folder is None:
+            self._folder = tempfile.TemporaryDirectory(prefix="nocturne-")
+        return Path(tempfile.mkdtemp(dir=self._folder.name)) / name
+
+    def keep_file(self, file: Path) -> bytes:
+        """Remember a blob in a file of `temporary` and return its digest."""
+        with file.open("rb") as stream:
+            digest = hashlib.file_digest(stream, "sha256").digest()
+        self.files[digest] = file
+        return digest
+
+    def write_blobs(self) -> None:
+        """Put all that was kept into the blob store."""
+        for packed in self.packed.values():
+            self.blobs.put(packed)
+        for digest, file in self.files.items():
+            self.blobs.put_file(digest.hex(), file)
+
+    def clean_up(self) -> None:
+        """Remove files of `temporary`."""
+        if self._folder is not None:
+            self._folder.cleanup()
 
     def asset(self, reference: str, suffix: str = "") -> bytes:
         """Return the digest of an asset, 32 bytes; raises Unusable, also if it was not uploaded."""

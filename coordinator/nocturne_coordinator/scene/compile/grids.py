@@ -1,0 +1,71 @@
+"""Grids of OpenVDB files where they stand, as messages and blobs."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from nocturne.v1 import scene_pb2
+
+from nocturne_coordinator.scene import bounds, grid_files
+from nocturne_coordinator.scene.compile.placement import placement_of
+from nocturne_coordinator.scene.compile.simple_meshes import box_mesh
+from nocturne_coordinator.scene.compile.triangles import Triangles
+from nocturne_coordinator.scene.compile.workspace import Unusable, Workspace
+from nocturne_coordinator.scene.medium_model import Grid
+from nocturne_coordinator.scene.shape_model import Box
+
+
+@dataclass(frozen=True)
+class _Converted:
+    blob: bytes
+    facts: grid_files.GridFacts
+
+
+class Grids:
+    """Converts grids, each once."""
+
+    def __init__(self, workspace: Workspace) -> None:
+        self._workspace = workspace
+        self._converted: dict[tuple[str, str], _Converted] = {}
+
+    def density(self, grid: Grid) -> scene_pb2.DensityGrid:
+        """Return a grid where it stands; raises Unusable."""
+        converted = self._convert(grid)
+        if converted.facts.minimum < 0:
+            raise Unusable(f'grid "{grid.grid}" has negative values, down to {converted.facts.minimum:g}')
+        rows = placement_of(grid).rows()
+        if not np.abs(rows).max() <= bounds.LENGTH:
+            raise Unusable(f"is farther than {bounds.LENGTH:g} m from the origin, or larger than that")
+        return scene_pb2.DensityGrid(
+            blob=converted.blob,
+            transform=(rows + 0.0).ravel().tolist(),
+            scale=grid.factor,
+            nearest=grid.nearest,
+        )
+
+    def box(self, grid: Grid) -> Triangles:
+        """Return the box around the voxels that hold values, where the grid stands; raises Unusable.
+
+        Half a voxel wider where values are constant over voxels, one where they are linear in between.
+        """
+        facts = self._convert(grid).facts
+        margin = 0.5 if grid.nearest else 1.0
+        low, high = np.array(facts.first_voxel) - margin, np.array(facts.last_voxel) + margin
+        mesh = box_mesh(Box(type="box", minimum=tuple(low.tolist()), maximum=tuple(high.tolist())))
+        to_grid = np.array(facts.transform)
+        placed = placement_of(grid).points(mesh.vertices @ to_grid[:, :3].T + to_grid[:, 3])
+        # A transform that mirrors would turn the box inside out.
+        indices = mesh.indices if np.linalg.det(to_grid[:, :3]) > 0 else mesh.indices[:, ::-1]
+        return Triangles(placed, indices, None, None)
+
+    def _convert(self, grid: Grid) -> _Converted:
+        key = (grid.asset, grid.grid)
+        if key not in self._converted:
+            source = self._workspace.blobs.path(self._workspace.asset(grid.asset, ".asset").hex())
+            output: Path = self._workspace.temporary("grid.nvdb")
+            try:
+                facts = grid_files.convert(source, grid.grid, output)
+            except grid_files.UnusableGridError as error:
+                raise Unusable(str(error), ".asset") from None
+            self._converted[key] = _Converted(self._workspace.keep_file(output), facts)
+        return self._converted[key]
