@@ -1,0 +1,220 @@
+"""Bodies of media in even light, attenuation, and a lamp in fog.
+
+Truths: closed forms, and what the tests name. False alarms: 0.01 for each test.
+"""
+
+from math import exp, pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.accuracy.agreement import ROUNDING, Values
+from tests.accuracy.media import THINNER, along, from_above, lit_slab, medium, read
+from tests.accuracy.meters import Measurement
+from tests.accuracy.scenes import BLACK, film, measured_scene, quad, sphere, surface
+from tests.accuracy.tracing import Document
+
+pytestmark = pytest.mark.system
+
+_SAMPLES = 64
+
+_KERNEL_ONLY: Document = {"estimator": "mixture", "mixture": {"kernel": 1.0, "environment": 0.0}, "h": 1e6}
+"""No photon is aimed or dies: where nothing is absorbed, each carries 1 to the end."""
+
+_GAP = 1e-4
+"""Between a film and a body of size 1. Past the body goes a part of 2 x gap of the light."""
+
+
+def _body(shape: Document, fog: Document, sensor: Document, **more: Any) -> Document:
+    """A body of a medium in even light of radiance 1."""
+    body = {"shape": shape, "interior": {"media": ["fog"]}, **more}
+    document = measured_scene(sensor, [body], **_KERNEL_ONLY)
+    return document | {"media": {"fog": fog}, "environment": {"radiance": 1.0}}
+
+
+@pytest.mark.parametrize("depth", [0.1, 1.0, 2.0, 5.0])
+def test_absorption(depth: float, tmp_path: Path) -> None:
+    """Sphere of absorption x radius = depth and slab of optical thickness depth, under Lambertian light.
+
+    (1 - (1 + 2 d) exp(-2 d)) / (2 d^2), and 2 E3(d); along the normal exp(-d).
+    """
+    slab_truth = {0.1: 0.83258292, 1.0: 0.21938393, 2.0: 0.06026676, 5.0: 0.0017556018}[depth]
+    ball_truth = (1.0 - (1.0 + 2.0 * depth) * exp(-2.0 * depth)) / (2.0 * depth * depth)
+    fog = {"absorption": depth}
+    ball = _body(sphere([0, 0, 0], 1.0), fog, film([0, 0, 1.0 + _GAP], [0, 0, -1], 1e-4))
+    (read(ball, tmp_path / "ball", _SAMPLES) * (1.0 / pi)).check(
+        (1.0 - 2.0 * _GAP) * ball_truth + 2.0 * _GAP, 1e-4, values=3
+    )
+    for key, sensor, truth in (
+        ("diffuse", from_above(1e-4), slab_truth * pi),
+        ("normal", along(0.0, 2.0), exp(-depth)),
+    ):
+        document = lit_slab(fog, 1.0, sensor, below=True)
+        read(document, tmp_path / key, _SAMPLES).check(truth, THINNER * (1.0 + depth), values=3)
+
+
+@pytest.mark.parametrize(
+    ("shape", "index", "length"),
+    [("sphere", 1.0, 4.0 / 3.0), ("sphere", 1.5, 3.0), ("cube", 1.0, 2.0 / 3.0)],
+)
+@pytest.mark.parametrize(("scattering", "g"), [(1.0, -0.5), (10.0, 0.0), (10.0, 0.9)])
+def test_mean_path_length(
+    shape: str, index: float, length: float, scattering: float, g: float, tmp_path: Path
+) -> None:
+    """4 V / S, times n^2, however the medium scatters (Blanco and Fournier, Europhysics Letters 61, 2003).
+
+    From the light that a trace of absorption takes: absorption x mean length, less half of the square's mean,
+    at most a part of absorption x (1 + 1.8^2) x length / 2.
+    """
+    absorption = 1e-3
+    fog: Document = {"scattering": scattering, "absorption": absorption}
+    fog["phase"] = {"type": "henyey_greenstein", "g": g}
+    kernel = {} if index == 1.0 else {"kernel": {"type": "dielectric", "index": index}}
+    if shape == "sphere":
+        document = _body(sphere([0, 0, 0], 1.0), fog, film([0, 0, 1.0 + _GAP], [0, 0, -1], 1e-3), **kernel)
+    else:
+        # A whole face; pixels differ a little, which adds to the standard error only.
+        box = {"type": "box", "minimum": [-0.5, -0.5, -1.0], "maximum": [0.5, 0.5, 0.0]}
+        document = _body(box, fog, film([0, 0, _GAP], [0, 0, -1], 1.0))
+    lost = (read(document, tmp_path, 4 * _SAMPLES) * (1.0 / pi) - 1.0) * (-1.0 / absorption)
+    # Rounding of a number near 1, of which a thousandth counts; and what goes past the body.
+    lost.check(length, absorption * 4.3 * length / 2.0 + 1e-3 + 4.0 * _GAP)
+
+
+@pytest.mark.parametrize("g", [-0.5, 0.0, 0.9])
+@pytest.mark.parametrize("scattering", [1.0, 100.0])
+def test_white_furnace(g: float, scattering: float, tmp_path: Path) -> None:
+    """A medium that absorbs nothing is invisible in even light: every photon brings back 1, to rounding."""
+    fog = medium(1.0, g, scattering)
+    camera = {
+        "type": "pinhole",
+        "position": [0, 0, 4],
+        "look_at": [0, 0, 0],
+        "vertical_field_of_view_degrees": 25,
+    }
+    document = _body(sphere([0, 0, 0], 1.0), fog, camera)
+    grey = _grey(Measurement(document, tmp_path, 16, 16), 16)
+    assert grey == pytest.approx(np.ones((16, 16)), rel=ROUNDING)
+
+
+def test_white_furnace_of_optical_thickness_10000(tmp_path: Path) -> None:
+    """It ends, without a limit that would take light away; 4 V / S x 5000 collisions on average."""
+    sensor = film([0, 0, 1.0 + _GAP], [0, 0, -1], 1e-3)
+    document = _body(sphere([0, 0, 0], 1.0), medium(1.0, 0.0, 5000.0), sensor)
+    measurement = Measurement(document, tmp_path, 4, 4)
+    assert _grey(measurement, 16) == pytest.approx(np.full((4, 4), pi), rel=ROUNDING)
+
+
+def _grey(measurement: Measurement, samples: int) -> Values:
+    image = measurement.image(samples)
+    return image.further["grey"].astype(np.float64) / (830.0 - 360.0)
+
+
+@pytest.mark.parametrize("thickness", [50.0])
+def test_a_very_thick_slab(thickness: float, tmp_path: Path) -> None:
+    """Asymptotic theory, isotropic, albedo 1: diffuse light 0.025929798, along the normal 0.032648698."""
+    truths = {"normal": (along(0.0, 2.0), 0.032648698), "diffuse": (from_above(1e-3), pi * 0.025929798)}
+    for key, (sensor, truth) in truths.items():
+        document = lit_slab(medium(1.0), thickness, sensor, below=True)
+        read(document, tmp_path / key, _SAMPLES).check(truth, THINNER, values=2)
+
+
+def test_the_law_of_darkening(tmp_path: Path) -> None:
+    """Milne's problem: radiance of a thick slab lit from behind, over that of a Lambertian surface that gives
+    as much light: sqrt(3) / 4 x pi x H(mu) / pi (Chandrasekhar, Radiative Transfer, ch. III and V).
+
+    At an optical thickness of 12 it is that of a half space to 1e-5.
+    """
+    flux = read(
+        lit_slab(medium(1.0), 12.0, from_above(1e-3), below=True),
+        tmp_path / "flux",
+        8 * _SAMPLES,
+    )
+    for mu, truth in ((1.0, 1.2591189), (0.5, 0.87155877), (0.2, 0.62802058)):
+        sensor = along(float(np.degrees(np.arccos(mu))), 2.0)
+        document = lit_slab(medium(1.0), 12.0, sensor, below=True)
+        radiance = read(document, tmp_path / str(mu), 8 * _SAMPLES)
+        # The error of a quotient, by the larger of the two.
+        part = float(np.hypot(radiance.error / radiance.mean, flux.error / flux.mean))
+        ratio = type(flux)(radiance.mean * pi / flux.mean, part * radiance.mean * pi / flux.mean, flux.count)
+        ratio.check(truth, THINNER, values=3)
+
+
+# Extinction, g, distance of the lamp from the ray, where the ray starts and ends (the lamp is beside 0).
+_AIRLIGHTS = {
+    (0.1, 0.0, 1.0, -10.0, 30.0): 0.0072677269,
+    (0.1, 0.7, 2.0, -10.0, 30.0): 0.0049883781,
+    (1.0, 0.0, 0.1, -2.0, 4.0): 0.2726994,
+    (0.1, -0.3, 2.0, -10.0, 30.0): 0.0027345704,
+}
+
+
+@pytest.mark.parametrize("case", _AIRLIGHTS, ids=str)
+def test_airlight(case: tuple[float, float, float, float, float], tmp_path: Path) -> None:
+    """Light of a lamp of 1 W/sr that fog scatters once into a ray (quadrature).
+
+    An albedo of 1e-4, and 1e4 times the light: what is scattered twice is less than a part of 3e-4.
+    """
+    extinction, g, beside, start, end = case
+    albedo, radius = 1e-4, beside / 1000.0
+    lamp = surface(sphere([0, beside, 0], radius), BLACK, 1.0 / (albedo * pi * radius**2))
+    wall = surface(quad([end, -9e3, -9e3], [0, 18e3, 0], [0, 0, 18e3]))
+    sensor = {
+        "type": "radiance_meter",
+        "position": [start, 0, 0],
+        "look_at": [end, 0, 0],
+        "diameter": 1e-6,
+        "cone_degrees": 1e-4,
+    }
+    document = measured_scene(sensor, [lamp, wall])
+    document |= {"media": {"fog": medium(albedo, g, extinction)}, "unbounded_media": ["fog"]}
+    read(document, tmp_path, 8 * _SAMPLES).check(_AIRLIGHTS[case], 4e-4)
+
+
+def test_attenuation_through_air_around_a_planet(tmp_path: Path) -> None:
+    """Optical depths along rays from the ground of a planet of 6371 km, air of scale height 8 km.
+
+    1 straight up, 1.992577 at 60 degrees, 5.55052 at 80 and 35.38532 at the horizon (quadrature). The last
+    two with a fifth and a tenth of the air. The sensor stands 1 mm above the ground.
+    """
+    for degrees, depth, part in ((0, 1.0, 1.0), (60, 1.992577, 1.0), (80, 5.55052, 0.2), (90, 35.38532, 0.1)):
+        angle = np.radians(degrees)
+        sensor = along(0.0, 2.0)
+        sensor |= {"position": [0, 0.001, 0], "diameter": 1e-4, "cone_degrees": 1e-4}
+        sensor["look_at"] = [float(np.sin(angle)), 0.001 + float(np.cos(angle)), 0.0]
+        sensor["up"] = [0, 0, 1]
+        document = _planet({"absorption": part / 8000.0}, sensor)
+        read(document, tmp_path / str(degrees), _SAMPLES).check(exp(-part * depth), 1e-4, values=4)
+
+
+def _planet(air: Document, sensor: Document) -> Document:
+    """As `$.atmosphere` makes it, with a gas that only absorbs; 400 km hold all but exp(-50) of it."""
+    centre, radius = [0.0, -6_371_000.0, 0.0], 6_371_000.0
+    density = {"scale_height": 8000.0, "above": {"centre": centre, "radius": radius}}
+    shell = {"shape": sphere(centre, radius + 400_000.0), "interior": {"media": ["air"]}}
+    ground = surface(sphere(centre, radius))
+    document = measured_scene(sensor, [shell, ground])
+    return document | {"media": {"air": {**air, "density": density}}, "environment": {"radiance": 1.0}}
+
+
+def test_a_planet_and_a_scene_in_millimetres(tmp_path: Path) -> None:
+    """Under 100 km of air, below a black ball of 1 mm whose centre is 2 mm above the ground of 6371 km.
+
+    In even light, air that only scatters and white ground have radiance 1, but for what the ball hides
+    from the ground below it, (1 / 2)^2. Were the ground 0.1 mm too high, it would hide 0.277.
+    """
+    ball = surface(sphere([0, 0.002, 0], 0.001))
+    sensor = {
+        "type": "radiance_meter",
+        "position": [0.01, 0.0005, 0],
+        "look_at": [0, 0, 0],
+        "up": [0, 0, 1],
+        "diameter": 1e-6,
+        "cone_degrees": 1e-4,
+    }
+    document = measured_scene(sensor, [ball])
+    document |= {"environment": {"radiance": 1.0}, "atmosphere": {"ground_reflectance": 1.0}}
+    # Seen at a slant the disc is 20 micrometres long: 1e-4 of the hidden part.
+    read(document, tmp_path, 8 * _SAMPLES).check(0.75, 1e-4)
