@@ -195,3 +195,21 @@ def test_triangles_without_area_and_their_vertices_are_dropped() -> None:
 def test_a_mesh_without_any_area_is_refused() -> None:
     with pytest.raises(UnusableMeshError, match="no triangle with an area"):
         pack_mesh(inline_mesh([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1, 2)]), AS_IT_IS)
+
+
+@pytest.mark.parametrize("kind", ["ascii", "binary_little_endian"])
+def test_a_ply_file_keeps_its_normals_beside_texture_coordinates(tmp_path: Path, kind: str) -> None:
+    rows = np.array(
+        [[0, 0, 0, 1, 0, 0, 0, 0], [1, 0, 0, 0, 1, 0, 0, 0.5], [0, 1, 0, 0, 0, 1, 1, 1]], dtype="<f4"
+    )
+    names = b"".join(b"property float %s\n" % name for name in b"x y z nx ny nz s t".split())
+    header = b"ply\nformat %s 1.0\nelement vertex 3\n" % kind.encode() + names
+    header += b"element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    text = b"\n".join(b" ".join(b"%g" % value for value in row) for row in rows) + b"\n3 0 1 2\n"
+    body = text if kind == "ascii" else rows.tobytes() + b"\x03" + struct.pack("<3i", 0, 1, 2)
+    (tmp_path / "mesh").write_bytes(header + body)
+    mesh = load_mesh(tmp_path / "mesh", "ply", normals=True)
+    assert mesh.normals is not None
+    assert mesh.coordinates is not None
+    assert np.array_equal(mesh.normals[mesh.indices][0], rows[:, 3:6])
+    assert np.array_equal(mesh.coordinates[mesh.indices][0], rows[:, 6:])

@@ -2,7 +2,7 @@
 
 import logging
 from pathlib import Path
-from typing import BinaryIO, NoReturn
+from typing import Any, BinaryIO, NoReturn
 
 import numpy as np
 import trimesh
@@ -29,6 +29,21 @@ def load_mesh(path: Path, file_format: MeshFormat, *, normals: bool = False) -> 
     return _merged(scene, normals)
 
 
+# Of a header that lists every property that there is a name for.
+_PLY_HEADER_BYTES = 65536
+
+
+def load_ply_columns(path: Path, element: str, names: tuple[str, ...]) -> NDArray[np.float64] | None:
+    """Return numbers of a PLY file by the names of their properties, shape (rows, names); None without them.
+
+    `element` is "vertex" or "face". Raises UnusableMeshError.
+    """
+    with path.open("rb") as file:
+        check_header(file, "ply")
+        [part] = _load(file, "ply").geometry.values()
+    return _ply_columns(part, element, names)
+
+
 class _NoOtherFiles(Resolver):
     """Refuses every file that a mesh file refers to: nothing on this machine's disk is anybody's asset."""
 
@@ -50,9 +65,17 @@ class _NoOtherFiles(Resolver):
 
 
 def _load(file: BinaryIO, file_format: MeshFormat) -> trimesh.Scene:
+    options: dict[str, Any] = (
+        {"fix_texture": _has_coordinates_of_corners(file)} if file_format == "ply" else {}
+    )
     try:
         return trimesh.load_scene(
-            file, file_type=file_format, resolver=_NoOtherFiles(), process=False, skip_materials=True
+            file,
+            file_type=file_format,
+            resolver=_NoOtherFiles(),
+            process=False,
+            skip_materials=True,
+            **options,
         )
     except MemoryError:
         raise UnusableMeshError("the file needs more memory than there is") from None
@@ -60,6 +83,16 @@ def _load(file: BinaryIO, file_format: MeshFormat) -> trimesh.Scene:
         raise UnusableMeshError(
             f"not a usable {file_format} file: {type(error).__name__}: {str(error)[:200]}"
         ) from error
+
+
+def _has_coordinates_of_corners(file: BinaryIO) -> bool:
+    """Whether a PLY file has texture coordinates at each face's corners, so that vertices must be split.
+
+    Where vertices have them nothing may be split, or the file's normals would no longer fit.
+    """
+    header = file.read(_PLY_HEADER_BYTES).partition(b"end_header")[0]
+    file.seek(0)
+    return b" texcoord" in header
 
 
 def _merged(scene: trimesh.Scene, normals: bool) -> Triangles:
@@ -90,8 +123,21 @@ def _placed_part(transform: NDArray[np.float64], part: trimesh.Trimesh, normals:
 
 
 def _normals(part: trimesh.Trimesh) -> NDArray[np.float64]:
+    of_file = _ply_columns(part, "vertex", ("nx", "ny", "nz"))
+    if of_file is not None and len(of_file) == len(part.vertices):
+        return of_file
     with np.errstate(all="ignore"):  # triangles without an area have none
         return np.asarray(np.nan_to_num(part.vertex_normals), dtype=np.float64)
+
+
+def _ply_columns(part: trimesh.Trimesh, element: str, names: tuple[str, ...]) -> NDArray[np.float64] | None:
+    """Numbers that trimesh leaves aside."""
+    found = part.metadata.get("_ply_raw", {}).get(element, {}).get("data")
+    # Rows of a binary file are an array, those of a text file a dictionary.
+    known = found.dtype.names if isinstance(found, np.ndarray) else found
+    if not known or not all(name in known for name in names):
+        return None
+    return np.stack([np.asarray(found[name], dtype=np.float64).ravel() for name in names], axis=1)
 
 
 def _inverse(linear: NDArray[np.float64]) -> NDArray[np.float64]:
