@@ -32,15 +32,20 @@ class DiffuseTransmitter(Node):
 
 
 class RoughKernel(Node):
-    """Fields of kernels with GGX microfacets; 0 is polished."""
+    """Fields of kernels with microfacets; 0 is polished."""
 
     roughness: ScalarReference | None = Field(
-        default=None, description="GGX alpha, in [0, 1]; 0 is polished. Default: 0."
+        default=None, description="Alpha of the microfacets, in [0, 1]; 0 is polished. Default: 0."
     )
     roughness_u: ScalarReference | None = Field(
         default=None, description="Alpha along the surface's u, instead of `roughness`."
     )
     roughness_v: ScalarReference | None = Field(default=None, description="Alpha along v.")
+    distribution: Literal["ggx", "beckmann"] = Field(
+        default="ggx",
+        description="Of the microfacets' normals: `ggx` has the long tails of most real surfaces, `beckmann` "
+        "normally distributed slopes, alpha being sqrt 2 times their standard deviation.",
+    )
 
     @model_validator(mode="after")
     def _one_or_two(self) -> Self:
@@ -61,14 +66,14 @@ class RoughKernel(Node):
 
 
 class Conductor(RoughKernel):
-    """A metal, polished or rough (GGX microfacets)."""
+    """A metal, polished or rough (microfacets)."""
 
     type: Literal["conductor"]
     index: ComplexIndexReference = Field(description="Index of refraction n + i k, against vacuum.")
 
 
 class Dielectric(RoughKernel):
-    """The boundary of a transparent body, polished or rough (GGX): glass, water, diamond.
+    """The boundary of a transparent body, polished or rough (microfacets): glass, water, diamond.
 
     What the surface encloses, on the side that the normal points away from, is the body. Bodies may overlap:
     where they do, the one with the higher `priority` is there, so a drink reaches a little into its glass.

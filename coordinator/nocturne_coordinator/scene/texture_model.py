@@ -39,6 +39,11 @@ class Texture(Node):
     wrap: Literal["repeat", "clamp"] = Field(
         default="repeat", description="Beyond the image's edges: repeat it, or hold the edge."
     )
+    sharp: Switch = Field(
+        default=False,
+        description="Use the image as it is at every point, instead of its mean over what a photon covers: "
+        "for edges that must not be blurred.",
+    )
 
 
 def _known_texture(name: str, info: ValidationInfo) -> str:

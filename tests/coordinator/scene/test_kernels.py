@@ -31,6 +31,14 @@ def leaf(scene: scene_pb2.CompiledScene, part: scene_pb2.Blend.Part) -> str | No
     return scene.kernels[part.kernel].WhichOneof("model")
 
 
+@pytest.mark.parametrize(("distribution", "beckmann"), [(None, False), ("ggx", False), ("beckmann", True)])
+def test_facets_are_of_ggx_or_beckmann(
+    document: dict[str, Any], compiled: Compile, distribution: str | None, beckmann: bool
+) -> None:
+    kernel = {**GLASS, "roughness": 0.2} | ({} if distribution is None else {"distribution": distribution})
+    assert kernel_of(compiled(with_kernel(document, kernel))).dielectric.roughness.beckmann == beckmann
+
+
 def test_a_metal_has_its_measured_index(document: dict[str, Any], compiled: Compile) -> None:
     scene = compiled(with_kernel(document, {"type": "conductor", "index": "Au", "roughness": 0.2}))
     gold = kernel_of(scene).conductor

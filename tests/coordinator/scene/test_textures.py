@@ -58,6 +58,16 @@ def test_a_colour_texture_brings_the_table_of_spectra(
     assert blobs.size(scene.rgb_table.blob.hex()) == size
 
 
+def test_a_sharp_texture_is_one_of_its_own(document: dict[str, Any], compiled: Compile, picture: Any) -> None:
+    asset = picture(3)
+    first, second = (
+        {"type": "lambertian", "reflectance": {"texture": {"asset": asset, "sharp": sharp}}}
+        for sharp in (True, False)
+    )
+    document["surfaces"][1]["kernel"] = {"type": "blend", "first": first, "second": second, "weight": 0.5}
+    assert sorted(texture.sharp for texture in compiled(document).textures) == [False, True]
+
+
 def test_a_number_is_linear_and_one_file_serves_both(
     document: dict[str, Any], compiled: Compile, blobs: BlobStore, picture: Any
 ) -> None:

@@ -51,6 +51,15 @@ class Shown {
     add("molecules", Phase{Spectrum(0.0f), line(4.0f, 1.0f), RayleighPhase(std::nullopt)});
     // Lambertian, conductor 0.1, smooth glass and passage.
     const auto glass = static_cast<std::uint32_t>(find("smooth glass"));
+    for (const auto& [u, v] : {std::pair{0.05f, 0.05f}, {0.5f, 0.5f}, {1.0f, 0.1f}}) {
+      const Roughness roughness{Scalar(u), Scalar(v), FacetDistribution::kBeckmann};
+      const auto alpha =
+          std::string(" beckmann ").append(std::to_string(u)).append(" ").append(std::to_string(v));
+      add("conductor" + alpha, Conductor{line(0.2f, 1.5f), line(3.0f, 4.0f), roughness});
+      add("glass" + alpha, Dielectric{roughness});
+      add("glass from inside" + alpha, Dielectric{roughness}, 1.0f / 1.5f);
+      add("coated" + alpha, CoatedDiffuse(line(1.6f, 1.4f), roughness, Colour(line(0.2f, 0.9f))));
+    }
     add("blend", Blend{{{0, {{Scalar(0.5f), false}}},
                         {6, {{Scalar(0.5f), true}, {Scalar(0.5f), false}}},
                         {glass, {{Scalar(0.5f), true}, {Scalar(0.5f), true}}}}});

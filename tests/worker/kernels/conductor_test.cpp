@@ -57,9 +57,9 @@ TEST(Conductor, DrawsWeighAtMostFresnel) {
 }
 
 // With masking alone every facet that is seen sends on all that it gets.
-TEST(Conductor, WeakFurnaceIsOne) {
+void expect_weak_furnace(FacetDistribution distribution) {
   for (const auto& [u, v] : {std::pair{0.3f, 0.3f}, {1.0f, 1.0f}, {0.1f, 0.7f}}) {
-    const Ggx ggx{u, v};
+    const Facets facets{u, v, distribution};
     for (const double degrees : {0.0, 50.0, 85.0}) {
       const Vec3 wo = direction(degrees, 30.0);
       // Integral of D_wo/(4 wo.h) over all wi, by uniform directions.
@@ -68,7 +68,8 @@ TEST(Conductor, WeakFurnaceIsOne) {
         const Vec3 wi = UniformSphere::sample(u4[0], u4[1]);
         const Vec3 sum = wo + wi;
         if (sum.z <= 0.0f || dot(wo, wi) <= -0.999999f) return 0.0;
-        return static_cast<double>(ggx.reflection_pdf(wo, normalized(sum)) / UniformSphere::pdf());
+        return static_cast<double>(facets.reflection_pdf(wo, normalized(sum)) /
+                                   UniformSphere::pdf());
       });
       // 1e-7: at roughness 1 the density is the same everywhere, and only rounding is left.
       EXPECT_NEAR(mean.value, 1.0, 4.0 * mean.standard_error + 1e-7)
@@ -76,6 +77,8 @@ TEST(Conductor, WeakFurnaceIsOne) {
     }
   }
 }
+TEST(Conductor, WeakFurnaceIsOne) { expect_weak_furnace(FacetDistribution::kGgx); }
+TEST(Conductor, WeakFurnaceOfBeckmannIsOne) { expect_weak_furnace(FacetDistribution::kBeckmann); }
 
 TEST(Conductor, MirrorReflectsByFresnel) {
   const auto kernel = bound({Spectrum(0.18344f), Spectrum(3.4332f), {Scalar(0.0f), Scalar(5e-5f)}});

@@ -47,6 +47,14 @@ TEST_F(Textures, InterpolatesBilinearly) {
   EXPECT_FLOAT_EQ(texture.grey(2.75f / 8.0f, 1.0f - 1.5f / 4.0f, 0.0f), 11.25f);
 }
 
+TEST_F(Textures, SharpOnesKnowNoFootprint) {
+  const auto path = files_.write(Picture::of(8, 4, numbered));
+  const Texture filtered(path, 1, TextureWrap::kRepeat);
+  const Texture sharp(path, 1, TextureWrap::kRepeat, TextureFilter::kSharp);
+  EXPECT_GT(filtered.grey(0.5f / 8.0f, 0.875f, 1.0f), 15.0f);  // nearly the mean of 1 to 32
+  EXPECT_FLOAT_EQ(sharp.grey(0.5f / 8.0f, 0.875f, 1.0f), 1.0f);
+}
+
 TEST_F(Textures, RepeatsOrHoldsTheEdge) {
   const Picture picture = Picture::of(8, 4, numbered);
   const Texture repeated = make(picture), held = make(picture, TextureWrap::kClamp);

@@ -75,7 +75,7 @@ struct BoundCoatedDiffuse {
       const Vec3 h = half_vector(wo, wi);
       const double facing = static_cast<double>(std::clamp(dot(wo, h), 0.0f, 1.0f));
       const float glossy =
-          roughness.ggx.reflection_pdf(wo, h) * roughness.ggx.reflection_weight(wo, wi);
+          roughness.facets.reflection_pdf(wo, h) * roughness.facets.reflection_weight(wo, wi);
       r += glossy * each(
                         [facing](float n) {
                           return static_cast<float>(fresnel_dielectric<double>(facing, n));
@@ -95,7 +95,7 @@ struct BoundCoatedDiffuse {
           .wi = {-wo.x, -wo.y, wo.z}, .delta = true, .factor = (1.0f / glossy) * coat(wo)};
     }
     const Vec3 wi =
-        normalized(reflected(wo, roughness.ggx.sample_visible(wo, numbers.u, numbers.v)));
+        normalized(reflected(wo, roughness.facets.sample_visible(wo, numbers.u, numbers.v)));
     if (wi.z <= 0.0f) return std::nullopt;
     return Draw<N>{.wi = wi};
   }
@@ -104,7 +104,7 @@ struct BoundCoatedDiffuse {
     if (wi.z <= 0.0f) return 0.0f;
     const float glossy = glossy_probability(wo);
     float p = (1.0f - glossy) * CosineHemisphere::pdf(wi);
-    if (!roughness.smooth) p += glossy * roughness.ggx.reflection_pdf(wo, half_vector(wo, wi));
+    if (!roughness.smooth) p += glossy * roughness.facets.reflection_pdf(wo, half_vector(wo, wi));
     return p;
   }
 

@@ -1,7 +1,7 @@
 // Metal with the complex index n + i k: a mirror, or GGX microfacets with single scattering.
 //   BRDF = F(wo.h) D(h) G2(wo, wi) / (4 cos cos)
-// Walter et al. 2007, equation 20; D and G2 as in ggx.h, F as in fresnel.h. Light that bounces
-// between facets is lost, as in the model's source: at roughness 1 up to two thirds.
+// Walter et al. 2007, equation 20; D and G2 as in ggx.h and beckmann.h, F as in fresnel.h. Light
+// that bounces between facets is lost, as in the model's source: at roughness 1 up to two thirds.
 #pragma once
 
 #include <algorithm>
@@ -26,8 +26,8 @@ struct BoundConductor {
   Spectral<N> value(Vec3 wo, Vec3 wi) const {
     if (roughness.smooth || wi.z <= 0.0f) return 0.0f;
     const Vec3 h = half_vector(wo, wi);
-    const Ggx& ggx = roughness.ggx;
-    return ggx.reflection_pdf(wo, h) * ggx.reflection_weight(wo, wi) *
+    const Facets& facets = roughness.facets;
+    return facets.reflection_pdf(wo, h) * facets.reflection_weight(wo, wi) *
            fresnel(std::clamp(dot(wo, h), 0.0f, 1.0f));
   }
 
@@ -35,7 +35,7 @@ struct BoundConductor {
     if (roughness.smooth) {
       return Draw<N>{.wi = {-wo.x, -wo.y, wo.z}, .delta = true, .factor = albedo(wo)};
     }
-    const Vec3 h = roughness.ggx.sample_visible(wo, numbers.u, numbers.v);
+    const Vec3 h = roughness.facets.sample_visible(wo, numbers.u, numbers.v);
     const Vec3 wi = normalized(reflected(wo, h));
     if (wi.z <= 0.0f) return std::nullopt;
     return Draw<N>{.wi = wi};
@@ -43,7 +43,7 @@ struct BoundConductor {
 
   Spectral<N> pdf(Vec3 wo, Vec3 wi) const {
     if (roughness.smooth || wi.z <= 0.0f) return 0.0f;
-    return roughness.ggx.reflection_pdf(wo, half_vector(wo, wi));
+    return roughness.facets.reflection_pdf(wo, half_vector(wo, wi));
   }
   bool smooth() const { return !roughness.smooth; }
   static constexpr bool transmits() { return false; }

@@ -1,8 +1,8 @@
 // The boundary between two dielectrics: smooth, or GGX microfacets with single scattering.
-// Walter et al., EGSR 2007, equations 20 (reflection) and 21 (refraction), D and G2 as in ggx.h.
-// Radiance that crosses the boundary scales with the square of the index, so an adjoint photon's
-// transmission carries (index_from / index_to)^2 and a forward one's doesn't: Veach, PhD thesis,
-// Stanford 1997, section 5.2.
+// Walter et al., EGSR 2007, equations 20 (reflection) and 21 (refraction), D and G2 as in ggx.h and
+// beckmann.h. Radiance that crosses the boundary scales with the square of the index, so an adjoint
+// photon's transmission carries (index_from / index_to)^2 and a forward one's doesn't: Veach, PhD
+// thesis, Stanford 1997, section 5.2.
 //
 // Each photon reflects with the probability that Fresnel's equations give it, so those of a group
 // part where they decide differently, and where they refract into different directions.
@@ -29,8 +29,8 @@ struct BoundDielectric {
   Spectral<N> value(Vec3 wo, Vec3 wi) const {
     if (roughness.smooth) return 0.0f;
     const bool reflects = wi.z > 0.0f;
-    const float weight = reflects ? roughness.ggx.reflection_weight(wo, wi)
-                                  : roughness.ggx.transmission_weight(wo, wi);
+    const float weight = reflects ? roughness.facets.reflection_weight(wo, wi)
+                                  : roughness.facets.transmission_weight(wo, wi);
     const Spectral<N> weighed = weight * pdf(wo, wi);
     return reflects ? weighed : weighed * scale;
   }
@@ -52,7 +52,7 @@ struct BoundDielectric {
                                                                 })};
     }
     const Vec3 h =
-        delta ? Vec3{0.0f, 0.0f, 1.0f} : roughness.ggx.sample_visible(wo, numbers.u, numbers.v);
+        delta ? Vec3{0.0f, 0.0f, 1.0f} : roughness.facets.sample_visible(wo, numbers.u, numbers.v);
     const float cosine = std::clamp(dot(wo, h), 0.0f, 1.0f);
     if (numbers.part < reflectance(cosine, ratio[lead])) {
       const auto together =
@@ -98,10 +98,10 @@ struct BoundDielectric {
 
   float rough_pdf(Vec3 wo, Vec3 wi, float r) const {
     if (passes(r)) return 0.0f;
-    const Ggx& ggx = roughness.ggx;
+    const Facets& facets = roughness.facets;
     if (wi.z > 0.0f) {
       const Vec3 h = half_vector(wo, wi);
-      return reflectance(std::clamp(dot(wo, h), 0.0f, 1.0f), r) * ggx.reflection_pdf(wo, h);
+      return reflectance(std::clamp(dot(wo, h), 0.0f, 1.0f), r) * facets.reflection_pdf(wo, h);
     }
     const Vec3 h = half_vector(wo, wi, r);
     const float o = dot(wo, h), i = dot(wi, h);
@@ -116,7 +116,7 @@ struct BoundDielectric {
     const double root = (g + c) / contrast;
     const double jacobian = (from_thinner ? n * g : c) * root * root;
     return static_cast<float>((1.0 - fresnel_dielectric(c, n)) *
-                              static_cast<double>(ggx.visible(wo, h)) * jacobian);
+                              static_cast<double>(facets.visible(wo, h)) * jacobian);
   }
 };
 static_assert(BoundKernel<BoundDielectric<1>, 1> && BoundKernel<BoundDielectric<4>, 4> &&

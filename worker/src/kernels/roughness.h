@@ -3,28 +3,30 @@
 
 #include <algorithm>
 
-#include "kernels/ggx.h"
+#include "kernels/facets.h"
 #include "parameters/scalar.h"
 
 namespace nocturne {
 
-/// GGX's alphas at a point, or smooth.
+/// Alphas at a point, or smooth.
 struct BoundRoughness {
   /// Below it facets deviate by less than a hundredth of a degree: both below are smooth, and one
   /// below is raised to it, which keeps single precision well-conditioned.
   static constexpr float kLeast = 1e-4f;
 
   bool smooth;
-  Ggx ggx;
+  Facets facets;
 
-  BoundRoughness(float alpha_u, float alpha_v)
+  BoundRoughness(float alpha_u, float alpha_v,
+                 FacetDistribution distribution = FacetDistribution::kGgx)
       : smooth(std::max(alpha_u, alpha_v) < kLeast),
-        ggx{std::clamp(alpha_u, kLeast, 1.0f), std::clamp(alpha_v, kLeast, 1.0f)} {}
+        facets{std::clamp(alpha_u, kLeast, 1.0f), std::clamp(alpha_v, kLeast, 1.0f), distribution} {
+  }
 
   /// One alpha for both, as they are met from w: along the normal their root mean square, at
   /// grazing angles the alpha in the plane of w and the normal.
   float seen_from(Vec3 w) const {
-    const float u2 = ggx.alpha_u * ggx.alpha_u, v2 = ggx.alpha_v * ggx.alpha_v;
+    const float u2 = facets.alpha_u * facets.alpha_u, v2 = facets.alpha_v * facets.alpha_v;
     return std::sqrt(w.x * w.x * u2 + w.y * w.y * v2 + w.z * w.z * 0.5f * (u2 + v2));
   }
 };
@@ -32,9 +34,10 @@ struct BoundRoughness {
 /// Alphas in [0, 1].
 struct Roughness {
   Scalar alpha_u, alpha_v;
+  FacetDistribution distribution = FacetDistribution::kGgx;
 
   BoundRoughness operator()(const SurfacePoint& point) const {
-    return {alpha_u(point), alpha_v(point)};
+    return {alpha_u(point), alpha_v(point), distribution};
   }
 };
 

@@ -59,7 +59,8 @@ class KernelLoader {
 
   Roughness roughness(const v1::Roughness& message) const {
     return {load_scalar(context_, message.alpha_u(), 0.0, 1.0),
-            load_scalar(context_, message.alpha_v(), 0.0, 1.0)};
+            load_scalar(context_, message.alpha_v(), 0.0, 1.0),
+            message.beckmann() ? FacetDistribution::kBeckmann : FacetDistribution::kGgx};
   }
 
   Blend blend(const v1::Blend& message) const {

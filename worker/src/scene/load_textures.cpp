@@ -13,7 +13,8 @@ Texture load_texture(const v1::Texture& message, const FindBlob& find_blob) {
           "a texture of neither 1 nor 3 channels");
   try {
     return Texture(path, static_cast<int>(message.channels()),
-                   message.clamp() ? TextureWrap::kClamp : TextureWrap::kRepeat);
+                   message.clamp() ? TextureWrap::kClamp : TextureWrap::kRepeat,
+                   message.sharp() ? TextureFilter::kSharp : TextureFilter::kFootprint);
   } catch (const TextureError& error) {
     refuse(std::string("a texture of ") + error.what());
   }

@@ -35,8 +35,9 @@ const ImageLibrary& library() {
 
 }  // namespace
 
-Texture::Texture(const std::filesystem::path& file, int channels, TextureWrap wrap)
-    : look_up_(library().look_up), channels_(channels), wrap_(wrap) {
+Texture::Texture(const std::filesystem::path& file, int channels, TextureWrap wrap,
+                 TextureFilter filter)
+    : look_up_(library().look_up), channels_(channels), wrap_(wrap), filter_(filter) {
   const OpenedImage image = library().open(file, channels);
   handle_ = image.handle;
   mean_ = image.mean;
@@ -44,13 +45,13 @@ Texture::Texture(const std::filesystem::path& file, int channels, TextureWrap wr
 
 float Texture::grey(float u, float v, float width) const {
   float value;
-  look_up_(handle_, wrap_, u, v, width, 1, &value);
+  look_up_(handle_, wrap_, u, v, filtered(width), 1, &value);
   return value;
 }
 
 std::array<float, 3> Texture::rgb(float u, float v, float width) const {
   std::array<float, 3> values;
-  look_up_(handle_, wrap_, u, v, width, 3, values.data());
+  look_up_(handle_, wrap_, u, v, filtered(width), 3, values.data());
   return values;
 }
 

@@ -16,6 +16,8 @@ class TextureError : public std::runtime_error {
 
 /// Coordinates outside [0, 1].
 enum class TextureWrap { kRepeat, kClamp };
+/// What is looked up: the mean over a footprint, or the picture as it is.
+enum class TextureFilter { kFootprint, kSharp };
 
 /// A handle, cheap to copy. A lookup is a pure function of its arguments: neither thread nor what
 /// the cache holds change a bit of it.
@@ -24,15 +26,16 @@ class Texture {
   /// An OpenEXR file, tiled, with all MIP levels, `channels` (1 or 3) of half or float. The name
   /// needs no extension. Tiles are read when they are looked up: the file must stay where it is.
   /// Throws TextureError.
-  Texture(const std::filesystem::path& file, int channels, TextureWrap wrap);
+  Texture(const std::filesystem::path& file, int channels, TextureWrap wrap,
+          TextureFilter filter = TextureFilter::kFootprint);
 
   int channels() const { return channels_; }
 
   /// u from left to right and v from the bottom row up, 0 and 1 at the picture's edges; what is not
   /// finite counts as 0. Bilinear within a level, linear between the two levels whose texels are
-  /// next to `width` wide (in the unit of u and v; 0: the finest level). Finite. Throws
-  /// TextureError if the file can't be read any more or holds what is not finite: a photon that
-  /// goes on with something else would give a wrong image.
+  /// next to `width` wide (in the unit of u and v; 0, and wherever it is sharp: the finest level).
+  /// Finite. Throws TextureError if the file can't be read any more or holds what is not finite: a
+  /// photon that goes on with something else would give a wrong image.
   float grey(float u, float v, float width) const;
   /// Of a texture of three channels.
   std::array<float, 3> rgb(float u, float v, float width) const;
@@ -44,11 +47,14 @@ class Texture {
   using LookUp = void (*)(void* handle, TextureWrap wrap, float u, float v, float width, int count,
                           float* result);
 
+  float filtered(float width) const { return filter_ == TextureFilter::kFootprint ? width : 0.0f; }
+
   // The image library's; live as long as the process.
   LookUp look_up_;
   void* handle_;
   int channels_;
   TextureWrap wrap_;
+  TextureFilter filter_;
   std::array<float, 3> mean_;
 };
 

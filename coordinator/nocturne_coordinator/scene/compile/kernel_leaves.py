@@ -131,4 +131,5 @@ class Leaves:
         return scene_pb2.Roughness(
             alpha_u=self._textures.scalar(alpha_u, f".{name_u}"),
             alpha_v=self._textures.scalar(alpha_v, f".{name_v}"),
+            beckmann=kernel.distribution == "beckmann",
         )

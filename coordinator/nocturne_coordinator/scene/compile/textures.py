@@ -26,7 +26,7 @@ class Textures:
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace = workspace
-        self._converted: dict[tuple[str, int, str, str], int] = {}
+        self._converted: dict[tuple[str, int, str, str, bool], int] = {}
         self.uses = 0
         """How often a texture was asked for; tells whether something compiled in between varies."""
         self.rgb_table: scene_pb2.RgbTable | None = None
@@ -125,7 +125,7 @@ class Textures:
         self, texture: Texture, channels: Literal[1, 3] | None, encoding: Literal["linear"] | None
     ) -> int:
         digest = self._workspace.asset(texture.asset)
-        key = (texture.asset, channels or 0, texture.encoding or encoding or "", texture.wrap)
+        key = (texture.asset, channels or 0, texture.encoding or encoding or "", texture.wrap, texture.sharp)
         if key not in self._converted:
             file = self._workspace.blobs.path(digest.hex())
             with opened(file) as picture:
@@ -136,7 +136,10 @@ class Textures:
             encoded = texture.encoding or encoding or ("linear" if is_linear else "sRGB")
             blob = image_textures.convert(file, chosen, _ENCODINGS[encoded])
             message = scene_pb2.Texture(
-                blob=self._workspace.keep(blob), channels=chosen, clamp=texture.wrap == "clamp"
+                blob=self._workspace.keep(blob),
+                channels=chosen,
+                clamp=texture.wrap == "clamp",
+                sharp=texture.sharp,
             )
             self._converted[key] = self._workspace.textures.index_of(message)
         return self._converted[key]
