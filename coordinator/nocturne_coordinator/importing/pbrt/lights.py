@@ -1,0 +1,116 @@
+"""Lights of pbrt's. A colour's white has the luminance that `scale` says, in cd/m2, cd or lx."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from nocturne_coordinator.errors import InputError
+from nocturne_coordinator.importing import lamps
+from nocturne_coordinator.importing.pbrt import spectra
+from nocturne_coordinator.importing.pbrt.context import Context
+from nocturne_coordinator.importing.pbrt.parameters import Parameters
+
+
+def add_light(context: Context, kind: str, parameters: Parameters) -> None:
+    """A `LightSource` directive."""
+    if kind not in _LIGHTS:
+        context.findings.lost(
+            parameters.place, f'no equal of the light "{kind}"; there are {", ".join(_LIGHTS)}'
+        )
+        return
+    _LIGHTS[kind](context, parameters)
+    if parameters.take("power") is not None:
+        context.findings.lost(parameters.place, 'no equal of "power"')
+    parameters.finish()
+
+
+def _infinite(context: Context, parameters: Parameters) -> None:
+    if parameters.word("filename", None) is not None:
+        context.findings.lost(parameters.place, "no equal of a sky's picture in an equal-area square")
+        parameters.ignore("scale", "illuminance")
+        return
+    illuminance = parameters.number("illuminance", None)
+    scale = float(parameters.number("scale", 1.0))
+    # Of an even sky E = pi L.
+    luminance = scale if illuminance is None else float(illuminance) / np.pi
+    if "environment" in context.writer.document:
+        context.findings.lost(parameters.place, "a scene has one environment")
+        return
+    context.writer.document["environment"] = {"radiance": spectra.light(context, parameters, "L", luminance)}
+
+
+def _ends(context: Context, parameters: Parameters) -> tuple[np.ndarray, np.ndarray]:
+    """Where a light is and where it points to, in the document's coordinates."""
+    start, end = (
+        parameters.numbers("from", 3) or [0.0, 0.0, 0.0],
+        parameters.numbers("to", 3) or [0.0, 0.0, 1.0],
+    )
+    matrix = context.to_world()
+    first, last = (np.asarray(matrix @ [*point, 1.0])[:3] for point in (start, end))
+    return first, last
+
+
+def _distant(context: Context, parameters: Parameters) -> None:
+    start, end = _ends(context, parameters)
+    if not np.linalg.norm(end - start) > 0:
+        raise InputError.at(parameters.place, '"from" and "to" are the same point')
+    scale = float(parameters.number("scale", 1.0))
+    illuminance = parameters.number("illuminance", None)
+    degrees = context.options.light_degrees
+    context.findings.note(
+        parameters.place,
+        f"light from one direction became a disc of {degrees:g} degrees and the same irradiance",
+    )
+    irradiance = spectra.light(context, parameters, "L", scale if illuminance is None else float(illuminance))
+    disc = {
+        "direction": (start - end).tolist(),
+        "angular_diameter_degrees": degrees,
+        "irradiance": irradiance,
+    }
+    context.writer.add("distant", disc)
+
+
+def _point(context: Context, parameters: Parameters) -> None:
+    position = np.asarray(context.to_world() @ [*(parameters.numbers("from", 3) or [0.0, 0.0, 0.0]), 1.0])[:3]
+    intensity = spectra.light(context, parameters, "I", float(parameters.number("scale", 1.0)))
+
+    def add() -> None:
+        radius = context.light_radius()
+        context.findings.note(
+            parameters.place, f"the point became a sphere of radius {radius:.4g} m and the same intensity"
+        )
+        context.writer.add("surfaces", lamps.point(position, radius, intensity, "point"))
+
+    context.later.append(add)
+
+
+def _spot(context: Context, parameters: Parameters) -> None:
+    start, end = _ends(context, parameters)
+    cone = float(parameters.number("coneangle", 30.0))
+    edge = cone - float(parameters.number("conedeltaangle", 5.0))
+    if not 0 <= edge <= cone < 180:
+        raise InputError.at(parameters.place, "expected 0 <= conedeltaangle <= coneangle < 180")
+    intensity = spectra.light(context, parameters, "I", float(parameters.number("scale", 1.0)))
+    degrees = np.unique(np.concatenate([[0.0, 180.0, min(180.0, cone + 1e-3)], np.linspace(edge, cone, 65)]))
+    # A smooth step of the cosine.
+    cosine, low, high = np.cos(np.radians(degrees)), np.cos(np.radians(cone)), np.cos(np.radians(edge))
+    t = np.clip((cosine - low) / max(high - low, 1e-9), 0.0, 1.0)
+    part = t * t * (3 - 2 * t)
+
+    def add() -> None:
+        radius = context.light_radius()
+        context.findings.note(
+            parameters.place, f"the spot became a sphere of radius {radius:.4g} m and the same intensities"
+        )
+        lamp = lamps.spot(context.writer, start, end - start, radius, intensity, (degrees, part), "spot")
+        context.writer.add("surfaces", lamp)
+
+    context.later.append(add)
+
+
+_LIGHTS: dict[str, Callable[[Context, Parameters], None]] = {
+    "infinite": _infinite,
+    "distant": _distant,
+    "point": _point,
+    "spot": _spot,
+}
