@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from nocturne_client.cli.output import CONSOLE, AsJson, print_json
+from nocturne_client.cli.output import CONSOLE, ERRORS, AsJson, print_json
 from nocturne_client.cli.service_commands import Height, Samples, ScenePath, Width
 
 Threads = Annotated[int, typer.Option("--threads", min=0, help="0: one per processor.")]
@@ -14,8 +14,9 @@ Threads = Annotated[int, typer.Option("--threads", min=0, help="0: one per proce
 
 def add_to(app: typer.Typer) -> None:
     """Adds these commands to the program."""
-    for command in (up, render, ies, compile_scene, doctor):
-        app.command(name="compile" if command is compile_scene else None)(command)
+    names = {compile_scene: "compile", import_scene: "import", compare_images: "compare"}
+    for command in (up, render, ies, compile_scene, import_scene, compare_images, doctor):
+        app.command(name=names.get(command))(command)
 
 
 def up(
@@ -75,6 +76,84 @@ def compile_scene(
 
     compiled = compile_to(scene, output, width, height, samples)
     typer.echo(compiled.scene_sha256)
+
+
+def import_scene(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Mitsuba 3 XML, by the name's end.")],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="New folder for scene.json and its files.")
+    ],
+    root: Annotated[
+        Path | None, typer.Option("--root", help="Folder that holds all files it names. Default: FILE's.")
+    ] = None,
+    parameters: Annotated[
+        list[str] | None,
+        typer.Option("--define", "-D", metavar="NAME=VALUE", help="A parameter of the file."),
+    ] = None,
+    light_radius: Annotated[
+        float | None,
+        typer.Option(
+            "--light-radius", min=1e-9, help="Metres, of lamps that have no size. Default: by the scene."
+        ),
+    ] = None,
+    light_degrees: Annotated[
+        float,
+        typer.Option("--light-degrees", min=0.01, max=180, help="Size of distant lamps that have none."),
+    ] = 0.1,
+    allow_missing: Annotated[
+        bool,
+        typer.Option("--allow-missing", help="Import the rest of a scene that has parts without an equal."),
+    ] = False,
+) -> None:
+    """Make a scene document and its files of another renderer's scene."""
+    from nocturne_client.local.importing import import_to, options, report
+
+    pairs = [each.partition("=") for each in parameters or ()]
+    for name, equals, _ in pairs:
+        if not equals or not name:
+            raise typer.BadParameter(f"expected NAME=VALUE, found {name}", param_hint="--define")
+    values = {name: value for name, _, value in pairs}
+    chosen = options(root, values, light_radius, light_degrees, allow_missing)
+    imported = import_to(file, output, chosen)
+    for line in report(imported):
+        ERRORS.print(line, markup=False, soft_wrap=True)
+    typer.echo(imported.document)
+
+
+def compare_images(
+    image: Annotated[Path, typer.Argument(metavar="A.exr", help="The image under test, XYZ or RGB.")],
+    reference: Annotated[Path, typer.Argument(metavar="B.exr", help="The reference, XYZ or RGB.")],
+    variance: Annotated[
+        Path | None,
+        typer.Option(
+            "--variance", metavar="B_var.exr", help="Variance of one sample of the reference's pixels."
+        ),
+    ] = None,
+    reference_samples: Annotated[
+        float, typer.Option("--reference-samples", min=1, help="That B is the mean of; with --variance.")
+    ] = 32_000,
+    samples: Annotated[
+        float | None, typer.Option("--samples", min=1, help="Of A's pixels. Default: as A says.")
+    ] = None,
+    scale: Annotated[float, typer.Option("--scale", help="A's values are multiplied by this.")] = 1.0,
+    difference: Annotated[
+        Path | None, typer.Option("--difference", metavar="OUT.png", help="Red: A is brighter; blue: darker.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Say how far two images are apart. Exit status 1 if noise that is known does not explain it."""
+    from nocturne_client.local import comparing
+
+    comparison = comparing.Comparison(image, reference, variance, reference_samples, samples, scale)
+    found = comparing.compare_files(comparison, difference)
+    if as_json:
+        print_json(comparing.as_json(found))
+    else:
+        for line in comparing.as_lines(found):
+            typer.echo(line)
+    verdict = found.verdict
+    differs = verdict is not None and not (verdict.pixels_agree and verdict.sums_agree)
+    raise typer.Exit(int(differs))
 
 
 def doctor(as_json: AsJson = False) -> None:
