@@ -18,12 +18,13 @@
 #include "scene/load_scene.h"
 #include "textures/texture.h"
 #include "tracer/trace_film.h"
+#include "worker_loop/check_job.h"
 
 namespace nocturne {
 namespace {
 
 struct Options {
-  std::string scene, plan, blobs, output, statistics;
+  std::string scene, plan, job, blobs, output, statistics;
   Method method = Method::kAdjointPhotons;
   unsigned threads = std::thread::hardware_concurrency();
   std::uint64_t texture_bytes = kTextureMemoryBytes;
@@ -123,8 +124,28 @@ std::function<void(double)> progress_on_stderr(bool quiet) {
   };
 }
 
+// One job of a service alone: its sums as float64, row by row, just as a worker sends them.
+void run_job(const Options& options) {
+  const auto job = read_message<v1::Job>(options.job);
+  check_job(job);
+  const auto scene =
+      load_scene(read_message<v1::CompiledScene>(options.scene), blobs_in(options.blobs));
+  const TileSums tile = trace_tile(*scene, Film{job.film_width(), job.film_height()},
+                                   {.x = job.tile().x(),
+                                    .y = job.tile().y(),
+                                    .width = job.tile().width(),
+                                    .height = job.tile().height(),
+                                    .first_sample = job.first_sample(),
+                                    .end_sample = job.end_sample()});
+  std::ofstream file(options.output, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(tile.sums.data()),
+             static_cast<std::streamsize>(tile.sums.size() * sizeof(double)));
+  if (!file.flush()) throw std::runtime_error(options.output + ": can't be written");
+}
+
 void run(const Options& options) {
   set_texture_memory(options.texture_bytes);
+  if (!options.job.empty()) return run_job(options);
   const auto message = read_message<v1::CompiledScene>(options.scene);
   const auto plan_message = read_message<v1::RenderPlan>(options.plan);
   const FilmPlan plan = checked_plan(plan_message);
@@ -165,13 +186,17 @@ int main(int argc, char** argv) {
   app.add_option("scene", options.scene, "Compiled scene (scene.pb)")
       ->required()
       ->check(CLI::ExistingFile);
-  app.add_option("--plan", options.plan, "Render plan (plan.pb)")
-      ->required()
+  auto* what = app.add_option_group("what");
+  what->add_option("--plan", options.plan, "Render plan (plan.pb)")->check(CLI::ExistingFile);
+  what->add_option("--job", options.job,
+                   "One job instead of an image (job.pb, from the bundle of a tile that was set "
+                   "aside); its sums are written as float64")
       ->check(CLI::ExistingFile);
+  what->require_option(1);
   app.add_option("--blobs", options.blobs, "Folder of meshes, textures and tables")
       ->required()
       ->check(CLI::ExistingDirectory);
-  app.add_option("-o,--output", options.output, "EXR to write")->required();
+  app.add_option("-o,--output", options.output, "EXR to write, or sums")->required();
   app.add_option("--threads", options.threads, "Threads (default: all processors)")
       ->check(CLI::Range(1, 1024));
   app.add_option("--texture-memory", options.texture_bytes,

@@ -49,7 +49,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "unix:///path or tcp://host:port; user and password come from the environment: "
                  "NOCTURNE_REDIS_USER, NOCTURNE_REDIS_PASSWORD")
       ->required();
-  app.add_option("--assets", arguments.cache.service, "asset service: host:port or unix:/path")
+  app.add_option("--assets", arguments.cache.service,
+                 "asset service: host:port or unix:/path; a token for it comes from NOCTURNE_TOKEN")
       ->required();
   app.add_option("--cache", arguments.cache.folder, "folder for scenes and meshes")->required();
   app.add_option("--threads", arguments.threads, "jobs at the same time")
@@ -64,6 +65,9 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->check(check_id);
   app.add_option("--max-asset-bytes", arguments.cache.max_asset_bytes,
                  "larger files are refused; 8GiB")
+      ->transform(CLI::AsSizeValue(false));
+  app.add_option("--cache-size", arguments.cache.max_cache_bytes,
+                 "files not used for longest are removed when the cache has more; 64GiB")
       ->transform(CLI::AsSizeValue(false));
   app.add_option("--texture-memory", arguments.texture_bytes,
                  "tiles of textures held in memory; 256MiB")

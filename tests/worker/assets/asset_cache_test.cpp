@@ -101,6 +101,34 @@ TEST_F(AssetCacheTest, ProcessesShareTheFolder) {
   EXPECT_EQ(files_in_cache(), 1U);
 }
 
+TEST_F(AssetCacheTest, WhatWasNotUsedForLongestIsRemoved) {
+  std::vector<std::string> shas;
+  for (const char c : {'a', 'b', 'c', 'd'}) shas.push_back(service_.put(std::string(1000, c)));
+  AssetCacheOptions small = options();
+  small.max_cache_bytes = 3000;
+  AssetCache cache(small);
+  const auto hours_ago = [&](const std::string& sha, int hours) {
+    fs::last_write_time(cache.find(sha),
+                        fs::file_time_type::clock::now() - std::chrono::hours(hours));
+  };
+  hours_ago(shas[0], 1);
+  hours_ago(shas[1], 3);
+  hours_ago(shas[2], 2);
+  cache.find(shas[0]);
+  const fs::path stranger = folder_.path() / "cache" / "notes.txt";
+  std::ofstream(stranger) << std::string(5000, 'x');
+  cache.find(shas[3]);
+  EXPECT_EQ(files_in_cache(), 4U);
+  EXPECT_TRUE(fs::exists(stranger));
+  EXPECT_FALSE(fs::exists(folder_.path() / "cache" / shas[1].substr(0, 2) / shas[1]));
+  // It is there again for who needs it.
+  EXPECT_EQ(content(cache.find(shas[1])), std::string(1000, 'b'));
+  // At least the newest stays, or nothing could be traced.
+  small.max_cache_bytes = 1;
+  EXPECT_EQ(content(AssetCache(small).find(shas[1])), std::string(1000, 'b'));
+  EXPECT_EQ(files_in_cache(), 2U);
+}
+
 TEST_F(AssetCacheTest, EmptyFile) {
   const std::string sha = service_.put("");
   AssetCache cache(options());

@@ -57,6 +57,21 @@ class WorkerTest : public testing::Test {
   test::RedisServer server_;
 };
 
+TEST_F(WorkerTest, InQuarantineItTakesNoJobs) {
+  server_.run({"SET", "nocturne:quarantine:w", "It lied."});
+  std::atomic<int> traced = 0;
+  Worker worker(options("w"), [&](const v1::Job&) {
+    ++traced;
+    return some_partial();
+  });
+  server_.publish(make_job(0));
+  std::this_thread::sleep_for(milliseconds(300));
+  EXPECT_EQ(traced, 0);
+  EXPECT_EQ(server_.pending(), 0U);
+  server_.run({"DEL", "nocturne:quarantine:w"});
+  EXPECT_TRUE(results_reach(1));
+}
+
 TEST_F(WorkerTest, DoesAllJobsAndSaysSo) {
   Worker worker(options("w", 2), [](const v1::Job&) { return some_partial(); });
   for (std::uint32_t i = 0; i < 20; ++i) server_.publish(make_job(i));

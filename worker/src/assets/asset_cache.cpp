@@ -4,6 +4,7 @@
 #include <optional>
 #include <system_error>
 #include <thread>
+#include <vector>
 
 #include "assets/download.h"
 #include "assets/errors.h"
@@ -46,6 +47,7 @@ AssetCache::AssetCache(AssetCacheOptions options)
     : options_(std::move(options)), source_(options_.service), checked_(kRemembered) {
   make_folder(options_.folder);
   remove_abandoned_downloads();
+  trim();
 }
 
 fs::path AssetCache::find(const std::string& sha256) {
@@ -54,9 +56,13 @@ fs::path AssetCache::find(const std::string& sha256) {
   const auto load = [this](const std::string& key) { return checked_or_fetched(key); };
   const fs::path path = checked_.get(sha256, load);
   std::error_code error;
-  if (fs::exists(path, error)) return path;
-  checked_.forget(sha256);
-  return checked_.get(sha256, load);
+  if (!fs::exists(path, error)) {
+    checked_.forget(sha256);
+    return checked_.get(sha256, load);
+  }
+  // Its time says when it was last used; a folder that can't be written is only trimmed less well.
+  fs::last_write_time(path, fs::file_time_type::clock::now(), error);
+  return path;
 }
 
 fs::path AssetCache::checked_or_fetched(const std::string& sha256) {
@@ -95,6 +101,7 @@ void AssetCache::fetch(const std::string& sha256, const fs::path& target) {
       },
       [&](std::string_view bytes) { download->write(bytes); });
   download->commit(target);
+  trim();
 }
 
 void AssetCache::remove_abandoned_downloads() {
@@ -104,6 +111,33 @@ void AssetCache::remove_abandoned_downloads() {
     if (!entry.path().filename().string().starts_with(Download::kPrefix)) continue;
     const auto written = entry.last_write_time(error);
     if (!error && written < limit) fs::remove(entry.path(), error);
+  }
+}
+
+// Who has a removed file open goes on reading it; who looks for it fetches it again.
+void AssetCache::trim() {
+  struct File {
+    fs::file_time_type used;
+    std::uint64_t bytes;
+    fs::path path;
+  };
+  std::vector<File> files;
+  std::uint64_t bytes = 0;
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(options_.folder, error), end; entry != end && !error;
+       entry.increment(error)) {
+    // Another process may remove it just now.
+    std::error_code gone;
+    if (!is_sha256_hex(entry->path().filename().string())) continue;
+    const File file{entry->last_write_time(gone), entry->file_size(gone), entry->path()};
+    if (gone) continue;
+    files.push_back(file);
+    bytes += file.bytes;
+  }
+  std::ranges::sort(files, {}, &File::used);
+  // The newest stays, however large: it is wanted now.
+  for (std::size_t i = 0; i + 1 < files.size() && bytes > options_.max_cache_bytes; ++i) {
+    if (fs::remove(files[i].path, error)) bytes -= files[i].bytes;
   }
 }
 

@@ -18,6 +18,8 @@ struct AssetCacheOptions {
   std::string service;
   /// A larger file is refused before anything of it is written.
   std::uint64_t max_asset_bytes = std::uint64_t{8} << 30;
+  /// When all files together have more, those not used for longest are removed.
+  std::uint64_t max_cache_bytes = std::uint64_t{64} << 30;
   /// Calls for one file before giving up, and the pause after the first; it doubles up to 2 s.
   int attempts = 6;
   std::chrono::milliseconds first_pause{100};
@@ -39,6 +41,7 @@ class AssetCache {
   void fetch_with_retries(const std::string& sha256, const std::filesystem::path& target);
   void fetch(const std::string& sha256, const std::filesystem::path& target);
   void remove_abandoned_downloads();
+  void trim();
 
   AssetCacheOptions options_;
   AssetSource source_;

@@ -115,6 +115,12 @@ void JobQueue::set_idle(const std::vector<HeldJob>& jobs, milliseconds idle) {
   connection_.pipeline(claims);
 }
 
+std::optional<std::string> JobQueue::quarantine(const std::string& worker_id) {
+  const Reply reason = connection_.command({"GET", keys::quarantine(worker_id)});
+  if (reason.is_nil()) return std::nullopt;
+  return std::string(reason.text());
+}
+
 void JobQueue::publish_status(const v1::WorkerStatus& status) {
   connection_.command(
       {"SET", keys::worker(status.worker_id()), status.SerializeAsString(), "EX", kStatusSeconds});

@@ -42,6 +42,9 @@ class JobQueue {
   /// Lets other consumers take these jobs at once instead of after the lease.
   void hand_back(const std::vector<HeldJob>& jobs);
 
+  /// Why the coordinator takes no results of this worker; empty if it does.
+  std::optional<std::string> quarantine(const std::string& worker_id);
+
   /// Says for the next ten seconds that this worker lives.
   void publish_status(const v1::WorkerStatus& status);
 

@@ -18,6 +18,11 @@ inline const std::string kResultField = "result";
 /// Serialised v1::WorkerStatus with a time to live.
 inline std::string worker(const std::string& worker_id) { return "nocturne:worker:" + worker_id; }
 
+/// Why the worker's results are not taken, with a time to live; missing: they are.
+inline std::string quarantine(const std::string& worker_id) {
+  return "nocturne:quarantine:" + worker_id;
+}
+
 /// Name of one thread of a worker in the consumer group.
 inline std::string consumer(const std::string& worker_id, unsigned thread) {
   return worker_id + "/" + std::to_string(thread);

@@ -17,6 +17,7 @@ using Clock = std::chrono::steady_clock;
 
 // The coordinator makes the group again within about this time.
 constexpr std::chrono::milliseconds kGroupPause{200};
+constexpr std::chrono::milliseconds kQuarantinePause{1000};
 
 /// Text that fits a protobuf string (UTF-8) and a page.
 std::string printable(std::string_view text) {
@@ -71,6 +72,11 @@ void WorkerThread::run(std::stop_token stop) {
 }
 
 void WorkerThread::step(std::stop_token stop) {
+  if (const auto reason = queue_.quarantine(options_.id)) {
+    report_trouble("in quarantine, takes no jobs: " + printable(*reason));
+    tally_.rest(index_);
+    return wait_unless_stopped(stop, kQuarantinePause);
+  }
   const std::optional<TakenJob> taken = queue_.take();
   back_off_.reset();
   last_trouble_.clear();
