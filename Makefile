@@ -17,7 +17,7 @@ WEB_SOURCES := $(shell find services/web/src services/web/public -type f 2>/dev/
 CPP_SOURCES := $(shell find worker tests/worker bench -name '*.cpp' -o -name '*.h' 2>/dev/null)
 STAMPS := build/stamps
 
-.PHONY: help packages venv proto web worker build demo stop test check format unit system references sanitize bench lock docs clean
+.PHONY: help packages venv proto web worker build demo stop test check format unit system soak references sanitize bench lock docs clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -77,11 +77,14 @@ format:  ## Put code into the agreed form
 
 unit: build  ## Tests of single parts: C++, Python, page
 	ctest --test-dir build/release --parallel 2 --output-on-failure --no-tests=error
-	pytest -m "not system and not references"
+	pytest -m "not system and not soak and not references"
 	npm --prefix services/web run --silent test
 
 system: build  ## Tests of the whole: service, workers, browser, images
-	pytest -m system
+	pytest -m "system and not soak"
+
+soak: build  ## Faults in random composition and every interleaving, for SOAK_SECONDS (default 600) and more
+	pytest -m soak
 
 references: build  ## Other renderers' scenes against their own reference images (minutes)
 	pytest -m references -s

@@ -45,7 +45,7 @@ class BlobStore:
     """A folder of blobs: `root/ab/abcdef...`, lower-case hexadecimal. Safe for many processes at once."""
 
     def __init__(self, root: Path) -> None:
-        self._root = root
+        self.root = root
         self._incoming = root / "incoming"
         self._incoming.mkdir(parents=True, exist_ok=True)
 
@@ -111,4 +111,4 @@ class BlobStore:
     def _place(self, sha256: str) -> Path:
         if not _SHA256.fullmatch(sha256):
             raise InputError.at("sha256", "expected 64 lower-case hexadecimal digits")
-        return self._root / sha256[:2] / sha256
+        return self.root / sha256[:2] / sha256

@@ -12,10 +12,13 @@ import time
 from nocturne.v1 import job_pb2
 
 from . import limits
+from .audit import LONGEST_WAIT, Auditor
+from .bundle import write_bundle
 from .crash_points import crash_point
 from .data_folder import DataFolder
-from .intake import Intake
-from .job_queue import JobQueue
+from .faults import Faults
+from .intake import Intake, Outcome
+from .job_queue import JobQueue, Session
 from .merge import XYZ_SUMS
 from .pictures import Pictures
 from .running_render import RunningRender
@@ -31,6 +34,12 @@ COMMIT_SECONDS = 1.0
 """Work lost with the coordinator, at most; a commit of a whole 512 x 512 film costs 15 ms."""
 
 _MIRROR_SECONDS = 2.0
+_FOLLOW_SECONDS = 5.0
+"""Renders that wait are looked at so often though nothing changes: their time may come."""
+
+_LONELY_SECONDS = 10.0
+"""How long audits at the end of a render wait for a worker that could settle them, while there is none."""
+
 _WAIT_MILLISECONDS = 100
 _SHORTEST_ROUND = 0.005
 _LONGEST_ROUND = 0.05
@@ -43,21 +52,32 @@ class Coordinator:
     """Works on one data folder through one Redis until told to stop."""
 
     def __init__(
-        self, folder: DataFolder, ledger: Ledger, queue: JobQueue, commit_seconds: float = COMMIT_SECONDS
+        self,
+        folder: DataFolder,
+        ledger: Ledger,
+        queue: JobQueue,
+        session: Session,
+        commit_seconds: float = COMMIT_SECONDS,
+        auditor: Auditor | None = None,
     ) -> None:
         self._commit_seconds = commit_seconds
         self._folder = folder
         self._ledger = ledger
         self._renders: dict[str, RunningRender] = {}
         self._schedule = Schedule()
-        self._intake = Intake(self._renders, self._schedule)
-        self._traffic = Traffic(queue, self._renders, self._schedule)
+        self._auditor = auditor or Auditor()
+        self._faults = Faults()
+        self._intake = Intake(self._renders, self._schedule, self._auditor, self._faults)
+        self._traffic = Traffic(queue, session, self._renders, self._schedule, self._auditor)
+        self._quarantine(ledger.quarantined())
         self._pictures = Pictures(folder, ledger)
         self._settled: list[bytes] = []
         self._failed: dict[str, str] = {}
+        self._audits_end: dict[str, float] = {}
         self._folder_trouble = False
         self._seen_changes = -1
         self._next_look = 0.0
+        self._next_follow = 0.0
         self._next_commit = 0.0
         self._next_mirror = 0.0
         self._next_finish = 0.0
@@ -71,6 +91,7 @@ class Coordinator:
             stop.wait(max(0.0, begun + self._shortest_round() - time.monotonic()))
         self._guarded_commit(time.monotonic())
         self._traffic.exchange(time.monotonic(), time.time(), publish=False, wait_ms=1)
+        self._traffic.leave()
         _log.info("stopped; %d renders wait to be resumed", len(self._renders))
 
     def _shortest_round(self) -> float:
@@ -84,8 +105,11 @@ class Coordinator:
             self._look_at_folder(now)
         publish = not self._folder_trouble
         entries = self._traffic.exchange(now, time.time(), publish, _WAIT_MILLISECONDS)
+        self._intake.live = self._traffic.live
         for entry, data in entries or []:
-            self._take(entry, data, time.monotonic())
+            self._follow(self._intake.take(entry, data, time.monotonic()))
+        while self._traffic.lost:
+            self._follow(self._intake.lost_worker(*self._traffic.lost.pop()))
         now = time.monotonic()
         self._finish(now)
         if now >= self._next_commit:
@@ -100,9 +124,11 @@ class Coordinator:
             if now >= self._next_mirror:
                 self._mirror_workers(now)
             changes = self._folder.change_counter()
-            if changes == self._seen_changes:
+            if changes == self._seen_changes and now < self._next_follow:
                 return
-            self._follow_folder()
+            self._next_follow = now + _FOLLOW_SECONDS
+            if not self._follow_folder(now):
+                return
             self._pictures.finish_ended()
             self._seen_changes = changes
         except (sqlite3.Error, OSError) as trouble:
@@ -112,38 +138,87 @@ class Coordinator:
         self._next_mirror = now + _MIRROR_SECONDS
         if self._traffic.workers:
             self._ledger.mirror_workers(self._traffic.workers)
+        self._ledger.write_meters(
+            {
+                "coordinator_seen": time.time(),
+                "redis_in_step": float(self._traffic.in_step),
+                "folder_trouble": float(self._folder_trouble),
+                "worker_threads": self._traffic.threads,
+                "jobs_in_flight": self._schedule.in_flight,
+                "jobs_published": self._schedule.outstanding,
+                "results_waiting": self._traffic.results_waiting,
+                "results_refused": self._intake.refused,
+                "job_seconds": self._schedule.typical_time,
+                "audits_agreed": self._auditor.agreed,
+                "audits_differing": self._auditor.mismatches,
+                "audits_given_up": self._auditor.given_up,
+            }
+        )
 
-    def _follow_folder(self) -> None:
-        open_renders = self._ledger.open_renders()
-        still_open = {row.id for row in open_renders}
-        for render_id in [render_id for render_id in self._renders if render_id not in still_open]:
-            _log.info("render=%s cancelled", render_id)
+    def _follow_folder(self, now: float) -> bool:
+        """Takes renders up and lets them go as the folder says; False if that has to wait."""
+        self._quarantine(self._ledger.quarantined())
+        rows = {row.id: row for row in self._ledger.open_renders()}
+        changed = [
+            render.id
+            for render in self._renders.values()
+            if render.id not in rows or not rows[render.id].asks_the_same(render.row)
+        ]
+        # What is merged of them is kept, unless they were cancelled.
+        if changed and not self._guarded_commit(now):
+            return False
+        for render_id in changed:
+            _log.info("render=%s %s", render_id, "has other plans" if render_id in rows else "let go")
             self._drop(render_id)
-        for row in open_renders:
-            if row.id not in self._renders:
+        for row in self._ledger.open_renders() if changed else rows.values():
+            if row.id in self._renders:
+                self._schedule.set_priority(row.id, row.priority)
+                if row.state is RenderState.QUEUED:
+                    # Paused and resumed between two looks: it runs as before.
+                    self._ledger.start(row.id, time.time())
+            else:
                 self._admit(row)
+        return True
+
+    def _quarantine(self, workers: dict[str, str]) -> None:
+        self._intake.quarantined = workers
+        self._traffic.quarantined = workers
 
     def _admit(self, row: OpenRender) -> None:
         """Resumes a render, or starts it if there is room."""
         if row.engine != job_pb2.ENGINE_CURRENT:
             self._end(
-                row.id,
+                row,
                 RenderState.FAILED,
                 f"It was made for engine {row.engine}; this service traces with engine "
                 f"{job_pb2.ENGINE_CURRENT}, whose bits differ. Submit it again.",
             )
+            return
+        if row.state is RenderState.QUEUED and 0.0 < row.stop.until <= time.time() and not row.totals.photons:
+            text = row.stop.until_text or "the time"
+            reason = f"{text} came before there was room to start it."
+            self._end(row, RenderState.STOPPED_EARLY, reason)
             return
         if row.state is RenderState.QUEUED and not (
             self._has_room(row) and self._ledger.start(row.id, time.time())
         ):
             return
         try:
-            render = RunningRender(row, self._ledger.tiles(row.id))
+            render = RunningRender(row, self._ledger.tiles(row.id), time.monotonic())
         except ValueError as error:
-            self._end(row.id, RenderState.FAILED, f"Its committed samples can't be read: {error}")
+            self._end(row, RenderState.FAILED, f"Its committed samples can't be read: {error}")
             return
         self._renders[row.id] = render
-        self._schedule.add(row.id, len(render.planned.ranges), render.merged_ranges)
+        self._schedule.add(
+            row.id,
+            len(render.planned.ranges),
+            render.merged_ranges,
+            horizon=[render.film.horizon(index) for index in range(len(render.film.tiles))],
+            owner=row.owner,
+            priority=row.priority,
+            owner_weight=row.owner_weight,
+            cost=render.cost,
+        )
         _log.info(
             "render=%s %s; %d of %d ranges are merged",
             row.id,
@@ -161,51 +236,103 @@ class Coordinator:
 
     def _drop(self, render_id: str) -> None:
         self._traffic.withdraw(self._schedule.remove(render_id))
+        self._traffic.withdraw(self._auditor.forget(render_id))
+        self._faults.forget(render_id)
+        self._audits_end.pop(render_id, None)
         self._settled.extend(self._renders.pop(render_id).waiting_entries())
 
-    def _end(self, render_id: str, state: RenderState, reason: str) -> None:
-        self._ledger.end(render_id, state, reason, time.time())
-        _log.info("render=%s %s %s", render_id, state.value, reason)
+    def _end(self, render: OpenRender, state: RenderState, reason: str) -> None:
+        if self._ledger.end(render, state, reason, time.time()):
+            _log.info("render=%s %s %s", render.id, state.value, reason)
+        else:
+            # Somebody wants something else of it; the next look at the folder tells what.
+            self._seen_changes = -1
 
     # --- results ---
 
-    def _take(self, entry: bytes, data: bytes, now: float) -> None:
-        outcome = self._intake.take(entry, data, now)
+    def _follow(self, outcome: Outcome) -> None:
+        """Does what a result calls for."""
         self._settled.extend(outcome.settled)
         self._traffic.withdraw(outcome.withdrawn)
         self._failed.update(outcome.failed)
+        for render_id, aside in outcome.set_aside:
+            render = self._renders[render_id]
+            try:
+                write_bundle(self._folder, render.planned, aside)
+            except OSError as trouble:
+                _log.error("render=%s no bundle for tile %d: %s", render_id, aside.tile_index, trouble)
+        for worker in outcome.quarantined.keys() - self._traffic.quarantined.keys():
+            reason = outcome.quarantined[worker]
+            self._put_in_quarantine(worker, reason, worker in outcome.liars)
+
+    def _put_in_quarantine(self, worker: str, reason: str, lied: bool) -> None:
+        _log.error("worker=%s is in quarantine: %s", worker, reason)
+        self._quarantine({**self._traffic.quarantined, worker: reason})
+        if not self._guarded_commit(time.monotonic()):
+            # It is still shut out here; should this process die now, another audit finds it.
+            return
+        self._ledger.quarantine(worker, reason, time.time())
+        if lied:
+            for render_id in self._ledger.distrust(worker):
+                _log.error("render=%s tiles with work of worker=%s are traced anew", render_id, worker)
+                if render_id in self._renders:
+                    self._drop(render_id)
+            self._seen_changes = -1
 
     def _finish(self, now: float) -> None:
-        """Ends the renders whose last range was merged, and those that failed."""
-        complete = [render for render in self._renders.values() if render.film.complete]
-        if now < self._next_finish or not (complete or self._failed):
+        """Ends the renders that have all that was asked for, or whose time is over, and those that failed."""
+        endings = [
+            (render, *ending)
+            for render in self._renders.values()
+            if (ending := render.ending(now, time.time())) and self._audits_are_done(render, now)
+        ]
+        if now < self._next_finish or not (endings or self._failed):
             return
         self._next_finish = now + self._commit_seconds
         if not self._guarded_commit(now):
             return
         try:
             self._end_failed()
-            for render in complete:
-                self._end_complete(render)
+            for render, state, reason in endings:
+                self._end_with_image(render, state, reason)
         except (sqlite3.Error, OSError) as trouble:
             self._report(trouble)
         else:
             self._next_finish = now
 
+    def _audits_are_done(self, render: RunningRender, now: float) -> bool:
+        """Whether no audit of the render is open, or none that others than the audited worker could
+        settle."""
+        if not self._auditor.pending(render.id):
+            return True
+        witnesses = 3 if self._auditor.disputed(render.id) else 2
+        if len(self._traffic.live) < witnesses:
+            return now >= self._audits_end.setdefault(render.id, now + _LONELY_SECONDS)
+        return now >= self._audits_end.setdefault(render.id, now + LONGEST_WAIT)
+
     def _end_failed(self) -> None:
         while self._failed:
             render_id, reason = next(iter(self._failed.items()))
             if render_id in self._renders:
-                self._end(render_id, RenderState.FAILED, reason)
+                self._end(self._renders[render_id].row, RenderState.FAILED, reason)
                 self._drop(render_id)
             del self._failed[render_id]
 
-    def _end_complete(self, render: RunningRender) -> None:
-        """Images first, then the state: who sees SUCCEEDED finds them."""
+    def _end_with_image(self, render: RunningRender, state: RenderState, reason: str) -> None:
+        """Images first, then the state: who sees that it has ended finds them."""
         if render.id not in self._renders:
             return
-        self._pictures.finish(render)
-        self._end(render.id, RenderState.SUCCEEDED, "")
+        if render.totals.photons:
+            self._pictures.finish(render)
+        disputed = self._auditor.disputed(render.id)
+        if disputed:
+            key, workers = disputed[0]
+            state = RenderState.DEGRADED
+            reason = (
+                f"Workers {' and '.join(workers)} have different results of tile {key.tile_index}, "
+                f"and there was no third one to tell who is right. {reason}"
+            ).strip()
+        self._end(render.row, state, reason)
         self._drop(render.id)
 
     # --- commits ---
@@ -227,7 +354,11 @@ class Coordinator:
         _log.error("can't write to the data folder: %s; intake pauses, trying again", trouble)
 
     def _commit(self, now: float) -> None:
-        changed = [(render, changes) for render in self._renders.values() if (changes := render.changes(now))]
+        changed = [
+            (render, changes)
+            for render in self._renders.values()
+            if (changes := render.changes(now, time.time()))
+        ]
         if changed:
             crash_point("before-commit")
             self._ledger.commit([changes for _, changes in changed])

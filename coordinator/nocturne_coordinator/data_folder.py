@@ -2,7 +2,7 @@
 
     nocturne.db      renders, tiles, workers (SQLite in WAL mode)
     blobs/           scenes and assets by SHA-256
-    images/<id>/     preview.png and image.exr of a render
+    images/<id>/     preview.png and image.exr of a render, set-aside-<tile>.zip of what failed
     coordinator.lock held by the coordinator that works on the folder
 
 The API and the coordinator open it at the same time; only the coordinator's `store.ledger` writes sums.
@@ -21,10 +21,12 @@ from nocturne.v1 import job_pb2
 
 from . import limits
 from .blobs import BlobStore
-from .errors import Conflict, InputError, NotFound, Problem
-from .plan import TileGrid
+from .errors import Conflict, InputError, NotFound, Problem, WrongState
+from .plan import TileGrid, extended_plan
+from .stopping import StopConditions, check_tile_samples
 from .store.database import Database
 from .store.rows import ErrorPoint, NewRender, RenderRow, RenderState, WorkerRow
+from .store.tokens import Tokens
 
 __all__ = ["DataFolder", "ErrorPoint", "NewRender", "RenderRow", "RenderState", "WorkerRow"]
 
@@ -44,6 +46,7 @@ class DataFolder:
         path.mkdir(parents=True, exist_ok=True)
         self.database = Database(path / "nocturne.db")
         self.blobs = BlobStore(path / "blobs")
+        self.tokens = Tokens(self.database)
 
     def close(self) -> None:
         self.database.close()
@@ -69,11 +72,14 @@ class DataFolder:
 
     def _insert(self, new: NewRender, digest: str) -> str:
         render_id = _new_id()
-        ranges_planned = TileGrid.of(new.plan).count * len(new.plan.range_ends)
+        tiles = TileGrid.of(new.plan).count
+        if new.stop.tile_samples:
+            check_tile_samples(new.stop.tile_samples, tiles, new.plan.range_ends)
         self.database.execute(
             """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
-                   photons_per_sample, scene_sha256, engine, created, ranges_planned, plan, scene_document)
-               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
+                   photons_per_sample, scene_sha256, engine, created, ranges_planned, plan, scene_document,
+                   stop, priority, owner, tiles)
+               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
             (
                 render_id,
                 new.request_id,
@@ -86,9 +92,13 @@ class DataFolder:
                 new.scene_sha256,
                 int(job_pb2.ENGINE_CURRENT),
                 time.time(),
-                ranges_planned,
+                tiles * len(new.plan.range_ends),
                 new.plan.SerializeToString(deterministic=True),
                 new.scene_document,
+                new.stop.to_json(),
+                new.priority,
+                new.owner,
+                tiles,
             ),
         )
         return render_id
@@ -129,10 +139,117 @@ class DataFolder:
         self.database.execute(
             """UPDATE render SET state = 'CANCELLED', reason = 'Cancelled by request.', ended = ?,
                    photons_per_second = 0, sequence = sequence + 1
-               WHERE id = ? AND state IN ('QUEUED', 'RUNNING')""",
+               WHERE id = ? AND state IN ('QUEUED', 'RUNNING', 'PAUSED')""",
             (time.time(), render_id),
         )
         return self.get_render(render_id)
+
+    def request_pause(self, render_id: str) -> RenderRow:
+        """No more work on a queued or running render until it is resumed; what is merged is kept.
+
+        Pausing twice is pausing once. Raises NotFound, and WrongState for a render that has ended.
+        """
+        self._change_state(render_id, "PAUSED", "Paused by request.", ("QUEUED", "RUNNING"))
+        return self._now_in(render_id, (RenderState.PAUSED,), "paused")
+
+    def request_resume(self, render_id: str) -> RenderRow:
+        """Goes on with a paused render; with a degraded one, by trying again what was set aside.
+
+        Resuming twice is resuming once. Raises NotFound, and WrongState for a render in another state.
+        """
+        with self.database.transaction():
+            self.database.execute(
+                """DELETE FROM set_aside WHERE render_id IN
+                   (SELECT id FROM render WHERE id = ? AND state = 'DEGRADED')""",
+                (render_id,),
+            )
+            self._change_state(render_id, "QUEUED", "", ("PAUSED", "DEGRADED"))
+        return self._now_in(render_id, (RenderState.QUEUED, RenderState.RUNNING), "resumed")
+
+    def request_priority(self, render_id: str, priority: int) -> RenderRow:
+        """The render's weight among its owner's. Raises NotFound, and InputError for a wrong priority."""
+        check_priority(priority)
+        self.database.execute(
+            "UPDATE render SET priority = ?, sequence = sequence + 1 WHERE id = ? AND priority <> ?",
+            (priority, render_id, priority),
+        )
+        return self.get_render(render_id)
+
+    def request_extension(self, render_id: str, samples: int, stop: StopConditions) -> RenderRow:
+        """More samples, or other conditions, for a render in any state but FAILED; nothing is traced again.
+
+        `samples` is what each pixel is to have in all, at least as many as before; the conditions replace
+        those before. Repeating it changes nothing. Raises NotFound, InputError and WrongState.
+        """
+        with self.database.transaction():
+            render = self.get_render(render_id)
+            if render.state is RenderState.FAILED:
+                raise WrongState(f"{render_id} has failed, and can't be extended: {render.reason}")
+            plan = extended_plan(self.plan(render_id), samples)
+            if (samples, stop.request()) == (render.samples, render.stop.request()):
+                return render
+            goes_on = render.state in (RenderState.RUNNING, RenderState.PAUSED)
+            self.database.execute("DELETE FROM set_aside WHERE render_id = ?", (render_id,))
+            self.database.execute(
+                """UPDATE render SET samples = ?, plan = ?, stop = ?, ranges_planned = ?, state = ?, reason =
+                '', ended = 0, image_final = 0, sequence = sequence + 1 WHERE id = ?""",
+                (
+                    samples,
+                    plan.SerializeToString(deterministic=True),
+                    stop.to_json(),
+                    TileGrid.of(plan).count * len(plan.range_ends),
+                    render.state.value if goes_on else "QUEUED",
+                    render_id,
+                ),
+            )
+        return self.get_render(render_id)
+
+    def _change_state(self, render_id: str, to: str, reason: str, of: tuple[str, ...]) -> None:
+        """Ends what predicts, as nothing runs in any state that people ask for."""
+        marks = ", ".join("?" * len(of))
+        self.database.execute(
+            f"""UPDATE render SET state = ?, reason = ?, ended = 0, image_final = 0, photons_per_second = 0,
+                    predicted_end = 0, sequence = sequence + 1 WHERE id = ? AND state IN ({marks})""",  # noqa: S608
+            (to, reason, render_id, *of),
+        )
+
+    def _now_in(self, render_id: str, states: tuple[RenderState, ...], what: str) -> RenderRow:
+        render = self.get_render(render_id)
+        if render.state not in states:
+            raise WrongState(f"{render_id} is {render.state} and can't be {what}")
+        return render
+
+    def create_replay(self, render_id: str, request_id: str, owner: str = "") -> RenderRow:
+        """A render of the same scene and plan, with the samples that each tile has now: it gives the same
+        bits.
+
+        Raises NotFound, WrongState where there are no samples, and Conflict.
+        """
+        original = self.get_render(render_id)
+        manifest = self.manifest(render_id)
+        if not any(manifest):
+            raise WrongState(f"{render_id} has no samples yet")
+        return self.create_render(
+            NewRender(
+                request_id=request_id,
+                name=f"{original.name[: limits.MAXIMUM_NAME - 10]} (replay)",
+                scene_sha256=original.scene_sha256,
+                scene_document=self.scene_document(render_id),
+                width=original.width,
+                height=original.height,
+                samples=original.samples,
+                plan=self.plan(render_id),
+                stop=StopConditions(tile_samples=manifest),
+                owner=owner,
+            )
+        )
+
+    def manifest(self, render_id: str) -> tuple[int, ...]:
+        """Committed samples of each tile, row by row; raises NotFound."""
+        count = TileGrid.of(self.plan(render_id)).count
+        rows = self.database.rows("SELECT tile_index, samples FROM tile WHERE render_id = ?", (render_id,))
+        samples = {row["tile_index"]: row["samples"] for row in rows}
+        return tuple(samples.get(index, 0) for index in range(count))
 
     def scene_document(self, render_id: str) -> str:
         """The JSON that was submitted; raises NotFound."""
@@ -168,6 +285,10 @@ class DataFolder:
         """The EXR; may not exist yet."""
         return self._images(render_id) / "image.exr"
 
+    def bundle_path(self, render_id: str, tile_index: int) -> Path:
+        """What is needed to see again why a tile was set aside; may not exist."""
+        return self._images(render_id) / f"set-aside-{tile_index}.zip"
+
     def _images(self, render_id: str) -> Path:
         # The id becomes part of a path: only one that this folder gave out may.
         self.get_render(render_id)
@@ -183,6 +304,62 @@ class DataFolder:
         )
         return [WorkerRow(**dict(row)) for row in rows]
 
+    def count_by_state(self) -> dict[str, int]:
+        """How many renders there are in each state that any is in."""
+        rows = self.database.rows("SELECT state, count(*) AS renders FROM render GROUP BY state")
+        return {row["state"]: row["renders"] for row in rows}
+
+    def backlog(self) -> int:
+        """Ranges of queued and running renders that are not merged."""
+        row = self.database.row(
+            "SELECT sum(ranges_planned - ranges_done) AS open FROM render "
+            "WHERE state IN ('QUEUED', 'RUNNING')"
+        )
+        return int(row["open"] or 0) if row is not None else 0
+
+    def spent(self) -> tuple[int, float]:
+        """Photons merged and processor seconds, of all renders."""
+        row = self.database.row("SELECT sum(photons) AS photons, sum(cpu_seconds) AS cpu FROM render")
+        return (int(row["photons"] or 0), float(row["cpu"] or 0.0)) if row is not None else (0, 0.0)
+
+    def count_running(self) -> int:
+        """Renders that are being worked on."""
+        row = self.database.row("SELECT count(*) AS running FROM render WHERE state = 'RUNNING'")
+        return 0 if row is None else int(row["running"])
+
+    def workers_in_quarantine(self) -> dict[str, str]:
+        """Workers whose results are not taken, and why."""
+        rows = self.database.rows("SELECT worker_id, reason FROM quarantine ORDER BY since")
+        return {row["worker_id"]: row["reason"] for row in rows}
+
+    def release_worker(self, worker_id: str) -> None:
+        """Takes a worker's results again; raises NotFound where it is not in quarantine."""
+        if not self.database.execute("DELETE FROM quarantine WHERE worker_id = ?", (worker_id,)):
+            raise NotFound(f"no worker {worker_id!r} is in quarantine")
+
+    def meters(self) -> dict[str, float]:
+        """What the coordinator last counted and measured, by name."""
+        return {row["name"]: row["value"] for row in self.database.rows("SELECT name, value FROM meter")}
+
+    def record_call(
+        self, who: str, what: str, render_id: str, request_id: str, outcome: str, keep: int
+    ) -> None:
+        """One more line of who changed what; the last `keep` are kept."""
+        with self.database.transaction():
+            self.database.execute(
+                "INSERT INTO call (unix_time, who, what, render_id, request_id, outcome) "
+                "VALUES (?, ?, ?, ?, ?, ?)",
+                (time.time(), who, what, render_id, request_id, outcome),
+            )
+            self.database.execute(
+                "DELETE FROM call WHERE number <= (SELECT max(number) FROM call) - ?", (keep,)
+            )
+
+    def calls(self, limit: int) -> list[dict[str, object]]:
+        """The last calls that changed something, newest first."""
+        rows = self.database.rows("SELECT * FROM call ORDER BY number DESC LIMIT ?", (limit,))
+        return [dict(row) for row in rows]
+
     def change_counter(self) -> int:
         """Another number whenever anything in the folder's database changed; cheap enough to ask often."""
         return self.database.change_counter()
@@ -193,6 +370,7 @@ def render_row(row: sqlite3.Row) -> RenderRow:
     values = {field.name: row[field.name] for field in fields(RenderRow)}
     values["state"] = RenderState(values["state"])
     values["image_final"] = bool(values["image_final"])
+    values["stop"] = StopConditions.from_json(values["stop"])
     return RenderRow(**values)
 
 
@@ -202,7 +380,9 @@ def _new_id() -> str:
 
 
 def _request_digest(new: NewRender) -> str:
-    content = [new.name, new.scene_document, new.width, new.height, new.samples]
+    content: list[object] = [new.name, new.scene_document, new.width, new.height, new.samples]
+    if new.stop.request() or new.priority != limits.DEFAULT_PRIORITY:
+        content += [new.stop.request(), new.priority]
     return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
 
@@ -214,6 +394,13 @@ def _check_texts(new: NewRender) -> None:
         problems.append(Problem("$.name", f"expected at most {limits.MAXIMUM_NAME} characters"))
     if problems:
         raise InputError(problems)
+    check_priority(new.priority)
+
+
+def check_priority(priority: int) -> None:
+    """Raises InputError for one that can't be."""
+    if not 1 <= priority <= limits.MAXIMUM_PRIORITY:
+        raise InputError.at("$.priority", f"is {priority}; expected 1 to {limits.MAXIMUM_PRIORITY}")
 
 
 def _encode_page_token(number: int) -> str:

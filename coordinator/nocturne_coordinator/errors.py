@@ -4,7 +4,9 @@ NocturneError
 +-- InputError      what the user gave is wrong; each problem names its place
 +-- NotFound        there is no such render or blob
 +-- Conflict        a request id was used before with other content
++-- WrongState      the render is in a state in which that can't be done
 +-- AlreadyOwned    another coordinator works on the data folder
++-- QueueTaken      Redis serves the coordinator of another data folder
 +-- OwnershipLost   another coordinator took the data folder over; nothing may be committed any more
 +-- UnusableFolder  the folder was written by another version
 +-- UnusableQueue   Redis is set up in a way that loses messages
@@ -50,6 +52,14 @@ class NotFound(NocturneError):
 
 class Conflict(NocturneError):
     """The request id was used before, with other content."""
+
+
+class WrongState(NocturneError):
+    """The render is in a state in which that can't be done."""
+
+
+class QueueTaken(NocturneError):
+    """Redis serves the coordinator of another data folder."""
 
 
 class AlreadyOwned(NocturneError):

@@ -7,12 +7,14 @@ import os
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 
+from .limits import MAXIMUM_FILM_PIXELS
 from .merge import XYZ_SUMS, Counts, Sums
 
 Pixels = npt.NDArray[np.float64]
@@ -47,6 +49,26 @@ class Provenance:
     scene_sha256: str
     plan_json: str
     engine: int
+    manifest: str = ""
+    """Samples of each tile where not all have what the plan ends with: see `manifest_text`."""
+
+
+def manifest_text(samples: Sequence[int]) -> str:
+    """Samples of each tile, row by row, as "64x3 128 64": runs of equal numbers are shortened."""
+    runs = [(value, len(list(run))) for value, run in groupby(samples)]
+    return " ".join(f"{value}x{length}" if length > 1 else f"{value}" for value, length in runs)
+
+
+def manifest_of(text: str) -> list[int]:
+    """What `manifest_text` was made of; ValueError for another text."""
+    samples: list[int] = []
+    for run in text.split():
+        value, _, length = run.partition("x")
+        count = int(length or 1)
+        if count > MAXIMUM_FILM_PIXELS:
+            raise ValueError(f"{run}: more tiles than any film has")
+        samples.extend([int(value)] * count)
+    return samples
 
 
 def mean_xyz(sums: Sums, counts: Counts) -> Pixels:
@@ -143,6 +165,8 @@ def write_image(
     spec.attribute("nocturne:scene", provenance.scene_sha256)
     spec.attribute("nocturne:plan", provenance.plan_json)
     spec.attribute("nocturne:engine", provenance.engine)
+    if provenance.manifest:
+        spec.attribute("nocturne:tileSamples", provenance.manifest)
     _write(path, spec, _exr_channels(sums, counts))
 
 

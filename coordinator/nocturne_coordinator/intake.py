@@ -1,19 +1,26 @@
-"""What comes in on the results stream: checked, merged or refused. No I/O; raises for no input."""
+"""What comes in on the results stream: checked, merged, audited or refused. No I/O; raises for no input."""
 
 import logging
+from collections.abc import Collection
 from dataclasses import dataclass, field
 
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 
+from .audit import Auditor
 from .crash_points import crash_point
-from .limits import MAXIMUM_ATTEMPTS, MAXIMUM_REASON, MAXIMUM_REFUSALS
+from .faults import Faults
+from .faults import Verdict as JobVerdict
+from .limits import MAXIMUM_REASON, MAXIMUM_SET_ASIDE
 from .merge import RangeSums, Verdict
 from .planned_render import RefusedResult, check_partial
 from .running_render import RunningRender
 from .schedule import JobKey, Schedule
+from .store.ledger import SetAside
 
 _log = logging.getLogger(__name__)
+
+_LONGEST_NAME = 128
 
 
 @dataclass(slots=True)
@@ -23,18 +30,31 @@ class Outcome:
     settled: list[bytes] = field(default_factory=list)
     """Result entries of no more use, once all that is merged by now is committed."""
     withdrawn: list[bytes] = field(default_factory=list)
-    """Job entries to take off the stream: they are published again."""
+    """Job entries to take off the stream: they are published again, or not needed any more."""
+    set_aside: list[tuple[str, SetAside]] = field(default_factory=list)
+    """By render, tiles that get no more samples."""
     failed: dict[str, str] = field(default_factory=dict)
     """Renders that can't be done, and why."""
+    quarantined: dict[str, str] = field(default_factory=dict)
+    """Workers whose results are not taken any more, and why."""
+    liars: set[str] = field(default_factory=set)
+    """Those of them whose earlier results are not to be trusted either."""
 
 
 class Intake:
     """Takes results into the films of the running renders."""
 
-    def __init__(self, renders: dict[str, RunningRender], schedule: Schedule) -> None:
-        """Shares both with the coordinator."""
+    def __init__(
+        self, renders: dict[str, RunningRender], schedule: Schedule, auditor: Auditor, faults: Faults
+    ) -> None:
+        """Shares all with the coordinator."""
         self._renders = renders
         self._schedule = schedule
+        self._auditor = auditor
+        self._faults = faults
+        self.live: Collection[str] = ()
+        """Workers that give signs of life and are not in quarantine."""
+        self.quarantined: Collection[str] = ()
         self.refused = 0
         """Results that were not what a worker of ours sends."""
 
@@ -55,17 +75,30 @@ class Intake:
         self._take_for(render, entry, result, now, outcome)
         return outcome
 
+    def lost_worker(self, key: JobKey, worker: str) -> Outcome:
+        """A worker's process ended without a word while it had a job."""
+        outcome = Outcome()
+        if key.render_id in self._renders:
+            self._fail(self._renders[key.render_id], key, worker, f"worker {worker} died of it", outcome)
+        return outcome
+
     def _take_for(
         self, render: RunningRender, entry: bytes, result: job_pb2.JobResult, now: float, outcome: Outcome
     ) -> None:
+        worker = result.worker_id[:_LONGEST_NAME]
         try:
             planned = render.planned.find(result.job)
         except RefusedResult as refusal:
-            self._refuse(entry, f"render={render.id}: {refusal}", outcome)
+            self._refuse_of(render, entry, f"worker={worker}: {refusal}", outcome)
             return
         key = JobKey(render.id, result.job.tile_index, planned.index)
+        if worker in self.quarantined:
+            self._refuse_of(render, entry, f"worker={worker} is in quarantine", outcome)
+            self._give_back(key, outcome)
+            return
         if result.WhichOneof("outcome") == "failure":
-            self._fail(render, key, entry, result, outcome)
+            outcome.settled.append(entry)
+            self._fail(render, key, worker, result.failure[:MAXIMUM_REASON], outcome)
             return
         try:
             sums = check_partial(
@@ -75,55 +108,94 @@ class Intake:
                 render.planned.photons_per_sample,
             )
         except RefusedResult as refusal:
-            self._refuse_for(render, key, entry, f"worker={result.worker_id[:80]}: {refusal}", outcome)
+            self._refuse_of(render, entry, f"worker={worker}: {refusal}", outcome)
+            self._fail(render, key, worker, f"worker {worker} sent {refusal}", outcome)
             return
         partial = result.partial
         offered = RangeSums(
-            planned.index, sums, partial.photons, partial.rays, partial.rejected, partial.cpu_seconds, entry
+            planned.index,
+            sums,
+            partial.photons,
+            partial.rays,
+            partial.rejected,
+            partial.cpu_seconds,
+            entry,
+            worker,
         )
-        self._merge(render, key, offered, now, outcome)
+        self._merge(render, key, offered, now, outcome, partial)
 
     def _merge(
-        self, render: RunningRender, key: JobKey, offered: RangeSums, now: float, outcome: Outcome
+        self,
+        render: RunningRender,
+        key: JobKey,
+        offered: RangeSums,
+        now: float,
+        outcome: Outcome,
+        partial: job_pb2.Partial,
     ) -> None:
         crash_point("received")
-        verdict, released = render.offer(key.tile_index, offered, now)
+        verdict, released, surplus = render.offer(key.tile_index, offered, now)
         if verdict is Verdict.TOO_EARLY:
             self._give_back(key, outcome)
         else:
-            self._schedule.received(key, now)
+            outcome.withdrawn.extend(self._schedule.received(key, now))
+        if verdict is Verdict.DUPLICATE:
+            self._compare(render, key, offered.worker, partial, outcome)
+        elif verdict is not Verdict.TOO_EARLY:
+            self._auditor.accepted(key, offered.worker, partial, self.live)
+            for guilty in self._faults.succeeded(key, offered.worker):
+                outcome.quarantined[guilty] = "It failed at three jobs that other workers could do."
         if verdict in (Verdict.TOO_EARLY, Verdict.DUPLICATE):
             outcome.settled.append(offered.entry)
         if released:
             crash_point("merged")
-            self._schedule.merged(render.id, key.tile_index, released[-1].index + 1)
-            outcome.settled.extend(merged.entry for merged in released)
+            outcome.settled.extend(each.entry for each in (*released, *surplus))
+            self._schedule_after(render, key.tile_index, released[-1].index + 1, outcome)
 
-    def _fail(
-        self, render: RunningRender, key: JobKey, entry: bytes, result: job_pb2.JobResult, outcome: Outcome
+    def _schedule_after(self, render: RunningRender, tile_index: int, merged: int, outcome: Outcome) -> None:
+        if render.film.tiles[tile_index].closed:
+            outcome.withdrawn.extend(self._schedule.finish_tile(render.id, tile_index))
+        else:
+            self._schedule.expect(render.id, tile_index, render.film.horizon(tile_index))
+            self._schedule.merged(render.id, tile_index, merged)
+
+    def _compare(
+        self, render: RunningRender, key: JobKey, worker: str, partial: job_pb2.Partial, outcome: Outcome
     ) -> None:
-        outcome.settled.append(entry)
+        finding = self._auditor.again(key, worker, partial)
+        outcome.withdrawn.extend(finding.withdrawn)
+        if finding.agreed:
+            render.count_audited()
+        for liar in finding.liars:
+            place = f"tile {key.tile_index}, range {key.range_index} of {render.id}"
+            outcome.quarantined[liar] = f"Its result differs from that of two other workers: {place}."
+            outcome.liars.add(liar)
+
+    def _fail(self, render: RunningRender, key: JobKey, worker: str, reason: str, outcome: Outcome) -> None:
         if not self._schedule.is_outstanding(key):
+            # It was done elsewhere meanwhile; or it was an audit, which somebody else has to do.
+            outcome.withdrawn.extend(self._auditor.returned(key))
             return
-        render.failures[key] += 1
-        reason = result.failure[:MAXIMUM_REASON]
-        _log.warning(
-            "render=%s %s failed at worker=%s: %s", render.id, key[1:], result.worker_id[:80], reason
-        )
-        if render.failures[key] >= MAXIMUM_ATTEMPTS:
-            outcome.failed[render.id] = reason
-        self._give_back(key, outcome)
+        _log.warning("render=%s %s failed at worker=%s: %s", render.id, key[1:], worker, reason)
+        verdict = self._faults.failed(key, worker, reason, self.live)
+        if verdict is None:
+            self._give_back(key, outcome)
+        else:
+            self._set_aside(render, key, verdict, outcome)
 
-    def _refuse_for(
-        self, render: RunningRender, key: JobKey, entry: bytes, reason: str, outcome: Outcome
-    ) -> None:
+    def _set_aside(self, render: RunningRender, key: JobKey, verdict: JobVerdict, outcome: Outcome) -> None:
+        planned = render.planned.ranges[key.range_index]
+        aside = SetAside(key.tile_index, planned.first, planned.end, verdict.reason, verdict.workers)
+        outcome.settled.extend(each.entry for each in render.put_aside(aside))
+        outcome.withdrawn.extend(self._schedule.finish_tile(render.id, key.tile_index))
+        outcome.set_aside.append((render.id, aside))
+        _log.error("render=%s tile %d is set aside: %s", render.id, key.tile_index, verdict.reason)
+        if len(render.set_aside) >= min(MAXIMUM_SET_ASIDE, render.planned.grid.count):
+            outcome.failed[render.id] = verdict.reason
+
+    def _refuse_of(self, render: RunningRender, entry: bytes, reason: str, outcome: Outcome) -> None:
+        render.count_refused()
         self._refuse(entry, f"render={render.id} {reason}", outcome)
-        if not self._schedule.is_outstanding(key):
-            return
-        render.refusals[key] += 1
-        if render.refusals[key] >= MAXIMUM_REFUSALS:
-            outcome.failed[render.id] = f"Workers keep sending results that can't be right: {reason}"
-        self._give_back(key, outcome)
 
     def _refuse(self, entry: bytes, reason: str, outcome: Outcome) -> None:
         self.refused += 1
@@ -131,6 +203,5 @@ class Intake:
         outcome.settled.append(entry)
 
     def _give_back(self, key: JobKey, outcome: Outcome) -> None:
-        job_entry = self._schedule.returned(key)
-        if job_entry is not None:
-            outcome.withdrawn.append(job_entry)
+        outcome.withdrawn.extend(self._schedule.returned(key))
+        outcome.withdrawn.extend(self._auditor.returned(key))

@@ -3,7 +3,8 @@
 Every method may raise QueueError, after which nothing is known of what it did; `attend` and `jobs` tell.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar, cast
 
@@ -12,13 +13,16 @@ from redis.backoff import NoBackoff
 from redis.retry import Retry
 
 from . import keys
-from .errors import NocturneError, UnusableQueue
+from .errors import NocturneError, OwnershipLost, QueueTaken, UnusableQueue
 
 Entry = tuple[bytes, bytes]
 """An entry's id, and the one field that it should have; empty where it is missing."""
 
 FIRST = b"0-0"
 """Before all entries."""
+
+SESSION_SECONDS = 10.0
+"""How long the lease on Redis holds without a renewal, which comes every second."""
 
 # Seconds. Longer than any answer of a healthy Redis, short enough that commits go on meanwhile.
 _TIMEOUT = 5.0
@@ -35,6 +39,46 @@ _R = TypeVar("_R")
 
 class QueueError(NocturneError):
     """Redis could not be reached, or refused."""
+
+
+@dataclass(frozen=True, slots=True)
+class Session:
+    """A coordinator's run: its data folder, the folder's epoch, and what tells it from all other runs."""
+
+    folder: str
+    epoch: int
+    nonce: str
+
+    @property
+    def text(self) -> bytes:
+        return f"{self.folder}:{self.epoch}:{self.nonce}".encode()
+
+    def check(self, found: bytes | None) -> None:
+        """Whether this run may take the lease from who is found to have it."""
+        if found is None or found == self.text:
+            return
+        folder, _, rest = found.decode(errors="replace").partition(":")
+        epoch, _, _ = rest.partition(":")
+        if folder != self.folder or not epoch.isdecimal():
+            raise QueueTaken(
+                "this Redis serves the coordinator of another data folder; give each a Redis of its own"
+            )
+        # The folder has one owner at a time, so a lease of an earlier epoch is that of a run that is over.
+        if int(epoch) > self.epoch:
+            raise OwnershipLost("a later coordinator of this data folder has the lease on Redis")
+
+
+@dataclass(frozen=True, slots=True)
+class Holder:
+    """A job that a worker has: the entry, and who."""
+
+    entry: bytes
+    worker: str
+
+
+def _worker_of(consumer: bytes) -> str:
+    """A consumer is `<worker id>/<thread>`."""
+    return consumer.decode(errors="replace").rpartition("/")[0]
 
 
 def _queue_errors(method: Callable[_P, _R]) -> Callable[_P, _R]:
@@ -77,18 +121,55 @@ class JobQueue:
             )
 
     @_queue_errors
-    def attend(self, session: bytes) -> bool:
-        """Makes sure of the consumer group; False if Redis was not ours since the last time (see `jobs`)."""
-        ours: bool = self._client.get(keys.SESSION) == session
+    def attend(self, session: Session) -> bool:
+        """Renews the lease and makes sure of the consumer group; False if Redis lost what was in it (see
+        `jobs`).
+
+        Raises QueueTaken while the coordinator of another data folder has the lease, OwnershipLost where a
+        later one of the same folder has it.
+        """
+        ours = self._renew(session)
         try:
             # From the first entry on: when the group was lost, all on the stream is to be given out again.
             self._client.xgroup_create(keys.JOBS, keys.WORKERS_GROUP, id=FIRST, mkstream=True)
         except redis.ResponseError as error:
             if not str(error).startswith("BUSYGROUP"):
                 raise
-        if not ours:
-            self._client.set(keys.SESSION, session)
         return ours
+
+    def _renew(self, session: Session) -> bool:
+        """Compares and sets in one transaction, so that of two who find the lease free one gets it."""
+        with self._client.pipeline(transaction=True) as pipeline:
+            pipeline.watch(keys.SESSION)
+            found: bytes | None = pipeline.get(keys.SESSION)
+            session.check(found)
+            pipeline.multi()
+            pipeline.set(keys.SESSION, session.text, px=int(1000 * SESSION_SECONDS))
+            try:
+                pipeline.execute()
+            except redis.WatchError:
+                raise QueueError("another coordinator took the lease just now") from None
+        return found == session.text
+
+    @_queue_errors
+    def check_lease(self, session: Session) -> None:
+        """Raises QueueTaken or OwnershipLost, as `attend`; takes nothing."""
+        session.check(self._client.get(keys.SESSION))
+
+    @_queue_errors
+    def lease_left(self) -> int:
+        """Milliseconds until the lease, whoever has it, ends unless it is renewed."""
+        return max(0, int(self._client.pttl(keys.SESSION)))
+
+    @_queue_errors
+    def give_up_session(self, session: Session) -> None:
+        """Ends the lease, so that another coordinator need not wait for it."""
+        with self._client.pipeline(transaction=True) as pipeline:
+            pipeline.watch(keys.SESSION)
+            if pipeline.get(keys.SESSION) == session.text:
+                pipeline.multi()
+                pipeline.delete(keys.SESSION)
+                pipeline.execute()
 
     @_queue_errors
     def publish(self, jobs: Iterable[bytes]) -> list[bytes]:
@@ -122,15 +203,44 @@ class JobQueue:
         ]
 
     @_queue_errors
+    def results_waiting(self) -> int:
+        """Results that are not deleted yet."""
+        return int(self._client.xlen(keys.RESULTS))
+
+    @_queue_errors
     def delete_results(self, entries: list[bytes]) -> None:
         """Acknowledges results: to be called after their commit."""
         self._delete(keys.RESULTS, entries)
 
     @_queue_errors
-    def workers(self) -> list[bytes]:
-        """Serialised WorkerStatus of every live worker."""
+    def workers(self) -> list[tuple[bytes, int]]:
+        """Serialised WorkerStatus of every live worker, and how many milliseconds it holds without
+        another."""
         names = list(self._client.scan_iter(match=f"{keys.WORKER_PREFIX}*", count=1000))
-        return [status for status in self._client.mget(names) if status is not None] if names else []
+        pipeline = self._client.pipeline(transaction=False)
+        for name in names:
+            pipeline.get(name).pttl(name)
+        answers = pipeline.execute() if names else []
+        pairs = zip(answers[::2], answers[1::2], strict=True)
+        return [(status, left) for status, left in pairs if status is not None]
+
+    @_queue_errors
+    def holders(self) -> list[Holder]:
+        """Who works on what."""
+        found: list[Holder] = []
+        start = b"-"
+        while batch := self._client.xpending_range(keys.JOBS, keys.WORKERS_GROUP, start, b"+", _CHUNK):
+            found.extend(Holder(each["message_id"], _worker_of(each["consumer"])) for each in batch)
+            start = b"(" + batch[-1]["message_id"]
+        return found
+
+    @_queue_errors
+    def keep_in_quarantine(self, workers: Mapping[str, str]) -> None:
+        """Tells workers, with the reason, for the next seconds that they are to take no jobs."""
+        pipeline = self._client.pipeline(transaction=False)
+        for worker, reason in workers.items():
+            pipeline.set(keys.QUARANTINE_PREFIX + worker, reason, px=int(1000 * SESSION_SECONDS))
+        pipeline.execute()
 
     def _delete(self, stream: str, entries: list[bytes]) -> None:
         for start in range(0, len(entries), _CHUNK):

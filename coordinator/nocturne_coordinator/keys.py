@@ -12,10 +12,15 @@ WORKERS_GROUP = "workers"
 """Consumer group of JOBS; a consumer is `<worker id>/<thread>`."""
 
 SESSION = PREFIX + "session"
-"""String: the token of the coordinator's run. Missing or other: Redis lost what was in it."""
+"""String `<data folder>:<epoch>:<random>` with a time to live: the coordinator's run, and its lease on this
+Redis. Missing: Redis lost what was in it. Of the same folder and an earlier epoch: a run before this
+one's."""
 
 WORKER_PREFIX = PREFIX + "worker:"
 """Strings `nocturne:worker:<worker id>`, a serialised WorkerStatus, with a time to live of 10 s."""
+
+QUARANTINE_PREFIX = PREFIX + "quarantine:"
+"""Strings `nocturne:quarantine:<worker id>`, the reason, with a time to live: that worker takes no jobs."""
 
 JOB_FIELD = b"job"
 RESULT_FIELD = b"result"

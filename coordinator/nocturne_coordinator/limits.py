@@ -37,6 +37,16 @@ MAXIMUM_PAGE = 200
 DEFAULT_PAGE = 50
 """Renders in one answer: a page stays below 200 KiB."""
 
+MAXIMUM_ERROR_ASKED = 1.0
+"""Relative: above it, nothing is known of an image."""
+
+MAXIMUM_SECONDS_ASKED = 366 * 86400.0
+"""A year: a time that is further ahead is a slip."""
+
+DEFAULT_PRIORITY = 100
+MAXIMUM_PRIORITY = 1000
+"""Weights: a render of priority 200 gets twice the work of one of 100."""
+
 # --- what a scene may hold ---
 
 MAXIMUM_SCENE_BYTES = 8 * 2**20
@@ -70,11 +80,17 @@ MAXIMUM_WINDOW = 40_000
 RANGES_AHEAD = 4
 """Ranges of one tile that may be in flight or wait for an earlier one; bounds what a slow worker holds up."""
 
-MAXIMUM_ATTEMPTS = 3
-"""Failures reported for one range before its render fails: the third says it isn't the worker's fault."""
+DISTINCT_WORKERS = 3
+"""Workers that failed at a job before it is set aside: the third says it isn't the worker's fault."""
 
-MAXIMUM_REFUSALS = 20
-"""Impossible results for one range before its render fails: a broken tracer must not run for ever."""
+DISTINCT_JOBS = 3
+"""Jobs that a worker failed at and others did before it is quarantined: the third says it isn't the job's."""
+
+MAXIMUM_SET_ASIDE = 8
+"""Tiles set aside before the render fails: its scene, not a tile, is at fault."""
+
+MAXIMUM_AUDITS = 1000
+"""Jobs that wait for a second opinion; the rest of the share is let go rather than piled up."""
 
 MAXIMUM_RAYS_PER_PHOTON = 2**20
 """No path is longer; keeps a wrong count from overflowing the sums of counts."""

@@ -2,6 +2,7 @@
 
 import argparse
 import logging
+import secrets
 import signal
 import sys
 import threading
@@ -9,10 +10,11 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from .audit import NEW_SHARE, SHARE, Auditor
 from .coordinator import COMMIT_SECONDS, Coordinator
 from .data_folder import DataFolder
-from .errors import AlreadyOwned, NocturneError, OwnershipLost
-from .job_queue import JobQueue, QueueError
+from .errors import AlreadyOwned, NocturneError, OwnershipLost, QueueTaken
+from .job_queue import JobQueue, QueueError, Session
 from .store.ledger import Ledger
 from .store.ownership import Ownership
 
@@ -35,8 +37,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stop.set())
     try:
-        _run(options.data, options.redis, options.commit_seconds, stop)
-    except AlreadyOwned as error:
+        _run(options, stop)
+    except (AlreadyOwned, QueueTaken) as error:
         _log.error("%s", error)
         return EXIT_ALREADY_OWNED
     except OwnershipLost as error:
@@ -52,7 +54,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="nocturne-coordinator",
         description="Cuts renders into jobs, merges their results, keeps the data folder.",
-        epilog=f"Exit code {EXIT_ALREADY_OWNED}: the data folder has a coordinator already.",
+        epilog=f"Exit code {EXIT_ALREADY_OWNED}: the data folder, or Redis, has a coordinator already.",
     )
     parser.add_argument("--data", type=Path, required=True, help="data folder; made if it isn't there")
     parser.add_argument("--redis", required=True, help="redis://host:port or unix:///path/to/socket")
@@ -62,22 +64,65 @@ def _parser() -> argparse.ArgumentParser:
         default=COMMIT_SECONDS,
         help="time between commits: what a crash may cost (default %(default)s)",
     )
+    parser.add_argument(
+        "--audit-share",
+        type=_share,
+        default=SHARE,
+        help="part of all jobs that is traced again by another worker (default %(default)s)",
+    )
+    parser.add_argument(
+        "--audit-share-new",
+        type=_share,
+        default=NEW_SHARE,
+        help="the same of the first jobs of a worker (default %(default)s)",
+    )
     parser.add_argument("--log-level", default="info", choices=["debug", "info", "warning", "error"])
     return parser
 
 
-def _run(data: Path, redis_url: str, commit_seconds: float, stop: threading.Event) -> None:
+def _share(text: str) -> float:
+    share = float(text)
+    if not 0.0 <= share <= 1.0:
+        raise argparse.ArgumentTypeError("expected 0 to 1")
+    return share
+
+
+def _run(options: argparse.Namespace, stop: threading.Event) -> None:
+    data: Path = options.data
     folder = DataFolder(data)
     ownership = Ownership(data, folder.database)
-    queue = JobQueue(redis_url)
+    queue = JobQueue(options.redis)
+    session = Session(ownership.folder, ownership.epoch, secrets.token_hex(8))
     try:
         _check_queue(queue, stop)
+        _take_lease(queue, session, stop)
         _log.info("works on %s, epoch %d, process started %.0f", data, ownership.epoch, time.time())
-        Coordinator(folder, Ledger(folder.database, ownership), queue, commit_seconds).run(stop)
+        auditor = Auditor(options.audit_share, options.audit_share_new)
+        ledger = Ledger(folder.database, ownership)
+        Coordinator(folder, ledger, queue, session, options.commit_seconds, auditor).run(stop)
     finally:
         queue.close()
         ownership.release()
         folder.close()
+
+
+def _take_lease(queue: JobQueue, session: Session, stop: threading.Event) -> None:
+    """Waits until a lease left by another data folder's coordinator ends; QueueTaken if it is renewed."""
+    left_before = 0
+    while not stop.is_set():
+        try:
+            queue.check_lease(session)
+        except QueueTaken:
+            left = queue.lease_left()
+            if 0 < left_before < left:
+                raise
+            left_before = left
+            stop.wait(0.3)
+        except QueueError:
+            # Redis is down or comes late: the coordinator works without it, and asks again.
+            return
+        else:
+            return
 
 
 def _check_queue(queue: JobQueue, stop: threading.Event) -> None:

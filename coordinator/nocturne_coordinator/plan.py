@@ -87,6 +87,30 @@ def make_plan(
     return plan
 
 
+def extended_plan(plan: job_pb2.RenderPlan, samples: int) -> job_pb2.RenderPlan:
+    """A plan of more samples that begins with all ranges of `plan`, so that nothing is traced again.
+
+    Its further ranges end where those of a new plan would. Where the old one ended on such an end as well, as
+    at every power of two, the plan is the new plan, and so the bits are. Raises InputError at `$.samples`.
+    """
+    before = list(plan.range_ends)
+    if samples < before[-1]:
+        raise InputError.at("$.samples", f"is {samples}; a render of {before[-1]} can only get more")
+    fresh = make_plan(
+        plan.width,
+        plan.height,
+        samples,
+        list(plan.further_responses),
+        one_tile=plan.tile_size >= max(plan.width, plan.height) > TILE_SIZE,
+        photons_per_sample=plan.photons_per_sample,
+    )
+    extended = job_pb2.RenderPlan()
+    extended.CopyFrom(plan)
+    del extended.range_ends[:]
+    extended.range_ends.extend([*before, *(end for end in fresh.range_ends if end > before[-1])])
+    return extended
+
+
 def _edge_problems(place: str, edge: int) -> list[Problem]:
     if 1 <= edge <= limits.MAXIMUM_FILM_EDGE:
         return []

@@ -5,18 +5,25 @@ docs/queue.md has the table. Kept here: for each running render how far each til
 """
 
 from collections import deque
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from statistics import median
 from typing import NamedTuple
 
-from .limits import RANGES_AHEAD
+from .limits import DEFAULT_PRIORITY, RANGES_AHEAD
 
 SHORTEST_OVERDUE = 60.0
 """Seconds: six leases; workers claim a dead worker's jobs themselves long before."""
 
 OVERDUE_FACTOR = 20.0
 """Times the median time from publishing to result."""
+
+SHORTEST_SLOW = 1.0
+"""Seconds, and the factor times the median: a job that is out for longer may be given to an idle worker as
+well."""
+
+SLOW_FACTOR = 3.0
 
 _REMEMBERED_TIMES = 101
 
@@ -29,12 +36,21 @@ class JobKey(NamedTuple):
     range_index: int
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Published:
-    """A job on the stream: its entry there and when it was put there (any clock, seconds)."""
+    """A job on the stream: its entries there, copies last, and when the first was put there (any clock,
+    seconds)."""
 
-    entry: bytes
+    entries: list[bytes]
     at: float
+
+
+@dataclass(slots=True)
+class _Share:
+    """One of those who share the workers: work given so far, divided by the weight."""
+
+    weight: float
+    passed: float = 0.0
 
 
 @dataclass(slots=True)
@@ -46,13 +62,20 @@ class _Queue:
     """Per tile, ranges merged."""
     following: list[int]
     """Per tile, the range to publish next; those below it were published once."""
+    horizon: list[int]
+    """Per tile, the ranges that it is expected to need."""
     ready: list[tuple[int, int]]
     """Heap of (range to publish next, tile): earlier ranges first, so the whole frame comes first."""
+    owner: str
+    share: _Share
+    cost: Callable[[int], float]
+    """Of a range by its index, in any unit that all renders have in common."""
     again: list[tuple[int, int]] = field(default_factory=list)
     """Heap of (range, tile) to publish once more."""
     held: set[tuple[int, int]] = field(default_factory=set)
     blocked: set[int] = field(default_factory=set)
-    """Tiles that are not in `ready`, because RANGES_AHEAD of their ranges are in flight."""
+    """Tiles that are not in `ready`, because RANGES_AHEAD of their ranges are in flight, or all they should
+    need."""
 
 
 class Schedule:
@@ -60,36 +83,73 @@ class Schedule:
 
     def __init__(self) -> None:
         self._queues: dict[str, _Queue] = {}
-        self._turns: deque[str] = deque()
+        self._owners: dict[str, _Share] = {}
         self._outstanding: dict[JobKey, Published] = {}
         self._held = 0
         self._times: deque[float] = deque(maxlen=_REMEMBERED_TIMES)
 
     # --- events ---
 
-    def add(self, render_id: str, ranges: int, merged: list[int]) -> None:
-        """A render runs from here on; `merged` holds each tile's merged ranges."""
+    def add(
+        self,
+        render_id: str,
+        ranges: int,
+        merged: list[int],
+        *,
+        horizon: Sequence[int] = (),
+        owner: str = "",
+        priority: float = DEFAULT_PRIORITY,
+        owner_weight: float = DEFAULT_PRIORITY,
+        cost: Callable[[int], float] = lambda _: 1.0,
+    ) -> None:
+        """A render runs from here on; `merged` holds each tile's merged ranges, `ranges` for one that needs
+        no more.
+
+        `horizon`: what each tile is expected to need, all unless given. Owners share the workers by their
+        weight, and an owner's renders share by priority what the owner gets.
+        """
         ready = [(done, tile) for tile, done in enumerate(merged) if done < ranges]
         ready.sort()
-        self._queues[render_id] = _Queue(ranges, list(merged), list(merged), ready)
-        self._turns.append(render_id)
+        share = self._owners.setdefault(owner, _Share(owner_weight, _least(self._owners.values())))
+        share.weight = owner_weight
+        beside = [queue.share for queue in self._queues.values() if queue.owner == owner]
+        self._queues[render_id] = _Queue(
+            ranges,
+            list(merged),
+            list(merged),
+            list(horizon) or [ranges] * len(merged),
+            ready,
+            owner,
+            _Share(priority, _least(beside)),
+            cost,
+        )
+
+    def set_priority(self, render_id: str, priority: float) -> None:
+        """The render's weight beside its owner's other renders from now on."""
+        self._queues[render_id].share.weight = priority
 
     def remove(self, render_id: str) -> list[bytes]:
         """A render ended; gives the entries of its jobs, to be deleted from the stream."""
         queue = self._queues.pop(render_id, None)
         if queue is None:
             return []
-        self._turns.remove(render_id)
+        if all(other.owner != queue.owner for other in self._queues.values()):
+            del self._owners[queue.owner]
         self._held -= len(queue.held)
         keys = [key for key in self._outstanding if key.render_id == render_id]
-        return [self._outstanding.pop(key).entry for key in keys]
+        return [entry for key in keys for entry in self._outstanding.pop(key).entries]
 
     def published(self, key: JobKey, entry: bytes, now: float) -> None:
         """A job is on the stream, by us now or by an earlier run."""
-        self._outstanding[key] = Published(entry, now)
+        self._outstanding[key] = Published([entry], now)
 
-    def received(self, key: JobKey, now: float) -> None:
-        """A job's result came and is usable; `merged` follows for what it completes."""
+    def copied(self, key: JobKey, entry: bytes) -> None:
+        """A job that is out is on the stream once more."""
+        self._outstanding[key].entries.append(entry)
+
+    def received(self, key: JobKey, now: float) -> list[bytes]:
+        """A job's result came and is usable; `merged` follows for what it completes. Gives copies to
+        delete."""
         published = self._outstanding.pop(key, None)
         if published is not None:
             self._times.append(now - published.at)
@@ -98,6 +158,7 @@ class Schedule:
         if key.range_index >= queue.merged[key.tile_index] and place not in queue.held:
             queue.held.add(place)
             self._held += 1
+        return published.entries if published is not None and len(published.entries) > 1 else []
 
     def merged(self, render_id: str, tile_index: int, ranges: int) -> None:
         """A tile's first `ranges` ranges are merged."""
@@ -109,19 +170,34 @@ class Schedule:
             self._outstanding.pop(JobKey(render_id, tile_index, index), None)
         queue.merged[tile_index] = ranges
         queue.following[tile_index] = max(queue.following[tile_index], ranges)
-        if tile_index in queue.blocked:
-            queue.blocked.remove(tile_index)
-            heappush(queue.ready, (queue.following[tile_index], tile_index))
+        self._unblock(queue, tile_index)
 
-    def returned(self, key: JobKey) -> bytes | None:
-        """A job is to be published again; gives its entry, if it is still on the stream."""
+    def expect(self, render_id: str, tile_index: int, ranges: int) -> None:
+        """How many ranges the tile is expected to need in all; only those are published."""
+        queue = self._queues[render_id]
+        queue.horizon[tile_index] = ranges
+        self._unblock(queue, tile_index)
+
+    def finish_tile(self, render_id: str, tile_index: int) -> list[bytes]:
+        """A tile gets no more samples; gives the entries of its jobs, to be deleted from the stream."""
+        queue = self._queues[render_id]
+        done = queue.merged[tile_index]
+        entries = []
+        for index in range(done, min(done + RANGES_AHEAD, queue.ranges)):
+            published = self._outstanding.pop(JobKey(render_id, tile_index, index), None)
+            entries.extend(published.entries if published else [])
+        self.merged(render_id, tile_index, queue.ranges)
+        return entries
+
+    def returned(self, key: JobKey) -> list[bytes]:
+        """A job is to be published again; gives its entries that are still on the stream."""
         published = self._outstanding.pop(key, None)
         if self._is_open(key):
             queue = self._queues[key.render_id]
             # What lies ahead of `following` gets its turn anyhow.
             if key.range_index < queue.following[key.tile_index]:
                 heappush(queue.again, (key.range_index, key.tile_index))
-        return None if published is None else published.entry
+        return [] if published is None else published.entries
 
     def lost(self) -> None:
         """The stream was emptied: all that was on it is to be published again."""
@@ -140,20 +216,45 @@ class Schedule:
         """Median seconds from publishing to result, lately; 0 before the first."""
         return median(self._times) if self._times else 0.0
 
+    @property
+    def outstanding(self) -> int:
+        """Jobs on the stream."""
+        return len(self._outstanding)
+
     def take(self, count: int) -> list[JobKey]:
-        """Up to `count` jobs to publish, round robin over renders; `published` must follow, or `returned`."""
+        """Up to `count` jobs to publish, shared by weight; `published` must follow, or `returned`."""
         jobs: list[JobKey] = []
-        idle = 0
-        while len(jobs) < count and idle < len(self._turns):
-            render_id = self._turns[0]
-            self._turns.rotate(-1)
+        able = dict(self._queues)
+        while len(jobs) < count and able:
+            render_id, queue = min(able.items(), key=self._passed)
             key = self._next_of(render_id)
             if key is None:
-                idle += 1
-            else:
-                idle = 0
-                jobs.append(key)
+                del able[render_id]
+                # Who has nothing to give out now saves up no claim on later.
+                if able:
+                    least = min((each.share for each in able.values()), key=lambda share: share.passed)
+                    queue.share.passed = max(queue.share.passed, least.passed)
+                continue
+            cost = queue.cost(key.range_index)
+            queue.share.passed += cost / queue.share.weight
+            owner = self._owners[queue.owner]
+            owner.passed += cost / owner.weight
+            jobs.append(key)
         return jobs
+
+    def _passed(self, item: tuple[str, _Queue]) -> tuple[float, str, float]:
+        queue = item[1]
+        return self._owners[queue.owner].passed, queue.owner, queue.share.passed
+
+    def slow(self, now: float, count: int) -> list[JobKey]:
+        """Up to `count` jobs that are out for much longer than others and have no copy yet, oldest first."""
+        latest = now - max(SHORTEST_SLOW, SLOW_FACTOR * self.typical_time)
+        found = [
+            (published.at, key)
+            for key, published in self._outstanding.items()
+            if published.at < latest and len(published.entries) == 1
+        ]
+        return [key for _, key in sorted(found)[:count]]
 
     def overdue(self, now: float) -> list[JobKey]:
         """Jobs out for so long that something must have gone wrong."""
@@ -163,16 +264,26 @@ class Schedule:
     def is_outstanding(self, key: JobKey) -> bool:
         return key in self._outstanding
 
-    def entry_of(self, key: JobKey) -> bytes | None:
-        """The entry of a job that is out."""
+    def has_entry(self, key: JobKey, entry: bytes) -> bool:
+        """Whether a job is out with this entry."""
         published = self._outstanding.get(key)
-        return None if published is None else published.entry
+        return published is not None and entry in published.entries
+
+    def entries(self) -> dict[bytes, JobKey]:
+        """The jobs that are out, by their entries."""
+        return {entry: key for key, published in self._outstanding.items() for entry in published.entries}
 
     def wants(self, key: JobKey) -> bool:
         """Whether a job found on the stream is worth tracing: open, and not out already."""
         return self._is_open(key) and key not in self._outstanding
 
     # --- inside ---
+
+    @staticmethod
+    def _unblock(queue: _Queue, tile_index: int) -> None:
+        if tile_index in queue.blocked:
+            queue.blocked.remove(tile_index)
+            heappush(queue.ready, (queue.following[tile_index], tile_index))
 
     def _is_open(self, key: JobKey) -> bool:
         """Planned, not merged, and its result is not here."""
@@ -192,7 +303,9 @@ class Schedule:
                 return key
         while queue.ready:
             range_index, tile = heappop(queue.ready)
-            if range_index >= queue.merged[tile] + RANGES_AHEAD:
+            if queue.merged[tile] >= queue.ranges:
+                continue
+            if range_index >= min(queue.merged[tile] + RANGES_AHEAD, queue.horizon[tile]):
                 queue.blocked.add(tile)
                 continue
             queue.following[tile] = range_index + 1
@@ -201,3 +314,8 @@ class Schedule:
             if self.wants(key := JobKey(render_id, tile, range_index)):
                 return key
         return None
+
+
+def _least(shares: Iterable[_Share]) -> float:
+    """Where who comes new begins: neither behind the others nor ahead of them."""
+    return min((share.passed for share in shares), default=0.0)

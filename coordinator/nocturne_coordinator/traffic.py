@@ -1,14 +1,16 @@
 """The coordinator's side of the queue: keeps the window full, notices when Redis forgot, tries again."""
 
 import logging
-import secrets
+from collections.abc import Mapping
 
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 
 from . import limits
+from .audit import Auditor
 from .crash_points import crash_point
-from .job_queue import FIRST, Entry, JobQueue, QueueError
+from .job_queue import FIRST, Entry, JobQueue, QueueError, Session
+from .lives import Lives, Sign
 from .planned_render import RefusedResult
 from .running_render import RunningRender
 from .schedule import JobKey, Schedule
@@ -21,6 +23,9 @@ _ATTEND_SECONDS = 1.0
 _OVERDUE_SECONDS = 5.0
 _SHORTEST_WAIT = 0.1
 _LONGEST_WAIT = 2.0
+_AUDIT_PART = 8
+"""One audit for so many places of the window, at most, in one round."""
+
 _LARGEST_PUBLISH = 500
 """Jobs published before results are read again."""
 
@@ -28,12 +33,21 @@ _LARGEST_PUBLISH = 500
 class Traffic:
     """Talks to Redis for the coordinator. No method raises for trouble with Redis: it is only waited out."""
 
-    def __init__(self, queue: JobQueue, renders: dict[str, RunningRender], schedule: Schedule) -> None:
-        """Shares renders and schedule with the coordinator."""
+    def __init__(
+        self,
+        queue: JobQueue,
+        session: Session,
+        renders: dict[str, RunningRender],
+        schedule: Schedule,
+        auditor: Auditor,
+    ) -> None:
+        """Shares renders, schedule and auditor with the coordinator."""
         self._queue = queue
         self._renders = renders
         self._schedule = schedule
-        self._session = secrets.token_hex(16).encode()
+        self._auditor = auditor
+        self._lives = Lives()
+        self._session = session
         self._last_result = FIRST
         self._results_done: list[bytes] = []
         self._jobs_done: list[bytes] = []
@@ -42,8 +56,31 @@ class Traffic:
         self._next_attempt = 0.0
         self._next_attend = 0.0
         self._next_overdue = 0.0
+        self.quarantined: Mapping[str, str] = {}
+        """Workers that are to take no jobs, and why."""
         self.threads = 0
+        """Of all workers that take jobs."""
         self.workers: list[WorkerRow] = []
+        self.lost: list[tuple[JobKey, str]] = []
+        """Jobs with the workers that died having them; for the coordinator to take away."""
+        self.results_waiting = 0
+
+    @property
+    def in_step(self) -> bool:
+        """Redis answers, and what is on the stream is known."""
+        return self._in_step
+
+    @property
+    def live(self) -> set[str]:
+        """Names of the workers that take jobs."""
+        return {worker.id for worker in self.workers} - self.quarantined.keys()
+
+    def leave(self) -> None:
+        """Gives the lease on Redis back."""
+        try:
+            self._queue.give_up_session(self._session)
+        except QueueError as trouble:
+            _log.info("the lease on Redis runs out by itself: %s", trouble)
 
     def acknowledge(self, results: list[bytes]) -> None:
         """Results to delete: what they brought is committed, or is of no use."""
@@ -83,6 +120,7 @@ class Traffic:
         ours = self._queue.attend(self._session)
         if not ours:
             self._schedule.lost()
+            self._auditor.lost()
             self._last_result = FIRST
             self._results_done.clear()
             self._jobs_done.clear()
@@ -91,6 +129,8 @@ class Traffic:
             _log.info("Redis: in step; %d jobs found on the stream", adopted)
         self._in_step = True
         self._look_at_workers(unix_time)
+        if self.quarantined:
+            self._queue.keep_in_quarantine(self.quarantined)
         self._next_attend = now + _ATTEND_SECONDS
         if self.threads and now >= self._next_overdue:
             self._return_overdue(now)
@@ -103,7 +143,9 @@ class Traffic:
             if key is not None and self._schedule.wants(key):
                 self._schedule.published(key, entry, now)
                 found += 1
-            elif key is None or self._schedule.entry_of(key) != entry:
+            elif key is None or not (
+                self._schedule.has_entry(key, entry) or self._auditor.has_entry(key, entry)
+            ):
                 self._jobs_done.append(entry)
         return found
 
@@ -117,17 +159,21 @@ class Traffic:
         return JobKey(job.render_id, job.tile_index, planned.index) if planned else None
 
     def _look_at_workers(self, unix_time: float) -> None:
-        rows = (worker_row(status, unix_time) for status in self._queue.workers())
-        self.workers = [row for row in rows if row is not None]
-        self.threads = sum(worker.threads for worker in self.workers)
+        rows = [(worker_row(status, unix_time), left) for status, left in self._queue.workers()]
+        self.workers = [row for row, _ in rows if row is not None]
+        self.threads = sum(each.threads for each in self.workers if each.id not in self.quarantined)
+        signs = {row.id: Sign(row.started, left) for row, left in rows if row is not None}
+        entries = self._schedule.entries()
+        self.lost.extend(self._lives.look(signs, self._queue.holders(), entries))
+        self.results_waiting = self._queue.results_waiting()
 
     def _return_overdue(self, now: float) -> None:
         self._next_overdue = now + _OVERDUE_SECONDS
         for key in self._schedule.overdue(now):
             _log.warning("render=%s %s is overdue; published again", key.render_id, key[1:])
-            entry = self._schedule.returned(key)
-            if entry is not None:
-                self._jobs_done.append(entry)
+            self._jobs_done.extend(self._schedule.returned(key))
+        for key in self._auditor.overdue(now):
+            self._jobs_done.extend(self._auditor.returned(key))
 
     def _delete(self) -> None:
         if self._results_done:
@@ -141,10 +187,8 @@ class Traffic:
     def _fill(self, now: float) -> None:
         """Publishes until the window is full."""
         keys = self._schedule.take(min(self._window() - self._schedule.in_flight, _LARGEST_PUBLISH))
-        if not keys:
-            return
         try:
-            entries = self._queue.publish([self._job_bytes(key) for key in keys])
+            entries = self._publish(keys)
         except QueueError:
             # Some may be on the stream; they are adopted when Redis answers again.
             for key in keys:
@@ -152,6 +196,28 @@ class Traffic:
             raise
         for key, entry in zip(keys, entries, strict=True):
             self._schedule.published(key, entry, now)
+        self._fill_audits(now)
+        idle = self.threads - self._schedule.outstanding
+        if not keys and idle > 0:
+            slow = self._schedule.slow(now, idle)
+            # Should it fail, no copy is known: it is taken off the stream when Redis answers again.
+            for key, entry in zip(slow, self._publish(slow), strict=True):
+                _log.info("render=%s %s is slow; an idle worker gets it as well", key.render_id, key[1:])
+                self._schedule.copied(key, entry)
+
+    def _fill_audits(self, now: float) -> None:
+        keys = self._auditor.take(max(1, self._window() // _AUDIT_PART))
+        try:
+            entries = self._publish(keys)
+        except QueueError:
+            for key in keys:
+                self._auditor.returned(key)
+            raise
+        for key, entry in zip(keys, entries, strict=True):
+            self._auditor.published(key, entry, now)
+
+    def _publish(self, keys: list[JobKey]) -> list[bytes]:
+        return self._queue.publish([self._job_bytes(key) for key in keys]) if keys else []
 
     def _window(self) -> int:
         wanted = max(limits.MINIMUM_WINDOW, limits.JOBS_PER_THREAD * self.threads)

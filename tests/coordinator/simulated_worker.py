@@ -4,11 +4,13 @@ import hashlib
 import os
 import random
 import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import redis
+from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import keys
 from nocturne_coordinator.merge import XYZ_SUMS, Sums
@@ -59,13 +61,20 @@ class SimulatedWorker(threading.Thread):
         delay: float = 0.0,
         lease_ms: int = 500,
         further_responses: int = 0,
+        dies: Callable[[job_pb2.JobResult], bool] = lambda _: False,
+        status_ms: int = 10_000,
     ) -> None:
+        """`dies`: the process ends, without a word, at jobs for which it is true; `status_ms` later that
+        shows."""
         super().__init__(daemon=True)
         self._further_responses = further_responses
         self._client: Any = redis.Redis.from_url(url, protocol=2)
         self._alter = alter
         self._delay = delay
         self._lease_ms = lease_ms
+        self._dies = dies
+        self._status_ms = status_ms
+        self._since = time.time()
         self._stopping = threading.Event()
         self.name = f"worker-{os.urandom(4).hex()}"
         self.jobs_done = 0
@@ -83,14 +92,25 @@ class SimulatedWorker(threading.Thread):
                 self._stopping.wait(0.05)
 
     def _one_turn(self) -> None:
-        status = job_pb2.WorkerStatus(worker_id=self.name, engine=job_pb2.ENGINE_CURRENT, threads=1)
-        self._client.set(keys.WORKER_PREFIX + self.name, status.SerializeToString(), ex=10)
+        status = job_pb2.WorkerStatus(
+            worker_id=self.name, engine=job_pb2.ENGINE_CURRENT, threads=1, started=self._since
+        )
+        self._client.set(keys.WORKER_PREFIX + self.name, status.SerializeToString(), px=self._status_ms)
+        if self._client.exists(keys.QUARANTINE_PREFIX + self.name):
+            self._stopping.wait(0.05)
+            return
         taken = self._client.xreadgroup(
             keys.WORKERS_GROUP, f"{self.name}/0", {keys.JOBS: ">"}, count=1, block=50
         )
         entries = taken[0][1] if taken else self._claimed()
         for entry, fields in entries:
-            self._work(entry, job_pb2.Job.FromString(fields[keys.JOB_FIELD]))
+            try:
+                job = job_pb2.Job.FromString(fields[keys.JOB_FIELD])
+            except (DecodeError, KeyError):
+                self._client.xack(keys.JOBS, keys.WORKERS_GROUP, entry)
+                self._client.xdel(keys.JOBS, entry)
+            else:
+                self._work(entry, job)
 
     def _claimed(self) -> list[Any]:
         answer = self._client.xautoclaim(
@@ -100,7 +120,11 @@ class SimulatedWorker(threading.Thread):
 
     def _work(self, entry: bytes, job: job_pb2.Job) -> None:
         self._stopping.wait(self._delay)
-        results = self._alter(simulated_result(job, self.name, self._further_responses))
+        result = simulated_result(job, self.name, self._further_responses)
+        if self._dies(result):
+            self._stopping.set()
+            return
+        results = self._alter(result)
         while not self._stopping.is_set():
             try:
                 self._send(entry, results)

@@ -1,8 +1,11 @@
 """Whatever is killed, emptied, repeated or forged: the image is that of a run without faults, bit for bit."""
 
+import json
 import random
 import signal
+import threading
 import time
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -15,6 +18,7 @@ from tests.coordinator.service import (
     Service,
     check_committed,
     check_complete,
+    committed_samples,
     wait_until,
 )
 from tests.coordinator.simulated_worker import SimulatedWorker, TwiceAndShuffled
@@ -185,20 +189,86 @@ def test_garbage(service: Service) -> None:
     check_complete(service, render.id)
 
 
-def test_a_range_that_keeps_failing_fails_the_render(service: Service) -> None:
+def failure_of(result: job_pb2.JobResult, reason: str) -> job_pb2.JobResult:
+    return job_pb2.JobResult(job=result.job, worker_id=result.worker_id, failure=reason)
+
+
+@pytest.mark.parametrize("workers", [1, 4])
+def test_a_range_that_keeps_failing_degrades_the_render(service: Service, workers: int) -> None:
     def failing(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
         if result.job.tile_index == 1 and result.job.first_sample == 8:
-            return [job_pb2.JobResult(job=result.job, worker_id="w", failure="The scene has no sensor.")]
+            return [failure_of(result, "The scene has a hole.")]
         return [result]
 
     service.start()
     render = service.create(samples=100)
-    worker = service.work(SimulatedWorker(service.server.url, failing))
+    for _ in range(workers):
+        service.work(SimulatedWorker(service.server.url, failing))
+    row = service.wait_for_end(render.id)
+    assert row.state == "DEGRADED"
+    assert "Tiles 1 (x 32, y 0, 8 samples)" in row.reason
+    assert "The scene has a hole." in row.reason
+    assert row.ended >= row.started > 0
+    samples = committed_samples(service.folder, render.id)
+    assert samples == dict.fromkeys(range(6), 100) | {1: 8}
+    assert row.tiles_set_aside == 1
+    check_committed(service, row)
+    assert service.folder.workers_in_quarantine() == {}
+    with zipfile.ZipFile(service.folder.bundle_path(render.id, 1)) as bundle:
+        job = job_pb2.Job.FromString(bundle.read("job.pb"))
+        assert (job.render_id, job.tile_index, job.first_sample) == (render.id, 1, 8)
+        said = json.loads(bundle.read("failure.json"))
+    assert said["reason"] == "The scene has a hole."
+    assert len(said["workers"]) == min(workers, limits.DISTINCT_WORKERS)
+
+
+def test_a_degraded_render_can_be_tried_again(service: Service) -> None:
+    broken = threading.Event()
+    broken.set()
+
+    def failing(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
+        if broken.is_set() and result.job.tile_index == 2:
+            return [failure_of(result, "The disk is full.")]
+        return [result]
+
+    service.start()
+    render = service.create(samples=20)
+    service.work(SimulatedWorker(service.server.url, failing))
+    assert service.wait_for_end(render.id).state == "DEGRADED"
+    broken.clear()
+    service.folder.request_resume(render.id)
+    wait_until(lambda: service.row(render.id).state == "SUCCEEDED")
+    check_complete(service, render.id)
+
+
+def test_a_scene_that_nobody_can_trace_fails_the_render_and_no_worker(service: Service) -> None:
+    def failing(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
+        return [failure_of(result, "The scene has no sensor.")]
+
+    service.start()
+    render = service.create(samples=100)
+    for _ in range(3):
+        service.work(SimulatedWorker(service.server.url, failing))
     row = service.wait_for_end(render.id)
     assert (row.state, row.reason) == ("FAILED", "The scene has no sensor.")
-    assert row.ended >= row.started > 0
-    assert worker.jobs_done >= limits.MAXIMUM_ATTEMPTS
-    check_committed(service, row)
+    assert service.folder.workers_in_quarantine() == {}
+
+
+def test_a_worker_that_fails_jobs_which_others_can_do_is_quarantined(service: Service) -> None:
+    def failing(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
+        return [failure_of(result, "Out of memory.")]
+
+    service.start()
+    render = service.create(samples=100)
+    bad = service.work(SimulatedWorker(service.server.url, failing))
+    for _ in range(2):
+        service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    check_complete(service, render.id)
+    assert list(service.folder.workers_in_quarantine()) == [bad.name]
+    with service.server.client() as client:
+        wait_until(lambda: bool(client.exists(keys.QUARANTINE_PREFIX + bad.name)))
+    service.folder.release_worker(bad.name)
+    assert service.folder.workers_in_quarantine() == {}
 
 
 def test_cancel_keeps_what_was_merged(service: Service) -> None:

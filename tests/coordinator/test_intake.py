@@ -119,13 +119,17 @@ def test_any_bytes_are_survived(data: bytes) -> None:
 
 def test_workers_that_send_nonsense_for_ever_end_the_render() -> None:
     session = Session(samples=4)
-    for _ in range(limits.MAXIMUM_REFUSALS):
-        assert not session.failed
-        session.fill(6)
-        result = session.result(next(key for key in session.stream if key.tile_index == 0))
-        result.partial.photons = 3
-        session.deliver(result.SerializeToString())
-    assert "can't be right" in session.failed["r"]
+    for tile in range(6):
+        for _ in range(limits.DISTINCT_WORKERS):
+            assert not session.failed
+            session.fill(6)
+            result = session.result(next(key for key in session.stream if key.tile_index == tile))
+            result.partial.photons = 3
+            session.deliver(result.SerializeToString())
+    assert "3 photons; expected" in session.failed["r"]
+    assert sorted(session.render.set_aside) == list(range(6))
+    assert session.schedule.in_flight == 0
+    assert session.render.totals.refused == 6 * limits.DISTINCT_WORKERS
 
 
 def test_a_failure_counts_once_per_attempt() -> None:
@@ -134,10 +138,11 @@ def test_a_failure_counts_once_per_attempt() -> None:
     key = next(iter(session.stream))
     result = session.result(key)
     result.failure = "no such scene"
-    for attempt in range(limits.MAXIMUM_ATTEMPTS):
-        assert not session.failed, attempt
+    for attempt in range(limits.DISTINCT_WORKERS):
+        assert not session.render.set_aside, attempt
         session.fill(6)
         session.deliver(result.SerializeToString())
         # Delivered twice: the job is not out now, so this is no attempt.
         session.deliver(result.SerializeToString())
-    assert session.failed == {"r": "no such scene"}
+    assert session.render.set_aside[key.tile_index].reason == "no such scene"
+    assert key not in session.stream

@@ -8,6 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import limits
+from nocturne_coordinator.audit import Auditor
+from nocturne_coordinator.faults import Faults
 from nocturne_coordinator.intake import Intake
 from nocturne_coordinator.merge import RangeSums, TileState, Verdict
 from nocturne_coordinator.plan import make_plan
@@ -46,8 +48,8 @@ def test_a_tile_says_what_became_of_a_range() -> None:
     assert tile.offer(tile_range(1))[0] is Verdict.EARLY
     assert tile.offer(tile_range(1))[0] is Verdict.DUPLICATE
     assert tile.offer(tile_range(limits.RANGES_AHEAD))[0] is Verdict.TOO_EARLY
-    verdict, released = tile.offer(tile_range(0))
-    assert (verdict, [each.index for each in released]) == (Verdict.MERGED, [0, 1])
+    verdict, released, surplus = tile.offer(tile_range(0))
+    assert (verdict, [each.index for each in released], surplus) == (Verdict.MERGED, [0, 1], [])
     assert tile.offer(tile_range(0))[0] is Verdict.DUPLICATE
 
 
@@ -63,7 +65,7 @@ class Session:
         self.render = RunningRender(row, tiles or [])
         self.schedule = Schedule()
         self.schedule.add("r", len(plan.range_ends), self.render.merged_ranges)
-        self.intake = Intake({"r": self.render}, self.schedule)
+        self.intake = Intake({"r": self.render}, self.schedule, Auditor(0.0, 0.0), Faults())
         self.stream: dict[JobKey, bytes] = {}
         self.entries = 0
         self.failed: dict[str, str] = {}
@@ -176,5 +178,5 @@ def test_overdue_follows_the_typical_time() -> None:
     schedule.received(first, 10.0)
     assert schedule.overdue(OVERDUE_FACTOR * 10.0 - 1) == []
     assert schedule.overdue(OVERDUE_FACTOR * 10.0 + 1) == [second]
-    assert schedule.returned(second) == b"2-0"
+    assert schedule.returned(second) == [b"2-0"]
     assert schedule.take(5) == [second]

@@ -9,20 +9,22 @@ from typing import Any
 
 from nocturne_coordinator.errors import UnusableFolder
 
-SCHEMA_NUMBER = 2
+SCHEMA_NUMBER = 3
 
 # A tile is 32 KiB: with pages of 16 KiB it is two or three of them, not nine.
 _PAGE_BYTES = 16384
 _BUSY_MILLISECONDS = 30_000
 
-_SCHEMA = """
+_STATES = "'QUEUED', 'RUNNING', 'PAUSED', 'SUCCEEDED', 'STOPPED_EARLY', 'DEGRADED', 'FAILED', 'CANCELLED'"
+
+_RENDER_TABLE = f"""
 CREATE TABLE render (
     number INTEGER PRIMARY KEY AUTOINCREMENT,
     id TEXT NOT NULL UNIQUE,
     request_id TEXT NOT NULL UNIQUE,
     request_digest TEXT NOT NULL,
     name TEXT NOT NULL,
-    state TEXT NOT NULL CHECK (state IN ('QUEUED', 'RUNNING', 'SUCCEEDED', 'FAILED', 'CANCELLED')),
+    state TEXT NOT NULL CHECK (state IN ({_STATES})),
     reason TEXT NOT NULL DEFAULT '',
     width INTEGER NOT NULL,
     height INTEGER NOT NULL,
@@ -44,10 +46,80 @@ CREATE TABLE render (
     cpu_seconds REAL NOT NULL DEFAULT 0,
     image_final INTEGER NOT NULL DEFAULT 0 CHECK (image_final IN (0, 1)),
     plan BLOB NOT NULL,
-    scene_document TEXT NOT NULL
+    scene_document TEXT NOT NULL,
+    -- JSON of StopConditions.
+    stop TEXT NOT NULL DEFAULT '{{}}',
+    priority INTEGER NOT NULL DEFAULT 100,
+    owner TEXT NOT NULL DEFAULT '',
+    ran_seconds REAL NOT NULL DEFAULT 0,
+    tiles INTEGER NOT NULL DEFAULT 0,
+    tiles_done INTEGER NOT NULL DEFAULT 0,
+    tiles_set_aside INTEGER NOT NULL DEFAULT 0,
+    audited INTEGER NOT NULL DEFAULT 0,
+    refused INTEGER NOT NULL DEFAULT 0,
+    predicted_end REAL NOT NULL DEFAULT 0,
+    predicted_cpu_seconds REAL NOT NULL DEFAULT 0
 ) STRICT;
 CREATE INDEX render_open ON render (state) WHERE state IN ('QUEUED', 'RUNNING') OR image_final = 0;
+"""
 
+_NEW_IN_3 = """
+-- Tiles that get no more samples, because this range failed on several workers.
+CREATE TABLE set_aside (
+    render_id TEXT NOT NULL REFERENCES render (id) ON DELETE CASCADE,
+    tile_index INTEGER NOT NULL,
+    first_sample INTEGER NOT NULL,
+    end_sample INTEGER NOT NULL,
+    reason TEXT NOT NULL,
+    workers TEXT NOT NULL,
+    PRIMARY KEY (render_id, tile_index)
+) STRICT;
+
+-- Whose work is in a tile's sums.
+CREATE TABLE contribution (
+    render_id TEXT NOT NULL REFERENCES render (id) ON DELETE CASCADE,
+    tile_index INTEGER NOT NULL,
+    worker_id TEXT NOT NULL,
+    PRIMARY KEY (render_id, tile_index, worker_id)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX contribution_of_worker ON contribution (worker_id);
+
+-- Workers whose results are not taken any more.
+CREATE TABLE quarantine (
+    worker_id TEXT PRIMARY KEY,
+    reason TEXT NOT NULL,
+    since REAL NOT NULL
+) STRICT;
+
+-- What the coordinator counts and measures, for the API to show.
+CREATE TABLE meter (
+    name TEXT PRIMARY KEY,
+    value REAL NOT NULL
+) STRICT;
+
+CREATE TABLE token (
+    name TEXT PRIMARY KEY,
+    -- SHA-256 of the secret, which is 256 random bits: nothing to guess, so no slow hash.
+    sha256 TEXT NOT NULL UNIQUE,
+    scopes TEXT NOT NULL,
+    weight INTEGER NOT NULL DEFAULT 100,
+    created REAL NOT NULL,
+    revoked REAL NOT NULL DEFAULT 0
+) STRICT;
+
+-- Who changed what.
+CREATE TABLE call (
+    number INTEGER PRIMARY KEY AUTOINCREMENT,
+    unix_time REAL NOT NULL,
+    who TEXT NOT NULL,
+    what TEXT NOT NULL,
+    render_id TEXT NOT NULL,
+    request_id TEXT NOT NULL,
+    outcome TEXT NOT NULL
+) STRICT;
+"""
+
+_TABLES_BESIDE = """
 -- Sums of X, Y, Z, Y squared and further responses per pixel over samples [0, samples), float64 little
 -- endian, row by row.
 CREATE TABLE tile (
@@ -82,13 +154,12 @@ CREATE TABLE worker (
 -- Increased by every coordinator that takes the folder; each commit checks that it is still its own.
 CREATE TABLE ownership (
     only_row INTEGER PRIMARY KEY CHECK (only_row = 1),
-    epoch INTEGER NOT NULL
+    epoch INTEGER NOT NULL,
+    -- Tells one data folder from another, where both are on one Redis by mistake.
+    folder TEXT NOT NULL DEFAULT ''
 ) STRICT;
-INSERT INTO ownership VALUES (1, 0);
+INSERT INTO ownership VALUES (1, 0, lower(hex(randomblob(8))));
 """
-
-# What makes schema n + 1 of schema n.
-_UPGRADES = {1: "ALTER TABLE render ADD COLUMN photons_per_sample INTEGER NOT NULL DEFAULT 1"}
 
 
 class Database:
@@ -105,26 +176,51 @@ class Database:
         self._connection.execute("PRAGMA journal_mode = WAL")
         # A commit lost with the machine's power is only work to be done again; no promise hangs on it.
         self._connection.execute("PRAGMA synchronous = NORMAL")
-        self._connection.execute("PRAGMA foreign_keys = ON")
         self._create_or_check(path)
+        # After an upgrade that makes tables anew: dropping the old one must not delete the rows that refer to
+        # it.
+        self._connection.execute("PRAGMA foreign_keys = ON")
 
     def _create_or_check(self, path: Path) -> None:
         with self.transaction():
             number = self._connection.execute("PRAGMA user_version").fetchone()[0]
             if number == 0:
-                for statement in _SCHEMA.split(";\n"):
-                    self._connection.execute(statement)
-                self._connection.execute(f"PRAGMA user_version = {SCHEMA_NUMBER}")
-                return
-            while number in _UPGRADES:
-                self._connection.execute(_UPGRADES[number])
-                number += 1
+                self._execute_all(_RENDER_TABLE + _TABLES_BESIDE + _NEW_IN_3)
+                number = SCHEMA_NUMBER
+            if number == 1:
+                self._execute_all(
+                    "ALTER TABLE render ADD COLUMN photons_per_sample INTEGER NOT NULL DEFAULT 1"
+                )
+                number = 2
+            if number == 2:
+                self._upgrade_to_3()
+                number = 3
+            if number == SCHEMA_NUMBER:
                 self._connection.execute(f"PRAGMA user_version = {number}")
             if number != SCHEMA_NUMBER:
                 raise UnusableFolder(
                     f"{path} has schema {number}, this program writes schema {SCHEMA_NUMBER}; "
                     "use the program that made it, or another folder"
                 )
+
+    def _upgrade_to_3(self) -> None:
+        """New columns and tables; the table of renders anew, as SQLite can't change which states it
+        allows."""
+        columns = ", ".join(row["name"] for row in self._connection.execute("PRAGMA table_info(render)"))
+        self._execute_all(f"""
+            CREATE TEMP TABLE before AS SELECT {columns} FROM main.render;
+            DROP TABLE main.render;
+            {_RENDER_TABLE};
+            INSERT INTO main.render ({columns}) SELECT {columns} FROM before;
+            DROP TABLE before;
+            {_NEW_IN_3};
+            ALTER TABLE ownership ADD COLUMN folder TEXT NOT NULL DEFAULT '';
+            UPDATE ownership SET folder = lower(hex(randomblob(8)));
+            """)  # noqa: S608 - the columns are our own
+
+    def _execute_all(self, statements: str) -> None:
+        for statement in statements.split(";\n"):
+            self._connection.execute(statement)
 
     @contextmanager
     def transaction(self) -> Iterator[None]:

@@ -1,18 +1,26 @@
 """What only the coordinator does to the data folder; every write checks that the folder is still its own."""
 
+import json
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from nocturne.v1 import job_pb2
+
+from nocturne_coordinator.forecast import UNKNOWN, Forecast
+from nocturne_coordinator.limits import DEFAULT_PRIORITY
+from nocturne_coordinator.plan import TileGrid
+from nocturne_coordinator.stopping import EVERYTHING, StopConditions
 
 from .database import Database
 from .ownership import Ownership
 from .rows import ErrorPoint, RenderState, WorkerRow
 
 _LARGEST = 2**63 - 1
-_OPEN_COLUMNS = "id, state, scene_sha256, engine, plan, photons, rays, rejected, cpu_seconds"
+_OPEN_COLUMNS = """id, state, scene_sha256, engine, plan, photons, rays, rejected, cpu_seconds, audited,
+    refused, stop, priority, owner, ran_seconds,
+    coalesce((SELECT weight FROM token WHERE token.name = render.owner), 100) AS owner_weight"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +33,27 @@ class OpenRender:
     scene_sha256: str
     engine: int
     totals: "Totals"
+    stop: StopConditions = EVERYTHING
+    priority: int = DEFAULT_PRIORITY
+    owner: str = ""
+    owner_weight: int = DEFAULT_PRIORITY
+    ran_seconds: float = 0.0
+    set_aside: tuple["SetAside", ...] = ()
+
+    def asks_the_same(self, other: "OpenRender") -> bool:
+        """Whether plan and conditions are those of another state of this render."""
+        return (self.plan, self.stop) == (other.plan, other.stop)
+
+
+@dataclass(frozen=True, slots=True)
+class SetAside:
+    """A range that failed on several workers; its tile gets no more samples."""
+
+    tile_index: int
+    first_sample: int
+    end_sample: int
+    reason: str
+    workers: tuple[str, ...]
 
 
 @dataclass(slots=True)
@@ -36,6 +65,8 @@ class Totals:
     rays: int = 0
     rejected: int = 0
     cpu_seconds: float = 0.0
+    audited: int = 0
+    refused: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +86,13 @@ class RenderCommit:
     tiles: list[TileRow]
     totals: Totals
     photons_per_second: float
+    ran_seconds: float = 0.0
+    tiles_done: int = 0
+    forecast: Forecast = UNKNOWN
+    contributors: Mapping[int, Iterable[str]] = field(default_factory=dict)
+    """By tile, the workers whose work is new in its sums."""
+    set_aside: Iterable[SetAside] = ()
+    """All of the render's."""
 
 
 class Ledger:
@@ -67,19 +105,25 @@ class Ledger:
     # --- reading ---
 
     def open_renders(self) -> list[OpenRender]:
-        """All that have not ended, oldest first."""
+        """All that are to be worked on: by priority, then oldest first."""
         rows = self._database.rows(
-            f"SELECT {_OPEN_COLUMNS} FROM render WHERE state IN ('QUEUED', 'RUNNING') ORDER BY number"  # noqa: S608
+            f"""SELECT {_OPEN_COLUMNS} FROM render WHERE state IN ('QUEUED', 'RUNNING')
+                ORDER BY priority DESC, number"""  # noqa: S608
         )
-        return [_open_render(row) for row in rows]
+        return [self._open_render(row) for row in rows]
 
     def ended_without_image(self) -> list[OpenRender]:
-        """Those that ended while their images do not show all that was committed."""
+        """Those that ended, or pause, while their images do not show all that was committed."""
         rows = self._database.rows(
             f"""SELECT {_OPEN_COLUMNS} FROM render
                 WHERE image_final = 0 AND state NOT IN ('QUEUED', 'RUNNING') ORDER BY number"""  # noqa: S608
         )
-        return [_open_render(row) for row in rows]
+        return [self._open_render(row) for row in rows]
+
+    def quarantined(self) -> dict[str, str]:
+        """Workers whose results are not taken, and why."""
+        rows = self._database.rows("SELECT worker_id, reason FROM quarantine")
+        return {row["worker_id"]: row["reason"] for row in rows}
 
     def tiles(self, render_id: str) -> Iterator[TileRow]:
         """The committed tiles, one after the other: all at once may be gigabytes."""
@@ -100,32 +144,42 @@ class Ledger:
         """QUEUED becomes RUNNING; False if it is not queued any more."""
         with self._owned():
             changed = self._database.execute(
-                """UPDATE render SET state = 'RUNNING', started = ?, sequence = sequence + 1
+                """UPDATE render SET state = 'RUNNING', started = iif(started > 0, started, ?), reason = '',
+                       image_final = 0, sequence = sequence + 1
                    WHERE id = ? AND state = 'QUEUED'""",
                 (now, render_id),
             )
         return changed == 1
 
     def commit(self, commits: list[RenderCommit]) -> None:
-        """All of it in one transaction; a render that is not RUNNING any more keeps what it has."""
+        """All of it in one transaction; a render that has ended meanwhile keeps what it has."""
         with self._owned():
             for commit in commits:
                 if self._write_totals(commit):
                     self._write_tiles(commit)
+                    self._write_set_aside(commit)
 
     def _write_totals(self, commit: RenderCommit) -> bool:
         totals = commit.totals
         changed = self._database.execute(
             """UPDATE render SET ranges_done = ?, photons = ?, rays = ?, rejected = ?, cpu_seconds = ?,
-                   photons_per_second = ?, sequence = sequence + 1
-               WHERE id = ? AND state = 'RUNNING'""",
+                   audited = ?, refused = ?, photons_per_second = iif(state = 'RUNNING', ?, 0), ran_seconds =
+                   ?, tiles_done = ?, tiles_set_aside = ?, predicted_end = ?, predicted_cpu_seconds = ?,
+                   sequence = sequence + 1 WHERE id = ? AND state IN ('QUEUED', 'RUNNING', 'PAUSED')""",
             (
                 totals.ranges,
                 totals.photons,
                 min(totals.rays, _LARGEST),
                 totals.rejected,
                 totals.cpu_seconds,
+                totals.audited,
+                totals.refused,
                 commit.photons_per_second,
+                commit.ran_seconds,
+                commit.tiles_done,
+                len(tuple(commit.set_aside)),
+                commit.forecast.end,
+                commit.forecast.cpu_seconds,
                 commit.render_id,
             ),
         )
@@ -137,6 +191,89 @@ class Ledger:
                ON CONFLICT DO UPDATE SET samples = excluded.samples, sums = excluded.sums""",
             [(commit.render_id, tile.tile_index, tile.samples, tile.sums) for tile in commit.tiles],
         )
+        self._database.execute_many(
+            "INSERT OR IGNORE INTO contribution VALUES (?, ?, ?)",
+            [
+                (commit.render_id, tile, worker)
+                for tile, workers in commit.contributors.items()
+                for worker in workers
+            ],
+        )
+
+    def _write_set_aside(self, commit: RenderCommit) -> None:
+        self._database.execute_many(
+            "INSERT OR REPLACE INTO set_aside VALUES (?, ?, ?, ?, ?, ?)",
+            [
+                (
+                    commit.render_id,
+                    each.tile_index,
+                    each.first_sample,
+                    each.end_sample,
+                    each.reason,
+                    json.dumps(each.workers),
+                )
+                for each in commit.set_aside
+            ],
+        )
+
+    def quarantine(self, worker_id: str, reason: str, now: float) -> None:
+        """Takes no more results of a worker, until somebody releases it."""
+        with self._owned():
+            self._database.execute(
+                "INSERT OR IGNORE INTO quarantine VALUES (?, ?, ?)", (worker_id, reason, now)
+            )
+
+    def distrust(self, worker_id: str) -> list[str]:
+        """Throws away all tiles with work of a worker; gives their renders.
+
+        A render that had ended is worked on again, until each tile has the samples that it had.
+        """
+        with self._owned():
+            rows = self._database.rows(
+                """SELECT DISTINCT render_id, state FROM contribution JOIN render ON render.id = render_id
+                   WHERE worker_id = ?""",
+                (worker_id,),
+            )
+            for row in rows:
+                if RenderState(row["state"]).ended:
+                    self._reopen(row["render_id"], worker_id)
+                self._database.execute(
+                    """DELETE FROM tile WHERE render_id = ? AND tile_index IN
+                       (SELECT tile_index FROM contribution WHERE render_id = ? AND worker_id = ?)""",
+                    (row["render_id"], row["render_id"], worker_id),
+                )
+                self._database.execute(
+                    """DELETE FROM contribution WHERE render_id = ? AND tile_index NOT IN
+                       (SELECT tile_index FROM tile WHERE render_id = ?)""",
+                    (row["render_id"], row["render_id"]),
+                )
+                self._database.execute(
+                    "UPDATE render SET image_final = 0, sequence = sequence + 1 WHERE id = ?",
+                    (row["render_id"],),
+                )
+        return [row["render_id"] for row in rows]
+
+    def _reopen(self, render_id: str, worker_id: str) -> None:
+        tiles = self._database.rows("SELECT tile_index, samples FROM tile WHERE render_id = ?", (render_id,))
+        plan = self._database.row("SELECT plan FROM render WHERE id = ?", (render_id,))
+        assert plan is not None  # noqa: S101 - it has tiles
+        samples = [0] * TileGrid.of(job_pb2.RenderPlan.FromString(plan["plan"])).count
+        for tile in tiles:
+            samples[tile["tile_index"]] = tile["samples"]
+        self._database.execute(
+            """UPDATE render SET state = 'QUEUED', reason = ?, ended = 0, image_final = 0, stop = ?
+               WHERE id = ? AND state NOT IN ('FAILED', 'CANCELLED')""",
+            (
+                f"Work of {worker_id}, found faulty later, is done again.",
+                StopConditions(tile_samples=tuple(samples)).to_json(),
+                render_id,
+            ),
+        )
+
+    def write_meters(self, values: Mapping[str, float]) -> None:
+        """What the coordinator counts, by name."""
+        with self._owned():
+            self._database.execute_many("INSERT OR REPLACE INTO meter VALUES (?, ?)", list(values.items()))
 
     def record_preview(self, render_id: str, point: ErrorPoint, in_history: bool) -> None:
         """A new preview is in its place; tells watchers, and keeps its error."""
@@ -151,15 +288,28 @@ class Ledger:
                     (render_id, point.unix_time, point.photons, point.samples, point.relative_error),
                 )
 
-    def end(self, render_id: str, state: RenderState, reason: str, now: float) -> None:
-        """RUNNING or QUEUED becomes a final state; a SUCCEEDED render's images must be in their place."""
+    def end(self, render: OpenRender, state: RenderState, reason: str, now: float) -> bool:
+        """RUNNING or QUEUED becomes a final state; False if it was paused, cancelled or extended meanwhile.
+
+        The images of one that `has_image` must be in their place.
+        """
         with self._owned():
-            self._database.execute(
+            changed = self._database.execute(
                 """UPDATE render
-                   SET state = ?, reason = ?, ended = ?, image_final = ?, sequence = sequence + 1
-                   WHERE id = ? AND state IN ('QUEUED', 'RUNNING')""",
-                (state.value, reason, now, state is RenderState.SUCCEEDED, render_id),
+                   SET state = ?, reason = ?, ended = ?, image_final = ?, photons_per_second = 0,
+                       predicted_end = 0, predicted_cpu_seconds = cpu_seconds, sequence = sequence + 1
+                   WHERE id = ? AND state IN ('QUEUED', 'RUNNING') AND plan = ? AND stop = ?""",
+                (
+                    state.value,
+                    reason,
+                    now,
+                    state.has_image,
+                    render.id,
+                    render.plan.SerializeToString(deterministic=True),
+                    render.stop.to_json(),
+                ),
             )
+        return changed == 1
 
     def images_written(self, render_id: str) -> None:
         """An ended render's images show all that was committed."""
@@ -196,15 +346,37 @@ class Ledger:
             self._ownership.check()
             yield
 
-
-def _open_render(row: sqlite3.Row) -> OpenRender:
-    return OpenRender(
-        id=row["id"],
-        state=RenderState(row["state"]),
-        plan=job_pb2.RenderPlan.FromString(row["plan"]),
-        scene_sha256=row["scene_sha256"],
-        engine=row["engine"],
-        totals=Totals(
-            photons=row["photons"], rays=row["rays"], rejected=row["rejected"], cpu_seconds=row["cpu_seconds"]
-        ),
-    )
+    def _open_render(self, row: sqlite3.Row) -> OpenRender:
+        aside = self._database.rows(
+            "SELECT * FROM set_aside WHERE render_id = ? ORDER BY tile_index", (row["id"],)
+        )
+        return OpenRender(
+            id=row["id"],
+            state=RenderState(row["state"]),
+            plan=job_pb2.RenderPlan.FromString(row["plan"]),
+            scene_sha256=row["scene_sha256"],
+            engine=row["engine"],
+            totals=Totals(
+                photons=row["photons"],
+                rays=row["rays"],
+                rejected=row["rejected"],
+                cpu_seconds=row["cpu_seconds"],
+                audited=row["audited"],
+                refused=row["refused"],
+            ),
+            stop=StopConditions.from_json(row["stop"]),
+            priority=row["priority"],
+            owner=row["owner"],
+            owner_weight=row["owner_weight"],
+            ran_seconds=row["ran_seconds"],
+            set_aside=tuple(
+                SetAside(
+                    each["tile_index"],
+                    each["first_sample"],
+                    each["end_sample"],
+                    each["reason"],
+                    tuple(json.loads(each["workers"])),
+                )
+                for each in aside
+            ),
+        )

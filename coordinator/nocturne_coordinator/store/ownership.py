@@ -30,6 +30,9 @@ class Ownership:
         with database.transaction():
             database.execute("UPDATE ownership SET epoch = epoch + 1")
             self.epoch = self._stored_epoch()
+            row = database.row("SELECT folder FROM ownership")
+            self.folder = str(row["folder"]) if row is not None else ""
+            """Tells this data folder from others."""
 
     def check(self) -> None:
         """To be called inside every transaction that writes; OwnershipLost if there is a later owner.

@@ -5,19 +5,32 @@ from enum import StrEnum
 
 from nocturne.v1 import job_pb2
 
+from nocturne_coordinator.limits import DEFAULT_PRIORITY
+from nocturne_coordinator.stopping import EVERYTHING, StopConditions
+
 
 class RenderState(StrEnum):
-    """Where a render stands; the last three are final."""
+    """Where a render stands; from SUCCEEDED on it has ended, though it may be extended."""
 
     QUEUED = "QUEUED"
     RUNNING = "RUNNING"
+    PAUSED = "PAUSED"
     SUCCEEDED = "SUCCEEDED"
+    STOPPED_EARLY = "STOPPED_EARLY"
+    """By a time: the image lists the samples that each tile has."""
+    DEGRADED = "DEGRADED"
+    """Complete but for tiles that were set aside."""
     FAILED = "FAILED"
     CANCELLED = "CANCELLED"
 
     @property
     def ended(self) -> bool:
-        return self not in (RenderState.QUEUED, RenderState.RUNNING)
+        return self not in (RenderState.QUEUED, RenderState.RUNNING, RenderState.PAUSED)
+
+    @property
+    def has_image(self) -> bool:
+        """Ended with an image that holds all that was asked for, or could be had."""
+        return self in (RenderState.SUCCEEDED, RenderState.STOPPED_EARLY, RenderState.DEGRADED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +46,10 @@ class NewRender:
     height: int
     samples: int
     plan: job_pb2.RenderPlan
+    stop: StopConditions = EVERYTHING
+    priority: int = DEFAULT_PRIORITY
+    owner: str = ""
+    """Name of the token that asked for it; empty without authentication."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +77,21 @@ class RenderRow:
     relative_error: float
     photons_per_second: float
     cpu_seconds: float
+    stop: StopConditions
+    priority: int
+    owner: str
+    tiles: int
+    tiles_done: int
+    """Tiles that need no more samples."""
+    tiles_set_aside: int
+    audited: int
+    """Ranges that were traced again elsewhere and were the same."""
+    refused: int
+    """Results that could not be right."""
+    predicted_end: float
+    """Unix time; 0 unknown."""
+    predicted_cpu_seconds: float
+    """In all; 0 unknown."""
     image_final: bool
     """An ended render's files hold all its committed samples (a cancelled one's follow within a second)."""
 

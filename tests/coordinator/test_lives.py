@@ -1,0 +1,99 @@
+"""Who died with a job in hand, and who only left, dawdled or was out of sight."""
+
+import random
+
+from nocturne_coordinator.faults import Faults
+from nocturne_coordinator.job_queue import Holder
+from nocturne_coordinator.lives import Lives, Sign
+from nocturne_coordinator.schedule import JobKey
+
+KEY = JobKey("r", 3, 1)
+ENTRIES = {b"1-0": KEY}
+FRESH, STALE = 9000, 3000
+
+
+def seen(*looks: tuple[dict[str, Sign], list[Holder]]) -> list[tuple[JobKey, str]]:
+    lives = Lives()
+    return [lost for signs, holders in looks for lost in lives.look(signs, holders, ENTRIES)]
+
+
+def test_a_status_that_runs_out_is_a_death() -> None:
+    held = [Holder(b"1-0", "a")]
+    assert seen(({"a": Sign(1.0, FRESH)}, held), ({"a": Sign(1.0, STALE)}, held), ({}, held)) == [(KEY, "a")]
+
+
+def test_a_farewell_is_none() -> None:
+    held = [Holder(b"1-0", "a")]
+    assert seen(({"a": Sign(1.0, FRESH)}, held), ({}, held), ({}, held)) == []
+
+
+def test_a_slow_worker_is_alive() -> None:
+    held = [Holder(b"1-0", "a")]
+    assert (
+        seen(
+            ({"a": Sign(1.0, FRESH)}, held), ({"a": Sign(1.0, STALE)}, held), ({"a": Sign(1.0, FRESH)}, held)
+        )
+        == []
+    )
+
+
+def test_a_new_process_of_the_same_name_is_a_death() -> None:
+    held = [Holder(b"1-0", "a")]
+    assert seen(({"a": Sign(1.0, FRESH)}, held), ({"a": Sign(2.0, FRESH)}, held)) == [(KEY, "a")]
+
+
+def test_a_job_taken_over_before_the_death_shows_is_not_forgotten() -> None:
+    a, b = {"a": Sign(1.0, STALE), "b": Sign(1.0, FRESH)}, {"b": Sign(1.0, FRESH)}
+    assert seen((a, [Holder(b"1-0", "a")]), (a, [Holder(b"1-0", "b")]), (b, [Holder(b"1-0", "b")])) == [
+        (KEY, "a")
+    ]
+
+
+def test_a_job_done_elsewhere_is_nobodys_death() -> None:
+    assert (
+        seen(({"a": Sign(1.0, STALE)}, [Holder(b"1-0", "a")]), ({"a": Sign(1.0, STALE)}, []), ({}, [])) == []
+    )
+
+
+def key(number: int) -> JobKey:
+    return JobKey("r", number, 0)
+
+
+def test_three_workers_condemn_a_job() -> None:
+    faults = Faults()
+    live = {"a", "b", "c", "d"}
+    assert faults.failed(key(1), "a", "x", live) is None
+    assert faults.failed(key(1), "a", "x", live) is None
+    assert faults.failed(key(1), "b", "y", live) is None
+    verdict = faults.failed(key(1), "c", "z", live)
+    assert verdict is not None
+    assert (verdict.reason, verdict.workers) == ("z", ("a", "b", "c"))
+
+
+def test_where_nobody_else_is_three_attempts_condemn_a_job() -> None:
+    faults = Faults()
+    for _ in range(2):
+        assert faults.failed(key(1), "a", "x", {"a"}) is None
+    assert faults.failed(key(1), "a", "x", {"a", "b"}) is None
+    assert faults.failed(key(1), "b", "x", {"a", "b"}) is not None
+
+
+def test_three_jobs_that_others_can_do_condemn_a_worker() -> None:
+    faults = Faults()
+    for number in range(5):
+        faults.failed(key(number), "a", "x", {"a", "b", "c"})
+    assert faults.succeeded(key(0), "b") == []
+    assert faults.succeeded(key(1), "b") == []
+    # What it does itself the second time speaks for it.
+    assert faults.succeeded(key(2), "a") == []
+    assert faults.succeeded(key(3), "c") == ["a"]
+
+
+def test_a_scene_that_fails_everywhere_condemns_nobody() -> None:
+    faults = Faults()
+    chance = random.Random(1)
+    for _ in range(300):
+        faults.failed(key(chance.randrange(50)), chance.choice("abc"), "x", {"a", "b", "c"})
+    assert faults.succeeded(key(99), "a") == []
+    faults.forget("r")
+    assert [faults.succeeded(key(number), "d") for number in range(50)] == [[]] * 50

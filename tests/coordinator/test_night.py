@@ -1,0 +1,346 @@
+"""A night at the coordinator: renders stop, pause, go on and share; workers lie, die and dawdle; the bits
+stay."""
+
+import signal
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from nocturne.v1 import job_pb2
+from nocturne_coordinator import keys
+from nocturne_coordinator.errors import WrongState
+from nocturne_coordinator.images import manifest_of
+from nocturne_coordinator.main import EXIT_ALREADY_OWNED, EXIT_OWNERSHIP_LOST
+from nocturne_coordinator.stopping import StopConditions
+
+from tests.coordinator.service import (
+    RedisServer,
+    Service,
+    check_committed,
+    check_complete,
+    committed_samples,
+    read_exr,
+    read_manifest,
+    wait_until,
+)
+from tests.coordinator.simulated_worker import SimulatedWorker
+
+SOME_DELAY = 0.02
+"""Seconds per job."""
+
+
+def some_done(service: Service, render_id: str, part: float = 0.3) -> None:
+    wait_until(lambda: service.row(render_id).ranges_done >= part * service.row(render_id).ranges_planned)
+
+
+# --- stop, pause, extend ---
+
+
+def test_a_time_stops_a_render_and_its_manifest_replays_it(service: Service) -> None:
+    service.start()
+    wait_until(lambda: service.folder.meters().get("redis_in_step") == 1.0)
+    until = StopConditions(until=time.time() + 1.0, until_text="in a second")
+    render = service.create(samples=4000, stop=until)
+    service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    row = service.wait_for_end(render.id)
+    assert (row.state, row.reason) == ("STOPPED_EARLY", "Stopped at in a second, as asked.")
+    assert 0 < row.ranges_done < row.ranges_planned
+    # A round of the loop and a commit, and room for a busy machine.
+    assert until.until <= row.ended < until.until + 3.0
+    check_committed(service, row)
+    manifest = service.folder.manifest(render.id)
+    assert manifest_of(read_manifest(service.folder.image_path(render.id))) == list(manifest)
+
+    replay = service.folder.create_replay(render.id, "replay")
+    assert service.folder.create_replay(render.id, "replay").id == replay.id
+    service.work(SimulatedWorker(service.server.url))
+    assert service.wait_for_end(replay.id).state == "SUCCEEDED"
+    original, copy = (service.folder.image_path(each).read_bytes() for each in (render.id, replay.id))
+    assert copy == original
+
+
+@pytest.mark.parametrize(
+    ("stop", "reason"),
+    [
+        (StopConditions(wall_seconds=0.5), "Stopped after 0.5 s of running, as asked."),
+        (StopConditions(cpu_seconds=0.0195), "of 0.0195 s of processor time, as asked."),
+    ],
+)
+def test_time_spent_stops_a_render(service: Service, stop: StopConditions, reason: str) -> None:
+    service.start()
+    render = service.create(samples=4000, stop=stop)
+    # Each of its jobs says that it took a millisecond of processor time.
+    service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    row = service.wait_for_end(render.id)
+    assert row.state == "STOPPED_EARLY"
+    assert row.reason.endswith(reason)
+    if stop.cpu_seconds:
+        assert stop.cpu_seconds <= row.cpu_seconds < 2 * stop.cpu_seconds
+    check_committed(service, row)
+
+
+def test_the_error_of_tiles_stops_them_alike_for_any_workers(tmp_path: Path) -> None:
+    """The simulated sums have the same error for any samples, so the target lies between those of two
+    tiles."""
+    manifests, images = [], []
+    for index, workers in enumerate((1, 3)):
+        (tmp_path / str(index)).mkdir()
+        server = RedisServer(tmp_path / str(index))
+        server.start()
+        service = Service(tmp_path / str(index) / "data", server)
+        try:
+            service.start()
+            render = service.create(samples=300, stop=StopConditions(tile_relative_error=0.09))
+            for _ in range(workers):
+                service.work(SimulatedWorker(server.url, delay=0.002 * index))
+            row = service.wait_for_end(render.id)
+            assert row.state == "SUCCEEDED"
+            assert row.tiles_done == row.tiles == 6
+            assert row.predicted_end == 0.0
+            check_committed(service, row)
+            manifests.append(service.folder.manifest(render.id))
+            images.append(service.folder.image_path(render.id).read_bytes())
+        finally:
+            service.close()
+            server.kill()
+    assert manifests[0] == manifests[1]
+    assert images[0] == images[1]
+    assert set(manifests[0]) <= {16, 32, 64, 128, 256, 300}
+    assert min(manifests[0]) < 300
+
+
+def test_a_forecast_is_made(service: Service) -> None:
+    service.start()
+    render = service.create(samples=4000)
+    service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    wait_until(lambda: service.row(render.id).predicted_end > 0.0)
+    row = service.row(render.id)
+    assert row.predicted_end > time.time()
+    assert row.predicted_cpu_seconds > row.cpu_seconds > 0.0
+    service.folder.request_cancel(render.id)
+
+
+def test_a_paused_render_goes_on_where_it_was(service: Service) -> None:
+    service.start()
+    render = service.create(samples=100)
+    service.work(SimulatedWorker(service.server.url, delay=0.05))
+    some_done(service, render.id)
+    assert service.folder.request_pause(render.id).state == "PAUSED"
+    row = service.wait_for_end(render.id)
+    assert row.state == "PAUSED"
+    check_committed(service, row)
+    with service.server.client() as client:
+        wait_until(lambda: client.xlen(keys.JOBS) == 0)
+    time.sleep(0.3)
+    assert service.row(render.id).photons == row.photons
+    assert service.folder.request_resume(render.id).state in ("QUEUED", "RUNNING")
+    wait_until(lambda: service.row(render.id).state == "SUCCEEDED")
+    check_complete(service, render.id)
+    assert service.row(render.id).cpu_seconds < 1.3 * 0.001 * row.ranges_planned
+
+
+@pytest.mark.parametrize("samples", [64, 50])
+def test_an_extended_render_traces_only_what_is_new(service: Service, samples: int) -> None:
+    service.start()
+    render = service.create(samples=samples)
+    worker = service.work(SimulatedWorker(service.server.url))
+    check_complete(service, render.id)
+    done = worker.jobs_done
+    service.folder.request_extension(render.id, 200, StopConditions())
+    wait_until(lambda: service.row(render.id).state == "SUCCEEDED")
+    check_complete(service, render.id)
+    ends = service.folder.plan(render.id).range_ends
+    new = 6 * sum(end > samples for end in ends)
+    # With a single worker there are no audits; a copy of a slow job may be done twice.
+    assert new <= worker.jobs_done - done <= new + 2
+    if samples == 64:
+        fresh = service.create(samples=200, request_id="fresh")
+        check_complete(service, fresh.id)
+        paths = [service.folder.image_path(each) for each in (render.id, fresh.id)]
+        assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+def test_a_running_render_can_be_extended(service: Service) -> None:
+    service.start()
+    render = service.create(samples=64)
+    service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    some_done(service, render.id)
+    assert service.folder.request_extension(render.id, 128, StopConditions()).state == "RUNNING"
+    check_complete(service, render.id)
+    assert service.row(render.id).samples == 128
+
+
+def test_changes_at_random_times_leave_the_bits(service: Service) -> None:
+    service.start()
+    render = service.create(samples=100)
+    for _ in range(2):
+        service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    chance = np.random.default_rng(5)
+    for _ in range(5):
+        time.sleep(float(chance.uniform(0.0, 0.2)))
+        service.folder.request_pause(render.id)
+        service.folder.request_priority(render.id, int(chance.integers(1, 1000)))
+        time.sleep(float(chance.uniform(0.0, 0.2)))
+        service.folder.request_resume(render.id)
+    service.folder.request_extension(render.id, 150, StopConditions())
+    check_complete(service, render.id)
+
+
+def test_a_render_whose_time_comes_in_the_queue_never_starts(service: Service) -> None:
+    render = service.create(stop=StopConditions(until=time.time() - 1.0, until_text="07:00Z"))
+    service.start()
+    wait_until(lambda: service.row(render.id).state == "STOPPED_EARLY")
+    assert "07:00Z came before" in service.row(render.id).reason
+
+
+# --- faults ---
+
+
+def test_a_slow_worker_does_not_hold_up_the_end(service: Service) -> None:
+    service.start()
+    service.work(SimulatedWorker(service.server.url, delay=60.0))
+    render = service.create(samples=20)
+    with service.server.client() as client:
+        wait_until(lambda: client.xlen(keys.JOBS) and client.xpending(keys.JOBS, "workers")["pending"])
+    begun = time.monotonic()
+    # The lease is long, so that nobody takes the job over: only a copy of it helps.
+    service.work(SimulatedWorker(service.server.url, lease_ms=60_000))
+    check_complete(service, render.id)
+    assert time.monotonic() - begun < 12.0
+
+
+def test_a_job_that_kills_workers_is_set_aside(service: Service) -> None:
+    service.start()
+    render = service.create(samples=8)
+
+    def dies(result: job_pb2.JobResult) -> bool:
+        return result.job.tile_index == 4 and result.job.first_sample == 4
+
+    for _ in range(3):
+        service.work(SimulatedWorker(service.server.url, dies=dies, status_ms=1500, lease_ms=2500))
+    wait_until(lambda: service.row(render.id).image_final, 30.0)
+    row = service.row(render.id)
+    assert row.state == "DEGRADED"
+    assert "died of it" in row.reason
+    assert committed_samples(service.folder, render.id) == dict.fromkeys(range(6), 8) | {4: 4}
+
+
+def test_a_liar_is_found_and_its_work_done_again(service: Service) -> None:
+    def one_bit(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
+        sums = np.frombuffer(result.partial.sums, dtype="<f8").copy()
+        sums[0] = np.nextafter(sums[0], np.inf)
+        result.partial.sums = sums.tobytes()
+        return [result]
+
+    service.start("", "--audit-share-new", "0.5")
+    before = service.create(samples=16, request_id="before")
+    liar = service.work(SimulatedWorker(service.server.url, one_bit))
+    # Alone, nobody can tell.
+    assert service.wait_for_end(before.id).state == "SUCCEEDED"
+    for _ in range(2):
+        service.work(SimulatedWorker(service.server.url, delay=0.005))
+    render = service.create(samples=100)
+    check_complete(service, render.id, redone=True)
+    assert list(service.folder.workers_in_quarantine()) == [liar.name]
+    # The image that was called final is made again.
+    wait_until(lambda: service.row(before.id).state == "SUCCEEDED" and service.row(before.id).image_final)
+    check_complete(service, before.id, redone=True)
+
+
+def test_honest_workers_agree(service: Service) -> None:
+    service.start("", "--audit-share", "0.3", "--audit-share-new", "0.3")
+    render = service.create(samples=100)
+    for _ in range(2):
+        service.work(SimulatedWorker(service.server.url))
+    check_complete(service, render.id)
+    assert service.row(render.id).audited > 0
+    assert service.folder.workers_in_quarantine() == {}
+
+
+# --- coordinators ---
+
+
+def test_two_data_folders_can_not_share_a_redis(service: Service, tmp_path: Path) -> None:
+    service.start()
+    render = service.create(samples=200_000)
+    service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    wait_until(lambda: service.row(render.id).ranges_done > 5)
+    other = Service(tmp_path / "other", service.server)
+    try:
+        assert other.start().wait(40) == EXIT_ALREADY_OWNED
+    finally:
+        other.close()
+    assert service.row(render.id).state == "RUNNING"
+    service.folder.request_cancel(render.id)
+    # Stopped in order, it leaves the lease to the next.
+    assert service.stop() == 0
+    third = Service(tmp_path / "third", service.server)
+    try:
+        third.start()
+        check_complete(third, third.create(samples=8).id)
+    finally:
+        third.close()
+
+
+def test_a_later_coordinator_of_the_folder_takes_the_lease(service: Service) -> None:
+    first = service.start()
+    wait_until(lambda: service.folder.meters().get("redis_in_step") == 1.0)
+    with service.server.client() as client:
+        held = client.get(keys.SESSION)
+        assert isinstance(held, bytes)
+        folder = held.split(b":")[0]
+        client.set(keys.SESSION, folder + b":99:other")
+    assert first.wait(15) == EXIT_OWNERSHIP_LOST
+
+
+def test_a_killed_coordinator_is_replaced_at_once(service: Service) -> None:
+    service.start()
+    render = service.create(samples=100)
+    service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    some_done(service, render.id)
+    service.stop(signal.SIGKILL)
+    begun = time.monotonic()
+    done = service.row(render.id).ranges_done
+    service.start()
+    wait_until(lambda: service.row(render.id).ranges_done > done)
+    # Less than the lease that the dead one left behind: the epoch says who may have it.
+    assert time.monotonic() - begun < 8.0
+    check_complete(service, render.id)
+
+
+def test_exr_of_a_complete_render_has_no_manifest(service: Service) -> None:
+    service.start()
+    render = service.create(samples=4)
+    service.work(SimulatedWorker(service.server.url))
+    check_complete(service, render.id)
+    assert read_manifest(service.folder.image_path(render.id)) == ""
+    assert read_exr(service.folder.image_path(render.id))[2].min() == 4
+
+
+def test_paused_and_resumed_between_two_looks(service: Service) -> None:
+    """Found by the soak test: what was committed in between went nowhere, and the render ended without it."""
+    service.start()
+    render = service.create(samples=100)
+    for _ in range(3):
+        service.work(SimulatedWorker(service.server.url, delay=0.005))
+    while not service.row(render.id).state.ended:
+        try:
+            service.folder.request_pause(render.id)
+            service.folder.request_resume(render.id)
+        except WrongState:
+            break
+        time.sleep(0.01)
+    check_complete(service, render.id)
+
+
+def test_an_extension_at_the_last_moment_is_not_lost(service: Service) -> None:
+    service.start()
+    for number in range(4):
+        render = service.create(samples=8, request_id=f"{number}")
+        worker = service.work(SimulatedWorker(service.server.url))
+        wait_until(lambda render=render: service.row(render.id).ranges_done >= 6)  # type: ignore[misc]
+        service.folder.request_extension(render.id, 16, StopConditions())
+        wait_until(lambda render=render: service.row(render.id).photons == 70 * 40 * 16)  # type: ignore[misc]
+        check_complete(service, render.id)
+        worker.stop()

@@ -1,0 +1,332 @@
+"""When a render ends: what may be asked for, and that a tile's own error gives the same bits whatever
+happens."""
+
+import math
+import random
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+import pytest
+from nocturne.v1 import job_pb2
+from nocturne_coordinator.audit import Auditor
+from nocturne_coordinator.errors import InputError
+from nocturne_coordinator.faults import Faults
+from nocturne_coordinator.forecast import UNKNOWN, Measured, forecast
+from nocturne_coordinator.images import manifest_of, manifest_text
+from nocturne_coordinator.intake import Intake
+from nocturne_coordinator.merge import Sums
+from nocturne_coordinator.plan import extended_plan, make_plan
+from nocturne_coordinator.running_render import RunningRender
+from nocturne_coordinator.schedule import JobKey, Schedule
+from nocturne_coordinator.stopping import (
+    MINIMUM_SAMPLES,
+    StopConditions,
+    parse_until,
+    samples_needed,
+    stop_conditions,
+)
+from nocturne_coordinator.store.ledger import OpenRender, TileRow, Totals
+from nocturne_coordinator.store.rows import RenderState
+
+EVENING = datetime(2026, 11, 21, 18, 0, tzinfo=UTC)
+
+
+@pytest.mark.parametrize(
+    ("text", "now", "expected"),
+    [
+        ("2026-11-22T07:00:00Z", EVENING, "2026-11-22T07:00:00+00:00"),
+        ("2026-11-22T07:00+01:00", EVENING, "2026-11-22T06:00:00+00:00"),
+        ("07:00 Europe/Berlin", EVENING, "2026-11-22T06:00:00+00:00"),
+        ("19:30 Europe/Berlin", EVENING, "2026-11-21T18:30:00+00:00"),
+        ("18:30 Europe/Berlin", EVENING, "2026-11-22T17:30:00+00:00"),
+        ("7:00 America/New_York", EVENING, "2026-11-22T12:00:00+00:00"),
+        ("07:00Z", EVENING, "2026-11-22T07:00:00+00:00"),
+        ("07:00-0500", EVENING, "2026-11-22T12:00:00+00:00"),
+        # The night before 29 March 2026 is an hour short in Berlin: 07:00 is 05:00 UTC, not 06:00.
+        ("07:00 Europe/Berlin", datetime(2026, 3, 28, 20, tzinfo=UTC), "2026-03-29T05:00:00+00:00"),
+        # And that of 25 October has one more.
+        ("07:00 Europe/Berlin", datetime(2026, 10, 24, 20, tzinfo=UTC), "2026-10-25T06:00:00+00:00"),
+    ],
+)
+def test_a_clock_time_is_the_next_in_its_zone(text: str, now: datetime, expected: str) -> None:
+    assert datetime.fromtimestamp(parse_until(text, now), UTC).isoformat() == expected
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("07:00", "2026-11-22T07:00:00", "soon", "25:00 Europe/Berlin", "07:00 Europe/Nowhere"),
+        *("07:00 ../../etc", "2026-11-21T17:00:00Z", "2028-11-21T17:00:00Z", "07:00 " + "x" * 300),
+    ],
+)
+def test_a_time_without_zone_or_sense_is_refused(text: str) -> None:
+    with pytest.raises(InputError) as caught:
+        stop_conditions({"until": text}, EVENING)
+    assert [each.place for each in caught.value.problems] == ["$.stop.until"]
+
+
+@pytest.mark.parametrize("value", [-1.0, math.inf, math.nan, 1e30, "1"])
+def test_numbers_that_make_no_sense_are_refused(value: Any) -> None:
+    names = ["relative_error", "tile_relative_error", "wall_seconds", "cpu_seconds"]
+    with pytest.raises(InputError) as caught:
+        stop_conditions(dict.fromkeys([*names, "patience"], value), EVENING)
+    places = [each.place for each in caught.value.problems]
+    assert sorted(places) == sorted(f"$.stop.{name}" for name in [*names, "patience"])
+
+
+def test_conditions_come_back_from_json() -> None:
+    asked: Mapping[str, Any] = {"relative_error": 0.01, "until": "07:00 Europe/Berlin", "cpu_seconds": 3600}
+    stop = stop_conditions(asked, EVENING)
+    assert StopConditions.from_json(stop.to_json()) == stop
+    manifest = StopConditions(tile_samples=(4, 8))
+    assert StopConditions.from_json(manifest.to_json()) == manifest
+    assert StopConditions().to_json() == "{}"
+    # The same words on another day are the same request.
+    later = stop_conditions(asked, datetime(2026, 11, 25, 18, tzinfo=UTC))
+    assert later.until != stop.until
+    assert later.request() == stop.request()
+
+
+def test_a_manifest_comes_back_from_its_text() -> None:
+    for samples in ([4], [4, 4, 4], [8, 4, 4, 0, 0, 0, 8], list(range(9))):
+        assert manifest_of(manifest_text(samples)) == samples
+    with pytest.raises(ValueError, match="more tiles"):
+        manifest_of("4x99999999999")
+
+
+def test_an_error_falls_as_one_over_the_root() -> None:
+    assert samples_needed(0.04, 100, 0.01) == pytest.approx(1600)
+    assert samples_needed(0.0, 100, 0.01) == math.inf
+    assert samples_needed(1e-9, 100, 0.01) == MINIMUM_SAMPLES
+
+
+def measured(**changes: float) -> Measured:
+    values: dict[str, Any] = {
+        "photons": 1000,
+        "photons_wanted": 5000.0,
+        "mean_samples": 10.0,
+        "relative_error": 0.1,
+        "photons_per_second": 100.0,
+        "cpu_seconds": 20.0,
+        "ran_seconds": 10.0,
+    }
+    return Measured(**(values | changes))
+
+
+@pytest.mark.parametrize(
+    ("stop", "seconds", "cpu_seconds"),
+    [
+        (StopConditions(), 40.0, 100.0),
+        # Half the error is four times the samples; a tenth of it is more than all that are planned.
+        (StopConditions(relative_error=0.05), 30.0, 80.0),
+        (StopConditions(relative_error=0.01), 40.0, 100.0),
+        (StopConditions(wall_seconds=15.0), 5.0, 30.0),
+        (StopConditions(cpu_seconds=60.0), 20.0, 60.0),
+        (StopConditions(until=1007.0, cpu_seconds=60.0), 7.0, 34.0),
+        (StopConditions(until=900.0), 0.0, 20.0),
+    ],
+)
+def test_the_first_condition_is_foreseen(stop: StopConditions, seconds: float, cpu_seconds: float) -> None:
+    foreseen = forecast(measured(), stop, 1000.0)
+    assert foreseen.end == pytest.approx(1000.0 + seconds)
+    assert foreseen.cpu_seconds == pytest.approx(cpu_seconds)
+
+
+def test_nothing_is_foreseen_without_a_rate() -> None:
+    assert forecast(measured(photons_per_second=0.0), StopConditions(until=5.0), 0.0) == UNKNOWN
+    assert forecast(measured(photons=0), StopConditions(), 0.0) == UNKNOWN
+
+
+def test_an_extended_plan_begins_with_the_old_one() -> None:
+    old = make_plan(70, 33, 50)
+    extended = extended_plan(old, 300)
+    assert list(extended.range_ends) == [4, 8, 16, 32, 50, 64, 128, 256, 300]
+    # Where the old one ends at a power of two, nothing tells the two plans apart.
+    assert extended_plan(make_plan(70, 33, 64, ["rod"]), 300) == make_plan(70, 33, 300, ["rod"])
+    assert extended_plan(old, 50) == old
+    with pytest.raises(InputError):
+        extended_plan(old, 49)
+
+
+# --- tiles that stop by their own error ---
+
+NOISE = (0.02, 0.1, 0.3, 0.6, 1.0, 0.0)
+"""Of each tile: standard deviation of Y relative to its mean; the last one is black."""
+
+
+def noisy_sums(job: job_pb2.Job) -> Sums:
+    """Sums of normally distributed samples around 10 cd/m2, by a generator that knows the job only."""
+    shape = (job.tile.height, job.tile.width, 4)
+    noise = NOISE[job.tile_index]
+    if noise == 0.0:
+        return np.zeros(shape)
+    count = job.end_sample - job.first_sample
+    draws = np.random.default_rng([job.tile_index, job.first_sample]).normal(
+        10.0, 10.0 * noise, (count, *shape[:2])
+    )
+    draws = np.abs(draws)
+    sums = np.empty(shape)
+    sums[..., :3] = draws.sum(axis=0)[..., None]
+    sums[..., 3] = (draws**2).sum(axis=0)
+    return sums
+
+
+class Adaptive:
+    """The coordinator's core on a render whose tiles stop at an error; a stream that can be shuffled and
+    lost."""
+
+    def __init__(self, stop: StopConditions, samples: int = 1024, tiles: list[TileRow] | None = None) -> None:
+        plan = make_plan(70, 33, samples)
+        row = OpenRender("r", RenderState.RUNNING, plan, "5c" * 32, job_pb2.ENGINE_CURRENT, Totals(), stop)
+        self.render = RunningRender(row, tiles or [])
+        self.schedule = Schedule()
+        horizon = [self.render.film.horizon(index) for index in range(6)]
+        self.schedule.add("r", len(plan.range_ends), self.render.merged_ranges, horizon=horizon)
+        self.intake = Intake({"r": self.render}, self.schedule, Auditor(0.0, 0.0), Faults())
+        self.stream: dict[bytes, JobKey] = {}
+        self.entries = 0
+        self.traced = 0
+
+    def fill(self, window: int) -> None:
+        for key in self.schedule.take(window - self.schedule.in_flight):
+            self.entries += 1
+            self.schedule.published(key, b"%d" % self.entries, 0.0)
+            self.stream[b"%d" % self.entries] = key
+
+    def finish(self, entry: bytes) -> bytes:
+        key = self.stream.pop(entry)
+        planned = self.render.planned
+        job = planned.job(key.tile_index, planned.ranges[key.range_index])
+        pixels = job.tile.width * job.tile.height * (job.end_sample - job.first_sample)
+        self.traced += pixels
+        partial = job_pb2.Partial(sums=noisy_sums(job).astype("<f8").tobytes(), photons=pixels)
+        result = job_pb2.JobResult(job=job, worker_id="w", partial=partial).SerializeToString()
+        self.deliver(result)
+        return result
+
+    def deliver(self, result: bytes) -> None:
+        for gone in self.intake.take(b"0-1", result, 1.0).withdrawn:
+            self.stream.pop(gone, None)
+
+    def committed(self) -> list[TileRow]:
+        film = self.render.film
+        return [
+            TileRow(index, film.samples(index), film.tile_bytes(index))
+            for index, tile in enumerate(film.tiles)
+            if tile.merged
+        ]
+
+
+def adaptive_run(seed: int, window: int, stop: StopConditions) -> Adaptive:
+    """Runs to the end with results shuffled, repeated, lost, and the coordinator restarted."""
+    chance = random.Random(seed)
+    session = Adaptive(stop)
+    results = []
+    for _ in range(5_000):
+        session.fill(window)
+        if session.render.film.complete:
+            return session
+        if session.stream:
+            results.append(session.finish(chance.choice(list(session.stream))))
+        if chance.random() < 0.1:
+            session.deliver(chance.choice(results))
+        if chance.random() < 0.03:
+            session.stream.clear()
+            session.schedule.lost()
+        if chance.random() < 0.02:
+            session = Adaptive(stop, tiles=session.committed())
+    raise AssertionError("it never ends")
+
+
+def in_order(tile: job_pb2.Tile, index: int, samples: int) -> Sums:
+    """What one process that traces range by range has at the end."""
+    planned = Adaptive(StopConditions()).render.planned
+    total = np.zeros((tile.height, tile.width, 4))
+    for position in range(planned.ranges.merged_at(samples)):
+        total += noisy_sums(planned.job(index, planned.ranges[position]))
+    return total
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_adaptive_tiles_have_the_same_bits_whatever_happens(seed: int) -> None:
+    stop = StopConditions(tile_relative_error=0.02)
+    calm = adaptive_run(0, 1, stop)
+    stormy = adaptive_run(seed + 1, 24, stop)
+    assert np.array_equal(stormy.render.film.sums, calm.render.film.sums)
+    assert np.array_equal(stormy.render.film.counts, calm.render.film.counts)
+    assert stormy.schedule.in_flight == 0
+    for index, samples in enumerate(stormy.render.film.manifest()):
+        tile = stormy.render.planned.grid.tile(index)
+        assert np.array_equal(stormy.render.film.tiles[index].sums, in_order(tile, index, samples))
+
+
+def test_noisy_tiles_get_the_work() -> None:
+    session = adaptive_run(0, 1, StopConditions(tile_relative_error=0.02))
+    samples = session.render.film.manifest()
+    # An error of s / sqrt(n) falls below 0.02 at n = (s / 0.02)^2: at 1, 25, 225, 900, 2500 samples; tiles
+    # stop at the next end of a range, none before 16. The estimate of 1024 pixels is good to a few per cent,
+    # which no distance to the next end is. (|Y| of the noisiest is folded, so its error is a little lower:
+    # 1024 is the cap.)
+    assert samples == [16, 32, 256, 1024, 1024, 1024]
+    full = StopConditions()
+    everything = adaptive_run(0, 1, full)
+    assert session.render.totals.photons < everything.render.totals.photons
+    # A tile that is black so far may just not have met its light.
+    assert session.render.film.tiles[5].sums.sum() == 0.0
+
+
+def test_little_is_traced_in_vain() -> None:
+    """With all ranges of all tiles on the stream at once, the horizon holds back what tiles should not
+    need."""
+    session = adaptive_run(0, 1000, StopConditions(tile_relative_error=0.02))
+    counted = session.render.totals.photons
+    one_by_one = adaptive_run(0, 1, StopConditions(tile_relative_error=0.02))
+    assert one_by_one.render.totals.photons == counted
+
+
+def test_a_manifest_gives_exactly_its_samples() -> None:
+    adaptive = adaptive_run(7, 12, StopConditions(tile_relative_error=0.02))
+    manifest = tuple(adaptive.render.film.manifest())
+    for samples in (manifest, (0, *manifest[1:])):
+        replayed = adaptive_run(9, 24, StopConditions(tile_samples=samples))
+        assert tuple(replayed.render.film.manifest()) == samples
+        again = slice(None) if samples == manifest else slice(32, None)
+        assert np.array_equal(replayed.render.film.sums[:, again], adaptive.render.film.sums[:, again])
+
+
+def test_the_image_error_and_times_end_a_render() -> None:
+    def ending(stop: StopConditions, **state: float) -> tuple[str, str] | None:
+        session = adaptive_run(0, 1, StopConditions(tile_samples=(64,) * 6))
+        rows = session.committed()
+        row = OpenRender(
+            "r",
+            RenderState.RUNNING,
+            session.render.planned.plan,
+            "5c" * 32,
+            job_pb2.ENGINE_CURRENT,
+            Totals(cpu_seconds=50.0),
+            stop,
+            ran_seconds=100.0,
+        )
+        render = RunningRender(row, rows, now=1000.0)
+        render.relative_error = state.get("error", 0.0)
+        found = render.ending(state.get("now", 1000.0), state.get("unix_time", 5e8))
+        return None if found is None else (found[0].value, found[1])
+
+    assert ending(StopConditions(relative_error=0.01), error=0.011) is None
+    assert ending(StopConditions(relative_error=0.01)) is None
+    assert (ending(StopConditions(relative_error=0.01), error=0.009) or "")[0] == "SUCCEEDED"
+    assert ending(StopConditions(wall_seconds=120.0), now=1019.0) is None
+    assert ending(StopConditions(wall_seconds=120.0), now=1020.0) == (
+        "STOPPED_EARLY",
+        "Stopped after 120 s of running, as asked.",
+    )
+    assert ending(StopConditions(cpu_seconds=50.1)) is None
+    assert (ending(StopConditions(cpu_seconds=50.0)) or "")[0] == "STOPPED_EARLY"
+    assert ending(StopConditions(until=6e8, until_text="07:00Z"), unix_time=5.9e8) is None
+    assert ending(StopConditions(until=6e8, until_text="07:00Z"), unix_time=6e8) == (
+        "STOPPED_EARLY",
+        "Stopped at 07:00Z, as asked.",
+    )
