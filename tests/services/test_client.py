@@ -245,9 +245,19 @@ def _render(state: str, sequence: int) -> dict[str, Any]:
         "rejected",
         "mean_samples",
         "relative_error",
+        "tiles_done",
+        "tiles",
+        "tiles_set_aside",
+        "audited",
+        "refused",
+        "predicted_end",
+        "predicted_cpu_seconds",
     )
+    stop = ("relative_error", "tile_relative_error", "wall_seconds", "cpu_seconds", "until_time")
     return {
-        **dict.fromkeys(("id", "name", "reason", "scene_sha256"), ""),
+        **dict.fromkeys(("id", "name", "reason", "scene_sha256", "owner"), ""),
+        "priority": 100,
+        "stop": {**dict.fromkeys(stop, 0.0), "until": ""},
         **dict.fromkeys(("width", "height", "samples", "created", "started", "ended"), 1),
         "state": state,
         "sequence": sequence,

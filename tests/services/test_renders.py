@@ -159,6 +159,7 @@ async def test_workers(rest: httpx.AsyncClient, channel: grpc.aio.Channel, folde
         "photons_per_second": 5.5,
         "jobs_done": 3,
         "started": 1.0,
+        "quarantine": "",
     }
     (message,) = (await Stub(channel).ListWorkers(pb.ListWorkersRequest())).workers
     assert (message.id, message.jobs_done) == ("w1", 3)

@@ -14,9 +14,10 @@ def check_host(host: str, any_address: bool) -> bool:
         return True
     if not any_address:
         raise AddressError(
-            f"{host} can be reached by others, and there is no authentication yet: anyone who gets there can "
-            "run renders, read images and fill the disk. Use --host 127.0.0.1 with an SSH tunnel, or, inside "
-            "a private network only, --insecure-any-address."
+            f"{host} can be reached by others: without authentication, or without TLS, anyone who gets "
+            "there can run renders, read images and fill the disk. Use --host 127.0.0.1 with an SSH tunnel; "
+            "or --auth with --tls-certificate and --tls-key; or, inside a private network only, "
+            "--insecure-any-address."
         )
     return False
 

@@ -5,7 +5,7 @@ import sqlite3
 from dataclasses import dataclass
 
 import grpc
-from nocturne_coordinator.errors import Conflict, InputError, NocturneError, NotFound, Problem
+from nocturne_coordinator.errors import Conflict, InputError, NocturneError, NotFound, Problem, WrongState
 
 from nocturne_api.limits import PROBLEM_CHARACTERS, PROBLEMS_PER_ANSWER
 
@@ -18,6 +18,18 @@ class Overloaded(NocturneError):
 
 class Refused(NocturneError):
     """The request may not be made from where it comes."""
+
+
+class Unauthenticated(NocturneError):
+    """Nobody knows who calls."""
+
+
+class Forbidden(NocturneError):
+    """The caller is known, and may not do this."""
+
+
+class TooMany(NocturneError):
+    """The caller calls too often."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +58,17 @@ TABLE: tuple[tuple[type[Exception], Kind], ...] = (
     (InputError, Kind("INVALID_INPUT", "The request is not valid", 422, grpc.StatusCode.INVALID_ARGUMENT)),
     (NotFound, Kind("NOT_FOUND", "Not found", 404, grpc.StatusCode.NOT_FOUND)),
     (Conflict, Kind("CONFLICT", "In conflict with an earlier request", 409, grpc.StatusCode.ALREADY_EXISTS)),
+    (
+        WrongState,
+        Kind("WRONG_STATE", "Not in this state", 409, grpc.StatusCode.FAILED_PRECONDITION),
+    ),
     (Refused, Kind("REFUSED", "Refused", 403, grpc.StatusCode.PERMISSION_DENIED)),
+    (
+        Unauthenticated,
+        Kind("UNAUTHENTICATED", "Who are you?", 401, grpc.StatusCode.UNAUTHENTICATED),
+    ),
+    (Forbidden, Kind("FORBIDDEN", "Not allowed", 403, grpc.StatusCode.PERMISSION_DENIED)),
+    (TooMany, Kind("TOO_MANY", "Too many calls", 429, grpc.StatusCode.RESOURCE_EXHAUSTED)),
     (Overloaded, Kind("OVERLOADED", "Too much at once", 503, grpc.StatusCode.UNAVAILABLE)),
     (
         sqlite3.OperationalError,

@@ -2,17 +2,20 @@
 
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
 from typing import Any, TypeVar
 
-from nocturne_coordinator.data_folder import DataFolder, NewRender
+from nocturne_coordinator.data_folder import DataFolder, NewRender, check_priority
 from nocturne_coordinator.errors import InputError, Problem
-from nocturne_coordinator.limits import MAXIMUM_NAME, MAXIMUM_REQUEST_ID
+from nocturne_coordinator.limits import DEFAULT_PRIORITY, MAXIMUM_NAME, MAXIMUM_REQUEST_ID
 from nocturne_coordinator.plan import make_plan
-from nocturne_coordinator.scene.compiler import compile_scene
 from nocturne_coordinator.scene.document import check_document
 from nocturne_coordinator.scene_plan import plan_for_scene
+from nocturne_coordinator.stopping import EVERYTHING, StopConditions, stop_conditions
+
+from nocturne_api.compiling import CompileLimits, compile_in_child
 
 _T = TypeVar("_T")
 _SHA256 = re.compile("[0-9a-f]{64}")
@@ -20,7 +23,10 @@ _SHA256 = re.compile("[0-9a-f]{64}")
 
 @dataclass(frozen=True)
 class CreateRequest:
-    """A scene to render. `scene` is the scene document as decoded JSON; film in pixels; samples per pixel."""
+    """A scene to render. `scene` is the scene document as decoded JSON; film in pixels; samples per pixel.
+
+    `stop`: what else ends it, see `stop_conditions`. `priority`: 0 for the usual one.
+    """
 
     request_id: str
     name: str
@@ -28,9 +34,13 @@ class CreateRequest:
     width: int
     height: int
     samples: int
+    stop: Mapping[str, Any] = field(default_factory=dict)
+    priority: int = 0
 
 
-def compiled(request: CreateRequest, folder: DataFolder) -> NewRender:
+def compiled(
+    request: CreateRequest, folder: DataFolder, owner: str, compile_limits: CompileLimits
+) -> NewRender:
     """The render that `request` asks for, its scene compiled into the folder's blobs.
 
     Raises InputError with all problems, and then leaves nothing behind. Can take seconds of processor time.
@@ -41,12 +51,15 @@ def compiled(request: CreateRequest, folder: DataFolder) -> NewRender:
     film = (request.width, request.height, request.samples)
     plan = found.collect(lambda: make_plan(*film))
     document = found.collect(lambda: check_document(request.scene))
-    if found.problems or plan is None or document is None:
-        raise InputError(found.problems)
     # A request id used before decides without the scene, so a conflict leaves no blobs behind.
-    before = folder.find_request(request.request_id)
+    before = folder.find_request(request.request_id) if not found.problems else None
+    stop = found.collect(lambda: checked_stop(request.stop, before.stop if before else EVERYTHING))
+    priority = request.priority or DEFAULT_PRIORITY
+    found.collect(lambda: check_priority(priority))
+    if found.problems or plan is None or document is None or stop is None:
+        raise InputError(found.problems)
     if before is None:
-        scene_sha256 = compile_scene(document, folder.blobs).scene_sha256
+        scene_sha256 = compile_in_child(document, folder.blobs.root, compile_limits)
         plan = plan_for_scene(folder.blobs, scene_sha256, *film)
     else:
         scene_sha256 = before.scene_sha256
@@ -60,7 +73,19 @@ def compiled(request: CreateRequest, folder: DataFolder) -> NewRender:
         height=request.height,
         samples=request.samples,
         plan=plan,
+        stop=stop,
+        priority=priority,
+        owner=owner,
     )
+
+
+def checked_stop(asked: Mapping[str, Any], before: StopConditions) -> StopConditions:
+    """What a caller asks for; a time in the same words as `before` is the same time. Raises InputError."""
+    if before.until_text and asked.get("until") == before.until_text:
+        others = {name: value for name, value in asked.items() if name != "until"}
+        stop = stop_conditions(others, datetime.now(UTC))
+        return replace(stop, until=before.until, until_text=before.until_text)
+    return stop_conditions(asked, datetime.now(UTC))
 
 
 def request_id_problems(request_id: str) -> Iterator[Problem]:

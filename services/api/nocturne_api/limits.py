@@ -17,6 +17,14 @@ SMALL_BODY_BYTES = MEBIBYTE
 COMPILES_AT_ONCE = 2
 COMPILES_WAITING = 16
 
+# Calls of one caller, with authentication: the page makes a few a second, a farm's scripts some more.
+CALLS_PER_SECOND = 100.0
+CALLS_AT_ONCE = 1000.0
+
+# Kept lines of the record of who changed what.
+CALLS_RECORDED = 100_000
+RECORDED_CHARACTERS = 128
+
 # Each watcher holds one connection and the newest state of at most a page of renders.
 WATCHERS = 256
 # How often a change in the data folder is looked for while anybody watches, seconds.

@@ -10,6 +10,7 @@ from pathlib import Path
 from nocturne_coordinator.errors import NocturneError
 
 from nocturne_api.addresses import AddressError
+from nocturne_api.compiling import CompileLimits
 from nocturne_api.service import Settings, open_service
 
 _log = logging.getLogger("nocturne_api")
@@ -46,7 +47,24 @@ def _settings() -> Settings:
         "--insecure-any-address",
         dest="any_address",
         action="store_true",
-        help="allow a --host that others can reach; there is no authentication yet",
+        help="allow a --host that others can reach, without tokens or without TLS",
+    )
+    parser.add_argument(
+        "--auth", action="store_true", help="callers need a token, made by `nocturne token create`"
+    )
+    parser.add_argument("--tls-certificate", type=Path, metavar="PEM", help="for both doors")
+    parser.add_argument("--tls-key", type=Path, metavar="PEM")
+    parser.add_argument(
+        "--compile-memory-bytes",
+        type=int,
+        default=CompileLimits.memory_bytes,
+        help="address space that compiling one scene may take (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--compile-seconds",
+        type=int,
+        default=CompileLimits.cpu_seconds,
+        help="processor time that compiling one scene may take (default: %(default)s)",
     )
     return Settings(**vars(parser.parse_args()))
 

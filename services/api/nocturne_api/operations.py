@@ -1,40 +1,64 @@
 """What the service can do, without HTTP or gRPC: both doors call these functions and nothing else."""
 
 import asyncio
-from collections.abc import AsyncGenerator, AsyncIterator, Callable
+import time
+from collections.abc import AsyncGenerator, AsyncIterator, Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import ParamSpec, Self, TypeVar
+from typing import Any, ParamSpec, Self, TypeVar
 
 from nocturne_coordinator.data_folder import DataFolder
 from nocturne_coordinator.errors import InputError, NotFound
 from nocturne_coordinator.limits import MAXIMUM_PAGE
 
 from nocturne_api import limits, uploads
-from nocturne_api.errors import Overloaded
-from nocturne_api.intake import CreateRequest, compiled, digest_problems, raise_if, request_id_problems
+from nocturne_api.access import CALLER, Caller, caller_of
+from nocturne_api.compiling import CompileLimits, prepare
+from nocturne_api.errors import Overloaded, failure_of
+from nocturne_api.intake import (
+    CreateRequest,
+    checked_stop,
+    compiled,
+    digest_problems,
+    raise_if,
+    request_id_problems,
+)
+from nocturne_api.metrics import metrics_text
 from nocturne_api.open_file import OpenFile, open_file
 from nocturne_api.views import (
     AssetView,
     ConvergencePoint,
     ConvergenceView,
+    ExplanationView,
     PageView,
     RenderView,
     WorkerView,
 )
 from nocturne_api.watching import Watchers, states
+from nocturne_api.why import sentence, situation_of
 
 _P = ParamSpec("_P")
 _T = TypeVar("_T")
 
 
+@dataclass
+class _Record:
+    """What a recorded call was about; the render may be known only in the end."""
+
+    render_id: str
+
+
 class Operations:
     """The operations on one data folder. Errors are the classes in nocturne_api.errors, whatever the door."""
 
-    def __init__(self, folder: DataFolder, database: ThreadPoolExecutor) -> None:
+    def __init__(
+        self, folder: DataFolder, database: ThreadPoolExecutor, compile_limits: CompileLimits
+    ) -> None:
         self._folder = folder
+        self._compile_limits = compile_limits
         # SQLite calls run one after the other in a thread of their own, never behind compiles or file reads.
         self._database = database
         self._compiling = asyncio.Semaphore(limits.COMPILES_AT_ONCE)
@@ -42,11 +66,12 @@ class Operations:
         self._watchers = Watchers(self._change_counter, self._find, self._newest)
 
     @classmethod
-    async def open(cls, path: Path) -> Self:
+    async def open(cls, path: Path, compile_limits: CompileLimits | None = None) -> Self:
         """Opens the data folder at `path`, making it if need be."""
         database = ThreadPoolExecutor(max_workers=1, thread_name_prefix="data-folder")
         folder = await asyncio.get_running_loop().run_in_executor(database, DataFolder, path)
-        return cls(folder, database)
+        prepare()
+        return cls(folder, database, compile_limits or CompileLimits())
 
     async def close(self) -> None:
         """Ends all streams and lets go of the data folder."""
@@ -66,16 +91,23 @@ class Operations:
         Raises InputError with every problem found, Conflict where the request id was used for something
         else, and Overloaded where too many scenes wait to be compiled. A failed call leaves nothing behind.
         """
-        async with self._compile_slot():
-            new = await asyncio.to_thread(compiled, request, self._folder)
-        return RenderView.of(await self._in_database(self._folder.create_render, new))
+        CALLER.get().need("submit")
+        async with self._recorded("create", request_id=request.request_id) as record:
+            async with self._compile_slot():
+                owner = CALLER.get().name
+                new = await asyncio.to_thread(compiled, request, self._folder, owner, self._compile_limits)
+            created = await self._in_database(self._folder.create_render, new)
+            record.render_id = created.id
+            return RenderView.of(created)
 
     async def get_render(self, render_id: str) -> RenderView:
         """One render; raises NotFound."""
+        CALLER.get().need("read")
         return RenderView.of(await self._in_database(self._folder.get_render, render_id))
 
     async def list_renders(self, page_size: int = 0, page_token: str = "") -> PageView:
         """One page of renders, newest first; a size of 0 means 50, at most 200 come. Raises InputError."""
+        CALLER.get().need("read")
         rows, next_token = await self._in_database(self._folder.list_renders, page_size, page_token)
         return PageView(renders=[RenderView.of(row) for row in rows], next_page_token=next_token)
 
@@ -83,10 +115,57 @@ class Operations:
         """Stops a render. That is one-way, so repeating the call is safe with or without a request id."""
         if request_id:
             raise_if(request_id_problems(request_id))
-        return RenderView.of(await self._in_database(self._folder.request_cancel, render_id))
+        async with self._changing("cancel", render_id, request_id):
+            return RenderView.of(await self._in_database(self._folder.request_cancel, render_id))
+
+    async def pause_render(self, render_id: str) -> RenderView:
+        """No more work until it is resumed; what is merged stays. Raises NotFound, WrongState."""
+        async with self._changing("pause", render_id):
+            return RenderView.of(await self._in_database(self._folder.request_pause, render_id))
+
+    async def resume_render(self, render_id: str) -> RenderView:
+        """Goes on with a paused render, or tries again what a degraded one set aside. NotFound,
+        WrongState."""
+        async with self._changing("resume", render_id):
+            return RenderView.of(await self._in_database(self._folder.request_resume, render_id))
+
+    async def set_priority(self, render_id: str, priority: int) -> RenderView:
+        """The render's weight among those of its owner, 1 to 1000. Raises NotFound, InputError."""
+        async with self._changing("priority", render_id):
+            return RenderView.of(await self._in_database(self._folder.request_priority, render_id, priority))
+
+    async def extend_render(self, render_id: str, samples: int, stop: Mapping[str, Any]) -> RenderView:
+        """More samples, 0 for as many as before, and conditions instead of those before.
+
+        Raises NotFound, InputError, WrongState.
+        """
+        async with self._changing("extend", render_id):
+            before = await self._in_database(self._folder.get_render, render_id)
+            checked = checked_stop(stop, before.stop)
+            wanted = samples or before.samples
+            return RenderView.of(
+                await self._in_database(self._folder.request_extension, render_id, wanted, checked)
+            )
+
+    async def replay_render(self, render_id: str, request_id: str) -> RenderView:
+        """A new render with the samples per tile that this one has: the same bits. NotFound, Conflict."""
+        CALLER.get().need("submit")
+        raise_if(request_id_problems(request_id))
+        async with self._recorded("replay", render_id, request_id):
+            owner = CALLER.get().name
+            return RenderView.of(
+                await self._in_database(self._folder.create_replay, render_id, request_id, owner)
+            )
+
+    async def explain(self, render_id: str) -> ExplanationView:
+        """What the render waits for, in one sentence; raises NotFound."""
+        CALLER.get().need("read")
+        situation = await self._in_database(situation_of, self._folder, render_id)
+        return ExplanationView(sentence=sentence(situation, time.time()))
 
     async def watch_render(self, render_id: str, last_sequence: int = -1) -> AsyncGenerator[RenderView, None]:
         """The render now and after every change, until it has ended; leaves out states to `last_sequence`."""
+        CALLER.get().need("read")
         with self._watchers.watching(render_id) as watcher:
             watcher.already_has(render_id, last_sequence)
             render = await self.get_render(render_id)
@@ -98,6 +177,7 @@ class Operations:
 
     async def watch_all(self) -> AsyncGenerator[RenderView, None]:
         """The newest page of renders, then each of them after every change."""
+        CALLER.get().need("read")
         with self._watchers.watching(None) as watcher:
             for render in reversed(await self._newest()):
                 watcher.offer(render)
@@ -134,12 +214,23 @@ class Operations:
 
     async def workers(self) -> list[WorkerView]:
         """Workers heard of in the last ten seconds."""
-        return [WorkerView.of(row) for row in await self._in_database(self._folder.workers)]
+        CALLER.get().need("read")
+        rows, quarantined = await self._in_database(
+            lambda: (self._folder.workers(), self._folder.workers_in_quarantine())
+        )
+        return [WorkerView.of(row, quarantined.get(row.id, "")) for row in rows]
+
+    async def release_worker(self, worker_id: str) -> None:
+        """Takes the results of a worker in quarantine again; raises NotFound."""
+        CALLER.get().need("admin")
+        async with self._recorded(f"release {worker_id[:80]}"):
+            await self._in_database(self._folder.release_worker, worker_id)
 
     # Assets
 
     async def missing_assets(self, digests: list[str]) -> list[str]:
         """Which of these files are not stored yet, in the order asked, each once. Raises InputError."""
+        CALLER.get().need("submit")
         if len(digests) > limits.DIGESTS_PER_REQUEST:
             message = f"{len(digests)} digests; at most {limits.DIGESTS_PER_REQUEST} in one request"
             raise InputError.at("$.sha256", message)
@@ -152,6 +243,7 @@ class Operations:
 
     async def store_asset(self, sha256: str, size_bytes: int, pieces: AsyncIterator[bytes]) -> AssetView:
         """Stores one file under its digest; InputError, and nothing left, where size or digest differ."""
+        CALLER.get().need("submit")
         raise_if(digest_problems(sha256, "sha256"))
         if self._folder.blobs.has(sha256):
             async for _ in pieces:  # Read to the end, so that the sender is not cut off in mid-write.
@@ -162,12 +254,16 @@ class Operations:
 
     async def asset(self, sha256: str) -> AssetView:
         """One stored file; raises NotFound."""
+        if "read" not in CALLER.get().scopes:
+            CALLER.get().need("worker")
         raise_if(digest_problems(sha256, "sha256"))
         size = await asyncio.to_thread(self._folder.blobs.size, sha256)
         return AssetView(sha256=sha256, size_bytes=size)
 
     async def open_asset(self, sha256: str) -> OpenFile:
         """The bytes of an asset, a compiled scene or a packed mesh; raises NotFound."""
+        if "read" not in CALLER.get().scopes:
+            CALLER.get().need("worker")
         raise_if(digest_problems(sha256, "sha256"))
         path = await asyncio.to_thread(self._folder.blobs.path, sha256)
         opened = await open_file(path)
@@ -175,7 +271,18 @@ class Operations:
             raise NotFound(f"no asset {sha256}")
         return opened
 
+    # Access
+
+    async def identify(self, secret: str) -> Caller:
+        """Who has this secret; raises Unauthenticated."""
+        return caller_of(await self._in_database(self._folder.tokens.find, secret))
+
     # Health
+
+    async def metrics(self) -> bytes:
+        """Counts and states for Prometheus."""
+        CALLER.get().need("read")
+        return await self._in_database(metrics_text, self._folder)
 
     async def ready(self) -> bool:
         """Whether the data folder answers."""
@@ -186,6 +293,37 @@ class Operations:
         return True
 
     # Inside
+
+    @asynccontextmanager
+    async def _changing(self, what: str, render_id: str, request_id: str = "") -> AsyncIterator[None]:
+        """For a call that changes a render: the caller's own, unless it may change all."""
+        async with self._recorded(what, render_id, request_id):
+            render = await self._in_database(self._folder.get_render, render_id)
+            CALLER.get().need_own(render.owner)
+            yield
+
+    @asynccontextmanager
+    async def _recorded(
+        self, what: str, render_id: str = "", request_id: str = ""
+    ) -> AsyncIterator["_Record"]:
+        """Keeps a line of a call that changes something, or tried to."""
+        record = _Record(render_id)
+        outcome = "done"
+        try:
+            yield record
+        except Exception as error:
+            outcome = failure_of(error).kind.reason
+            raise
+        finally:
+            await self._in_database(
+                self._folder.record_call,
+                CALLER.get().name,
+                what,
+                record.render_id[: limits.RECORDED_CHARACTERS],
+                request_id[: limits.RECORDED_CHARACTERS],
+                outcome,
+                limits.CALLS_RECORDED,
+            )
 
     @asynccontextmanager
     async def _compile_slot(self) -> AsyncIterator[None]:

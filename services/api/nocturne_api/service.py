@@ -6,9 +6,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+import grpc
 import uvicorn
 
 from nocturne_api.addresses import AddressError, check_host, listen
+from nocturne_api.compiling import CompileLimits
 from nocturne_api.operations import Operations
 from nocturne_api.rest.app import build_rest
 from nocturne_api.rpc.server import GrpcDoor
@@ -28,6 +30,12 @@ class Settings:
     grpc_port: int = 7071
     grpc_unix: Path | None = None
     any_address: bool = False
+    auth: bool = False
+    """Callers need a token."""
+    tls_certificate: Path | None = None
+    tls_key: Path | None = None
+    compile_memory_bytes: int = CompileLimits.memory_bytes
+    compile_seconds: int = CompileLimits.cpu_seconds
 
 
 class _HttpServer(uvicorn.Server):
@@ -43,14 +51,17 @@ class Service:
 
     def __init__(self, settings: Settings, operations: Operations) -> None:
         """Takes the addresses; raises AddressError where that fails."""
-        loopback = check_host(settings.host, settings.any_address)
+        tls = settings.tls_certificate is not None and settings.tls_key is not None
+        loopback = check_host(settings.host, settings.any_address or (settings.auth and tls))
         self._operations = operations
-        self._grpc = GrpcDoor(operations)
+        self._grpc = GrpcDoor(operations, settings.auth)
         self._listener = listen(settings.host, settings.port)
         self.port: int = self._listener.getsockname()[1]
         self.grpc_port = self._take_grpc_addresses(settings)
         config = uvicorn.Config(
-            build_rest(operations, settings.web, loopback),
+            build_rest(operations, settings.web, loopback, settings.auth),
+            ssl_certfile=settings.tls_certificate,
+            ssl_keyfile=settings.tls_key,
             log_level="warning",
             access_log=False,
             server_header=False,
@@ -66,7 +77,14 @@ class Service:
         if settings.grpc_unix is not None:
             addresses.append(f"unix:{settings.grpc_unix.absolute()}")
         try:
-            port, *_ = [self._grpc.server.add_insecure_port(address) for address in addresses]
+            tls = _grpc_credentials(settings)
+            port = (
+                self._grpc.server.add_secure_port(addresses[0], tls)
+                if tls
+                else self._grpc.server.add_insecure_port(addresses[0])
+            )
+            for address in addresses[1:]:
+                self._grpc.server.add_insecure_port(address)
             return port
         except RuntimeError as error:
             self._listener.close()
@@ -96,9 +114,17 @@ class Service:
         await self._operations.close()
 
 
+def _grpc_credentials(settings: Settings) -> grpc.ServerCredentials | None:
+    if settings.tls_certificate is None or settings.tls_key is None:
+        return None
+    pair = (settings.tls_key.read_bytes(), settings.tls_certificate.read_bytes())
+    return grpc.ssl_server_credentials([pair])
+
+
 async def open_service(settings: Settings) -> Service:
     """A service on the data folder, not started yet. Raises AddressError, UnusableFolder."""
-    operations = await Operations.open(settings.data)
+    compile_limits = CompileLimits(settings.compile_memory_bytes, settings.compile_seconds)
+    operations = await Operations.open(settings.data, compile_limits)
     try:
         return Service(settings, operations)
     except BaseException:

@@ -3,6 +3,7 @@
 from typing import Self
 
 from nocturne_coordinator.data_folder import RenderRow, RenderState, WorkerRow
+from nocturne_coordinator.stopping import StopConditions
 from pydantic import BaseModel, ConfigDict, Field
 
 
@@ -28,6 +29,36 @@ class ProgressView(View):
     )
     photons_per_second: float
     cpu_seconds: float = Field(description="Processor seconds spent by workers.")
+    tiles_done: int = Field(description="Tiles that need no more samples.")
+    tiles: int
+    tiles_set_aside: int = Field(description="Tiles left as they are, after failing on several workers.")
+    audited: int = Field(description="Ranges that were traced again elsewhere, and were the same.")
+    refused: int = Field(description="Results that could not be right.")
+    predicted_end: float = Field(description="Unix time at which it should end; 0: unknown.")
+    predicted_cpu_seconds: float = Field(description="What it should have cost by then; 0: unknown.")
+
+
+class StopView(View):
+    """When a render ends besides at its last sample; 0 or empty: not asked for."""
+
+    relative_error: float
+    tile_relative_error: float
+    wall_seconds: float
+    cpu_seconds: float
+    until: str = Field(description="As it was given.")
+    until_time: float = Field(description="Unix time, seconds.")
+
+    @classmethod
+    def of(cls, stop: StopConditions) -> Self:
+        """The public side of stop conditions."""
+        return cls(
+            relative_error=stop.relative_error,
+            tile_relative_error=stop.tile_relative_error,
+            wall_seconds=stop.wall_seconds,
+            cpu_seconds=stop.cpu_seconds,
+            until=stop.until_text,
+            until_time=stop.until,
+        )
 
 
 class RenderView(View):
@@ -35,16 +66,19 @@ class RenderView(View):
 
     id: str
     name: str
-    state: RenderState = Field(description="QUEUED, RUNNING, SUCCEEDED, FAILED or CANCELLED.")
-    reason: str = Field(description="Why it is in this state, in words; set for FAILED and CANCELLED.")
+    state: RenderState = Field(description="QUEUED, RUNNING, PAUSED, or how it ended.")
+    reason: str = Field(description="Why it is in this state, in words; may be empty.")
     width: int
     height: int
-    samples: int = Field(description="Samples per pixel asked for.")
+    samples: int = Field(description="Samples per pixel asked for, at most.")
     scene_sha256: str = Field(description="SHA-256 of the compiled scene.")
     sequence: int = Field(description="Grows with every change that watchers should see.")
     created: float = Field(description="Unix time, seconds.")
     started: float = Field(description="Unix time, seconds; 0 before the start.")
     ended: float = Field(description="Unix time, seconds; 0 before the end.")
+    stop: StopView
+    priority: int = Field(description="1 to 1000; an owner's renders share by it what the owner gets.")
+    owner: str = Field(description="Name of the token that asked for it; empty without authentication.")
     progress: ProgressView
 
     @property
@@ -55,8 +89,8 @@ class RenderView(View):
     @classmethod
     def of(cls, row: RenderRow) -> Self:
         """The public side of a row of the data folder."""
-        same = {name: getattr(row, name) for name in cls.model_fields if name != "progress"}
-        return cls(progress=ProgressView.model_validate(row), **same)
+        same = {name: getattr(row, name) for name in cls.model_fields if name not in ("progress", "stop")}
+        return cls(progress=ProgressView.model_validate(row), stop=StopView.of(row.stop), **same)
 
 
 class PageView(View):
@@ -75,11 +109,13 @@ class WorkerView(View):
     photons_per_second: float
     jobs_done: int
     started: float = Field(description="Unix time, seconds.")
+    quarantine: str = Field(description="Why its results are not taken; empty: they are.")
 
     @classmethod
-    def of(cls, row: WorkerRow) -> Self:
+    def of(cls, row: WorkerRow, quarantine: str) -> Self:
         """The public side of a row of the data folder."""
-        return cls.model_validate(row)
+        same = {name: getattr(row, name) for name in cls.model_fields if name != "quarantine"}
+        return cls(quarantine=quarantine, **same)
 
 
 class WorkersView(View):
@@ -101,6 +137,12 @@ class ConvergenceView(View):
     """The error estimate over time."""
 
     points: list[ConvergencePoint]
+
+
+class ExplanationView(View):
+    """What a render waits for."""
+
+    sentence: str
 
 
 class AssetView(View):

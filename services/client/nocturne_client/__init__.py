@@ -11,6 +11,15 @@ with Client() as client:
 
 from nocturne_client.client import Client
 from nocturne_client.errors import NocturneClientError, NotReachedError, Problem
-from nocturne_client.models import Progress, Render, Worker
+from nocturne_client.models import Progress, Render, Stop, Worker
 
-__all__ = ["Client", "NocturneClientError", "NotReachedError", "Problem", "Progress", "Render", "Worker"]
+__all__ = [
+    "Client",
+    "NocturneClientError",
+    "NotReachedError",
+    "Problem",
+    "Progress",
+    "Render",
+    "Stop",
+    "Worker",
+]

@@ -5,7 +5,7 @@ import os
 import tempfile
 import time
 import uuid
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from types import TracebackType
@@ -39,11 +39,19 @@ class Client:
     only when the service was not reached or said that it is busy; all of them are safe to repeat.
     """
 
-    def __init__(self, url: str | None = None, transport: httpx.BaseTransport | None = None) -> None:
+    def __init__(
+        self,
+        url: str | None = None,
+        transport: httpx.BaseTransport | None = None,
+        token: str | None = None,
+    ) -> None:
+        """`token` defaults to the environment variable NOCTURNE_TOKEN; none is sent where there is none."""
         self.url = (url or os.environ.get("NOCTURNE_URL") or DEFAULT_URL).rstrip("/")
+        token = token or os.environ.get("NOCTURNE_TOKEN")
+        headers = {"Authorization": f"Bearer {token}"} if token else {}
         try:
             self._http = httpx.Client(
-                base_url=self.url, timeout=_TIMEOUT, transport=transport, trust_env=False
+                base_url=self.url, timeout=_TIMEOUT, transport=transport, trust_env=False, headers=headers
             )
         except httpx.InvalidURL as error:
             raise NocturneClientError(f"{self.url!r} is not an address: {error}") from error
@@ -81,10 +89,14 @@ class Client:
         name: str = "",
         request_id: str | None = None,
         progress: UploadProgress | None = None,
+        stop: Mapping[str, Any] | None = None,
+        priority: int = 0,
     ) -> Render:
         """Uploads what the scene document at `scene` names and the service lacks, and starts a render.
 
-        Film in pixels, samples per pixel. Submitting again with the same `request_id` gives the same render.
+        Film in pixels, at most `samples` per pixel. `stop`: what else ends it, whichever comes first, of
+        relative_error, tile_relative_error, wall_seconds, cpu_seconds, until ("07:00 Europe/Berlin").
+        Submitting again with the same `request_id` gives the same render.
         """
         on_disk = read_scene(scene)
         for sha256 in self._missing(sorted(on_disk.files)):
@@ -96,6 +108,8 @@ class Client:
             "width": width,
             "height": height,
             "samples": samples,
+            "stop": dict(stop or {}),
+            "priority": priority,
         }
         return Render.from_json(self._json("POST", "/v1/renders", body))
 
@@ -107,6 +121,35 @@ class Client:
         """Stops a render; what was merged stays."""
         body = {"request_id": request_id or str(uuid.uuid4())}
         return Render.from_json(self._json("POST", f"/v1/renders/{_part(render_id)}:cancel", body))
+
+    def pause(self, render_id: str) -> Render:
+        """No more work on a render until it is resumed."""
+        return self._act(render_id, "pause", {})
+
+    def resume(self, render_id: str) -> Render:
+        """Goes on with a paused render; with a degraded one, by trying again what was set aside."""
+        return self._act(render_id, "resume", {})
+
+    def extend(self, render_id: str, samples: int = 0, stop: Mapping[str, Any] | None = None) -> Render:
+        """More samples per pixel, 0 for as many as before, and conditions instead of those before."""
+        return self._act(render_id, "extend", {"samples": samples, "stop": dict(stop or {})})
+
+    def set_priority(self, render_id: str, priority: int) -> Render:
+        """The render's weight among those of its owner, 1 to 1000."""
+        return self._act(render_id, "setPriority", {"priority": priority})
+
+    def replay(self, render_id: str, request_id: str | None = None) -> Render:
+        """A new render with the samples per tile that this one has: its image has the same bits."""
+        body = {"request_id": request_id or str(uuid.uuid4())}
+        return Render.from_json(self._json("POST", f"/v1/renders/{_part(render_id)}:replay", body))
+
+    def why(self, render_id: str) -> str:
+        """What the render waits for, in one sentence."""
+        return str(self._json("GET", f"/v1/renders/{_part(render_id)}/why")["sentence"])
+
+    def release_worker(self, worker_id: str) -> None:
+        """Takes the results of a worker in quarantine again."""
+        self._retrying(partial(self._call, "POST", f"/v1/workers/{_part(worker_id)}:release"))
 
     def workers(self) -> Sequence[Worker]:
         """The workers heard of in the last ten seconds."""
@@ -154,6 +197,10 @@ class Client:
         return found
 
     # Inside
+
+    def _act(self, render_id: str, verb: str, body: dict[str, Any]) -> Render:
+        # Each of these is safe to repeat: it says what is to be, not what is to change.
+        return Render.from_json(self._json("POST", f"/v1/renders/{_part(render_id)}:{verb}", body))
 
     def _missing(self, digests: Sequence[str]) -> Sequence[str]:
         if not digests:

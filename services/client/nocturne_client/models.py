@@ -1,10 +1,11 @@
 """What the service says, as values."""
 
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Self
 
-_FINAL = frozenset({"SUCCEEDED", "FAILED", "CANCELLED"})
+_FINAL = frozenset({"SUCCEEDED", "STOPPED_EARLY", "DEGRADED", "FAILED", "CANCELLED"})
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,37 @@ class Progress:
     """Standard error of Y, root mean square over pixels, relative to the mean Y; 0 where unknown."""
     photons_per_second: float
     cpu_seconds: float
+    tiles_done: int
+    """Tiles that need no more samples."""
+    tiles: int
+    tiles_set_aside: int
+    """Tiles left as they are, after failing on several workers."""
+    audited: int
+    """Ranges that were traced again elsewhere, and were the same."""
+    refused: int
+    """Results that could not be right."""
+    predicted_end: float
+    """Unix time; 0 unknown."""
+    predicted_cpu_seconds: float
+    """In all; 0 unknown."""
+
+    @classmethod
+    def from_json(cls, value: Mapping[str, Any]) -> Self:
+        """From the service's JSON; fields of later versions are left out."""
+        return cls(**_known(cls, value))
+
+
+@dataclass(frozen=True)
+class Stop:
+    """When a render ends besides at its last sample; 0 or empty: not asked for."""
+
+    relative_error: float
+    tile_relative_error: float
+    wall_seconds: float
+    cpu_seconds: float
+    until: str
+    until_time: float
+    """Unix time."""
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Self:
@@ -36,7 +68,7 @@ class Render:
     id: str
     name: str
     state: str
-    """QUEUED, RUNNING, SUCCEEDED, FAILED or CANCELLED."""
+    """QUEUED, RUNNING, PAUSED, SUCCEEDED, STOPPED_EARLY, DEGRADED, FAILED or CANCELLED."""
     reason: str
     width: int
     height: int
@@ -46,6 +78,9 @@ class Render:
     created: float
     started: float
     ended: float
+    stop: Stop
+    priority: int
+    owner: str
     progress: Progress
 
     @property
@@ -60,15 +95,15 @@ class Render:
 
     @property
     def seconds_left(self) -> float | None:
-        """What the present rate promises; None where there is none."""
-        rate = self.progress.photons_per_second
-        photons_left = self.samples * self.width * self.height - self.progress.photons
-        return None if rate <= 0 else max(0.0, photons_left / rate)
+        """What its rate and error so far promise; None where there is nothing to go by."""
+        end = self.progress.predicted_end
+        return None if end <= 0.0 else max(0.0, end - time.time())
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Self:
         """From the service's JSON; fields of later versions are left out."""
-        return cls(**{**_known(cls, value), "progress": Progress.from_json(value["progress"])})
+        parts = {"progress": Progress.from_json(value["progress"]), "stop": Stop.from_json(value["stop"])}
+        return cls(**{**_known(cls, value), **parts})
 
 
 @dataclass(frozen=True)
@@ -81,6 +116,8 @@ class Worker:
     photons_per_second: float
     jobs_done: int
     started: float
+    quarantine: str
+    """Why its results are not taken; empty: they are."""
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Self:

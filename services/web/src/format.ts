@@ -41,9 +41,9 @@ export function formatStops(stops: number): string {
   return `${sign}${Math.abs(stops).toFixed(1)}\u00a0EV`;
 }
 
-/** "SUCCEEDED" is "Succeeded". */
+/** "STOPPED_EARLY" is "Stopped early". */
 export function formatState(state: string): string {
-  return state.charAt(0) + state.slice(1).toLowerCase();
+  return state.charAt(0) + state.slice(1).toLowerCase().replaceAll("_", " ");
 }
 
 function significant(value: number, digits: number): string {

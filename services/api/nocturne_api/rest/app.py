@@ -6,15 +6,15 @@ from fastapi import FastAPI
 from starlette.types import ASGIApp
 
 from nocturne_api.operations import Operations
-from nocturne_api.rest import assets, events, health, images, problems, reference, renders, workers
+from nocturne_api.rest import assets, events, health, images, metrics, problems, reference, renders, workers
 from nocturne_api.rest.guards import Guards
 from nocturne_api.rest.lingering import Lingering
 from nocturne_api.rest.page import Page
 
-_ROUTERS = (renders, images, events, assets, workers, health, reference)
+_ROUTERS = (renders, images, events, assets, workers, health, metrics, reference)
 
 
-def build_rest(operations: Operations, web: Path, loopback_only: bool) -> ASGIApp:
+def build_rest(operations: Operations, web: Path, loopback_only: bool, authenticate: bool = False) -> ASGIApp:
     """The ASGI application over `operations`, with the page in the folder `web` at `/`."""
     app = FastAPI(
         title="Nocturne",
@@ -32,4 +32,4 @@ def build_rest(operations: Operations, web: Path, loopback_only: bool) -> ASGIAp
     for module in _ROUTERS:
         app.include_router(module.router)
     app.router.default = Page(web)
-    return Lingering(Guards(app, loopback_only))
+    return Lingering(Guards(app, loopback_only, operations.identify if authenticate else None))

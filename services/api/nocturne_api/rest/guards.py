@@ -1,12 +1,16 @@
 """What stands before every request: who may ask, and which headers every answer carries."""
 
+from collections.abc import Awaitable, Callable
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from nocturne_api.errors import Refused, failure_of
+from nocturne_api.access import CALLER, Caller, Pace, secret_in
+from nocturne_api.errors import Refused, Unauthenticated, failure_of
 from nocturne_api.rest.problems import response_of
+
+Identify = Callable[[str], Awaitable[Caller]]
 
 _LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "::1"})
 _READING = frozenset({"GET", "HEAD", "OPTIONS"})
@@ -38,9 +42,12 @@ class Guards:
     `loopback_only`: the service is bound to this machine, so any Host but a loopback name is DNS rebinding.
     """
 
-    def __init__(self, app: ASGIApp, loopback_only: bool) -> None:
+    def __init__(self, app: ASGIApp, loopback_only: bool, identify: Identify | None = None) -> None:
+        """`identify` gives who has a secret; without it, anybody may do anything."""
         self._app = app
         self._loopback_only = loopback_only
+        self._identify = identify
+        self._pace = Pace()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
@@ -56,6 +63,15 @@ class Guards:
 
         refusal = self._refusal(scope["method"], Headers(scope=scope))
         app = response_of(failure_of(Refused(refusal))) if refusal else self._app
+        if app is self._app and self._identify is not None and _is_guarded(scope["path"]):
+            try:
+                caller = await self._identify(secret_in(Headers(scope=scope).get("authorization", "")))
+                self._pace.take(caller.name)
+            except Exception as error:
+                headers = {"WWW-Authenticate": 'Basic realm="nocturne", Bearer'}
+                app = response_of(failure_of(error), headers if isinstance(error, Unauthenticated) else None)
+            else:
+                CALLER.set(caller)
         await app(scope, receive, send_with_headers)
 
     def _refusal(self, method: str, headers: Headers) -> str:
@@ -66,6 +82,11 @@ class Guards:
         if method not in _READING and origin is not None and urlsplit(origin).netloc != host:
             return "Requests that change something are taken from this service's own page only."
         return ""
+
+
+def _is_guarded(path: str) -> bool:
+    """All but the page's own files and what orchestrators ask; the page's data are guarded."""
+    return path.startswith("/v1") or path in ("/metrics", "/openapi.json", "/docs")
 
 
 def _name(host: str) -> str:

@@ -2,17 +2,29 @@
 
 from nocturne.v1 import asset_service_pb2, render_service_pb2
 
-from nocturne_api.views import AssetView, RenderView, WorkerView
+from nocturne_api.views import AssetView, ConvergenceView, RenderView, WorkerView
 
 
 def render_message(view: RenderView) -> render_service_pb2.Render:
     """A render; the view's fields have the message's names."""
-    fields = view.model_dump(exclude={"state", "progress"})
+    fields = view.model_dump(exclude={"state", "progress", "stop"})
     return render_service_pb2.Render(
         state=render_service_pb2.RenderState.Value(f"RENDER_STATE_{view.state}"),
         progress=render_service_pb2.Progress(**view.progress.model_dump()),
+        stop=render_service_pb2.StopConditions(**view.stop.model_dump()),
         **fields,
     )
+
+
+def convergence_message(view: ConvergenceView) -> render_service_pb2.GetConvergenceResponse:
+    """The error's history."""
+    points = [render_service_pb2.ConvergencePoint(**point.model_dump()) for point in view.points]
+    return render_service_pb2.GetConvergenceResponse(points=points)
+
+
+def asked_stop(message: render_service_pb2.StopConditions) -> dict[str, float | str]:
+    """What a caller asks for, by name; what is 0 or empty is not asked for."""
+    return {field.name: value for field, value in message.ListFields() if field.name != "until_time"}
 
 
 def worker_message(view: WorkerView) -> render_service_pb2.Worker:

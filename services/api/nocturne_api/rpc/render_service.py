@@ -14,7 +14,7 @@ from nocturne_coordinator.scene.json_text import decode_json
 from nocturne_api.intake import CreateRequest
 from nocturne_api.operations import Operations
 from nocturne_api.rpc.failures import Answering
-from nocturne_api.rpc.messages import render_message, worker_message
+from nocturne_api.rpc.messages import asked_stop, convergence_message, render_message, worker_message
 
 Context = grpc.aio.ServicerContext[Any, Any]
 
@@ -35,6 +35,8 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
                     width=request.width,
                     height=request.height,
                     samples=request.samples,
+                    stop=asked_stop(request.stop),
+                    priority=request.priority,
                 )
             )
             return render_message(created)
@@ -54,6 +56,56 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
     async def CancelRender(self, request: pb.CancelRenderRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
             return render_message(await self._operations.cancel_render(request.id, request.request_id))
+
+    async def PauseRender(self, request: pb.PauseRenderRequest, context: Context) -> pb.Render:  # noqa: N802
+        async with Answering(context):
+            return render_message(await self._operations.pause_render(request.id))
+
+    async def ResumeRender(self, request: pb.ResumeRenderRequest, context: Context) -> pb.Render:  # noqa: N802
+        async with Answering(context):
+            return render_message(await self._operations.resume_render(request.id))
+
+    async def ExtendRender(self, request: pb.ExtendRenderRequest, context: Context) -> pb.Render:  # noqa: N802
+        async with Answering(context):
+            stop = asked_stop(request.stop)
+            return render_message(await self._operations.extend_render(request.id, request.samples, stop))
+
+    async def SetPriority(self, request: pb.SetPriorityRequest, context: Context) -> pb.Render:  # noqa: N802
+        async with Answering(context):
+            return render_message(await self._operations.set_priority(request.id, request.priority))
+
+    async def ReplayRender(self, request: pb.ReplayRenderRequest, context: Context) -> pb.Render:  # noqa: N802
+        async with Answering(context):
+            return render_message(await self._operations.replay_render(request.id, request.request_id))
+
+    async def ExplainRender(  # noqa: N802
+        self, request: pb.ExplainRenderRequest, context: Context
+    ) -> pb.ExplainRenderResponse:
+        async with Answering(context):
+            explained = await self._operations.explain(request.id)
+            return pb.ExplainRenderResponse(sentence=explained.sentence)
+
+    async def GetConvergence(  # noqa: N802
+        self, request: pb.GetConvergenceRequest, context: Context
+    ) -> pb.GetConvergenceResponse:
+        async with Answering(context):
+            return convergence_message(await self._operations.convergence(request.id))
+
+    async def WatchRenders(  # noqa: N802
+        self,
+        request: pb.WatchRendersRequest,  # noqa: ARG002 - it is empty
+        context: Context,
+    ) -> AsyncIterator[pb.Render]:
+        async with Answering(context), aclosing(self._operations.watch_all()) as states:
+            async for state in states:
+                yield render_message(state)
+
+    async def ReleaseWorker(  # noqa: N802
+        self, request: pb.ReleaseWorkerRequest, context: Context
+    ) -> pb.ReleaseWorkerResponse:
+        async with Answering(context):
+            await self._operations.release_worker(request.id)
+            return pb.ReleaseWorkerResponse()
 
     async def WatchRender(  # noqa: N802
         self, request: pb.WatchRenderRequest, context: Context

@@ -13,6 +13,7 @@ from nocturne.v1 import (
 from nocturne_api.limits import GRPC_CALLS, GRPC_MESSAGE_BYTES
 from nocturne_api.operations import Operations
 from nocturne_api.rpc.asset_service import AssetService
+from nocturne_api.rpc.gate import Gate
 from nocturne_api.rpc.render_service import RenderService
 
 _OPTIONS = (
@@ -29,8 +30,12 @@ _SERVICES = (
 class GrpcDoor:
     """A gRPC server over `operations` that tells its health."""
 
-    def __init__(self, operations: Operations) -> None:
-        self.server = grpc.aio.server(options=_OPTIONS, maximum_concurrent_rpcs=GRPC_CALLS)
+    def __init__(self, operations: Operations, authenticate: bool = False) -> None:
+        self.server = grpc.aio.server(
+            options=_OPTIONS,
+            maximum_concurrent_rpcs=GRPC_CALLS,
+            interceptors=[Gate(operations.identify)] if authenticate else [],
+        )
         self._health = health.aio.HealthServicer()
         render_service_pb2_grpc.add_RenderServiceServicer_to_server(RenderService(operations), self.server)
         asset_service_pb2_grpc.add_AssetServiceServicer_to_server(AssetService(operations), self.server)

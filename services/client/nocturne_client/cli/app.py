@@ -4,7 +4,7 @@ import sys
 
 import typer
 
-from nocturne_client.cli import local_commands, service_commands
+from nocturne_client.cli import local_commands, service_commands, token_commands
 from nocturne_client.cli.output import ERRORS, ExitStatus, print_error
 from nocturne_client.errors import NocturneClientError, NotReachedError
 
@@ -12,13 +12,15 @@ app = typer.Typer(
     name="nocturne",
     help="Render scenes into spectral images in absolute units, with error bars.",
     epilog="Exit status: 0 done; 1 the render failed or was cancelled, or something is missing; "
-    "2 wrong arguments or input; 3 no service there; 130 interrupted.",
+    "2 wrong arguments or input; 3 no service there; 4 some tiles of the image lack samples; "
+    "130 interrupted.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
 service_commands.add_to(app)
 local_commands.add_to(app)
+app.add_typer(token_commands.app)
 
 
 def main() -> None:

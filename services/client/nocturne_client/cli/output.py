@@ -13,7 +13,7 @@ from rich.table import Column, Table
 
 from nocturne_client.client import DEFAULT_URL
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.models import Render
+from nocturne_client.models import Render, Worker
 
 CONSOLE = Console(highlight=False)
 ERRORS = Console(stderr=True, highlight=False)
@@ -31,6 +31,7 @@ class ExitStatus(IntEnum):
     FAILED = 1
     WRONG = 2
     NOT_REACHED = 3
+    DEGRADED = 4
     INTERRUPTED = 130
 
 
@@ -63,10 +64,57 @@ def print_render(render: Render, as_json: bool) -> None:
         ("relative error", f"{progress.relative_error:.3%}" if progress.relative_error else "not known yet"),
         ("rejected photons", f"{progress.rejected:,}"),
         ("processor time", f"{progress.cpu_seconds:,.1f} s"),
+        ("stops at", _stop(render)),
+        ("forecast", _forecast(render)),
+        ("priority", f"{render.priority}" + (f", for {render.owner}" if render.owner else "")),
+        ("audited", f"{progress.audited:,} ranges; results refused: {progress.refused:,}"),
         ("scene", render.scene_sha256),
     ):
         table.add_row(f"[dim]{name}[/]", escape(text))
     CONSOLE.print(table)
+
+
+def _stop(render: Render) -> str:
+    """What ends it, besides samples."""
+    stop = render.stop
+    parts = [
+        f"relative error {stop.relative_error:.3%}" if stop.relative_error else "",
+        f"relative error {stop.tile_relative_error:.3%} of each tile" if stop.tile_relative_error else "",
+        f"{stop.wall_seconds:g} s of running" if stop.wall_seconds else "",
+        f"{stop.cpu_seconds / 3600:g} h of processor time" if stop.cpu_seconds else "",
+        stop.until,
+    ]
+    return ", ".join(part for part in parts if part) or "its last sample"
+
+
+def _forecast(render: Render) -> str:
+    progress = render.progress
+    if render.has_ended or not progress.predicted_end:
+        return "-"
+    end = time.strftime("%Y-%m-%d %H:%M", time.localtime(progress.predicted_end))
+    return f"ends {end}, {progress.predicted_cpu_seconds / 3600:,.2f} h of processor time in all"
+
+
+def print_workers(workers: list[Worker], as_json: bool) -> None:
+    """A list of workers; as JSON one per line."""
+    if as_json:
+        for worker in workers:
+            print_json(asdict(worker))
+        return
+    table = Table(
+        "id", "engine", "threads", "photons/s", "jobs", "up", "quarantine", box=None, pad_edge=False
+    )
+    for worker in workers:
+        table.add_row(
+            escape(worker.id),
+            f"{worker.engine}",
+            f"{worker.threads}",
+            f"{worker.photons_per_second:,.0f}",
+            f"{worker.jobs_done:,}",
+            duration(time.time() - worker.started),
+            escape(worker.quarantine),
+        )
+    CONSOLE.print(table if workers else "no worker was heard of in the last ten seconds")
 
 
 def print_renders(renders: list[Render], as_json: bool) -> None:
@@ -75,7 +123,7 @@ def print_renders(renders: list[Render], as_json: bool) -> None:
         for render in renders:
             print_json(asdict(render))
         return
-    table = Table("id", "name", "state", "film", "merged", "error", "age", box=None, pad_edge=False)
+    table = Table("id", "name", "state", "film", "merged", "error", "left", "age", box=None, pad_edge=False)
     for render in renders:
         error = render.progress.relative_error
         table.add_row(
@@ -85,6 +133,7 @@ def print_renders(renders: list[Render], as_json: bool) -> None:
             f"{render.width}x{render.height}",
             f"{render.fraction:.0%}",
             f"{error:.2%}" if error else "",
+            "" if render.has_ended or render.seconds_left is None else duration(render.seconds_left),
             duration(time.time() - render.created),
         )
     CONSOLE.print(table if renders else "no renders yet; start one with `nocturne submit SCENE`")

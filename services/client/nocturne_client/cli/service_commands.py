@@ -9,9 +9,12 @@ from nocturne_client.cli.output import (
     ERRORS,
     AsJson,
     Url,
+    print_json,
     print_render,
     print_renders,
+    print_workers,
 )
+from nocturne_client.cli.stops import Cpu, Error, For, Stops, TileError, Until
 from nocturne_client.cli.watching import follow
 from nocturne_client.client import Client
 
@@ -24,8 +27,9 @@ Samples = Annotated[int, typer.Option("--samples", help="Samples per pixel.")]
 
 def add_to(app: typer.Typer) -> None:
     """Adds these commands to the program."""
-    for command in (submit, watch, list_renders, get, cancel):
-        app.command(name="list" if command is list_renders else None)(command)
+    app.command(name="list")(list_renders)
+    for command in (submit, watch, get, cancel, pause, resume, extend, priority, replay, why, workers):
+        app.command()(command)
 
 
 def submit(
@@ -38,18 +42,29 @@ def submit(
         str | None,
         typer.Option("--request-id", help="Submitting again with the same id gives the same render."),
     ] = None,
+    error: Error = "",
+    tile_error: TileError = "",
+    duration: For = "",
+    cpu: Cpu = "",
+    until: Until = "",
+    weight: Annotated[
+        int, typer.Option("--priority", help="1 to 1000; twice as much gets twice the work.")
+    ] = 0,
     then_watch: Annotated[bool, typer.Option("--watch", help="Follow it to its end.")] = False,
     url: Url = None,
     as_json: AsJson = False,
 ) -> None:
-    """Upload a scene and start rendering it; prints the render's id."""
+    """Upload a scene and start rendering it; prints the render's id. It ends at the first condition met."""
+    stop = Stops(error, tile_error, duration, cpu, until).asked()
 
     def uploading(path: Path, sent: int, size: int) -> None:
         if sent == size:
             ERRORS.print(f"uploaded {path.name}, {size:,} bytes", markup=False)
 
     with Client(url) as client:
-        render = client.submit(scene, width, height, samples, name, request_id, uploading)
+        render = client.submit(
+            scene, width, height, samples, name, request_id, uploading, stop=stop, priority=weight
+        )
         if not then_watch:
             print_render(render, as_json) if as_json else typer.echo(render.id)
             return
@@ -98,3 +113,81 @@ def cancel(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> Non
     """Stop a render; what was merged stays and can be fetched."""
     with Client(url) as client:
         print_render(client.cancel(render_id), as_json)
+
+
+def pause(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:
+    """No more work on a render until it is resumed; what was merged stays."""
+    with Client(url) as client:
+        print_render(client.pause(render_id), as_json)
+
+
+def resume(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:
+    """Go on with a paused render; with a degraded one, by trying again what was set aside."""
+    with Client(url) as client:
+        print_render(client.resume(render_id), as_json)
+
+
+def extend(
+    render_id: RenderId,
+    samples: Annotated[int, typer.Option("--samples", help="In all; 0: as many as before.")] = 0,
+    error: Error = "",
+    tile_error: TileError = "",
+    duration: For = "",
+    cpu: Cpu = "",
+    until: Until = "",
+    url: Url = None,
+    as_json: AsJson = False,
+) -> None:
+    """Give a render more samples, or other conditions, also after its end; nothing is traced again."""
+    with Client(url) as client:
+        stop = Stops(error, tile_error, duration, cpu, until).asked()
+        print_render(client.extend(render_id, samples, stop), as_json)
+
+
+def priority(
+    render_id: RenderId,
+    weight: Annotated[int, typer.Argument(metavar="N", help="1 to 1000; 100 is usual.")],
+    url: Url = None,
+    as_json: AsJson = False,
+) -> None:
+    """Change how much of the workers a render gets beside others of its owner."""
+    with Client(url) as client:
+        print_render(client.set_priority(render_id, weight), as_json)
+
+
+def replay(
+    render_id: RenderId,
+    exr: Annotated[Path | None, typer.Option("--exr", help="Wait for it, and write the image here.")] = None,
+    url: Url = None,
+    as_json: AsJson = False,
+) -> None:
+    """Trace a render once more with the samples that each of its tiles has: the image has the same bits."""
+    with Client(url) as client:
+        again = client.replay(render_id)
+        if exr is None:
+            print_render(again, as_json) if as_json else typer.echo(again.id)
+            return
+        status = follow(client.watch(again.id), as_json)
+        client.download(again.id, "exr", exr)
+        raise typer.Exit(status)
+
+
+def why(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:
+    """Say in one sentence what a render waits for."""
+    with Client(url) as client:
+        sentence = client.why(render_id)
+    print_json({"sentence": sentence}) if as_json else typer.echo(sentence)
+
+
+def workers(
+    release: Annotated[
+        str, typer.Option("--release", metavar="WORKER", help="Take the results of this one again.")
+    ] = "",
+    url: Url = None,
+    as_json: AsJson = False,
+) -> None:
+    """List the workers heard of lately, and why any of them is in quarantine."""
+    with Client(url) as client:
+        if release:
+            client.release_worker(release)
+        print_workers([*client.workers()], as_json)

@@ -18,7 +18,9 @@ def follow(states: Iterable[Render], as_json: bool) -> ExitStatus:
             print_json(asdict(last))
     else:
         last = _with_bar(states)
-    return ExitStatus.OK if last is not None and last.state == "SUCCEEDED" else ExitStatus.FAILED
+    if last is None or last.state in ("FAILED", "CANCELLED"):
+        return ExitStatus.FAILED
+    return ExitStatus.DEGRADED if last.state == "DEGRADED" else ExitStatus.OK
 
 
 def _with_bar(states: Iterable[Render]) -> Render | None:
@@ -47,6 +49,6 @@ def _about(render: Render) -> str:
         parts.append(f"{progress.photons_per_second:,.0f} photons/s")
         if render.seconds_left is not None:
             parts.append(f"{duration(render.seconds_left)} left")
-        elif render.state == "QUEUED":
-            parts.append("queued")
+        elif render.state in ("QUEUED", "PAUSED"):
+            parts.append(render.state.lower())
     return ", ".join(parts)

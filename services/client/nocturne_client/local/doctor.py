@@ -16,7 +16,7 @@ _CPU_FLAGS = ("avx2", "bmi1", "bmi2", "fma", "f16c", "movbe")
 _FREE_BYTES = 2 * 1024**3
 _PACKAGES = (
     *("nocturne", "nocturne_coordinator", "nocturne_api", "colour", "trimesh", "OpenImageIO", "redis"),
-    *("fastapi", "uvicorn", "grpc", "numpy", "scipy"),
+    *("fastapi", "uvicorn", "grpc", "numpy", "prometheus_client", "scipy"),
 )
 
 

@@ -1,6 +1,14 @@
 /** What the REST interface answers; the meaning of each field is in proto/nocturne/v1/render_service.proto. */
 
-export type RenderState = "QUEUED" | "RUNNING" | "SUCCEEDED" | "FAILED" | "CANCELLED";
+export type RenderState =
+  | "QUEUED"
+  | "RUNNING"
+  | "PAUSED"
+  | "SUCCEEDED"
+  | "STOPPED_EARLY"
+  | "DEGRADED"
+  | "FAILED"
+  | "CANCELLED";
 
 export interface Progress {
   ranges_done: number;
@@ -14,6 +22,8 @@ export interface Progress {
   relative_error: number;
   photons_per_second: number;
   cpu_seconds: number;
+  /** Unix time in seconds; 0 where there is nothing to go by. */
+  predicted_end: number;
 }
 
 export interface Render {
@@ -56,7 +66,7 @@ export interface ErrorPoint {
 }
 
 export function hasEnded(render: Render): boolean {
-  return render.state !== "QUEUED" && render.state !== "RUNNING";
+  return render.state !== "QUEUED" && render.state !== "RUNNING" && render.state !== "PAUSED";
 }
 
 export function hasImage(render: Render): boolean {

@@ -28,6 +28,11 @@ const facts: Fact[] = [
   { label: "Photons", value: (render) => formatCount(render.progress.photons) },
   { label: "Rays", value: (render) => formatCount(render.progress.rays) },
   { label: "Elapsed", value: (render) => (render.started > 0 ? formatDuration(elapsedSeconds(render)) : "–") },
+  {
+    label: "Left",
+    value: timeLeft,
+    meaning: "From the rate and the error so far, to the first condition that ends the render.",
+  },
   { label: "CPU time", value: (render) => formatDuration(render.progress.cpu_seconds) },
   { label: "Rejected", value: (render) => formatCount(render.progress.rejected), meaning: "Photons whose result was not a finite number; they are left out of the image." },
   { label: "Film", value: (render) => `${render.width} × ${render.height}` },
@@ -48,6 +53,11 @@ export function factsList(): { node: HTMLElement; show: (render: Render) => void
       });
     },
   };
+}
+
+function timeLeft(render: Render): string {
+  const end = render.progress.predicted_end;
+  return hasEnded(render) || end <= 0 ? "–" : formatDuration(Math.max(0, end - Date.now() / 1000));
 }
 
 /** While it runs the rate of now, afterwards the mean. */

@@ -1,0 +1,96 @@
+"""Who calls, and what that caller may do: one set of rules for both doors."""
+
+import base64
+import binascii
+import time
+from collections.abc import Mapping
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+
+from nocturne_coordinator.store.tokens import Token
+
+from nocturne_api.errors import Forbidden, TooMany, Unauthenticated
+from nocturne_api.limits import CALLS_AT_ONCE, CALLS_PER_SECOND
+
+_IMPLIED: Mapping[str, frozenset[str]] = {
+    "read": frozenset({"read"}),
+    "submit": frozenset({"read", "submit"}),
+    "worker": frozenset({"worker"}),
+    "admin": frozenset({"read", "submit", "worker", "admin"}),
+}
+
+
+@dataclass(frozen=True)
+class Caller:
+    """Somebody at a door."""
+
+    name: str
+    """Of the token; empty where there is no authentication."""
+    scopes: frozenset[str]
+
+    def need(self, scope: str) -> None:
+        """Raises Forbidden unless the caller may do what `scope` allows."""
+        if scope not in self.scopes:
+            raise Forbidden(f"this token has no scope {scope!r}, only {', '.join(sorted(self.scopes))}")
+
+    def need_own(self, owner: str) -> None:
+        """Raises Forbidden unless a render of this owner is the caller's to change."""
+        self.need("submit")
+        if "admin" not in self.scopes and owner != self.name:
+            raise Forbidden(f"the render is {owner or 'nobody'}'s; to change it takes the scope 'admin'")
+
+
+ANYBODY = Caller("", _IMPLIED["admin"])
+"""Without authentication; only loopback and Unix sockets are served then."""
+
+CALLER: ContextVar[Caller] = ContextVar("caller", default=ANYBODY)
+"""Set by the doors for the call at hand."""
+
+
+def caller_of(token: Token | None) -> Caller:
+    """Raises Unauthenticated where there is no such token."""
+    if token is None:
+        raise Unauthenticated("the token is not known, or was revoked")
+    return Caller(token.name, frozenset().union(*(_IMPLIED[scope] for scope in token.scopes)))
+
+
+def secret_in(authorization: str) -> str:
+    """The secret in an Authorization header: a Bearer's, or a Basic password, so that browsers can ask for
+    it.
+
+    Raises Unauthenticated where there is none.
+    """
+    scheme, _, rest = authorization.partition(" ")
+    if scheme.lower() == "bearer" and rest.strip():
+        return rest.strip()
+    if scheme.lower() == "basic":
+        try:
+            _, _, password = base64.b64decode(rest, validate=True).decode().partition(":")
+        except (binascii.Error, UnicodeDecodeError):
+            password = ""
+        if password:
+            return password
+    raise Unauthenticated("a token is needed: `Authorization: Bearer TOKEN`")
+
+
+@dataclass
+class _Bucket:
+    left: float
+    at: float
+
+
+@dataclass
+class Pace:
+    """How many calls each caller may make: CALLS_PER_SECOND in the long run, CALLS_AT_ONCE in a burst."""
+
+    _buckets: dict[str, _Bucket] = field(default_factory=dict)
+
+    def take(self, name: str, now: float | None = None) -> None:
+        """Counts a call; raises TooMany."""
+        now = time.monotonic() if now is None else now
+        bucket = self._buckets.setdefault(name, _Bucket(CALLS_AT_ONCE, now))
+        bucket.left = min(CALLS_AT_ONCE, bucket.left + (now - bucket.at) * CALLS_PER_SECOND)
+        bucket.at = now
+        if bucket.left < 1.0:
+            raise TooMany(f"more than {CALLS_PER_SECOND:g} calls a second; try again in a moment")
+        bucket.left -= 1.0

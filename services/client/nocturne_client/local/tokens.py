@@ -1,0 +1,45 @@
+"""API tokens of a data folder on this machine."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.errors import NocturneError
+
+from nocturne_client.errors import NocturneClientError
+from nocturne_client.local.up import default_data_folder
+
+
+def create_token(data: Path | None, name: str, scopes: Sequence[str], weight: int) -> str:
+    """The new token's secret."""
+    with _folder(data) as folder:
+        return folder.tokens.create(name, scopes, weight)
+
+
+def list_tokens(data: Path | None) -> list[dict[str, Any]]:
+    """What is known of each, oldest first."""
+    with _folder(data) as folder:
+        return [asdict(token) for token in folder.tokens.list()]
+
+
+def revoke_token(data: Path | None, name: str) -> None:
+    """Lets nobody in with it any more."""
+    with _folder(data) as folder:
+        folder.tokens.revoke(name)
+
+
+@contextmanager
+def _folder(data: Path | None) -> Iterator[DataFolder]:
+    try:
+        folder = DataFolder(data or default_data_folder())
+        try:
+            yield folder
+        finally:
+            folder.close()
+    except NocturneError as error:
+        raise NocturneClientError(str(error)) from error
+    except OSError as error:
+        raise NocturneClientError(f"{error.filename}: {error.strerror}") from error
