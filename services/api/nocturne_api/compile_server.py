@@ -45,6 +45,8 @@ def main() -> None:
             accepted, _ = listener.accept()
             if os.fork() == 0:
                 try:
+                    # The compiler may start programs, and wants to know how they end.
+                    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
                     listener.close()
                     _compile(Connection(accepted.detach()))
                 finally:
