@@ -29,6 +29,12 @@ struct Damage {
 };
 
 // What a worker gets comes over a network: every number is checked before it is used.
+v1::Interior& add_body(v1::CompiledScene& message) {
+  auto& interior = *message.add_interiors();
+  interior.set_matched(true);
+  return interior;
+}
+
 TEST(LoadScene, RefusesDamagedMessagesInWords) {
   const Damage damages[] = {
       {"format", [](auto& m) { m.set_format(1); }},
@@ -59,7 +65,22 @@ TEST(LoadScene, RefusesDamagedMessagesInWords) {
       {"wavelength sampling", [](auto& m) { m.mutable_sensor()->clear_wavelength_sampling(); }},
       {"add up", [](auto& m) { m.mutable_tracing()->set_weight_kernel(0.9); }},
       {"h is", [](auto& m) { m.mutable_tracing()->set_h(0); }},
-      {"depth", [](auto& m) { m.mutable_tracing()->set_maximum_depth(0); }},
+      {"medium index", [](auto& m) { add_body(m).add_media(0); }},
+      {"unbounded interior", [](auto& m) { m.add_unbounded_interiors(0); }},
+      {"dielectric",
+       [](auto& m) {
+         add_body(m).set_matched(false);
+         m.add_unbounded_interiors(0);
+       }},
+      {"phase function", [](auto& m) { m.add_media()->set_constant(1.0); }},
+      {"density",
+       [](auto& m) { m.add_media()->mutable_phase()->mutable_henyey_greenstein()->set_g(0.0); }},
+      {"density is negative",
+       [](auto& m) {
+         auto& medium = *m.add_media();
+         medium.mutable_phase()->mutable_henyey_greenstein()->set_g(0.0);
+         medium.set_constant(-1.0);
+       }},
       {"roulette", [](auto& m) { m.mutable_tracing()->clear_roulette(); }},
       {"sequence", [](auto& m) { m.mutable_tracing()->clear_sequence(); }},
       {"group of photons", [](auto& m) { m.mutable_tracing()->set_group(3); }},

@@ -97,7 +97,8 @@ class SceneBuilder {
     return static_cast<std::uint32_t>(message.media_size()) - 1;
   }
 
-  /// Falls exponentially from density 1 at `base`: with y where `base` is off the axis in y, else z.
+  /// Falls exponentially from density 1 at `base`: with y where `base` is off the axis in y, else
+  /// z.
   void set_scale_height(std::uint32_t medium, Vec3 base, double height) {
     auto& altitude = *message.mutable_media(static_cast<int>(medium))->mutable_altitude();
     set(*altitude.mutable_base(), base);
