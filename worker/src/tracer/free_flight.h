@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <type_traits>
 #include <variant>
 
@@ -82,23 +83,47 @@ class FreeFlight {
     fly(group.ray, u, lead, end, way);
     weigh(group, lead, way);
     if (way.medium == kNone) return std::nullopt;
-    const Vec3 direction = group.ray.direction;
-    return Hit{.position = group.ray.origin + way.distance * direction,
-               .normal = -direction,
-               .surface = scene_.surface_of(present_[way.medium].index),
-               .distance = way.distance,
-               .clearance = 0.0f,
-               .instance = Hit::kNoInstance,
-               .primitive = 0,
-               .u = 0.0f,
-               .v = 0.0f};
+    return hit_at(group.ray, way.medium, way.distance);
+  }
+
+  /// Media so thin that a photon would seldom meet them by chance. To be asked before force.
+  bool thin(const Ray& ray, float end) {
+    depth_ = 0.0f;
+    for (std::size_t i = 0; i < present_.size(); ++i)
+      depth_ += depths_[i] = most_depth(i, ray, end);
+    return depth_ < kThin;
+  }
+
+  /// A collision before `end` in thin media, whose weight is the probability that there would have
+  /// been one: what pass leaves of another group is the rest. Placed by the bounds, so that it is
+  /// the same for all photons; none where it is not worth the while.
+  std::optional<Hit> force(Group<N>& group, float end) const {
+    const Uniform4 u = group.sequence.next();
+    const float chance = std::min(1.0f, depth_ / kWorthwhile);
+    if (u[1] >= chance) return std::nullopt;
+    const std::size_t i = choose(std::span(depths_), u[1] / chance * depth_);
+    if (i == kNone) return std::nullopt;
+    const Present& present = present_[i];
+    const float depth = depths_[i], all = -std::expm1(-depth), at = -std::log1p(-u[0] * all);
+    const auto [distance, most] = place(i, group.ray, end, at);
+    if (!(distance < end)) return std::nullopt;
+    const Vec3 position = group.ray.origin + distance * group.ray.direction;
+    const float here = std::visit([&](const auto& d) { return std::min(d.at(position), most); },
+                                  scene_.media[present.index].density);
+    const float factor = here / (most * largest(present.extinction)) * std::exp(at) * all * depth_ /
+                         (depth * chance);
+    group.weight *= factor * present.extinction;
+    transmit(group, group.sequence.next(), distance);
+    return hit_at(group.ray, i, distance);
   }
 
   /// Multiplies the weights by the transmittance up to `end`, or by an unbiased estimate of it
   /// (ratio tracking; Novak, Selle and Jarosz, "Residual ratio tracking for estimating attenuation
   /// in participating media", SIGGRAPH Asia 2014). The group may end.
-  void pass(Group<N>& group, float end) const {
-    const Uniform4 u = group.sequence.next();
+  void pass(Group<N>& group, float end) const { transmit(group, group.sequence.next(), end); }
+
+ private:
+  void transmit(Group<N>& group, const Uniform4& u, float end) const {
     group.weight *= each([end](float sigma) { return std::exp(-sigma * end); }, constant_);
     for (std::size_t i = 0; i < present_.size(); ++i) {
       if (!(largest(group.weight) > 0.0f)) return;
@@ -114,12 +139,13 @@ class FreeFlight {
     }
   }
 
- private:
   // Of media at one point.
   static constexpr std::size_t kMostPresent = 32;
   static constexpr std::size_t kNone = ~std::size_t{0};
   // An estimate below this goes on by roulette.
   static constexpr float kSmallTransmittance = 0.05f;
+  // Depths up to which a photon is made to collide, and below which only some are.
+  static constexpr float kThin = 2.0f, kWorthwhile = 0.1f;
 
   template <class Density>
   static constexpr bool kIsConstant = std::is_same_v<std::remove_cvref_t<Density>, ConstantDensity>;
@@ -148,6 +174,75 @@ class FreeFlight {
     inside.for_each_present(scene_.interiors, [&](const Interior& body) {
       for (const std::uint32_t medium : body.media) add(medium);
     });
+  }
+
+  Hit hit_at(const Ray& ray, std::size_t medium, float distance) const {
+    return {.position = ray.origin + distance * ray.direction,
+            .normal = -ray.direction,
+            .surface = scene_.surface_of(present_[medium].index),
+            .distance = distance,
+            .clearance = 0.0f,
+            .instance = Hit::kNoInstance,
+            .primitive = 0,
+            .u = 0.0f,
+            .v = 0.0f};
+  }
+
+  // f(bound, from, end) for every segment of a medium along a ray; it says whether to go on.
+  template <class F>
+  void for_each_segment(std::size_t i, const Ray& ray, float end, const F& f) const {
+    std::visit(
+        [&](const auto& density) {
+          typename std::remove_cvref_t<decltype(density)>::Bounds bounds(density, ray, end);
+          float from = 0.0f;
+          for (BoundSegment segment; bounds.next(segment); from = segment.end) {
+            if (!f(segment.most, from, segment.end)) return;
+          }
+        },
+        scene_.media[present_[i].index].density);
+  }
+
+  // Optical depth under the bounds, of the photon for which it is most.
+  float most_depth(std::size_t i, const Ray& ray, float end) const {
+    const float extinction = largest(present_[i].extinction);
+    float depth = 0.0f;
+    for_each_segment(i, ray, end, [&](float most, float from, float to) {
+      if (most > 0.0f) depth += extinction * most * (to - from);
+      return depth < kThin;
+    });
+    return depth;
+  }
+
+  struct Place {
+    float distance, most;
+  };
+  // Where that depth is reached.
+  Place place(std::size_t i, const Ray& ray, float end, float depth) const {
+    const float extinction = largest(present_[i].extinction);
+    Place found{end, 0.0f};
+    for_each_segment(i, ray, end, [&](float most, float from, float to) {
+      if (!(most > 0.0f)) return true;
+      const float here = extinction * most * (to - from);
+      if (depth >= here) {
+        depth -= here;
+        return true;
+      }
+      found = {from + depth / (extinction * most), most};
+      return false;
+    });
+    return found;
+  }
+
+  // The one in whose share `left` falls.
+  std::size_t choose(std::span<const float> shares, float left) const {
+    std::size_t last = kNone;
+    for (std::size_t i = 0; i < present_.size(); ++i) {
+      if (!(shares[i] > 0.0f)) continue;
+      last = i;
+      if (left < shares[i]) return i;
+      left -= shares[i];
+    }
+    return last;
   }
 
   // Media beyond what fits are not seen, as bodies beyond InteriorList::kMost are not.
@@ -200,16 +295,11 @@ class FreeFlight {
   }
 
   std::size_t choose_constant(std::size_t lead, float u) const {
-    float left = u * constant_[lead];
-    std::size_t last = kNone;
+    std::array<float, kMostPresent> shares;
     for (std::size_t i = 0; i < present_.size(); ++i) {
-      const float share = present_[i].density * present_[i].extinction[lead];
-      if (!(share > 0.0f)) continue;
-      last = i;
-      if (left < share) return i;
-      left -= share;
+      shares[i] = present_[i].density * present_[i].extinction[lead];
     }
-    return last;
+    return choose(shares, u * constant_[lead]);
   }
 
   // Through the media that vary. Where a later one is hit before an earlier one's way ended, what
@@ -351,6 +441,9 @@ class FreeFlight {
   Spectral<N> constant_ = 0.0f;
   FixedStack<Present, kMostPresent> present_;
   std::size_t first_varying_;
+  // What thin found.
+  std::array<float, kMostPresent> depths_;
+  float depth_;
 };
 
 }  // namespace nocturne

@@ -85,12 +85,15 @@ class Walk {
   // To the next surface and off it; false where the group ends.
   bool step(Group<N>& group) {
     const auto vertex = next_vertex(group);
-    if (!vertex) return false;
-    return visit_bound<N>(scene_.kernels, vertex->kernel, vertex->shading, [&](const auto& kernel) {
+    return vertex && leave_vertex(group, *vertex);
+  }
+
+  bool leave_vertex(Group<N>& group, const Vertex<N>& vertex) {
+    return visit_bound<N>(scene_.kernels, vertex.kernel, vertex.shading, [&](const auto& kernel) {
       if constexpr (kAdjoint) {
-        if (group.share.how == Shared::kTowardsLights) return pass_on(group, *vertex, kernel);
+        if (group.share.how == Shared::kTowardsLights) return pass_on(group, vertex, kernel);
       }
-      return scatter(group, *vertex, kernel);
+      return scatter(group, vertex, kernel);
     });
   }
 
@@ -100,9 +103,40 @@ class Walk {
     const float end = hit ? hit->distance : std::numeric_limits<float>::max();
     if (group.share.how == Shared::kTowardsLights) {
       flight_.pass(group, end);
+    } else if (kAdjoint && group.depth == 0 && options_.estimator == Estimator::kTwoPhotons &&
+               flight_.thin(group.ray, end)) {
+      part_in_media(group, end);
     } else if (const auto collision = flight_.collide(group, end)) {
       hit = collision;
       ++group.collisions;
+    }
+  }
+
+  // A sensor's photons meet thin media and what is behind them, too: one group collides, the other
+  // passes, and each carries its part.
+  void part_in_media(Group<N>& group, float end) {
+    Group<N> met = group;
+    met.sequence = group.sequence.branch(2);
+    const auto hit = flight_.force(met, end);
+    flight_.pass(group, end);
+    if (!hit || !(largest(met.weight) > 0.0f)) return;
+    travel(met, *hit);
+    ++met.collisions;
+    if (met.depth++ == options_.maximum_depth) return;
+    const auto vertex = make_vertex(scene_, *hit, met, wavelengths_, time_, Counter::kTransport);
+    if (leave_vertex(met, *vertex)) follow(met);
+  }
+
+  // Up to a hit; what the counter looks for there is counted.
+  void travel(Group<N>& group, const Hit& hit) {
+    if (!group.inside.empty()) {
+      group.weight *= scene_.transmittance(group.inside, hit.distance, wavelengths_);
+    }
+    group.width += spread_ * hit.distance;
+    if (has_media_ && scene_.is_medium(hit.surface)) {
+      counter_.glows(group, hit);
+    } else {
+      counter_.arrives(group, hit);
     }
   }
 
@@ -115,15 +149,7 @@ class Walk {
       if (has_media_) fly(group, hit);
       counter_.flies(group, hit);
       if (!hit) return std::nullopt;
-      if (!group.inside.empty()) {
-        group.weight *= scene_.transmittance(group.inside, hit->distance, wavelengths_);
-      }
-      group.width += spread_ * hit->distance;
-      if (has_media_ && scene_.is_medium(hit->surface)) {
-        counter_.glows(group, *hit);
-      } else {
-        counter_.arrives(group, *hit);
-      }
+      travel(group, *hit);
       if (ends_here(group, *hit)) return std::nullopt;
       auto vertex = make_vertex(scene_, *hit, group, wavelengths_, time_, Counter::kTransport);
       if (vertex) {
