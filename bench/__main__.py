@@ -6,7 +6,7 @@ import sys
 
 from nocturne_client.errors import NocturneClientError
 
-from bench import choices, mixture, peers, sampling, service, traversal
+from bench import choices, media, mixture, peers, sampling, service, traversal
 from bench.machine import load_average
 from bench.report import Bench, Figures, Skipped, keep
 
@@ -16,6 +16,7 @@ BENCHES: dict[str, Bench] = {
     "mixture": mixture,
     "sampling": sampling,
     "choices": choices,
+    "media": media,
     "peers": peers,
 }
 

@@ -36,12 +36,19 @@ class Traced:
     process_wall_s: float
 
 
-def trace(compiled: CompiledFolder, threads: int | None = None) -> Traced:
-    """Runs nocturne-trace; all processors where `threads` is None."""
+def trace(compiled: CompiledFolder, threads: int | None = None, options: Sequence[object] = ()) -> Traced:
+    """Runs nocturne-trace, with further options; all processors where `threads` is None."""
     with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
         image, statistics = Path(folder) / "image.exr", Path(folder) / "statistics.json"
         files = [compiled.scene, "--plan", compiled.plan, "--blobs", compiled.blobs, "-o", image]
-        options = ["--threads", threads or os.cpu_count() or 1, "--statistics", statistics, "--quiet"]
+        options = [
+            *options,
+            "--threads",
+            threads or os.cpu_count() or 1,
+            "--statistics",
+            statistics,
+            "--quiet",
+        ]
         cpu_s, wall_s = children_cpu_s(), time.monotonic()
         run([need_program("nocturne-trace"), *files, *options])
         cpu_s, wall_s = children_cpu_s() - cpu_s, time.monotonic() - wall_s
