@@ -22,38 +22,11 @@
 #include <variant>
 
 #include "scene/scene.h"
+#include "tracer/delta_tracking.h"
 #include "tracer/fixed_stack.h"
 #include "tracer/group.h"
 
 namespace nocturne {
-
-/// A stream of uniform numbers for one flight in one medium. SplitMix64 (Steele, Lea and Flood,
-/// OOPSLA 2014).
-class FlightNumbers {
- public:
-  explicit FlightNumbers(std::uint64_t seed) : state_(seed) {}
-  /// The first number is given.
-  FlightNumbers(std::uint64_t seed, float first) : state_(seed), first_(first) {}
-
-  /// Where a distance starts.
-  float first() { return first_ >= 0.0f ? first_ : (*this)(); }
-
-  float operator()() {
-    state_ += 0x9E3779B97F4A7C15u;
-    std::uint64_t x = state_;
-    x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
-    x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
-    return to_unit(static_cast<std::uint32_t>((x ^ (x >> 31)) >> 32));
-  }
-
- private:
-  std::uint64_t state_;
-  float first_ = -1.0f;
-};
-
-/// Optical depths are exponentially distributed. Numbers have 32 bits, so depths end at 22.2 (and
-/// a share of 2e-10 that lies beyond is moved there).
-inline float exponential(float u) { return -std::log(std::max(u, 0x1p-33f)); }
 
 template <int N>
 class FreeFlight {
@@ -337,41 +310,18 @@ class FreeFlight {
   static bool track(const Density& density, const Spectral<N>& extinction, std::size_t lead,
                     const Ray& ray, float end, FlightNumbers numbers, Way& way) {
     const float largest_extinction = largest(extinction);
-    typename Density::Bounds bounds(density, ray, end);
-    float position = 0.0f, depth = exponential(numbers.first());
-    for (BoundSegment segment; bounds.next(segment);) {
-      const float most = segment.most * largest_extinction;
-      if (!(most > 0.0f)) {
-        position = segment.end;
-        continue;
+    bool hit = false;
+    for_each_tentative(density, largest_extinction, ray, end, numbers, [&](const Tentative& at) {
+      if (at.distance > way.distance) return false;
+      hit = numbers() * at.most < at.density * extinction[lead];
+      if (hit) way.distance = at.distance;
+      if constexpr (N > 1) {
+        way.probability *= hit ? extinction : Spectral<N>(at.most) - at.density * extinction;
+        normalise(way.probability);
       }
-      for (;;) {
-        const float left = (segment.end - position) * most;
-        if (depth >= left) {
-          depth -= left;
-          position = segment.end;
-          break;
-        }
-        position += depth / most;
-        if (position > way.distance) return false;
-        depth = exponential(numbers());
-        // Rounding may lift a looked-up density above its bound by a unit in the last place.
-        const float here =
-            std::min(density.at(ray.origin + position * ray.direction), segment.most);
-        if (numbers() * most < here * extinction[lead]) {
-          way.distance = position;
-          if constexpr (N > 1) way.probability *= extinction;
-          normalise(way.probability);
-          return true;
-        }
-        if constexpr (N > 1) {
-          way.probability *= Spectral<N>(most) - here * extinction;
-          normalise(way.probability);
-        }
-      }
-      if (position > way.distance) return false;
-    }
-    return false;
+      return !hit;
+    });
+    return hit;
   }
 
   static void normalise(Spectral<N>& probability) {
@@ -385,34 +335,14 @@ class FreeFlight {
   static Spectral<N> transmitted(const Density& density, const Spectral<N>& extinction,
                                  const Ray& ray, float end, FlightNumbers numbers) {
     Spectral<N> left = 1.0f;
-    const float largest_extinction = largest(extinction);
-    typename Density::Bounds bounds(density, ray, end);
-    float position = 0.0f, depth = exponential(numbers.first());
-    for (BoundSegment segment; bounds.next(segment);) {
-      const float most = segment.most * largest_extinction;
-      if (!(most > 0.0f)) {
-        position = segment.end;
-        continue;
-      }
-      for (;;) {
-        const float to_end = (segment.end - position) * most;
-        if (depth >= to_end) {
-          depth -= to_end;
-          position = segment.end;
-          break;
-        }
-        position += depth / most;
-        depth = exponential(numbers());
-        const float here =
-            std::min(density.at(ray.origin + position * ray.direction), segment.most);
-        left *= Spectral<N>(1.0f) - (here / most) * extinction;
-        const float best = largest(left);
-        if (best < kSmallTransmittance) {
-          if (numbers() * kSmallTransmittance >= best) return 0.0f;
-          left = (kSmallTransmittance / best) * left;
-        }
-      }
-    }
+    for_each_tentative(density, largest(extinction), ray, end, numbers, [&](const Tentative& at) {
+      left *= Spectral<N>(1.0f) - (at.density / at.most) * extinction;
+      const float best = largest(left);
+      if (best >= kSmallTransmittance) return true;
+      const bool survives = numbers() * kSmallTransmittance < best;
+      left = survives ? (kSmallTransmittance / best) * left : Spectral<N>(0.0f);
+      return survives;
+    });
     return left;
   }
 

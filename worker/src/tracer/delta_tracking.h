@@ -1,0 +1,77 @@
+// Tentative collisions along a ray in a medium whose density varies: as often as in one that is
+// everywhere as dense as its bounds. Which of them are real is up to the caller. Woodcock et al.,
+// "Techniques used in the GEM code for Monte Carlo neutronics calculations", ANL-7050, 1965.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "math/ray.h"
+#include "media/bounds.h"
+#include "sampling/sequence.h"
+
+namespace nocturne {
+
+/// A stream of uniform numbers for one flight in one medium. SplitMix64 (Steele, Lea and Flood,
+/// OOPSLA 2014).
+class FlightNumbers {
+ public:
+  explicit FlightNumbers(std::uint64_t seed) : state_(seed) {}
+  /// The first number is given.
+  FlightNumbers(std::uint64_t seed, float first) : state_(seed), first_(first) {}
+
+  /// Where a distance starts.
+  float first() { return first_ >= 0.0f ? first_ : (*this)(); }
+
+  float operator()() {
+    state_ += 0x9E3779B97F4A7C15u;
+    std::uint64_t x = state_;
+    x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
+    x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
+    return to_unit(static_cast<std::uint32_t>((x ^ (x >> 31)) >> 32));
+  }
+
+ private:
+  std::uint64_t state_;
+  float first_ = -1.0f;
+};
+
+/// Optical depths are exponentially distributed. Numbers have 32 bits, so depths end at 22.2 (and
+/// a share of 2e-10 that lies beyond is moved there).
+inline float exponential(float u) { return -std::log(std::max(u, 0x1p-33f)); }
+
+struct Tentative {
+  /// Along the ray, m.
+  float distance;
+  float density;
+  /// The bound there, times the extinction, 1/m.
+  float most;
+};
+
+/// f(tentative collision) for each before `end`, in order, until it says false. `extinction`: the
+/// largest of all photons, 1/m at density 1.
+template <class Density, class F>
+void for_each_tentative(const Density& density, float extinction, const Ray& ray, float end,
+                        FlightNumbers& numbers, const F& f) {
+  typename Density::Bounds bounds(density, ray, end);
+  float position = 0.0f, depth = exponential(numbers.first());
+  for (BoundSegment segment; bounds.next(segment); position = segment.end) {
+    const float most = segment.most * extinction;
+    if (!(most > 0.0f)) continue;
+    for (;;) {
+      const float left = (segment.end - position) * most;
+      if (depth >= left) {
+        depth -= left;
+        break;
+      }
+      position += depth / most;
+      depth = exponential(numbers());
+      // Rounding may lift a density above its bound by a unit in the last place.
+      const float here = std::min(density.at(ray.origin + position * ray.direction), segment.most);
+      if (!f(Tentative{position, here, most})) return;
+    }
+  }
+}
+
+}  // namespace nocturne
