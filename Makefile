@@ -102,16 +102,17 @@ docs: proto  ## Pages that are generated from the code
 	$(PYTHON) -m nocturne_coordinator.scene.reference --schema > docs/scene.schema.json
 
 # What miepython asks for and does not need (docs/decisions/0018), with what that asks for. So locks are installed with
-# --no-deps.
-UNWANTED := $(addprefix --unsafe-package ,contourpy cycler fonttools kiwisolver llvmlite matplotlib numba pillow \
-  pyparsing python-dateutil six tzdata)
+# --no-deps. Two of those are wanted by what is only for testing.
+UNWANTED := contourpy cycler fonttools kiwisolver llvmlite matplotlib numba pillow pyparsing tzdata
+UNWANTED_AT_RUN_TIME := $(UNWANTED) python-dateutil six
+COMPILE := build/lock/bin/pip-compile --quiet --generate-hashes --no-reuse-hashes --no-header --strip-extras \
+  --no-emit-index-url --no-emit-find-links --no-annotate
 
 lock:  ## Pin the newest versions that pyproject.toml allows
 	$(SYSTEM_PYTHON) -m venv build/lock && build/lock/bin/pip install --quiet pip-tools
-	build/lock/bin/pip-compile --quiet --upgrade --generate-hashes $(UNWANTED) --no-header --strip-extras \
-	  --no-emit-index-url --no-emit-find-links --no-annotate --extra dev --output-file requirements.lock pyproject.toml
-	build/lock/bin/pip-compile --quiet --generate-hashes $(UNWANTED) --no-header --strip-extras --constraint requirements.lock \
-	  --no-emit-index-url --no-emit-find-links --no-annotate --output-file requirements-runtime.lock pyproject.toml
+	$(COMPILE) --upgrade $(addprefix --unsafe-package ,$(UNWANTED)) --extra dev --output-file requirements.lock pyproject.toml
+	$(COMPILE) --constraint requirements.lock $(addprefix --unsafe-package ,$(UNWANTED_AT_RUN_TIME)) \
+	  --output-file requirements-runtime.lock pyproject.toml
 
 clean:  ## Remove everything that was built
 	rm -rf build .venv services/web/dist services/web/node_modules
