@@ -17,7 +17,7 @@ WEB_SOURCES := $(shell find services/web/src services/web/public -type f 2>/dev/
 CPP_SOURCES := $(shell find worker tests/worker bench -name '*.cpp' -o -name '*.h' 2>/dev/null)
 STAMPS := build/stamps
 
-.PHONY: help packages venv proto web worker build demo stop test check format unit system soak references sanitize bench lock docs clean
+.PHONY: help packages venv proto web worker build demo stop test check format unit system soak fuzz references sanitize bench lock docs clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -85,6 +85,10 @@ system: build  ## Tests of the whole: service, workers, browser, images
 
 soak: build  ## Faults in random composition and every interleaving, for SOAK_SECONDS (default 600) and more
 	pytest -m soak
+
+fuzz: build  ## Any calls, messages and bytes, many times more than in the tests (about 15 minutes)
+	NOCTURNE_FUZZ_EXAMPLES=300 pytest tests/services/test_any_calls.py
+	NOCTURNE_FUZZ_TRIES=1000 NOCTURNE_FUZZ_SEED=$$RANDOM pytest tests/system/test_any_bytes.py
 
 references: build  ## Other renderers' scenes against their own reference images (minutes)
 	pytest -m references -s

@@ -1,5 +1,7 @@
 """No bytes that a worker, or anybody, sends reach an accumulator unless they can be what was asked for."""
 
+import math
+import random
 from collections.abc import Callable
 
 import numpy as np
@@ -8,9 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import limits
+from nocturne_coordinator.worker_status import worker_row
 
 from tests.coordinator.simulated_worker import simulated_result
 from tests.coordinator.test_merging import Session
+from tests.mutations import mutated
 
 Spoil = Callable[[job_pb2.JobResult], None]
 
@@ -115,6 +119,31 @@ def test_any_bytes_are_survived(data: bytes) -> None:
     session.fill(6)
     assert session.deliver(data) == [b"0-1"]
     assert session.render.totals.ranges == 0
+
+
+@given(st.integers(0, 2**32))
+def test_results_that_are_almost_right_are_survived(seed: int) -> None:
+    session = Session(samples=4)
+    session.fill(6)
+    key = next(iter(session.stream))
+    right = session.result(key)
+    data = mutated(right, random.Random(seed))
+    session.deliver(data)
+    sums = session.render.film.sums
+    assert np.isfinite(sums).all()
+    # What is merged is what was asked for, in every field of the job.
+    if session.render.totals.ranges:
+        assert job_pb2.JobResult.FromString(data).job == right.job
+
+
+@given(st.integers(0, 2**32))
+def test_any_word_of_a_worker_is_shown_or_dropped(seed: int) -> None:
+    status = job_pb2.WorkerStatus(worker_id="w", engine=job_pb2.ENGINE_CURRENT, threads=4, started=1e9)
+    row = worker_row(mutated(status, random.Random(seed)), 0.0)
+    if row is not None:
+        assert 1 <= len(row.id) <= 128
+        assert math.isfinite(row.photons_per_second)
+        assert max(row.photons, row.rays, row.jobs_done) < 2**63
 
 
 def test_workers_that_send_nonsense_for_ever_end_the_render() -> None:

@@ -13,7 +13,7 @@ from nocturne_coordinator.data_folder import DataFolder
 
 from tests.services.doors import grpc_channel, rest_client, running
 
-_SCENE: dict[str, Any] = {
+SCENE: dict[str, Any] = {
     "nocturne": 1,
     "name": "one lamp",
     "spectra": {"white": {"table": [[400, 0.5], [700, 0.5]]}, "lamp": {"blackbody": 3000}},
@@ -47,7 +47,7 @@ _SCENE: dict[str, Any] = {
 @pytest.fixture
 def scene() -> dict[str, Any]:
     """A small scene document; the test may change it."""
-    return copy.deepcopy(_SCENE)
+    return copy.deepcopy(SCENE)
 
 
 @pytest.fixture

@@ -1,9 +1,12 @@
-"""Stands before every gRPC call: who calls. What the caller may do, the operations decide."""
+"""Stands before every gRPC call: what can't be read, and who calls. What the caller may do, the operations
+decide."""
 
 from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import Any, TypeAlias
 
 import grpc
+from google.protobuf.message import DecodeError
+from nocturne_coordinator.errors import InputError
 
 from nocturne_api.access import CALLER, Caller, Pace, secret_in
 from nocturne_api.rpc.failures import Answering
@@ -14,11 +17,15 @@ Handler: TypeAlias = "grpc.RpcMethodHandler[Any, Any]"
 # Anybody may ask whether the service lives.
 _OPEN = "/grpc.health.v1.Health/"
 
+_UNREADABLE = object()
+"""In the place of a message that is none. gRPC would answer UNKNOWN, and log it as an error of ours."""
+
 
 class Gate(grpc.aio.ServerInterceptor):
     """Lets callers with a token in, and all who come by the Unix socket, whose folder guards it."""
 
-    def __init__(self, identify: Callable[[str], Awaitable[Caller]]) -> None:
+    def __init__(self, identify: Callable[[str], Awaitable[Caller]] | None) -> None:
+        """`identify` gives who has a secret; without it, anybody may do anything."""
         self._identify = identify
         self._pace = Pace()
 
@@ -33,12 +40,12 @@ class Gate(grpc.aio.ServerInterceptor):
         if handler_call_details.method.startswith(_OPEN):
             found: Handler = handler
             return found
+        read = _reader(handler.request_deserializer)
         if handler.response_streaming:
             method = handler.unary_stream or handler.stream_stream
 
             async def stream(request: Any, context: Context) -> AsyncIterator[Any]:
-                await self._admit(context)
-                async for answer in method(request, context):
+                async for answer in method(await self._admitted(request, context), context):
                     yield answer
 
             make = (
@@ -46,25 +53,46 @@ class Gate(grpc.aio.ServerInterceptor):
                 if handler.request_streaming
                 else grpc.unary_stream_rpc_method_handler
             )
-            return make(stream, handler.request_deserializer, handler.response_serializer)
+            return make(stream, read, handler.response_serializer)
         call = handler.unary_unary or handler.stream_unary
 
         async def answer_one(request: Any, context: Context) -> Any:
-            await self._admit(context)
-            return await call(request, context)
+            return await call(await self._admitted(request, context), context)
 
         make_one = (
             grpc.stream_unary_rpc_method_handler
             if handler.request_streaming
             else grpc.unary_unary_rpc_method_handler
         )
-        return make_one(answer_one, handler.request_deserializer, handler.response_serializer)
+        return make_one(answer_one, read, handler.response_serializer)
 
-    async def _admit(self, context: Context) -> None:
-        if context.peer().startswith("unix:"):
-            return
+    async def _admitted(self, request: Any, context: Context) -> Any:
+        """The request, or those that stream in, once the caller is known; else the call ends here."""
         async with Answering(context):
-            metadata = dict(context.invocation_metadata() or ())
-            caller = await self._identify(secret_in(str(metadata.get("authorization", ""))))
-            self._pace.take(caller.name)
-            CALLER.set(caller)
+            if self._identify is not None and not context.peer().startswith("unix:"):
+                metadata = dict(context.invocation_metadata() or ())
+                caller = await self._identify(secret_in(str(metadata.get("authorization", ""))))
+                self._pace.take(caller.name)
+                CALLER.set(caller)
+            return _all_readable(request) if hasattr(request, "__aiter__") else _readable(request)
+
+
+def _reader(deserialize: Callable[[bytes], Any]) -> Callable[[bytes], Any]:
+    def read(data: bytes) -> Any:
+        try:
+            return deserialize(data)
+        except DecodeError:
+            return _UNREADABLE
+
+    return read
+
+
+def _readable(request: Any) -> Any:
+    if request is _UNREADABLE:
+        raise InputError.at("message", "can't be read as the protobuf message that this call takes")
+    return request
+
+
+async def _all_readable(requests: AsyncIterator[Any]) -> AsyncIterator[Any]:
+    async for request in requests:
+        yield _readable(request)

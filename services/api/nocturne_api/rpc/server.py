@@ -34,7 +34,7 @@ class GrpcDoor:
         self.server = grpc.aio.server(
             options=_OPTIONS,
             maximum_concurrent_rpcs=GRPC_CALLS,
-            interceptors=[Gate(operations.identify)] if authenticate else [],
+            interceptors=[Gate(operations.identify if authenticate else None)],
         )
         self._health = health.aio.HealthServicer()
         render_service_pb2_grpc.add_RenderServiceServicer_to_server(RenderService(operations), self.server)
