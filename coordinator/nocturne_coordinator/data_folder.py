@@ -27,6 +27,7 @@ from .stopping import StopConditions, check_tile_samples
 from .store.database import Database
 from .store.rows import ErrorPoint, NewRender, RenderRow, RenderState, WorkerRow
 from .store.tokens import Tokens
+from .store.webhooks import Webhooks
 
 __all__ = ["DataFolder", "ErrorPoint", "NewRender", "RenderRow", "RenderState", "WorkerRow"]
 
@@ -47,6 +48,7 @@ class DataFolder:
         self.database = Database(path / "nocturne.db")
         self.blobs = BlobStore(path / "blobs")
         self.tokens = Tokens(self.database)
+        self.webhooks = Webhooks(self.database)
 
     def close(self) -> None:
         self.database.close()

@@ -2,6 +2,7 @@
 
 import argparse
 import asyncio
+import ipaddress
 import logging
 import signal
 import sys
@@ -65,6 +66,15 @@ def _settings() -> Settings:
         type=int,
         default=CompileLimits.cpu_seconds,
         help="processor time that compiling one scene may take (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--webhook-network",
+        dest="webhook_networks",
+        type=ipaddress.ip_network,
+        action="append",
+        default=[],
+        metavar="CIDR",
+        help="a private network that webhooks may lead to, also by http; may be given several times",
     )
     return Settings(**vars(parser.parse_args()))
 

@@ -5,7 +5,7 @@ import time
 from collections.abc import AsyncGenerator, AsyncIterator, Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, ParamSpec, Self, TypeVar
@@ -33,11 +33,15 @@ from nocturne_api.views import (
     ConvergencePoint,
     ConvergenceView,
     ExplanationView,
+    NewWebhookView,
     PageView,
     RenderView,
+    WebhookView,
     WorkerView,
 )
 from nocturne_api.watching import Watchers, states
+from nocturne_api.webhook_sender import WebhookSender
+from nocturne_api.webhook_targets import TargetRules
 from nocturne_api.why import sentence, situation_of
 
 _P = ParamSpec("_P")
@@ -55,7 +59,11 @@ class Operations:
     """The operations on one data folder. Errors are the classes in nocturne_api.errors, whatever the door."""
 
     def __init__(
-        self, folder: DataFolder, database: ThreadPoolExecutor, compile_limits: CompileLimits
+        self,
+        folder: DataFolder,
+        database: ThreadPoolExecutor,
+        compile_limits: CompileLimits,
+        webhook_rules: TargetRules,
     ) -> None:
         self._folder = folder
         self._compile_limits = compile_limits
@@ -64,18 +72,27 @@ class Operations:
         self._compiling = asyncio.Semaphore(limits.COMPILES_AT_ONCE)
         self._waiting = 0
         self._watchers = Watchers(self._change_counter, self._find, self._newest)
+        self._webhook_rules = webhook_rules
+        self._webhooks = WebhookSender(folder.webhooks, self._in_database, webhook_rules)
+        self._webhooks.start()
 
     @classmethod
-    async def open(cls, path: Path, compile_limits: CompileLimits | None = None) -> Self:
+    async def open(
+        cls,
+        path: Path,
+        compile_limits: CompileLimits | None = None,
+        webhook_rules: TargetRules | None = None,
+    ) -> Self:
         """Opens the data folder at `path`, making it if need be."""
         database = ThreadPoolExecutor(max_workers=1, thread_name_prefix="data-folder")
         folder = await asyncio.get_running_loop().run_in_executor(database, DataFolder, path)
         prepare()
-        return cls(folder, database, compile_limits or CompileLimits())
+        return cls(folder, database, compile_limits or CompileLimits(), webhook_rules or TargetRules())
 
     async def close(self) -> None:
         """Ends all streams and lets go of the data folder."""
         await self._watchers.close()
+        await self._webhooks.close()
         await self._in_database(self._folder.close)
         self._database.shutdown()
 
@@ -225,6 +242,30 @@ class Operations:
         CALLER.get().need("admin")
         async with self._recorded(f"release {worker_id[:80]}"):
             await self._in_database(self._folder.release_worker, worker_id)
+
+    # Webhooks
+
+    async def create_webhook(self, url: str) -> NewWebhookView:
+        """Tells `url` how the caller's renders end. Raises InputError for what can't be told or asked."""
+        CALLER.get().need("submit")
+        async with self._recorded("create webhook"):
+            self._webhook_rules.parse(url)
+            owner = CALLER.get().name
+            webhook, secret = await self._in_database(self._folder.webhooks.create, owner, url)
+            return NewWebhookView(secret=secret, **asdict(webhook))
+
+    async def list_webhooks(self) -> list[WebhookView]:
+        """The caller's, oldest first; an admin gets everybody's."""
+        caller = CALLER.get()
+        caller.need("submit")
+        owner = None if "admin" in caller.scopes else caller.name
+        return [WebhookView.of(each) for each in await self._in_database(self._folder.webhooks.list, owner)]
+
+    async def delete_webhook(self, webhook_id: str) -> None:
+        """Tells it nothing more. Raises NotFound."""
+        async with self._recorded(f"delete webhook {webhook_id[: limits.RECORDED_CHARACTERS]}"):
+            CALLER.get().need_own(await self._in_database(self._folder.webhooks.owner_of, webhook_id))
+            await self._in_database(self._folder.webhooks.delete, webhook_id)
 
     # Assets
 

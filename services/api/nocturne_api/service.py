@@ -1,7 +1,7 @@
 """Both doors in one event loop, started and stopped together."""
 
 import asyncio
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +14,7 @@ from nocturne_api.compiling import CompileLimits
 from nocturne_api.operations import Operations
 from nocturne_api.rest.app import build_rest
 from nocturne_api.rpc.server import GrpcDoor
+from nocturne_api.webhook_targets import Network, TargetRules
 
 # Running calls get this long when the service stops, seconds; streams are ended at once.
 _GRACE_S = 3.0
@@ -36,6 +37,8 @@ class Settings:
     tls_key: Path | None = None
     compile_memory_bytes: int = CompileLimits.memory_bytes
     compile_seconds: int = CompileLimits.cpu_seconds
+    webhook_networks: Sequence[Network] = ()
+    """Private networks that webhooks may lead to."""
 
 
 class _HttpServer(uvicorn.Server):
@@ -124,7 +127,8 @@ def _grpc_credentials(settings: Settings) -> grpc.ServerCredentials | None:
 async def open_service(settings: Settings) -> Service:
     """A service on the data folder, not started yet. Raises AddressError, UnusableFolder."""
     compile_limits = CompileLimits(settings.compile_memory_bytes, settings.compile_seconds)
-    operations = await Operations.open(settings.data, compile_limits)
+    rules = TargetRules(settings.webhook_networks)
+    operations = await Operations.open(settings.data, compile_limits, rules)
     try:
         return Service(settings, operations)
     except BaseException:

@@ -1,9 +1,11 @@
 """What the API says of renders and workers: the fields of the public contract, for both doors."""
 
+from dataclasses import asdict
 from typing import Self
 
 from nocturne_coordinator.data_folder import RenderRow, RenderState, WorkerRow
 from nocturne_coordinator.stopping import StopConditions
+from nocturne_coordinator.store.webhooks import Webhook
 from pydantic import BaseModel, ConfigDict, Field
 
 
@@ -143,6 +145,33 @@ class ExplanationView(View):
     """What a render waits for."""
 
     sentence: str
+
+
+class WebhookView(View):
+    """An address that is told how its owner's renders end."""
+
+    id: str
+    owner: str
+    url: str
+    created: float = Field(description="Unix time, seconds.")
+    last_outcome: str = Field(description="How the last message went; empty before the first.")
+
+    @classmethod
+    def of(cls, webhook: Webhook) -> Self:
+        """The public side of a row of the data folder."""
+        return cls(**asdict(webhook))
+
+
+class NewWebhookView(WebhookView):
+    """With what can't be had again."""
+
+    secret: str = Field(description="What messages are signed with, by standardwebhooks.com.")
+
+
+class WebhooksView(View):
+    """Oldest first."""
+
+    webhooks: list[WebhookView]
 
 
 class AssetView(View):

@@ -16,7 +16,7 @@ import httpx
 
 from nocturne_client.errors import NocturneClientError, NotReachedError, Problem
 from nocturne_client.events import data_of
-from nocturne_client.models import Render, Worker
+from nocturne_client.models import Render, Webhook, Worker
 from nocturne_client.scene_files import digest, read_scene
 
 DEFAULT_URL = "http://127.0.0.1:7070"
@@ -154,6 +154,25 @@ class Client:
     def workers(self) -> Sequence[Worker]:
         """The workers heard of in the last ten seconds."""
         return [Worker.from_json(each) for each in self._json("GET", "/v1/workers")["workers"]]
+
+    def create_webhook(self, url: str) -> Webhook:
+        """Tells `url` how this caller's renders end; the only answer that has the secret."""
+        # Not repeated: each call makes one.
+        call = self._call(
+            "POST",
+            "/v1/webhooks",
+            content=json.dumps({"url": url}).encode(),
+            headers={"Content-Type": "application/json"},
+        )
+        return Webhook.from_json(call.json())
+
+    def webhooks(self) -> Sequence[Webhook]:
+        """This caller's, oldest first; an admin gets everybody's."""
+        return [Webhook.from_json(each) for each in self._json("GET", "/v1/webhooks")["webhooks"]]
+
+    def delete_webhook(self, webhook_id: str) -> None:
+        """Tells it nothing more."""
+        self._call("DELETE", f"/v1/webhooks/{_part(webhook_id)}")
 
     def watch(self, render_id: str) -> Iterator[Render]:
         """The render now and after every change, until it has ended. Connects again when cut off."""

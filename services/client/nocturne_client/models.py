@@ -125,5 +125,24 @@ class Worker:
         return cls(**_known(cls, value))
 
 
+@dataclass(frozen=True)
+class Webhook:
+    """An address that is told how renders end."""
+
+    id: str
+    owner: str
+    url: str
+    created: float
+    last_outcome: str
+    """How the last message went; empty before the first."""
+    secret: str = ""
+    """What messages are signed with; known only when it is made."""
+
+    @classmethod
+    def from_json(cls, value: Mapping[str, Any]) -> Self:
+        """From the service's JSON; fields of later versions are left out."""
+        return cls(**_known(cls, {"secret": "", **value}))
+
+
 def _known(model: type[Any], value: Mapping[str, Any]) -> dict[str, Any]:
     return {field.name: value[field.name] for field in fields(model)}

@@ -6,12 +6,23 @@ from fastapi import FastAPI
 from starlette.types import ASGIApp
 
 from nocturne_api.operations import Operations
-from nocturne_api.rest import assets, events, health, images, metrics, problems, reference, renders, workers
+from nocturne_api.rest import (
+    assets,
+    events,
+    health,
+    images,
+    metrics,
+    problems,
+    reference,
+    renders,
+    webhooks,
+    workers,
+)
 from nocturne_api.rest.guards import Guards
 from nocturne_api.rest.lingering import Lingering
 from nocturne_api.rest.page import Page
 
-_ROUTERS = (renders, images, events, assets, workers, health, metrics, reference)
+_ROUTERS = (renders, images, events, assets, workers, webhooks, health, metrics, reference)
 
 
 def build_rest(operations: Operations, web: Path, loopback_only: bool, authenticate: bool = False) -> ASGIApp:

@@ -2,7 +2,7 @@
 
 from nocturne.v1 import asset_service_pb2, render_service_pb2
 
-from nocturne_api.views import AssetView, ConvergenceView, RenderView, WorkerView
+from nocturne_api.views import AssetView, ConvergenceView, RenderView, WebhookView, WorkerView
 
 
 def render_message(view: RenderView) -> render_service_pb2.Render:
@@ -30,6 +30,11 @@ def asked_stop(message: render_service_pb2.StopConditions) -> dict[str, float | 
 def worker_message(view: WorkerView) -> render_service_pb2.Worker:
     """A worker."""
     return render_service_pb2.Worker(**view.model_dump())
+
+
+def webhook_message(view: WebhookView) -> render_service_pb2.Webhook:
+    """A webhook, with its secret where the view has it."""
+    return render_service_pb2.Webhook(**view.model_dump())
 
 
 def asset_message(view: AssetView) -> asset_service_pb2.Asset:

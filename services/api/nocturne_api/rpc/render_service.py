@@ -14,7 +14,13 @@ from nocturne_coordinator.scene.json_text import decode_json
 from nocturne_api.intake import CreateRequest
 from nocturne_api.operations import Operations
 from nocturne_api.rpc.failures import Answering
-from nocturne_api.rpc.messages import asked_stop, convergence_message, render_message, worker_message
+from nocturne_api.rpc.messages import (
+    asked_stop,
+    convergence_message,
+    render_message,
+    webhook_message,
+    worker_message,
+)
 
 Context = grpc.aio.ServicerContext[Any, Any]
 
@@ -139,3 +145,23 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
         async with Answering(context):
             workers = await self._operations.workers()
             return pb.ListWorkersResponse(workers=[worker_message(view) for view in workers])
+
+    async def CreateWebhook(self, request: pb.CreateWebhookRequest, context: Context) -> pb.Webhook:  # noqa: N802
+        async with Answering(context):
+            return webhook_message(await self._operations.create_webhook(request.url))
+
+    async def ListWebhooks(  # noqa: N802
+        self,
+        request: pb.ListWebhooksRequest,  # noqa: ARG002 - it is empty
+        context: Context,
+    ) -> pb.ListWebhooksResponse:
+        async with Answering(context):
+            webhooks = await self._operations.list_webhooks()
+            return pb.ListWebhooksResponse(webhooks=[webhook_message(view) for view in webhooks])
+
+    async def DeleteWebhook(  # noqa: N802
+        self, request: pb.DeleteWebhookRequest, context: Context
+    ) -> pb.DeleteWebhookResponse:
+        async with Answering(context):
+            await self._operations.delete_webhook(request.id)
+            return pb.DeleteWebhookResponse()

@@ -1,0 +1,168 @@
+"""Who is told how renders end, and what is still to be told.
+
+A trigger notes the message in the transaction that ends the render, whoever wrote that, so none is lost and
+none is told of an end that did not happen.
+"""
+
+import base64
+import secrets
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from nocturne_coordinator.errors import InputError, NotFound
+
+from .database import Database
+
+TOLD_STATES = ("SUCCEEDED", "STOPPED_EARLY", "DEGRADED", "FAILED")
+"""Ends that somebody waits for; who cancels a render knows."""
+
+MOST_WEBHOOKS = 20
+"""Of one owner."""
+
+_KEEP_SECONDS = 7 * 86400.0
+_SECRET_BYTES = 32
+
+# These tables stand apart from the others and from their schema's number: who does not know them can leave
+# them out.
+_SCHEMA = (
+    """CREATE TABLE IF NOT EXISTS webhook (
+        id TEXT PRIMARY KEY,
+        owner TEXT NOT NULL,
+        url TEXT NOT NULL,
+        -- As it is, for messages are signed with it.
+        secret TEXT NOT NULL,
+        created REAL NOT NULL,
+        last_outcome TEXT NOT NULL DEFAULT ''
+    ) STRICT""",
+    """CREATE TABLE IF NOT EXISTS webhook_message (
+        number INTEGER PRIMARY KEY AUTOINCREMENT,
+        webhook_id TEXT NOT NULL REFERENCES webhook (id) ON DELETE CASCADE,
+        message_id TEXT NOT NULL,
+        render_id TEXT NOT NULL,
+        name TEXT NOT NULL,
+        state TEXT NOT NULL,
+        reason TEXT NOT NULL,
+        unix_time REAL NOT NULL,
+        attempts INTEGER NOT NULL DEFAULT 0,
+        -- When it is to be sent; NULL: it was, or never will be.
+        due REAL
+    ) STRICT""",
+    "CREATE INDEX IF NOT EXISTS webhook_message_due ON webhook_message (due) WHERE due IS NOT NULL",
+    f"""CREATE TRIGGER IF NOT EXISTS webhook_of_ended_render AFTER UPDATE OF state ON render
+    WHEN NEW.state IN {TOLD_STATES} AND OLD.state <> NEW.state
+    BEGIN
+        INSERT INTO webhook_message (webhook_id, message_id, render_id, name, state, reason, unix_time, due)
+        SELECT id, 'msg_' || lower(hex(randomblob(16))), NEW.id, NEW.name, NEW.state, NEW.reason, NEW.ended, 0
+        FROM webhook WHERE owner = NEW.owner;
+    END""",  # noqa: S608 - the states are our own
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Webhook:
+    """An address that is told how its owner's renders end."""
+
+    id: str
+    owner: str
+    url: str
+    created: float
+    last_outcome: str
+    """Of the last message, in words; empty before the first."""
+
+
+@dataclass(frozen=True, slots=True)
+class WebhookMessage:
+    """One end to be told to one address."""
+
+    number: int
+    webhook_id: str
+    url: str
+    secret: str
+    message_id: str
+    render_id: str
+    name: str
+    state: str
+    reason: str
+    unix_time: float
+    attempts: int
+
+
+class Webhooks:
+    """The webhooks of a data folder. For many processes."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+        if not database.row("SELECT 1 FROM sqlite_master WHERE name = 'webhook_of_ended_render'"):
+            with database.transaction():
+                for statement in _SCHEMA:
+                    database.execute(statement)
+
+    def create(self, owner: str, url: str) -> tuple[Webhook, str]:
+        """Makes one, and the secret that its messages are signed with, which can't be had again.
+
+        `url` is taken as it is: who sends checks it, each time. Raises InputError where there are too many.
+        """
+        secret = "whsec_" + base64.b64encode(secrets.token_bytes(_SECRET_BYTES)).decode()
+        webhook = Webhook("wh-" + secrets.token_hex(8), owner, url, time.time(), "")
+        with self._database.transaction():
+            if len(self.list(owner)) >= MOST_WEBHOOKS:
+                raise InputError.at("$.url", f"there are {MOST_WEBHOOKS} webhooks already; delete one first")
+            self._database.execute(
+                "INSERT INTO webhook (id, owner, url, secret, created) VALUES (?, ?, ?, ?, ?)",
+                (webhook.id, owner, url, secret, webhook.created),
+            )
+        return webhook, secret
+
+    def list(self, owner: str | None) -> Sequence[Webhook]:
+        """An owner's, or everybody's; oldest first."""
+        rows = self._database.rows(
+            """SELECT id, owner, url, created, last_outcome FROM webhook
+               WHERE owner = coalesce(?, owner) ORDER BY created""",
+            (owner,),
+        )
+        return [Webhook(**dict(row)) for row in rows]
+
+    def owner_of(self, webhook_id: str) -> str:
+        """Raises NotFound."""
+        row = self._database.row("SELECT owner FROM webhook WHERE id = ?", (webhook_id,))
+        if row is None:
+            raise NotFound(f"there is no webhook {webhook_id!r}")
+        return str(row["owner"])
+
+    def delete(self, webhook_id: str) -> None:
+        """With all that was still to be told. Deleting again changes nothing."""
+        self._database.execute("DELETE FROM webhook WHERE id = ?", (webhook_id,))
+
+    def take_due(self, now: float, lease_seconds: float, most: int) -> Sequence[WebhookMessage]:
+        """Messages to be sent now. Nobody else gets them for `lease_seconds`; then they are due again."""
+        if not self._database.row("SELECT 1 FROM webhook_message WHERE due <= ?", (now,)):
+            return []
+        with self._database.transaction():
+            rows = self._database.rows(
+                """SELECT number, webhook_id, url, secret, message_id, render_id, name, state, reason,
+                       unix_time, attempts
+                   FROM webhook_message JOIN webhook ON webhook.id = webhook_id
+                   WHERE due <= ? ORDER BY due, number LIMIT ?""",
+                (now, most),
+            )
+            self._database.execute_many(
+                "UPDATE webhook_message SET due = ? WHERE number = ?",
+                [(now + lease_seconds, row["number"]) for row in rows],
+            )
+        return [WebhookMessage(**dict(row)) for row in rows]
+
+    def settle(self, message: WebhookMessage, outcome: str, due: float | None) -> None:
+        """Notes how an attempt went, and when there is to be another; None: never. Drops what is old."""
+        with self._database.transaction():
+            self._database.execute(
+                "UPDATE webhook_message SET attempts = attempts + 1, due = ? WHERE number = ?",
+                (due, message.number),
+            )
+            self._database.execute(
+                "UPDATE webhook SET last_outcome = ? WHERE id = ?", (outcome, message.webhook_id)
+            )
+            self._database.execute(
+                "DELETE FROM webhook_message WHERE due IS NULL AND unix_time < ?",
+                (time.time() - _KEEP_SECONDS,),
+            )
