@@ -1,19 +1,26 @@
-"""Content-addressed files: immutable, named by the SHA-256 of what they hold."""
+"""Content-addressed files: immutable, named by the SHA-256 of what they hold.
+
+With an object store, what is stored is there before it is said to be, and what is missing here is fetched.
+"""
 
 import hashlib
 import os
 import re
 import tempfile
 from collections.abc import Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
 from .errors import InputError, NotFound
 from .limits import MAXIMUM_ASSET_BYTES
+from .objects import Objects
 
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 _PIECE_BYTES = 2**20
+# Questions to an object store that wait for their answers together.
+_AT_ONCE = 16
 
 
 class BlobWriter:
@@ -44,25 +51,35 @@ class BlobWriter:
 class BlobStore:
     """A folder of blobs: `root/ab/abcdef...`, lower-case hexadecimal. Safe for many processes at once."""
 
-    def __init__(self, root: Path) -> None:
+    def __init__(self, root: Path, objects: Objects | None = None) -> None:
+        """With `objects`, every method may raise ObjectsUnavailable or ObjectDamaged too."""
         self.root = root
+        self.objects = objects
         self._incoming = root / "incoming"
         self._incoming.mkdir(parents=True, exist_ok=True)
 
     def path(self, sha256: str) -> Path:
         """The file of a blob; NotFound if it isn't here, InputError if this is no digest."""
         place = self._place(sha256)
-        if not place.is_file():
+        if not place.is_file() and not self._fetched(sha256, place):
             raise NotFound(f"there is no asset sha256:{sha256}; upload it first")
         return place
 
     def has(self, sha256: str) -> bool:
-        """Whether the blob is here; InputError if this is no digest."""
-        return self._place(sha256).is_file()
+        """Whether the blob is here, or in the object store; InputError if this is no digest."""
+        if self._place(sha256).is_file():
+            return True
+        return self.objects is not None and self.objects.size(_object_name(sha256)) is not None
 
     def missing(self, sha256s: Iterable[str]) -> list[str]:
-        """Those of the digests whose blobs are not here, in the order given, each once."""
-        return [sha256 for sha256 in dict.fromkeys(sha256s) if not self.has(sha256)]
+        """Those of the digests whose blobs are nowhere, in the order given, each once."""
+        wanted = list(dict.fromkeys(sha256s))
+        if self.objects is None:
+            return [sha256 for sha256 in wanted if not self.has(sha256)]
+        with ThreadPoolExecutor(_AT_ONCE) as threads:
+            return [
+                sha256 for sha256, has in zip(wanted, threads.map(self.has, wanted), strict=True) if not has
+            ]
 
     def size(self, sha256: str) -> int:
         """Bytes; NotFound if it isn't here."""
@@ -86,6 +103,8 @@ class BlobStore:
                 writer.verify(sha256)
                 file.flush()
                 os.fsync(file.fileno())
+            if self.objects is not None:
+                self.objects.put(_object_name(sha256), temporary)
             temporary.chmod(0o644)
             place.parent.mkdir(exist_ok=True)
             temporary.replace(place)
@@ -108,7 +127,22 @@ class BlobStore:
             while piece := stream.read(_PIECE_BYTES):
                 writer.write(piece)
 
+    def _fetched(self, sha256: str, place: Path) -> bool:
+        """Whether the blob was in the object store, and is here now."""
+        if self.objects is None:
+            return False
+        place.parent.mkdir(exist_ok=True)
+        try:
+            self.objects.get(_object_name(sha256), place, sha256, MAXIMUM_ASSET_BYTES)
+        except NotFound:
+            return False
+        return True
+
     def _place(self, sha256: str) -> Path:
         if not _SHA256.fullmatch(sha256):
             raise InputError.at("sha256", "expected 64 lower-case hexadecimal digits")
         return self.root / sha256[:2] / sha256
+
+
+def _object_name(sha256: str) -> str:
+    return f"blobs/{sha256[:2]}/{sha256}"

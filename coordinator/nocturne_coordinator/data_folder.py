@@ -22,8 +22,10 @@ from nocturne.v1 import job_pb2
 from . import limits
 from .blobs import BlobStore
 from .errors import Conflict, InputError, NotFound, Problem, WrongState
+from .objects import Objects
 from .plan import TileGrid, extended_plan
 from .stopping import StopConditions, check_tile_samples
+from .store.archive import Archive
 from .store.database import Database
 from .store.rows import ErrorPoint, NewRender, RenderRow, RenderState, WorkerRow
 from .store.tokens import Tokens
@@ -41,13 +43,14 @@ _NEWEST = 2**63 - 1
 class DataFolder:
     """Opens, or creates, the folder. Safe for many threads and processes; calls take milliseconds."""
 
-    def __init__(self, path: Path) -> None:
-        """Raises UnusableFolder if another version wrote it."""
+    def __init__(self, path: Path, objects: Objects | None = None) -> None:
+        """`objects` keeps blobs too. Raises UnusableFolder if another version wrote it."""
         self.root = path
         path.mkdir(parents=True, exist_ok=True)
         self.database = Database(path / "nocturne.db")
-        self.blobs = BlobStore(path / "blobs")
+        self.blobs = BlobStore(path / "blobs", objects)
         self.tokens = Tokens(self.database)
+        self.archive = Archive(self.database)
         self.webhooks = Webhooks(self.database)
 
     def close(self) -> None:

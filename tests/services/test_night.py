@@ -27,6 +27,7 @@ from nocturne_api.why import Situation, sentence
 from nocturne_client import Client
 from nocturne_client.cli.app import app
 from nocturne_client.cli.stops import Stops, with_zone
+from nocturne_coordinator.blobs import BlobStore
 from nocturne_coordinator.data_folder import DataFolder
 from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.scene.document import check_document
@@ -299,7 +300,8 @@ async def test_metrics_are_what_prometheus_reads(
 
 def test_a_scene_that_takes_too_much_is_refused(scene: dict[str, Any], tmp_path: Path) -> None:
     document = check_document(scene)
-    sha256 = compile_in_child(document, tmp_path, CompileLimits())
+    blobs = BlobStore(tmp_path)
+    sha256 = compile_in_child(document, blobs, CompileLimits())
     assert len(sha256) == 64
     big = copy.deepcopy(scene)
     count = 30_000
@@ -310,9 +312,9 @@ def test_a_scene_that_takes_too_much_is_refused(scene: dict[str, Any], tmp_path:
     }
     # What the child has already is more than that; so the first larger array that it asks for is refused.
     with pytest.raises(InputError, match="needs more than 16 MiB"):
-        compile_in_child(check_document(big), tmp_path, CompileLimits(memory_bytes=2**24))
+        compile_in_child(check_document(big), blobs, CompileLimits(memory_bytes=2**24))
     # The next is none the worse for it.
-    assert compile_in_child(document, tmp_path, CompileLimits()) == sha256
+    assert compile_in_child(document, blobs, CompileLimits()) == sha256
 
 
 def test_a_compile_that_never_ends_is_ended() -> None:

@@ -17,6 +17,7 @@ from pathlib import Path
 
 from nocturne_coordinator.blobs import BlobStore
 from nocturne_coordinator.errors import InputError, Problem
+from nocturne_coordinator.objects import Objects, ObjectsUnavailable
 from nocturne_coordinator.scene.compiler import compile_scene
 from nocturne_coordinator.scene.document import check_document
 
@@ -58,12 +59,15 @@ def main() -> None:
 def _compile(caller: "Connection[object, object]") -> None:
     request = caller.recv()
     assert isinstance(request, tuple)  # noqa: S101 - our own parent sent it
-    document, blobs, limits = request
+    document, root, objects, limits = request
     bound(limits)
     try:
-        caller.send(compile_scene(document, BlobStore(blobs)).scene_sha256)
+        blobs = BlobStore(root, Objects(objects) if objects else None)
+        caller.send(compile_scene(document, blobs).scene_sha256)
     except InputError as error:
         caller.send(list(error.problems))
+    except ObjectsUnavailable as error:
+        caller.send(error)
     except MemoryError:
         most = limits.memory_bytes // _MEBIBYTE
         caller.send([Problem("$.scene", f"needs more than {most} MiB to compile")])

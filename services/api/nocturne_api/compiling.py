@@ -8,10 +8,11 @@ import tempfile
 import threading
 from dataclasses import dataclass
 from multiprocessing.connection import Client
-from pathlib import Path
 from typing import Any
 
+from nocturne_coordinator.blobs import BlobStore
 from nocturne_coordinator.errors import InputError
+from nocturne_coordinator.objects import ObjectsUnavailable
 from nocturne_coordinator.scene.model import SceneDocument
 
 WARM_SCENE: dict[str, Any] = {
@@ -50,13 +51,14 @@ class CompileLimits:
         return 2 * self.cpu_seconds + 60
 
 
-def compile_in_child(document: SceneDocument, blobs: Path, limits: CompileLimits) -> str:
-    """Compiles into the blob store at `blobs`; gives the scene's SHA-256. Takes as long as it takes.
+def compile_in_child(document: SceneDocument, blobs: BlobStore, limits: CompileLimits) -> str:
+    """Compiles into `blobs`; gives the scene's SHA-256. Takes as long as it takes.
 
-    Raises InputError where the scene is wrong, or needs more than it may take.
+    Raises InputError where the scene is wrong, or needs more than it may take; ObjectsUnavailable.
     """
     with Client(_server_address(), "AF_UNIX") as child:
-        child.send((document, blobs, limits))
+        objects = "" if blobs.objects is None else blobs.objects.url
+        child.send((document, blobs.root, objects, limits))
         try:
             answer = child.recv()
         except (EOFError, ConnectionResetError):
@@ -67,6 +69,8 @@ def compile_in_child(document: SceneDocument, blobs: Path, limits: CompileLimits
             ) from None
     if isinstance(answer, str):
         return answer
+    if isinstance(answer, ObjectsUnavailable):
+        raise answer
     raise InputError(answer)
 
 
@@ -111,11 +115,12 @@ def _server_address() -> str:
             _servers.pop().close()
         if not _servers:
             _servers.append(_Server())
-            atexit.register(_stop)
+            atexit.register(stop)
         return _servers[0].address
 
 
-def _stop() -> None:
+def stop() -> None:
+    """Ends what makes the children; the next scene starts it anew, with the environment of then."""
     with _lock:
         while _servers:
             _servers.pop().close()

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import grpc
 from nocturne_coordinator.errors import Conflict, InputError, NocturneError, NotFound, Problem, WrongState
+from nocturne_coordinator.objects import ObjectsUnavailable
 
 from nocturne_api.limits import PROBLEM_CHARACTERS, PROBLEMS_PER_ANSWER
 
@@ -70,6 +71,10 @@ TABLE: tuple[tuple[type[Exception], Kind], ...] = (
     (Forbidden, Kind("FORBIDDEN", "Not allowed", 403, grpc.StatusCode.PERMISSION_DENIED)),
     (TooMany, Kind("TOO_MANY", "Too many calls", 429, grpc.StatusCode.RESOURCE_EXHAUSTED)),
     (Overloaded, Kind("OVERLOADED", "Too much at once", 503, grpc.StatusCode.UNAVAILABLE)),
+    (
+        ObjectsUnavailable,
+        Kind("STORE", "The object store does not answer", 503, grpc.StatusCode.UNAVAILABLE),
+    ),
     (
         sqlite3.OperationalError,
         Kind("STORE", "The data folder does not answer", 503, grpc.StatusCode.UNAVAILABLE),

@@ -59,7 +59,7 @@ def compiled(
     if found.problems or plan is None or document is None or stop is None:
         raise InputError(found.problems)
     if before is None:
-        scene_sha256 = compile_in_child(document, folder.blobs.root, compile_limits)
+        scene_sha256 = compile_in_child(document, folder.blobs, compile_limits)
         plan = plan_for_scene(folder.blobs, scene_sha256, *film)
     else:
         scene_sha256 = before.scene_sha256

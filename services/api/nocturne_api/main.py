@@ -68,6 +68,13 @@ def _settings() -> Settings:
         help="processor time that compiling one scene may take (default: %(default)s)",
     )
     parser.add_argument(
+        "--objects",
+        default="",
+        metavar="URL",
+        help="object store for assets and finished images: s3://BUCKET/PREFIX, with credentials and address "
+        "from AWS_... in the environment, or file:///FOLDER",
+    )
+    parser.add_argument(
         "--webhook-network",
         dest="webhook_networks",
         type=ipaddress.ip_network,

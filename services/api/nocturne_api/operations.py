@@ -13,9 +13,11 @@ from typing import Any, ParamSpec, Self, TypeVar
 from nocturne_coordinator.data_folder import DataFolder
 from nocturne_coordinator.errors import InputError, NotFound
 from nocturne_coordinator.limits import MAXIMUM_PAGE
+from nocturne_coordinator.objects import Objects
 
 from nocturne_api import limits, uploads
 from nocturne_api.access import CALLER, Caller, caller_of
+from nocturne_api.archiver import Archiver
 from nocturne_api.compiling import CompileLimits, prepare
 from nocturne_api.errors import Overloaded, failure_of
 from nocturne_api.intake import (
@@ -75,6 +77,10 @@ class Operations:
         self._webhook_rules = webhook_rules
         self._webhooks = WebhookSender(folder.webhooks, self._in_database, webhook_rules)
         self._webhooks.start()
+        objects = folder.blobs.objects
+        self._archiver = None if objects is None else Archiver(folder, self._in_database, objects)
+        if self._archiver is not None:
+            self._archiver.start()
 
     @classmethod
     async def open(
@@ -82,10 +88,11 @@ class Operations:
         path: Path,
         compile_limits: CompileLimits | None = None,
         webhook_rules: TargetRules | None = None,
+        objects: Objects | None = None,
     ) -> Self:
         """Opens the data folder at `path`, making it if need be."""
         database = ThreadPoolExecutor(max_workers=1, thread_name_prefix="data-folder")
-        folder = await asyncio.get_running_loop().run_in_executor(database, DataFolder, path)
+        folder = await asyncio.get_running_loop().run_in_executor(database, DataFolder, path, objects)
         prepare()
         return cls(folder, database, compile_limits or CompileLimits(), webhook_rules or TargetRules())
 
@@ -93,6 +100,8 @@ class Operations:
         """Ends all streams and lets go of the data folder."""
         await self._watchers.close()
         await self._webhooks.close()
+        if self._archiver is not None:
+            await self._archiver.close()
         await self._in_database(self._folder.close)
         self._database.shutdown()
 
@@ -286,7 +295,7 @@ class Operations:
         """Stores one file under its digest; InputError, and nothing left, where size or digest differ."""
         CALLER.get().need("submit")
         raise_if(digest_problems(sha256, "sha256"))
-        if self._folder.blobs.has(sha256):
+        if await asyncio.to_thread(self._folder.blobs.has, sha256):
             async for _ in pieces:  # Read to the end, so that the sender is not cut off in mid-write.
                 pass
         else:
@@ -381,7 +390,11 @@ class Operations:
 
     async def _open_image(self, render_id: str, path_of: Callable[[str], Path], what: str) -> OpenFile:
         render = await self.get_render(render_id)
-        opened = await open_file(path_of(render_id))
+        path = path_of(render_id)
+        opened = await open_file(path)
+        if opened is None and self._archiver is not None:
+            await self._archiver.fetch(render_id, path)
+            opened = await open_file(path)
         if opened is None:
             raise NotFound(
                 f"no {what} yet" if not render.has_ended else f"no {what}: the render ended before its first"

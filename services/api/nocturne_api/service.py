@@ -8,6 +8,7 @@ from pathlib import Path
 
 import grpc
 import uvicorn
+from nocturne_coordinator.objects import Objects
 
 from nocturne_api.addresses import AddressError, check_host, listen
 from nocturne_api.compiling import CompileLimits
@@ -39,6 +40,8 @@ class Settings:
     compile_seconds: int = CompileLimits.cpu_seconds
     webhook_networks: Sequence[Network] = ()
     """Private networks that webhooks may lead to."""
+    objects: str = ""
+    """Address of an object store for assets and finished images; empty: none."""
 
 
 class _HttpServer(uvicorn.Server):
@@ -128,7 +131,8 @@ async def open_service(settings: Settings) -> Service:
     """A service on the data folder, not started yet. Raises AddressError, UnusableFolder."""
     compile_limits = CompileLimits(settings.compile_memory_bytes, settings.compile_seconds)
     rules = TargetRules(settings.webhook_networks)
-    operations = await Operations.open(settings.data, compile_limits, rules)
+    objects = Objects(settings.objects) if settings.objects else None
+    operations = await Operations.open(settings.data, compile_limits, rules, objects)
     try:
         return Service(settings, operations)
     except BaseException:
