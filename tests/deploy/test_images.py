@@ -1,0 +1,176 @@
+"""The container images have what runs in them: read from the Dockerfile, compared with what is built."""
+
+import re
+import subprocess
+from functools import cache
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[2]
+PROGRAMS = ROOT / "build" / "release" / "worker"
+
+Stages = dict[str, list[str]]
+
+
+def instructions() -> Stages:
+    """The Dockerfile's instructions by stage, FROM first, continued lines joined."""
+    text = (ROOT / "deploy" / "Dockerfile").read_text().replace("\\\n", " ")
+    stages: Stages = {}
+    for line in (line for line in text.splitlines() if line and not line.startswith("#")):
+        if made := re.fullmatch(r"FROM (\S+) AS (\S+)", line):
+            stages[made[2]] = [line]
+        else:
+            next(reversed(stages.values())).append(line)
+    return stages
+
+
+STAGES = instructions()
+
+
+def lineage(stage: str) -> list[str]:
+    """All instructions that a stage is made by, those of the stages that it starts from included."""
+    before = STAGES[stage][0].split()[1]
+    return [*(lineage(before) if before in STAGES else []), *STAGES[stage]]
+
+
+def roles(stage: str) -> set[str]:
+    """Roles of Debian packages that a stage has."""
+    found = re.findall(r"debian-packages\.sh ([a-z ]+)\)", "\n".join(lineage(stage)))
+    return {role for words in found for role in words.split()}
+
+
+def packages(stage: str) -> set[str]:
+    words = [str(ROOT / "deploy" / "debian-packages.sh"), *sorted(roles(stage))]
+    return set(subprocess.run(words, check=True, capture_output=True, text=True).stdout.split())
+
+
+def built_targets() -> set[str]:
+    made = re.search(r"cmake --build \S+ +--target ([\w -]+?) &&", "\n".join(STAGES["programs"]))
+    assert made is not None
+    return set(made[1].split())
+
+
+def declared_targets() -> set[str]:
+    """Programs, and modules that they load, of the CMake files."""
+    cmake = [*ROOT.glob("worker/apps/CMakeLists.txt"), *ROOT.glob("worker/src/*/CMakeLists.txt")]
+    text = "\n".join(path.read_text() for path in cmake)
+    return set(re.findall(r"add_executable\(([\w-]+)", text)) | set(
+        re.findall(r"add_library\(([\w-]+) MODULE", text)
+    )
+
+
+def test_all_programs_and_modules_are_built() -> None:
+    assert built_targets() == declared_targets()
+    assert {path.name.removesuffix(".so") for path in PROGRAMS.iterdir()} == built_targets()
+
+
+def copied_from_programs(stage: str) -> set[str]:
+    """What an image takes of that which was built."""
+    names: set[str] = set()
+    for source in re.findall(r"COPY --from=programs (\S+) /usr/local/bin/", "\n".join(lineage(stage))):
+        names |= {path.name for path in PROGRAMS.iterdir()} if source.endswith("/") else {Path(source).name}
+    return names
+
+
+def test_images_have_the_programs_that_their_code_starts() -> None:
+    started = set()
+    for path in [*ROOT.glob("coordinator/**/*.py"), *ROOT.glob("services/api/**/*.py")]:
+        started |= set(re.findall(r'"(nocturne-(?:grid|trace|worker))"', path.read_text()))
+    assert started == {"nocturne-grid"}
+    assert started <= copied_from_programs("api")
+    assert {path.name for path in PROGRAMS.iterdir()} == copied_from_programs("worker")
+
+
+@cache
+def needed_packages(program: Path) -> frozenset[str]:
+    """Debian packages of the libraries that a file names itself; those bring what they need themselves."""
+    said = subprocess.run(["readelf", "-d", program], check=True, capture_output=True, text=True).stdout
+    linked = subprocess.run(["ldd", program], check=True, capture_output=True, text=True).stdout
+    owners = set()
+    for name in re.findall(r"NEEDED.*\[(.+)\]", said):
+        place = re.search(rf"{re.escape(name)} => (\S+)", linked)
+        if place is None:
+            continue
+        file = str(Path(place[1]).resolve())
+        # Packages name what is in /usr/lib by /lib still.
+        either = [file, file.removeprefix("/usr")]
+        owner = subprocess.run(["dpkg", "-S", *either], check=False, capture_output=True, text=True).stdout
+        assert owner, f"{file} is of no package"
+        owners.add(owner.split(":")[0])
+    return frozenset(owners)
+
+
+@cache
+def depends_on() -> dict[str, list[str]]:
+    """Of every package here, the names that it depends on, alternatives included."""
+    command = ["dpkg-query", "-W", "-f", "${Package}\t${Depends}, ${Pre-Depends}\n"]
+    lines = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
+    split = (line.partition("\t") for line in lines)
+    return {name: re.findall(r"(?:^|[,|]) *([a-z0-9.+-]+)", depends) for name, _, depends in split}
+
+
+def with_dependencies(package: str) -> set[str]:
+    """A package and all that it depends on."""
+    found: set[str] = set()
+    queue = [package]
+    while queue:
+        name = queue.pop()
+        if name not in found:
+            found.add(name)
+            queue += depends_on().get(name, [])
+    return found
+
+
+# Part of every Debian that runs a program of C++ linked with any of the others.
+_ALWAYS = {"libc6", "libgcc-s1"}
+
+
+@pytest.mark.parametrize("image", ["worker", "api"])
+def test_images_have_the_libraries_of_their_programs(image: str) -> None:
+    listed = packages(image)
+    has = _ALWAYS | {each for package in listed for each in with_dependencies(package)}
+    for name in sorted(copied_from_programs(image)):
+        missing = needed_packages(PROGRAMS / name) - has
+        assert missing == set(), f"{name} in the image {image}"
+
+
+def test_what_is_copied_is_there_and_not_ignored() -> None:
+    rules = (ROOT / ".dockerignore").read_text().splitlines()
+    let_in = {rule.removeprefix("!") for rule in rules if rule.startswith("!")}
+    for stage, lines in STAGES.items():
+        for line in lines:
+            if not line.startswith("COPY ") or "--from=" in line:
+                continue
+            for source in line.split()[1:-1]:
+                assert (ROOT / source).exists(), f"{stage}: {line}"
+                assert any(source == name or source.startswith(f"{name}/") for name in let_in), line
+
+
+def test_what_is_copied_between_stages_is_of_an_earlier_one() -> None:
+    names = list(STAGES)
+    for index, stage in enumerate(names):
+        for source in re.findall(r"--from=(\S+)", "\n".join(STAGES[stage])):
+            assert source in names[:index], f"{stage} takes from {source}"
+
+
+@pytest.mark.parametrize("image", ["worker", "coordinator", "api"])
+def test_images_run_without_root(image: str) -> None:
+    users = [line for line in lineage(image) if line.startswith("USER ")]
+    assert users[-1] == "USER 10001:10001"
+    entry = [line for line in lineage(image) if line.startswith("ENTRYPOINT ")]
+    assert entry[-1] == f'ENTRYPOINT ["nocturne-{image}"]'
+
+
+def test_compose_builds_targets_that_there_are() -> None:
+    compose = yaml.safe_load((ROOT / "docker-compose.yml").read_text())
+    built = {
+        name: service["build"]["target"]
+        for name, service in compose["services"].items()
+        if "build" in service
+    }
+    assert built == {"coordinator": "coordinator", "api": "api", "worker": "worker"}
+    for service in compose["services"].values():
+        if "build" in service:
+            assert (ROOT / service["build"]["dockerfile"]).is_file()
