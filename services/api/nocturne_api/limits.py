@@ -44,5 +44,8 @@ LINGER_S = 2.0
 PROBLEMS_PER_ANSWER = 20
 PROBLEM_CHARACTERS = 300
 
+# Connections to the REST door; further ones get 503 at once. Watchers hold one each, pages a few.
+REST_CONNECTIONS = 2000
+
 # Calls in progress at the gRPC door, watchers included; further ones get RESOURCE_EXHAUSTED at once.
 GRPC_CALLS = 1000

@@ -117,8 +117,8 @@ class Operations:
         Raises InputError with every problem found, Conflict where the request id was used for something
         else, and Overloaded where too many scenes wait to be compiled. A failed call leaves nothing behind.
         """
-        CALLER.get().need("submit")
         async with self._recorded("create", request_id=request.request_id) as record:
+            CALLER.get().need("submit")
             async with self._compile_slot():
                 owner = CALLER.get().name
                 new = await asyncio.to_thread(compiled, request, self._folder, owner, self._compile_limits)
@@ -139,9 +139,9 @@ class Operations:
 
     async def cancel_render(self, render_id: str, request_id: str = "") -> RenderView:
         """Stops a render. That is one-way, so repeating the call is safe with or without a request id."""
-        if request_id:
-            raise_if(request_id_problems(request_id))
         async with self._changing("cancel", render_id, request_id):
+            if request_id:
+                raise_if(request_id_problems(request_id))
             return RenderView.of(await self._in_database(self._folder.request_cancel, render_id))
 
     async def pause_render(self, render_id: str) -> RenderView:
@@ -175,9 +175,9 @@ class Operations:
 
     async def replay_render(self, render_id: str, request_id: str) -> RenderView:
         """A new render with the samples per tile that this one has: the same bits. NotFound, Conflict."""
-        CALLER.get().need("submit")
-        raise_if(request_id_problems(request_id))
         async with self._recorded("replay", render_id, request_id):
+            CALLER.get().need("submit")
+            raise_if(request_id_problems(request_id))
             owner = CALLER.get().name
             return RenderView.of(
                 await self._in_database(self._folder.create_replay, render_id, request_id, owner)
@@ -248,16 +248,16 @@ class Operations:
 
     async def release_worker(self, worker_id: str) -> None:
         """Takes the results of a worker in quarantine again; raises NotFound."""
-        CALLER.get().need("admin")
         async with self._recorded(f"release {worker_id[:80]}"):
+            CALLER.get().need("admin")
             await self._in_database(self._folder.release_worker, worker_id)
 
     # Webhooks
 
     async def create_webhook(self, url: str) -> NewWebhookView:
         """Tells `url` how the caller's renders end. Raises InputError for what can't be told or asked."""
-        CALLER.get().need("submit")
         async with self._recorded("create webhook"):
+            CALLER.get().need("submit")
             self._webhook_rules.parse(url)
             owner = CALLER.get().name
             webhook, secret = await self._in_database(self._folder.webhooks.create, owner, url)
@@ -293,14 +293,15 @@ class Operations:
 
     async def store_asset(self, sha256: str, size_bytes: int, pieces: AsyncIterator[bytes]) -> AssetView:
         """Stores one file under its digest; InputError, and nothing left, where size or digest differ."""
-        CALLER.get().need("submit")
-        raise_if(digest_problems(sha256, "sha256"))
-        if await asyncio.to_thread(self._folder.blobs.has, sha256):
-            async for _ in pieces:  # Read to the end, so that the sender is not cut off in mid-write.
-                pass
-        else:
-            await uploads.store(self._folder.blobs, sha256, size_bytes, pieces)
-        return await self.asset(sha256)
+        async with self._recorded(f"upload {sha256[: limits.RECORDED_CHARACTERS]}"):
+            CALLER.get().need("submit")
+            raise_if(digest_problems(sha256, "sha256"))
+            if await asyncio.to_thread(self._folder.blobs.has, sha256):
+                async for _ in pieces:  # Read to the end, so that the sender is not cut off in mid-write.
+                    pass
+            else:
+                await uploads.store(self._folder.blobs, sha256, size_bytes, pieces)
+            return await self.asset(sha256)
 
     async def asset(self, sha256: str) -> AssetView:
         """One stored file; raises NotFound."""

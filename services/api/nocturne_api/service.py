@@ -10,6 +10,7 @@ import grpc
 import uvicorn
 from nocturne_coordinator.objects import Objects
 
+from nocturne_api import limits
 from nocturne_api.addresses import AddressError, check_host, listen
 from nocturne_api.compiling import CompileLimits
 from nocturne_api.operations import Operations
@@ -70,6 +71,7 @@ class Service:
             ssl_keyfile=settings.tls_key,
             log_level="warning",
             access_log=False,
+            limit_concurrency=limits.REST_CONNECTIONS,
             server_header=False,
             timeout_graceful_shutdown=int(_GRACE_S),
             lifespan="off",

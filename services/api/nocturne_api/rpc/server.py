@@ -10,14 +10,14 @@ from nocturne.v1 import (
     render_service_pb2_grpc,
 )
 
-from nocturne_api.limits import GRPC_CALLS, GRPC_MESSAGE_BYTES
+from nocturne_api import limits
 from nocturne_api.operations import Operations
 from nocturne_api.rpc.asset_service import AssetService
 from nocturne_api.rpc.gate import Gate
 from nocturne_api.rpc.render_service import RenderService
 
 _OPTIONS = (
-    ("grpc.max_receive_message_length", GRPC_MESSAGE_BYTES),
+    ("grpc.max_receive_message_length", limits.GRPC_MESSAGE_BYTES),
     # Two servers on one port would each get half of the calls, silently.
     ("grpc.so_reuseport", 0),
 )
@@ -33,7 +33,7 @@ class GrpcDoor:
     def __init__(self, operations: Operations, authenticate: bool = False) -> None:
         self.server = grpc.aio.server(
             options=_OPTIONS,
-            maximum_concurrent_rpcs=GRPC_CALLS,
+            maximum_concurrent_rpcs=limits.GRPC_CALLS,
             interceptors=[Gate(operations.identify if authenticate else None)],
         )
         self._health = health.aio.HealthServicer()
