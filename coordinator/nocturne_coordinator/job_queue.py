@@ -3,6 +3,7 @@
 Every method may raise QueueError, after which nothing is known of what it did; `attend` and `jobs` tell.
 """
 
+import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import wraps
@@ -103,6 +104,9 @@ class JobQueue:
         self._client: Any = redis.Redis.from_url(
             url,
             protocol=2,
+            # As for workers, so that no password stands on a command line.
+            username=os.environ.get("NOCTURNE_REDIS_USER") or None,
+            password=os.environ.get("NOCTURNE_REDIS_PASSWORD") or None,
             socket_timeout=_TIMEOUT,
             socket_connect_timeout=_TIMEOUT,
             retry=Retry(NoBackoff(), 0),

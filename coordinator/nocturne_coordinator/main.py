@@ -57,7 +57,12 @@ def _parser() -> argparse.ArgumentParser:
         epilog=f"Exit code {EXIT_ALREADY_OWNED}: the data folder, or Redis, has a coordinator already.",
     )
     parser.add_argument("--data", type=Path, required=True, help="data folder; made if it isn't there")
-    parser.add_argument("--redis", required=True, help="redis://host:port or unix:///path/to/socket")
+    parser.add_argument(
+        "--redis",
+        required=True,
+        help="redis://host:port or unix:///path/to/socket; user and "
+        "password come from the environment: NOCTURNE_REDIS_USER, NOCTURNE_REDIS_PASSWORD",
+    )
     parser.add_argument(
         "--commit-seconds",
         type=float,

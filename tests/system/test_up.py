@@ -124,3 +124,20 @@ def test_no_child_outlives_a_killed_parent(tmp_path: Path) -> None:
         service.start()
         assert not set(service.children().values()) & set(children.values())
         assert service.stop() == 0
+
+
+def test_with_tokens_the_first_one_is_shown_once(tmp_path_factory: pytest.TempPathFactory) -> None:
+    folder = tmp_path_factory.mktemp("auth")
+    with Up(folder, 1, 1, "--auth") as service:
+        said = service.program.log.read_text()
+        token = re.search(r"nct_[\w-]+", said)
+        assert token is not None
+        assert httpx.get(f"{service.url}/v1/renders", trust_env=False).status_code == 401
+        with closing(Client(service.url, token=token[0])) as client:
+            # The worker came in by the socket that is its own, and needs no token.
+            render = client.submit(CORNELL, 40, 30, 16)
+            wait_for(lambda: client.get(render.id).has_ended, "the render to end")
+            assert client.get(render.id).state == "SUCCEEDED"
+            assert client.get(render.id).owner.startswith("admin-")
+    with Up(folder, 0, 1, "--auth") as again:
+        assert "nct_" not in again.program.log.read_text().replace(said, "")

@@ -20,8 +20,11 @@ NOCTURNE = Path(sys.executable).with_name("nocturne")
 class Up:
     """The whole service on free ports; its data folder outlives it. Use it as a context manager."""
 
-    def __init__(self, folder: Path, workers: int = 1, threads: int = 2) -> None:
-        """`folder` holds data, temporary files and the log; its path must be short, for Unix sockets."""
+    def __init__(self, folder: Path, workers: int = 1, threads: int = 2, *words: str) -> None:
+        """`folder` holds data, temporary files and the log; its path must be short, for Unix sockets.
+
+        `words`: further options.
+        """
         self.data = folder / "data"
         self.temporary = folder / "tmp"
         self.temporary.mkdir(parents=True, exist_ok=True)
@@ -31,7 +34,7 @@ class Up:
         command = [str(NOCTURNE), "up", "--data", str(self.data), "--port", str(self._port)]
         fleet = ["--workers", str(workers), "--threads", str(threads)]
         environment = {"TMPDIR": str(self.temporary)}
-        self.program = Program([*command, *fleet], folder / "up.log", environment)
+        self.program = Program([*command, *fleet, *words], folder / "up.log", environment)
 
     def __enter__(self) -> Self:
         try:

@@ -52,6 +52,9 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--assets", arguments.cache.service,
                  "asset service: host:port or unix:/path; a token for it comes from NOCTURNE_TOKEN")
       ->required();
+  app.add_option("--assets-ca", arguments.cache.authorities,
+                 "by TLS, to an asset service whose certificate is signed by one of these (PEM)")
+      ->envname("NOCTURNE_ASSETS_CA");
   app.add_option("--cache", arguments.cache.folder, "folder for scenes and meshes")->required();
   app.add_option("--threads", arguments.threads, "jobs at the same time")
       ->envname("NOCTURNE_THREADS")

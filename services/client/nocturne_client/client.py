@@ -2,6 +2,7 @@
 
 import json
 import os
+import ssl
 import tempfile
 import time
 import uuid
@@ -45,13 +46,21 @@ class Client:
         transport: httpx.BaseTransport | None = None,
         token: str | None = None,
     ) -> None:
-        """`token` defaults to the environment variable NOCTURNE_TOKEN; none is sent where there is none."""
+        """`token` defaults to the environment variable NOCTURNE_TOKEN; none is sent where there is none.
+
+        The PEM file NOCTURNE_CA, where it is set, says whose certificates are believed.
+        """
         self.url = (url or os.environ.get("NOCTURNE_URL") or DEFAULT_URL).rstrip("/")
         token = token or os.environ.get("NOCTURNE_TOKEN")
         headers = {"Authorization": f"Bearer {token}"} if token else {}
         try:
             self._http = httpx.Client(
-                base_url=self.url, timeout=_TIMEOUT, transport=transport, trust_env=False, headers=headers
+                base_url=self.url,
+                timeout=_TIMEOUT,
+                transport=transport,
+                trust_env=False,
+                headers=headers,
+                verify=_trusted(),
             )
         except httpx.InvalidURL as error:
             raise NocturneClientError(f"{self.url!r} is not an address: {error}") from error
@@ -278,6 +287,17 @@ class Client:
             f"no answer from {self.url} ({error}). Start a service with `nocturne up`, or say where it is "
             "with --url or NOCTURNE_URL."
         )
+
+
+def _trusted() -> ssl.SSLContext | bool:
+    """Whose certificates are believed: those in the PEM file NOCTURNE_CA, else what httpx believes."""
+    path = os.environ.get("NOCTURNE_CA")
+    if not path:
+        return True
+    try:
+        return ssl.create_default_context(cafile=path)
+    except (OSError, ssl.SSLError) as error:
+        raise NocturneClientError(f"NOCTURNE_CA: {path}: {error}") from error
 
 
 def _part(text: str) -> str:

@@ -16,6 +16,9 @@ struct AssetCacheOptions {
   std::filesystem::path folder;
   /// In gRPC's words: host:port or unix:/path.
   std::string service;
+  /// PEM file of certificate authorities, one of which signed the service's certificate. Empty: no
+  /// TLS.
+  std::filesystem::path authorities;
   /// A larger file is refused before anything of it is written.
   std::uint64_t max_asset_bytes = std::uint64_t{8} << 30;
   /// When all files together have more, those not used for longest are removed.
@@ -28,7 +31,7 @@ struct AssetCacheOptions {
 /// For all threads; a file that several ask for at once is fetched once.
 class AssetCache {
  public:
-  /// Throws AssetUnavailable if the folder can't be made.
+  /// Throws AssetUnavailable if the folder can't be made, or the authorities can't be read.
   explicit AssetCache(AssetCacheOptions options);
 
   /// Path of a file whose digest this process has checked. `sha256`: 64 lower-case hexadecimal

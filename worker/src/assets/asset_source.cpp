@@ -26,14 +26,20 @@ void keep_grpc() {
   static_cast<void>(kept);
 }
 
-std::shared_ptr<grpc::Channel> make_channel(const std::string& target) {
+std::shared_ptr<grpc::Channel> make_channel(const std::string& target,
+                                            const std::string& authorities) {
   keep_grpc();
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kLargestChunkBytes);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kLongestReconnectMs);
   // The service is where Redis is; a web proxy is not on the way.
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  return grpc::CreateCustomChannel(target, grpc::InsecureChannelCredentials(), arguments);
+  const auto credentials =
+      authorities.empty()
+          ? grpc::InsecureChannelCredentials()
+          : grpc::SslCredentials(
+                {.pem_root_certs = authorities, .pem_private_key = "", .pem_cert_chain = ""});
+  return grpc::CreateCustomChannel(target, credentials, arguments);
 }
 
 [[noreturn]] void throw_status(const std::string& sha256, const grpc::Status& status) {
@@ -56,7 +62,8 @@ std::shared_ptr<grpc::Channel> make_channel(const std::string& target) {
 
 }  // namespace
 
-AssetSource::AssetSource(const std::string& target) : channel_(make_channel(target)) {}
+AssetSource::AssetSource(const std::string& target, const std::string& authorities)
+    : channel_(make_channel(target, authorities)) {}
 
 void AssetSource::fetch(const std::string& sha256, const OnSize& on_size,
                         const OnBytes& on_bytes) const {

@@ -19,8 +19,9 @@ class AssetSource {
   using OnSize = std::function<void(std::uint64_t total_bytes)>;
   using OnBytes = std::function<void(std::string_view bytes)>;
 
-  /// `target` in gRPC's words: host:port or unix:/path. Connects when first used.
-  explicit AssetSource(const std::string& target);
+  /// `target` in gRPC's words: host:port or unix:/path. With `authorities`, certificates in PEM, by
+  /// TLS, to a service whose certificate one of them signed. Connects when first used.
+  explicit AssetSource(const std::string& target, const std::string& authorities = "");
 
   /// Reads a file once: calls `on_size`, then `on_bytes` in order. What they throw ends the call.
   /// Throws AssetUnavailable (try later) or AssetError.

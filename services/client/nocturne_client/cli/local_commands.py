@@ -30,12 +30,17 @@ def up(
     threads: Annotated[
         int, typer.Option("--threads", min=0, help="Per worker; 0: share the processors.")
     ] = 0,
+    auth: Annotated[
+        bool,
+        typer.Option("--auth", help="Callers need a token; where there is none yet, one is made and shown."),
+    ] = False,
 ) -> None:
     """Run the whole service here: redis-server, coordinator, API with page, workers. Ctrl-C stops it."""
-    from nocturne_client.local.up import UpSettings, default_data_folder, run_up
+    from nocturne_client.local.data import default_data_folder
+    from nocturne_client.local.up import UpSettings, run_up
 
     share = max(1, len(os.sched_getaffinity(0)) // max(1, workers))
-    run_up(UpSettings((data or default_data_folder()).absolute(), port, workers, threads or share))
+    run_up(UpSettings((data or default_data_folder()).absolute(), port, workers, threads or share, auth))
 
 
 def render(

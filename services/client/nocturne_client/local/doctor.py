@@ -9,8 +9,8 @@ from pathlib import Path
 from rich.markup import escape
 from rich.table import Table
 
+from nocturne_client.local.data import default_data_folder
 from nocturne_client.local.programs import CHECKOUT, HOW_TO_GET, find_program
-from nocturne_client.local.up import default_data_folder
 
 _CPU_FLAGS = ("avx2", "bmi1", "bmi2", "fma", "f16c", "movbe")
 _FREE_BYTES = 2 * 1024**3

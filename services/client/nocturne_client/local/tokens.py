@@ -1,5 +1,6 @@
 """API tokens of a data folder on this machine."""
 
+import secrets
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -10,13 +11,21 @@ from nocturne_coordinator.data_folder import DataFolder
 from nocturne_coordinator.errors import NocturneError
 
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.local.up import default_data_folder
+from nocturne_client.local.data import default_data_folder
 
 
 def create_token(data: Path | None, name: str, scopes: Sequence[str], weight: int) -> str:
     """The new token's secret."""
     with _folder(data) as folder:
         return folder.tokens.create(name, scopes, weight)
+
+
+def first_token(data: Path) -> str | None:
+    """The secret of an admin's token, where nobody could get in otherwise; None where somebody can."""
+    with _folder(data) as folder:
+        if any(not token.revoked for token in folder.tokens.list()):
+            return None
+        return folder.tokens.create(f"admin-{secrets.token_hex(3)}", ["admin"])
 
 
 def list_tokens(data: Path | None) -> list[dict[str, Any]]:

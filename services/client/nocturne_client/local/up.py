@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
-import platformdirs
 from rich.markup import escape
 from rich.panel import Panel
 
@@ -23,6 +22,7 @@ from nocturne_client.cli.output import CONSOLE, ERRORS
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.children import Child
 from nocturne_client.local.programs import CHECKOUT, need_program
+from nocturne_client.local.tokens import first_token
 
 # Twenty times what it takes on an idle machine.
 _START_S = 120.0
@@ -39,11 +39,8 @@ class UpSettings:
     port: int
     workers: int
     threads: int
-
-
-def default_data_folder() -> Path:
-    """The user's own: ~/.local/share/nocturne, or what XDG_DATA_HOME says."""
-    return platformdirs.user_data_path("nocturne")
+    auth: bool = False
+    """Callers need a token."""
 
 
 def run_up(settings: UpSettings) -> None:
@@ -62,10 +59,11 @@ def run_up(settings: UpSettings) -> None:
     ):
         need_program("nocturne-worker")
         _check_ports(settings.port)
+        token = first_token(settings.data) if settings.auth else None
         with _Stack(settings, Path(sockets)) as stack:
             stack.start(stop)
             if not stop.is_set():
-                _announce(settings)
+                _announce(settings, token)
             while not stop.wait(_TEND_S):
                 stack.tend()
             ERRORS.print("stopping ...")
@@ -93,7 +91,8 @@ class _Stack:
         ports = ("--port", str(settings.port), "--grpc-port", str(settings.port + 1))
         web = ("--web", str(CHECKOUT / "services" / "web" / "dist"))
         self._api = self._child(
-            "api", *python, "nocturne_api.main", *data, *ports, "--grpc-unix", str(grpc_socket), *web
+            *("api", *python, "nocturne_api.main", *data, *ports, "--grpc-unix", str(grpc_socket), *web),
+            *(["--auth"] if settings.auth else []),
         )
         self._workers = [
             self._child(
@@ -238,13 +237,15 @@ def _url(port: int) -> str:
     return f"http://127.0.0.1:{port}"
 
 
-def _announce(settings: UpSettings) -> None:
+def _announce(settings: UpSettings, token: str | None) -> None:
     workers = f"worker processes: {settings.workers}, threads of each: {settings.threads}"
     text = (
         f"Page and API   [bold]{_url(settings.port)}[/]\n"
         f"gRPC           127.0.0.1:{settings.port + 1}\n"
         f"Data           {escape(str(settings.data))}\n"
-        f"Running        {workers}\n\n"
+        f"Running        {workers}\n"
+        + (f"Token          {token}\n               of an admin; it can't be had again\n" if token else "")
+        + "\n"
         "nocturne submit SCENE --watch    Ctrl-C stops everything"
     )
     CONSOLE.print(Panel(text, title="Nocturne", expand=False))
