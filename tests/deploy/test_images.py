@@ -155,12 +155,21 @@ def test_what_is_copied_between_stages_is_of_an_earlier_one() -> None:
             assert source in names[:index], f"{stage} takes from {source}"
 
 
-@pytest.mark.parametrize("image", ["worker", "coordinator", "api"])
+_ENTRIES = {
+    "redis": "/opt/redis/start.sh",
+    "tunnel": "/opt/stunnel/start.sh",
+    "worker": "nocturne-worker",
+    "coordinator": "nocturne-coordinator",
+    "api": "nocturne-api",
+}
+
+
+@pytest.mark.parametrize("image", _ENTRIES)
 def test_images_run_without_root(image: str) -> None:
     users = [line for line in lineage(image) if line.startswith("USER ")]
     assert users[-1] == "USER 10001:10001"
     entry = [line for line in lineage(image) if line.startswith("ENTRYPOINT ")]
-    assert entry[-1] == f'ENTRYPOINT ["nocturne-{image}"]'
+    assert entry[-1] == f'ENTRYPOINT ["{_ENTRIES[image]}"]'
 
 
 def test_compose_builds_targets_that_there_are() -> None:
@@ -170,7 +179,7 @@ def test_compose_builds_targets_that_there_are() -> None:
         for name, service in compose["services"].items()
         if "build" in service
     }
-    assert built == {"coordinator": "coordinator", "api": "api", "worker": "worker"}
+    assert built == {name: name for name in ("redis", "coordinator", "api", "worker")}
     for service in compose["services"].values():
         if "build" in service:
             assert (ROOT / service["build"]["dockerfile"]).is_file()
