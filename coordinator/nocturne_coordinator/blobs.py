@@ -71,6 +71,22 @@ class BlobStore:
             return True
         return self.objects is not None and self.objects.size(_object_name(sha256)) is not None
 
+    def all(self) -> Iterator[str]:
+        """The digests of all blobs that are here."""
+        for place in self.root.glob("[0-9a-f][0-9a-f]/*"):
+            if _SHA256.fullmatch(place.name):
+                yield place.name
+
+    def is_whole(self, sha256: str) -> bool:
+        """Whether the blob is here and has every bit that it had."""
+        if not self.has(sha256):
+            return False
+        digest = hashlib.sha256()
+        with self.path(sha256).open("rb") as file:
+            while piece := file.read(_PIECE_BYTES):
+                digest.update(piece)
+        return digest.hexdigest() == sha256
+
     def missing(self, sha256s: Iterable[str]) -> list[str]:
         """Those of the digests whose blobs are nowhere, in the order given, each once."""
         wanted = list(dict.fromkeys(sha256s))

@@ -3,6 +3,7 @@
     nocturne.db      renders, tiles, workers (SQLite in WAL mode)
     blobs/           scenes and assets by SHA-256
     images/<id>/     preview.png and image.exr of a render, set-aside-<tile>.zip of what failed
+    checkpoints/     the last two copies of the database (see checkpoint.py)
     coordinator.lock held by the coordinator that works on the folder
 
 The API and the coordinator open it at the same time; only the coordinator's `store.ledger` writes sums.
@@ -21,7 +22,7 @@ from nocturne.v1 import job_pb2
 
 from . import limits
 from .blobs import BlobStore
-from .errors import Conflict, InputError, NotFound, Problem, WrongState
+from .errors import Conflict, InputError, NotFound, Problem, UnusableFolder, WrongState
 from .objects import Objects
 from .plan import TileGrid, extended_plan
 from .stopping import StopConditions, check_tile_samples
@@ -44,9 +45,14 @@ class DataFolder:
     """Opens, or creates, the folder. Safe for many threads and processes; calls take milliseconds."""
 
     def __init__(self, path: Path, objects: Objects | None = None) -> None:
-        """`objects` keeps blobs too. Raises UnusableFolder if another version wrote it."""
+        """`objects` keeps blobs too.
+
+        Raises UnusableFolder if another version wrote it, it is damaged, or only checkpoints are left.
+        """
         self.root = path
         path.mkdir(parents=True, exist_ok=True)
+        if not (path / "nocturne.db").exists() and any((path / "checkpoints").glob("*.json")):
+            raise UnusableFolder(f"{path / 'nocturne.db'} is gone; run nocturne restore")
         self.database = Database(path / "nocturne.db")
         self.blobs = BlobStore(path / "blobs", objects)
         self.tokens = Tokens(self.database)

@@ -8,7 +8,8 @@ NocturneError
 +-- AlreadyOwned    another coordinator works on the data folder
 +-- QueueTaken      Redis serves the coordinator of another data folder
 +-- OwnershipLost   another coordinator took the data folder over; nothing may be committed any more
-+-- UnusableFolder  the folder was written by another version
++-- UnusableFolder  the folder was written by another version, or is damaged
++-- CantRestore     there is nothing whole to restore from
 +-- UnusableQueue   Redis is set up in a way that loses messages
 """
 
@@ -71,7 +72,11 @@ class OwnershipLost(NocturneError):
 
 
 class UnusableFolder(NocturneError):
-    """The data folder was written by another version of the program."""
+    """The data folder was written by another version of the program, or is damaged."""
+
+
+class CantRestore(NocturneError):
+    """There is nothing whole to restore a data folder from, or nothing that may be replaced."""
 
 
 class UnusableQueue(NocturneError):

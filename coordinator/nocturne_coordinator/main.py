@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from .audit import NEW_SHARE, SHARE, Auditor
+from .checkpoint import CHECKPOINT_SECONDS, Checkpointer
 from .coordinator import COMMIT_SECONDS, Coordinator
 from .data_folder import DataFolder
 from .errors import AlreadyOwned, NocturneError, OwnershipLost, QueueTaken
@@ -81,6 +82,18 @@ def _parser() -> argparse.ArgumentParser:
         default=NEW_SHARE,
         help="the same of the first jobs of a worker (default %(default)s)",
     )
+    parser.add_argument(
+        "--checkpoints",
+        type=Path,
+        metavar="DIR",
+        help="where copies of the database go, best on another disk (default: DATA/checkpoints)",
+    )
+    parser.add_argument(
+        "--checkpoint-seconds",
+        type=float,
+        default=CHECKPOINT_SECONDS,
+        help="time between two (default %(default)s); 0: none",
+    )
     parser.add_argument("--log-level", default="info", choices=["debug", "info", "warning", "error"])
     return parser
 
@@ -104,6 +117,10 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
         _log.info("works on %s, epoch %d, process started %.0f", data, ownership.epoch, time.time())
         auditor = Auditor(options.audit_share, options.audit_share_new)
         ledger = Ledger(folder.database, ownership)
+        if options.checkpoint_seconds > 0.0:
+            place = options.checkpoints or data / "checkpoints"
+            checkpointer = Checkpointer(data, place, options.checkpoint_seconds)
+            threading.Thread(target=checkpointer.run, args=(stop,), daemon=True).start()
         Coordinator(folder, ledger, queue, session, options.commit_seconds, auditor).run(stop)
     finally:
         queue.close()

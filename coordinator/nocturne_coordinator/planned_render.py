@@ -81,11 +81,16 @@ def check_partial(
         raise RefusedResult(f"sums of {len(partial.sums)} bytes; expected {expected}")
     shape = (job.tile.height, job.tile.width, sums_per_pixel)
     sums = np.frombuffer(partial.sums, dtype="<f8").reshape(shape)
+    check_sums(sums, samples)
+    return sums
+
+
+def check_sums(sums: Sums, samples: int) -> None:
+    """RefusedResult if no samples have such sums; shape (height, width, XYZ_SUMS or more)."""
     # With a NaN inside, minimum and maximum are NaN, and compare false.
     if not (sums.min() >= 0.0 and sums.max() < _BEYOND_PHYSICS):
         raise RefusedResult("sums that are negative, not finite or beyond all physics")
     _check_squares(sums[..., 1], sums[..., 3], samples)
-    return sums
 
 
 def _check_counts(partial: job_pb2.Partial, photons: int) -> None:

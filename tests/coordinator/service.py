@@ -89,6 +89,11 @@ class Service:
         )
         return self._process
 
+    def reopen(self) -> None:
+        """Looks at the data folder that is there now."""
+        self.folder.close()
+        self.folder = DataFolder(self.data)
+
     def stop(self, number: int = signal.SIGTERM) -> int:
         """Ends the coordinator; gives its exit code."""
         assert self._process is not None

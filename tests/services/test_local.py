@@ -81,9 +81,13 @@ def test_children_die_with_their_parent_even_when_it_is_killed() -> None:
 
 def test_a_folder_has_one_service_only(tmp_path: Path) -> None:
     (tmp_path / "service.json").write_text(json.dumps({"url": "http://127.0.0.1:1234"}))
-    with up._only_one(tmp_path), pytest.raises(NocturneClientError, match="1234"), up._only_one(tmp_path):
+    with (
+        up.only_one_service(tmp_path),
+        pytest.raises(NocturneClientError, match="1234"),
+        up.only_one_service(tmp_path),
+    ):
         pass
-    with up._only_one(tmp_path):
+    with up.only_one_service(tmp_path):
         pass
 
 

@@ -22,7 +22,7 @@ _LEASE_MS = 1000
 class ServiceProcesses:
     """redis-server, coordinator, API, and workers of one thread each."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *coordinator_words: str | Path) -> None:
         """`folder` holds everything; its path must be short, for Unix sockets."""
         self.spoilt = False
         """A test failed with it: nothing is known of its state."""
@@ -35,7 +35,8 @@ class ServiceProcesses:
         self.client = Client(self.url)
         self.redis_server = self._program("redis", need_program("redis-server"), *self._redis_words())
         self.coordinator = self._python(
-            *("nocturne_coordinator.main", "--redis", f"unix://{self._socket}", "--commit-seconds", "0.2")
+            *("nocturne_coordinator.main", "--redis", f"unix://{self._socket}", "--commit-seconds", "0.2"),
+            *coordinator_words,
         )
         self._api = self._python(
             *("nocturne_api.main", "--port", str(port), "--grpc-port", str(port + 1)),

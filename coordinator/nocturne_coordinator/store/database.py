@@ -166,9 +166,21 @@ class Database:
     """One connection, shared by the threads of a process under a lock."""
 
     def __init__(self, path: Path) -> None:
-        """Opens or creates the file; UnusableFolder if another version wrote it."""
+        """Opens or creates the file; UnusableFolder if another version wrote it, or if it is damaged."""
         self._lock = threading.RLock()
         self._connection = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
+        try:
+            self._prepare(path)
+        except sqlite3.DatabaseError as trouble:
+            self._connection.close()
+            # Full, locked, not to be written: that passes.
+            if isinstance(trouble, sqlite3.OperationalError):
+                raise
+            raise UnusableFolder(
+                f"{path} is damaged ({trouble}); stop the service and run nocturne restore"
+            ) from trouble
+
+    def _prepare(self, path: Path) -> None:
         self._connection.row_factory = sqlite3.Row
         # First of all: the statements after it may meet another process that creates the file just now.
         self._connection.execute(f"PRAGMA busy_timeout = {_BUSY_MILLISECONDS}")

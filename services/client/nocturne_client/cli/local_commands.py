@@ -15,7 +15,7 @@ Threads = Annotated[int, typer.Option("--threads", min=0, help="0: one per proce
 def add_to(app: typer.Typer) -> None:
     """Adds these commands to the program."""
     names = {compile_scene: "compile", import_scene: "import", compare_images: "compare"}
-    for command in (up, render, ies, compile_scene, import_scene, compare_images, doctor):
+    for command in (up, render, ies, compile_scene, import_scene, compare_images, doctor, restore):
         app.command(name=names.get(command))(command)
 
 
@@ -171,3 +171,24 @@ def doctor(as_json: AsJson = False) -> None:
     else:
         CONSOLE.print(table_of(findings))
     raise typer.Exit(int(any(finding.needed and not finding.ok for finding in findings)))
+
+
+def restore(
+    data: Annotated[
+        Path | None, typer.Option("--data", help="Data folder to put in order. Default: yours.")
+    ] = None,
+    source: Annotated[
+        Path | None, typer.Option("--from", metavar="DIR", help="Checkpoints. Default: those in the folder.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Examine a data folder after a disaster; replace a damaged database by the newest whole checkpoint."""
+    from nocturne_client.local import restoring
+
+    found = restoring.restore_folder(data, source)
+    if as_json:
+        print_json(restoring.as_json(found))
+    else:
+        for line in restoring.as_lines(found):
+            typer.echo(line)
+    raise typer.Exit(int(bool(found.missing)))

@@ -54,7 +54,7 @@ def run_up(settings: UpSettings) -> None:
         signal.signal(number, ask_to_stop)
     _make_folder(settings.data)
     with (
-        _only_one(settings.data),
+        only_one_service(settings.data),
         tempfile.TemporaryDirectory(prefix="nocturne-", ignore_cleanup_errors=True) as sockets,
     ):
         need_program("nocturne-worker")
@@ -179,7 +179,7 @@ def _make_folder(data: Path) -> None:
 
 
 @contextmanager
-def _only_one(data: Path) -> Iterator[None]:
+def only_one_service(data: Path) -> Iterator[None]:
     """Holds the folder; the lock goes with the process, however it ends."""
     with (data / "service.lock").open("w") as lock:
         try:

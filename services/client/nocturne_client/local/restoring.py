@@ -1,0 +1,50 @@
+"""`nocturne restore`: a data folder of this machine is put in order, and what was found is told."""
+
+from pathlib import Path
+from typing import Any
+
+from nocturne_coordinator.errors import NocturneError
+from nocturne_coordinator.restoring import Restored, restore
+
+from nocturne_client.errors import NocturneClientError
+from nocturne_client.local.up import default_data_folder, only_one_service
+
+
+def restore_folder(data: Path | None, source: Path | None) -> Restored:
+    """NocturneClientError where that can't be done, or a service runs on the folder."""
+    data = data or default_data_folder()
+    try:
+        if not data.is_dir():
+            return restore(data, source)
+        with only_one_service(data):
+            return restore(data, source)
+    except NocturneError as error:
+        raise NocturneClientError(str(error)) from error
+    except OSError as error:
+        raise NocturneClientError(f"{error.filename}: {error.strerror}") from error
+
+
+def as_json(found: Restored) -> dict[str, Any]:
+    """For programs."""
+    return {
+        "restored_from": str(found.database) if found.database else None,
+        "damage": found.damage,
+        "renders": found.renders,
+        "open_ranges": found.open_ranges,
+        "missing": found.missing,
+    }
+
+
+def as_lines(found: Restored) -> list[str]:
+    """For people."""
+    return [
+        *(f"Damaged: {each}" for each in found.damage),
+        f"Restored from {found.database}."
+        if found.database
+        else "The database is whole; nothing was replaced.",
+        f"{found.renders} renders; {found.open_ranges} ranges will be traced when the service starts.",
+        *(
+            f"The scene of {each} is nowhere; cancel the render, or submit it again."
+            for each in found.missing
+        ),
+    ]
