@@ -1,13 +1,16 @@
 """The coordinator: follows the data folder, sends jobs out, merges what comes back, commits, shows.
 
 One thread, one loop. What is merged is committed about once a second, and only then are the results deleted
-from Redis; so whatever is killed whenever, open work is what is planned and not committed.
+from Redis; so whatever is killed whenever, open work is what is planned and not committed. Several may share
+a folder: each render is leased to one of them, and every write checks the lease's fence.
 """
 
 import logging
 import sqlite3
 import threading
 import time
+from collections import Counter
+from collections.abc import Iterable, Mapping
 
 from nocturne.v1 import job_pb2
 
@@ -16,6 +19,7 @@ from .audit import LONGEST_WAIT, Auditor
 from .bundle import write_bundle
 from .crash_points import crash_point
 from .data_folder import DataFolder
+from .errors import LeaseLost
 from .faults import Faults
 from .intake import Intake, Outcome
 from .job_queue import JobQueue, Session
@@ -67,11 +71,14 @@ class Coordinator:
         self._schedule = Schedule()
         self._auditor = auditor or Auditor()
         self._faults = Faults()
-        self._intake = Intake(self._renders, self._schedule, self._auditor, self._faults)
-        self._traffic = Traffic(queue, session, self._renders, self._schedule, self._auditor)
+        others = self._is_open
+        self._intake = Intake(self._renders, self._schedule, self._auditor, self._faults, others)
+        self._traffic = Traffic(queue, session, self._renders, self._schedule, self._auditor, others)
         self._quarantine(ledger.quarantined())
         self._pictures = Pictures(folder, ledger)
-        self._settled: list[bytes] = []
+        self._settled: dict[str, list[bytes]] = {}
+        """Result entries to delete after the next commit, by render; under no render's name, of none."""
+        self._coordinators = 1
         self._failed: dict[str, str] = {}
         self._audits_end: dict[str, float] = {}
         self._folder_trouble = False
@@ -92,7 +99,21 @@ class Coordinator:
         self._guarded_commit(time.monotonic())
         self._traffic.exchange(time.monotonic(), time.time(), publish=False, wait_ms=1)
         self._traffic.leave()
+        self._resign()
         _log.info("stopped; %d renders wait to be resumed", len(self._renders))
+
+    def _resign(self) -> None:
+        try:
+            self._ledger.resign()
+        except (sqlite3.Error, OSError) as trouble:
+            _log.info("the leases on renders run out by themselves: %s", trouble)
+
+    def _is_open(self, render_id: str) -> bool:
+        """Whether messages of a render that is not here may be of use to another coordinator, or later."""
+        try:
+            return self._ledger.is_open(render_id)
+        except sqlite3.Error:
+            return True
 
     def _shortest_round(self) -> float:
         """Seconds."""
@@ -131,11 +152,18 @@ class Coordinator:
                 return
             self._pictures.finish_ended()
             self._seen_changes = changes
+        except LeaseLost as lost:
+            self._lose(lost.render_id)
         except (sqlite3.Error, OSError) as trouble:
             _log.error("the data folder can't be used: %s; trying again", trouble)
 
     def _mirror_workers(self, now: float) -> None:
-        self._next_mirror = now + _MIRROR_SECONDS
+        self._next_mirror = now + min(_MIRROR_SECONDS, self._ledger.lease_seconds / 5)
+        coordinators = self._ledger.renew(time.time())
+        if coordinators != self._coordinators:
+            _log.info("%d coordinators work on the folder", coordinators)
+            self._coordinators = coordinators
+            self._seen_changes = -1
         if self._traffic.workers:
             self._ledger.mirror_workers(self._traffic.workers)
         self._ledger.write_meters(
@@ -159,6 +187,8 @@ class Coordinator:
         """Takes renders up and lets them go as the folder says; False if that has to wait."""
         self._quarantine(self._ledger.quarantined())
         rows = {row.id: row for row in self._ledger.open_renders()}
+        for render in [each for each in self._renders.values() if _is_lost(each, rows)]:
+            self._lose(render.id)
         changed = [
             render.id
             for render in self._renders.values()
@@ -167,18 +197,40 @@ class Coordinator:
         # What is merged of them is kept, unless they were cancelled.
         if changed and not self._guarded_commit(now):
             return False
-        for render_id in changed:
+        # A commit may have found one of them lost.
+        for render_id in [each for each in changed if each in self._renders]:
             _log.info("render=%s %s", render_id, "has other plans" if render_id in rows else "let go")
             self._drop(render_id)
+        part = -(-len(rows) // self._coordinators)
+        self._pass_on(part)
         for row in self._ledger.open_renders() if changed else rows.values():
             if row.id in self._renders:
                 self._schedule.set_priority(row.id, row.priority)
                 if row.state is RenderState.QUEUED:
                     # Paused and resumed between two looks: it runs as before.
-                    self._ledger.start(row.id, time.time())
-            else:
+                    self._ledger.start(row.id, self._renders[row.id].row.fence, time.time())
+            elif row.holder in (0, self._ledger.number) and len(self._renders) < part:
                 self._admit(row)
+        self._traffic.share = _share_of(self._renders, rows.values())
         return True
+
+    def _pass_on(self, part: int) -> None:
+        """Leaves the youngest renders to other coordinators that have fewer."""
+        surplus = list(self._renders)[part:]
+        if surplus and self._guarded_commit(time.monotonic()):
+            for render_id in [each for each in surplus if each in self._renders]:
+                _log.info("render=%s is left to another coordinator", render_id)
+                self._drop(render_id, jobs_stay=True)
+
+    def _lose(self, render_id: str) -> None:
+        """Another coordinator has the render, or its sums were changed: jobs and results are not ours any
+        more."""
+        if render_id in self._renders:
+            _log.warning("render=%s is not ours any more; what was not committed is done again", render_id)
+            self._drop(render_id, jobs_stay=True)
+        self._settled.pop(render_id, None)
+        # It may be ours to take again.
+        self._seen_changes = -1
 
     def _quarantine(self, workers: dict[str, str]) -> None:
         self._intake.quarantined = workers
@@ -186,6 +238,14 @@ class Coordinator:
 
     def _admit(self, row: OpenRender) -> None:
         """Resumes a render, or starts it if there is room."""
+        if row.state is RenderState.QUEUED and not self._has_room(row):
+            return
+        taken = self._ledger.take(row.id)
+        if taken is not None and taken.state in (RenderState.QUEUED, RenderState.RUNNING):
+            self._work_on(taken)
+
+    def _work_on(self, row: OpenRender) -> None:
+        """A render that is leased to us."""
         if row.engine != job_pb2.ENGINE_CURRENT:
             self._end(
                 row,
@@ -199,9 +259,7 @@ class Coordinator:
             reason = f"{text} came before there was room to start it."
             self._end(row, RenderState.STOPPED_EARLY, reason)
             return
-        if row.state is RenderState.QUEUED and not (
-            self._has_room(row) and self._ledger.start(row.id, time.time())
-        ):
+        if row.state is RenderState.QUEUED and not self._ledger.start(row.id, row.fence, time.time()):
             return
         try:
             render = RunningRender(row, self._ledger.tiles(row.id), time.monotonic())
@@ -219,6 +277,8 @@ class Coordinator:
             owner_weight=row.owner_weight,
             cost=render.cost,
         )
+        if row.fence > 1:
+            self._traffic.welcome(row.id)
         _log.info(
             "render=%s %s; %d of %d ranges are merged",
             row.id,
@@ -234,12 +294,19 @@ class Coordinator:
         wanted = row.plan.width * row.plan.height * (XYZ_SUMS + len(row.plan.further_responses))
         return len(self._renders) < limits.MAXIMUM_RUNNING and held + wanted <= limits.MAXIMUM_RUNNING_SUMS
 
-    def _drop(self, render_id: str) -> None:
-        self._traffic.withdraw(self._schedule.remove(render_id))
-        self._traffic.withdraw(self._auditor.forget(render_id))
+    def _drop(self, render_id: str, jobs_stay: bool = False) -> None:
+        """Works on the render no more. `jobs_stay`: another coordinator will want its jobs and results."""
+        jobs = [*self._schedule.remove(render_id), *self._auditor.forget(render_id)]
         self._faults.forget(render_id)
         self._audits_end.pop(render_id, None)
-        self._settled.extend(self._renders.pop(render_id).waiting_entries())
+        render = self._renders.pop(render_id)
+        if not jobs_stay:
+            self._traffic.withdraw(jobs)
+            self._settled.setdefault(render_id, []).extend(render.waiting_entries())
+        try:
+            self._ledger.let_go(render_id, render.row.fence)
+        except (sqlite3.Error, OSError) as trouble:
+            _log.info("render=%s: the lease runs out by itself: %s", render_id, trouble)
 
     def _end(self, render: OpenRender, state: RenderState, reason: str) -> None:
         if self._ledger.end(render, state, reason, time.time()):
@@ -252,7 +319,7 @@ class Coordinator:
 
     def _follow(self, outcome: Outcome) -> None:
         """Does what a result calls for."""
-        self._settled.extend(outcome.settled)
+        self._settled.setdefault(outcome.render_id, []).extend(outcome.settled)
         self._traffic.withdraw(outcome.withdrawn)
         self._failed.update(outcome.failed)
         for render_id, aside in outcome.set_aside:
@@ -295,6 +362,8 @@ class Coordinator:
             self._end_failed()
             for render, state, reason in endings:
                 self._end_with_image(render, state, reason)
+        except LeaseLost as lost:
+            self._lose(lost.render_id)
         except (sqlite3.Error, OSError) as trouble:
             self._report(trouble)
         else:
@@ -342,6 +411,8 @@ class Coordinator:
         self._next_commit = now + self._commit_seconds
         try:
             self._commit(now)
+        except LeaseLost as lost:
+            self._lose(lost.render_id)
         except (sqlite3.Error, OSError) as trouble:
             self._report(trouble)
             return False
@@ -361,10 +432,28 @@ class Coordinator:
         ]
         if changed:
             crash_point("before-commit")
-            self._ledger.commit([changes for _, changes in changed])
+            lost = self._ledger.commit([changes for _, changes in changed])
             crash_point("after-commit")
             for render, _ in changed:
                 render.committed()
-        self._traffic.acknowledge(self._settled)
-        self._settled = []
+            for render_id in lost:
+                self._lose(render_id)
+        for entries in self._settled.values():
+            self._traffic.acknowledge(entries)
+        self._settled = {}
         self._pictures.refresh(self._renders.values())
+
+
+def _is_lost(render: RunningRender, rows: Mapping[str, OpenRender]) -> bool:
+    return render.id in rows and rows[render.id].fence != render.row.fence
+
+
+def _share_of(ours: Mapping[str, RunningRender], rows: Iterable[OpenRender]) -> float:
+    """What our renders should get of the workers: owners by their weight, an owner's renders by priority."""
+    working = [row for row in rows if row.holder or row.id in ours]
+    priorities: Counter[str] = Counter()
+    for row in working:
+        priorities[row.owner] += row.priority
+    parts = {row.id: row.owner_weight * row.priority / priorities[row.owner] for row in working}
+    whole = sum(parts.values())
+    return sum(part for render_id, part in parts.items() if render_id in ours) / whole if whole else 1.0

@@ -349,8 +349,13 @@ class DataFolder:
             raise NotFound(f"no worker {worker_id!r} is in quarantine")
 
     def meters(self) -> dict[str, float]:
-        """What the coordinator last counted and measured, by name."""
-        return {row["name"]: row["value"] for row in self.database.rows("SELECT name, value FROM meter")}
+        """What the coordinators last counted and measured, by name: of several, the sum, or what fits."""
+        together = {"coordinator_seen": max, "folder_trouble": max, "worker_threads": max}
+        together |= {"job_seconds": max, "redis_in_step": min}
+        values: dict[str, list[float]] = {}
+        for row in self.database.rows("SELECT name, value FROM meter"):
+            values.setdefault(row["name"], []).append(row["value"])
+        return {name: float(together.get(name, sum)(found)) for name, found in values.items()}
 
     def record_call(
         self, who: str, what: str, render_id: str, request_id: str, outcome: str, keep: int

@@ -8,6 +8,7 @@ NocturneError
 +-- AlreadyOwned    another coordinator works on the data folder
 +-- QueueTaken      Redis serves the coordinator of another data folder
 +-- OwnershipLost   another coordinator took the data folder over; nothing may be committed any more
++-- LeaseLost       another coordinator has the render, or its sums were changed; nothing of it may be written
 +-- UnusableFolder  the folder was written by another version, or is damaged
 +-- CantRestore     there is nothing whole to restore from
 +-- UnusableQueue   Redis is set up in a way that loses messages
@@ -69,6 +70,14 @@ class AlreadyOwned(NocturneError):
 
 class OwnershipLost(NocturneError):
     """Another coordinator took the data folder over; this one must stop without committing."""
+
+
+class LeaseLost(NocturneError):
+    """Another coordinator has the render, or its sums were changed; what is in memory of it is of no use."""
+
+    def __init__(self, render_id: str) -> None:
+        super().__init__(f"{render_id} is not this coordinator's any more")
+        self.render_id = render_id
 
 
 class UnusableFolder(NocturneError):

@@ -1,7 +1,7 @@
 """What comes in on the results stream: checked, merged, audited or refused. No I/O; raises for no input."""
 
 import logging
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 
 from google.protobuf.message import DecodeError
@@ -29,6 +29,8 @@ class Outcome:
 
     settled: list[bytes] = field(default_factory=list)
     """Result entries of no more use, once all that is merged by now is committed."""
+    render_id: str = ""
+    """The running render that they are of; empty: of none."""
     withdrawn: list[bytes] = field(default_factory=list)
     """Job entries to take off the stream: they are published again, or not needed any more."""
     set_aside: list[tuple[str, SetAside]] = field(default_factory=list)
@@ -45,9 +47,16 @@ class Intake:
     """Takes results into the films of the running renders."""
 
     def __init__(
-        self, renders: dict[str, RunningRender], schedule: Schedule, auditor: Auditor, faults: Faults
+        self,
+        renders: dict[str, RunningRender],
+        schedule: Schedule,
+        auditor: Auditor,
+        faults: Faults,
+        is_open: Callable[[str], bool] = lambda _: False,
     ) -> None:
-        """Shares all with the coordinator."""
+        """Shares all with the coordinator. `is_open`: whether a render is some other coordinator's, or will
+        be."""
+        self._is_open = is_open
         self._renders = renders
         self._schedule = schedule
         self._auditor = auditor
@@ -68,16 +77,18 @@ class Intake:
             return outcome
         render = self._renders.get(result.job.render_id)
         if render is None:
-            # Ended or cancelled a moment ago, most likely.
-            _log.debug("render=%s is not running; result dropped", result.job.render_id)
-            outcome.settled.append(entry)
+            if not self._is_open(result.job.render_id):
+                # Ended or cancelled a moment ago, most likely.
+                _log.debug("render=%s is not running; result dropped", result.job.render_id)
+                outcome.settled.append(entry)
             return outcome
+        outcome.render_id = render.id
         self._take_for(render, entry, result, now, outcome)
         return outcome
 
     def lost_worker(self, key: JobKey, worker: str) -> Outcome:
         """A worker's process ended without a word while it had a job."""
-        outcome = Outcome()
+        outcome = Outcome(render_id=key.render_id)
         if key.render_id in self._renders:
             self._fail(self._renders[key.render_id], key, worker, f"worker {worker} died of it", outcome)
         return outcome

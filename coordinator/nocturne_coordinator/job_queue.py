@@ -25,6 +25,12 @@ FIRST = b"0-0"
 SESSION_SECONDS = 10.0
 """How long the lease on Redis holds without a renewal, which comes every second."""
 
+_RUN_SECONDS = 60.0
+"""How long a run leaves its mark on Redis: longer than it ever takes from one renewal to the next."""
+
+_RENEWALS = 5
+"""Attempts, as other coordinators of the folder renew the same lease."""
+
 # Seconds. Longer than any answer of a healthy Redis, short enough that commits go on meanwhile.
 _TIMEOUT = 5.0
 
@@ -49,10 +55,16 @@ class Session:
     folder: str
     epoch: int
     nonce: str
+    shared: bool = False
+    """Other coordinators of the folder may be there."""
 
     @property
     def text(self) -> bytes:
-        return f"{self.folder}:{self.epoch}:{self.nonce}".encode()
+        return f"{self.folder}:{self.epoch}".encode()
+
+    @property
+    def run_key(self) -> str:
+        return keys.RUN_PREFIX + self.nonce
 
     def check(self, found: bytes | None) -> None:
         """Whether this run may take the lease from who is found to have it."""
@@ -143,17 +155,20 @@ class JobQueue:
 
     def _renew(self, session: Session) -> bool:
         """Compares and sets in one transaction, so that of two who find the lease free one gets it."""
-        with self._client.pipeline(transaction=True) as pipeline:
-            pipeline.watch(keys.SESSION)
-            found: bytes | None = pipeline.get(keys.SESSION)
-            session.check(found)
-            pipeline.multi()
-            pipeline.set(keys.SESSION, session.text, px=int(1000 * SESSION_SECONDS))
-            try:
-                pipeline.execute()
-            except redis.WatchError:
-                raise QueueError("another coordinator took the lease just now") from None
-        return found == session.text
+        for _ in range(_RENEWALS):
+            with self._client.pipeline(transaction=True) as pipeline:
+                pipeline.watch(keys.SESSION)
+                session.check(pipeline.get(keys.SESSION))
+                known: int = pipeline.exists(session.run_key)
+                pipeline.multi()
+                pipeline.set(keys.SESSION, session.text, px=int(1000 * SESSION_SECONDS))
+                pipeline.set(session.run_key, b"", px=int(1000 * _RUN_SECONDS))
+                try:
+                    pipeline.execute()
+                except redis.WatchError:
+                    continue
+            return known == 1
+        raise QueueError("other coordinators take the lease all the time")
 
     @_queue_errors
     def check_lease(self, session: Session) -> None:
@@ -168,6 +183,10 @@ class JobQueue:
     @_queue_errors
     def give_up_session(self, session: Session) -> None:
         """Ends the lease, so that another coordinator need not wait for it."""
+        self._client.delete(session.run_key)
+        if session.shared:
+            # It runs out by itself when the last one has left.
+            return
         with self._client.pipeline(transaction=True) as pipeline:
             pipeline.watch(keys.SESSION)
             if pipeline.get(keys.SESSION) == session.text:
@@ -200,11 +219,16 @@ class JobQueue:
 
     @_queue_errors
     def results(self, after: bytes, wait_ms: int) -> list[Entry]:
-        """The next results after an entry, waiting for the first one for up to wait_ms."""
-        answer = self._client.xread({keys.RESULTS: after}, count=_BATCH, block=wait_ms)
+        """The next results after an entry, waiting for the first one for up to wait_ms; 0: not at all."""
+        answer = self._client.xread({keys.RESULTS: after}, count=_BATCH, block=wait_ms or None)
         return [
             _entry(entry, fields, keys.RESULT_FIELD) for _, batch in answer or [] for entry, fields in batch
         ]
+
+    @_queue_errors
+    def jobs_waiting(self) -> int:
+        """Jobs on the stream, those that somebody works on included."""
+        return int(self._client.xlen(keys.JOBS))
 
     @_queue_errors
     def results_waiting(self) -> int:

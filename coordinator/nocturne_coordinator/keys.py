@@ -12,9 +12,12 @@ WORKERS_GROUP = "workers"
 """Consumer group of JOBS; a consumer is `<worker id>/<thread>`."""
 
 SESSION = PREFIX + "session"
-"""String `<data folder>:<epoch>:<random>` with a time to live: the coordinator's run, and its lease on this
-Redis. Missing: Redis lost what was in it. Of the same folder and an earlier epoch: a run before this
-one's."""
+"""String `<data folder>:<epoch>` with a time to live: the lease of a folder's coordinators on this Redis. Of
+the same folder and an earlier epoch: of runs before these."""
+
+RUN_PREFIX = PREFIX + "run:"
+"""Strings `nocturne:run:<random>` with a time to live, one for each run of a coordinator. Missing: Redis lost
+what was in it."""
 
 WORKER_PREFIX = PREFIX + "worker:"
 """Strings `nocturne:worker:<worker id>`, a serialised WorkerStatus, with a time to live of 10 s."""

@@ -17,7 +17,7 @@ from .data_folder import DataFolder
 from .errors import AlreadyOwned, NocturneError, OwnershipLost, QueueTaken
 from .job_queue import JobQueue, QueueError, Session
 from .store.ledger import Ledger
-from .store.ownership import Ownership
+from .store.ownership import LEASE_SECONDS, Ownership
 
 EXIT_UNUSABLE = 2
 EXIT_ALREADY_OWNED = 3
@@ -94,6 +94,17 @@ def _parser() -> argparse.ArgumentParser:
         default=CHECKPOINT_SECONDS,
         help="time between two (default %(default)s); 0: none",
     )
+    parser.add_argument(
+        "--shared",
+        action="store_true",
+        help="share the folder's renders with other coordinators that are started so",
+    )
+    parser.add_argument(
+        "--lease-seconds",
+        type=float,
+        default=LEASE_SECONDS,
+        help="with --shared, after how long without a sign of life others take renders (default %(default)s)",
+    )
     parser.add_argument("--log-level", default="info", choices=["debug", "info", "warning", "error"])
     return parser
 
@@ -108,13 +119,16 @@ def _share(text: str) -> float:
 def _run(options: argparse.Namespace, stop: threading.Event) -> None:
     data: Path = options.data
     folder = DataFolder(data)
-    ownership = Ownership(data, folder.database)
+    ownership = Ownership(data, folder.database, options.shared, options.lease_seconds)
     queue = JobQueue(options.redis)
-    session = Session(ownership.folder, ownership.epoch, secrets.token_hex(8))
+    session = Session(ownership.folder, ownership.epoch, secrets.token_hex(8), options.shared)
     try:
         _check_queue(queue, stop)
         _take_lease(queue, session, stop)
-        _log.info("works on %s, epoch %d, process started %.0f", data, ownership.epoch, time.time())
+        _log.info(
+            "number %d works on %s, epoch %d, process started %.0f",
+            *(ownership.number, data, ownership.epoch, time.time()),
+        )
         auditor = Auditor(options.audit_share, options.audit_share_new)
         ledger = Ledger(folder.database, ownership)
         if options.checkpoint_seconds > 0.0:

@@ -2,7 +2,9 @@
 
 import logging
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
 
 from .data_folder import DataFolder
 from .images import FINAL_COMPRESSION, LIVE_COMPRESSION, write_image, write_preview
@@ -20,7 +22,10 @@ _IMAGE_SHARE = 0.003
 
 
 class Pictures:
-    """Writes what people look at; shows committed samples only, so no picture goes back."""
+    """Writes what people look at; shows committed samples only, so no picture goes back.
+
+    All methods raise LeaseLost where another coordinator has the render.
+    """
 
     def __init__(self, folder: DataFolder, ledger: Ledger) -> None:
         self._folder = folder
@@ -47,7 +52,10 @@ class Pictures:
 
     def finish_ended(self) -> None:
         """Final images of renders that were cancelled or failed, from what was committed."""
-        for row in self._ledger.ended_without_image():
+        for waiting in self._ledger.ended_without_image():
+            row = self._ledger.take(waiting.id)
+            if row is None:
+                continue
             try:
                 render = RunningRender(row, self._ledger.tiles(row.id))
             except ValueError as error:
@@ -55,19 +63,31 @@ class Pictures:
             else:
                 if render.totals.ranges:
                     self.finish(render)
-            self._ledger.images_written(row.id)
+            self._ledger.images_written(row.id, row.fence)
+            self._ledger.let_go(row.id, row.fence)
 
     def _preview(self, render: RunningRender, compression: int = LIVE_COMPRESSION) -> None:
-        path = self._folder.preview_path(render.id)
-        write_preview(path, render.film.sums, render.film.counts, compression)
+        with self._in_place(render, self._folder.preview_path(render.id)) as path:
+            write_preview(path, render.film.sums, render.film.counts, compression)
         point, in_history = render.error_point(time.time())
-        self._ledger.record_preview(render.id, point, in_history)
+        self._ledger.record_preview(render.id, render.row.fence, point, in_history)
         render.pictured_photons = point.photons
 
     def _image(self, render: RunningRender) -> None:
-        path = self._folder.image_path(render.id)
         names = render.planned.plan.further_responses
-        write_image(path, render.film.sums, render.film.counts, render.provenance(), names)
+        with self._in_place(render, self._folder.image_path(render.id)) as path:
+            write_image(path, render.film.sums, render.film.counts, render.provenance(), names)
+
+    @contextmanager
+    def _in_place(self, render: RunningRender, path: Path) -> Iterator[Path]:
+        """Where to write a picture that is put into its place only if the render is still ours."""
+        written = path.with_name(f".{render.row.fence}-{path.name}")
+        try:
+            yield written
+            with self._ledger.holding(render.id, render.row.fence):
+                written.replace(path)
+        finally:
+            written.unlink(missing_ok=True)
 
 
 def _time_of(work: Callable[[], None]) -> float:

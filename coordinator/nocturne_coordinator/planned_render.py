@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 
 from .limits import MAXIMUM_RAYS_PER_PHOTON
@@ -67,6 +68,14 @@ class PlannedRender:
         if job != self.job(job.tile_index, planned):
             raise RefusedResult("tile, scene, film or engine differ from the plan")
         return planned
+
+
+def render_of(data: bytes) -> str:
+    """Of what render a serialised JobResult is; empty if it is none."""
+    try:
+        return job_pb2.JobResult.FromString(data).job.render_id
+    except DecodeError:
+        return ""
 
 
 def check_partial(

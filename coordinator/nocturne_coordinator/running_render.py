@@ -189,6 +189,7 @@ class RunningRender:
         ]
         return RenderCommit(
             self.id,
+            self.row.fence,
             tiles,
             self.totals,
             rate,

@@ -1,7 +1,8 @@
 """The coordinator's side of the queue: keeps the window full, notices when Redis forgot, tries again."""
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
@@ -11,7 +12,7 @@ from .audit import Auditor
 from .crash_points import crash_point
 from .job_queue import FIRST, Entry, JobQueue, QueueError, Session
 from .lives import Lives, Sign
-from .planned_render import RefusedResult
+from .planned_render import RefusedResult, render_of
 from .running_render import RunningRender
 from .schedule import JobKey, Schedule
 from .store.rows import WorkerRow
@@ -30,6 +31,17 @@ _LARGEST_PUBLISH = 500
 """Jobs published before results are read again."""
 
 
+@dataclass(slots=True)
+class _Backlog:
+    """Results on the stream from before some renders were taken up."""
+
+    renders: set[str]
+    """Theirs are wanted, though they were read before."""
+    left: int
+    """Entries still to be read."""
+    at: bytes = FIRST
+
+
 class Traffic:
     """Talks to Redis for the coordinator. No method raises for trouble with Redis: it is only waited out."""
 
@@ -40,8 +52,11 @@ class Traffic:
         renders: dict[str, RunningRender],
         schedule: Schedule,
         auditor: Auditor,
+        is_open: Callable[[str], bool] = lambda _: False,
     ) -> None:
-        """Shares renders, schedule and auditor with the coordinator."""
+        """Shares renders, schedule and auditor with the coordinator. `is_open`: whether a render is some
+        other coordinator's, or will be."""
+        self._is_open = is_open
         self._queue = queue
         self._renders = renders
         self._schedule = schedule
@@ -51,6 +66,8 @@ class Traffic:
         self._last_result = FIRST
         self._results_done: list[bytes] = []
         self._jobs_done: list[bytes] = []
+        self._newcomers: set[str] = set()
+        self._backlog: _Backlog | None = None
         self._in_step = False
         self._wait = _SHORTEST_WAIT
         self._next_attempt = 0.0
@@ -64,6 +81,9 @@ class Traffic:
         self.lost: list[tuple[JobKey, str]] = []
         """Jobs with the workers that died having them; for the coordinator to take away."""
         self.results_waiting = 0
+        self.share = 1.0
+        """Part of the workers that this coordinator's renders should get."""
+        self._jobs_of_others = 0
 
     @property
     def in_step(self) -> bool:
@@ -82,6 +102,10 @@ class Traffic:
         except QueueError as trouble:
             _log.info("the lease on Redis runs out by itself: %s", trouble)
 
+    def welcome(self, render_id: str) -> None:
+        """A render was taken up: what others left on the streams of it is to be made use of."""
+        self._newcomers.add(render_id)
+
     def acknowledge(self, results: list[bytes]) -> None:
         """Results to delete: what they brought is committed, or is of no use."""
         self._results_done.extend(results)
@@ -98,15 +122,45 @@ class Traffic:
             if now >= self._next_attend or not self._in_step:
                 self._attend(now, unix_time)
             self._delete()
-            if publish:
-                self._fill(now)
-            entries = self._queue.results(self._last_result, wait_ms)
+            if self._newcomers and self._backlog is None:
+                self._take_up(now)
+            if self._backlog is not None:
+                entries = self._read_backlog(self._backlog)
+            else:
+                if publish:
+                    self._fill(now)
+                entries = self._queue.results(self._last_result, wait_ms)
+                self._last_result = entries[-1][0] if entries else self._last_result
         except QueueError as trouble:
             self._lost_touch(now, trouble)
             return None
         self._wait = _SHORTEST_WAIT
-        if entries:
-            self._last_result = entries[-1][0]
+        return entries
+
+    def _take_up(self, now: float) -> None:
+        """Makes use of what is on the streams before anything is published a second time."""
+        self._adopt(now)
+        left = self._queue.results_waiting()
+        self._backlog = _Backlog(self._newcomers, left) if left else None
+        self._newcomers = set()
+
+    def _read_backlog(self, backlog: _Backlog) -> list[Entry]:
+        """Some more of it: the renders' own, and what nobody here has read."""
+        batch = self._queue.results(backlog.at, 0)
+        backlog.left -= len(batch)
+        if backlog.left <= 0 or not batch:
+            self._backlog = None
+        if not batch:
+            return []
+        backlog.at = batch[-1][0]
+        read = _place(self._last_result)
+        entries = [
+            (entry, data)
+            for entry, data in batch
+            if _place(entry) > read or render_of(data) in backlog.renders
+        ]
+        if _place(backlog.at) > read:
+            self._last_result = backlog.at
         return entries
 
     def _lost_touch(self, now: float, trouble: QueueError) -> None:
@@ -122,6 +176,7 @@ class Traffic:
             self._schedule.lost()
             self._auditor.lost()
             self._last_result = FIRST
+            self._backlog = None
             self._results_done.clear()
             self._jobs_done.clear()
         if not ours or not self._in_step:
@@ -143,11 +198,20 @@ class Traffic:
             if key is not None and self._schedule.wants(key):
                 self._schedule.published(key, entry, now)
                 found += 1
-            elif key is None or not (
-                self._schedule.has_entry(key, entry) or self._auditor.has_entry(key, entry)
-            ):
+            elif key is None:
+                if not self._is_others(data):
+                    self._jobs_done.append(entry)
+            elif not (self._schedule.has_entry(key, entry) or self._auditor.has_entry(key, entry)):
                 self._jobs_done.append(entry)
         return found
+
+    def _is_others(self, data: bytes) -> bool:
+        """Whether a job is of a render that another coordinator works on, or will."""
+        try:
+            render_id = job_pb2.Job.FromString(data).render_id
+        except DecodeError:
+            return False
+        return render_id not in self._renders and self._is_open(render_id)
 
     def _key_of(self, data: bytes) -> JobKey | None:
         try:
@@ -166,6 +230,8 @@ class Traffic:
         entries = self._schedule.entries()
         self.lost.extend(self._lives.look(signs, self._queue.holders(), entries))
         self.results_waiting = self._queue.results_waiting()
+        ours = self._schedule.outstanding + len(self._auditor.entries())
+        self._jobs_of_others = max(0, self._queue.jobs_waiting() - ours)
 
     def _return_overdue(self, now: float) -> None:
         self._next_overdue = now + _OVERDUE_SECONDS
@@ -197,7 +263,7 @@ class Traffic:
         for key, entry in zip(keys, entries, strict=True):
             self._schedule.published(key, entry, now)
         self._fill_audits(now)
-        idle = self.threads - self._schedule.outstanding
+        idle = self.threads - self._schedule.outstanding - self._jobs_of_others
         if not keys and idle > 0:
             slow = self._schedule.slow(now, idle)
             # Should it fail, no copy is known: it is taken off the stream when Redis answers again.
@@ -220,9 +286,15 @@ class Traffic:
         return self._queue.publish([self._job_bytes(key) for key in keys]) if keys else []
 
     def _window(self) -> int:
-        wanted = max(limits.MINIMUM_WINDOW, limits.JOBS_PER_THREAD * self.threads)
+        wanted = max(limits.MINIMUM_WINDOW, round(self.share * limits.JOBS_PER_THREAD * self.threads))
         return min(wanted, limits.MAXIMUM_WINDOW)
 
     def _job_bytes(self, key: JobKey) -> bytes:
         planned = self._renders[key.render_id].planned
         return planned.job(key.tile_index, planned.ranges[key.range_index]).SerializeToString()
+
+
+def _place(entry: bytes) -> tuple[int, int]:
+    """Of an entry on its stream; later ones are greater."""
+    milliseconds, _, number = entry.partition(b"-")
+    return int(milliseconds), int(number)

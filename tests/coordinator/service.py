@@ -69,16 +69,20 @@ class RedisServer:
 
 
 class Service:
-    """A data folder, a coordinator process that can be killed, simulated workers."""
+    """A data folder, coordinator processes that can be killed, simulated workers."""
 
     def __init__(self, data: Path, server: RedisServer) -> None:
         self.data = data
         self.server = server
         self.folder = DataFolder(data)
         self._process: subprocess.Popen[bytes] | None = None
+        self._others: list[subprocess.Popen[bytes]] = []
         self._workers: list[SimulatedWorker] = []
 
     def start(self, crash_at: str = "", *options: str) -> "subprocess.Popen[bytes]":
+        """Another one, beside those that run."""
+        if self._process is not None:
+            self._others.append(self._process)
         self._process = subprocess.Popen(
             [
                 *(sys.executable, "-m", "nocturne_coordinator.main"),
@@ -108,9 +112,10 @@ class Service:
     def close(self) -> None:
         for worker in self._workers:
             worker.stop()
-        if self._process is not None and self._process.poll() is None:
-            self._process.kill()
-            self._process.wait()
+        for process in (*self._others, self._process):
+            if process is not None and process.poll() is None:
+                process.kill()
+                process.wait()
         self.folder.close()
 
     def create(

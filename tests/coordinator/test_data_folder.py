@@ -83,16 +83,24 @@ def test_cancel_is_final_and_seen_once(folder: DataFolder) -> None:
     assert folder.request_cancel(render.id) == cancelled
 
 
-def commit_of(render_id: str, samples: int) -> RenderCommit:
+def commit_of(render_id: str, samples: int, fence: int = 1) -> RenderCommit:
     tile = TileRow(0, samples, bytes(32 * 32 * 32))
-    return RenderCommit(render_id, [tile], Totals(1, samples * 1024, 5, 0, 0.5), 10.0)
+    return RenderCommit(render_id, fence, [tile], Totals(1, samples * 1024, 5, 0, 0.5), 10.0)
+
+
+def take(ledger: Ledger, render_id: str) -> int:
+    """Takes and starts a render; its fence."""
+    row = ledger.take(render_id)
+    assert row is not None
+    ledger.start(render_id, row.fence, 1.0)
+    return row.fence
 
 
 def test_a_commit_to_an_ended_render_is_dropped(folder: DataFolder) -> None:
     ledger = Ledger(folder.database, Ownership(folder.root, folder.database))
     render = folder.create_render(new_render())
-    assert ledger.start(render.id, 1.0)
-    ledger.commit([commit_of(render.id, 4)])
+    assert take(ledger, render.id) == 1
+    assert ledger.commit([commit_of(render.id, 4)]) == []
     folder.request_cancel(render.id)
     ledger.commit([commit_of(render.id, 8)])
     assert [tile.samples for tile in ledger.tiles(render.id)] == [4]
@@ -104,7 +112,7 @@ def test_a_replaced_owner_can_not_commit(folder: DataFolder) -> None:
     ownership = Ownership(folder.root, folder.database)
     ledger = Ledger(folder.database, ownership)
     render = folder.create_render(new_render())
-    ledger.start(render.id, 1.0)
+    take(ledger, render.id)
     ownership.release()
     Ownership(folder.root, folder.database)
     with pytest.raises(OwnershipLost):

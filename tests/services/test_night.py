@@ -282,7 +282,7 @@ async def test_metrics_are_what_prometheus_reads(
     body: dict[str, Any], rest: httpx.AsyncClient, folder: DataFolder
 ) -> None:
     await rest.post("/v1/renders", json=body)
-    folder.database.execute("INSERT INTO meter VALUES ('results_refused', 3.0)")
+    folder.database.execute("INSERT INTO meter VALUES (1, 'results_refused', 3.0)")
     answer = await rest.get("/metrics")
     assert answer.headers["content-type"].startswith("text/plain; version=0.0.4")
     samples = {

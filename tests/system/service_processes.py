@@ -136,7 +136,8 @@ class ServiceProcesses:
             wait_for(_is_zero(count), what)
         known = {keys.JOBS, keys.RESULTS, keys.SESSION}
         names = {name.decode() for name in self.queue.keys("*")}
-        assert {name for name in names - known if not name.startswith(keys.WORKER_PREFIX)} == set()
+        lapsing = (keys.WORKER_PREFIX, keys.RUN_PREFIX)
+        assert {name for name in names - known if not name.startswith(lapsing)} == set()
 
     # Inside
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from nocturne_coordinator.errors import UnusableFolder
 
-SCHEMA_NUMBER = 3
+SCHEMA_NUMBER = 4
 
 # A tile is 32 KiB: with pages of 16 KiB it is two or three of them, not nine.
 _PAGE_BYTES = 16384
@@ -91,12 +91,6 @@ CREATE TABLE quarantine (
     since REAL NOT NULL
 ) STRICT;
 
--- What the coordinator counts and measures, for the API to show.
-CREATE TABLE meter (
-    name TEXT PRIMARY KEY,
-    value REAL NOT NULL
-) STRICT;
-
 CREATE TABLE token (
     name TEXT PRIMARY KEY,
     -- SHA-256 of the secret, which is 256 random bits: nothing to guess, so no slow hash.
@@ -117,6 +111,31 @@ CREATE TABLE call (
     request_id TEXT NOT NULL,
     outcome TEXT NOT NULL
 ) STRICT;
+"""
+
+_NEW_IN_4 = """
+-- Coordinators that are at work, until a unix time that they put off again and again.
+CREATE TABLE coordinator (
+    number INTEGER PRIMARY KEY AUTOINCREMENT,
+    until REAL NOT NULL
+) STRICT;
+
+-- Which coordinator works on a render. The fence grows whenever somebody takes it, or changes its sums from
+-- outside; only who knows the newest may write.
+CREATE TABLE lease (
+    render_id TEXT PRIMARY KEY REFERENCES render (id) ON DELETE CASCADE,
+    coordinator INTEGER NOT NULL,
+    fence INTEGER NOT NULL
+) STRICT;
+
+-- What coordinators count and measure, for the API to show.
+DROP TABLE IF EXISTS meter;
+CREATE TABLE meter (
+    coordinator INTEGER NOT NULL,
+    name TEXT NOT NULL,
+    value REAL NOT NULL,
+    PRIMARY KEY (coordinator, name)
+) STRICT, WITHOUT ROWID;
 """
 
 _TABLES_BESIDE = """
@@ -151,7 +170,7 @@ CREATE TABLE worker (
     seen REAL NOT NULL
 ) STRICT;
 
--- Increased by every coordinator that takes the folder; each commit checks that it is still its own.
+-- Increased whenever a coordinator finds no other one; each commit checks that it is still its own.
 CREATE TABLE ownership (
     only_row INTEGER PRIMARY KEY CHECK (only_row = 1),
     epoch INTEGER NOT NULL,
@@ -197,7 +216,7 @@ class Database:
         with self.transaction():
             number = self._connection.execute("PRAGMA user_version").fetchone()[0]
             if number == 0:
-                self._execute_all(_RENDER_TABLE + _TABLES_BESIDE + _NEW_IN_3)
+                self._execute_all(_RENDER_TABLE + _TABLES_BESIDE + _NEW_IN_3 + _NEW_IN_4)
                 number = SCHEMA_NUMBER
             if number == 1:
                 self._execute_all(
@@ -207,6 +226,9 @@ class Database:
             if number == 2:
                 self._upgrade_to_3()
                 number = 3
+            if number == 3:
+                self._execute_all(_NEW_IN_4)
+                number = 4
             if number == SCHEMA_NUMBER:
                 self._connection.execute(f"PRAGMA user_version = {number}")
             if number != SCHEMA_NUMBER:

@@ -1,4 +1,4 @@
-"""What only the coordinator does to the data folder; every write checks that the folder is still its own."""
+"""What only coordinators do to the data folder; every write checks that folder and render are theirs."""
 
 import json
 import sqlite3
@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from nocturne.v1 import job_pb2
 
+from nocturne_coordinator.errors import LeaseLost
 from nocturne_coordinator.forecast import UNKNOWN, Forecast
 from nocturne_coordinator.limits import DEFAULT_PRIORITY
 from nocturne_coordinator.plan import TileGrid
@@ -20,7 +21,11 @@ from .rows import ErrorPoint, RenderState, WorkerRow
 _LARGEST = 2**63 - 1
 _OPEN_COLUMNS = """id, state, scene_sha256, engine, plan, photons, rays, rejected, cpu_seconds, audited,
     refused, stop, priority, owner, ran_seconds,
-    coalesce((SELECT weight FROM token WHERE token.name = render.owner), 100) AS owner_weight"""
+    coalesce((SELECT weight FROM token WHERE token.name = render.owner), 100) AS owner_weight,
+    coalesce((SELECT fence FROM lease WHERE lease.render_id = render.id), 0) AS fence,
+    coalesce((SELECT coordinator.number FROM lease JOIN coordinator ON coordinator.number = lease.coordinator
+              WHERE lease.render_id = render.id
+                  AND coordinator.until >= (julianday('now') - 2440587.5) * 86400.0), 0) AS holder"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +44,10 @@ class OpenRender:
     owner_weight: int = DEFAULT_PRIORITY
     ran_seconds: float = 0.0
     set_aside: tuple["SetAside", ...] = ()
+    holder: int = 0
+    """Number of the coordinator that works on it; 0: none that gives signs of life."""
+    fence: int = 0
+    """Grows with every holder; who does not know the newest may not write."""
 
     def asks_the_same(self, other: "OpenRender") -> bool:
         """Whether plan and conditions are those of another state of this render."""
@@ -83,6 +92,7 @@ class RenderCommit:
     """A render's dirty tiles and its totals with them: absolute numbers, doing it twice changes nothing."""
 
     render_id: str
+    fence: int
     tiles: list[TileRow]
     totals: Totals
     photons_per_second: float
@@ -138,11 +148,88 @@ class Ledger:
             if row is not None:
                 yield TileRow(**dict(row))
 
+    def is_open(self, render_id: str) -> bool:
+        """Whether some coordinator works on the render, or is to."""
+        return (
+            self._database.row(
+                "SELECT 1 FROM render WHERE id = ? AND state IN ('QUEUED', 'RUNNING')", (render_id,)
+            )
+            is not None
+        )
+
+    # --- leases ---
+
+    @property
+    def number(self) -> int:
+        """Of this coordinator."""
+        return self._ownership.number
+
+    @property
+    def lease_seconds(self) -> float:
+        """How long nobody takes our renders away without a sign of life."""
+        return self._ownership.lease_seconds
+
+    def renew(self, now: float) -> int:
+        """A sign of life, `now` in unix seconds; gives the number of coordinators at work."""
+        with self._owned():
+            self._database.execute(
+                "INSERT OR REPLACE INTO coordinator VALUES (?, ?)", (self.number, now + self.lease_seconds)
+            )
+            self._database.execute("DELETE FROM coordinator WHERE until < ?", (now,))
+            self._database.execute(
+                "DELETE FROM meter WHERE coordinator NOT IN (SELECT number FROM coordinator)"
+            )
+            row = self._database.row("SELECT count(*) AS count FROM coordinator")
+        return int(row["count"]) if row is not None else 0
+
+    def resign(self) -> None:
+        """Nobody needs to wait for our leases to end."""
+        with self._owned():
+            self._database.execute("DELETE FROM coordinator WHERE number = ?", (self.number,))
+
+    def take(self, render_id: str) -> OpenRender | None:
+        """The render as it is now, with a new fence: ours from here on. None if another one works on it."""
+        with self._owned():
+            row = self._database.row(f"SELECT {_OPEN_COLUMNS} FROM render WHERE id = ?", (render_id,))  # noqa: S608
+            if row is None or row["holder"] not in (0, self.number):
+                return None
+            self._database.execute(
+                """INSERT INTO lease VALUES (?, ?, 1)
+                   ON CONFLICT DO UPDATE SET coordinator = excluded.coordinator, fence = fence + 1""",
+                (render_id, self.number),
+            )
+            row = self._database.row(f"SELECT {_OPEN_COLUMNS} FROM render WHERE id = ?", (render_id,))  # noqa: S608
+            assert row is not None  # noqa: S101 - it was there in the same transaction
+            return self._open_render(row)
+
+    def let_go(self, render_id: str, fence: int) -> None:
+        """Whoever wants may take the render."""
+        with self._owned():
+            self._database.execute(
+                "UPDATE lease SET coordinator = 0 WHERE render_id = ? AND coordinator = ? AND fence = ?",
+                (render_id, self.number, fence),
+            )
+
+    @contextmanager
+    def holding(self, render_id: str, fence: int) -> Iterator[None]:
+        """A transaction in which the render is ours and stays so; LeaseLost if it is not."""
+        with self._owned():
+            if not self._holds(render_id, fence):
+                raise LeaseLost(render_id)
+            yield
+
+    def _holds(self, render_id: str, fence: int) -> bool:
+        row = self._database.row(
+            "SELECT 1 FROM lease WHERE render_id = ? AND coordinator = ? AND fence = ?",
+            (render_id, self.number, fence),
+        )
+        return row is not None
+
     # --- writing ---
 
-    def start(self, render_id: str, now: float) -> bool:
-        """QUEUED becomes RUNNING; False if it is not queued any more."""
-        with self._owned():
+    def start(self, render_id: str, fence: int, now: float) -> bool:
+        """QUEUED becomes RUNNING; False if it is not queued any more. LeaseLost if it is another's."""
+        with self.holding(render_id, fence):
             changed = self._database.execute(
                 """UPDATE render SET state = 'RUNNING', started = iif(started > 0, started, ?), reason = '',
                        image_final = 0, sequence = sequence + 1
@@ -151,13 +238,20 @@ class Ledger:
             )
         return changed == 1
 
-    def commit(self, commits: list[RenderCommit]) -> None:
-        """All of it in one transaction; a render that has ended meanwhile keeps what it has."""
+    def commit(self, commits: list[RenderCommit]) -> list[str]:
+        """All of it in one transaction; a render that has ended meanwhile keeps what it has.
+
+        Gives the renders that are another coordinator's now, of which nothing is written.
+        """
+        lost = []
         with self._owned():
             for commit in commits:
-                if self._write_totals(commit):
+                if not self._holds(commit.render_id, commit.fence):
+                    lost.append(commit.render_id)
+                elif self._write_totals(commit):
                     self._write_tiles(commit)
                     self._write_set_aside(commit)
+        return lost
 
     def _write_totals(self, commit: RenderCommit) -> bool:
         totals = commit.totals
@@ -226,7 +320,8 @@ class Ledger:
     def distrust(self, worker_id: str) -> list[str]:
         """Throws away all tiles with work of a worker; gives their renders.
 
-        A render that had ended is worked on again, until each tile has the samples that it had.
+        A render that had ended is worked on again, until each tile has the samples that it had. Whoever has
+        one of them in memory has lost it.
         """
         with self._owned():
             rows = self._database.rows(
@@ -251,6 +346,9 @@ class Ledger:
                     "UPDATE render SET image_final = 0, sequence = sequence + 1 WHERE id = ?",
                     (row["render_id"],),
                 )
+                self._database.execute(
+                    "UPDATE lease SET fence = fence + 1 WHERE render_id = ?", (row["render_id"],)
+                )
         return [row["render_id"] for row in rows]
 
     def _reopen(self, render_id: str, worker_id: str) -> None:
@@ -271,13 +369,16 @@ class Ledger:
         )
 
     def write_meters(self, values: Mapping[str, float]) -> None:
-        """What the coordinator counts, by name."""
+        """What this coordinator counts, by name."""
         with self._owned():
-            self._database.execute_many("INSERT OR REPLACE INTO meter VALUES (?, ?)", list(values.items()))
+            self._database.execute_many(
+                "INSERT OR REPLACE INTO meter VALUES (?, ?, ?)",
+                [(self.number, name, value) for name, value in values.items()],
+            )
 
-    def record_preview(self, render_id: str, point: ErrorPoint, in_history: bool) -> None:
-        """A new preview is in its place; tells watchers, and keeps its error."""
-        with self._owned():
+    def record_preview(self, render_id: str, fence: int, point: ErrorPoint, in_history: bool) -> None:
+        """A new preview is in its place; tells watchers, keeps its error. LeaseLost if it is another's."""
+        with self.holding(render_id, fence):
             self._database.execute(
                 "UPDATE render SET relative_error = ?, sequence = sequence + 1 WHERE id = ?",
                 (point.relative_error, render_id),
@@ -291,9 +392,9 @@ class Ledger:
     def end(self, render: OpenRender, state: RenderState, reason: str, now: float) -> bool:
         """RUNNING or QUEUED becomes a final state; False if it was paused, cancelled or extended meanwhile.
 
-        The images of one that `has_image` must be in their place.
+        The images of one that `has_image` must be in their place. LeaseLost if the render is another's.
         """
-        with self._owned():
+        with self.holding(render.id, render.fence):
             changed = self._database.execute(
                 """UPDATE render
                    SET state = ?, reason = ?, ended = ?, image_final = ?, photons_per_second = 0,
@@ -311,9 +412,9 @@ class Ledger:
             )
         return changed == 1
 
-    def images_written(self, render_id: str) -> None:
-        """An ended render's images show all that was committed."""
-        with self._owned():
+    def images_written(self, render_id: str, fence: int) -> None:
+        """An ended render's images show all that was committed. LeaseLost if it is another's."""
+        with self.holding(render_id, fence):
             self._database.execute(
                 "UPDATE render SET image_final = 1, sequence = sequence + 1 WHERE id = ?", (render_id,)
             )
@@ -369,6 +470,8 @@ class Ledger:
             owner=row["owner"],
             owner_weight=row["owner_weight"],
             ran_seconds=row["ran_seconds"],
+            holder=row["holder"],
+            fence=row["fence"],
             set_aside=tuple(
                 SetAside(
                     each["tile_index"],

@@ -1,38 +1,60 @@
-"""Which coordinator a data folder belongs to: one at a time, and none that was replaced may still write."""
+"""Which coordinators work on a data folder: one, or several that share it; none that was replaced."""
 
 import fcntl
 import os
+import time
 from pathlib import Path
 
 from nocturne_coordinator.errors import AlreadyOwned, OwnershipLost
 
 from .database import Database
 
+LEASE_SECONDS = 10.0
+"""How long a coordinator's renders are its own without a sign of life. After it, another may take them."""
+
 
 class Ownership:
-    """Holds the folder from construction to `release`, or to the end of the process."""
+    """Holds the folder, or a part in it, from construction to `release` or to the end of the process."""
 
-    def __init__(self, root: Path, database: Database) -> None:
-        """Raises AlreadyOwned if a live process has the folder."""
+    def __init__(
+        self, root: Path, database: Database, shared: bool = False, lease_seconds: float = LEASE_SECONDS
+    ) -> None:
+        """`shared`: others that share may work on the folder too.
+
+        Raises AlreadyOwned if a live process has the folder and one of the two does not share.
+        """
         self._database = database
+        self.lease_seconds = lease_seconds
+        self.shared = shared
         self._lock = os.open(root / "coordinator.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
-        try:
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
+        alone = self._locked(fcntl.LOCK_EX)
+        if not alone and not (shared and self._locked(fcntl.LOCK_SH)):
             owner = os.pread(self._lock, 32, 0).decode(errors="replace").strip()
             os.close(self._lock)
             raise AlreadyOwned(
                 f"{root} has a coordinator already (process {owner or 'unknown'}); "
-                "stop it first, or give this one another folder"
-            ) from None
+                "stop it first, give this one another folder, or start both with --shared"
+            )
         os.ftruncate(self._lock, 0)
         os.pwrite(self._lock, str(os.getpid()).encode(), 0)
         with database.transaction():
-            database.execute("UPDATE ownership SET epoch = epoch + 1")
+            if alone:
+                # Nobody else lives, so nobody else's lease counts.
+                database.execute("UPDATE ownership SET epoch = epoch + 1")
+                database.execute("DELETE FROM coordinator")
+                database.execute("DELETE FROM meter")
+            row = database.row(
+                "INSERT INTO coordinator (until) VALUES (?) RETURNING number", (time.time() + lease_seconds,)
+            )
+            assert row is not None  # noqa: S101 - it gives what it put in
+            self.number = int(row["number"])
+            """Of this run; no other one ever has it."""
             self.epoch = self._stored_epoch()
             row = database.row("SELECT folder FROM ownership")
             self.folder = str(row["folder"]) if row is not None else ""
             """Tells this data folder from others."""
+        if alone and shared:
+            self._locked(fcntl.LOCK_SH)
 
     def check(self) -> None:
         """To be called inside every transaction that writes; OwnershipLost if there is a later owner.
@@ -44,6 +66,13 @@ class Ownership:
 
     def release(self) -> None:
         os.close(self._lock)
+
+    def _locked(self, how: int) -> bool:
+        try:
+            fcntl.flock(self._lock, how | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        return True
 
     def _stored_epoch(self) -> int:
         row = self._database.row("SELECT epoch FROM ownership")
