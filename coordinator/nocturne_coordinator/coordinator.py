@@ -438,6 +438,10 @@ class Coordinator:
                 render.committed()
             for render_id in lost:
                 self._lose(render_id)
+        # Who has a render now may need a result that is only a duplicate here.
+        fences = {each: self._renders[each].row.fence for each in self._settled if each in self._renders}
+        for render_id in self._ledger.lost(fences):
+            self._lose(render_id)
         for entries in self._settled.values():
             self._traffic.acknowledge(entries)
         self._settled = {}

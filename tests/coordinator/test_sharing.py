@@ -66,6 +66,8 @@ def test_who_lost_a_render_can_write_nothing_of_it(service: Service) -> None:
     assert quick.ledger.commit([commit_of(taken, 8)]) == []
     before = dict(_rows(folder))
 
+    assert slow.ledger.lost({render.id: held.fence}) == [render.id]
+    assert quick.ledger.lost({render.id: taken.fence}) == []
     assert slow.ledger.commit([commit_of(held, 4)]) == [render.id]
     for attempt in (
         lambda: slow.ledger.start(render.id, held.fence, 2.0),

@@ -218,6 +218,10 @@ class Ledger:
                 raise LeaseLost(render_id)
             yield
 
+    def lost(self, fences: Mapping[str, int]) -> list[str]:
+        """Of renders and the fences that they had, those that are another coordinator's now."""
+        return [render_id for render_id, fence in fences.items() if not self._holds(render_id, fence)]
+
     def _holds(self, render_id: str, fence: int) -> bool:
         row = self._database.row(
             "SELECT 1 FROM lease WHERE render_id = ? AND coordinator = ? AND fence = ?",

@@ -1,0 +1,504 @@
+"""All states of one tile of two or three ranges, walked breadth first: coordinators, workers, streams.
+
+The coordinators are the real render, schedule and intake; what each of them does in a state is worked out
+once and remembered, so that a step of the whole costs microseconds. The rest is abstract, and allows more
+than there is: entries of both streams are taken in any order, any worker may take over any job at any time
+(its lease ran out), any coordinator the render (so did that). Workers are alike, and so are coordinators:
+states that differ by who is who are one state.
+"""
+
+import copy
+from array import array
+from collections import deque
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from nocturne.v1 import job_pb2
+from nocturne_coordinator.audit import Auditor
+from nocturne_coordinator.faults import Faults
+from nocturne_coordinator.intake import Intake
+from nocturne_coordinator.plan import make_plan
+from nocturne_coordinator.planned_render import PlannedRender
+from nocturne_coordinator.running_render import RunningRender
+from nocturne_coordinator.schedule import JobKey, Schedule
+from nocturne_coordinator.store.ledger import OpenRender, TileRow, Totals
+from nocturne_coordinator.store.rows import RenderState
+
+from tests.coordinator.simulated_worker import simulated_result, simulated_sums
+
+WINDOW = 2
+"""Jobs in flight."""
+
+# An entry of the job stream, in bits: it is on the stream; each of two coordinators takes it for published by
+# itself; how many workers have it.
+_ON_STREAM = 1
+_KNOWN = (2, 4)
+_WORKER = 8
+
+# An entry of the result stream, a digit to the base 3 for each of two coordinators.
+_UNREAD, _HELD, _SETTLED = range(3)
+_DIGIT = (1, 3)
+
+CORE, STALE = range(2)
+
+
+class Work:
+    """The render: one pixel, and what is known of it beforehand."""
+
+    def __init__(self, ranges: int) -> None:
+        self.ranges = ranges
+        self.plan = make_plan(1, 1, _SAMPLES[ranges])
+        self.row = OpenRender(
+            "r", RenderState.RUNNING, self.plan, "5c" * 32, job_pb2.ENGINE_CURRENT, Totals()
+        )
+        self.planned = PlannedRender("r", self.plan, b"\x5c" * 32, job_pb2.ENGINE_CURRENT)
+        assert len(self.planned.ranges) == ranges
+        jobs = [self.planned.job(0, self.planned.ranges[index]) for index in range(ranges)]
+        self.results = [simulated_result(job).SerializeToString() for job in jobs]
+        self.keys = [JobKey("r", 0, index) for index in range(ranges)]
+        self.prefixes = [np.zeros((1, 1, 4))]
+        for job in jobs:
+            self.prefixes.append(self.prefixes[-1] + simulated_sums(job))
+
+    def samples(self, merged: int) -> int:
+        return self.plan.range_ends[merged - 1] if merged else 0
+
+    def render_at(self, committed: int) -> RunningRender:
+        tiles = []
+        if committed:
+            tiles = [TileRow(0, self.samples(committed), self.prefixes[committed].tobytes())]
+        return RunningRender(replace(self.row, totals=Totals()), tiles)
+
+    def check(self, render: RunningRender) -> None:
+        """WentWrong unless the sums are those of the first ranges in order, each once."""
+        tile = render.film.tiles[0]
+        if not np.array_equal(tile.sums, self.prefixes[tile.merged]):
+            raise WentWrong("sums that are not those of the first ranges in order")
+        if render.totals.photons != self.samples(tile.merged):
+            raise WentWrong("photons that are not those of the merged ranges")
+
+
+_SAMPLES = {2: 6, 3: 14}
+"""By the number of ranges; the last one is cut."""
+
+
+class WentWrong(Exception):
+    """A state that must not be."""
+
+
+@dataclass(frozen=True)
+class Core:
+    """A coordinator's memory of the render. Never changed once it is known; what changes is a copy.
+
+    Entries on both streams are called by their range, as it never knows two of one.
+    """
+
+    render: RunningRender
+    schedule: Schedule
+    saved: int
+    """Ranges that it knows to be committed."""
+    merged: int = field(init=False)
+    out: frozenset[int] = field(init=False)
+    """Ranges that it knows to be published."""
+
+    def __post_init__(self) -> None:
+        tile = self.render.film.tiles[0]
+        object.__setattr__(self, "merged", tile.merged)
+        out = frozenset(key.range_index for key in self.schedule.entries().values())
+        object.__setattr__(self, "out", out)
+
+    def key(self) -> tuple[object, ...]:
+        queue = self.schedule._queues["r"]
+        return (
+            *(self.merged, self.saved, tuple(sorted(self.render.film.tiles[0].waiting)), self.out),
+            *(tuple(queue.following), tuple(sorted(queue.ready)), tuple(sorted(queue.again))),
+            *(tuple(sorted(queue.held)), tuple(sorted(queue.blocked))),
+        )
+
+    def copied(self) -> tuple[RunningRender, Schedule]:
+        # What never changes is shared.
+        memo = {id(each): each for each in (self.render.planned, self.render.planned.plan)}
+        return copy.deepcopy((self.render, self.schedule), memo)
+
+
+class Reaction(NamedTuple):
+    """What a coordinator does, and its number afterwards; all by range."""
+
+    number: int
+    published: tuple[int, ...] = ()
+    withdrawn: tuple[int, ...] = ()
+    settled: tuple[int, ...] = ()
+
+
+class Cores:
+    """All memories that a coordinator may have, by number, and how they react."""
+
+    def __init__(self, work: Work) -> None:
+        self._work = work
+        self.all: list[Core] = []
+        self._numbers: dict[tuple[object, ...], int] = {}
+        self._known: dict[tuple[object, ...], Reaction] = {}
+
+    def start(self, committed: int, found: tuple[int, ...]) -> Reaction:
+        """One that takes the render up, and finds jobs of these ranges; withdraws what it does not want."""
+        event = ("start", committed, found)
+        if event not in self._known:
+            render = self._work.render_at(committed)
+            schedule = Schedule()
+            schedule.add("r", self._work.ranges, render.merged_ranges)
+            # As `Traffic._adopt`.
+            wanted = [index for index in found if schedule.wants(self._work.keys[index])]
+            for index in wanted:
+                schedule.published(self._work.keys[index], b"%d" % index, 0.0)
+            unwanted = tuple(index for index in found if index not in wanted)
+            self._known[event] = Reaction(self._number(Core(render, schedule, committed)), withdrawn=unwanted)
+        return self._known[event]
+
+    def publish(self, number: int) -> Reaction:
+        """Fills the window."""
+        event = ("publish", number)
+        if event not in self._known:
+            core = self.all[number]
+            render, schedule = core.copied()
+            keys = schedule.take(WINDOW - schedule.in_flight)
+            for key in keys:
+                schedule.published(key, b"%d" % key.range_index, 0.0)
+            after = self._number(Core(render, schedule, core.saved)) if keys else number
+            self._known[event] = Reaction(after, published=tuple(key.range_index for key in keys))
+        return self._known[event]
+
+    def receive(self, number: int, index: int) -> Reaction:
+        """Takes a result in."""
+        event = ("receive", number, index)
+        if event not in self._known:
+            core = self.all[number]
+            render, schedule = core.copied()
+            intake = Intake({"r": render}, schedule, Auditor(0.0, 0.0), Faults())
+            outcome = intake.take(b"%d" % index, self._work.results[index], 1.0)
+            self._known[event] = Reaction(
+                self._number(Core(render, schedule, core.saved)),
+                withdrawn=tuple(map(int, outcome.withdrawn)),
+                settled=tuple(map(int, outcome.settled)),
+            )
+        return self._known[event]
+
+    def saved(self, number: int) -> int:
+        """What is merged is committed."""
+        core = self.all[number]
+        return self._number(replace(core, saved=core.merged))
+
+    def redis_lost(self, number: int) -> int:
+        event = ("lost", number)
+        if event not in self._known:
+            core = self.all[number]
+            render, schedule = core.copied()
+            schedule.lost()
+            self._known[event] = Reaction(self._number(Core(render, schedule, core.saved)))
+        return self._known[event].number
+
+    def _number(self, core: Core) -> int:
+        key = core.key()
+        if key not in self._numbers:
+            self._work.check(core.render)
+            self._numbers[key] = len(self.all)
+            self.all.append(core)
+        return self._numbers[key]
+
+
+Entries = tuple[tuple[int, ...], ...]
+"""For each range the entries of a stream, in order of what they are: which is which tells nobody anything."""
+
+
+class State(NamedTuple):
+    """Everything, in small numbers."""
+
+    core: int
+    """Number of the memory of the coordinator that has the render by its lease; -1: none has."""
+    stale: int
+    """Of one that had it and does not know better; -1: there is none."""
+    committed: int
+    jobs: Entries
+    results: Entries
+    idle: int
+    """Workers without a job."""
+    crashes: int
+    """That may still happen."""
+    takeovers: int
+
+
+class Explorer:
+    """Walks through all states that can be reached."""
+
+    def __init__(
+        self, ranges: int, workers: int, crashes: int, takeovers: int = 0, fenced: bool = True
+    ) -> None:
+        """`takeovers`: how often a lease may run out under a living coordinator. Without `fenced`, nobody
+        looks at the fence."""
+        self.ranges = ranges
+        self.cores = Cores(Work(ranges))
+        self._fenced = fenced
+        self._shared = takeovers > 0
+        nothing: Entries = ((),) * ranges
+        first = self.cores.start(0, ()).number
+        self.first = State(first, -1, 0, nothing, nothing, workers, crashes, takeovers)
+
+    def walk(self) -> int:
+        """The number of states. WentWrong if one is wrong, or can't come to the end any more."""
+        seen = {self.first: 0}
+        edges_from, edges_to, finished = array("I"), array("I"), []
+        waiting = deque([self.first])
+        while waiting:
+            state = waiting.popleft()
+            number = seen[state]
+            if state.committed == self.ranges:
+                finished.append(number)
+                continue
+            for untidy in self._steps(state):
+                after = self._tidy(untidy)
+                if after.committed < state.committed:
+                    raise WentWrong(f"{state} is followed by {after}, which has less committed")
+                known = seen.get(after)
+                if known is None:
+                    known = seen[after] = len(seen)
+                    waiting.append(after)
+                edges_from.append(number)
+                edges_to.append(known)
+        dead_ends = len(seen) - _count_before(finished, edges_from, edges_to, len(seen))
+        if dead_ends:
+            raise WentWrong(f"from {dead_ends} states the render can't be finished")
+        return len(seen)
+
+    def _tidy(self, state: State) -> State:
+        """Without what changes nothing any more: jobs and results of ranges that everybody has behind him. A
+        worker that does such a job is as good as idle."""
+        behind = state.committed
+        if state.stale >= 0:
+            behind = min(behind, self.cores.all[state.stale].merged)
+        if not any(state.jobs[:behind]) and not any(state.results[:behind]):
+            return state
+        workers = sum(entry // _WORKER for entries in state.jobs[:behind] for entry in entries)
+        nothing = ((),) * behind
+        return state._replace(
+            jobs=(*nothing, *state.jobs[behind:]),
+            results=(*nothing, *state.results[behind:]),
+            idle=state.idle + workers,
+        )
+
+    def _steps(self, state: State) -> Iterator[State]:
+        """Every state that can come next."""
+        if state.core >= 0:
+            yield from self._coordinate(state, CORE)
+        if state.stale >= 0:
+            yield from self._coordinate(state, STALE)
+            # It looks at the folder.
+            yield _without(state, STALE)
+        if state.stale < 0 and (state.core < 0 or state.takeovers):
+            yield from self._take_over(state)
+        yield from _work(state)
+        if state.crashes:
+            yield from self._crash(state._replace(crashes=state.crashes - 1))
+
+    # --- coordinators ---
+
+    def _coordinate(self, state: State, role: int) -> Iterator[State]:
+        number = _number_of(state, role)
+        core = self.cores.all[number]
+        reaction = self.cores.publish(number)
+        if reaction.published:
+            yield self._reacted(state, role, reaction)
+        for index in range(self.ranges):
+            for entry in sorted(set(state.results[index])):
+                if _digit(entry, role) == _UNREAD:
+                    yield self._receive(state, role, index, entry)
+        if core.merged > core.saved:
+            yield self._commit(state, role)
+        elif any(_digit(entry, role) == _SETTLED for entries in state.results for entry in entries):
+            if role == STALE and self._fenced:
+                # It looks before it deletes.
+                return
+            left = (tuple(e for e in entries if _digit(e, role) != _SETTLED) for entries in state.results)
+            yield state._replace(results=tuple(left))
+
+    def _receive(self, state: State, role: int, index: int, entry: int) -> State:
+        reaction = self.cores.receive(_number_of(state, role), index)
+        results = list(state.results)
+        held = entry + _HELD * _DIGIT[role]
+        results[index] = _changed(results[index], entry, held)
+        for settled in reaction.settled:
+            # The entry itself, or the one of its range that was waiting.
+            found = held if settled == index else _find(results[settled], role, _HELD)
+            if found is not None:
+                after = found + (_SETTLED - _HELD) * _DIGIT[role]
+                results[settled] = _changed(results[settled], found, after)
+        return self._reacted(state._replace(results=tuple(results)), role, reaction)
+
+    def _commit(self, state: State, role: int) -> State:
+        if role == STALE and self._fenced:
+            # Refused; it drops the render.
+            return _without(state, STALE)
+        number = _number_of(state, role)
+        after = _put(state, role, self.cores.saved(number))
+        return after._replace(committed=self.cores.all[number].merged)
+
+    def _reacted(self, state: State, role: int, reaction: Reaction) -> State:
+        """With what it published and withdrew, and without what it does not know any more."""
+        out = self.cores.all[reaction.number].out
+        jobs = []
+        for index, entries in enumerate(state.jobs):
+            after = []
+            for entry in entries:
+                known = entry & _KNOWN[role]
+                if known and index in reaction.withdrawn:
+                    entry &= ~_ON_STREAM
+                if known and (index not in out or index in reaction.published):
+                    entry &= ~known
+                after.append(entry)
+            if index in reaction.published:
+                after.append(_ON_STREAM | _KNOWN[role])
+            jobs.append(_ordered(after))
+        return _put(state, role, reaction.number)._replace(jobs=tuple(jobs))
+
+    def _take_over(self, state: State) -> Iterator[State]:
+        """By one that gives signs of life, from one that does not, or is no more."""
+        jobs = [[_roles_moved(entry) for entry in entries] for entries in state.jobs]
+        results = tuple(
+            tuple(sorted(_digit(entry, CORE) * _DIGIT[STALE] for entry in entries))
+            for entries in state.results
+        )
+        found = [sorted({e for e in entries if e & _ON_STREAM}) for entries in jobs]
+        indices = tuple(index for index in range(self.ranges) if found[index])
+        start = self.cores.start(state.committed, indices)
+        # Of several entries for a range it takes the first on the stream, which may be any.
+        for chosen in product(*(found[index] for index in indices)):
+            adopted = dict(zip(indices, chosen, strict=True))
+            after = tuple(
+                _adopted(entries, adopted.get(index), index not in start.withdrawn)
+                for index, entries in enumerate(jobs)
+            )
+            yield state._replace(
+                core=start.number,
+                stale=state.core,
+                jobs=after,
+                results=results,
+                takeovers=state.takeovers - (state.core >= 0),
+            )
+
+    # --- crashes ---
+
+    def _crash(self, state: State) -> Iterator[State]:
+        """Of a worker, a coordinator, or Redis with all that is in it."""
+        for index, entries in enumerate(state.jobs):
+            for entry in sorted(set(entries)):
+                if entry >= _WORKER:
+                    jobs = _entry_changed(state.jobs, index, entry, entry - _WORKER)
+                    yield state._replace(jobs=jobs, idle=state.idle + 1)
+        if state.core >= 0:
+            gone = _without(state, CORE)
+            # Alone, it is started again; of two, the other one takes over in a step of its own.
+            if self._shared:
+                yield gone
+            else:
+                yield from self._take_over(gone)
+        if state.stale >= 0:
+            yield _without(state, STALE)
+        yield state._replace(
+            core=self.cores.redis_lost(state.core) if state.core >= 0 else -1,
+            stale=self.cores.redis_lost(state.stale) if state.stale >= 0 else -1,
+            jobs=tuple(_ordered(e - e % _WORKER for e in entries) for entries in state.jobs),
+            results=((),) * self.ranges,
+        )
+
+
+def _work(state: State) -> Iterator[State]:
+    for index, entries in enumerate(state.jobs):
+        for entry in sorted(set(entries)):
+            if state.idle and entry & _ON_STREAM:
+                # Though others may have it: leases run out while their holders still work.
+                taken = _entry_changed(state.jobs, index, entry, entry + _WORKER)
+                yield state._replace(jobs=taken, idle=state.idle - 1)
+            if entry >= _WORKER:
+                done = _entry_changed(state.jobs, index, entry, (entry - _WORKER) & ~_ON_STREAM)
+                results = list(state.results)
+                results[index] = tuple(sorted((*results[index], 0)))
+                yield state._replace(jobs=done, results=tuple(results), idle=state.idle + 1)
+
+
+def _number_of(state: State, role: int) -> int:
+    return state.core if role == CORE else state.stale
+
+
+def _put(state: State, role: int, number: int) -> State:
+    return state._replace(core=number) if role == CORE else state._replace(stale=number)
+
+
+def _without(state: State, role: int) -> State:
+    """The coordinator in that role is no more, or has dropped the render."""
+    jobs = tuple(_ordered(entry & ~_KNOWN[role] for entry in entries) for entries in state.jobs)
+    results = tuple(
+        tuple(sorted(entry - _digit(entry, role) * _DIGIT[role] for entry in entries))
+        for entries in state.results
+    )
+    return _put(state, role, -1)._replace(jobs=jobs, results=results)
+
+
+def _roles_moved(entry: int) -> int:
+    """Who had the lease is stale now."""
+    known = _KNOWN[STALE] if entry & _KNOWN[CORE] else 0
+    return entry & ~_KNOWN[CORE] & ~_KNOWN[STALE] | known
+
+
+def _adopted(entries: Iterable[int], chosen: int | None, wanted: bool) -> tuple[int, ...]:
+    """The chosen one is known to the new coordinator; the others are deleted, or all if none is wanted."""
+    after = []
+    for entry in entries:
+        if entry == chosen and wanted:
+            after.append(entry | _KNOWN[CORE])
+            chosen = None
+        else:
+            after.append(entry & ~_ON_STREAM)
+    return _ordered(after)
+
+
+def _digit(entry: int, role: int) -> int:
+    return entry // _DIGIT[role] % 3
+
+
+def _find(entries: tuple[int, ...], role: int, digit: int) -> int | None:
+    return next((entry for entry in entries if _digit(entry, role) == digit), None)
+
+
+def _changed(entries: tuple[int, ...], before: int, after: int) -> tuple[int, ...]:
+    """One entry of those that are alike."""
+    left = list(entries)
+    left.remove(before)
+    return tuple(sorted((*left, after)))
+
+
+def _entry_changed(jobs: Entries, index: int, before: int, after: int) -> Entries:
+    left = list(jobs[index])
+    left.remove(before)
+    return (*jobs[:index], _ordered((*left, after)), *jobs[index + 1 :])
+
+
+def _ordered(entries: Iterable[int]) -> tuple[int, ...]:
+    """Without those that are nowhere and known to nobody."""
+    return tuple(sorted(entry for entry in entries if entry))
+
+
+def _count_before(finished: list[int], edges_from: "array[int]", edges_to: "array[int]", states: int) -> int:
+    """How many states lead to one of the finished ones, these included."""
+    sources, targets = np.array(edges_from), np.array(edges_to)
+    order = np.argsort(targets, kind="stable")
+    starts = np.searchsorted(targets[order], np.arange(states + 1))
+    sources = sources[order]
+    reached = np.zeros(states, dtype=bool)
+    front = np.array(finished, dtype=np.int64)
+    reached[front] = True
+    while front.size:
+        before = np.concatenate([sources[starts[each] : starts[each + 1]] for each in front])
+        front = np.unique(before[~reached[before]])
+        reached[front] = True
+    return int(reached.sum())
