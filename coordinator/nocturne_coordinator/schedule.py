@@ -222,7 +222,13 @@ class Schedule:
         return len(self._outstanding)
 
     def take(self, count: int) -> list[JobKey]:
-        """Up to `count` jobs to publish, shared by weight; `published` must follow, or `returned`."""
+        """Up to `count` jobs to publish, shared by weight; `published` must follow, or `returned`.
+
+        Where there is no room, and most of what is in flight waits for earlier ranges, it is these, whatever
+        the count: nothing else would ever make room.
+        """
+        if count <= 0:
+            return self._waited_for() if 2 * self._held > self.in_flight else []
         jobs: list[JobKey] = []
         able = dict(self._queues)
         while len(jobs) < count and able:
@@ -241,6 +247,15 @@ class Schedule:
             owner.passed += cost / owner.weight
             jobs.append(key)
         return jobs
+
+    def _waited_for(self) -> list[JobKey]:
+        """The next ranges of tiles whose later ones are here, if they are not out."""
+        found = {
+            JobKey(render_id, tile, queue.merged[tile])
+            for render_id, queue in self._queues.items()
+            for _, tile in queue.held
+        }
+        return sorted(key for key in found if self.wants(key))
 
     def _passed(self, item: tuple[str, _Queue]) -> tuple[float, str, float]:
         queue = item[1]

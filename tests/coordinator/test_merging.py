@@ -76,7 +76,8 @@ class Session:
             self.entries += 1
             self.schedule.published(key, b"%d" % self.entries, 0.0)
             self.stream[key] = b"%d" % self.entries
-        assert self.schedule.in_flight <= window
+        # One more for each tile, where all that is in flight waits for earlier ranges.
+        assert self.schedule.in_flight <= window + len(self.render.film.tiles)
 
     def deliver(self, data: bytes) -> list[bytes]:
         outcome = self.intake.take(b"0-1", data, 1.0)
@@ -180,3 +181,27 @@ def test_overdue_follows_the_typical_time() -> None:
     assert schedule.overdue(OVERDUE_FACTOR * 10.0 + 1) == [second]
     assert schedule.returned(second) == [b"2-0"]
     assert schedule.take(5) == [second]
+
+
+def test_a_window_full_of_later_ranges_makes_room_for_the_first() -> None:
+    """Found by the walk through all interleavings: what was merged and not committed is lost with the
+    coordinator, and what Redis still has are later ranges of the same tiles, as many as the window holds."""
+    schedule = Schedule()
+    schedule.add("r", 10, [0, 0])
+    later = [JobKey("r", tile, index) for tile in range(2) for index in (1, 2, 3)]
+    for key in later:
+        schedule.published(key, b"1", 0.0)
+    assert schedule.take(0) == []
+    for key in later:
+        schedule.received(key, 1.0)
+    assert schedule.in_flight == len(later)
+    first = [JobKey("r", 0, 0), JobKey("r", 1, 0)]
+    assert schedule.take(0) == first
+    for key in first:
+        schedule.published(key, b"2", 1.0)
+    assert schedule.take(0) == []
+    for tile in range(2):
+        schedule.received(JobKey("r", tile, 0), 2.0)
+        schedule.merged("r", tile, 4)
+    assert schedule.in_flight == 0
+    assert schedule.take(2) == [JobKey("r", 0, 4), JobKey("r", 1, 4)]
