@@ -17,7 +17,7 @@ WEB_SOURCES := $(shell find services/web/src services/web/public -type f 2>/dev/
 CPP_SOURCES := $(shell find worker tests/worker bench -name '*.cpp' -o -name '*.h' 2>/dev/null)
 STAMPS := build/stamps
 
-.PHONY: help packages venv proto web worker build demo stop test check format unit system soak fuzz references sanitize bench lock docs clean
+.PHONY: help packages venv proto web worker build demo stop test check format unit system soak fuzz references peers sanitize bench lock docs clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -77,7 +77,7 @@ format:  ## Put code into the agreed form
 
 unit: build  ## Tests of single parts: C++, Python, page
 	ctest --test-dir build/release --parallel 2 --output-on-failure --no-tests=error
-	pytest -m "not system and not soak and not references"
+	pytest -m "not system and not soak and not references and not peers"
 	npm --prefix services/web run --silent test
 
 system: build  ## Tests of the whole: service, workers, browser, images
@@ -92,6 +92,10 @@ fuzz: build  ## Any calls, messages and bytes, many times more than in the tests
 
 references: build  ## Other renderers' scenes against their own reference images (minutes)
 	pytest -m references -s
+
+peers: build  ## Exported scenes rendered by another renderer, which is installed into build/peers (minutes)
+	$(PYTHON) -m bench.peer.install
+	pytest -m peers -s
 
 sanitize: packages  ## C++ tests under the address and undefined-behaviour sanitizers
 	cd worker && cmake --preset sanitize --log-level=WARNING

@@ -80,3 +80,7 @@ def _need(command: list[object]) -> None:
     if done.returncode != 0:
         last = (done.stderr.strip() or done.stdout.strip()).rpartition("\n")[2]
         raise Skipped(f"Mitsuba can't be installed: {' '.join(words[:4])} ...: {last}")
+
+
+if __name__ == "__main__":
+    install()

@@ -2,7 +2,7 @@
 
 import os
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -14,8 +14,14 @@ Threads = Annotated[int, typer.Option("--threads", min=0, help="0: one per proce
 
 def add_to(app: typer.Typer) -> None:
     """Adds these commands to the program."""
-    names = {compile_scene: "compile", import_scene: "import", compare_images: "compare"}
-    for command in (up, render, ies, compile_scene, import_scene, compare_images, doctor, restore):
+    names = {
+        compile_scene: "compile",
+        import_scene: "import",
+        export_scene: "export",
+        compare_images: "compare",
+    }
+    commands = (up, render, ies, compile_scene, import_scene, export_scene, compare_images, doctor, restore)
+    for command in commands:
         app.command(name=names.get(command))(command)
 
 
@@ -123,6 +129,32 @@ def import_scene(
     for line in report(imported):
         ERRORS.print(line, markup=False, soft_wrap=True)
     typer.echo(imported.document)
+
+
+def export_scene(
+    scene: ScenePath,
+    renderer: Annotated[Literal["mitsuba"], typer.Option("--to", help="The renderer that the scene is for.")],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="New folder for the scene and its files.")
+    ],
+    width: Width = 512,
+    height: Height = 512,
+    samples: Samples = 256,
+    allow_missing: Annotated[
+        bool,
+        typer.Option("--allow-missing", help="Export the rest of a scene that has parts without an equal."),
+    ] = False,
+) -> None:
+    """Make another renderer's scene of a scene document."""
+    from nocturne_coordinator.exporting.compiled import Film
+
+    from nocturne_client.local.exporting import export_to, report
+
+    film = Film(width, height, samples)
+    exported = export_to(scene, output, renderer, film, allow_missing=allow_missing)
+    for line in report(exported):
+        ERRORS.print(line, markup=False, soft_wrap=True)
+    typer.echo(exported.scene)
 
 
 def compare_images(

@@ -34,7 +34,7 @@ def compile_to(scene: Path, folder: Path, width: int, height: int, samples: int)
         make_plan(width, height, samples)
         document = check_document(on_disk.document)
         blobs = BlobStore(folder / "blobs")
-        _store(on_disk, blobs)
+        store_files(on_disk, blobs)
         sha256 = compile_scene(document, blobs).scene_sha256
         plan = plan_for_scene(blobs, sha256, width, height, samples)
         compiled = CompiledFolder(folder / "scene.pb", folder / "plan.pb", folder / "blobs", sha256)
@@ -50,7 +50,8 @@ def compile_to(scene: Path, folder: Path, width: int, height: int, samples: int)
     return compiled
 
 
-def _store(scene: SceneOnDisk, blobs: BlobStore) -> None:
+def store_files(scene: SceneOnDisk, blobs: BlobStore) -> None:
+    """Puts the files that a scene names into a blob store."""
     for sha256, path in scene.files.items():
         with path.open("rb") as file, blobs.writer(sha256, path.stat().st_size) as writer:
             while piece := file.read(_READ_BYTES):

@@ -1,0 +1,145 @@
+"""A whole scene for Mitsuba."""
+
+import math
+from xml.etree.ElementTree import Comment, Element
+
+import numpy as np
+from nocturne.v1 import scene_pb2
+
+from nocturne_coordinator.exporting import skies
+from nocturne_coordinator.exporting.compiled import Array, Body, Compiled, Film, array
+from nocturne_coordinator.exporting.mitsuba.context import Context
+from nocturne_coordinator.exporting.mitsuba.elements import matrix, parameter, plugin, spectrum, write
+from nocturne_coordinator.exporting.mitsuba.media import medium
+from nocturne_coordinator.exporting.mitsuba.shapes import add_surfaces
+from nocturne_coordinator.importing.mitsuba.units import CANDELAS_PER_UNIT, white
+from nocturne_coordinator.importing.scene_writer import SceneWriter
+from nocturne_coordinator.scene.luminaire_model import EnvironmentMap
+
+# Its rays start this far, and as much of their coordinates, from where they left a surface: 1500 times the
+# rounding of a float, RayEpsilon in its include/mitsuba/core/math.h. Scenes are written so large that only
+# the second counts.
+_LARGE = 1000.0
+_FAR = 100.0
+
+# Vertices before its roulette, which ends one path in twenty at every further vertex, whatever its weight: so
+# early that paths in milk are ended often, it makes the few that go on too bright to average.
+_ROULETTE = 1000
+
+_ABOUT = f""" Render it with a spectral variant, such as
+    mitsuba -m scalar_spectral -Dspp=64 -Dsampler=multijitter scene.xml
+  Its image's Y times {CANDELAS_PER_UNIT:.7g} is the luminance in cd/m2. One metre is {{metre:g}} units. """
+
+
+def export_mitsuba(compiled: Compiled, writer: SceneWriter, film: Film) -> str:
+    """Write scene.xml and its files; return its name. What can't be exported is among the findings."""
+    compiled.metre = max(1.0, 10.0 ** math.ceil(math.log10(_LARGE / compiled.size())))
+    root = Element("scene", {"version": "3.0.0"})
+    root.append(Comment(_ABOUT.format(metre=compiled.metre)))
+    for name, value in (("spp", str(film.samples)), ("sampler", "independent")):
+        root.append(Element("default", {"name": name, "value": value}))
+    context = Context(compiled, writer, compiled.findings, root)
+    compiled.refuse_overlaps()
+    compiled.refuse_other_sensors()
+    around = compiled.everywhere()
+    root.append(_integrator(compiled))
+    root.append(_sensor(context, film, around))
+    add_surfaces(context, around)
+    _add_environment(context)
+    return writer.file("scene.xml", write(root))
+
+
+def _integrator(compiled: Compiled) -> Element:
+    message = compiled.message
+    depth = message.tracing.maximum_depth
+    # It counts edges, of which there is one more than interactions.
+    edges = depth + 1 if depth else -1
+    if message.media or any(interior.HasField("absorption") for interior in message.interiors):
+        # By the multiple importance sampling of this one, extinction may depend on wavelength.
+        return plugin("integrator", "volpathmis", max_depth=edges, rr_depth=_ROULETTE)
+    return plugin("integrator", "path", max_depth=edges)
+
+
+def _sensor(context: Context, film: Film, around: Body) -> Element:
+    compiled = context.compiled
+    sensor = compiled.message.sensor
+    position, forward = compiled.point(sensor.position), array(sensor.forward)
+    # Its x points to the left.
+    axes = [-array(sensor.right), array(sensor.up), forward]
+    degrees = math.degrees(sensor.vertical_field_of_view)
+    match sensor.model:
+        case scene_pb2.SENSOR_MODEL_PERSPECTIVE if sensor.lens_radius > 0:
+            found = plugin(
+                "sensor",
+                "thinlens",
+                fov=degrees,
+                fov_axis="y",
+                aperture_radius=compiled.metre * sensor.lens_radius,
+                focus_distance=compiled.metre * sensor.focus_distance,
+            )
+        case scene_pb2.SENSOR_MODEL_PERSPECTIVE:
+            found = plugin("sensor", "perspective", fov=degrees, fov_axis="y")
+        case scene_pb2.SENSOR_MODEL_ORTHOGRAPHIC:
+            # It sees -1 to 1 in x, and as much in y as the film's shape gives.
+            half_width = 0.5 * compiled.metre * sensor.height * film.width / film.height
+            axes = [half_width * axes[0], half_width * axes[1], forward]
+            found = plugin("sensor", "orthographic")
+        case model:
+            name = scene_pb2.SensorModel.Name(model).removeprefix("SENSOR_MODEL_").lower()
+            context.findings.lost("$.sensor", f"a sensor of the kind {name} can't be exported")
+            found = plugin("sensor", "perspective")
+    # Else it sees no farther than 10,000.
+    parameter(found, "far_clip", _FAR * compiled.size())
+    found.append(matrix("to_world", axes, position))
+    pixels = plugin(
+        "film",
+        "hdrfilm",
+        width=film.width,
+        height=film.height,
+        pixel_format="xyz",
+        component_format="float32",
+    )
+    pixels.append(plugin("rfilter", "box"))
+    sampler = plugin("sampler", "$sampler", sample_count="$spp")
+    sampler[0].tag = "integer"
+    found.extend([pixels, sampler, *_medium_around(context, position, around)])
+    return found
+
+
+def _medium_around(context: Context, position: Array, around: Body) -> list[Element]:
+    """What the sensor stands in."""
+    compiled = context.compiled
+    for index, surface in compiled.standing():
+        place = compiled.place(index)
+        if surface.HasField("interior") and compiled.encloses(surface, position, place):
+            return medium(context, compiled.body(surface, place), "", f"{place}.interior")
+    return medium(context, around, "", "$.unbounded_media")
+
+
+def _add_environment(context: Context) -> None:
+    message = context.compiled.message
+    if message.distant_discs:
+        context.findings.lost("$.distant", "discs at infinity have no equal in Mitsuba")
+    match message.environment.WhichOneof("radiance"):
+        case "constant":
+            found = plugin("emitter", "constant")
+            found.append(spectrum("radiance", context.compiled.table(message.environment.constant)))
+            context.root.append(found)
+        case "map":
+            context.root.append(_sky(context, message.environment.map))
+
+
+def _sky(context: Context, frame: scene_pb2.EnvironmentMap) -> Element:
+    environment = context.compiled.document.environment
+    assert isinstance(environment, EnvironmentMap)  # noqa: S101 - it was compiled to a map
+    texels = skies.texels_of(environment.asset.removeprefix("sha256:"), context.compiled.blobs)
+    # A texel of 1 is D65 of `white`.
+    found = plugin(
+        "emitter",
+        "envmap",
+        filename=context.picture("sky", skies.latitudes_with_poles(texels)),
+        scale=environment.luminance / white(),
+    )
+    # Its picture has +z in the middle, +x to the left of that, and y up.
+    found.append(matrix("to_world", [array(frame.y), array(frame.z), array(frame.x)], np.zeros(3)))
+    return found

@@ -1,0 +1,42 @@
+"""`nocturne export`: scene documents become scenes of other renderers, without a service."""
+
+import tempfile
+from pathlib import Path
+
+from nocturne_coordinator.blobs import BlobStore
+from nocturne_coordinator.errors import InputError, NocturneError
+from nocturne_coordinator.exporting.compiled import Film
+from nocturne_coordinator.exporting.export_scene import Exported, export_scene
+from nocturne_coordinator.plan import make_plan
+from nocturne_coordinator.scene.document import check_document
+
+from nocturne_client.errors import NocturneClientError, Problem
+from nocturne_client.local.compiled import store_files
+from nocturne_client.scene_files import read_scene
+
+
+def export_to(
+    scene: Path, folder: Path, renderer: str, film: Film, *, allow_missing: bool = False
+) -> Exported:
+    """Write the scene for another renderer into `folder`. Raises NocturneClientError with all problems."""
+    on_disk = read_scene(scene)
+    try:
+        make_plan(film.width, film.height, film.samples)
+        document = check_document(on_disk.document)
+        with tempfile.TemporaryDirectory(prefix="nocturne-export-") as kept:
+            blobs = BlobStore(Path(kept))
+            store_files(on_disk, blobs)
+            return export_scene(document, blobs, folder, renderer, film, allow_missing=allow_missing)
+    except InputError as error:
+        problems = [Problem(each.place, each.message) for each in error.problems]
+        said = f"{scene} can't be exported to {renderer}; with --allow-missing the rest is"
+        raise NocturneClientError(said, problems=problems) from error
+    except NocturneError as error:
+        raise NocturneClientError(str(error)) from error
+    except OSError as error:
+        raise NocturneClientError(f"{error.filename or folder}: {error.strerror}") from error
+
+
+def report(exported: Exported) -> list[str]:
+    """Lines that say in what the other renderer's image differs."""
+    return [f"note: {note}" for note in exported.notes] + [f"missing: {loss}" for loss in exported.missing]

@@ -1,0 +1,80 @@
+"""Scenes exported to Mitsuba and rendered by it, against ours, by z-tests.
+
+False alarms for a scene: 0.01 for the tiles, 0.008 for the means. Seeds are fixed.
+"""
+
+import json
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from nocturne_client.local.exporting import export_to
+from nocturne_client.local.programs import CHECKOUT
+from nocturne_coordinator.comparing.agreement import Estimate, compare
+from nocturne_coordinator.exporting.compiled import Film as Pixels
+from nocturne_coordinator.importing.mitsuba.units import CANDELAS_PER_UNIT
+from nocturne_coordinator.importing.options import Imported
+from nocturne_coordinator.importing.scene_writer import Film
+
+from tests.mitsuba.export_scenes import SCENES
+from tests.mitsuba.renders import Batches
+
+PYTHON = CHECKOUT / "build" / "peers" / "bin" / "python"
+
+pytestmark = [
+    pytest.mark.peers,
+    pytest.mark.skipif(not PYTHON.exists(), reason=f"needs Mitsuba in {PYTHON.parents[1]}: `make peers`"),
+]
+
+BATCHES, WIDTH, HEIGHT = 12, 32, 24
+
+# Scenes of the repository: samples of a pixel in each batch, ours and theirs.
+REPOSITORY = {
+    "cornell": (64, 128),
+    "colour_chart": (64, 64),
+    "subsurface": (32, 64),
+    "mixtures": (64, 64),
+}
+
+
+def theirs(scene: Path, samples: int, image: Path) -> Estimate:
+    """What Mitsuba makes of a scene, in its unit."""
+    script = Path(__file__).with_name("mitsuba_batches.py")
+    command = [PYTHON, "-P", script, "scalar_spectral", scene, str(samples), str(BATCHES), image]
+    subprocess.run([str(word) for word in command], check=True, capture_output=True)
+    frames = np.load(image).astype(np.float64)
+    return Estimate(frames.mean(axis=0), frames.var(axis=0, ddof=1) / BATCHES, BATCHES - 1)
+
+
+def check(document: Path, folder: Path, samples: tuple[int, int]) -> None:
+    """Both renderers' images must agree, but for noise."""
+    exported = export_to(document, folder / "mitsuba", "mitsuba", Pixels(WIDTH, HEIGHT, samples[1]))
+    reference = theirs(exported.scene, samples[1], folder / "images.npy")
+    scene = Imported(document, Film(WIDTH, HEIGHT), [], [])
+    image = Batches(scene, folder / "compiled", BATCHES, samples[0]).render()
+    found = compare(image, reference)
+    assert found.verdict is not None
+    verdict = found.verdict
+    ratio = ", ".join(f"{each - 1:+.3%}" for each in found.ratio)
+    told = (
+        f"means {ratio}, z {verdict.mean_z.round(1)}, tiles {verdict.largest_tile:.2g}, "
+        f"{verdict.share_explained:.2%} of pixels, Y {image.mean[..., 1].mean() * CANDELAS_PER_UNIT:.4g}"
+    )
+    print(f"{document.parent.name}: {told}")  # noqa: T201 - figures for docs/compatibility.md
+    assert verdict.pixels_agree, told
+    assert verdict.sums_agree, told
+
+
+@pytest.mark.parametrize("name", REPOSITORY)
+def test_scene_of_the_repository_looks_the_same(name: str, tmp_path: Path) -> None:
+    check(CHECKOUT / "scenes" / name / "scene.json", tmp_path, REPOSITORY[name])
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_part_looks_the_same(name: str, tmp_path: Path) -> None:
+    folder = tmp_path / name
+    folder.mkdir()
+    document = folder / "scene.json"
+    document.write_text(json.dumps(SCENES[name](folder)))
+    check(document, tmp_path, (64, 128))
