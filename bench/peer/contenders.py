@@ -12,12 +12,12 @@ import numpy as np
 from nocturne.v1 import scene_pb2
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import CompiledFolder
-from nocturne_coordinator.blobs import BlobStore
+from nocturne_client.local.exporting import export_to
+from nocturne_coordinator.exporting.compiled import Film as Exported
+from nocturne_coordinator.importing.mitsuba.units import CANDELAS_PER_UNIT
 from nocturne_coordinator.scene_plan import plan_of
 
 from bench.peer.install import Installed
-from bench.peer.scenes import SKY
-from bench.peer.translate import CANDELAS_PER_UNIT, Translation
 from bench.programs import Channel, trace
 
 SAMPLERS = ("multijitter", "independent")
@@ -72,9 +72,9 @@ class Ours:
 class Mitsuba:
     """Mitsuba 3 with one of its samplers, in a process that serves all of them."""
 
-    def __init__(self, process: "subprocess.Popen[str]", sensor: int, image: Path) -> None:
+    def __init__(self, process: "subprocess.Popen[str]", sampler: str, image: Path) -> None:
         self._process = process
-        self._sensor = sensor
+        self._sampler = sampler
         self._image = image
         self._compiled_for: set[int] = set()
 
@@ -87,7 +87,7 @@ class Mitsuba:
         return Frame(np.load(self._image)[..., 1] * CANDELAS_PER_UNIT, cpu_s)
 
     def _ask(self, samples: int, seed: int) -> float:
-        request = {"sensor": self._sensor, "samples": samples, "seed": seed, "image": str(self._image)}
+        request = {"sampler": self._sampler, "samples": samples, "seed": seed, "image": str(self._image)}
         to_it, from_it = _pipe(self._process.stdin), _pipe(self._process.stdout)
         try:
             to_it.write(json.dumps(request) + "\n")
@@ -104,31 +104,28 @@ class Mitsuba:
 
 
 @contextmanager
-def mitsuba(
-    installed: Installed, compiled: CompiledFolder, film: Film, threads: int
-) -> Iterator[dict[str, Mitsuba]]:
-    """Starts it with the compiled scene; gives a contender for each sampler."""
-    folder = compiled.scene.parent / "mitsuba"
-    folder.mkdir()
-    scene = scene_pb2.CompiledScene.FromString(compiled.scene.read_bytes())
-    translation = Translation(scene, BlobStore(compiled.blobs), folder, compiled.scene.parent / SKY)
-    description = translation.description()
-    for sampler in SAMPLERS:
-        description[f"sensor-{sampler}"] = translation.sensor(film.width, film.height, sampler)
-    path = folder / "scene.json"
-    path.write_text(json.dumps(description))
+def mitsuba(installed: Installed, document: Path, film: Film, threads: int) -> Iterator[dict[str, Mitsuba]]:
+    """Starts it with the exported scene; gives a contender for each sampler."""
+    folder = document.parent / "mitsuba"
+    exported = export_to(document, folder, "mitsuba", Exported(film.width, film.height, 1))
     script = Path(__file__).with_name("mitsuba_server.py")
     process = subprocess.Popen(
-        [str(installed.python), "-P", str(script), installed.variant, str(threads), str(path)],
+        [
+            str(installed.python),
+            "-P",
+            str(script),
+            installed.variant,
+            str(threads),
+            str(exported.scene),
+            *SAMPLERS,
+        ],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
         env=installed.environment,
     )
     try:
-        yield {
-            sampler: Mitsuba(process, index, folder / "image.npy") for index, sampler in enumerate(SAMPLERS)
-        }
+        yield {sampler: Mitsuba(process, sampler, folder / "image.npy") for sampler in SAMPLERS}
     finally:
         process.kill()
         process.communicate()
