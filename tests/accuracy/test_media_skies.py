@@ -14,9 +14,9 @@ from nocturne_coordinator.scene import rayleigh
 from nocturne_coordinator.scene.published import visible_wavelengths
 
 from tests.accuracy.agreement import Values
-from tests.accuracy.media import THINNER, WIDTH, read, slab, sun, thinner
+from tests.accuracy.media import THINNER, WIDTH, from_above, lit_slab, read, slab, sun, thinner
 from tests.accuracy.meters import Measurement, Reading
-from tests.accuracy.scenes import diffuse, film, measured_scene, quad, surface
+from tests.accuracy.scenes import diffuse, film, measured_scene, quad, surface, white_tile
 from tests.accuracy.tracing import Document
 
 pytestmark = pytest.mark.system
@@ -24,9 +24,6 @@ pytestmark = pytest.mark.system
 TRUTHS: dict[str, Any] = json.loads((Path(__file__).parent / "data" / "media.json").read_text())
 _AIR = {"phase": {"type": "rayleigh"}}
 _SAMPLES = 64
-
-# Direction of view: cosine to the vertical, azimuth of the light in degrees. All three kinds of azimuth.
-_VIEWS = ("0.1/0", "0.4/120", "0.7/180", "1.0/0")
 
 
 def _layer(scattering: Any, sensor: Document, ground: float, light: Document) -> Document:
@@ -60,72 +57,68 @@ def _name(case: Document) -> str:
 
 @pytest.mark.parametrize("case", TRUTHS["rayleigh layers"]["cases"], ids=_name)
 def test_rayleigh_layers(case: Document, tmp_path: Path) -> None:
-    """Up at the top and down at the ground."""
+    """Up at the top and down at the ground, in 16 directions each: cosine to the vertical, azimuth of the
+    light in degrees."""
     # The beam comes from azimuth 180.
     light = sun(float(np.degrees(np.arccos(case["mu0"]))), 180.0, irradiance=float(np.pi))
     for side in ("up", "down"):
-        for view in _VIEWS:
+        for view, truth in case[side].items():
             mu, azimuth = (float(part) for part in view.split("/"))
             sensor = _meter(mu, azimuth, up=side == "up")
             document = _layer(case["thickness"], sensor, case["ground"], light)
             reading = read(document, tmp_path / side / view.replace("/", "-"), _SAMPLES)
             # Down, 1e-3 of the layer is below the sensor.
-            reading.check(
-                case[side][view], thinner(mu) + (0.0 if side == "up" else 1e-3), values=2 * len(_VIEWS)
-            )
+            reading.check(truth, thinner(mu) + (0.0 if side == "up" else 1e-3), values=32)
 
 
-def test_the_published_layer_near_the_horizon(tmp_path: Path) -> None:
-    """The scalar values of the layer of Natraj, Li and Yung (Astrophysical Journal 691, 2009): thickness 0.5,
-    mu0 0.2; at mu = 0.02 a ray crosses 25 optical thicknesses."""
-    truths = {"0.02/0": 0.42161244, "0.4/0": 0.1617527, "1.0/0": 0.05835771, "0.02/60": 0.29588128}
+@pytest.mark.parametrize(
+    "case", TRUTHS["published rayleigh layer"]["cases"], ids=lambda case: str(case["ground"])
+)
+def test_the_published_layer(case: Document, tmp_path: Path) -> None:
+    """Thickness 0.5, mu0 0.2; at mu = 0.02 a ray crosses 25 optical thicknesses."""
+    views = {view: truth for view, truth in case.items() if view != "ground"}
     light = sun(float(np.degrees(np.arccos(0.2))), 180.0, irradiance=float(np.pi))
-    for view, truth in truths.items():
+    for view, truth in views.items():
         mu, azimuth = (float(part) for part in view.split("/"))
-        document = _layer(0.5, _meter(mu, azimuth, up=True), 0.0, light)
-        read(document, tmp_path / view.replace("/", "-"), _SAMPLES).check(
-            truth, thinner(mu), values=len(truths)
-        )
+        document = _layer(0.5, _meter(mu, azimuth, up=True), case["ground"], light)
+        reading = read(document, tmp_path / view.replace("/", "-"), _SAMPLES)
+        reading.check(truth, thinner(mu), values=len(views))
 
 
-def test_light_above_and_below_a_layer(tmp_path: Path) -> None:
-    """Flux that goes up and down, black ground.
+@pytest.mark.parametrize("case", TRUTHS["rayleigh layers"]["cases"], ids=_name)
+def test_light_above_and_below_a_layer(case: Document, tmp_path: Path) -> None:
+    """Flux that goes up and down under a beam, and up under even light; black ground.
 
-    Without the beam itself, exp(-thickness / mu0): a film meets so small a sun once in 1e8 photons.
+    Below, a white tile sees the beam as well, which a film meets once in 1e8 photons.
     """
-    [case] = [
-        case for case in TRUTHS["rayleigh layers"]["cases"] if case["ground"] == 0 and case["mu0"] == 0.2
-    ]
-    light = sun(float(np.degrees(np.arccos(0.2))), 180.0)
-    heights = {"R": (1e-3, [0.0, 0.0, -1.0]), "T": (-0.9999, [0.0, 0.0, 1.0])}
-    for key, (height, normal) in heights.items():
-        document = _layer(case["thickness"], film([0, 0, height], normal, 1e-3), 0.0, light)
-        reading = read(document, tmp_path / key, _SAMPLES) * (1.0 / 0.2)
-        beam = float(np.exp(-case["thickness"] / 0.2)) if key == "T" else 0.0
-        reading.check(case[f"{key}_flux(black ground)"] - beam, THINNER, values=2)
-
-
-# Seven views of three skies would take long; the zenith and four more hold all azimuths.
-_SKY_VIEWS = {
-    "zenith/phi0": (0, 0),
-    "VZA60/phi0": (60, 0),
-    "VZA60/phi90": (60, 90),
-    "VZA30/phi180": (30, 180),
-}
+    light = sun(float(np.degrees(np.arccos(case["mu0"]))), 180.0)
+    document = _layer(case["thickness"], film([0, 0, 1e-3], [0.0, 0.0, -1.0], 1e-3), 0.0, light)
+    up = read(document, tmp_path / "up", _SAMPLES) * (1.0 / case["mu0"])
+    up.check(case["R_flux(black ground)"], THINNER, values=3)
+    tile, meter = white_tile(([0.0, 0.0, -0.9999], [0.0, 0.0, 1.0]))
+    document = _layer(case["thickness"], meter, 0.0, light)
+    document["surfaces"].append(tile)
+    down = read(document, tmp_path / "down", _SAMPLES) * (np.pi / case["mu0"])
+    down.check(case["T_flux(black ground)"], THINNER, values=3)
+    air = {"scattering": case["thickness"], **_AIR}
+    even = read(lit_slab(air, 1.0, from_above(1e-3), below=False), tmp_path / "even", _SAMPLES)
+    (even * (1.0 / np.pi)).check(case["spherical_albedo"], THINNER, values=3)
 
 
 @pytest.mark.parametrize("case", TRUTHS["skies"]["cases"], ids=lambda case: f"sun at {case['sun_zenith']}")
 def test_colours_of_the_sky(case: Document, tmp_path: Path) -> None:
-    """X, Y and Z in cd/m2 in four directions, and illuminance, with the Sun's own spectrum.
+    """X, Y, Z and x, y in seven directions in cd/m2, and illuminances, with the Sun's own spectrum.
 
     Azimuth 0 is towards the Sun, which stands 0.05 degrees beside it so that no sensor looks into it. A film
-    does not meet it either: illuminance is that of the sky. Truth is known to 2e-4.
+    does not meet it either: it has the illuminance of the sky, a white tile that of all. Truth is known to
+    2e-4.
     """
     depth = rayleigh.optical_depth(visible_wavelengths())
     scattering = {"table": np.column_stack([visible_wavelengths(), depth]).tolist()}
     light = sun(case["sun_zenith"], 0.05, sun=True)
-    values = 3 * len(_SKY_VIEWS) + 1
-    for view, (zenith, azimuth) in _SKY_VIEWS.items():
+    views = {view: _angles(view) for view in case if "phi" in view}
+    values = 5 * len(views) + 2
+    for view, (zenith, azimuth) in views.items():
         sensor = _meter(float(np.cos(np.radians(zenith))), azimuth + 180.0, up=False)
         sensor |= {"diameter": 1e-6, "position": [0, 0, -1 + 1e-5]}
         sensor["look_at"] = (np.add(sensor["position"], _towards(zenith, azimuth))).tolist()
@@ -135,11 +128,27 @@ def test_colours_of_the_sky(case: Document, tmp_path: Path) -> None:
         xyz = Measurement(document, folder, 16, 16).image(_SAMPLES).xyz.astype(np.float64)
         for channel, truth in enumerate(case[view]["XYZ"]):
             Reading.of(_flat(xyz, channel)).check(truth, 2e-4 + THINNER, values)
+        for channel, name in enumerate("xy"):
+            part = Reading.of(_flat(xyz, channel) / xyz.sum(axis=-1).ravel())
+            part.check(case[view][name], 2e-4 + THINNER, values)
     sensor = film([0, 0, -1 + 1e-5], [0, 0, 1], 1e-3)
     document = _sky(_layer(scattering, sensor, 0.0, light))
     reading = read(document, tmp_path, _SAMPLES, edge=16, channel="Y")
     of_sky = case["E_horizontal_total_lx"] - case["E_horizontal_direct_lx"]
     reading.check(of_sky, 2e-4 + THINNER, values)
+    tile, meter = white_tile(([0.0, 0.0, -0.9999], [0.0, 0.0, 1.0]))
+    document = _sky(_layer(scattering, meter, 0.0, light))
+    document["surfaces"].append(tile)
+    reading = read(document, tmp_path / "tile", _SAMPLES, edge=16, channel="Y") * np.pi
+    reading.check(case["E_horizontal_total_lx"], 2e-4 + THINNER, values)
+
+
+def _angles(view: str) -> tuple[float, float]:
+    """Zenith angle and azimuth of a key such as VZA60/phi180."""
+    zenith, azimuth = view.split("/")
+    return float(zenith.removeprefix("VZA") if zenith != "zenith" else 0.0), float(
+        azimuth.removeprefix("phi")
+    )
 
 
 def _sky(document: Document) -> Document:
