@@ -70,3 +70,42 @@ def test_attenuation_through_smoke(nearest: bool, tmp_path: Path) -> None:
         (folder / "smoke.vdb").write_bytes((tmp_path / "smoke.vdb").read_bytes())
         depth = 2.0 * 1.5 * _VOXEL * float(values[x, y].sum())
         Measurement(document, folder, 8, 8).by_pixels(64).check(exp(-depth), 1e-4, values=len(columns))
+
+
+@pytest.mark.parametrize(("beside", "depth"), [(0.0, 5.0132565), (0.4, 3.0406938), (0.8, 0.6784705)])
+def test_attenuation_through_a_gaussian(beside: float, depth: float, tmp_path: Path) -> None:
+    """5 exp(-r^2 / (2 x 0.4^2)) per metre: 5 x 0.4 sqrt(2 pi) exp(-b^2 / 0.32) at a distance b from it.
+
+    Along rays through voxel centres the sum over voxels is the integral to 1e-7. False alarms: 0.01.
+    """
+    h, half = 0.05, 40
+    along = h * np.arange(-half, half + 1)
+    x, y, z = np.meshgrid(along, along, along, indexing="ij")
+    (tmp_path / "ball.f32").write_bytes(np.exp(-(x * x + y * y + z * z) / 0.32).astype("<f4").tobytes())
+    description = {
+        "dims": x.shape,
+        "voxel_size": h,
+        "origin": [-half * h] * 3,
+        "grids": [{"name": "density", "file": "ball.f32"}],
+    }
+    (tmp_path / "ball.json").write_text(json.dumps(description))
+    program = need_program("nocturne-grid")
+    subprocess.run(
+        [program, "create", tmp_path / "ball.json", "-o", tmp_path / "ball.vdb"],
+        check=True,
+        capture_output=True,
+    )
+    sensor = {
+        "type": "radiance_meter",
+        "position": [beside, 0.0, 5.0],
+        "look_at": [beside, 0.0, 0.0],
+        "diameter": 1e-5,
+        "cone_degrees": 1e-4,
+    }
+    shape = {"type": "medium_box", "medium": "smoke"}
+    document = measured_scene(sensor, [{"shape": shape, "interior": {"media": ["smoke"]}}])
+    document |= {
+        "media": {"smoke": {"absorption": 5.0, "density": {"asset": "ball.vdb", "grid": "density"}}},
+        "environment": {"radiance": 1.0},
+    }
+    Measurement(document, tmp_path, 8, 8).by_pixels(1024).check(exp(-depth), 1e-5, values=3)

@@ -10,7 +10,7 @@ import json
 import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from math import atanh, exp, pi
 from pathlib import Path
 from typing import Any
@@ -72,8 +72,11 @@ class Glow:
         }
         (folder / "glow.json").write_text(json.dumps(description))
         program = need_program("nocturne-grid")
-        command = [program, "create", folder / "glow.json", "-o", folder / "glow.vdb"]
-        subprocess.run(command, check=True, capture_output=True)
+        subprocess.run(
+            [program, "create", folder / "glow.json", "-o", folder / "glow.vdb"],
+            check=True,
+            capture_output=True,
+        )
 
 
 def spacing(half_edge: float) -> float:
@@ -154,7 +157,7 @@ def test_fluence_around_a_point(case: Document, tmp_path: Path) -> None:
     for key, value in published.items():
         r = float(key)
         assert fluence(albedo, r) == pytest.approx(value, rel=1e-6)
-        shell = Glow.of(1.8 * r, lambda _, distance, r=r: np.exp(-0.5 * ((distance / r - 1.0) / _SHELL) ** 2))
+        shell = Glow.of(1.8 * r, partial(_shell, r))
         truth = (1.0 - albedo) * _over_voxels(shell, albedo)
         reading = Reading.of(_counted(shell, albedo, 0.0, _SAMPLES[albedo], tmp_path / key))
         # Next to the second moments of a pyramid come the fourth.
@@ -166,6 +169,11 @@ def _smooth_fluence(albedo: float) -> CubicSpline:
     """Logarithm of fluence times r^2, over the logarithm of r."""
     distances = np.geomspace(1e-3, 50.0, 150)
     return CubicSpline(np.log(distances), np.log([fluence(albedo, r) * r * r for r in distances]))
+
+
+def _shell(radius: float, _: Values, distance: Values) -> Values:
+    around: Values = np.exp(-0.5 * ((distance / radius - 1.0) / _SHELL) ** 2)
+    return around
 
 
 def _over_voxels(glow: Glow, albedo: float) -> float:
