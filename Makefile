@@ -109,7 +109,7 @@ docs: proto  ## Pages that are generated from the code
 	$(PYTHON) -m nocturne_coordinator.scene.reference > docs/scene.md
 	$(PYTHON) -m nocturne_coordinator.scene.reference --schema > docs/scene.schema.json
 
-# What miepython asks for and does not need (docs/decisions/0018), with what that asks for. So locks are installed with
+# What miepython, which only tests use, asks for and does not need, with what that asks for. So locks are installed with
 # --no-deps. Two of those are wanted by what is only for testing.
 UNWANTED := contourpy cycler fonttools kiwisolver llvmlite matplotlib numba pillow pyparsing tzdata
 UNWANTED_AT_RUN_TIME := $(UNWANTED) python-dateutil six

@@ -8,7 +8,7 @@ import miepython
 import numpy as np
 import platformdirs
 import pytest
-from nocturne_coordinator.scene import mie, spectra
+from nocturne_coordinator.scene import bounds, mie, spectra
 from nocturne_coordinator.scene.published import Floats
 
 from tests.coordinator.scene.conftest import Compile, Document
@@ -47,6 +47,19 @@ def test_distributions_are_normalised(distribution: mie.Distribution) -> None:
     radii = np.array([0.02, 0.1, 1.0, 5.0])
     published = a * radii**distribution.alpha * np.exp(-b * radii**distribution.gamma)
     assert 1e2 * 1e-6 * distribution.density(radii * 1e-6) == pytest.approx(published, rel=1e-3)
+
+
+@pytest.mark.parametrize("index", [1.0003, 1.33, 1.5, 3.0])
+def test_coefficients_are_those_of_another_program(index: float) -> None:
+    """miepython, for sizes from below the wavelength to the largest droplets that are accepted."""
+    sizes = np.array([0.05, 0.7, 1.0, 3.3, 12.0, 47.1, 128.6, 333.0, bounds.DROPLET_SIZE])
+    for found, which in zip(mie.coefficients(index, sizes), (0, 1), strict=True):
+        for row, size in zip(found, sizes, strict=True):
+            published = miepython.coefficients(complex(index), size)[which]
+            count = min(len(published), len(row))
+            assert row[:count] == pytest.approx(published[:count], abs=1e-8 * np.abs(published).max())
+            # Orders that one of the two leaves out.
+            assert np.abs(row[count:]).max(initial=0.0) < 1e-6
 
 
 def test_haze_has_its_published_extinction() -> None:
