@@ -82,6 +82,7 @@ def test_instances_of_instances(tmp_path: Path) -> None:
     _check([], {"fog": {"scattering": 8.0}}, tmp_path, groups=groups, instances=placed)
 
 
+_COSINES = np.linspace(-1.0, 1.0, 9).tolist()
 _PHASES: dict[str, Document] = {
     "isotropic": {"scattering": 3.0},
     "forward": {"scattering": 30.0, "phase": {"type": "henyey_greenstein", "g": 0.99}},
@@ -92,8 +93,18 @@ _PHASES: dict[str, Document] = {
     },
     "rayleigh": {
         "scattering": {"table": [[400, 9.0], [700, 1.0]]},
-        "phase": {"type": "rayleigh", "depolarisation": 0.03},
+        "phase": {"type": "rayleigh", "depolarisation": {"table": [[400, 0.3], [700, 0.0]]}},
     },
+    "table": {
+        "scattering": 3.0,
+        "phase": {
+            "type": "tabulated",
+            "cosines": _COSINES,
+            "wavelengths": [400, 700],
+            "values": [[1.0 + each**2 for each in _COSINES], [2.0 + 1.9 * each for each in _COSINES]],
+        },
+    },
+    "droplets": {"preset": "continental haze", "density": 1e5},
 }
 
 

@@ -39,7 +39,7 @@ class HenyeyGreenstein {
   }
 
   template <int N>
-  HenyeyGreenstein bind(const Spectral<N>&) const& {
+  HenyeyGreenstein bind(const Shading<N>&) const& {
     return *this;
   }
 
@@ -68,7 +68,7 @@ class DoubleHenyeyGreenstein {
   }
 
   template <int N>
-  DoubleHenyeyGreenstein bind(const Spectral<N>&) const& {
+  DoubleHenyeyGreenstein bind(const Shading<N>&) const& {
     return *this;
   }
 

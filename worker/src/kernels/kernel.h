@@ -36,6 +36,8 @@ struct Shading {
   Spectral<N> index_from = 1.0f, index_to = 1.0f;
   SurfacePoint point = {};
   Transport transport = Transport::kAdjoint;
+  /// How likely each photon would have been to come here, among media; sum 1.
+  Spectral<N> odds = 1.0f / N;
 };
 
 /// Three uniform numbers in [0, 1): `part` chooses between parts of the kernel, u and v the

@@ -29,7 +29,8 @@ class BoundPhase {
     return albedo_ *
            std::visit([&](const auto& s) { return Spectral<N>(s.density(angle)); }, shape_);
   }
-  /// From the mean over the group's photons of their densities: no photon goes its own way.
+  /// From the mean over the group's photons of their densities, by the odds: no photon goes its own
+  /// way.
   std::optional<Draw<N>> sample(Vec3 wo, const KernelNumbers& numbers, std::size_t) const {
     const auto angle = std::visit([&](const auto& s) { return s.sample(numbers); }, shape_);
     return Draw<N>{.wi = angle.direction(wo, numbers.v)};
@@ -42,6 +43,20 @@ class BoundPhase {
             return s.mean_density(angle);
           } else {
             return s.density(angle);
+          }
+        },
+        shape_);
+  }
+  /// How much more likely each photon is to be turned so than a draw is.
+  Spectral<N> likelihood(Vec3 wo, Vec3 wi) const {
+    const auto angle = ScatteringAngle::between(wo, wi);
+    return std::visit(
+        [&](const auto& s) -> Spectral<N> {
+          if constexpr (requires { s.mean_density(angle); }) {
+            const float mean = s.mean_density(angle);
+            return mean > 0.0f ? s.density(angle) / mean : Spectral<N>(0.0f);
+          } else {
+            return 1.0f;
           }
         },
         shape_);
@@ -66,11 +81,10 @@ struct Phase {
     const Spectral<N> albedo =
         each([](float a, float s) { return s > 0.0f ? s / (a + s) : 0.0f; },
              absorption(shading.wavelengths), scattering(shading.wavelengths));
-    return {albedo, std::visit(
-                        [&](const auto& s) {
-                          return typename BoundPhase<N>::Shape(s.bind(shading.wavelengths));
-                        },
-                        shape)};
+    return {
+        albedo,
+        std::visit([&](const auto& s) { return typename BoundPhase<N>::Shape(s.bind(shading)); },
+                   shape)};
   }
   /// What is bound may point into the table.
   template <int N>

@@ -57,14 +57,14 @@ class RayleighPhase {
   }
 
   template <int N>
-  BoundRayleigh<N> bind(const Spectral<N>& wavelengths) const& {
+  BoundRayleigh<N> bind(const Shading<N>& shading) const& {
     BoundRayleigh<N> bound{0.25f, 0.25f};
     if (depolarisation_) {
       // (1 - gamma) / (4 (1 + 2 gamma))
-      bound.share =
-          each([](float d) { return 0.5f * (1.0f - d) / (2.0f + d); },
-               each([](float d) { return std::min(d, kMost); }, (*depolarisation_)(wavelengths)));
-      bound.mean_share = sum(bound.share) / static_cast<float>(N);
+      bound.share = each([](float d) { return 0.5f * (1.0f - d) / (2.0f + d); },
+                         each([](float d) { return std::min(d, kMost); },
+                              (*depolarisation_)(shading.wavelengths)));
+      bound.mean_share = sum(shading.odds * bound.share);
     }
     return bound;
   }

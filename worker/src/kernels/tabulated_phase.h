@@ -22,12 +22,11 @@ struct BoundTabulatedPhase {
   };
   const TabulatedPhase* table;
   std::array<Rows, N> rows;
+  Spectral<N> odds;
 
   Spectral<N> density(const ScatteringAngle& angle) const;
-  float mean_density(const ScatteringAngle& angle) const {
-    return sum(density(angle)) / static_cast<float>(N);
-  }
-  /// A photon's row by chance, then by inversion.
+  float mean_density(const ScatteringAngle& angle) const { return sum(odds * density(angle)); }
+  /// A photon's row by the odds, then by inversion.
   ScatteringAngle sample(const KernelNumbers& numbers) const;
 };
 
@@ -49,18 +48,19 @@ class TabulatedPhase {
                  std::vector<float> values);
 
   template <int N>
-  BoundTabulatedPhase<N> bind(const Spectral<N>& wavelengths_nm) const& {
+  BoundTabulatedPhase<N> bind(const Shading<N>& shading) const& {
     BoundTabulatedPhase<N> bound;
     bound.table = this;
+    bound.odds = shading.odds;
     for (std::size_t i = 0; i < N; ++i) {
-      const auto [low, fraction] = rows_at(wavelengths_nm[i]);
+      const auto [low, fraction] = rows_at(shading.wavelengths[i]);
       bound.rows[i] = {low, fraction};
     }
     return bound;
   }
   /// What is bound points into the table.
   template <int N>
-  BoundTabulatedPhase<N> bind(const Spectral<N>&) const&& = delete;
+  BoundTabulatedPhase<N> bind(const Shading<N>&) const&& = delete;
 
   Place place(double cosine) const;
   /// Of one wavelength's row, 1/sr.
@@ -101,10 +101,18 @@ Spectral<N> BoundTabulatedPhase<N>::density(const ScatteringAngle& angle) const 
 
 template <int N>
 ScatteringAngle BoundTabulatedPhase<N>::sample(const KernelNumbers& numbers) const {
-  const float position = numbers.part * static_cast<float>(N);
-  const auto photon = static_cast<std::size_t>(position);
+  // Rounding may leave more than all odds; then it is the last photon that has any.
+  std::size_t photon = 0;
+  float left = numbers.part, share = odds[0];
+  for (std::size_t i = 0; i < N; ++i) {
+    if (!(odds[i] > 0.0f)) continue;
+    photon = i;
+    share = odds[i];
+    if (left < share) break;
+    if (i + 1 < N) left -= share;
+  }
   const auto& [low, fraction] = rows[photon];
-  const bool high = position - static_cast<float>(photon) < fraction;
+  const bool high = left < fraction * share;
   return ScatteringAngle::from_cosine(table->sample(high ? low + 1 : low, numbers.u));
 }
 

@@ -36,8 +36,8 @@ struct Group {
   Ray ray;
   /// What each photon carries; zero for those that are gone or went another way.
   Spectral<N> weight;
-  /// How likely each photon would have been to take the way so far, as media met it by chance;
-  /// relative, sum 1 over those that are there.
+  /// How likely each photon would have been to take the way so far, as media met and turned it by
+  /// chance; relative, sum 1 over those that are there.
   Spectral<N> odds = 1.0f / N;
   InteriorList inside;
   /// Interactions so far; those of them with media.

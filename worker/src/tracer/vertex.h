@@ -76,7 +76,10 @@ std::optional<Vertex<N>> make_vertex(const Scene& scene, const Hit& hit, const G
                    .normal = normal,
                    .wo = {},
                    .kernel = front ? material.front_kernel : material.back_kernel,
-                   .shading = {.wavelengths = wavelengths, .point = {}, .transport = transport},
+                   .shading = {.wavelengths = wavelengths,
+                               .point = {},
+                               .transport = transport,
+                               .odds = group.odds},
                    .beyond = group.inside};
   if (material.interior != SurfaceMaterial::kNone &&
       !enter_boundary(scene, material.interior, front, vertex)) {

@@ -227,7 +227,8 @@ class Walk {
   }
 
   // A draw for each photon of the group; those that draw the same go on together, the others wait.
-  // `weigh` multiplies the weights by value over density.
+  // `weigh` multiplies the weights by value over density. A phase function that depends on the
+  // wavelength turns all alike, and moves the odds with the weights.
   template <class Kernel, class Weigh>
   bool for_each_draw(Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
                      const KernelNumbers& numbers, const Weigh& weigh) {
@@ -238,6 +239,9 @@ class Walk {
       const std::uint32_t together = draw ? draw->together & left : 1u << lead;
       left &= ~together;
       if (!draw) continue;
+      if constexpr (N > 1 && requires { kernel.likelihood(vertex.wo, draw->wi); }) {
+        group.odds *= kernel.likelihood(vertex.wo, draw->wi);
+      }
       if (together == all) {
         weigh(group, *draw);
         return leave(group, vertex, draw->wi);
