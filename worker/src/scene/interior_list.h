@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -71,6 +72,10 @@ class InteriorList {
     }
   }
 
+  bool holds(std::uint32_t body) const {
+    return std::find(body_.begin(), body_.begin() + count_, body) != body_.begin() + count_;
+  }
+
   void enter(std::uint32_t body) {
     if (count_ < kMost) body_[count_++] = static_cast<std::uint16_t>(body);
   }
@@ -98,16 +103,54 @@ struct Boundary {
   InteriorList beyond;
 };
 
-inline Boundary cross_boundary(const InteriorList& inside, std::span<const Interior> interiors,
-                               std::uint32_t body, bool entering) {
-  Boundary boundary{inside.current(interiors), 0, inside};
-  if (entering) {
-    boundary.beyond.enter(body);
-  } else {
-    // A photon that leaves what it never entered started inside, in an open shape.
-    if (boundary.from == InteriorList::kOutside && !interiors[body].matched) boundary.from = body;
-    boundary.beyond.leave(body);
+struct Crossing {
+  std::uint32_t body;
+  bool entering;
+};
+
+/// What else is crossed in the same place.
+class Contacts {
+ public:
+  static constexpr std::size_t kMost = 8;
+
+  bool empty() const { return count_ == 0; }
+  const Crossing* begin() const { return all_.data(); }
+  const Crossing* end() const { return all_.data() + count_; }
+
+  /// Once each; beyond what fits they are not seen.
+  void add(Crossing crossing) {
+    const bool known = std::any_of(begin(), end(), [&](const Crossing& c) {
+      return c.body == crossing.body && c.entering == crossing.entering;
+    });
+    if (!known && count_ < kMost) all_[count_++] = crossing;
   }
+
+ private:
+  std::array<Crossing, kMost> all_;
+  std::size_t count_ = 0;
+};
+
+/// `own` is empty for a surface that bounds no body. What is entered is there before what is left
+/// is gone: nothing lies between bodies that touch.
+inline Boundary cross_boundary(const InteriorList& inside, std::span<const Interior> interiors,
+                               std::optional<Crossing> own, const Contacts& contacts) {
+  Boundary boundary{inside.current(interiors), 0, inside};
+  const auto enter = [&](const Crossing& c) {
+    if (c.entering) boundary.beyond.enter(c.body);
+  };
+  const auto leave = [&](const Crossing& c) {
+    if (c.entering) return;
+    // A photon that leaves what it never entered started inside, in an open shape.
+    if (boundary.from == InteriorList::kOutside && !interiors[c.body].matched &&
+        !boundary.beyond.holds(c.body)) {
+      boundary.from = c.body;
+    }
+    boundary.beyond.leave(c.body);
+  };
+  if (own) enter(*own);
+  for (const Crossing& c : contacts) enter(c);
+  if (own) leave(*own);
+  for (const Crossing& c : contacts) leave(c);
   boundary.to = boundary.beyond.current(interiors);
   return boundary;
 }

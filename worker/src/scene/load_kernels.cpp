@@ -122,6 +122,17 @@ bool may_be_clear(const std::vector<AnyKernel>& kernels, std::uint32_t index) {
            std::holds_alternative<Measured>(kernel) || std::holds_alternative<Phong>(kernel));
 }
 
+bool may_pass(const std::vector<AnyKernel>& kernels, std::uint32_t index) {
+  const AnyKernel& kernel = kernels[index];
+  if (const auto* blend = std::get_if<Blend>(&kernel)) {
+    return std::ranges::any_of(
+        blend->parts, [&](const Blend::Part& part) { return may_pass(kernels, part.kernel); });
+  }
+  return std::holds_alternative<DiffuseTransmitter>(kernel) ||
+         std::holds_alternative<Dielectric>(kernel) || std::holds_alternative<ThinPane>(kernel) ||
+         std::holds_alternative<Passage>(kernel);
+}
+
 bool needs_detail(const v1::CompiledScene& message, std::uint32_t index) {
   const v1::Kernel& kernel = message.kernels(static_cast<int>(index));
   switch (kernel.model_case()) {

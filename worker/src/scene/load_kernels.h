@@ -11,6 +11,8 @@ std::vector<AnyKernel> load_kernels(const LoadContext& context);
 
 /// Whether photons may pass it or be mirrored without being spread.
 bool may_be_clear(const std::vector<AnyKernel>& kernels, std::uint32_t index);
+/// Photons may go through.
+bool may_pass(const std::vector<AnyKernel>& kernels, std::uint32_t index);
 
 /// Whether it varies over the surface or tells directions around the normal apart.
 bool needs_detail(const v1::CompiledScene& message, std::uint32_t index);

@@ -264,6 +264,7 @@ std::vector<InteriorList> load_luminaires_inside(const std::vector<Luminaire>& l
                                                  const Geometry& geometry,
                                                  const std::vector<std::uint32_t>& groups,
                                                  const std::vector<SurfaceMaterial>& materials,
+                                                 const std::vector<Interior>& interiors,
                                                  const InteriorList& everywhere) {
   std::vector<InteriorList> inside;
   for (const Luminaire& luminaire : luminaires) {
@@ -288,7 +289,7 @@ std::vector<InteriorList> load_luminaires_inside(const std::vector<Luminaire>& l
             {static_cast<float>(s.x), static_cast<float>(s.y), static_cast<float>(s.z + s.radius)});
       }
       list = bodies_around(point + 1e-5f * std::max(max_abs(point), 1e-3f) * normal, geometry,
-                           materials, everywhere);
+                           materials, interiors, everywhere);
     });
     inside.push_back(list);
   }

@@ -27,6 +27,7 @@ std::vector<InteriorList> load_luminaires_inside(const std::vector<Luminaire>& l
                                                  const Geometry& geometry,
                                                  const std::vector<std::uint32_t>& groups,
                                                  const std::vector<SurfaceMaterial>& materials,
+                                                 const std::vector<Interior>& interiors,
                                                  const InteriorList& everywhere);
 
 }  // namespace nocturne

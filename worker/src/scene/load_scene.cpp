@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "digest/sha256.h"
+#include "scene/contacts.h"
 #include "scene/load_context.h"
 #include "scene/load_kernels.h"
 #include "scene/load_lights.h"
@@ -137,16 +138,18 @@ std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message,
   auto kernels = load_kernels(context);
   LoadedShapes loaded = load_shapes(context);
   auto materials = load_materials(context, kernels, loaded.shapes);
+  auto interiors = load_interiors(context);
   const InteriorList everywhere = load_unbounded(context);
   return checked([&] {
     Geometry geometry(std::move(loaded.shapes), loaded.groups, std::move(loaded.instances));
+    find_contacts(geometry, loaded.groups, materials);
     auto luminaires = load_luminaires(context, geometry, materials);
     auto media = load_media(context, kernels, materials);
     auto lights = load_light_directions(context, luminaires, geometry, loaded.groups);
     const TracingOptions options = load_tracing(message.tracing(), lights.empty());
     auto sensor = load_sensor(message.sensor());
     const InteriorList sensor_inside =
-        bodies_around(sensor_start(message.sensor()), geometry, materials, everywhere);
+        bodies_around(sensor_start(message.sensor()), geometry, materials, interiors, everywhere);
     PhotonEmitter emitter;
     std::vector<InteriorList> luminaires_inside;
     if (options.forward) {
@@ -155,11 +158,11 @@ std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message,
       // What a sensor on the way counts must not depend on where photons beyond it went.
       require(media.empty() || options.group == 1, "forward photons in groups through media");
       emitter = load_emitter(luminaires, lights, geometry, loaded.groups);
-      luminaires_inside =
-          load_luminaires_inside(luminaires, geometry, loaded.groups, materials, everywhere);
+      luminaires_inside = load_luminaires_inside(luminaires, geometry, loaded.groups, materials,
+                                                 interiors, everywhere);
     }
     return std::shared_ptr<const Scene>(new Scene{
-        std::move(geometry), std::move(materials), std::move(kernels), load_interiors(context),
+        std::move(geometry), std::move(materials), std::move(kernels), std::move(interiors),
         std::move(media), load_reliefs(context), std::move(luminaires), std::move(lights),
         std::move(emitter), std::move(sensor), load_wavelengths(message.sensor()), options,
         sensor_inside, std::move(luminaires_inside)});

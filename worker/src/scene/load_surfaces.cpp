@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "scene/contacts.h"
 #include "scene/load_kernels.h"
 #include "scene/load_mesh.h"
 #include "scene/load_textures.h"
@@ -151,6 +152,8 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
                       std::holds_alternative<Passage>(kernels[material.back_kernel]);
     material.may_be_clear =
         may_be_clear(kernels, material.front_kernel) || may_be_clear(kernels, material.back_kernel);
+    material.may_pass =
+        may_pass(kernels, material.front_kernel) || may_pass(kernels, material.back_kernel);
     const auto* mesh = std::get_if<TriangleMesh>(&shapes[materials.size()]);
     material.needs_detail = material.relief != SurfaceMaterial::kNone ||
                             (mesh != nullptr && !mesh->normals.empty()) ||
@@ -163,24 +166,29 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
 
 InteriorList bodies_around(Vec3 position, const Geometry& geometry,
                            const std::vector<SurfaceMaterial>& materials,
-                           const InteriorList& everywhere) {
+                           const std::vector<Interior>& interiors, const InteriorList& everywhere) {
   constexpr int kMostSurfaces = 10'000;
   // No axis, no diagonal: few scenes have edges there.
   Ray ray{position, normalized(Vec3{0.5317f, 0.7621f, 0.3694f})};
   std::vector<std::uint32_t> entered, left;
-  for (int i = 0; i < kMostSurfaces; ++i) {
-    const auto hit = geometry.intersect(ray, 0.0f);
-    if (!hit) break;
-    ray.origin = leave_surface(*hit, ray.direction);
-    const std::uint32_t body = materials[hit->surface].interior;
-    if (body == SurfaceMaterial::kNone) continue;
-    if (dot(hit->normal, ray.direction) < 0.0f) {
-      entered.push_back(body);
-    } else if (const auto found = std::ranges::find(entered, body); found != entered.end()) {
+  const auto cross = [&](const Crossing& crossing) {
+    if (crossing.entering) {
+      entered.push_back(crossing.body);
+    } else if (const auto found = std::ranges::find(entered, crossing.body);
+               found != entered.end()) {
       entered.erase(found);
     } else {
-      left.push_back(body);
+      left.push_back(crossing.body);
     }
+  };
+  for (int i = 0; i < kMostSurfaces; ++i) {
+    auto hit = geometry.intersect(ray, 0.0f);
+    if (!hit) break;
+    const Contacts contacts = contacts_of(geometry, materials, interiors, ray, 0.0f, *hit);
+    ray.origin = leave_surface(*hit, ray.direction);
+    std::ranges::for_each(contacts, cross);
+    const std::uint32_t body = materials[hit->surface].interior;
+    if (body != SurfaceMaterial::kNone) cross({body, dot(hit->normal, ray.direction) < 0.0f});
   }
   InteriorList inside = everywhere;
   std::ranges::for_each(left.rbegin(), left.rend(), [&](std::uint32_t b) { inside.enter(b); });

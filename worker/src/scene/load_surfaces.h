@@ -36,6 +36,6 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
 /// leaves.
 InteriorList bodies_around(Vec3 position, const Geometry& geometry,
                            const std::vector<SurfaceMaterial>& materials,
-                           const InteriorList& everywhere);
+                           const std::vector<Interior>& interiors, const InteriorList& everywhere);
 
 }  // namespace nocturne

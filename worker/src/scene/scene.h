@@ -31,8 +31,13 @@ struct SurfaceMaterial {
   std::uint32_t relief = kNone;
   /// Photons may pass or be mirrored without being spread.
   bool may_be_clear = false;
+  /// Photons may go through.
+  bool may_pass = false;
   /// Bounds a matched body and does nothing else.
   bool unseen = false;
+  /// How far from a hit, along the normal, what touches it is looked for, m; 0 where nothing does
+  /// (contacts.h).
+  float contact_reach = 0.0f;
   /// Something depends on texture coordinates, tangents or shading normals.
   bool needs_detail = false;
 };

@@ -53,6 +53,24 @@ std::optional<float> first_crossing(const Sphere& sphere, const RTCRayN* const_r
   return std::nullopt;
 }
 
+// To the search's filter, which keeps no hit.
+void offer(const RTCIntersectFunctionNArguments* arguments, float distance) {
+  const auto& geometry = *static_cast<const EmbreeSphere*>(arguments->geometryUserPtr);
+  RTCHit hit{};
+  hit.geomID = geometry.geometry_id;
+  hit.instID[0] = arguments->context->instID[0];
+  RTCRay ray = reinterpret_cast<RTCRayHit*>(arguments->rayhit)->ray;
+  ray.tfar = distance;
+  int valid = -1;
+  RTCFilterFunctionNArguments offered{&valid,
+                                      arguments->geometryUserPtr,
+                                      arguments->context,
+                                      reinterpret_cast<RTCRayN*>(&ray),
+                                      reinterpret_cast<RTCHitN*>(&hit),
+                                      1};
+  arguments->context->filter(&offered);
+}
+
 void sphere_intersect(const RTCIntersectFunctionNArguments* arguments) {
   const auto& geometry = *static_cast<const EmbreeSphere*>(arguments->geometryUserPtr);
   RTCRayN* ray = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
@@ -61,6 +79,10 @@ void sphere_intersect(const RTCIntersectFunctionNArguments* arguments) {
     if (arguments->valid[i] == 0) continue;
     const auto t = first_crossing(*geometry.sphere, ray, arguments->N, i);
     if (!t) continue;
+    if (arguments->context->filter != nullptr) {
+      offer(arguments, *t);
+      continue;
+    }
     RTCRayN_tfar(ray, arguments->N, i) = *t;
     RTCHitN_geomID(hit, arguments->N, i) = geometry.geometry_id;
     RTCHitN_primID(hit, arguments->N, i) = 0;

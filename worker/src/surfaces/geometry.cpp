@@ -2,7 +2,10 @@
 
 #include <embree3/rtcore.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <list>
 #include <map>
@@ -20,8 +23,9 @@ namespace {
 // (docs/decisions/0003).
 constexpr const char* kDeviceConfiguration = "isa=avx2,threads=1,set_affinity=0";
 
-RTCRay embree_ray(const Ray& ray, float time) {
-  RTCRay r;
+RTCRayHit embree_query(const Ray& ray, float time) {
+  RTCRayHit query;
+  RTCRay& r = query.ray;
   r.org_x = ray.origin.x;
   r.org_y = ray.origin.y;
   r.org_z = ray.origin.z;
@@ -34,8 +38,29 @@ RTCRay embree_ray(const Ray& ray, float time) {
   r.mask = ~0u;
   r.id = 0;
   r.flags = 0;
-  return r;
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  return query;
 }
+
+// Takes down every hit that a search comes across, and lets it go on.
+struct Collector {
+  RTCIntersectContext context;  // first: Embree hands back a pointer to it
+  std::array<Found, 32> found;
+  std::size_t count = 0;
+
+  static void take(const RTCFilterFunctionNArguments* arguments) {
+    // Geometry asks for single rays only, so N is 1.
+    auto& self = *reinterpret_cast<Collector*>(arguments->context);
+    RTCHitN* hit = arguments->hit;
+    if (self.count < self.found.size()) {
+      self.found[self.count++] = {RTCHitN_geomID(hit, 1, 0), RTCHitN_instID(hit, 1, 0, 0),
+                                  RTCHitN_primID(hit, 1, 0), RTCHitN_u(hit, 1, 0),
+                                  RTCHitN_v(hit, 1, 0),      RTCRayN_tfar(arguments->ray, 1, 0)};
+    }
+    arguments->valid[0] = 0;
+  }
+};
 
 }  // namespace
 
@@ -87,8 +112,8 @@ struct Geometry::Embree {
 
   RTCScene new_scene() const {
     RTCScene made = rtcNewScene(device);
-    // Watertight: a closed box must lose no photon through its edges.
-    rtcSetSceneFlags(made, RTC_SCENE_FLAG_ROBUST);
+    // Watertight: a closed box must lose no photon through its edges. Filters: others_near.
+    rtcSetSceneFlags(made, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     return made;
   }
 
@@ -144,6 +169,18 @@ struct Geometry::Embree {
     rtcReleaseGeometry(geometry);
   }
 
+  // From Embree's numbers. Inline: 4 % of the Cornell box.
+  [[gnu::always_inline]] Hit located(const Ray& ray, float time, Found found) const {
+    if (found.instance != Hit::kNoInstance) {
+      found.surface = (*instance_surfaces[found.instance])[found.surface];
+      return locate(shapes[found.surface], instances[found.instance].placement(time), ray, found,
+                    time);
+    }
+    const Shape& shape = shapes[found.surface];
+    if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) return locate(*mesh, found, time);
+    return locate(std::get<Sphere>(shape), ray, found, time);
+  }
+
   void release() {
     if (scene != nullptr) rtcReleaseScene(scene);
     for (auto& [number, group] : groups) rtcReleaseScene(group.scene);
@@ -187,22 +224,33 @@ Geometry::Ball Geometry::bounds() const {
 std::optional<Hit> Geometry::intersect(const Ray& ray, float time) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  RTCRayHit query;
-  query.ray = embree_ray(ray, time);
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  RTCRayHit query = embree_query(ray, time);
   rtcIntersect1(embree_->scene, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  Found found{query.hit.geomID, query.hit.instID[0], query.hit.primID,
-              query.hit.u,      query.hit.v,         query.ray.tfar};
-  if (found.instance != Hit::kNoInstance) {
-    found.surface = (*embree_->instance_surfaces[found.instance])[found.surface];
-    return locate(embree_->shapes[found.surface],
-                  embree_->instances[found.instance].placement(time), ray, found, time);
+  return embree_->located(ray, time,
+                          {query.hit.geomID, query.hit.instID[0], query.hit.primID, query.hit.u,
+                           query.hit.v, query.ray.tfar});
+}
+
+std::size_t Geometry::others_near(const Ray& ray, float time, const Hit& hit, float reach,
+                                  std::span<Hit> found) const {
+  Collector collector;
+  rtcInitIntersectContext(&collector.context);
+  collector.context.filter = Collector::take;
+  RTCRayHit query = embree_query(ray, time);
+  query.ray.tnear = std::max(0.0f, hit.distance - reach);
+  query.ray.tfar = hit.distance + reach;
+  rtcIntersect1(embree_->scene, &collector.context, &query);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < collector.count && count < found.size(); ++i) {
+    const Hit other = embree_->located(ray, time, collector.found[i]);
+    if (other.surface == hit.surface && other.instance == hit.instance &&
+        other.primitive == hit.primitive) {
+      continue;
+    }
+    found[count++] = other;
   }
-  const Shape& shape = embree_->shapes[found.surface];
-  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) return locate(*mesh, found, time);
-  return locate(std::get<Sphere>(shape), ray, found, time);
+  return count;
 }
 
 SurfaceDetail Geometry::detail(const Hit& hit, float time) const {

@@ -34,6 +34,11 @@ class Geometry {
   /// number of threads.
   std::optional<Hit> intersect(const Ray& ray, float time) const;
 
+  /// Other hits of a hit's ray, at the same time, no further from it than `reach` metres along the
+  /// ray. Returns how many there are in `found`: the first, if it has not room for all.
+  std::size_t others_near(const Ray& ray, float time, const Hit& hit, float reach,
+                          std::span<Hit> found) const;
+
   /// What is more to say about a hit, at the time at which it was found.
   SurfaceDetail detail(const Hit& hit, float time) const;
 

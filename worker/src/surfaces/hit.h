@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -47,6 +49,13 @@ inline constexpr float kClearanceUnits = 16.0f * std::numeric_limits<float>::eps
 inline Vec3 leave_surface(const Hit& hit, Vec3 direction) {
   return hit.position +
          (dot(hit.normal, direction) >= 0.0f ? hit.clearance : -hit.clearance) * hit.normal;
+}
+
+/// Way in `direction` from the surface to where a ray that leaves it starts, as of a plane: what is
+/// thinner than that is not seen at grazing angles.
+inline float way_skipped(const Hit& hit, Vec3 direction) {
+  constexpr float kLeastCosine = 1e-3f;
+  return hit.clearance / std::max(kLeastCosine, std::fabs(dot(hit.normal, direction)));
 }
 
 }  // namespace nocturne

@@ -42,7 +42,9 @@ class FreeFlight {
 
   /// The nearest collision before `end`, as the hit of a surface, and what it is worth to each
   /// photon.
-  std::optional<Hit> collide(Group<N>& group, float end) const {
+  std::optional<Hit> collide(Group<N>& group, float nearest) const {
+    const Ray ray = from_surface(group);
+    const float end = nearest + group.skipped;
     const Uniform4 u = group.sequence.next();
     const std::size_t lead = draw_lead(group, u[1]);
     Way way{end, kNone, 1.0f};
@@ -53,14 +55,16 @@ class FreeFlight {
         way.medium = choose_constant(lead, FlightNumbers(seed(u, kMostPresent))());
       }
     }
-    fly(group.ray, u, lead, end, way);
+    fly(ray, u, lead, end, way);
     weigh(group, lead, way);
     if (way.medium == kNone) return std::nullopt;
-    return hit_at(group.ray, way.medium, way.distance);
+    return hit_at(group, way.medium, way.distance);
   }
 
   /// Media so thin that a photon would seldom meet them by chance. To be asked before force.
-  bool thin(const Ray& ray, float end) {
+  bool thin(const Group<N>& group, float nearest) {
+    const Ray ray = from_surface(group);
+    const float end = nearest + group.skipped;
     depth_ = 0.0f;
     for (std::size_t i = 0; i < present_.size(); ++i)
       depth_ += depths_[i] = most_depth(i, ray, end);
@@ -70,7 +74,9 @@ class FreeFlight {
   /// A collision before `end` in thin media, whose weight is the probability that there would have
   /// been one: what pass leaves of another group is the rest. Placed by the bounds, so that it is
   /// the same for all photons; none where it is not worth the while.
-  std::optional<Hit> force(Group<N>& group, float end) const {
+  std::optional<Hit> force(Group<N>& group, float nearest) const {
+    const Ray ray = from_surface(group);
+    const float end = nearest + group.skipped;
     const Uniform4 u = group.sequence.next();
     const float chance = std::min(1.0f, depth_ / kWorthwhile);
     if (u[1] >= chance) return std::nullopt;
@@ -78,25 +84,32 @@ class FreeFlight {
     if (i == kNone) return std::nullopt;
     const Present& present = present_[i];
     const float depth = depths_[i], all = -std::expm1(-depth), at = -std::log1p(-u[0] * all);
-    const auto [distance, most] = place(i, group.ray, end, at);
+    const auto [distance, most] = place(i, ray, end, at);
     if (!(distance < end)) return std::nullopt;
-    const Vec3 position = group.ray.origin + distance * group.ray.direction;
+    const Vec3 position = ray.origin + distance * ray.direction;
     const float here = std::visit([&](const auto& d) { return std::min(d.at(position), most); },
                                   scene_.media[present.index].density);
     const float factor = here / (most * largest(present.extinction)) * std::exp(at) * all * depth_ /
                          (depth * chance);
     group.weight *= factor * present.extinction;
-    transmit(group, group.sequence.next(), distance);
-    return hit_at(group.ray, i, distance);
+    transmit(group, ray, group.sequence.next(), distance);
+    return hit_at(group, i, distance);
   }
 
   /// Multiplies the weights by the transmittance up to `end`, or by an unbiased estimate of it
   /// (ratio tracking; Novak, Selle and Jarosz, "Residual ratio tracking for estimating attenuation
   /// in participating media", SIGGRAPH Asia 2014). The group may end.
-  void pass(Group<N>& group, float end) const { transmit(group, group.sequence.next(), end); }
+  void pass(Group<N>& group, float nearest) const {
+    transmit(group, from_surface(group), group.sequence.next(), nearest + group.skipped);
+  }
 
  private:
-  void transmit(Group<N>& group, const Uniform4& u, float end) const {
+  // Media begin at the surface, not where the ray does.
+  static Ray from_surface(const Group<N>& group) {
+    return {group.ray.origin - group.skipped * group.ray.direction, group.ray.direction};
+  }
+
+  void transmit(Group<N>& group, const Ray& ray, const Uniform4& u, float end) const {
     group.weight *= each([end](float sigma) { return std::exp(-sigma * end); }, constant_);
     for (std::size_t i = 0; i < present_.size(); ++i) {
       if (!(largest(group.weight) > 0.0f)) return;
@@ -104,8 +117,7 @@ class FreeFlight {
       std::visit(
           [&](const auto& density) {
             if constexpr (!kIsConstant<decltype(density)>) {
-              group.weight *=
-                  transmitted(density, present.extinction, group.ray, end, numbers(u, i));
+              group.weight *= transmitted(density, present.extinction, ray, end, numbers(u, i));
             }
           },
           scene_.media[present.index].density);
@@ -149,7 +161,10 @@ class FreeFlight {
     });
   }
 
-  Hit hit_at(const Ray& ray, std::size_t medium, float distance) const {
+  // Not so near to the surface that the next ray might start behind it.
+  Hit hit_at(const Group<N>& group, std::size_t medium, float from_surface) const {
+    const Ray& ray = group.ray;
+    const float distance = std::max(0.0f, from_surface - group.skipped);
     return {.position = ray.origin + distance * ray.direction,
             .normal = -ray.direction,
             .surface = scene_.surface_of(present_[medium].index),

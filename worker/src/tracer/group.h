@@ -34,6 +34,8 @@ struct Share {
 template <int N>
 struct Group {
   Ray ray;
+  /// Way from the last surface to where the ray starts, m; set inside of bodies only.
+  float skipped = 0.0f;
   /// What each photon carries; zero for those that are gone or went another way.
   Spectral<N> weight;
   /// How likely each photon would have been to take the way so far, as media met and turned it by

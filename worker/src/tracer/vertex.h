@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "math/frame.h"
+#include "scene/contacts.h"
 #include "scene/scene.h"
 #include "surfaces/shading_normal.h"
 #include "tracer/group.h"
@@ -29,11 +30,20 @@ struct Vertex {
   Vec3 to_world(Vec3 direction) const { return frame.to_world(direction); }
 };
 
+/// What a photon finds that goes through the surface of a hit and all that touches it.
+inline Boundary boundary_at(const Scene& scene, const Hit& hit, const Contacts& contacts,
+                            const InteriorList& inside, bool front) {
+  const std::uint32_t body = scene.materials[hit.surface].interior;
+  std::optional<Crossing> own;
+  if (body != SurfaceMaterial::kNone) own = {body, front};
+  return cross_boundary(inside, scene.interiors, own, contacts);
+}
+
 /// Indices of refraction before and behind the boundary of a body; false where they are the same,
 /// because it lies inside a body of higher priority or is matched.
 template <int N>
-bool enter_boundary(const Scene& scene, std::uint32_t body, bool front, Vertex<N>& vertex) {
-  const Boundary boundary = cross_boundary(vertex.beyond, scene.interiors, body, front);
+bool enter_boundary(const Scene& scene, const Contacts& contacts, bool front, Vertex<N>& vertex) {
+  const Boundary boundary = boundary_at(scene, vertex.hit, contacts, vertex.beyond, front);
   vertex.beyond = boundary.beyond;
   if (boundary.from == boundary.to) return false;
   const auto index = [&](std::uint32_t at) {
@@ -65,9 +75,9 @@ void look_closer(const Scene& scene, const SurfaceMaterial& material, const Grou
 
 /// Empty where the surface is not seen.
 template <int N>
-std::optional<Vertex<N>> make_vertex(const Scene& scene, const Hit& hit, const Group<N>& group,
-                                     const Spectral<N>& wavelengths, float time,
-                                     Transport transport) {
+std::optional<Vertex<N>> make_vertex(const Scene& scene, const Hit& hit, const Contacts& contacts,
+                                     const Group<N>& group, const Spectral<N>& wavelengths,
+                                     float time, Transport transport) {
   const SurfaceMaterial& material = scene.materials[hit.surface];
   const bool front = dot(hit.normal, group.ray.direction) < 0.0f;
   const Vec3 normal = front ? hit.normal : -hit.normal;
@@ -81,9 +91,10 @@ std::optional<Vertex<N>> make_vertex(const Scene& scene, const Hit& hit, const G
                                .transport = transport,
                                .odds = group.odds},
                    .beyond = group.inside};
-  if (material.interior != SurfaceMaterial::kNone &&
-      !enter_boundary(scene, material.interior, front, vertex)) {
-    if (material.unseen || !scene.interiors[material.interior].matched) return std::nullopt;
+  const bool bounds_body = material.interior != SurfaceMaterial::kNone;
+  if ((bounds_body || !contacts.empty()) && !enter_boundary(scene, contacts, front, vertex) &&
+      bounds_body && (material.unseen || !scene.interiors[material.interior].matched)) {
+    return std::nullopt;
   }
   if (material.needs_detail) look_closer(scene, material, group, time, front, vertex);
   vertex.wo = vertex.frame.to_local(-group.ray.direction);

@@ -104,7 +104,7 @@ class Walk {
     if (group.share.how == Shared::kTowardsLights) {
       flight_.pass(group, end);
     } else if (kAdjoint && group.depth == 0 && options_.estimator == Estimator::kTwoPhotons &&
-               flight_.thin(group.ray, end)) {
+               flight_.thin(group, end)) {
       part_in_media(group, end);
     } else if (const auto collision = flight_.collide(group, end)) {
       hit = collision;
@@ -123,14 +123,16 @@ class Walk {
     travel(met, *hit);
     ++met.collisions;
     if (met.depth++ == options_.maximum_depth) return;
-    const auto vertex = make_vertex(scene_, *hit, met, wavelengths_, time_, Counter::kTransport);
+    const auto vertex =
+        make_vertex(scene_, *hit, {}, met, wavelengths_, time_, Counter::kTransport);
     if (leave_vertex(met, *vertex)) follow(met);
   }
 
   // Up to a hit; what the counter looks for there is counted.
   void travel(Group<N>& group, const Hit& hit) {
     if (!group.inside.empty()) {
-      group.weight *= scene_.transmittance(group.inside, hit.distance, wavelengths_);
+      group.weight *=
+          scene_.transmittance(group.inside, hit.distance + group.skipped, wavelengths_);
     }
     group.width += spread_ * hit.distance;
     if (has_media_ && scene_.is_medium(hit.surface)) {
@@ -147,16 +149,18 @@ class Walk {
       ++rays_;
       auto hit = scene_.geometry.intersect(group.ray, time_);
       if (has_media_) fly(group, hit);
+      const Contacts contacts = hit ? contacts_of(scene_, group.ray, time_, *hit) : Contacts();
       counter_.flies(group, hit);
       if (!hit) return std::nullopt;
       travel(group, *hit);
       if (ends_here(group, *hit)) return std::nullopt;
-      auto vertex = make_vertex(scene_, *hit, group, wavelengths_, time_, Counter::kTransport);
+      auto vertex =
+          make_vertex(scene_, *hit, contacts, group, wavelengths_, time_, Counter::kTransport);
       if (vertex) {
         if (group.depth++ == options_.maximum_depth) return std::nullopt;
         return vertex;
       }
-      pass_unseen(group, *hit);
+      pass_unseen(group, *hit, contacts);
     }
   }
 
@@ -174,12 +178,16 @@ class Walk {
     return n * n;
   }
 
-  void pass_unseen(Group<N>& group, const Hit& hit) const {
-    const bool entering = dot(hit.normal, group.ray.direction) < 0.0f;
-    group.inside = cross_boundary(group.inside, scene_.interiors,
-                                  scene_.materials[hit.surface].interior, entering)
-                       .beyond;
-    group.ray.origin = leave_surface(hit, group.ray.direction);
+  void pass_unseen(Group<N>& group, const Hit& hit, const Contacts& contacts) const {
+    const bool front = dot(hit.normal, group.ray.direction) < 0.0f;
+    group.inside = boundary_at(scene_, hit, contacts, group.inside, front).beyond;
+    start_off(group, hit, group.ray.direction);
+  }
+
+  // What absorbs begins at the surface.
+  static void start_off(Group<N>& group, const Hit& hit, Vec3 direction) {
+    group.ray = {leave_surface(hit, direction), direction};
+    if (!group.inside.empty()) group.skipped = way_skipped(hit, direction);
   }
 
   // From within glass no light lies where it seems to. A surface that spreads light in there may
@@ -270,7 +278,7 @@ class Walk {
             std::fabs(cosine * vertex.wo.z / (dot(vertex.normal, group.ray.direction) * wi.z)));
       }
     }
-    group.ray = {leave_surface(vertex.hit, direction), direction};
+    start_off(group, vertex.hit, direction);
     return true;
   }
 

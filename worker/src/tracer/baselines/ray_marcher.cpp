@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "math/frame.h"
+#include "tracer/vertex.h"
 
 namespace nocturne::baselines {
 namespace {
@@ -39,9 +40,10 @@ class March {
     float radiance = 0.0f, left = 1.0f;
     for (;;) {
       ++rays_;
-      const auto hit = scene_.geometry.intersect(ray, start_.time);
+      auto hit = scene_.geometry.intersect(ray, start_.time);
       if (!hit)
         return radiance + left * scene_.distant_radiance<1>(ray.direction, start_.wavelengths)[0];
+      const Contacts contacts = contacts_of(scene_, ray, start_.time, *hit);
       const Piece piece = on_piece(ray, inside, hit->distance);
       radiance += left * piece.added;
       left *= piece.passed;
@@ -51,8 +53,8 @@ class March {
                                           -ray.direction, start_.time, start_.wavelengths)[0];
       }
       if (!material.unseen) return radiance + left * on_surface(*hit, ray, inside);
-      const bool entering = dot(hit->normal, ray.direction) < 0.0f;
-      inside = cross_boundary(inside, scene_.interiors, material.interior, entering).beyond;
+      const bool front = dot(hit->normal, ray.direction) < 0.0f;
+      inside = boundary_at(scene_, *hit, contacts, inside, front).beyond;
       ray.origin = leave_surface(*hit, ray.direction);
     }
   }

@@ -1,0 +1,127 @@
+#include "scene/contacts.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "support/scene_builder.h"
+#include "surfaces/test_shapes.h"
+
+namespace nocturne {
+namespace {
+
+using test::any_direction;
+using test::any_numbers;
+
+constexpr std::uint32_t kAir = InteriorList::kOutside;
+
+// The dielectrics that a straight line goes through, where nothing is refracted.
+std::vector<std::uint32_t> bodies_on(const Scene& scene, Ray ray) {
+  InteriorList inside;
+  std::vector<std::uint32_t> met{kAir};
+  for (int i = 0; i < 100; ++i) {
+    auto hit = scene.geometry.intersect(ray, 0.0f);
+    if (!hit) break;
+    const Contacts contacts = contacts_of(scene, ray, 0.0f, *hit);
+    const std::uint32_t body = scene.materials[hit->surface].interior;
+    const Crossing own{body, dot(hit->normal, ray.direction) < 0.0f};
+    inside = cross_boundary(inside, scene.interiors, own, contacts).beyond;
+    if (inside.current(scene.interiors) != met.back()) {
+      met.push_back(inside.current(scene.interiors));
+    }
+    ray.origin = leave_surface(*hit, ray.direction);
+  }
+  return met;
+}
+
+// Through the faces that three boxes share, at several places and sizes: always the one, then the
+// other, and out.
+TEST(Contacts, BodiesThatTouchFollowEachOther) {
+  for (const float size : {1e-3f, 1.0f, 1e3f}) {
+    for (const float offset : {0.0f, 10.0f}) {
+      const Vec3 low{offset * size, 0.3f * offset * size, -offset * size};
+      test::SceneBuilder builder;
+      for (int i = 0; i < 3; ++i) {
+        const Vec3 corner = low + Vec3{0, 0, static_cast<float>(i) * size};
+        builder.add_glass_box(corner, low + Vec3{size, size, static_cast<float>(i + 1) * size},
+                              1.2f + 0.1f * static_cast<float>(i));
+      }
+      const auto scene = builder.load();
+      for (std::uint32_t i = 0; i < 3'000; ++i) {
+        const auto u = any_numbers(i);
+        const Vec3 from = low + size * Vec3{0.1f + 0.8f * u[0], 0.1f + 0.8f * u[1], -0.5f};
+        const Vec3 to = low + size * Vec3{0.1f + 0.8f * u[2], 0.1f + 0.8f * u[3], 3.5f};
+        ASSERT_EQ(bodies_on(*scene, {from, normalized(to - from)}),
+                  (std::vector<std::uint32_t>{kAir, 0, 1, 2, kAir}))
+            << "size " << size << " offset " << offset << " ray " << i;
+      }
+    }
+  }
+}
+
+// A millimetre of air is a millimetre of air.
+TEST(Contacts, OnlyWhatLiesInOnePlaceTouches) {
+  test::SceneBuilder builder;
+  builder.add_glass_box({-1, -1, -1}, {1, 1, 0}, 1.5f);
+  builder.add_glass_box({-1, -1, 1e-3f}, {1, 1, 1}, 1.33f);
+  const auto scene = builder.load();
+  EXPECT_EQ(bodies_on(*scene, {{0.3f, 0.2f, 3}, {0, 0, -1}}),
+            (std::vector<std::uint32_t>{kAir, 1, kAir, 0, kAir}));
+}
+
+TEST(Contacts, ASheetHidesTheBodyOnIt) {
+  test::SceneBuilder builder;
+  builder.add_glass_box({-1, -1, 0}, {1, 1, 1}, 1.5f);
+  builder.add_quad(0.5f, 0.0f, {-2, -2, 0}, {4, 0, 0}, {0, 4, 0});
+  auto& sheet = *builder.message.mutable_kernels()->rbegin()->mutable_diffuse_transmitter();
+  sheet.mutable_reflectance()->set_spectrum(builder.add_spectrum(0.4f));
+  sheet.mutable_transmittance()->set_spectrum(builder.add_spectrum(0.5f));
+  const auto scene = builder.load();
+  const std::uint32_t paper = 6;
+  for (std::uint32_t i = 0; i < 1'000; ++i) {
+    const auto u = any_numbers(i);
+    Vec3 direction = any_direction(i, 1);
+    const Vec3 at{u[0] - 0.5f, u[1] - 0.5f, 0.0f};
+    if (std::fabs(direction.z) < 0.02f) continue;
+    const Ray ray{at - 0.3f * direction, direction};
+    auto hit = scene->geometry.intersect(ray, 0.0f);
+    ASSERT_TRUE(hit);
+    if (hit->distance < 0.29f) continue;  // of the glass, a side
+    const Contacts contacts = contacts_of(*scene, ray, 0.0f, *hit);
+    ASSERT_EQ(hit->surface, paper);
+    ASSERT_FALSE(contacts.empty());
+    EXPECT_EQ(contacts.begin()->body, 0u);
+    EXPECT_EQ(contacts.begin()->entering, direction.z > 0.0f);
+  }
+}
+
+TEST(Contacts, NothingIsLookedForWithoutBodies) {
+  test::SceneBuilder builder;
+  builder.add_furnace(0.5f, 1.0f);
+  const auto scene = builder.load();
+  for (const SurfaceMaterial& material : scene->materials) EXPECT_EQ(material.contact_reach, 0.0f);
+}
+
+// Spheres and instances are found as triangles are.
+TEST(Contacts, OthersOfEveryKindAreFound) {
+  const Transform same{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  const Geometry geometry({test::box(1.0f, {}), Sphere{0, 0, 0, 1.0}, test::box(1.0f, {})},
+                          {0, 0, 1}, {{1, {same}}});
+  const Ray ray{{0.01f, 0.02f, 3}, {0, 0, -1}};
+  const auto hit = geometry.intersect(ray, 0.0f);
+  ASSERT_TRUE(hit);
+  std::array<Hit, 8> found;
+  const std::size_t count = geometry.others_near(ray, 0.0f, *hit, 1e-3f, found);
+  ASSERT_EQ(count, 2u);
+  std::vector<std::uint32_t> surfaces{hit->surface, found[0].surface, found[1].surface};
+  std::ranges::sort(surfaces);
+  EXPECT_EQ(surfaces, (std::vector<std::uint32_t>{0, 1, 2}));
+  for (std::size_t i = 0; i < count; ++i) EXPECT_NEAR(found[i].position.z, 1.0, 1e-3);
+  EXPECT_EQ(geometry.others_near(ray, 0.0f, *hit, 1e-3f, std::span(found).first(1)), 1u);
+}
+
+}  // namespace
+}  // namespace nocturne
