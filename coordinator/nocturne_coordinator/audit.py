@@ -7,7 +7,7 @@ tells: who agrees with another is right.
 import hashlib
 import random
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 
 from nocturne.v1 import job_pb2
@@ -69,11 +69,16 @@ class Auditor:
         self.mismatches = 0
         self.given_up = 0
 
-    def accepted(self, key: JobKey, worker: str, partial: job_pb2.Partial, live: Collection[str]) -> None:
+    def accepted(
+        self, key: JobKey, worker: str, partial: job_pb2.Partial, live: Callable[[], Collection[str]]
+    ) -> None:
         """A result was taken; perhaps it is to be audited. Nobody is audited while nobody else works."""
         self._results[worker] += 1
         share = self._new_share if self._results[worker] <= NEW_RESULTS else self._share
-        if self._chance.random() >= share or not set(live) - {worker} or len(self._open) >= MAXIMUM_AUDITS:
+        if self._chance.random() >= share or len(self._open) >= MAXIMUM_AUDITS:
+            return
+        others = live()
+        if len(others) - (worker in others) < 1:
             return
         self._open[key] = _Audit({worker: digest_of(partial)})
         self._waiting.append(key)

@@ -28,7 +28,7 @@ from .pictures import Pictures
 from .running_render import RunningRender
 from .schedule import Schedule
 from .store.ledger import Ledger, OpenRender
-from .store.rows import RenderState
+from .store.rows import RenderState, WorkerRow
 from .traffic import Traffic
 
 _log = logging.getLogger(__name__)
@@ -72,13 +72,16 @@ class Coordinator:
         self._auditor = auditor or Auditor()
         self._faults = Faults()
         others = self._is_open
-        self._intake = Intake(self._renders, self._schedule, self._auditor, self._faults, others)
         self._traffic = Traffic(queue, session, self._renders, self._schedule, self._auditor, others)
+        self._intake = Intake(
+            self._renders, self._schedule, self._auditor, self._faults, others, lambda: self._traffic.live
+        )
         self._quarantine(ledger.quarantined())
         self._pictures = Pictures(folder, ledger)
         self._settled: dict[str, list[bytes]] = {}
         """Result entries to delete after the next commit, by render; under no render's name, of none."""
         self._coordinators = 1
+        self._mirrored: list[WorkerRow] = []
         self._failed: dict[str, str] = {}
         self._audits_end: dict[str, float] = {}
         self._folder_trouble = False
@@ -126,7 +129,6 @@ class Coordinator:
             self._look_at_folder(now)
         publish = not self._folder_trouble
         entries = self._traffic.exchange(now, time.time(), publish, _WAIT_MILLISECONDS)
-        self._intake.live = self._traffic.live
         for entry, data in entries or []:
             self._follow(self._intake.take(entry, data, time.monotonic()))
         while self._traffic.lost:
@@ -164,8 +166,9 @@ class Coordinator:
             _log.info("%d coordinators work on the folder", coordinators)
             self._coordinators = coordinators
             self._seen_changes = -1
-        if self._traffic.workers:
+        if self._traffic.workers and self._traffic.workers is not self._mirrored:
             self._ledger.mirror_workers(self._traffic.workers)
+            self._mirrored = self._traffic.workers
         self._ledger.write_meters(
             {
                 "coordinator_seen": time.time(),
@@ -175,6 +178,7 @@ class Coordinator:
                 "jobs_in_flight": self._schedule.in_flight,
                 "jobs_published": self._schedule.outstanding,
                 "results_waiting": self._traffic.results_waiting,
+                "result_seconds": self._traffic.longest_wait,
                 "results_refused": self._intake.refused,
                 "job_seconds": self._schedule.typical_time,
                 "audits_agreed": self._auditor.agreed,
@@ -182,6 +186,7 @@ class Coordinator:
                 "audits_given_up": self._auditor.given_up,
             }
         )
+        self._traffic.longest_wait = 0.0
 
     def _follow_folder(self, now: float) -> bool:
         """Takes renders up and lets them go as the folder says; False if that has to wait."""

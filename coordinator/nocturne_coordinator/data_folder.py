@@ -351,7 +351,7 @@ class DataFolder:
     def meters(self) -> dict[str, float]:
         """What the coordinators last counted and measured, by name: of several, the sum, or what fits."""
         together = {"coordinator_seen": max, "folder_trouble": max, "worker_threads": max}
-        together |= {"job_seconds": max, "redis_in_step": min}
+        together |= {"job_seconds": max, "result_seconds": max, "redis_in_step": min}
         values: dict[str, list[float]] = {}
         for row in self.database.rows("SELECT name, value FROM meter"):
             values.setdefault(row["name"], []).append(row["value"])

@@ -53,16 +53,16 @@ class Intake:
         auditor: Auditor,
         faults: Faults,
         is_open: Callable[[str], bool] = lambda _: False,
+        live: Callable[[], Collection[str]] = tuple,
     ) -> None:
         """Shares all with the coordinator. `is_open`: whether a render is some other coordinator's, or will
-        be."""
+        be. `live`: workers that give signs of life and are not in quarantine."""
         self._is_open = is_open
+        self._live = live
         self._renders = renders
         self._schedule = schedule
         self._auditor = auditor
         self._faults = faults
-        self.live: Collection[str] = ()
-        """Workers that give signs of life and are not in quarantine."""
         self.quarantined: Collection[str] = ()
         self.refused = 0
         """Results that were not what a worker of ours sends."""
@@ -153,7 +153,7 @@ class Intake:
         if verdict is Verdict.DUPLICATE:
             self._compare(render, key, offered.worker, partial, outcome)
         elif verdict is not Verdict.TOO_EARLY:
-            self._auditor.accepted(key, offered.worker, partial, self.live)
+            self._auditor.accepted(key, offered.worker, partial, self._live)
             for guilty in self._faults.succeeded(key, offered.worker):
                 outcome.quarantined[guilty] = "It failed at three jobs that other workers could do."
         if verdict in (Verdict.TOO_EARLY, Verdict.DUPLICATE):
@@ -188,7 +188,7 @@ class Intake:
             outcome.withdrawn.extend(self._auditor.returned(key))
             return
         _log.warning("render=%s %s failed at worker=%s: %s", render.id, key[1:], worker, reason)
-        verdict = self._faults.failed(key, worker, reason, self.live)
+        verdict = self._faults.failed(key, worker, reason, self._live())
         if verdict is None:
             self._give_back(key, outcome)
         else:

@@ -34,8 +34,9 @@ _RENEWALS = 5
 # Seconds. Longer than any answer of a healthy Redis, short enough that commits go on meanwhile.
 _TIMEOUT = 5.0
 
-# Results read at once: 64 x 32 KiB = 2 MiB, 4 MiB with further responses.
-_BATCH = 64
+# Results read at once: so many that their number costs little, and as many bytes, going by those before them.
+_FIRST_BATCH, _LARGEST_BATCH = 16, 256
+_BATCH_BYTES = 8 * 2**20
 
 # Entries named in one XDEL, jobs listed by one XRANGE.
 _CHUNK = 500
@@ -123,6 +124,7 @@ class JobQueue:
             socket_connect_timeout=_TIMEOUT,
             retry=Retry(NoBackoff(), 0),
         )
+        self._batch = _FIRST_BATCH
 
     def close(self) -> None:
         self._client.close()
@@ -220,10 +222,14 @@ class JobQueue:
     @_queue_errors
     def results(self, after: bytes, wait_ms: int) -> list[Entry]:
         """The next results after an entry, waiting for the first one for up to wait_ms; 0: not at all."""
-        answer = self._client.xread({keys.RESULTS: after}, count=_BATCH, block=wait_ms or None)
-        return [
+        answer = self._client.xread({keys.RESULTS: after}, count=self._batch, block=wait_ms or None)
+        entries = [
             _entry(entry, fields, keys.RESULT_FIELD) for _, batch in answer or [] for entry, fields in batch
         ]
+        if entries:
+            largest = max(len(data) for _, data in entries)
+            self._batch = max(1, min(_LARGEST_BATCH, _BATCH_BYTES // max(1, largest)))
+        return entries
 
     @_queue_errors
     def jobs_waiting(self) -> int:
@@ -245,12 +251,16 @@ class JobQueue:
         """Serialised WorkerStatus of every live worker, and how many milliseconds it holds without
         another."""
         names = list(self._client.scan_iter(match=f"{keys.WORKER_PREFIX}*", count=1000))
-        pipeline = self._client.pipeline(transaction=False)
-        for name in names:
-            pipeline.get(name).pttl(name)
-        answers = pipeline.execute() if names else []
-        pairs = zip(answers[::2], answers[1::2], strict=True)
-        return [(status, left) for status, left in pairs if status is not None]
+        found: list[tuple[bytes, int]] = []
+        for start in range(0, len(names), _CHUNK):
+            chunk = names[start : start + _CHUNK]
+            pipeline = self._client.pipeline(transaction=False)
+            pipeline.mget(chunk)
+            for name in chunk:
+                pipeline.pttl(name)
+            statuses, *left = pipeline.execute()
+            found += [pair for pair in zip(statuses, left, strict=True) if pair[0] is not None]
+        return found
 
     @_queue_errors
     def holders(self) -> list[Holder]:

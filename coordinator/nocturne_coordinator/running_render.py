@@ -113,7 +113,9 @@ class RunningRender:
         stop = self.row.stop
         if self.film.complete:
             return RenderState.SUCCEEDED, self._complete()
-        if error_is_met(self.relative_error, int(self.film.counts.min()), stop.relative_error):
+        if stop.relative_error and error_is_met(
+            self.relative_error, int(self.film.counts.min()), stop.relative_error
+        ):
             reached = (
                 f"Relative error {self.relative_error:.3%} reached; {stop.relative_error:.3%} was asked for."
             )

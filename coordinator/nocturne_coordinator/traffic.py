@@ -1,6 +1,7 @@
 """The coordinator's side of the queue: keeps the window full, notices when Redis forgot, tries again."""
 
 import logging
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -21,6 +22,11 @@ from .worker_status import worker_row
 _log = logging.getLogger(__name__)
 
 _ATTEND_SECONDS = 1.0
+_WORKERS_SHARE = 0.05
+_WORKERS_SECONDS = 4.0
+"""Part of all time that looking at workers may take, and the longest between two looks: a status that is not
+renewed is to be seen in its last six seconds (see lives.py)."""
+
 _OVERDUE_SECONDS = 5.0
 _SHORTEST_WAIT = 0.1
 _LONGEST_WAIT = 2.0
@@ -72,6 +78,7 @@ class Traffic:
         self._wait = _SHORTEST_WAIT
         self._next_attempt = 0.0
         self._next_attend = 0.0
+        self._next_workers = 0.0
         self._next_overdue = 0.0
         self.quarantined: Mapping[str, str] = {}
         """Workers that are to take no jobs, and why."""
@@ -81,6 +88,9 @@ class Traffic:
         self.lost: list[tuple[JobKey, str]] = []
         """Jobs with the workers that died having them; for the coordinator to take away."""
         self.results_waiting = 0
+        self.longest_wait = 0.0
+        """Seconds that a result was on the stream before it was read, at most, since this was set to 0."""
+        self._live: tuple[object, object, set[str]] = (None, None, set())
         self.share = 1.0
         """Part of the workers that this coordinator's renders should get."""
         self._jobs_of_others = 0
@@ -93,7 +103,12 @@ class Traffic:
     @property
     def live(self) -> set[str]:
         """Names of the workers that take jobs."""
-        return {worker.id for worker in self.workers} - self.quarantined.keys()
+        # Asked for often, and long where there are thousands.
+        workers, quarantined, live = self._live
+        if workers is not self.workers or quarantined is not self.quarantined:
+            live = {worker.id for worker in self.workers} - self.quarantined.keys()
+            self._live = (self.workers, self.quarantined, live)
+        return live
 
     def leave(self) -> None:
         """Gives the lease on Redis back."""
@@ -130,7 +145,11 @@ class Traffic:
                 if publish:
                     self._fill(now)
                 entries = self._queue.results(self._last_result, wait_ms)
-                self._last_result = entries[-1][0] if entries else self._last_result
+                if entries:
+                    self._last_result = entries[-1][0]
+                    # Entries are named by the milliseconds at which they came.
+                    waited = time.time() - _place(entries[0][0])[0] / 1000
+                    self.longest_wait = max(self.longest_wait, waited)
         except QueueError as trouble:
             self._lost_touch(now, trouble)
             return None
@@ -183,7 +202,11 @@ class Traffic:
             adopted = self._adopt(now)
             _log.info("Redis: in step; %d jobs found on the stream", adopted)
         self._in_step = True
-        self._look_at_workers(unix_time)
+        if now >= self._next_workers:
+            begun = time.monotonic()
+            self._look_at_workers(unix_time)
+            took = time.monotonic() - begun
+            self._next_workers = now + min(_WORKERS_SECONDS, took / _WORKERS_SHARE)
         if self.quarantined:
             self._queue.keep_in_quarantine(self.quarantined)
         self._next_attend = now + _ATTEND_SECONDS

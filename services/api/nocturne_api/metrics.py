@@ -14,6 +14,7 @@ _METERS = {
     "jobs_in_flight": "Jobs published and not merged.",
     "jobs_published": "Jobs on the stream.",
     "results_waiting": "Results on the stream that are not committed.",
+    "result_seconds": "Longest time that a result waited to be read, lately.",
     "job_seconds": "Median time from publishing a job to its result.",
 }
 _COUNTS = {
