@@ -90,7 +90,9 @@ class Intake:
         """A worker's process ended without a word while it had a job."""
         outcome = Outcome(render_id=key.render_id)
         if key.render_id in self._renders:
-            self._fail(self._renders[key.render_id], key, worker, f"worker {worker} died of it", outcome)
+            self._fail(
+                self._renders[key.render_id], key, worker, f"worker {worker} died of it", outcome, died=True
+            )
         return outcome
 
     def _take_for(
@@ -182,13 +184,21 @@ class Intake:
             outcome.quarantined[liar] = f"Its result differs from that of two other workers: {place}."
             outcome.liars.add(liar)
 
-    def _fail(self, render: RunningRender, key: JobKey, worker: str, reason: str, outcome: Outcome) -> None:
+    def _fail(
+        self,
+        render: RunningRender,
+        key: JobKey,
+        worker: str,
+        reason: str,
+        outcome: Outcome,
+        died: bool = False,
+    ) -> None:
         if not self._schedule.is_outstanding(key):
             # It was done elsewhere meanwhile; or it was an audit, which somebody else has to do.
             outcome.withdrawn.extend(self._auditor.returned(key))
             return
         _log.warning("render=%s %s failed at worker=%s: %s", render.id, key[1:], worker, reason)
-        verdict = self._faults.failed(key, worker, reason, self._live())
+        verdict = self._faults.failed(key, worker, reason, self._live(), died)
         if verdict is None:
             self._give_back(key, outcome)
         else:

@@ -97,3 +97,43 @@ def test_a_scene_that_fails_everywhere_condemns_nobody() -> None:
     assert faults.succeeded(key(99), "a") == []
     faults.forget("r")
     assert [faults.succeeded(key(number), "d") for number in range(50)] == [[]] * 50
+
+
+def test_three_deaths_condemn_a_job_where_deaths_are_rare() -> None:
+    faults, live = Faults(), {f"{number}" for number in range(40)}
+    for number in range(1000):
+        faults.succeeded(key(number), "0")
+    verdicts = [faults.failed(key(1), worker, "died of it", live, died=True) for worker in "123"]
+    assert [verdict is not None for verdict in verdicts] == [False, False, True]
+
+
+def test_a_night_of_pulled_plugs_condemns_nobody() -> None:
+    """Forty workers, ten hours, jobs of 30 s, each worker killed every ten minutes: one job in 20 ends so.
+
+    By chance, a job or a worker would be condemned in one night of 700, so in this test, with other seeds, in
+    one run of 30. With three deaths each it would be some six jobs a night.
+    """
+    for seed in range(20):
+        chance, faults = random.Random(seed), Faults()
+        workers = [f"{number}" for number in range(40)]
+        for number in range(40 * 1200):
+            worker = chance.choice(workers)
+            while chance.random() < 0.05:
+                assert faults.failed(key(number), worker, "died of it", workers, died=True) is None
+                worker = chance.choice(workers)
+            assert faults.succeeded(key(number), worker) == []
+
+
+def test_a_worker_that_dies_of_every_job_is_condemned() -> None:
+    faults, live = Faults(), {f"{number}" for number in range(40)}
+    guilty: list[str] = []
+    deaths = 0
+    for number in range(1000):
+        if number % 10 == 0:
+            faults.failed(key(number), "7", "died of it", live, died=True)
+            deaths += 1
+        guilty = faults.succeeded(key(number), "1")
+        if guilty:
+            break
+    assert guilty == ["7"]
+    assert deaths <= 8
