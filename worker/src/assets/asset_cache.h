@@ -18,7 +18,7 @@ struct AssetCacheOptions {
   std::string service;
   /// PEM file of certificate authorities, one of which signed the service's certificate. Empty: no
   /// TLS.
-  std::filesystem::path authorities;
+  std::filesystem::path authorities{};
   /// A larger file is refused before anything of it is written.
   std::uint64_t max_asset_bytes = std::uint64_t{8} << 30;
   /// When all files together have more, those not used for longest are removed.
