@@ -1,0 +1,76 @@
+"""The ways to trace that are compared: the tracer's own and the baselines."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from bench.scenes import Document
+
+_FORWARD_SENSORS = ("irradiance_meter", "intensity_meter")
+
+
+def _always(document: Document) -> bool:
+    del document
+    return True
+
+
+def _can_be_hit(document: Document) -> bool:
+    return document["sensor"]["type"] in _FORWARD_SENSORS
+
+
+def _no_media(document: Document) -> bool:
+    return not (document.get("media") or document.get("atmosphere"))
+
+
+def _only_media(document: Document) -> bool:
+    """Something to march through, and nothing that the marcher passes by: it follows light through matched
+    boundaries only."""
+    bodies = [surface.get("kernel") for surface in document.get("surfaces", [])]
+    dielectrics = any(isinstance(kernel, dict) and kernel["type"] == "dielectric" for kernel in bodies)
+    return bool(document.get("media")) and "unbounded_media" not in document and not dielectrics
+
+
+@dataclass(frozen=True)
+class Way:
+    """A way to trace."""
+
+    name: str
+    about: str
+    tracing: dict[str, Any] = field(default_factory=dict)
+    sensor: dict[str, Any] = field(default_factory=dict)
+    options: tuple[str, ...] = ()
+    """Of nocturne-trace."""
+    applies: Callable[[Document], bool] = _always
+    samples: float = 1.0
+    """Factor of a number of samples, so that ways take about the same time."""
+
+    def document(self, document: Document) -> Document:
+        """The document, traced this way."""
+        return {
+            **document,
+            "tracing": {**document.get("tracing", {}), **self.tracing},
+            "sensor": {**document["sensor"], **self.sensor},
+        }
+
+
+WAYS = (
+    Way("two photons", "the default: one photon by the kernel, one towards lights"),
+    Way(
+        "kernel only",
+        "directions by the kernel alone",
+        {"estimator": "mixture", "mixture": {"kernel": 1.0, "luminaires": 0.0, "environment": 0.0}},
+    ),
+    Way("mixture", "one photon, drawn from kernel, luminaires and environment", {"estimator": "mixture"}),
+    Way("split", "both at the first vertex, power heuristic", {"estimator": "split"}),
+    Way(
+        "forward",
+        "photons from the luminaires",
+        {"direction": "forward"},
+        applies=_can_be_hit,
+        samples=16,
+    ),
+    Way("uniform", "the default with wavelengths drawn uniformly", sensor={"wavelengths": "uniform"}),
+    Way("independent", "the default with independent random numbers", {"sequence": "independent"}),
+    Way("path", "baseline: path tracing", options=("--method", "path"), applies=_no_media, samples=0.125),
+    Way("march", "baseline: ray marching, 64 steps", options=("--method", "march"), applies=_only_media),
+)

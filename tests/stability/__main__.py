@@ -1,0 +1,59 @@
+"""`python -m tests.stability`: the whole matrix, as docs/stability.md and bench/results/stability.json."""
+
+import argparse
+import sys
+import tempfile
+from pathlib import Path
+
+from nocturne_client.local.programs import CHECKOUT
+
+from bench.machine import processor
+from bench.ways import WAYS
+from tests.stability.case import Case
+from tests.stability.cases import GROUPS
+from tests.stability.measure import measure
+from tests.stability.page import Matrix, as_json, from_json, page
+from tests.stability.verdict import Verdict
+
+_PAGE = CHECKOUT / "docs" / "stability.md"
+_MATRIX = CHECKOUT / "bench" / "results" / "stability.json"
+
+
+def main() -> int:
+    """Exit code 0 whatever the verdicts: the page says them."""
+    parser = argparse.ArgumentParser(prog="python -m tests.stability", description=__doc__)
+    parser.add_argument("cases", nargs="*", metavar="CASE", help="only cases whose name has this; not kept")
+    parser.add_argument("--page", action="store_true", help="make the page of what was measured before")
+    arguments = parser.parse_args()
+    asked = arguments.cases
+    if arguments.page:
+        _PAGE.write_text(page(from_json(_MATRIX.read_text())))
+        return 0
+    matrix: Matrix = {}
+    with tempfile.TemporaryDirectory(prefix="nocturne-stability-") as folder:
+        for case in (case for cases in GROUPS.values() for case in cases):
+            if not asked or any(part in case.name for part in asked):
+                matrix[case.name] = _row(case, Path(folder))
+                sys.stderr.write(f"{case.name}: {_short(matrix[case.name])}\n")
+    if not asked:
+        _PAGE.write_text(page(matrix))
+        _MATRIX.write_text(as_json(matrix, processor()))
+    return 0
+
+
+def _row(case: Case, folder: Path) -> dict[str, Verdict]:
+    # What is refused is refused by the compiler, which all methods share.
+    methods = WAYS if case.truth is not None else WAYS[:1]
+    return {method.name: measure(case, method, folder / "scene") for method in methods}
+
+
+def _short(row: dict[str, Verdict]) -> str:
+    return ", ".join(
+        f"{name} {verdict.word.value}" + ("" if verdict.off is None else f" {verdict.off:+.2g}")
+        for name, verdict in row.items()
+        if verdict.word.value != "-"
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,149 @@
+"""The matrix as JSON and as a page."""
+
+import json
+from typing import Any
+
+from bench.ways import WAYS
+from tests.stability.cases import GROUPS
+from tests.stability.verdict import NOISY, Verdict, Word
+
+Matrix = dict[str, dict[str, Verdict]]
+"""Verdicts by case and method."""
+
+_HEAD = """# Stability: what comes of scenes that break methods
+
+<!-- Made by `make stability`; edit tests/stability, not this page. -->
+
+Small scenes whose answer is known, each with something extreme in it, by every method that applies. A cell
+says what came of it:
+
+- **right**: the mean over the film is the truth, within chance and what the case allows; behind ± is the
+  standard error, which says how small a fault could have been seen.
+- **noisy**: no fault is seen, but the standard error is above {noisy:g} %, or single pixels carry the sum, or
+  a deviation became smaller with more samples (a heavy tail: error bars are not to be trusted).
+- **off by** so much: what is read is not the truth, and more samples do not mend it.
+- **uneven**: pixels that should be alike differ by far more than their error bars.
+- **found nothing**: no photon met any light.
+- **refused**: an error, before anything is traced. For the last group this is the only right answer.
+- **failed**: a crash, photons that are not finite, or more than a minute of the processor.
+
+*mixture* and *split* multiply a weight at every vertex. After dozens of vertices few photons carry the whole
+sum: their means are right in theory, and "off by" says that hardly any image will show it.
+
+The bound on a deviation is that of Student's t for all cells together: false alarms, 1 in 100 pages.
+
+{methods}
+
+{count} cases, {cells} cells: {summary}.
+"""
+
+
+def as_json(matrix: Matrix, machine: str) -> str:
+    """For programs: word, deviation, standard error and CPU seconds of each cell."""
+    cells = {
+        case: {
+            method: _plain(verdict)
+            for method, verdict in row.items()
+            if verdict.word is not Word.NOT_APPLICABLE
+        }
+        for case, row in matrix.items()
+    }
+    lines = ",\n".join(f"  {json.dumps(case)}: {json.dumps(row)}" for case, row in cells.items())
+    return f'{{"machine": {json.dumps(machine)}, "cases": {{\n{lines}\n}}}}\n'
+
+
+def from_json(text: str) -> Matrix:
+    """What `as_json` wrote."""
+    return {
+        case: {
+            method: Verdict(
+                Word(cell["verdict"]), cell.get("off"), cell.get("error"), cell.get("said", ""), cell["cpu_s"]
+            )
+            for method, cell in row.items()
+        }
+        for case, row in json.loads(text)["cases"].items()
+    }
+
+
+def _plain(verdict: Verdict) -> dict[str, Any]:
+    found: dict[str, Any] = {"verdict": verdict.word.value}
+    if verdict.off is not None:
+        found["off"] = float(f"{verdict.off:.3g}")
+    if verdict.error is not None:
+        found["error"] = float(f"{verdict.error:.3g}")
+    if verdict.said:
+        found["said"] = verdict.said
+    return found | {"cpu_s": round(verdict.cpu_s, 2)}
+
+
+def page(matrix: Matrix) -> str:
+    """For people."""
+    cells = [verdict for row in matrix.values() for verdict in row.values()]
+    done = [verdict for verdict in cells if verdict.word is not Word.NOT_APPLICABLE]
+    counts = {word: sum(verdict.word is word for verdict in done) for word in Word}
+    summary = ", ".join(f"{count} {word.value}" for word, count in counts.items() if count)
+    methods = "\n".join(f"- *{method.name}*: {method.about}" for method in WAYS)
+    text = _HEAD.format(
+        noisy=100 * NOISY, methods=methods, count=len(matrix), cells=len(done), summary=summary
+    )
+    lines = [text]
+    for group, cases in GROUPS.items():
+        here = [case for case in cases if case.name in matrix]
+        lines += [f"\n## {group}\n"]
+        names = [m.name for m in WAYS if any(_applies(matrix[case.name], m.name) for case in here)]
+        lines += [f"| case | {' | '.join(names)} |", f"| --- |{' --- |' * len(names)}"]
+        for case in here:
+            row = matrix[case.name]
+            told = " | ".join(_cell(row[name], case.truth) if name in row else "" for name in names)
+            lines.append(f"| {case.name} | {told} |")
+        lines.append("")
+        for case in here:
+            told = f"{case.stress}. Truth: {case.source}.{_advice(matrix[case.name], case.remedy)}"
+            lines.append(f"- **{case.name}**: {told}")
+    return "\n".join(lines) + "\n"
+
+
+def _applies(row: dict[str, Verdict], method: str) -> bool:
+    return method in row and row[method].word is not Word.NOT_APPLICABLE
+
+
+def _cell(verdict: Verdict, truth: float | None) -> str:
+    error = f" ± {100 * (verdict.error or 0.0):.1g} %"
+    match verdict.word:
+        case Word.RIGHT:
+            return "right" + (error if verdict.error else "")
+        case Word.NOISY:
+            return ("**noisy**, heavy tail" if verdict.said else "**noisy**") + error
+        case Word.BIASED if truth == 0.0:
+            return f"**{verdict.off:.2g} instead of 0**"
+        case Word.BIASED:
+            return f"**off by {100 * (verdict.off or 0.0):+.2g} %**{error}"
+        case Word.NOT_APPLICABLE:
+            return ""
+        case Word.REFUSED:
+            return "refused"
+        case _:
+            return f"**{verdict.word.value}**"
+
+
+def _advice(row: dict[str, Verdict], remedy: str) -> str:
+    """What to do about cells that are not right."""
+    wrong = [name for name, verdict in row.items() if verdict.word not in _FINE]
+    if not wrong:
+        return ""
+    biases = [abs(v.off or 0.0) for v in row.values() if v.word is Word.BIASED]
+    # One that would not have seen the others' fault is no way out.
+    enough = min(biases) / _SHARP if biases else 1.0
+    right = [name for name, v in row.items() if v.word is Word.RIGHT and (v.error or 0.0) <= enough]
+    use = (
+        f" Instead of {', '.join(wrong)}: {', '.join(right)}."
+        if right
+        else " No method is known to be right."
+    )
+    return use + (f" Remedy: {remedy}." if remedy else "")
+
+
+_SHARP = 5.0
+"""Times smaller than a bias that a standard error must be to say that it is not there."""
+
+_FINE = (Word.RIGHT, Word.NOT_APPLICABLE, Word.REFUSED)
