@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from nocturne_client import NocturneClientError
+from nocturne_client.cli import local_commands
 from nocturne_client.local import children, programs, up
 from nocturne_client.local.children import Child
 from nocturne_client.local.compiled import compile_to
@@ -113,6 +114,19 @@ def test_compile_writes_what_the_tracer_takes(scene: dict[str, Any], tmp_path: P
     compiled = compile_to(path, tmp_path / "out", 64, 48, 32)
     assert BlobStore(compiled.blobs).path(compiled.scene_sha256).read_bytes() == compiled.scene.read_bytes()
     assert compiled.plan.stat().st_size > 0
+
+
+def test_compile_says_what_it_left_out(
+    scene: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """To standard error: standard output is for programs."""
+    scene["spectra"] = {**scene.get("spectra", {}), "spare": 0.5}
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(scene))
+    local_commands.compile_scene(path, tmp_path / "out")
+    said = capsys.readouterr()
+    assert said.err == "left out: $.spectra.spare: nothing uses it\n"
+    assert len(said.out.strip()) == 64
 
 
 def test_compile_names_all_problems(scene: dict[str, Any], tmp_path: Path) -> None:

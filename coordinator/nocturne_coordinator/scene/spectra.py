@@ -99,8 +99,6 @@ def response_curve(spectrum: Spectrum) -> NDArray[np.float64]:
 
 def at_visible(values: NDArray[np.float64], *, zero_outside: bool = True) -> scene_pb2.Spectrum:
     """Compile values at `published.visible_wavelengths`, zero beyond or else held."""
-    if not zero_outside and np.all(values == values[0]):
-        return _message(_constant(float(values[0])))
     return _message(_Sampled(FIRST, STEP, values, zero_outside=zero_outside))
 
 
@@ -247,6 +245,7 @@ def _projected(sampled: _Sampled) -> NDArray[np.float64]:
 
 
 def _message(sampled: _Sampled) -> scene_pb2.Spectrum:
+    sampled = _simplest(sampled)
     with np.errstate(over="ignore"):  # the caller looks for infinities
         values = sampled.values.astype(np.float32)
     return scene_pb2.Spectrum(
@@ -256,6 +255,15 @@ def _message(sampled: _Sampled) -> scene_pb2.Spectrum:
         zero_outside=sampled.zero_outside,
         lines=sampled.lines,
     )
+
+
+def _simplest(sampled: _Sampled) -> _Sampled:
+    """A single value where a table has the same everywhere that the tracer looks."""
+    last = sampled.first + sampled.step * (len(sampled.values) - 1)
+    everywhere = not sampled.zero_outside or (sampled.first <= FIRST and last >= LAST)
+    if everywhere and np.all(sampled.values == sampled.values[0]):
+        return replace(_constant(float(sampled.values[0])), lines=sampled.lines)
+    return sampled
 
 
 def _sampled(spectrum: Spectrum, outside: Outside) -> _Sampled:

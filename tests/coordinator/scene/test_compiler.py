@@ -62,6 +62,52 @@ def test_what_is_not_used_is_dropped_and_told(document: dict[str, Any], blobs: B
     ]
 
 
+def test_a_motion_that_moves_nothing_is_dropped_and_told(document: dict[str, Any], blobs: BlobStore) -> None:
+    """Surface and sensor: the scene is that without the motions, to the byte."""
+    still = compile_scene(check_document(document), blobs)
+    there = {"translate": [0, 0, 0], "rotate": {"axis": [0, 1, 0], "degrees": 0}}
+    document["surfaces"][0]["motion"] = {"placements": [there, there, there]}
+    document["surfaces"][1]["motion"] = {"rotate": {"axis": [0, 1, 0], "degrees": 0}}
+    document["sensor"]["motion"] = {"translate": [0, 0, 0]}
+    output = compile_scene(check_document(document), blobs)
+    assert output.scene_sha256 == still.scene_sha256
+    assert output.dropped == [
+        "$.sensor.motion: moves nothing",
+        "$.surfaces[0].motion: moves nothing",
+        "$.surfaces[1].motion: moves nothing",
+        *still.dropped,
+    ]
+
+
+@pytest.mark.parametrize(
+    ("table", "values"),
+    [
+        ([[300, 2], [900, 2]], 1),
+        ([[360, 2], [830, 2]], 1),
+        ([[400, 2], [700, 2]], 4),
+        ([[360, 2], [460, 2], [860, 1]], 6),
+    ],
+)
+def test_a_table_that_is_constant_is_a_number(
+    table: list[list[float]], values: int, document: dict[str, Any], compiled: Compile
+) -> None:
+    """Radiance is zero beyond its table, so a table that ends within the visible range is none."""
+    document["spectra"] = {"white": 0.5, "red": 0.5}
+    document["surfaces"][1]["luminaire"] = {"radiance": {"table": table}}
+    scene = compiled(document)
+    spectrum = scene.spectra[scene.luminaires[0].radiance.spectrum]
+    assert len(spectrum.values) == values
+    assert spectrum.values[0] == 2
+
+
+def test_a_constant_index_does_not_part_photons(document: dict[str, Any], compiled: Compile) -> None:
+    """Groups of photons stay together in glass whose index is a table or formula of one value."""
+    for index in (1.5, {"table": [[400, 1.5], [700, 1.5]]}, {"cauchy": [1.5]}, {"cauchy": [1.5, 0.004]}):
+        document["surfaces"][0]["kernel"] = {"type": "dielectric", "index": index}
+        disperses = isinstance(index, dict) and index.get("cauchy") == [1.5, 0.004]
+        assert compiled(document).tracing.group == (1 if disperses else 4)
+
+
 def test_the_mixture_is_scaled_to_one(document: dict[str, Any], compiled: Compile) -> None:
     document["tracing"] = {"mixture": {"kernel": 1, "luminaires": 2, "uniform": 1}, "seed": 2**64 - 1}
     tracing = compiled(document).tracing

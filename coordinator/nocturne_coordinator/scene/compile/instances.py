@@ -76,7 +76,9 @@ class Instances:
 
     def _shown(self, instance: Instance, around: _Steps, place: str) -> Iterator[scene_pb2.Instance]:
         with self._workspace.problems_at(place):
-            steps = _combined(around, self._placements(instance))
+            own = self._placements(instance)
+            self._workspace.report_motion(instance.motion, len(own), place)
+            steps = _combined(around, own)
             name = instance.group
             if name in self._numbers:
                 yield _message(self._numbers[name], steps)

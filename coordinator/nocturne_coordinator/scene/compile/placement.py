@@ -62,14 +62,19 @@ def placements_of(moving: Moving) -> list[Similarity]:
 
 
 def motion_steps(motion: Motion | None) -> list[Similarity]:
-    """Return a motion at equally spaced times, ends included; one entry: no motion."""
+    """Return a motion at equally spaced times, ends included; one entry: nothing moves."""
     match motion:
         case None:
             return [IDENTITY]
         case KeyedMotion():
-            return [placement_of(placement) for placement in motion.placements]
+            steps = [placement_of(placement) for placement in motion.placements]
+            return steps if any(_differ(step, steps[0]) for step in steps) else steps[:1]
         case RigidMotion():
             return _rigid(motion)
+
+
+def _differ(one: Similarity, other: Similarity) -> bool:
+    return not np.array_equal(one.rows(), other.rows())
 
 
 def _rigid(motion: RigidMotion) -> list[Similarity]:

@@ -40,6 +40,7 @@ def compile_sensor(workspace: Workspace) -> scene_pb2.Sensor:
     """Return the sensor with orthonormal frames: right x up = -forward. Raises Unusable."""
     sensor = workspace.document.sensor
     first, *later = _poses(sensor)
+    workspace.report_motion(sensor.motion, 1 + len(later), "$.sensor")
     response = spectra.response(sensor.observer).astype(np.float32)
     message = scene_pb2.Sensor(
         position=first.position,

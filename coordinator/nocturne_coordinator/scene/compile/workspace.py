@@ -158,6 +158,12 @@ class Workspace:
             if not line_spectra.is_visible(line) and report not in self.dropped:
                 self.dropped.append(report)
 
+    def report_motion(self, motion: object, steps: int, place: str) -> None:
+        """Add a motion that has one step only, once."""
+        report = f"{place}.motion: moves nothing"
+        if motion is not None and steps == 1 and report not in self.dropped:
+            self.dropped.append(report)
+
     def report_unused(self) -> None:
         """Add the entries of collections that nothing refers to."""
         for collection in NAMED:

@@ -86,6 +86,8 @@ def compile_scene(
     from nocturne_client.local.compiled import compile_to
 
     compiled = compile_to(scene, output, width, height, samples)
+    for part in compiled.dropped:
+        typer.echo(f"left out: {part}", err=True)
     typer.echo(compiled.scene_sha256)
 
 

@@ -24,6 +24,8 @@ class CompiledFolder:
     plan: Path
     blobs: Path
     scene_sha256: str
+    dropped: tuple[str, ...] = ()
+    """What the compiler left out, with its place."""
 
 
 def compile_to(scene: Path, folder: Path, width: int, height: int, samples: int) -> CompiledFolder:
@@ -35,9 +37,11 @@ def compile_to(scene: Path, folder: Path, width: int, height: int, samples: int)
         document = check_document(on_disk.document)
         blobs = BlobStore(folder / "blobs")
         store_files(on_disk, blobs)
-        sha256 = compile_scene(document, blobs).scene_sha256
+        output = compile_scene(document, blobs)
+        sha256 = output.scene_sha256
         plan = plan_for_scene(blobs, sha256, width, height, samples)
-        compiled = CompiledFolder(folder / "scene.pb", folder / "plan.pb", folder / "blobs", sha256)
+        files = folder / "scene.pb", folder / "plan.pb", folder / "blobs"
+        compiled = CompiledFolder(*files, sha256, tuple(output.dropped))
         compiled.scene.write_bytes(blobs.path(sha256).read_bytes())
         compiled.plan.write_bytes(plan.SerializeToString(deterministic=True))
     except InputError as error:
