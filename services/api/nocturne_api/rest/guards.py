@@ -4,6 +4,7 @@ from collections.abc import Awaitable, Callable
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import cookie_parser
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from nocturne_api.access import CALLER, Caller, Pace, secret_in
@@ -11,6 +12,10 @@ from nocturne_api.errors import Refused, Unauthenticated, failure_of
 from nocturne_api.rest.problems import response_of
 
 Identify = Callable[[str], Awaitable[Caller]]
+
+TOKEN_COOKIE = "nocturne_token"  # noqa: S105 - a name
+TOKEN_PATH = "/v1"  # noqa: S105 - a path
+"""Of the cookie: the page's files and the rest of the server's addresses do not get it."""
 
 _LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "::1"})
 _READING = frozenset({"GET", "HEAD", "OPTIONS"})
@@ -65,11 +70,11 @@ class Guards:
         app = response_of(failure_of(Refused(refusal))) if refusal else self._app
         if app is self._app and self._identify is not None and _is_guarded(scope["path"]):
             try:
-                caller = await self._identify(secret_in(Headers(scope=scope).get("authorization", "")))
+                caller = await self._identify(_secret(Headers(scope=scope)))
                 self._pace.take(caller.name)
             except Exception as error:
-                headers = {"WWW-Authenticate": 'Basic realm="nocturne", Bearer'}
-                app = response_of(failure_of(error), headers if isinstance(error, Unauthenticated) else None)
+                headers = _challenge(Headers(scope=scope)) if isinstance(error, Unauthenticated) else None
+                app = response_of(failure_of(error), headers)
             else:
                 CALLER.set(caller)
         await app(scope, receive, send_with_headers)
@@ -82,6 +87,25 @@ class Guards:
         if method not in _READING and origin is not None and urlsplit(origin).netloc != host:
             return "Requests that change something are taken from this service's own page only."
         return ""
+
+
+def _secret(headers: Headers) -> str:
+    """The token of a request: in its own header, or in the page's cookie."""
+    cookies = cookie_parser(headers.get("cookie", ""))
+    authorization = headers.get("authorization", "")
+    return (
+        cookies[TOKEN_COOKIE] if TOKEN_COOKIE in cookies and not authorization else secret_in(authorization)
+    )
+
+
+def _challenge(headers: Headers) -> dict[str, str]:
+    """Browsers ask for a Basic password by themselves where they open an address; the page asks in its own
+    way."""
+    is_script = headers.get("sec-fetch-dest", "document") != "document"
+    challenge = {"WWW-Authenticate": "Bearer" if is_script else 'Basic realm="nocturne", Bearer'}
+    if TOKEN_COOKIE in headers.get("cookie", ""):
+        challenge["Set-Cookie"] = f"{TOKEN_COOKIE}=; Path={TOKEN_PATH}; Max-Age=0; HttpOnly; SameSite=Strict"
+    return challenge
 
 
 def _is_guarded(path: str) -> bool:
