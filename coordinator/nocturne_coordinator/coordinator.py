@@ -166,9 +166,11 @@ class Coordinator:
             _log.info("%d coordinators work on the folder", coordinators)
             self._coordinators = coordinators
             self._seen_changes = -1
-        if self._traffic.workers and self._traffic.workers is not self._mirrored:
-            self._ledger.mirror_workers(self._traffic.workers)
-            self._mirrored = self._traffic.workers
+        workers = self._traffic.workers
+        if (workers or self._traffic.in_step) and workers is not self._mirrored:
+            at_work = [(key.render_id, key.tile_index, worker) for key, worker in self._traffic.at_work]
+            self._ledger.mirror_workers(workers, at_work, time.time())
+            self._mirrored = workers
         self._ledger.write_meters(
             {
                 "coordinator_seen": time.time(),
@@ -211,6 +213,7 @@ class Coordinator:
         for row in self._ledger.open_renders() if changed else rows.values():
             if row.id in self._renders:
                 self._schedule.set_priority(row.id, row.priority)
+                self._look_first(row)
                 if row.state is RenderState.QUEUED:
                     # Paused and resumed between two looks: it runs as before.
                     self._ledger.start(row.id, self._renders[row.id].row.fence, time.time())
@@ -284,6 +287,7 @@ class Coordinator:
         )
         if row.fence > 1:
             self._traffic.welcome(row.id)
+        self._look_first(row)
         _log.info(
             "render=%s %s; %d of %d ranges are merged",
             row.id,
@@ -291,6 +295,10 @@ class Coordinator:
             render.totals.ranges,
             len(render.planned.ranges) * render.planned.grid.count,
         )
+
+    def _look_first(self, row: OpenRender) -> None:
+        grid = self._renders[row.id].planned.grid
+        self._schedule.set_first(row.id, row.look_first.tiles(grid) if row.look_first else frozenset())
 
     def _has_room(self, row: OpenRender) -> bool:
         if not self._renders:

@@ -2,7 +2,7 @@
 
     nocturne.db      renders, tiles, workers (SQLite in WAL mode)
     blobs/           scenes and assets by SHA-256
-    images/<id>/     preview.png and image.exr of a render, set-aside-<tile>.zip of what failed
+    images/<id>/     preview.png, thumbnail.png and image.exr of a render, set-aside-<tile>.zip of what failed
     checkpoints/     the last two copies of the database (see checkpoint.py)
     coordinator.lock held by the coordinator that works on the folder
 
@@ -25,14 +25,25 @@ from .blobs import BlobStore
 from .errors import Conflict, InputError, NotFound, Problem, UnusableFolder, WrongState
 from .objects import Objects
 from .plan import TileGrid, extended_plan
+from .region import Region
 from .stopping import StopConditions, check_tile_samples
 from .store.archive import Archive
 from .store.database import Database
-from .store.rows import ErrorPoint, NewRender, RenderRow, RenderState, WorkerRow
+from .store.events import note_worker
+from .store.rows import (
+    ErrorPoint,
+    NewRender,
+    RatePoint,
+    RenderRow,
+    RenderState,
+    TileChange,
+    WorkerEvent,
+    WorkerRow,
+)
 from .store.tokens import Tokens
 from .store.webhooks import Webhooks
 
-__all__ = ["DataFolder", "ErrorPoint", "NewRender", "RenderRow", "RenderState", "WorkerRow"]
+__all__ = ["DataFolder", "ErrorPoint", "NewRender", "RenderRow", "RenderState", "TileChange", "WorkerRow"]
 
 RENDER_COLUMNS = ", ".join(field.name for field in fields(RenderRow))
 _WORKER_COLUMNS = ", ".join(field.name for field in fields(WorkerRow))
@@ -186,6 +197,18 @@ class DataFolder:
         )
         return self.get_render(render_id)
 
+    def request_look_first(self, render_id: str, region: Region | None) -> RenderRow:
+        """Which part of the film gets its samples first; None: all alike. Raises NotFound, InputError."""
+        render = self.get_render(render_id)
+        if region is not None:
+            region.check(render.width, render.height)
+        text = region.to_json() if region else ""
+        self.database.execute(
+            "UPDATE render SET look_first = ?, sequence = sequence + 1 WHERE id = ? AND look_first <> ?",
+            (text, render_id, text),
+        )
+        return self.get_render(render_id)
+
     def request_extension(self, render_id: str, samples: int, stop: StopConditions) -> RenderRow:
         """More samples, or other conditions, for a render in any state but FAILED; nothing is traced again.
 
@@ -280,17 +303,49 @@ class DataFolder:
         """One point per preview, oldest first; raises NotFound."""
         self.get_render(render_id)
         rows = self.database.rows(
-            """SELECT unix_time, photons, samples, relative_error FROM error_point
-               WHERE render_id = ? ORDER BY unix_time""",
+            """SELECT unix_time, photons, samples, relative_error, worst_share, effective_pixels
+               FROM error_point WHERE render_id = ? ORDER BY unix_time""",
             (render_id,),
         )
         return [ErrorPoint(**dict(row)) for row in rows]
+
+    # --- tiles ---
+
+    def changed_tiles(self, render_id: str, since: tuple[int, int], limit: int) -> list[TileChange]:
+        """Tiles whose (revision, index) is above `since`, in that order, at most `limit`.
+
+        Asking again with the last one's gives the rest: a tile that changes meanwhile comes once more, later.
+        """
+        rows = self.database.rows(
+            """SELECT tile_index, revision, samples, rejected FROM tile
+               WHERE render_id = ? AND (revision, tile_index) > (?, ?)
+               ORDER BY revision, tile_index LIMIT ?""",
+            (render_id, *since, limit),
+        )
+        return [TileChange(**dict(row)) for row in rows]
+
+    def tile_sums(self, render_id: str, since: tuple[int, int], limit: int) -> list[tuple[TileChange, bytes]]:
+        """The same tiles with their sums, float64, little endian, row by row."""
+        rows = self.database.rows(
+            """SELECT tile_index, revision, samples, rejected, sums FROM tile
+               WHERE render_id = ? AND (revision, tile_index) > (?, ?)
+               ORDER BY revision, tile_index LIMIT ?""",
+            (render_id, *since, limit),
+        )
+        return [
+            (TileChange(row["tile_index"], row["revision"], row["samples"], row["rejected"]), row["sums"])
+            for row in rows
+        ]
 
     # --- images ---
 
     def preview_path(self, render_id: str) -> Path:
         """The PNG; may not exist yet."""
         return self._images(render_id) / "preview.png"
+
+    def thumbnail_path(self, render_id: str) -> Path:
+        """The small PNG; may not exist yet."""
+        return self._images(render_id) / "thumbnail.png"
 
     def image_path(self, render_id: str) -> Path:
         """The EXR; may not exist yet."""
@@ -345,8 +400,26 @@ class DataFolder:
 
     def release_worker(self, worker_id: str) -> None:
         """Takes a worker's results again; raises NotFound where it is not in quarantine."""
-        if not self.database.execute("DELETE FROM quarantine WHERE worker_id = ?", (worker_id,)):
-            raise NotFound(f"no worker {worker_id!r} is in quarantine")
+        with self.database.transaction():
+            if not self.database.execute("DELETE FROM quarantine WHERE worker_id = ?", (worker_id,)):
+                raise NotFound(f"no worker {worker_id!r} is in quarantine")
+            note_worker(self.database, time.time(), worker_id, "released", "")
+
+    def at_work(self, render_id: str) -> list[tuple[int, str]]:
+        """Tiles of a render that are being traced, and by whom."""
+        rows = self.database.rows(
+            "SELECT tile_index, worker_id FROM at_work WHERE render_id = ? ORDER BY tile_index", (render_id,)
+        )
+        return [(row["tile_index"], row["worker_id"]) for row in rows]
+
+    def worker_history(self, events: int) -> tuple[list[WorkerEvent], list[RatePoint]]:
+        """The last of what happened to workers, newest first; and what all of them did, oldest first."""
+        happened = self.database.rows(
+            "SELECT unix_time, worker_id, what, reason FROM worker_event ORDER BY number DESC LIMIT ?",
+            (events,),
+        )
+        rates = self.database.rows("SELECT * FROM rate_point ORDER BY unix_time")
+        return [WorkerEvent(**dict(row)) for row in happened], [RatePoint(**dict(row)) for row in rates]
 
     def meters(self) -> dict[str, float]:
         """What the coordinators last counted and measured, by name: of several, the sum, or what fits."""

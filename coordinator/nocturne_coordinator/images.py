@@ -41,6 +41,9 @@ LIVE_COMPRESSION = 0
 
 FINAL_COMPRESSION = 6
 
+THUMBNAIL_EDGE = 160
+"""Pixels: a list shows 72, screens have two for one, and a list of many must stay light."""
+
 
 @dataclass(frozen=True, slots=True)
 class Provenance:
@@ -96,11 +99,45 @@ def relative_error(sums: Sums, counts: Counts) -> float:
     Each pixel's variance is divided by Y^2 + 0.01 M^2, M the image's mean Y: a lamp in the picture does not
     drown the error of what it lights, and black pixels do not make it infinite.
     """
+    variances = _relative_variances(sums, counts)
+    return 0.0 if variances is None else float(np.sqrt(np.mean(variances)))
+
+
+def _relative_variances(sums: Sums, counts: Counts) -> Pixels | None:
+    """What `relative_error` takes the mean of, shape (height, width); None where it is unknown."""
     y = sums[..., 1] / np.maximum(counts, 1)
     mean = float(np.mean(y))
     if mean <= 0.0 or int(counts.min()) < 2:
-        return 0.0
-    return float(np.sqrt(np.mean(variance_of_mean(sums, counts) / (y * y + 0.01 * mean * mean))))
+        return None
+    variances: Pixels = variance_of_mean(sums, counts) / (y * y + 0.01 * mean * mean)
+    return variances
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """An image's relative error, and how its square is spread over the pixels; all 0 where unknown."""
+
+    relative_error: float = 0.0
+    worst_share: float = 0.0
+    """Part of it that the worst 1 % of the pixels have, 0 to 1; about 0.03 where noise is even."""
+    effective_pixels: float = 0.0
+    """How many pixels carry it: (sum v)^2 / sum v^2, as Kish's effective sample size; all, where they are
+    equal. Where few do, the error is itself known badly: with 1/sqrt of them, relatively."""
+
+
+def spread_of(sums: Sums, counts: Counts) -> Spread:
+    """The error and how it is spread; the error is that of `relative_error`."""
+    variances = _relative_variances(sums, counts)
+    total = 0.0 if variances is None else float(np.sum(variances))
+    if variances is None or total <= 0.0:
+        return Spread()
+    flat = variances.ravel()
+    worst = max(1, flat.size // 100)
+    return Spread(
+        relative_error=float(np.sqrt(total / flat.size)),
+        worst_share=float(np.sum(np.partition(flat, flat.size - worst)[flat.size - worst :])) / total,
+        effective_pixels=total * total / float(np.dot(flat, flat)),
+    )
 
 
 def tone_map(sums: Sums, counts: Counts) -> npt.NDArray[np.uint8]:
@@ -146,6 +183,18 @@ def write_preview(path: Path, sums: Sums, counts: Counts, compression: int) -> N
     if compression == LIVE_COMPRESSION:
         spec.attribute("png:filter", _PNG_FILTER_NONE)
     _write(path, spec, pixels)
+
+
+def write_thumbnail(path: Path, sums: Sums, counts: Counts) -> None:
+    """Replaces a tone-mapped PNG of at most THUMBNAIL_EDGE pixels a side, each the mean of a square."""
+    size = -(-max(counts.shape) // THUMBNAIL_EDGE)
+    height, width = (max(1, edge // size) for edge in counts.shape)
+    rows, columns = min(size, counts.shape[0]), min(size, counts.shape[1])
+    area = (slice(height * rows), slice(width * columns))
+    squares = (height, rows, width, columns)
+    small = sums[area][..., :XYZ_SUMS].reshape(*squares, XYZ_SUMS).sum(axis=(1, 3))
+    number = counts[area].reshape(squares).sum(axis=(1, 3), dtype=np.uint32)
+    write_preview(path, small, number, FINAL_COMPRESSION)
 
 
 def write_image(

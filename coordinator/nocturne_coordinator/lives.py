@@ -40,6 +40,11 @@ class Lives:
         self._signs: dict[str, Sign] = {}
         self._held: dict[bytes, _Held] = {}
 
+    @property
+    def at_work(self) -> list[tuple[JobKey, str]]:
+        """Who has which job, at the last look."""
+        return [(held.key, worker) for held in self._held.values() for worker in held.workers]
+
     def look(
         self, signs: Mapping[str, Sign], holders: list[Holder], keys: Mapping[bytes, JobKey]
     ) -> list[tuple[JobKey, str]]:

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from .data_folder import DataFolder
-from .images import FINAL_COMPRESSION, LIVE_COMPRESSION, write_image, write_preview
+from .images import FINAL_COMPRESSION, LIVE_COMPRESSION, write_image, write_preview, write_thumbnail
 from .running_render import RunningRender
 from .store.ledger import Ledger
 
@@ -69,6 +69,8 @@ class Pictures:
     def _preview(self, render: RunningRender, compression: int = LIVE_COMPRESSION) -> None:
         with self._in_place(render, self._folder.preview_path(render.id)) as path:
             write_preview(path, render.film.sums, render.film.counts, compression)
+        with self._in_place(render, self._folder.thumbnail_path(render.id)) as path:
+            write_thumbnail(path, render.film.sums, render.film.counts)
         point, in_history = render.error_point(time.time())
         self._ledger.record_preview(render.id, render.row.fence, point, in_history)
         render.pictured_photons = point.photons

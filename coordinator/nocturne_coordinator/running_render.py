@@ -9,7 +9,7 @@ from nocturne.v1 import job_pb2
 
 from .film import Film
 from .forecast import Forecast, Measured, forecast
-from .images import Provenance, manifest_text, relative_error
+from .images import Provenance, manifest_text, spread_of
 from .merge import Offered, RangeSums
 from .planned_render import PlannedRender
 from .stopping import error_is_met
@@ -53,8 +53,10 @@ class RunningRender:
         self._history_photons = 0.0
         self._contributors: dict[int, set[str]] = {}
         self._since = now
+        self._rejected = [0] * len(self.film.tiles)
         for tile in tiles:
             self.film.load(tile.tile_index, tile.samples, tile.sums)
+            self._rejected[tile.tile_index] = tile.rejected
         for tile_index in self.set_aside:
             self.film.give_up(tile_index)
         self.totals.ranges = sum(state.merged for state in self.film.tiles)
@@ -78,6 +80,7 @@ class RunningRender:
             self.totals.photons += merged.photons
             self.totals.rays += merged.rays
             self.totals.rejected += merged.rejected
+            self._rejected[tile_index] += merged.rejected
             self.totals.cpu_seconds += merged.cpu_seconds
             self._recent.append((now, merged.photons))
             self._dirty.add(tile_index)
@@ -187,7 +190,8 @@ class RunningRender:
             return None
         self._last_rate = rate
         tiles = [
-            TileRow(tile, self.film.samples(tile), self.film.tile_bytes(tile)) for tile in sorted(self._dirty)
+            TileRow(tile, self.film.samples(tile), self.film.tile_bytes(tile), self._rejected[tile])
+            for tile in sorted(self._dirty)
         ]
         return RenderCommit(
             self.id,
@@ -221,11 +225,14 @@ class RunningRender:
     def error_point(self, unix_time: float) -> tuple[ErrorPoint, bool]:
         """The error now, and whether enough was added since the last point for the history."""
         plan = self.planned.plan
+        spread = spread_of(self.film.sums, self.film.counts)
         point = ErrorPoint(
             unix_time=unix_time,
             photons=self.totals.photons,
             samples=self.totals.photons / (plan.width * plan.height * self.planned.photons_per_sample),
-            relative_error=relative_error(self.film.sums, self.film.counts),
+            relative_error=spread.relative_error,
+            worst_share=spread.worst_share,
+            effective_pixels=spread.effective_pixels,
         )
         self.relative_error = point.relative_error
         in_history = point.relative_error > 0.0 and point.photons >= self._history_photons

@@ -64,8 +64,8 @@ class _Queue:
     """Per tile, the range to publish next; those below it were published once."""
     horizon: list[int]
     """Per tile, the ranges that it is expected to need."""
-    ready: list[tuple[int, int]]
-    """Heap of (range to publish next, tile): earlier ranges first, so the whole frame comes first."""
+    ready: list[tuple[bool, int, int]]
+    """Heap of (may wait, range to publish next, tile): earlier ranges first, so the whole frame is first."""
     owner: str
     share: _Share
     cost: Callable[[int], float]
@@ -76,6 +76,13 @@ class _Queue:
     blocked: set[int] = field(default_factory=set)
     """Tiles that are not in `ready`, because RANGES_AHEAD of their ranges are in flight, or all they should
     need."""
+    first: frozenset[int] = frozenset()
+    """Tiles that somebody wants to see first; empty: all are alike."""
+
+    def make_ready(self, range_index: int, tile: int) -> None:
+        """Every tile's first range goes before all others: there is always a whole frame."""
+        may_wait = bool(self.first) and range_index > 0 and tile not in self.first
+        heappush(self.ready, (may_wait, range_index, tile))
 
 
 class Schedule:
@@ -108,7 +115,7 @@ class Schedule:
         `horizon`: what each tile is expected to need, all unless given. Owners share the workers by their
         weight, and an owner's renders share by priority what the owner gets.
         """
-        ready = [(done, tile) for tile, done in enumerate(merged) if done < ranges]
+        ready = [(False, done, tile) for tile, done in enumerate(merged) if done < ranges]
         ready.sort()
         share = self._owners.setdefault(owner, _Share(owner_weight, _least(self._owners.values())))
         share.weight = owner_weight
@@ -127,6 +134,16 @@ class Schedule:
     def set_priority(self, render_id: str, priority: float) -> None:
         """The render's weight beside its owner's other renders from now on."""
         self._queues[render_id].share.weight = priority
+
+    def set_first(self, render_id: str, tiles: frozenset[int]) -> None:
+        """These tiles go before the render's others from now on; none: all are alike."""
+        queue = self._queues[render_id]
+        if queue.first == tiles:
+            return
+        queue.first = tiles
+        before, queue.ready = queue.ready, []
+        for _, range_index, tile in before:
+            queue.make_ready(range_index, tile)
 
     def remove(self, render_id: str) -> list[bytes]:
         """A render ended; gives the entries of its jobs, to be deleted from the stream."""
@@ -298,7 +315,7 @@ class Schedule:
     def _unblock(queue: _Queue, tile_index: int) -> None:
         if tile_index in queue.blocked:
             queue.blocked.remove(tile_index)
-            heappush(queue.ready, (queue.following[tile_index], tile_index))
+            queue.make_ready(queue.following[tile_index], tile_index)
 
     def _is_open(self, key: JobKey) -> bool:
         """Planned, not merged, and its result is not here."""
@@ -317,7 +334,7 @@ class Schedule:
             if self.wants(key := JobKey(render_id, tile, range_index)):
                 return key
         while queue.ready:
-            range_index, tile = heappop(queue.ready)
+            _, range_index, tile = heappop(queue.ready)
             if queue.merged[tile] >= queue.ranges:
                 continue
             if range_index >= min(queue.merged[tile] + RANGES_AHEAD, queue.horizon[tile]):
@@ -325,7 +342,7 @@ class Schedule:
                 continue
             queue.following[tile] = range_index + 1
             if range_index + 1 < queue.ranges:
-                heappush(queue.ready, (range_index + 1, tile))
+                queue.make_ready(range_index + 1, tile)
             if self.wants(key := JobKey(render_id, tile, range_index)):
                 return key
         return None

@@ -101,6 +101,11 @@ class Traffic:
         return self._in_step
 
     @property
+    def at_work(self) -> list[tuple[JobKey, str]]:
+        """Jobs and who has them."""
+        return self._lives.at_work
+
+    @property
     def live(self) -> set[str]:
         """Names of the workers that take jobs."""
         # Asked for often, and long where there are thousands.

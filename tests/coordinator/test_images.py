@@ -11,11 +11,14 @@ from nocturne_coordinator.images import (
     FINAL_COMPRESSION,
     LIVE_COMPRESSION,
     Provenance,
+    Spread,
     relative_error,
+    spread_of,
     tone_map,
     variance_of_mean,
     write_image,
     write_preview,
+    write_thumbnail,
 )
 from nocturne_coordinator.merge import Counts, Sums
 
@@ -129,3 +132,39 @@ def test_tone_mapping_keeps_neutral_and_order() -> None:
 def test_a_black_or_empty_film_is_black() -> None:
     assert not tone_map(np.zeros((4, 4, 4)), np.zeros((4, 4), dtype=np.uint32)).any()
     assert not tone_map(np.zeros((4, 4, 4)), np.ones((4, 4), dtype=np.uint32)).any()
+
+
+def test_spread_of_even_noise_and_of_one_firefly() -> None:
+    """Where all pixels have one variance, all carry the error; one that has nearly all of it carries it
+    alone."""
+    counts = np.full((40, 50), 4, dtype=np.uint32)
+    sums = np.zeros((40, 50, 4))
+    sums[..., :3] = 4.0
+    sums[..., 3] = 4.0 + 12.0 * 0.01
+    even = spread_of(sums, counts)
+    assert even.relative_error == pytest.approx(relative_error(sums, counts), rel=1e-12)
+    assert even.relative_error == pytest.approx(np.sqrt(0.01 / 1.01), rel=1e-9)
+    assert even.effective_pixels == pytest.approx(2000.0)
+    assert even.worst_share == pytest.approx(0.01)
+    sums[7, 9, 3] += 1e6
+    spoiled = spread_of(sums, counts)
+    assert spoiled.effective_pixels == pytest.approx(1.0, abs=0.01)
+    assert spoiled.worst_share == pytest.approx(1.0, abs=0.01)
+
+
+def test_spread_is_unknown_below_two_samples_and_in_the_dark() -> None:
+    counts = np.ones((4, 4), dtype=np.uint32)
+    assert spread_of(np.ones((4, 4, 4)), counts) == Spread()
+    assert spread_of(np.zeros((4, 4, 4)), counts + 7) == Spread()
+
+
+def test_a_thumbnail_has_the_films_shape_and_its_mean_light(tmp_path: Path) -> None:
+    rng = np.random.default_rng(5)
+    sums = rng.gamma(2.0, 1.0, (500, 330, 5))
+    counts = np.full((500, 330), 3, dtype=np.uint32)
+    write_thumbnail(tmp_path / "t.png", sums, counts)
+    spec = oiio.ImageBuf(str(tmp_path / "t.png")).spec()
+    assert (spec.width, spec.height) == (82, 125)
+    write_thumbnail(tmp_path / "t.png", sums[:1, :7], counts[:1, :7])
+    spec = oiio.ImageBuf(str(tmp_path / "t.png")).spec()
+    assert (spec.width, spec.height) == (7, 1)

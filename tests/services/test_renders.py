@@ -137,12 +137,19 @@ async def test_an_image_kind_must_be_given(rest: httpx.AsyncClient, channel: grp
 async def test_convergence(body: dict[str, Any], rest: httpx.AsyncClient, folder: DataFolder) -> None:
     render = (await rest.post("/v1/renders", json=body)).json()
     folder.database.execute(
-        "INSERT INTO error_point VALUES (?, ?, ?, ?, ?)",
+        "INSERT INTO error_point VALUES (?, ?, ?, ?, ?, 0.25, 70.0)",
         (render["id"], render["created"] + 2.5, 4800, 4.0, 0.125),
     )
     points = (await rest.get(f"/v1/renders/{render['id']}/convergence")).json()["points"]
     assert points == [
-        {"time_s": pytest.approx(2.5), "photons": 4800, "samples": 4.0, "relative_error": 0.125}
+        {
+            "time_s": pytest.approx(2.5),
+            "photons": 4800,
+            "samples": 4.0,
+            "relative_error": 0.125,
+            "worst_share": 0.25,
+            "effective_pixels": 70.0,
+        }
     ]
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from nocturne_coordinator.errors import UnusableFolder
 
-SCHEMA_NUMBER = 4
+SCHEMA_NUMBER = 5
 
 # A tile is 32 KiB: with pages of 16 KiB it is two or three of them, not nine.
 _PAGE_BYTES = 16384
@@ -181,6 +181,48 @@ INSERT INTO ownership VALUES (1, 0, lower(hex(randomblob(8))));
 """
 
 
+_NEW_IN_5 = """
+-- A commit gives its tiles the render's sequence as their revision: what is above one changed since it.
+ALTER TABLE tile ADD COLUMN revision INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE tile ADD COLUMN rejected INTEGER NOT NULL DEFAULT 0;
+CREATE INDEX tile_by_revision ON tile (render_id, revision, tile_index);
+
+-- How the variance is spread over pixels: see coordinator/nocturne_coordinator/images.py, Spread.
+ALTER TABLE error_point ADD COLUMN worst_share REAL NOT NULL DEFAULT 0;
+ALTER TABLE error_point ADD COLUMN effective_pixels REAL NOT NULL DEFAULT 0;
+ALTER TABLE render ADD COLUMN worst_share REAL NOT NULL DEFAULT 0;
+ALTER TABLE render ADD COLUMN effective_pixels REAL NOT NULL DEFAULT 0;
+
+-- JSON of Region: which part of the film gets its samples first.
+ALTER TABLE render ADD COLUMN look_first TEXT NOT NULL DEFAULT '';
+
+-- Who traces what just now, as each coordinator sees it of its own renders.
+CREATE TABLE at_work (
+    coordinator INTEGER NOT NULL,
+    render_id TEXT NOT NULL,
+    tile_index INTEGER NOT NULL,
+    worker_id TEXT NOT NULL,
+    PRIMARY KEY (coordinator, render_id, tile_index, worker_id)
+) STRICT, WITHOUT ROWID;
+
+-- Workers that joined, left, or were put in quarantine.
+CREATE TABLE worker_event (
+    number INTEGER PRIMARY KEY AUTOINCREMENT,
+    unix_time REAL NOT NULL,
+    worker_id TEXT NOT NULL,
+    what TEXT NOT NULL,
+    reason TEXT NOT NULL
+) STRICT;
+
+-- What all workers together did, minute by minute.
+CREATE TABLE rate_point (
+    unix_time REAL PRIMARY KEY,
+    threads INTEGER NOT NULL,
+    photons_per_second REAL NOT NULL
+) STRICT;
+"""
+
+
 class Database:
     """One connection, shared by the threads of a process under a lock."""
 
@@ -216,7 +258,7 @@ class Database:
         with self.transaction():
             number = self._connection.execute("PRAGMA user_version").fetchone()[0]
             if number == 0:
-                self._execute_all(_RENDER_TABLE + _TABLES_BESIDE + _NEW_IN_3 + _NEW_IN_4)
+                self._execute_all(_RENDER_TABLE + _TABLES_BESIDE + _NEW_IN_3 + _NEW_IN_4 + _NEW_IN_5)
                 number = SCHEMA_NUMBER
             if number == 1:
                 self._execute_all(
@@ -229,6 +271,9 @@ class Database:
             if number == 3:
                 self._execute_all(_NEW_IN_4)
                 number = 4
+            if number == 4:
+                self._execute_all(_NEW_IN_5)
+                number = 5
             if number == SCHEMA_NUMBER:
                 self._connection.execute(f"PRAGMA user_version = {number}")
             if number != SCHEMA_NUMBER:

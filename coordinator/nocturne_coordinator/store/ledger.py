@@ -12,15 +12,17 @@ from nocturne_coordinator.errors import LeaseLost
 from nocturne_coordinator.forecast import UNKNOWN, Forecast
 from nocturne_coordinator.limits import DEFAULT_PRIORITY
 from nocturne_coordinator.plan import TileGrid
+from nocturne_coordinator.region import Region
 from nocturne_coordinator.stopping import EVERYTHING, StopConditions
 
 from .database import Database
+from .events import note_worker
 from .ownership import Ownership
 from .rows import ErrorPoint, RenderState, WorkerRow
 
 _LARGEST = 2**63 - 1
 _OPEN_COLUMNS = """id, state, scene_sha256, engine, plan, photons, rays, rejected, cpu_seconds, audited,
-    refused, stop, priority, owner, ran_seconds,
+    refused, stop, priority, owner, ran_seconds, look_first,
     coalesce((SELECT weight FROM token WHERE token.name = render.owner), 100) AS owner_weight,
     coalesce((SELECT fence FROM lease WHERE lease.render_id = render.id), 0) AS fence,
     coalesce((SELECT coordinator.number FROM lease JOIN coordinator ON coordinator.number = lease.coordinator
@@ -48,6 +50,7 @@ class OpenRender:
     """Number of the coordinator that works on it; 0: none that gives signs of life."""
     fence: int = 0
     """Grows with every holder; who does not know the newest may not write."""
+    look_first: Region | None = None
 
     def asks_the_same(self, other: "OpenRender") -> bool:
         """Whether plan and conditions are those of another state of this render."""
@@ -85,6 +88,8 @@ class TileRow:
     tile_index: int
     samples: int
     sums: bytes
+    rejected: int = 0
+    """Photons left out of them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +108,11 @@ class RenderCommit:
     """By tile, the workers whose work is new in its sums."""
     set_aside: Iterable[SetAside] = ()
     """All of the render's."""
+
+
+_RATE_STEP_SECONDS = 60.0
+_RATES_KEPT_SECONDS = 2 * 86400.0
+"""Two nights of what all workers did, minute by minute: 2880 rows."""
 
 
 class Ledger:
@@ -142,7 +152,7 @@ class Ledger:
         )
         for index in indices:
             row = self._database.row(
-                "SELECT tile_index, samples, sums FROM tile WHERE render_id = ? AND tile_index = ?",
+                "SELECT tile_index, samples, sums, rejected FROM tile WHERE render_id = ? AND tile_index = ?",
                 (render_id, index["tile_index"]),
             )
             if row is not None:
@@ -285,9 +295,14 @@ class Ledger:
 
     def _write_tiles(self, commit: RenderCommit) -> None:
         self._database.execute_many(
-            """INSERT INTO tile (render_id, tile_index, samples, sums) VALUES (?, ?, ?, ?)
-               ON CONFLICT DO UPDATE SET samples = excluded.samples, sums = excluded.sums""",
-            [(commit.render_id, tile.tile_index, tile.samples, tile.sums) for tile in commit.tiles],
+            """INSERT INTO tile (render_id, tile_index, samples, sums, rejected, revision)
+               VALUES (?1, ?2, ?3, ?4, ?5, (SELECT sequence FROM render WHERE id = ?1))
+               ON CONFLICT DO UPDATE SET samples = excluded.samples, sums = excluded.sums,
+                   rejected = excluded.rejected, revision = excluded.revision""",
+            [
+                (commit.render_id, tile.tile_index, tile.samples, tile.sums, tile.rejected)
+                for tile in commit.tiles
+            ],
         )
         self._database.execute_many(
             "INSERT OR IGNORE INTO contribution VALUES (?, ?, ?)",
@@ -317,9 +332,10 @@ class Ledger:
     def quarantine(self, worker_id: str, reason: str, now: float) -> None:
         """Takes no more results of a worker, until somebody releases it."""
         with self._owned():
-            self._database.execute(
+            if self._database.execute(
                 "INSERT OR IGNORE INTO quarantine VALUES (?, ?, ?)", (worker_id, reason, now)
-            )
+            ):
+                self._note(now, worker_id, "quarantined", reason)
 
     def distrust(self, worker_id: str) -> list[str]:
         """Throws away all tiles with work of a worker; gives their renders.
@@ -384,13 +400,22 @@ class Ledger:
         """A new preview is in its place; tells watchers, keeps its error. LeaseLost if it is another's."""
         with self.holding(render_id, fence):
             self._database.execute(
-                "UPDATE render SET relative_error = ?, sequence = sequence + 1 WHERE id = ?",
-                (point.relative_error, render_id),
+                """UPDATE render SET relative_error = ?, worst_share = ?, effective_pixels = ?,
+                       sequence = sequence + 1 WHERE id = ?""",
+                (point.relative_error, point.worst_share, point.effective_pixels, render_id),
             )
             if in_history:
                 self._database.execute(
-                    "INSERT INTO error_point VALUES (?, ?, ?, ?, ?)",
-                    (render_id, point.unix_time, point.photons, point.samples, point.relative_error),
+                    "INSERT INTO error_point VALUES (?, ?, ?, ?, ?, ?, ?)",
+                    (
+                        render_id,
+                        point.unix_time,
+                        point.photons,
+                        point.samples,
+                        point.relative_error,
+                        point.worst_share,
+                        point.effective_pixels,
+                    ),
                 )
 
     def end(self, render: OpenRender, state: RenderState, reason: str, now: float) -> bool:
@@ -423,9 +448,29 @@ class Ledger:
                 "UPDATE render SET image_final = 1, sequence = sequence + 1 WHERE id = ?", (render_id,)
             )
 
-    def mirror_workers(self, workers: list[WorkerRow]) -> None:
-        """Replaces the list of workers by who lives now."""
+    def mirror_workers(
+        self, workers: list[WorkerRow], at_work: list[tuple[str, int, str]], now: float
+    ) -> None:
+        """Replaces the list of workers by who lives now, and who has which tile of this coordinator's renders in
+        hand.
+
+        Keeps who came and went, and about once a minute what all of them together did.
+        """
         with self._owned():
+            before = {row["id"] for row in self._database.rows("SELECT id FROM worker")}
+            alive = {worker.id for worker in workers}
+            for worker in sorted(alive - before):
+                self._note(now, worker, "joined", "")
+            for worker in sorted(before - alive):
+                self._note(now, worker, "left", "")
+            self._keep_rate(workers, now)
+            self._database.execute(
+                "DELETE FROM at_work WHERE coordinator = ? OR coordinator NOT IN (SELECT number FROM coordinator)",
+                (self.number,),
+            )
+            self._database.execute_many(
+                "INSERT OR IGNORE INTO at_work VALUES (?, ?, ?, ?)", [(self.number, *each) for each in at_work]
+            )
             self._database.execute("DELETE FROM worker")
             self._database.execute_many(
                 "INSERT OR REPLACE INTO worker VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
@@ -444,6 +489,18 @@ class Ledger:
                     for w in workers
                 ],
             )
+
+    def _note(self, now: float, worker_id: str, what: str, reason: str) -> None:
+        note_worker(self._database, now, worker_id, what, reason)
+
+    def _keep_rate(self, workers: list[WorkerRow], now: float) -> None:
+        last = self._database.row("SELECT max(unix_time) AS time FROM rate_point")
+        if last is not None and last["time"] is not None and now - last["time"] < _RATE_STEP_SECONDS:
+            return
+        rate = sum(worker.photons_per_second for worker in workers)
+        threads = sum(worker.threads for worker in workers)
+        self._database.execute("INSERT OR REPLACE INTO rate_point VALUES (?, ?, ?)", (now, threads, rate))
+        self._database.execute("DELETE FROM rate_point WHERE unix_time < ?", (now - _RATES_KEPT_SECONDS,))
 
     @contextmanager
     def _owned(self) -> Iterator[None]:
@@ -476,6 +533,7 @@ class Ledger:
             ran_seconds=row["ran_seconds"],
             holder=row["holder"],
             fence=row["fence"],
+            look_first=Region.from_json(row["look_first"]) if row["look_first"] else None,
             set_aside=tuple(
                 SetAside(
                     each["tile_index"],

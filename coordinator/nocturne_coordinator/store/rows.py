@@ -75,6 +75,9 @@ class RenderRow:
     rays: int
     rejected: int
     relative_error: float
+    worst_share: float
+    effective_pixels: float
+    """How the variance is spread at the last preview; see images.Spread."""
     photons_per_second: float
     cpu_seconds: float
     stop: StopConditions
@@ -92,6 +95,8 @@ class RenderRow:
     """Unix time; 0 unknown."""
     predicted_cpu_seconds: float
     """In all; 0 unknown."""
+    look_first: str
+    """JSON of a Region; empty: no part of the film goes first."""
     image_final: bool
     """An ended render's files hold all its committed samples (a cancelled one's follow within a second)."""
 
@@ -124,3 +129,35 @@ class ErrorPoint:
     photons: int
     samples: float
     relative_error: float
+    worst_share: float = 0.0
+    effective_pixels: float = 0.0
+    """See images.Spread."""
+
+
+@dataclass(frozen=True, slots=True)
+class TileChange:
+    """A tile with committed samples, and the render's sequence when they were committed."""
+
+    tile_index: int
+    revision: int
+    samples: int
+    rejected: int
+
+
+@dataclass(frozen=True, slots=True)
+class WorkerEvent:
+    """A worker that joined, left or was put in quarantine."""
+
+    unix_time: float
+    worker_id: str
+    what: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class RatePoint:
+    """What all workers together did at one time."""
+
+    unix_time: float
+    threads: int
+    photons_per_second: float

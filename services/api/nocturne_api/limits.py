@@ -34,6 +34,16 @@ KEEP_ALIVE_S = 15.0
 
 # Bytes per read when an image or a blob is sent: below gRPC's default message limit of 4 MiB.
 CHUNK_BYTES = 256 * 1024
+# Of one answer with tiles: a film of 512 x 512 is one call; much more would hold up a viewer.
+TILES_ANSWER_BYTES = 4 * MEBIBYTE
+# Answers kept for other watchers of the same render.
+TILE_ANSWERS_KEPT = 8
+# Renders that one stream names: one that is looked at, and what it is compared with.
+RENDERS_PER_STREAM = 4
+
+# What happened to workers lately, in one answer.
+EVENTS_SHOWN = 100
+
 # Uploads are written to disk in pieces of this size, to keep thread switches rare.
 WRITE_BYTES = MEBIBYTE
 

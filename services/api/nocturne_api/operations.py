@@ -12,8 +12,9 @@ from typing import Any, ParamSpec, Self, TypeVar
 
 from nocturne_coordinator.data_folder import DataFolder
 from nocturne_coordinator.errors import InputError, NotFound
-from nocturne_coordinator.limits import MAXIMUM_PAGE
+from nocturne_coordinator.limits import MAXIMUM_PAGE, MAXIMUM_RANGES
 from nocturne_coordinator.objects import Objects
+from nocturne_coordinator.region import Region
 
 from nocturne_api import limits, uploads
 from nocturne_api.access import CALLER, Caller, caller_of
@@ -30,15 +31,19 @@ from nocturne_api.intake import (
 )
 from nocturne_api.metrics import metrics_text
 from nocturne_api.open_file import OpenFile, open_file
+from nocturne_api.tiles import Cursor, TileAnswers, Tiles, encode, runs, tiles_per_answer
 from nocturne_api.views import (
     AssetView,
+    AtWorkView,
     ConvergencePoint,
     ConvergenceView,
     ExplanationView,
     NewWebhookView,
     PageView,
     RenderView,
+    TileAtWork,
     WebhookView,
+    WorkerHistoryView,
     WorkerView,
 )
 from nocturne_api.watching import Watchers, states
@@ -74,6 +79,7 @@ class Operations:
         self._compiling = asyncio.Semaphore(limits.COMPILES_AT_ONCE)
         self._waiting = 0
         self._watchers = Watchers(self._change_counter, self._find, self._newest)
+        self._tile_answers = TileAnswers(self._read_tiles)
         self._webhook_rules = webhook_rules
         self._webhooks = WebhookSender(folder.webhooks, self._in_database, webhook_rules)
         self._webhooks.start()
@@ -160,6 +166,14 @@ class Operations:
         async with self._changing("priority", render_id):
             return RenderView.of(await self._in_database(self._folder.request_priority, render_id, priority))
 
+    async def look_first(self, render_id: str, region: Region | None) -> RenderView:
+        """Which part of the film gets its samples first, None for all alike; the image stays the same bits.
+
+        Raises NotFound, InputError.
+        """
+        async with self._changing("look first", render_id):
+            return RenderView.of(await self._in_database(self._folder.request_look_first, render_id, region))
+
     async def extend_render(self, render_id: str, samples: int, stop: Mapping[str, Any]) -> RenderView:
         """More samples, 0 for as many as before, and conditions instead of those before.
 
@@ -192,12 +206,21 @@ class Operations:
     async def watch_render(self, render_id: str, last_sequence: int = -1) -> AsyncGenerator[RenderView, None]:
         """The render now and after every change, until it has ended; leaves out states to `last_sequence`."""
         CALLER.get().need("read")
-        with self._watchers.watching(render_id) as watcher:
+        with self._watchers.watching(frozenset({render_id})) as watcher:
             watcher.already_has(render_id, last_sequence)
             render = await self.get_render(render_id)
             watcher.offer(render)
             if render.has_ended and render.sequence <= last_sequence:
                 return
+            async for state in states(watcher, to_the_end=True):
+                yield state
+
+    async def watch_some(self, render_ids: frozenset[str]) -> AsyncGenerator[RenderView, None]:
+        """These renders now and after every change, also after their ends. Raises NotFound."""
+        CALLER.get().need("read")
+        with self._watchers.watching(render_ids) as watcher:
+            for render_id in sorted(render_ids):
+                watcher.offer(await self.get_render(render_id))
             async for state in states(watcher):
                 yield state
 
@@ -221,12 +244,40 @@ class Operations:
                     photons=point.photons,
                     samples=point.samples,
                     relative_error=point.relative_error,
+                    worst_share=point.worst_share,
+                    effective_pixels=point.effective_pixels,
                 )
                 for point in history
             ]
         )
 
+    # Tiles
+
+    async def tiles(self, render_id: str, since: Cursor) -> Tiles:
+        """What of the image changed since; raises NotFound."""
+        render = await self.get_render(render_id)
+        return await self._tile_answers.get(render_id, since, render.sequence)
+
+    async def changed_tiles(self, render_id: str, since: int) -> list[tuple[int, int]]:
+        """First and last indices of the tiles with a revision above `since`."""
+        CALLER.get().need("read")
+        changes = await self._in_database(
+            self._folder.changed_tiles, render_id, (since, MAXIMUM_RANGES), MAXIMUM_RANGES
+        )
+        return runs([change.tile_index for change in changes])
+
+    async def _read_tiles(self, render_id: str, since: Cursor) -> Tiles:
+        plan = await self._in_database(self._folder.plan, render_id)
+        most = tiles_per_answer(plan)
+        place = (since.revision, since.tile_index)
+        found = await self._in_database(self._folder.tile_sums, render_id, place, most + 1)
+        return await asyncio.to_thread(encode, plan, since, found[:most], len(found) > most)
+
     # Images
+
+    async def open_thumbnail(self, render_id: str) -> OpenFile:
+        """A small tone-mapped PNG for lists; raises NotFound, also before the first."""
+        return await self._open_image(render_id, self._folder.thumbnail_path, "thumbnail")
 
     async def open_preview(self, render_id: str) -> OpenFile:
         """The tone-mapped PNG of what is merged now; raises NotFound, also before the first preview."""
@@ -245,6 +296,18 @@ class Operations:
             lambda: (self._folder.workers(), self._folder.workers_in_quarantine())
         )
         return [WorkerView.of(row, quarantined.get(row.id, "")) for row in rows]
+
+    async def worker_history(self) -> WorkerHistoryView:
+        """Who came and went, and what all workers did."""
+        CALLER.get().need("read")
+        events, rates = await self._in_database(self._folder.worker_history, limits.EVENTS_SHOWN)
+        return WorkerHistoryView.model_validate({"events": events, "rates": rates})
+
+    async def at_work(self, render_id: str) -> AtWorkView:
+        """Which tiles of a render are being traced, and by whom; raises NotFound."""
+        await self.get_render(render_id)
+        found = await self._in_database(self._folder.at_work, render_id)
+        return AtWorkView(tiles=[TileAtWork(tile=tile, worker=worker) for tile, worker in found])
 
     async def release_worker(self, worker_id: str) -> None:
         """Takes the results of a worker in quarantine again; raises NotFound."""

@@ -4,6 +4,7 @@ from dataclasses import asdict
 from typing import Self
 
 from nocturne_coordinator.data_folder import RenderRow, RenderState, WorkerRow
+from nocturne_coordinator.region import Region
 from nocturne_coordinator.stopping import StopConditions
 from nocturne_coordinator.store.webhooks import Webhook
 from pydantic import BaseModel, ConfigDict, Field
@@ -28,6 +29,12 @@ class ProgressView(View):
     mean_samples: float = Field(description="Mean over pixels of samples merged.")
     relative_error: float = Field(
         description="Root mean square over pixels of Y's standard error relative to Y; 0: unknown."
+    )
+    worst_share: float = Field(
+        description="Part of the relative error's square that the worst 1 % of the pixels have; 0: unknown."
+    )
+    effective_pixels: float = Field(
+        description="How many pixels carry the error, (sum v)^2 / sum v^2 of their variances; 0: unknown."
     )
     photons_per_second: float
     cpu_seconds: float = Field(description="Processor seconds spent by workers.")
@@ -63,6 +70,15 @@ class StopView(View):
         )
 
 
+class RegionView(View):
+    """Pixels [x, x + width) times [y, y + height)."""
+
+    x: int
+    y: int
+    width: int
+    height: int
+
+
 class RenderView(View):
     """One render."""
 
@@ -81,6 +97,7 @@ class RenderView(View):
     stop: StopView
     priority: int = Field(description="1 to 1000; an owner's renders share by it what the owner gets.")
     owner: str = Field(description="Name of the token that asked for it; empty without authentication.")
+    look_first: RegionView | None = Field(description="The part of the film that gets its samples first.")
     progress: ProgressView
 
     @property
@@ -91,8 +108,17 @@ class RenderView(View):
     @classmethod
     def of(cls, row: RenderRow) -> Self:
         """The public side of a row of the data folder."""
-        same = {name: getattr(row, name) for name in cls.model_fields if name not in ("progress", "stop")}
-        return cls(progress=ProgressView.model_validate(row), stop=StopView.of(row.stop), **same)
+        same = {name: getattr(row, name) for name in cls.model_fields if name not in _CONVERTED}
+        region = Region.from_json(row.look_first) if row.look_first else None
+        return cls(
+            progress=ProgressView.model_validate(row),
+            stop=StopView.of(row.stop),
+            look_first=RegionView.model_validate(region) if region else None,
+            **same,
+        )
+
+
+_CONVERTED = ("progress", "stop", "look_first")
 
 
 class PageView(View):
@@ -126,6 +152,43 @@ class WorkersView(View):
     workers: list[WorkerView]
 
 
+class WorkerEventView(View):
+    """What happened to a worker."""
+
+    unix_time: float
+    worker_id: str
+    what: str = Field(description="joined, left, quarantined or released.")
+    reason: str
+
+
+class RatePointView(View):
+    """What all workers together did at one time."""
+
+    unix_time: float
+    threads: int
+    photons_per_second: float
+
+
+class WorkerHistoryView(View):
+    """The last 100 events, newest first; and a rate for each minute of two days, oldest first."""
+
+    events: list[WorkerEventView]
+    rates: list[RatePointView]
+
+
+class TileAtWork(View):
+    """A tile that is being traced."""
+
+    tile: int
+    worker: str
+
+
+class AtWorkView(View):
+    """What is being traced of a render, as of the last two seconds."""
+
+    tiles: list[TileAtWork]
+
+
 class ConvergencePoint(View):
     """The error estimate at one preview."""
 
@@ -133,6 +196,8 @@ class ConvergencePoint(View):
     photons: int
     samples: float = Field(description="Mean samples per pixel.")
     relative_error: float
+    worst_share: float = Field(description="As in progress.")
+    effective_pixels: float = Field(description="As in progress.")
 
 
 class ConvergenceView(View):

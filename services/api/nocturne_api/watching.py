@@ -19,8 +19,9 @@ _log = logging.getLogger(__name__)
 class Watcher:
     """The newest unread state of each render that one caller watches."""
 
-    def __init__(self, render_id: str | None) -> None:
-        self.render_id = render_id
+    def __init__(self, render_ids: frozenset[str] | None) -> None:
+        """`render_ids`: None for the newest, whichever they are."""
+        self.render_ids = render_ids
         self._newest: dict[str, RenderView] = {}
         self._sent: dict[str, int] = {}
         self._awake = asyncio.Event()
@@ -80,11 +81,11 @@ class Watchers:
         self._closed = False
 
     @contextmanager
-    def watching(self, render_id: str | None) -> Iterator[Watcher]:
-        """A watcher of one render, or of all where `render_id` is None; raises Overloaded."""
+    def watching(self, render_ids: frozenset[str] | None) -> Iterator[Watcher]:
+        """A watcher of these renders, or of all where that is None; raises Overloaded."""
         if len(self._watchers) >= WATCHERS:
             raise Overloaded(f"{WATCHERS} watchers are connected to this service; close some and try again.")
-        watcher = Watcher(render_id)
+        watcher = Watcher(render_ids)
         self._watchers.add(watcher)
         if self._closed:
             watcher.close()
@@ -122,28 +123,28 @@ class Watchers:
                 watcher.close()
 
     async def _feed(self) -> None:
-        for render_id in {each.render_id for each in self._watchers if each.render_id is not None}:
+        for render_id in frozenset().union(*(each.render_ids or () for each in self._watchers)):
             render = await self._get_one(render_id)
-            for watcher in [each for each in self._watchers if each.render_id == render_id]:
+            for watcher in [each for each in self._watchers if render_id in (each.render_ids or ())]:
                 if render is None:
                     watcher.close()
                 else:
                     watcher.offer(render)
-        if any(each.render_id is None for each in self._watchers):
+        if any(each.render_ids is None for each in self._watchers):
             await self._feed_all()
 
     async def _feed_all(self) -> None:
         renders = await self._newest()
-        for watcher in [each for each in self._watchers if each.render_id is None]:
+        for watcher in [each for each in self._watchers if each.render_ids is None]:
             # Oldest first, so that a page which shows newest on top ends in the right order.
             for render in reversed(renders):
                 watcher.offer(render)
             watcher.forget_except(render.id for render in renders)
 
 
-async def states(watcher: Watcher) -> AsyncIterator[RenderView]:
-    """The states of one watcher until the stream is over; for one render, until it has ended."""
+async def states(watcher: Watcher, to_the_end: bool = False) -> AsyncIterator[RenderView]:
+    """The states of one watcher until the stream is over; `to_the_end`: or until a render has ended."""
     while (render := await watcher.next()) is not None:
         yield render
-        if watcher.render_id is not None and render.has_ended:
+        if to_the_end and render.has_ended:
             return

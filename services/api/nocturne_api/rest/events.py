@@ -1,14 +1,16 @@
 """Changes as server-sent events: `event: render`, data a Render, id its sequence."""
 
 import asyncio
-from collections.abc import AsyncGenerator, AsyncIterator
+import json
+from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable
 from typing import Annotated
 
-from fastapi import APIRouter, Header
-from nocturne_coordinator.errors import NocturneError
+from fastapi import APIRouter, Header, Query
+from nocturne_coordinator.errors import InputError, NocturneError
 from starlette.responses import Response, StreamingResponse
 
-from nocturne_api.limits import KEEP_ALIVE_S
+from nocturne_api.limits import KEEP_ALIVE_S, RENDERS_PER_STREAM
+from nocturne_api.operations import Operations
 from nocturne_api.rest.access import Service
 from nocturne_api.views import RenderView
 
@@ -36,16 +38,58 @@ async def render_events(
     render = await operations.get_render(render_id)
     if render.has_ended and render.sequence <= known:
         return Response(status_code=204)
-    return EventStream(_events(operations.watch_render(render_id, known)), headers=_HEADERS)
+    return EventStream(_events(operations.watch_render(render_id, known), _numbered), headers=_HEADERS)
 
 
 @router.get("/events", response_class=EventStream)
-async def all_events(operations: Service) -> Response:
-    """The newest 200 renders, then each of them after every change."""
-    return EventStream(_events(operations.watch_all(), with_id=False), headers=_HEADERS)
+async def all_events(
+    operations: Service,
+    render: Annotated[list[str] | None, Query(description="Only these, with their tiles.")] = None,
+) -> Response:
+    """The newest 200 renders, then each of them after every change.
+
+    With `render`, at most four times, only those, also after their ends; each change is followed by an event
+    `tiles` that names the tiles with new samples, where there are any.
+    """
+    if not render:
+        return EventStream(_events(operations.watch_all(), _plain), headers=_HEADERS)
+    if len(render) > RENDERS_PER_STREAM:
+        raise InputError.at("query.render", f"at most {RENDERS_PER_STREAM} in one stream")
+    for render_id in render:
+        await operations.get_render(render_id)
+    states = operations.watch_some(frozenset(render))
+    return EventStream(_events(states, _WithTiles(operations)), headers=_HEADERS)
 
 
-async def _events(states: AsyncGenerator[RenderView, None], with_id: bool = True) -> AsyncIterator[str]:
+class _WithTiles:
+    """A state as an event, and another one for the tiles that changed with it."""
+
+    def __init__(self, operations: Operations) -> None:
+        self._operations = operations
+        self._known: dict[str, int] = {}
+
+    async def __call__(self, render: RenderView) -> str:
+        since = self._known.get(render.id, 0)
+        self._known[render.id] = render.sequence
+        tiles = await self._operations.changed_tiles(render.id, since)
+        text = await _plain(render)
+        if not tiles:
+            return text
+        data = {"render": render.id, "revision": render.sequence, "tiles": tiles}
+        return f"{text}event: tiles\ndata: {json.dumps(data)}\n\n"
+
+
+async def _plain(render: RenderView) -> str:
+    return f"event: render\ndata: {render.model_dump_json()}\n\n"
+
+
+async def _numbered(render: RenderView) -> str:
+    return f"id: {render.sequence}\n{await _plain(render)}"
+
+
+async def _events(
+    states: AsyncGenerator[RenderView, None], event: Callable[[RenderView], Awaitable[str]]
+) -> AsyncIterator[str]:
     """`states` as events, with a comment whenever nothing was sent for KEEP_ALIVE_S."""
     waiting: asyncio.Future[RenderView] | None = None
     try:
@@ -64,14 +108,9 @@ async def _events(states: AsyncGenerator[RenderView, None], with_id: bool = True
                 yield f": {error}\n\n"
                 return
             waiting = None
-            yield _event(render, with_id)
+            yield await event(render)
     finally:
         if waiting is not None:
             waiting.cancel()
             await asyncio.wait({waiting})
         await states.aclose()
-
-
-def _event(render: RenderView, with_id: bool) -> str:
-    name = f"id: {render.sequence}\n" if with_id else ""
-    return f"{name}event: render\ndata: {render.model_dump_json()}\n\n"

@@ -1,10 +1,13 @@
 """Previews and images, with ETags."""
 
-from fastapi import APIRouter, Request
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request
 from starlette.responses import Response, StreamingResponse
 
 from nocturne_api.open_file import OpenFile
 from nocturne_api.rest.access import Service
+from nocturne_api.tiles import MEDIA_TYPE, Cursor
 
 router = APIRouter(prefix="/v1/renders", tags=["images"])
 
@@ -13,6 +16,30 @@ router = APIRouter(prefix="/v1/renders", tags=["images"])
 async def preview(render_id: str, request: Request, operations: Service) -> Response:
     """The tone-mapped PNG of what is merged now."""
     return _answer(request, await operations.open_preview(render_id), "image/png")
+
+
+@router.get("/{render_id}/thumbnail.png", response_class=Response)
+async def thumbnail(render_id: str, request: Request, operations: Service) -> Response:
+    """The preview in small, for lists."""
+    return _answer(request, await operations.open_thumbnail(render_id), "image/png")
+
+
+@router.get("/{render_id}/tiles", response_class=Response)
+async def tiles(
+    render_id: str,
+    request: Request,
+    operations: Service,
+    since: Annotated[str, Query(description="ETag of the answer before, without its quotes.")] = "",
+) -> Response:
+    """Tiles whose samples changed since an earlier answer, as floats; about 4 MiB at once.
+
+    The layout is in docs/api.md. 304 where If-None-Match is `since` and nothing changed.
+    """
+    found = await operations.tiles(render_id, Cursor.of(since))
+    headers = {"ETag": f'"{found.end}"', "Cache-Control": "no-store"}
+    if str(found.end) == since and _is_known(request.headers.get("if-none-match", ""), headers["ETag"]):
+        return Response(status_code=304, headers=headers)
+    return Response(found.content, headers=headers, media_type=MEDIA_TYPE)
 
 
 @router.get("/{render_id}/image.exr", response_class=Response)

@@ -3,13 +3,14 @@
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
+from nocturne_coordinator.region import Region
 from pydantic import BaseModel, ConfigDict, Field
 
 from nocturne_api.intake import CreateRequest
 from nocturne_api.limits import CREATE_BODY_BYTES, SMALL_BODY_BYTES
 from nocturne_api.rest.access import Service
 from nocturne_api.rest.bodies import read_json
-from nocturne_api.views import ConvergenceView, ExplanationView, PageView, RenderView
+from nocturne_api.views import AtWorkView, ConvergenceView, ExplanationView, PageView, RenderView
 
 router = APIRouter(prefix="/v1/renders", tags=["renders"])
 
@@ -52,6 +53,15 @@ class PriorityBody(ActBody):
     """The render's weight among those of its owner."""
 
     priority: int = Field(description="1 to 1000.")
+
+
+class LookFirstBody(ActBody):
+    """A part of the film, in pixels from its upper left corner; width and height 0: all parts are alike."""
+
+    x: int = 0
+    y: int = 0
+    width: int = 0
+    height: int = 0
 
 
 class ReplayBody(BaseModel):
@@ -126,6 +136,14 @@ async def set_priority(render_id: str, request: Request, operations: Service) ->
     return await operations.set_priority(render_id, body.priority)
 
 
+@router.post("/{render_id}:lookFirst", openapi_extra=body_of(LookFirstBody))
+async def look_first(render_id: str, request: Request, operations: Service) -> RenderView:
+    """Which part of the film gets its samples first; the finished image has the same bits with or without."""
+    body = await read_json(request, LookFirstBody, SMALL_BODY_BYTES)
+    region = Region(body.x, body.y, body.width, body.height)
+    return await operations.look_first(render_id, region if region.width or region.height else None)
+
+
 @router.post("/{render_id}:replay", status_code=201, openapi_extra=body_of(ReplayBody))
 async def replay_render(render_id: str, request: Request, operations: Service) -> RenderView:
     """A new render with the samples per tile that this one has now: its image has the same bits."""
@@ -137,6 +155,12 @@ async def replay_render(render_id: str, request: Request, operations: Service) -
 async def why(render_id: str, operations: Service) -> ExplanationView:
     """What the render waits for, in one sentence."""
     return await operations.explain(render_id)
+
+
+@router.get("/{render_id}/at-work")
+async def at_work(render_id: str, operations: Service) -> AtWorkView:
+    """Which tiles are being traced, and by whom."""
+    return await operations.at_work(render_id)
 
 
 @router.get("/{render_id}/convergence")

@@ -4,7 +4,7 @@ from fastapi import APIRouter
 from starlette.responses import Response
 
 from nocturne_api.rest.access import Service
-from nocturne_api.views import WorkersView
+from nocturne_api.views import WorkerHistoryView, WorkersView
 
 router = APIRouter(prefix="/v1", tags=["workers"])
 
@@ -13,6 +13,12 @@ router = APIRouter(prefix="/v1", tags=["workers"])
 async def workers(operations: Service) -> WorkersView:
     """The workers heard of in the last ten seconds."""
     return WorkersView(workers=await operations.workers())
+
+
+@router.get("/workers/history")
+async def worker_history(operations: Service) -> WorkerHistoryView:
+    """Who joined, left or was put in quarantine lately, and what all workers did, minute by minute."""
+    return await operations.worker_history()
 
 
 @router.post("/workers/{worker_id}:release", status_code=204, response_class=Response)

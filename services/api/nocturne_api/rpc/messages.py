@@ -7,11 +7,13 @@ from nocturne_api.views import AssetView, ConvergenceView, RenderView, WebhookVi
 
 def render_message(view: RenderView) -> render_service_pb2.Render:
     """A render; the view's fields have the message's names."""
-    fields = view.model_dump(exclude={"state", "progress", "stop"})
+    fields = view.model_dump(exclude={"state", "progress", "stop", "look_first"})
+    region = None if view.look_first is None else render_service_pb2.Region(**view.look_first.model_dump())
     return render_service_pb2.Render(
         state=render_service_pb2.RenderState.Value(f"RENDER_STATE_{view.state}"),
         progress=render_service_pb2.Progress(**view.progress.model_dump()),
         stop=render_service_pb2.StopConditions(**view.stop.model_dump()),
+        look_first=region,
         **fields,
     )
 

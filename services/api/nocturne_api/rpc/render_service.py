@@ -9,6 +9,7 @@ import grpc
 from nocturne.v1 import render_service_pb2 as pb
 from nocturne.v1 import render_service_pb2_grpc
 from nocturne_coordinator.errors import InputError
+from nocturne_coordinator.region import Region
 from nocturne_coordinator.scene.json_text import decode_json
 
 from nocturne_api.intake import CreateRequest
@@ -79,6 +80,13 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
     async def SetPriority(self, request: pb.SetPriorityRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
             return render_message(await self._operations.set_priority(request.id, request.priority))
+
+    async def LookFirst(self, request: pb.LookFirstRequest, context: Context) -> pb.Render:  # noqa: N802
+        async with Answering(context):
+            asked = request.region
+            region = Region(asked.x, asked.y, asked.width, asked.height)
+            wanted = region if request.HasField("region") else None
+            return render_message(await self._operations.look_first(request.id, wanted))
 
     async def ReplayRender(self, request: pb.ReplayRenderRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):

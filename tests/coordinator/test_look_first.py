@@ -1,0 +1,63 @@
+"""A part of the film that goes first: which tiles it has, and what is published then."""
+
+import pytest
+from nocturne_coordinator.errors import InputError
+from nocturne_coordinator.plan import TileGrid
+from nocturne_coordinator.region import Region
+from nocturne_coordinator.schedule import Schedule
+
+GRID = TileGrid(100, 70, 32)
+"""Four columns, three rows."""
+
+
+@pytest.mark.parametrize(
+    ("region", "tiles"),
+    [
+        (Region(0, 0, 1, 1), {0}),
+        (Region(31, 31, 2, 2), {0, 1, 4, 5}),
+        (Region(64, 32, 32, 32), {6}),
+        (Region(99, 69, 1, 1), {11}),
+        (Region(0, 0, 100, 70), set(range(12))),
+    ],
+)
+def test_tiles_of_a_region(region: Region, tiles: set[int]) -> None:
+    assert region.tiles(GRID) == tiles
+    assert Region.from_json(region.to_json()) == region
+
+
+@pytest.mark.parametrize(
+    "region", [Region(0, 0, 0, 1), Region(-1, 0, 2, 2), Region(0, 0, 101, 1), Region(99, 69, 1, 2)]
+)
+def test_a_region_outside_the_film(region: Region) -> None:
+    with pytest.raises(InputError):
+        region.check(100, 70)
+
+
+def _taken(schedule: Schedule, count: int) -> list[tuple[int, int]]:
+    """Range and tile of the jobs, which are published."""
+    found = []
+    for key in schedule.take(count):
+        schedule.published(key, b"%d-%d" % (key.range_index, key.tile_index), 0.0)
+        found.append((key.range_index, key.tile_index))
+    return found
+
+
+def test_the_whole_frame_once_and_then_what_was_asked_for() -> None:
+    schedule = Schedule()
+    schedule.add("a", 3, [0] * 4)
+    schedule.set_first("a", frozenset({2}))
+    assert _taken(schedule, 8) == [(0, 0), (0, 1), (0, 2), (0, 3), (1, 2), (2, 2), (1, 0), (1, 1)]
+
+
+def test_asking_in_the_middle_and_taking_it_back() -> None:
+    """Nothing is lost and nothing comes twice, whenever the wish changes."""
+    schedule = Schedule()
+    schedule.add("a", 3, [0] * 4)
+    taken = _taken(schedule, 5)
+    schedule.set_first("a", frozenset({3}))
+    taken += _taken(schedule, 2)
+    assert taken[-2:] == [(1, 3), (2, 3)]
+    schedule.set_first("a", frozenset())
+    taken += _taken(schedule, 20)
+    assert sorted(taken) == [(index, tile) for index in range(3) for tile in range(4)]
+    assert taken[7] == (1, 1)

@@ -1,0 +1,57 @@
+"""Who joined and left, and what all workers did, as the data folder keeps it."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from nocturne_coordinator.data_folder import DataFolder, WorkerRow
+from nocturne_coordinator.store.ledger import Ledger
+from nocturne_coordinator.store.ownership import Ownership
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Iterator[DataFolder]:
+    folder = DataFolder(tmp_path)
+    yield folder
+    folder.close()
+
+
+@pytest.fixture
+def ledger(folder: DataFolder) -> Iterator[Ledger]:
+    ownership = Ownership(folder.root, folder.database)
+    yield Ledger(folder.database, ownership)
+    ownership.release()
+
+
+def _worker(name: str, rate: float = 5.0) -> WorkerRow:
+    return WorkerRow(name, 1, 2, 0, 0, rate, 0, 0.0, 0.0)
+
+
+def test_who_came_and_went(folder: DataFolder, ledger: Ledger) -> None:
+    ledger.mirror_workers([_worker("a"), _worker("b")], [("r", 3, "b")], 1.0)
+    assert folder.at_work("r") == [(3, "b")]
+    ledger.mirror_workers([_worker("b")], [], 2.0)
+    ledger.quarantine("b", "lies", 3.0)
+    ledger.quarantine("b", "lies again", 4.0)
+    folder.release_worker("b")
+    events, _ = folder.worker_history(10)
+    told = [(event.worker_id, event.what, event.reason) for event in reversed(events)]
+    assert told == [
+        ("a", "joined", ""),
+        ("b", "joined", ""),
+        ("a", "left", ""),
+        ("b", "quarantined", "lies"),
+        ("b", "released", ""),
+    ]
+    assert folder.at_work("r") == []
+
+
+def test_rates_are_kept_by_the_minute_for_two_days(folder: DataFolder, ledger: Ledger) -> None:
+    for second in (0.0, 30.0, 61.0, 100.0, 130.0, 61.0 + 2 * 86400.0):
+        ledger.mirror_workers([_worker("a", second), _worker("b", 1.0)], [], second)
+    _, rates = folder.worker_history(1)
+    assert [(rate.unix_time, rate.threads, rate.photons_per_second) for rate in rates] == [
+        (61.0, 4, 62.0),
+        (130.0, 4, 131.0),
+        (61.0 + 2 * 86400.0, 4, 62.0 + 2 * 86400.0),
+    ]
