@@ -17,7 +17,7 @@ WEB_SOURCES := $(shell find services/web/src services/web/public -type f 2>/dev/
 CPP_SOURCES := $(shell find worker tests/worker bench -name '*.cpp' -o -name '*.h' 2>/dev/null)
 STAMPS := build/stamps
 
-.PHONY: help packages venv proto web worker build demo stop test check format unit system soak fuzz references peers stability sanitize bench lock docs clean
+.PHONY: help packages venv proto web worker build demo stop test check format unit system screenshots soak fuzz references peers stability sanitize bench lock docs clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -82,6 +82,9 @@ unit: build  ## Tests of single parts: C++, Python, page
 
 system: build  ## Tests of the whole: service, workers, browser, images
 	pytest -m "system and not soak"
+
+screenshots: build  ## Pictures of the page for docs/page.md, by its test
+	NOCTURNE_SCREENSHOTS=$(CURDIR)/docs/images/page pytest tests/web
 
 soak: build  ## Faults in random composition and every interleaving, for SOAK_SECONDS (default 600) and more
 	pytest -m soak

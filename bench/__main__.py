@@ -6,7 +6,7 @@ import sys
 
 from nocturne_client.errors import NocturneClientError
 
-from bench import choices, media, mixture, peers, sampling, service, traversal
+from bench import choices, media, mixture, peers, sampling, service, traversal, watchers
 from bench.machine import load_average
 from bench.report import Bench, Figures, Skipped, keep
 
@@ -18,6 +18,7 @@ BENCHES: dict[str, Bench] = {
     "choices": choices,
     "media": media,
     "peers": peers,
+    "watchers": watchers,
 }
 
 

@@ -192,7 +192,9 @@ def write_thumbnail(path: Path, sums: Sums, counts: Counts) -> None:
     rows, columns = min(size, counts.shape[0]), min(size, counts.shape[1])
     area = (slice(height * rows), slice(width * columns))
     squares = (height, rows, width, columns)
-    small = sums[area][..., :XYZ_SUMS].reshape(*squares, XYZ_SUMS).sum(axis=(1, 3))
+    # Rows first: whole lines of memory are added, which is several times faster than both axes at once.
+    lines = sums[area].reshape(height, rows, -1).sum(axis=1)
+    small = lines.reshape(height, width, columns, -1)[..., :XYZ_SUMS].sum(axis=2)
     number = counts[area].reshape(squares).sum(axis=(1, 3), dtype=np.uint32)
     write_preview(path, small, number, FINAL_COMPRESSION)
 

@@ -41,6 +41,9 @@ class Pictures:
             if now >= render.next_preview:
                 took = _time_of(lambda render=render: self._preview(render))  # type: ignore[misc]
                 render.next_preview = now + max(_PREVIEW_SECONDS, took / _PREVIEW_SHARE)
+            if now >= render.next_figures:
+                took = _time_of(lambda render=render: self._figures(render))  # type: ignore[misc]
+                render.next_figures = now + max(_PREVIEW_SECONDS, took / _PREVIEW_SHARE)
             if now >= render.next_image:
                 took = _time_of(lambda render=render: self._image(render))  # type: ignore[misc]
                 render.next_image = now + max(_IMAGE_SECONDS, took / _IMAGE_SHARE)
@@ -49,6 +52,7 @@ class Pictures:
         """The last preview and image of a render, of all that is committed."""
         self._image(render)
         self._preview(render, FINAL_COMPRESSION)
+        self._figures(render)
 
     def finish_ended(self) -> None:
         """Final images of renders that were cancelled or failed, from what was committed."""
@@ -69,6 +73,9 @@ class Pictures:
     def _preview(self, render: RunningRender, compression: int = LIVE_COMPRESSION) -> None:
         with self._in_place(render, self._folder.preview_path(render.id)) as path:
             write_preview(path, render.film.sums, render.film.counts, compression)
+
+    def _figures(self, render: RunningRender) -> None:
+        """The error and a small picture, which cost less than a preview; tells watchers of all of them."""
         with self._in_place(render, self._folder.thumbnail_path(render.id)) as path:
             write_thumbnail(path, render.film.sums, render.film.counts)
         point, in_history = render.error_point(time.time())

@@ -44,6 +44,7 @@ class RunningRender:
         self.relative_error = 0.0
         """At the last preview; 0: unknown."""
         self.next_preview = 0.0
+        self.next_figures = 0.0
         self.next_image = 0.0
         self.pictured_photons = 0
         self._dirty: set[int] = set()

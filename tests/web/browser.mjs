@@ -1,20 +1,27 @@
 /** Debian's Chromium, driven by the playwright-core that the page's lock file names. */
+import assert from "node:assert/strict";
+import { mkdirSync, writeFileSync } from "node:fs";
+import { cpus, loadavg } from "node:os";
 import { createRequire } from "node:module";
+import { join } from "node:path";
 
 const require = createRequire(new URL("../../services/web/package.json", import.meta.url));
 const { chromium } = require("playwright-core");
-
-export const axeSource = require("axe-core").source;
+const axeSource = require("axe-core").source;
 
 export const desktop = { width: 1000, height: 700 };
 export const phone = { width: 390, height: 844 };
+
+/** Promises about time hold on a machine that does nothing else; elsewhere what was measured is only told. */
+export const quiet = () => loadavg()[0] < cpus().length + 1;
 
 export function launch() {
   return chromium.launch({
     executablePath: process.env.NOCTURNE_CHROMIUM ?? "/usr/bin/chromium",
     args: [
       "--no-sandbox",
-      "--disable-gpu",
+      "--use-angle=swiftshader",
+      "--enable-unsafe-swiftshader",
       "--disable-quic",
       "--no-first-run",
       "--disable-background-networking",
@@ -28,6 +35,7 @@ export function launch() {
 export async function openPage(browser) {
   const context = await browser.newContext({ viewport: desktop });
   const page = await context.newPage();
+  page.setDefaultTimeout(60_000);
   const faults = [];
   page.on("pageerror", (error) => faults.push(error.message));
   page.on("console", (message) => {
@@ -36,14 +44,77 @@ export async function openPage(browser) {
   return { page, faults, close: () => context.close() };
 }
 
-/** Mean and spread of the canvas's colour values, 0 to 255. */
+/** Mean and spread of the image's colour values as they are on the canvas, 0 to 255, over 100 x 100 in its middle. */
 export function canvasStatistics(page) {
-  return page.evaluate(() => {
-    const canvas = document.querySelector("canvas[role=img]");
-    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-    const values = data.filter((_, index) => index % 4 !== 3);
+  return page.evaluate(async () => {
+    const canvas = document.querySelector(".frame canvas");
+    await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+    const copy = document.createElement("canvas");
+    const [width, height] = [100, 100];
+    [copy.width, copy.height] = [width, height];
+    const context = copy.getContext("2d", { willReadFrequently: true });
+    context.drawImage(canvas, (canvas.width - width) >> 1, (canvas.height - height) >> 1, width, height, 0, 0, width, height);
+    const values = context.getImageData(0, 0, copy.width, copy.height).data.filter((_, index) => index % 4 !== 3);
     const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
     const variance = values.reduce((sum, value) => sum + (value - mean) ** 2, 0) / values.length;
-    return { mean, spread: Math.sqrt(variance), width: canvas.width, height: canvas.height };
+    return { mean, spread: Math.sqrt(variance) };
   });
+}
+
+/** Waits until tiles came `count` more times. */
+export async function nextUpdates(page, count, patience_ms = 60_000) {
+  const updates = () => page.evaluate(() => Number(document.querySelector(".frame canvas")?.dataset.updates ?? 0));
+  const goal = (await updates()) + count;
+  const deadline = Date.now() + patience_ms;
+  while ((await updates()) < goal) {
+    assert.ok(Date.now() < deadline, `the image did not change ${count} more times within ${patience_ms} ms`);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+}
+
+const looks = [
+  { name: "light", colorScheme: "light", viewport: desktop, rules: undefined },
+  // Only colours differ.
+  { name: "dark", colorScheme: "dark", viewport: desktop, rules: ["color-contrast"] },
+  { name: "phone", colorScheme: "dark", viewport: phone, rules: [] },
+];
+
+/** Looks right to a machine: nothing wider than the window, no serious fault that axe knows. Keeps pictures for docs/page.md. */
+export async function checkLooks(page, name, folder) {
+  mkdirSync(folder, { recursive: true });
+  for (const look of looks) {
+    await page.emulateMedia({ colorScheme: look.colorScheme });
+    await page.setViewportSize(look.viewport);
+    await page.waitForTimeout(150);
+    if (look.name === "light" || name === "render") writeFileSync(join(folder, `${name}-${look.name}.webp`), await webp(page));
+    const excess = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+    assert.equal(excess, 0, `${name} is ${excess} px wider than the window: ${look.name}`);
+    assert.deepEqual(await accessibilityFaults(page, look.rules), [], `${name}, ${look.name}`);
+  }
+  await page.emulateMedia({ colorScheme: "light" });
+  await page.setViewportSize(desktop);
+}
+
+/** The browser makes it small: pictures stand in the repository. */
+async function webp(page) {
+  const png = await page.screenshot({ fullPage: true });
+  const base64 = await page.evaluate(async (text) => {
+    const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes]));
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [bitmap.width, bitmap.height];
+    canvas.getContext("2d").drawImage(bitmap, 0, 0);
+    return canvas.toDataURL("image/webp", 0.8).split(",")[1];
+  }, png.toString("base64"));
+  return Buffer.from(base64, "base64");
+}
+
+/** `rules`: which of axe's; undefined: all. */
+async function accessibilityFaults(page, rules) {
+  if (rules?.length === 0) return [];
+  await page.evaluate(axeSource);
+  const { violations } = await page.evaluate((only) => globalThis.axe.run(only ? { runOnly: { type: "rule", values: only } } : {}), rules);
+  return violations
+    .filter(({ impact }) => impact === "serious" || impact === "critical")
+    .map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html).join(", ")}`);
 }

@@ -1,36 +1,63 @@
 """The page in Debian's Chromium, against the real service with real workers."""
 
+import gzip
+import io
 import json
 import os
+import secrets
 import subprocess
-import uuid
+import sys
+import zipfile
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Protocol
+from typing import Any
 
 import httpx
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
+from nocturne_coordinator.data_folder import DataFolder
+
+from tests.system.free_ports import free_port_pair
+from tests.system.program import Program
+from tests.system.up import Up
+from tests.system.waiting import wait_for
 
 ROOT = Path(__file__).parents[2]
 NODE = ROOT / ".venv" / "bin" / "node"
-TIMEOUT_S = 180
+DIST = ROOT / "services/web/dist"
+TIMEOUT_S = 240
+PIXEL = (70, 90)
+
+ONE_LAMP: dict[str, Any] = {
+    "nocturne": 1,
+    "name": "4K",
+    "sensor": {
+        "type": "pinhole",
+        "position": [0, 0, 4],
+        "look_at": [0, 0, 0],
+        "up": [0, 1, 0],
+        "vertical_field_of_view_degrees": 40,
+    },
+    "surfaces": [
+        {
+            "shape": {"type": "quad", "corner": [-1, -1, 0], "edge_u": [2, 0, 0], "edge_v": [0, 2, 0]},
+            "kernel": {"type": "lambertian", "reflectance": 0.0},
+            "luminaire": {"radiance": {"blackbody": 3000}},
+        }
+    ],
+}
+"""A photon of it ends at its first hit: a large film is there soon."""
 
 
-class Service(Protocol):
-    """What the fixture `running_service` yields."""
-
-    url: str
-    data: Path
-
-
-def submit_cornell(url: str, samples: int) -> str:
-    """Submits the Cornell box, 128 x 128, and returns the render's id."""
-    scene = json.loads((ROOT / "scenes" / "cornell" / "scene.json").read_text())
+def submit(url: str, scene: dict[str, Any], film: tuple[int, int], samples: int) -> str:
+    """Submits a scene; gives the render's id."""
     body = {
-        "request_id": str(uuid.uuid4()),
-        "name": "cornell",
+        "request_id": secrets.token_hex(8),
+        "name": scene.get("name", "scene"),
         "scene": scene,
-        "width": 128,
-        "height": 128,
+        "width": film[0],
+        "height": film[1],
         "samples": samples,
     }
     response = httpx.post(f"{url}/v1/renders", json=body, timeout=30)
@@ -38,23 +65,100 @@ def submit_cornell(url: str, samples: int) -> str:
     return str(response.json()["id"])
 
 
+def has_ended(url: str, render_id: str) -> bool:
+    return str(httpx.get(f"{url}/v1/renders/{render_id}").json()["state"]) == "SUCCEEDED"
+
+
+@pytest.fixture
+def guarded_url(running_service: Up, tmp_path: Path) -> Iterator[str]:
+    """Another API on the same data folder, which asks for tokens."""
+    port = free_port_pair()
+    ports = ["--port", str(port), "--grpc-port", str(port + 1)]
+    command = [sys.executable, "-m", "nocturne_api.main", "--data", str(running_service.data), *ports]
+    api = Program([*command, "--web", str(DIST), "--auth"], tmp_path / "api.log")
+    api.start()
+    try:
+        url = f"http://127.0.0.1:{port}"
+        wait_for(lambda: _answers(url), "the API with tokens")
+        yield url
+    finally:
+        api.end()
+
+
+def _answers(url: str) -> bool:
+    try:
+        return httpx.get(f"{url}/readyz").status_code == 200
+    except httpx.TransportError:
+        return False
+
+
+def token(data: Path) -> str:
+    """One that may read."""
+    folder = DataFolder(data)
+    try:
+        return folder.tokens.create("visitor", ["read"])
+    finally:
+        folder.close()
+
+
+def archive_of(folder: Path, target: Path) -> Path:
+    """A ZIP of a scene's folder, as people make them."""
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+        for file in sorted(folder.rglob("*.json")):
+            archive.write(file, f"{folder.name}/{file.relative_to(folder)}")
+    return target
+
+
+def pixel_of(exr: Path) -> dict[str, Any]:
+    """One pixel's X, Y, Z and standard error, as another reader finds them."""
+    image = oiio.ImageBuf(str(exr))
+    channels = [image.spec().channelnames.index(name) for name in ("X", "Y", "Z", "Y.stderr")]
+    x, y = PIXEL
+    values = np.asarray(image.get_pixels(oiio.FLOAT))[y, x, channels]
+    return {"x": x, "y": y, "values": [float(value) for value in values]}
+
+
 @pytest.mark.system
-def test_page_shows_a_render_live(running_service: Service, tmp_path: Path) -> None:
-    assert (ROOT / "services/web/dist/index.html").is_file(), "run npm run build in services/web"
-    screenshots = Path(os.environ.get("NOCTURNE_SCREENSHOTS", tmp_path / "screenshots"))
-    environment = os.environ | {
-        "NOCTURNE_URL": running_service.url,
-        "NOCTURNE_RENDER": submit_cornell(running_service.url, samples=64),
-        "NOCTURNE_LONG_RENDER": submit_cornell(running_service.url, samples=1 << 20),
-        "NOCTURNE_SCREENSHOTS": str(screenshots),
+def test_the_page(running_service: Up, guarded_url: str, tmp_path: Path) -> None:
+    assert (DIST / "index.html").is_file(), "run npm run build in services/web"
+    url = running_service.url
+    cornell = json.loads((ROOT / "scenes" / "cornell" / "scene.json").read_text())
+    small, other = (submit(url, cornell, (128, 128), samples) for samples in (64, 16))
+    wait_for(lambda: has_ended(url, small) and has_ended(url, other), "two renders to end", 60)
+    exr = tmp_path / "small.exr"
+    exr.write_bytes(httpx.get(f"{url}/v1/renders/{small}/image.exr").content)
+    given = {
+        "url": url,
+        "api_pid": running_service.children()["api"],
+        "auth_url": guarded_url,
+        "token": token(running_service.data),
+        "small": small,
+        "other": other,
+        "large": submit(url, ONE_LAMP, (3840, 2160), 1),
+        "exr": str(exr),
+        "pixel": pixel_of(exr),
+        "archive": str(archive_of(ROOT / "scenes" / "cornell", tmp_path / "cornell.zip")),
+        "screenshots": os.environ.get("NOCTURNE_SCREENSHOTS", str(tmp_path / "screenshots")),
     }
     result = subprocess.run(
         [NODE, ROOT / "tests/web/page.e2e.mjs"],
-        env=environment,
+        env=os.environ | {"NOCTURNE_E2E": json.dumps(given)},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
         timeout=TIMEOUT_S,
         check=False,
     )
+    print(result.stdout)  # noqa: T201 - what was measured
     assert result.returncode == 0, result.stdout
+
+
+def test_the_script_is_small() -> None:
+    """What a first visit fetches, as a proxy would compress it."""
+    total = 0
+    for script in (DIST / "assets").glob("*.js"):
+        packed = io.BytesIO()
+        with gzip.GzipFile(fileobj=packed, mode="wb", mtime=0) as file:
+            file.write(script.read_bytes())
+        total += len(packed.getvalue())
+    assert 10_000 < total < 300_000

@@ -19,6 +19,7 @@ from nocturne_client.errors import NocturneClientError, NotReachedError, Problem
 from nocturne_client.events import data_of
 from nocturne_client.models import Render, Webhook, Worker
 from nocturne_client.scene_files import digest, read_scene
+from nocturne_client.tiles import TileAnswer, decode_tiles
 
 DEFAULT_URL = "http://127.0.0.1:7070"
 ImageKind = Literal["exr", "png"]
@@ -163,6 +164,11 @@ class Client:
     def workers(self) -> Sequence[Worker]:
         """The workers heard of in the last ten seconds."""
         return [Worker.from_json(each) for each in self._json("GET", "/v1/workers")["workers"]]
+
+    def tiles(self, render_id: str, since: str = "") -> TileAnswer:
+        """What of the image changed since an earlier answer's cursor, as floats; about 4 MiB at once."""
+        call = partial(self._call, "GET", f"/v1/renders/{_part(render_id)}/tiles", params={"since": since})
+        return decode_tiles(self._retrying(call).content)
 
     def create_webhook(self, url: str) -> Webhook:
         """Tells `url` how this caller's renders end; the only answer that has the secret."""

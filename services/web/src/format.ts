@@ -16,6 +16,14 @@ export function formatCount(value: number): string {
   return power === 0 ? text : `${text}\u00a0${prefixes[power] ?? ""}`;
 }
 
+/** A measured number with some significant digits, as people write it: 0.01234, 12.34, 1.234e7. */
+export function formatValue(value: number, digits = 5): string {
+  if (!Number.isFinite(value)) return "–";
+  const size = Math.abs(value);
+  if (size !== 0 && (size < 1e-3 || size >= 1e7)) return value.toExponential(digits - 1).replace("e+", "e");
+  return size < 10 ** (digits - 1) ? value.toPrecision(digits) : `${Number(value.toPrecision(digits))}`;
+}
+
 /** A relative error as percent with two significant digits; 0 means unknown. */
 export function formatRelativeError(value: number): string {
   return value > 0 && Number.isFinite(value) ? `${significant(100 * value, 2)}\u00a0%` : "–";

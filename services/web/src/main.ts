@@ -1,16 +1,24 @@
 /** Starts the page: one store of renders, one view at a time by the address. */
 import { element, required, setText } from "./dom.ts";
+import { getSession, signOut } from "./service/client.ts";
 import { parseRoute } from "./router.ts";
 import { Renders } from "./service/renders.ts";
 import "./style/page.css";
 import "./style/list.css";
 import "./style/render.css";
+import "./style/viewer.css";
+import "./style/submit.css";
 import { listView } from "./views/list_view.ts";
+import { compareView } from "./views/compare_view.ts";
 import { renderView } from "./views/render_view.ts";
+import { signInTitle, signInView } from "./views/sign_in_view.ts";
+import { speedView } from "./views/speed_view.ts";
 import type { View } from "./views/view.ts";
+import { workersView } from "./views/workers_view.ts";
 
 const renders = new Renders();
 let current: View | undefined;
+let signingIn = false;
 
 function viewOf(hash: string): View {
   const route = parseRoute(hash);
@@ -21,6 +29,12 @@ function viewOf(hash: string): View {
       return renderView(route.id, renders);
     case "unknown":
       return notFound();
+    case "compare":
+      return compareView(route.first, route.second, renders);
+    case "workers":
+      return workersView();
+    case "speed":
+      return speedView(renders);
   }
 }
 
@@ -30,19 +44,31 @@ function notFound(): View {
   return { node, title: "Not found", close: () => undefined };
 }
 
+/** What the address asks for. */
 function open(): View {
+  return openView(viewOf(location.hash));
+}
+
+function openView(view: View): View {
   current?.close();
-  const view = viewOf(location.hash);
+  signingIn = view.title === signInTitle;
   document.title = `${view.title} – Nocturne`;
   required("content").replaceChildren(view.node);
   return view;
 }
 
+function signedIn(): void {
+  required("sign-out").hidden = false;
+  current = open();
+  renders.start();
+}
+
 function showConnection(): void {
-  const words = { connecting: "Connecting…", live: "Live", reconnecting: "Connection lost, reconnecting…" };
+  const words = { connecting: "Connecting…", live: "Live", reconnecting: "Connection lost, reconnecting…", "signed out": "Not signed in" };
   const node = required("connection");
   node.dataset.connection = renders.connection;
   setText(node, words[renders.connection]);
+  if (renders.connection === "signed out" && !signingIn) current = openView(signInView(signedIn));
 }
 
 window.addEventListener("hashchange", () => {
@@ -55,6 +81,9 @@ document.querySelector(".skip")?.addEventListener("click", (event) => {
   event.preventDefault();
   required("content").focus();
 });
+required("sign-out").addEventListener("click", () => void signOut().then(() => { location.reload(); }));
+// Who has a name came with a token.
+getSession().then(({ name }) => { required("sign-out").hidden = name === ""; }, () => undefined);
 renders.subscribe(showConnection);
 showConnection();
 current = open();

@@ -1,16 +1,37 @@
-/** Addresses after the hash, so that the server needs no rewrites: #/ and #/renders/ID. */
+/** Addresses after the hash, so that the server needs no rewrites: #/, #/renders/ID, #/compare/ID[/ID], #/workers, #/speed. */
 
-export type Route = { page: "list" } | { page: "render"; id: string } | { page: "unknown" };
+export type Route =
+  | { page: "list" }
+  | { page: "render"; id: string }
+  | { page: "compare"; first: string; second: string | undefined }
+  | { page: "workers" }
+  | { page: "speed" }
+  | { page: "unknown" };
+
+const fixedRoutes: Partial<Record<string, Route>> = {
+  "": { page: "list" },
+  "#": { page: "list" },
+  "#/": { page: "list" },
+  "#/workers": { page: "workers" },
+  "#/speed": { page: "speed" },
+};
 
 export function parseRoute(hash: string): Route {
-  if (hash === "" || hash === "#" || hash === "#/") return { page: "list" };
-  const id = /^#\/renders\/([^/]+)$/.exec(hash)?.[1];
-  if (id === undefined) return { page: "unknown" };
+  const fixed = fixedRoutes[hash];
+  if (fixed) return fixed;
+  const [, page, first, second] = /^#\/(renders|compare)\/([^/]+)(?:\/([^/]+))?$/.exec(hash) ?? [];
+  if (first === undefined) return { page: "unknown" };
   try {
-    return { page: "render", id: decodeURIComponent(id) };
+    if (page === "compare") return { page, first: decodeURIComponent(first), second: second && decodeURIComponent(second) };
+    return second === undefined ? { page: "render", id: decodeURIComponent(first) } : { page: "unknown" };
   } catch {
     return { page: "unknown" };
   }
+}
+
+/** `second`: a render; without it, one is chosen or a file is opened there. */
+export function compareRoute(first: string, second?: string): string {
+  return `#/compare/${encodeURIComponent(first)}${second === undefined ? "" : `/${encodeURIComponent(second)}`}`;
 }
 
 export function renderRoute(id: string): string {

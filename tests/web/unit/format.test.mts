@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { formatCount, formatDuration, formatRelativeError, formatSamples, formatStops } from "../../../services/web/src/format.ts";
+import { formatCount, formatDuration, formatRelativeError, formatSamples, formatStops, formatValue } from "../../../services/web/src/format.ts";
 
 const cases: [string, string][] = [
   [formatCount(0), "0"],
@@ -19,6 +19,12 @@ const cases: [string, string][] = [
   [formatDuration(59.9), "59 s"],
   [formatDuration(185), "3 min 05 s"],
   [formatDuration(7621), "2 h 07 min"],
+  [formatValue(3663.4, 3), "3660"],
+  [formatValue(0.0123456), "0.012346"],
+  [formatValue(12.3456789), "12.346"],
+  [formatValue(1.5e-7, 3), "1.50e-7"],
+  [formatValue(12_345_678), "1.2346e7"],
+  [formatValue(NaN), "–"],
   [formatStops(1.5), "+1.5 EV"],
   [formatStops(-2), "−2.0 EV"],
 ];

@@ -8,6 +8,8 @@ const point = (time_s: number, relative_error: number): ErrorPoint => ({
   photons: 1000 * time_s,
   samples: 10 * time_s,
   relative_error,
+  worst_share: 0,
+  effective_pixels: 0,
 });
 
 test("the guide is the error itself where that falls as 1/sqrt(N)", () => {
@@ -15,7 +17,7 @@ test("the guide is the error itself where that falls as 1/sqrt(N)", () => {
   for (const abscissa of ["time", "photons"] as const) {
     const { error, guide } = toCurve(points, abscissa);
     guide.forEach((value, index) => {
-      assert.ok(Math.abs(value - (error[index] ?? NaN)) < 1e-12);
+      assert.ok(Math.abs((value ?? NaN) - (error[index] ?? NaN)) < 1e-12);
     });
   }
 });

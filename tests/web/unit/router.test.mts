@@ -1,9 +1,14 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { parseRoute, renderRoute } from "../../../services/web/src/router.ts";
+import { compareRoute, parseRoute, renderRoute } from "../../../services/web/src/router.ts";
 
 test("a render's address is read back", () => {
   assert.deepEqual(parseRoute(renderRoute("a/b c")), { page: "render", id: "a/b c" });
+});
+
+test("a comparison's address is read back, with and without a second", () => {
+  assert.deepEqual(parseRoute(compareRoute("a/b", "c d")), { page: "compare", first: "a/b", second: "c d" });
+  assert.deepEqual(parseRoute(compareRoute("a")), { page: "compare", first: "a", second: undefined });
 });
 
 test("the start is the list, all else is unknown", () => {

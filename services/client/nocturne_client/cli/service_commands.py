@@ -1,5 +1,7 @@
 """Commands that talk to a service."""
 
+import sys
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated
 
@@ -15,8 +17,10 @@ from nocturne_client.cli.output import (
     print_workers,
 )
 from nocturne_client.cli.stops import Cpu, Error, For, Stops, TileError, Until
-from nocturne_client.cli.watching import follow
+from nocturne_client.cli.watching import about, follow, graphics_wanted
 from nocturne_client.client import Client
+from nocturne_client.preview.sinks import Sink, TerminalSink, TevSink
+from nocturne_client.preview.tev import Tev
 
 RenderId = Annotated[str, typer.Argument(metavar="ID", help="Id of a render, as printed by submit and list.")]
 ScenePath = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene document, JSON.")]
@@ -74,10 +78,27 @@ def submit(
         raise typer.Exit(status)
 
 
-def watch(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:
-    """Follow a render to its end."""
-    with Client(url) as client:
-        raise typer.Exit(follow(client.watch(render_id), as_json))
+def watch(
+    render_id: RenderId,
+    image: Annotated[
+        str,
+        typer.Option("--image", help="auto, none, kitty, iterm2 or sixel: what this terminal knows."),
+    ] = "auto",
+    tev: Annotated[
+        str, typer.Option("--tev", metavar="HOST[:PORT]", help="Send changed tiles to a running tev viewer.")
+    ] = "",
+    url: Url = None,
+    as_json: AsJson = False,
+) -> None:
+    """Follow a render to its end, with its picture in terminals that can show one."""
+    with Client(url) as client, ExitStack() as open_sinks:
+        sinks: list[Sink] = []
+        if tev:
+            sinks.append(TevSink(client, open_sinks.enter_context(Tev(tev))))
+        graphics = graphics_wanted(image, sys.stderr.isatty() and not as_json)
+        if graphics is not None:
+            sinks.append(TerminalSink(client, graphics, sys.stderr.buffer, about))
+        raise typer.Exit(follow(client.watch(render_id), as_json, sinks))
 
 
 def list_renders(

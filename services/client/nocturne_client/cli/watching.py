@@ -1,26 +1,59 @@
 """Follows a render on the terminal."""
 
-from collections.abc import Iterable
+import os
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
 
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
 from nocturne_client.cli.output import ERRORS, ExitStatus, duration, print_json
+from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Render
+from nocturne_client.preview.sinks import Sink, TerminalSink
+from nocturne_client.preview.terminal import Graphics, graphics_of
 
 
-def follow(states: Iterable[Render], as_json: bool) -> ExitStatus:
-    """Shows states until the render has ended: a progress bar, or one JSON object per line."""
+def follow(states: Iterable[Render], as_json: bool, sinks: Sequence[Sink] = ()) -> ExitStatus:
+    """Shows states until the render has ended: a progress bar, one JSON object per line, or a picture.
+
+    `sinks` get every state; one that is a terminal's takes the place of the bar.
+    """
     last: Render | None = None
+    states = _told(states, sinks)
     if as_json:
         for last in states:
             print_json(asdict(last))
+    elif any(isinstance(sink, TerminalSink) for sink in sinks):
+        last = next(iter(deque(states, maxlen=1)), None)
+        if last is not None:
+            ERRORS.print(escape(f"{last.id} {last.state} {last.reason}".strip()))
     else:
         last = _with_bar(states)
     if last is None or last.state in ("FAILED", "CANCELLED"):
         return ExitStatus.FAILED
     return ExitStatus.DEGRADED if last.state == "DEGRADED" else ExitStatus.OK
+
+
+def graphics_wanted(image: str, is_terminal: bool) -> Graphics | None:
+    """How to show images, from the option --image. Raises NocturneClientError for an unknown word."""
+    if image == "none":
+        return None
+    if image == "auto":
+        return graphics_of(os.environ) if is_terminal else None
+    try:
+        return Graphics(image)
+    except ValueError:
+        known = ", ".join(each.value for each in Graphics)
+        raise NocturneClientError(f"--image {image}: expected auto, none, {known}") from None
+
+
+def _told(states: Iterable[Render], sinks: Sequence[Sink]) -> Iterator[Render]:
+    for state in states:
+        for sink in sinks:
+            sink.show(state)
+        yield state
 
 
 def _with_bar(states: Iterable[Render]) -> Render | None:
@@ -34,13 +67,13 @@ def _with_bar(states: Iterable[Render]) -> Render | None:
     with Progress(*columns, console=ERRORS) as bar:
         task = bar.add_task("", total=1.0, about="")
         for last in states:
-            bar.update(task, description=escape(last.name), completed=last.fraction, about=_about(last))
+            bar.update(task, description=escape(last.name), completed=last.fraction, about=about(last))
     if last is not None:
         ERRORS.print(escape(f"{last.id} {last.state} {last.reason}".strip()))
     return last
 
 
-def _about(render: Render) -> str:
+def about(render: Render) -> str:
     progress = render.progress
     parts = [f"{progress.mean_samples:,.0f}/{render.samples:,} samples"]
     if progress.relative_error:

@@ -2,7 +2,7 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { formatCount, formatDuration, formatRelativeError } from "../format.ts";
-import type { Abscissa, Curve } from "./points.ts";
+import type { Abscissa } from "./points.ts";
 
 // The declarations name it in a const enum, which single-file compilers cannot read.
 // eslint-disable-next-line @typescript-eslint/no-unsafe-enum-assignment
@@ -12,6 +12,20 @@ const height_px = 240;
 const mostDots = 40;
 /** A phone has room for seven labels. */
 const decadesWithAllLabels = 2.2;
+
+export interface Line {
+  label: string;
+  values: (number | null)[];
+  /** A custom property of the style sheet. */
+  colour: string;
+  kind: "points" | "line" | "dashed" | "edge";
+}
+
+/** Lines over one axis; between two that are edges the ground is tinted. */
+export interface Drawing {
+  x: number[];
+  lines: Line[];
+}
 
 export class ConvergenceChart {
   readonly #container: HTMLElement;
@@ -23,7 +37,7 @@ export class ConvergenceChart {
     this.#draw();
   };
   #plot: uPlot | undefined;
-  #curve: Curve = { x: [], error: [], guide: [] };
+  #drawing: Drawing = { x: [], lines: [] };
   #abscissa: Abscissa = "time";
 
   constructor(container: HTMLElement) {
@@ -36,9 +50,10 @@ export class ConvergenceChart {
     this.#theme.addEventListener("change", this.#redraw);
   }
 
-  show(curve: Curve, abscissa: Abscissa): void {
-    const rebuild = abscissa !== this.#abscissa;
-    this.#curve = curve;
+  show(drawing: Drawing, abscissa: Abscissa): void {
+    const names = (of: Drawing): string => of.lines.map((line) => line.label).join();
+    const rebuild = abscissa !== this.#abscissa || names(drawing) !== names(this.#drawing);
+    this.#drawing = drawing;
     this.#abscissa = abscissa;
     if (rebuild) this.#redraw();
     else this.#draw();
@@ -51,10 +66,10 @@ export class ConvergenceChart {
   }
 
   #draw(): void {
-    const { x, error, guide } = this.#curve;
-    const data: uPlot.AlignedData = [x, error, guide];
+    const { x, lines } = this.#drawing;
+    const data: uPlot.AlignedData = [x, ...lines.map((line) => line.values)];
     if (this.#plot) this.#plot.setData(data);
-    else if (x.length > 0) this.#plot = new uPlot(options(this.#abscissa, this.#width()), data, this.#container);
+    else if (x.length > 0) this.#plot = new uPlot(options(this.#drawing, this.#abscissa, this.#width()), data, this.#container);
     // uPlot empties the legend when it commits, in a microtask of its own.
     queueMicrotask(() => {
       this.#showNow();
@@ -64,7 +79,8 @@ export class ConvergenceChart {
   /** Without a cursor the legend says how things stand now. */
   #showNow(): void {
     const plot = this.#plot;
-    if (plot && plot.cursor.idx == null) plot.setLegend({ idx: plot.data[0].length - 1 });
+    const first = plot?.data[1] ?? [];
+    if (plot && plot.cursor.idx == null) plot.setLegend({ idx: first.findLastIndex((value) => value != null) });
   }
 
   #width(): number {
@@ -72,7 +88,7 @@ export class ConvergenceChart {
   }
 }
 
-function options(abscissa: Abscissa, width: number): uPlot.Options {
+function options(drawing: Drawing, abscissa: Abscissa, width: number): uPlot.Options {
   const formatX = abscissa === "time" ? formatDuration : formatCount;
   const styles = getComputedStyle(document.documentElement);
   const colour = (name: string): string => styles.getPropertyValue(name).trim();
@@ -91,23 +107,30 @@ function options(abscissa: Abscissa, width: number): uPlot.Options {
     ],
     series: [
       { label: abscissa === "time" ? "Time" : "Photons", value: (_, x: number | null) => text(x, formatX) },
-      {
-        label: "Relative error",
-        stroke: colour("--accent"),
-        width: 2,
-        points: { show: (plot) => plot.data[0].length <= mostDots, size: 5, fill: colour("--accent") },
-        value: (_, error: number | null) => text(error, formatRelativeError),
-      },
-      {
-        label: "1/√N",
-        stroke: colour("--muted"),
-        width: 1,
-        dash: [6, 4],
-        points: { show: false },
-        value: (_, error: number | null) => text(error, formatRelativeError),
-      },
+      ...drawing.lines.map((line) => series(line, colour(line.colour))),
     ],
+    bands: bands(drawing, colour("--accent")),
   };
+}
+
+function series({ label, kind }: Line, stroke: string): uPlot.Series {
+  const common: uPlot.Series = { label, stroke, spanGaps: kind === "points", value: (_, error: number | null) => text(error, formatRelativeError) };
+  switch (kind) {
+    case "points":
+      return { ...common, width: 2, points: { show: (plot) => plot.data[0].length <= mostDots, size: 5, fill: stroke } };
+    case "line":
+      return { ...common, width: 1.5, points: { show: false } };
+    case "dashed":
+      return { ...common, width: 1, dash: [6, 4], points: { show: false } };
+    case "edge":
+      return { ...common, width: 0, points: { show: false }, class: "edge" };
+  }
+}
+
+function bands({ lines }: Drawing, colour: string): uPlot.Band[] {
+  const edges = lines.flatMap(({ kind }, index) => (kind === "edge" ? [index + 1] : []));
+  const [high, low] = edges;
+  return high !== undefined && low !== undefined ? [{ series: [high, low], fill: `${colour}30` }] : [];
 }
 
 /** Widens a range to the next 1, 2 or 5 times a power of ten, so that even a short history has labelled ends. */

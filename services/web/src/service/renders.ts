@@ -1,9 +1,9 @@
 /** All renders known to the page, newest state of each; kept fresh by the event stream. */
 import { getRender, listRenders } from "./client.ts";
-import { listen } from "./events.ts";
+import { EventStream, type TilesEvent } from "./events.ts";
 import type { Render, RenderPage } from "./types.ts";
 
-export type Connection = "connecting" | "live" | "reconnecting";
+export type Connection = "connecting" | "live" | "reconnecting" | "signed out";
 
 type Listener = () => void;
 
@@ -18,20 +18,43 @@ export class Renders {
   readonly #byId = new Map<string, Render>();
   readonly #listeners = new Set<Listener>();
 
+  readonly #tilesListeners = new Set<(event: TilesEvent) => void>();
+  readonly #stream = new EventStream({
+    onOpen: () => {
+      this.connections += 1;
+      this.#setConnection("live");
+      if (this.#watched.length === 0) void this.#refresh();
+    },
+    onBreak: () => {
+      this.#setConnection("reconnecting");
+    },
+    onUnknown: () => {
+      this.#setConnection("signed out");
+    },
+    onRender: (render) => {
+      this.put(render);
+    },
+    onTiles: (event) => {
+      for (const listener of [...this.#tilesListeners]) listener(event);
+    },
+  });
+  #watched: readonly string[] = [];
+
+  /** Connects; after signing in, again. */
   start(): void {
-    listen({
-      onOpen: () => {
-        this.connections += 1;
-        this.#setConnection("live");
-        void this.#refresh();
-      },
-      onBreak: () => {
-        this.#setConnection("reconnecting");
-      },
-      onRender: (render) => {
-        this.put(render);
-      },
-    });
+    this.#stream.connect();
+  }
+
+  /** Follows these renders and their tiles; none: the newest renders. */
+  watch(ids: readonly string[]): void {
+    this.#watched = ids;
+    this.#stream.watch(ids);
+  }
+
+  /** Calls back when tiles of a watched render have new samples, until the returned function is called. */
+  subscribeTiles(listener: (event: TilesEvent) => void): () => void {
+    this.#tilesListeners.add(listener);
+    return () => this.#tilesListeners.delete(listener);
   }
 
   /** Calls back after every change, until the returned function is called. */

@@ -1,4 +1,5 @@
 /** What the REST interface answers; the meaning of each field is in proto/nocturne/v1/render_service.proto. */
+import type { Region } from "../image/film.ts";
 
 export type RenderState =
   | "QUEUED"
@@ -20,10 +21,23 @@ export interface Progress {
   mean_samples: number;
   /** Standard error of Y, root mean square over pixels, relative to the mean Y; 0 where unknown. */
   relative_error: number;
+  /** Part of the error's square that the worst 1 % of the pixels have, and how many pixels carry it; 0 where unknown. */
+  worst_share: number;
+  effective_pixels: number;
   photons_per_second: number;
   cpu_seconds: number;
-  /** Unix time in seconds; 0 where there is nothing to go by. */
+  /** Unix time in seconds, and processor seconds in all; 0 where there is nothing to go by. */
   predicted_end: number;
+  predicted_cpu_seconds: number;
+}
+
+export interface Stop {
+  relative_error: number;
+  tile_relative_error: number;
+  wall_seconds: number;
+  cpu_seconds: number;
+  until: string;
+  until_time: number;
 }
 
 export interface Render {
@@ -41,6 +55,10 @@ export interface Render {
   created: number;
   started: number;
   ended: number;
+  stop: Stop;
+  priority: number;
+  owner: string;
+  look_first: Region | null;
   progress: Progress;
 }
 
@@ -54,6 +72,24 @@ export interface Worker {
   threads: number;
   photons_per_second: number;
   jobs_done: number;
+  /** Why its results are not taken; empty: they are. */
+  quarantine: string;
+}
+
+export interface WorkerHistory {
+  events: { unix_time: number; worker_id: string; what: string; reason: string }[];
+  rates: { unix_time: number; threads: number; photons_per_second: number }[];
+}
+
+export interface NewRender {
+  request_id: string;
+  name: string;
+  scene: unknown;
+  width: number;
+  height: number;
+  samples: number;
+  stop: Record<string, number | string>;
+  priority: number;
 }
 
 /** One row of the error history. */
@@ -63,6 +99,8 @@ export interface ErrorPoint {
   photons: number;
   samples: number;
   relative_error: number;
+  worst_share: number;
+  effective_pixels: number;
 }
 
 export function hasEnded(render: Render): boolean {

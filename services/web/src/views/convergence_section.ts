@@ -1,11 +1,12 @@
 /** How the error falls: the history from the service, continued by live events. */
-import { ConvergenceChart } from "../convergence/chart.ts";
-import { type Abscissa, appended, toCurve } from "../convergence/points.ts";
+import { ConvergenceChart, type Line } from "../convergence/chart.ts";
+import { type Abscissa, type Aim, appended, type Curve, toCurve } from "../convergence/points.ts";
+import { doubts } from "../convergence/trust.ts";
 import { element, setText } from "../dom.ts";
 import { formatDuration, formatRelativeError } from "../format.ts";
 import { getConvergence } from "../service/client.ts";
 import { elapsedSeconds } from "../service/clock.ts";
-import type { ErrorPoint, Render } from "../service/types.ts";
+import { type ErrorPoint, hasEnded, type Render } from "../service/types.ts";
 
 export interface ConvergenceSection {
   node: HTMLElement;
@@ -19,16 +20,19 @@ export interface ConvergenceSection {
 export function convergenceSection(id: string): ConvergenceSection {
   const plot = element("div", { class: "plot" });
   const caption = element("figcaption", { class: "note" });
+  const warning = element("div", { class: "warning", role: "status" });
   const figure = element("figure", { "aria-label": "Relative error over time, both axes logarithmic" }, plot, caption);
+  let render: Render | undefined;
   let points: readonly ErrorPoint[] = [];
   let abscissa: Abscissa = "time";
   const chart = new ConvergenceChart(plot);
 
   const draw = (): void => {
-    const curve = toCurve(points, abscissa);
-    chart.show(curve, abscissa);
-    figure.dataset.points = `${curve.x.length}`;
+    const curve = toCurve(points, abscissa, render && aimOf(render));
+    chart.show({ x: curve.x, lines: linesOf(curve) }, abscissa);
+    figure.dataset.points = `${curve.error.filter((error) => error !== null).length}`;
     setText(caption, captionText(points));
+    showDoubts(warning, render ? doubts(points, render.width * render.height) : []);
   };
   const choice = abscissaChoice((chosen) => {
     abscissa = chosen;
@@ -49,13 +53,16 @@ export function convergenceSection(id: string): ConvergenceSection {
       "section",
       { "aria-labelledby": "convergence-title" },
       element("div", { class: "section-head" }, element("h2", { id: "convergence-title" }, "Convergence"), choice),
+      warning,
       figure,
     ),
     reload: () => void reload(),
-    show: (render) => {
+    show: (now) => {
       const before = points;
-      points = appended(points, pointOf(render));
-      if (points !== before) draw();
+      const ended = render !== undefined && hasEnded(render) !== hasEnded(now);
+      render = now;
+      points = appended(points, pointOf(now));
+      if (points !== before || ended) draw();
     },
     close: () => {
       chart.close();
@@ -64,14 +71,45 @@ export function convergenceSection(id: string): ConvergenceSection {
 }
 
 function pointOf(render: Render): ErrorPoint {
-  const { photons, mean_samples, relative_error } = render.progress;
-  return { time_s: elapsedSeconds(render), photons, samples: mean_samples, relative_error };
+  const { photons, mean_samples, relative_error, worst_share, effective_pixels } = render.progress;
+  return { time_s: elapsedSeconds(render), photons, samples: mean_samples, relative_error, worst_share, effective_pixels };
 }
 
 function captionText(points: readonly ErrorPoint[]): string {
   const last = points.at(-1);
   if (!last) return "No error estimate yet: it needs two samples in each pixel.";
-  return `Relative error ${formatRelativeError(last.relative_error)} after ${formatDuration(last.time_s)}. Dashed: 1/√N, the fall of independent samples.`;
+  const share = last.worst_share > 0 ? ` The worst 1 % of the pixels have ${(100 * last.worst_share).toFixed(0)} % of the variance.` : "";
+  return `Relative error ${formatRelativeError(last.relative_error)} after ${formatDuration(last.time_s)}.${share} Dashed: 1/√N, the fall of independent samples.`;
+}
+
+/** What is still to come; nothing once it has ended. */
+function aimOf(render: Render): Aim | undefined {
+  return hasEnded(render) ? undefined : { relativeError: render.stop.relative_error, samples: render.samples };
+}
+
+function linesOf(curve: Curve): Line[] {
+  const lines: Line[] = [
+    { label: "Relative error", values: curve.error, colour: "--accent", kind: "points" },
+    { label: "1/√N", values: curve.guide, colour: "--muted", kind: "dashed" },
+  ];
+  if (curve.target.some((value) => value !== null)) lines.push({ label: "Target", values: curve.target, colour: "--succeeded", kind: "line" });
+  if (curve.prediction.some((value) => value !== null)) {
+    lines.push(
+      { label: "Predicted", values: curve.prediction, colour: "--cancelled", kind: "line" },
+      { label: "at most", values: curve.high, colour: "--accent", kind: "edge" },
+      { label: "at least", values: curve.low, colour: "--accent", kind: "edge" },
+    );
+  }
+  return lines;
+}
+
+function showDoubts(node: HTMLElement, sentences: string[]): void {
+  node.hidden = sentences.length === 0;
+  const text = sentences.join("\n");
+  if (node.dataset.text === text) return;
+  node.dataset.text = text;
+  const items = sentences.map((sentence) => element("li", {}, sentence));
+  node.replaceChildren(element("strong", {}, "The error is not to be trusted"), element("ul", {}, ...items));
 }
 
 function abscissaChoice(onChoice: (abscissa: Abscissa) => void): HTMLElement {

@@ -1,8 +1,9 @@
 /** One render in the list. */
 import { element, setText } from "../dom.ts";
-import { formatRelativeError, formatSamples } from "../format.ts";
+import { formatDuration, formatRelativeError, formatSamples } from "../format.ts";
 import { renderRoute } from "../router.ts";
-import type { Render } from "../service/types.ts";
+import { serviceNow } from "../service/clock.ts";
+import { hasEnded, type Render } from "../service/types.ts";
 import { progressBar } from "./progress_bar.ts";
 import { stateBadge } from "./state_badge.ts";
 import { thumbnail } from "./thumbnail.ts";
@@ -18,22 +19,26 @@ export function listItem(): ListItem {
   const badge = stateBadge();
   const size = element("span");
   const bar = progressBar();
-  const error = element("span", { class: "error", title: "Relative standard error" });
+  const error = element("span", { class: "error", title: "Relative standard error, and what was asked for" });
+  const finish = element("span", { class: "finish" });
+  const cost = element("span", { class: "cost", title: "Processor time of workers, so far and as predicted" });
   const node = element(
     "li",
     {},
     picture.node,
     element("div", { class: "what" }, element("h2", {}, link, badge.node), size),
-    element("div", { class: "how-far" }, bar.node, error),
+    element("div", { class: "how-far" }, bar.node, error, finish, cost),
   );
 
   const show = (render: Render): void => {
     link.href = renderRoute(render.id);
     setText(link, render.name || render.id);
     badge.show(render.state);
-    setText(size, `${render.width} × ${render.height} · ${samplesShort(render)}`);
+    setText(size, `${render.width} × ${render.height} · ${samplesShort(render)}${render.owner ? ` · ${render.owner}` : ""}`);
     bar.show(render);
     setText(error, errorText(render));
+    setText(finish, finishText(render));
+    setText(cost, costText(render));
     picture.show(render);
   };
   return { node, show };
@@ -43,6 +48,19 @@ function samplesShort(render: Render): string {
   return `${formatSamples(render.progress.mean_samples)} / ${formatSamples(render.samples)} samples`;
 }
 
-function errorText(render: Render): string {
-  return render.progress.relative_error > 0 ? `± ${formatRelativeError(render.progress.relative_error)}` : "";
+function errorText({ progress, stop }: Render): string {
+  const target = stop.relative_error > 0 ? ` → ${formatRelativeError(stop.relative_error)}` : "";
+  return progress.relative_error > 0 ? `± ${formatRelativeError(progress.relative_error)}${target}` : target;
+}
+
+function finishText(render: Render): string {
+  if (hasEnded(render)) return render.started > 0 ? `in ${formatDuration(render.ended - render.started)}` : "";
+  const end = render.progress.predicted_end;
+  return end > 0 ? `${formatDuration(Math.max(0, end - serviceNow()))} left` : "";
+}
+
+function costText({ progress, state }: Render): string {
+  if (progress.cpu_seconds === 0) return "";
+  const whole = progress.predicted_cpu_seconds > progress.cpu_seconds && state === "RUNNING" ? ` of ${formatDuration(progress.predicted_cpu_seconds)}` : "";
+  return `CPU ${formatDuration(progress.cpu_seconds)}${whole}`;
 }

@@ -1,59 +1,81 @@
-/** The list of renders, newest first. */
-import { element } from "../dom.ts";
+/** The list of renders: filtered, in an order, and a place to submit another. */
+import { element, setText } from "../dom.ts";
 import type { Renders } from "../service/renders.ts";
+import { submitPanel } from "../submit/submit_panel.ts";
+import { select } from "../viewer/controls.ts";
 import { listItem, type ListItem } from "./list_item.ts";
+import { type Kind, kinds, listed, type Order, orders, type Wish } from "./list_order.ts";
 import type { View } from "./view.ts";
 import { workersSection } from "./workers_section.ts";
 
 export function listView(renders: Renders): View {
   const list = element("ul", { class: "renders" });
-  const empty = emptyState();
+  const empty = element("p", { class: "empty" });
   const more = element("button", { type: "button", class: "more" }, "Show older renders");
   const workers = workersSection();
-  const node = element("div", {}, element("h1", { tabindex: "-1" }, "Renders"), empty, list, more, workers.node);
+  const submit = submitPanel();
+  const wish: Wish = { text: "", kind: "all", order: "newest" };
   const items = new Map<string, ListItem>();
 
+  const update = (): void => {
+    const shown = listed(renders.newestFirst(), wish);
+    place(list, items, shown.map((render) => {
+      const item = items.get(render.id) ?? listItem();
+      items.set(render.id, item);
+      item.show(render);
+      return item.node;
+    }));
+    for (const id of items.keys()) if (!renders.get(id)) items.delete(id);
+    empty.hidden = !renders.loaded || shown.length > 0;
+    setText(empty, renders.newestFirst().length > 0 ? "No render is like that." : "No renders yet. Submit one below, or with nocturne submit.");
+    list.hidden = shown.length === 0;
+    more.hidden = renders.nextPageToken === "";
+  };
+  const filters = filterBar(wish, update);
+  const node = element("div", {}, element("h1", { tabindex: "-1" }, "Renders"), filters, empty, list, more, submit.node, workers.node);
   more.addEventListener("click", () => {
     // A failed page leaves the button, to be pressed again.
     renders.fetchNextPage().catch(() => undefined);
   });
-
-  const update = (): void => {
-    const newest = renders.newestFirst();
-    newest.forEach((render, index) => {
-      const item = items.get(render.id) ?? listItem();
-      items.set(render.id, item);
-      item.show(render);
-      // Moving a node loses its focus: only when it is out of place.
-      if (list.children[index] !== item.node) list.insertBefore(item.node, list.children[index] ?? null);
-    });
-    for (const [id, item] of items) {
-      if (renders.get(id)) continue;
-      item.node.remove();
-      items.delete(id);
-    }
-    empty.hidden = !renders.loaded || newest.length > 0;
-    list.hidden = newest.length === 0;
-    more.hidden = renders.nextPageToken === "";
-  };
   const unsubscribe = renders.subscribe(update);
   update();
-
   return {
     node,
     title: "Renders",
     close: () => {
       unsubscribe();
       workers.close();
+      submit.close();
     },
   };
 }
 
-function emptyState(): HTMLElement {
+/** Moving a node loses its focus: only when it is out of place. */
+function place(list: HTMLElement, items: ReadonlyMap<string, ListItem>, nodes: HTMLElement[]): void {
+  const wanted = new Set(nodes);
+  for (const { node } of items.values()) if (!wanted.has(node)) node.remove();
+  nodes.forEach((node, index) => {
+    if (list.children[index] !== node) list.insertBefore(node, list.children[index] ?? null);
+  });
+}
+
+function filterBar(wish: Wish, update: () => void): HTMLElement {
+  const search = element("input", { type: "search", placeholder: "Name, id, owner, state", "aria-label": "Filter" });
+  search.addEventListener("input", () => {
+    wish.text = search.value;
+    update();
+  });
   return element(
     "div",
-    { class: "empty" },
-    element("p", {}, "No renders yet. Submit one:"),
-    element("pre", {}, element("code", {}, "nocturne submit scenes/cornell/scene.json")),
+    { class: "tools", role: "search" },
+    search,
+    select("Show", Object.entries(kinds), wish.kind, (kind) => {
+      wish.kind = kind as Kind;
+      update();
+    }),
+    select("Order", Object.entries(orders), wish.order, (order) => {
+      wish.order = order as Order;
+      update();
+    }),
   );
 }

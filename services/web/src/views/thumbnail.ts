@@ -1,10 +1,10 @@
 /** A small picture of a render that is replaced only after the next one has loaded, so that it never flickers. */
 import { element } from "../dom.ts";
-import { previewAddress } from "../service/client.ts";
+import { thumbnailAddress } from "../service/client.ts";
 import { hasEnded, hasImage, type Render } from "../service/types.ts";
 
-/** A preview is the whole picture: a list of many renders must not fetch each one every second. */
-const interval_ms = 3000;
+/** A list of many renders must not fetch each picture every second. */
+const interval_ms = 2000;
 
 export function thumbnail(): { node: HTMLElement; show: (render: Render) => void } {
   const image = element("img", { alt: "" });
@@ -22,7 +22,7 @@ export function thumbnail(): { node: HTMLElement; show: (render: Render) => void
       image.src = next.src;
       node.classList.add("loaded");
     };
-    next.src = previewAddress(render.id, render.sequence);
+    next.src = thumbnailAddress(render.id, render.sequence);
   };
   return { node, show };
 }

@@ -1,38 +1,48 @@
-/** Who works: a table, asked for every two seconds. */
+/** Who works: a table, asked for every two seconds; and which tiles of a render they have in hand. */
 import { element } from "../dom.ts";
 import { formatCount } from "../format.ts";
-import { listWorkers } from "../service/client.ts";
+import { getAtWork, listWorkers } from "../service/client.ts";
 import type { Worker } from "../service/types.ts";
 
 const interval_ms = 2000;
 
-export function workersSection(): { node: HTMLElement; close: () => void } {
+interface Watched {
+  /** A render. */
+  id: string;
+  /** Numbers of workers, from 1, by tile. */
+  onAtWork: (byTile: ReadonlyMap<number, number>) => void;
+}
+
+export function workersSection(watched?: Watched): { node: HTMLElement; close: () => void } {
   const content = element("div", { class: "workers" });
   const node = element("section", { "aria-labelledby": "workers-title" }, element("h2", { id: "workers-title" }, "Workers"), content);
+  const numbers = new Map<string, number>();
+  const numberOf = (worker: string): number => {
+    const known = numbers.get(worker) ?? numbers.size + 1;
+    numbers.set(worker, known);
+    return known;
+  };
 
   const poll = async (): Promise<void> => {
     if (document.hidden) return;
     try {
-      const workers = await listWorkers();
-      content.replaceChildren(workers.length > 0 ? table(workers) : noWorkers());
+      const [workers, atWork] = await Promise.all([listWorkers(), watched ? getAtWork(watched.id) : []]);
+      for (const { id } of workers.toSorted((a, b) => a.id.localeCompare(b.id))) numberOf(id);
+      watched?.onAtWork(new Map(atWork.map(({ tile, worker }) => [tile, numberOf(worker)])));
+      const tiles = (worker: string): string => `${atWork.filter((each) => each.worker === worker).length}`;
+      content.replaceChildren(workers.length > 0 ? table(workers, watched && tiles) : noWorkers());
     } catch {
-      // The bar says that the service is out of reach.
+      // The bar says that the service is out of reach, or the render that there is none.
     }
   };
   const timer = setInterval(() => void poll(), interval_ms);
   void poll();
-
-  return {
-    node,
-    close: () => {
-      clearInterval(timer);
-    },
-  };
+  return { node, close: () => { clearInterval(timer); } };
 }
 
-function table(workers: Worker[]): HTMLElement {
-  const headings = ["Worker", "Threads", "Photons/s", "Jobs done"];
-  const rows = workers.toSorted((a, b) => a.id.localeCompare(b.id)).map(row);
+function table(workers: Worker[], tiles: ((worker: string) => string) | undefined): HTMLElement {
+  const headings = ["Worker", "Threads", "Photons/s", "Jobs done", ...(tiles ? ["Tiles now"] : [])];
+  const rows = workers.toSorted((a, b) => a.id.localeCompare(b.id)).map((worker) => row(worker, tiles ? [tiles(worker.id)] : []));
   return element(
     "table",
     {},
@@ -41,9 +51,11 @@ function table(workers: Worker[]): HTMLElement {
   );
 }
 
-function row(worker: Worker): HTMLElement {
-  const cells = [`${worker.threads}`, formatCount(worker.photons_per_second), formatCount(worker.jobs_done)];
-  return element("tr", {}, element("th", { scope: "row" }, worker.id), ...cells.map((text) => element("td", {}, text)));
+function row(worker: Worker, more: string[]): HTMLElement {
+  const cells = [`${worker.threads}`, formatCount(worker.photons_per_second), formatCount(worker.jobs_done), ...more];
+  const name = element("th", { scope: "row" }, worker.id);
+  if (worker.quarantine) name.append(element("span", { class: "badge", "data-state": "FAILED", title: worker.quarantine }, "Quarantine"));
+  return element("tr", {}, name, ...cells.map((text) => element("td", {}, text)));
 }
 
 function noWorkers(): HTMLElement {

@@ -1,0 +1,71 @@
+/** What is wanted of a render: film, samples, when to stop, priority. */
+import { element } from "../dom.ts";
+import type { NewRender } from "../service/types.ts";
+
+export interface Asked {
+  /** The same until something is changed: sending twice makes one render. */
+  requestId: string;
+  request: Pick<NewRender, "name" | "width" | "height" | "samples" | "stop" | "priority">;
+}
+
+interface Field {
+  name: string;
+  label: string;
+  value: string;
+  /** Attributes of a number; none: a text. */
+  number?: { min: string; max: string; step: string };
+  hint?: string;
+}
+
+const fields: Field[] = [
+  { name: "name", label: "Name", value: "" },
+  { name: "width", label: "Width, pixels", value: "512", number: { min: "1", max: "16384", step: "1" } },
+  { name: "height", label: "Height, pixels", value: "512", number: { min: "1", max: "16384", step: "1" } },
+  { name: "samples", label: "Samples per pixel, at most", value: "1024", number: { min: "1", max: "1073741824", step: "1" } },
+  { name: "error", label: "Stop at a relative error of, %", value: "", number: { min: "0.0001", max: "100", step: "any" } },
+  { name: "minutes", label: "Stop after, minutes", value: "", number: { min: "0.01", max: "100000", step: "any" } },
+  { name: "until", label: "Stop at", value: "", hint: "07:00 Europe/Berlin" },
+  { name: "priority", label: "Priority", value: "100", number: { min: "1", max: "1000", step: "1" } },
+];
+
+export function submitForm(onSubmit: (asked: Asked) => void): { node: HTMLFormElement; begin: (name: string) => void; busy: (busy: boolean) => void } {
+  const inputs = new Map(fields.map((field) => [field.name, input(field)]));
+  const button = element("button", { type: "submit", class: "primary" }, "Render");
+  const labels = fields.map(({ name, label }) => element("label", {}, element("span", {}, label), inputs.get(name) ?? ""));
+  const node = element("form", {}, ...labels, button);
+  let requestId = newId();
+  node.addEventListener("input", () => { requestId = newId(); });
+  node.addEventListener("submit", (event) => {
+    event.preventDefault();
+    onSubmit({ requestId, request: requestOf((name) => inputs.get(name)?.value ?? "") });
+  });
+  return {
+    node,
+    begin: (name) => {
+      requestId = newId();
+      const field = inputs.get("name");
+      if (field) field.value = name;
+    },
+    busy: (busy) => { button.disabled = busy; },
+  };
+}
+
+/** From what stands in the fields. */
+export function requestOf(value: (name: string) => string): Asked["request"] {
+  const stop: Record<string, number | string> = {};
+  if (value("error")) stop.relative_error = Number(value("error")) / 100;
+  if (value("minutes")) stop.wall_seconds = 60 * Number(value("minutes"));
+  if (value("until").trim()) stop.until = value("until").trim();
+  const whole = (name: string): number => Math.round(Number(value(name)));
+  return { name: value("name"), width: whole("width"), height: whole("height"), samples: whole("samples"), stop, priority: whole("priority") };
+}
+
+function input({ name, value, number, hint }: Field): HTMLInputElement {
+  const kind = number ? { type: "number", required: value ? "" : undefined, ...number } : { type: "text", maxlength: "200" };
+  return element("input", { name, value, placeholder: hint, ...kind });
+}
+
+/** Not randomUUID, which browsers keep from pages without TLS. */
+function newId(): string {
+  return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
+}

@@ -1,0 +1,88 @@
+/** A scene among files by path: its document, and what it refers to by relative paths. As nocturne_client/scene_files.py. */
+import type { Problem } from "../service/client.ts";
+
+export interface Scene {
+  document: Record<string, unknown>;
+  /** Of the document. */
+  path: string;
+  /** By SHA-256. */
+  files: Map<string, Blob>;
+  problems: Problem[];
+}
+
+const digestPrefix = "sha256:";
+const mostDocumentBytes = 8 * 2 ** 20;
+
+/** Where the scene document is: the JSON file nearest to the top, `scene.json` first. Undefined where there is none. */
+export function documentPath(paths: Iterable<string>): string | undefined {
+  const depth = (path: string): number => path.split("/").length;
+  const isScene = (path: string): boolean => path.endsWith("scene.json");
+  return [...paths]
+    .filter((path) => path.toLowerCase().endsWith(".json"))
+    .sort((a, b) => depth(a) - depth(b) || Number(isScene(b)) - Number(isScene(a)) || a.localeCompare(b))[0];
+}
+
+/** Throws Error, fit to be shown, where there is no document; what it refers to and is not there becomes a problem. */
+export async function readScene(files: ReadonlyMap<string, Blob>): Promise<Scene> {
+  const path = documentPath(files.keys());
+  const blob = path === undefined ? undefined : files.get(path);
+  if (path === undefined || !blob) throw new Error("There is no scene document, a JSON file, among these files.");
+  if (blob.size > mostDocumentBytes) throw new Error(`${path}: a scene document has at most 8 MiB; put meshes into files beside it.`);
+  const scene: Scene = { document: parse(path, await blob.text()), path, files: new Map(), problems: [] };
+  const folder = path.slice(0, path.lastIndexOf("/") + 1);
+  for (const { place, part } of partsWithPaths(scene.document)) {
+    const file = files.get(resolved(folder, part.asset));
+    if (!file) {
+      scene.problems.push({ place: `${place}.asset`, message: `${part.asset} is not among the files` });
+      continue;
+    }
+    const sha256 = await digest(file);
+    if (part.type === "mesh") part.format ??= part.asset.slice(part.asset.lastIndexOf(".") + 1).toLowerCase();
+    part.asset = digestPrefix + sha256;
+    scene.files.set(sha256, file);
+  }
+  return scene;
+}
+
+export function resolved(folder: string, asset: string): string {
+  const parts = asset.split("/").filter((part) => part !== "." && part !== "");
+  return asset.startsWith("/") || parts.includes("..") ? "" : folder + parts.join("/");
+}
+
+function parse(path: string, text: string): Record<string, unknown> {
+  let document: unknown;
+  try {
+    document = JSON.parse(text);
+  } catch (error) {
+    throw new Error(`${path}: not JSON: ${error instanceof Error ? error.message : ""}`, { cause: error });
+  }
+  if (typeof document !== "object" || document === null || Array.isArray(document)) throw new Error(`${path}: expected a JSON object`);
+  return document as Record<string, unknown>;
+}
+
+interface Part {
+  asset: string;
+  type?: unknown;
+  format?: unknown;
+}
+
+/** Objects whose field "asset" is a path, with their places. In a sensor's responses people choose the keys. */
+export function* partsWithPaths(value: unknown, place = "$"): Generator<{ place: string; part: Part }> {
+  if (typeof value !== "object" || value === null) return;
+  if (namesFile(value)) yield { place, part: value };
+  for (const [key, inner] of Object.entries(value)) {
+    if (key !== "responses") yield* partsWithPaths(inner, Array.isArray(value) ? `${place}[${key}]` : `${place}.${key}`);
+  }
+}
+
+function namesFile(value: object): value is Part {
+  return "asset" in value && typeof value.asset === "string" && !value.asset.startsWith(digestPrefix);
+}
+
+export async function digest(file: Blob): Promise<string> {
+  // Browsers give it to pages from this machine or over TLS only; types do not say so.
+  const subtle = crypto.subtle as SubtleCrypto | undefined;
+  if (!subtle) throw new Error("Files can be sent over HTTPS or from this machine only: browsers give no SHA-256 otherwise.");
+  const hash = new Uint8Array(await subtle.digest("SHA-256", await file.arrayBuffer()));
+  return [...hash].map((byte) => byte.toString(16).padStart(2, "0")).join("");
+}

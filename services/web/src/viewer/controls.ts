@@ -1,0 +1,114 @@
+/** The tools over the image. */
+import { element, setText } from "../dom.ts";
+import { formatStops, formatValue } from "../format.ts";
+import { type Triple, whites } from "../image/colour.ts";
+import { middleGrey, type Show, shows, type Tone, tones } from "../image/look.ts";
+import type { Viewer } from "./viewer.ts";
+
+const showNames: Record<Show, string> = {
+  colour: "Colour", luminance: "Luminance", error: "Standard error", "relative error": "Relative error",
+  samples: "Samples", rejected: "Rejected photons", difference: "Difference",
+};
+const toneNames: Record<Tone, string> = { linear: "Linear", reinhard: "Reinhard", filmic: "Filmic" };
+
+export interface Controls {
+  node: HTMLElement;
+  /** Follows what changed by itself. */
+  refresh: () => void;
+  /** Whether a drag chooses a region. */
+  choosing: () => boolean;
+}
+
+interface Wishes {
+  /** XYZ of what should look white: the chosen region, or the pixel looked at. */
+  neutral: () => Triple | undefined;
+  canCompare: boolean;
+}
+
+export function controls(viewer: Viewer, wishes: Wishes): Controls {
+  const exposure = exposureSlider(viewer);
+  const choose = element("button", { type: "button", "aria-pressed": "false", title: "A drag chooses a region; so does Shift with a drag" }, "Region");
+  choose.addEventListener("click", () => {
+    choose.setAttribute("aria-pressed", choose.getAttribute("aria-pressed") === "true" ? "false" : "true");
+  });
+  const node = element(
+    "div",
+    { class: "tools", role: "group", "aria-label": "How the image is shown" },
+    showChoice(viewer, wishes.canCompare),
+    exposure.node,
+    whiteChoice(viewer, wishes.neutral),
+    select("Tone", tones.map((tone) => [tone, toneNames[tone]]), viewer.look.tone, (tone) => { viewer.change({ tone: tone as Tone }); }),
+    element(
+      "span",
+      { class: "group" },
+      tick("Clipping", (warnClipped) => { viewer.change({ warnClipped }); }),
+      tick("Gamut", (warnGamut) => { viewer.change({ warnGamut }); }),
+      tick("Workers", (workers) => { viewer.change({ workers }); }),
+    ),
+    element("span", { class: "group" }, choose, ...zoomButtons(viewer)),
+  );
+  return { node, refresh: exposure.refresh, choosing: () => choose.getAttribute("aria-pressed") === "true" };
+}
+
+function showChoice(viewer: Viewer, canCompare: boolean): HTMLElement {
+  const offered = shows.filter((show) => canCompare || show !== "difference");
+  return select("View", offered.map((show) => [show, showNames[show]]), viewer.look.show, (show) => { viewer.change({ show: show as Show }); });
+}
+
+function whiteChoice(viewer: Viewer, neutral: () => Triple | undefined): HTMLElement {
+  const names: [string, string][] = [...Object.keys(whites).map((name): [string, string] => [name, name]), ["camera", "Camera"]];
+  return select("White", names, "D65", (name) => {
+    const white = name === "camera" ? neutral() : whites[name as keyof typeof whites];
+    if (white && white[1] > 0) viewer.change({ white: white.map((value) => value / white[1]) as Triple });
+  });
+}
+
+function exposureSlider(viewer: Viewer): { node: HTMLElement; refresh: () => void } {
+  const input = element("input", { type: "range", id: "exposure", min: "-10", max: "10", step: "0.1", value: "0" });
+  const value = element("output", { for: "exposure" });
+  const auto = element("button", { type: "button", class: "quiet" }, "Auto");
+  /** Exposure at the slider's middle: that of the image itself, when the slider was last left alone. */
+  let middle = 1;
+  const refresh = (): void => {
+    if (viewer.isAuto) {
+      middle = viewer.look.exposure;
+      input.value = "0";
+    }
+    const stops = input.valueAsNumber;
+    const grey = `${formatValue(middleGrey / viewer.look.exposure, 3)} cd/m²`;
+    setText(value, `${formatStops(stops)} · grey ${grey}`);
+    input.setAttribute("aria-valuetext", `${stops.toFixed(1)} stops; middle grey is ${grey}`);
+    auto.disabled = viewer.isAuto;
+  };
+  input.addEventListener("input", () => { viewer.change({ exposure: middle * 2 ** input.valueAsNumber }); });
+  auto.addEventListener("click", () => { viewer.exposeByImage(); });
+  return { node: element("span", { class: "exposure" }, element("label", { for: "exposure" }, "Exposure"), input, value, auto), refresh };
+}
+
+function zoomButtons(viewer: Viewer): HTMLElement[] {
+  const button = (text: string, label: string, action: () => void): HTMLElement => {
+    // Signs have no name of their own; words have, and must keep it.
+    const node = element("button", { type: "button", title: label, "aria-label": /\w/.test(text) ? undefined : label }, text);
+    node.addEventListener("click", action);
+    return node;
+  };
+  return [
+    button("−", "Zoom out", () => { viewer.zoom(0.5); }),
+    button("+", "Zoom in", () => { viewer.zoom(2); }),
+    button("1:1", "One pixel for one", () => { viewer.zoom(1 / viewer.placement.scale); }),
+    button("Fit", "The whole image", () => { viewer.fit(); }),
+  ];
+}
+
+export function select(label: string, options: [string, string][], value: string, onChange: (value: string) => void): HTMLElement {
+  const input = element("select", {}, ...options.map(([name, text]) => element("option", { value: name }, text)));
+  input.value = value;
+  input.addEventListener("change", () => { onChange(input.value); });
+  return element("label", { class: "select" }, element("span", {}, label), input);
+}
+
+function tick(label: string, onChange: (on: boolean) => void): HTMLElement {
+  const input = element("input", { type: "checkbox" });
+  input.addEventListener("change", () => { onChange(input.checked); });
+  return element("label", { class: "tick" }, input, label);
+}

@@ -1,0 +1,112 @@
+/** Pointer, wheel and keys on the image: pan, zoom, look at a pixel, choose a region. */
+import { clipped, type Region } from "../image/film.ts";
+import type { Point } from "../image/placement.ts";
+import type { Viewer } from "./viewer.ts";
+
+export interface GestureListener {
+  /** The pixel looked at. */
+  onPixel: (pixel: Point) => void;
+  /** A dragged region; undefined: none any more. */
+  onRegion: (region: Region | undefined) => void;
+}
+
+const wheelStep = 1.0015;
+const keyStep = 1.4;
+const keyPan_px = 64;
+
+/** `choosing`: whether a drag chooses a region, as it does with Shift, rather than pans. */
+export function listenToGestures(viewer: Viewer, choosing: () => boolean, listener: GestureListener): void {
+  const { canvas } = viewer;
+  const down = new Map<number, Point>();
+  let start: Point | undefined;
+
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    down.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    start = event.shiftKey || choosing() ? viewer.pixelAt(event.clientX, event.clientY) : undefined;
+    listener.onPixel(viewer.pixelAt(event.clientX, event.clientY));
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    const before = down.get(event.pointerId);
+    if (!before) {
+      listener.onPixel(viewer.pixelAt(event.clientX, event.clientY));
+      return;
+    }
+    const now = { x: event.clientX, y: event.clientY };
+    if (start) listener.onRegion(between(start, viewer.pixelAt(now.x, now.y), viewer));
+    else drag(viewer, down, event.pointerId, now);
+    down.set(event.pointerId, now);
+  });
+  const up = (event: PointerEvent): void => {
+    down.delete(event.pointerId);
+    start = undefined;
+  };
+  canvas.addEventListener("pointerup", up);
+  canvas.addEventListener("pointercancel", up);
+  canvas.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      viewer.zoom(wheelStep ** -event.deltaY, viewer.toCanvas(event.clientX, event.clientY));
+    },
+    { passive: false },
+  );
+  canvas.addEventListener("dblclick", () => {
+    viewer.fit();
+  });
+  listenToKeys(viewer, listener);
+}
+
+/** One finger or the mouse pans, two fingers pan and zoom. */
+function drag(viewer: Viewer, down: ReadonlyMap<number, Point>, id: number, now: Point): void {
+  const before = down.get(id);
+  if (!before) return;
+  const ratio = viewer.canvas.width / Math.max(1, viewer.canvas.clientWidth);
+  const share = ratio / down.size;
+  viewer.pan({ x: (now.x - before.x) * share, y: (now.y - before.y) * share });
+  const other = [...down].find(([otherId]) => otherId !== id)?.[1];
+  if (!other) return;
+  const factor = Math.hypot(now.x - other.x, now.y - other.y) / Math.max(1, Math.hypot(before.x - other.x, before.y - other.y));
+  viewer.zoom(factor, viewer.toCanvas((now.x + other.x) / 2, (now.y + other.y) / 2));
+}
+
+/** Arrows move the pixel that is looked at, with Shift they pan; the rest is in the canvas's description. */
+function listenToKeys(viewer: Viewer, listener: GestureListener): void {
+  let pixel: Point | undefined;
+  const arrows: Record<string, Point> = {
+    ArrowLeft: { x: -1, y: 0 }, ArrowRight: { x: 1, y: 0 }, ArrowUp: { x: 0, y: -1 }, ArrowDown: { x: 0, y: 1 },
+  };
+  const others: Record<string, () => void> = {
+    "+": () => { viewer.zoom(keyStep); },
+    "=": () => { viewer.zoom(keyStep); },
+    "-": () => { viewer.zoom(1 / keyStep); },
+    "0": () => { viewer.fit(); },
+    "1": () => { viewer.zoom(1 / viewer.placement.scale); },
+    Escape: () => { listener.onRegion(undefined); },
+  };
+  viewer.canvas.addEventListener("keydown", (event) => {
+    if (isShortcut(event)) return;
+    const arrow = arrows[event.key];
+    const other = others[event.key];
+    if (!arrow && !other) return;
+    event.preventDefault();
+    other?.();
+    if (arrow && event.shiftKey) viewer.pan({ x: -keyPan_px * arrow.x, y: -keyPan_px * arrow.y });
+    else if (arrow) listener.onPixel((pixel = next(arrow)));
+  });
+  const next = (by: Point): Point => {
+    const from = pixel ?? { x: Math.floor(viewer.placement.x), y: Math.floor(viewer.placement.y) };
+    return clipped({ x: from.x + by.x, y: from.y + by.y, width: 1, height: 1 }, viewer.films.first ?? { width: 1, height: 1 });
+  };
+}
+
+/** Of the browser. */
+function isShortcut(event: KeyboardEvent): boolean {
+  return event.ctrlKey || event.metaKey || event.altKey;
+}
+
+function between(a: Point, b: Point, viewer: Viewer): Region {
+  const corner = { x: Math.min(a.x, b.x), y: Math.min(a.y, b.y) };
+  const region = { ...corner, width: Math.abs(a.x - b.x) + 1, height: Math.abs(a.y - b.y) + 1 };
+  return clipped(region, viewer.films.first ?? { width: 1, height: 1 });
+}

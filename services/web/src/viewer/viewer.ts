@@ -1,0 +1,175 @@
+/** An image on a canvas: one or two films, how they are looked at, and where they lie. */
+import { GlFilm } from "../image/gl_film.ts";
+import { GlPainter } from "../image/gl_painter.ts";
+import type { Film, Region } from "../image/film.ts";
+import { autoExposure, type Look, scaleOf } from "../image/look.ts";
+import { whites } from "../image/colour.ts";
+import { filmPoint, fitted, panned, type Placement, type Point, zoomed } from "../image/placement.ts";
+import type { Tile } from "../image/tiles.ts";
+
+export type Side = "first" | "second";
+
+export interface ViewerListener {
+  /** The look or its scale changed by itself, as with the first light of an image. */
+  onLook: () => void;
+  onPlacement: (placement: Placement) => void;
+}
+
+export class Viewer {
+  readonly canvas: HTMLCanvasElement;
+  readonly films: { first?: Film; second?: Film } = {};
+  look: Look = {
+    show: "colour", exposure: 1, white: whites.D65, tone: "reinhard", warnClipped: false, warnGamut: false, workers: false,
+    side: "first", wipe: 0.5, scale: { low: 0, high: 1, logarithmic: false }, chosen: undefined,
+  };
+  readonly #painter: GlPainter;
+  readonly #listener: ViewerListener;
+  readonly #observer: ResizeObserver;
+  #placement: Placement = { scale: 1, x: 0, y: 0 };
+  /** Until somebody zooms or pans, the whole film is in sight. */
+  #isFitted = true;
+  /** Until somebody moves the slider, the exposure follows the image. */
+  #isAuto = true;
+  #frame = 0;
+
+  /** Throws Error, fit to be shown, where images can't be painted. */
+  constructor(canvas: HTMLCanvasElement, listener: ViewerListener) {
+    this.canvas = canvas;
+    this.#listener = listener;
+    this.#painter = new GlPainter(canvas);
+    this.#observer = new ResizeObserver(() => {
+      this.#resize();
+    });
+    this.#observer.observe(canvas);
+  }
+
+  /** Begins to show a film, with the tiles that it has. */
+  setFilm(side: Side, film: Film): void {
+    this.#painter[side]?.delete();
+    this.#painter[side] = new GlFilm(this.#painter.gl, film.width, film.height, film.tileSize);
+    this.films[side] = film;
+    if (side === "first") this.fit();
+    this.putTiles(side, [...film.tiles.values()]);
+  }
+
+  putTiles(side: Side, tiles: readonly Tile[]): void {
+    for (const tile of tiles) this.#painter[side]?.put(tile);
+    if (side === "first") this.#follow();
+    this.#request();
+  }
+
+  showWorkers(byTile: ReadonlyMap<number, number>): void {
+    this.#painter.first?.showWorkers(byTile);
+    this.#request();
+  }
+
+  change(look: Partial<Look>): void {
+    if (look.exposure !== undefined) this.#isAuto = false;
+    Object.assign(this.look, look);
+    if (look.show !== undefined) this.#rescale();
+    this.#request();
+    this.#listener.onLook();
+  }
+
+  /** Exposes by the image itself, from now on until somebody says otherwise. */
+  exposeByImage(): void {
+    this.#isAuto = true;
+    this.#follow();
+    this.#request();
+    this.#listener.onLook();
+  }
+
+  get isAuto(): boolean {
+    return this.#isAuto;
+  }
+
+  get placement(): Placement {
+    return this.#placement;
+  }
+
+  fit(): void {
+    this.#isFitted = true;
+    this.#place(fitted(this.#film, this.#size));
+  }
+
+  zoom(factor: number, at: Point = { x: this.#size.width / 2, y: this.#size.height / 2 }): void {
+    this.#isFitted = false;
+    this.#place(zoomed(this.#placement, factor, at, this.#film, this.#size));
+  }
+
+  pan(by: Point): void {
+    this.#isFitted = false;
+    this.#place(panned(this.#placement, by, this.#film));
+  }
+
+  /** The film's pixel under a point of the window; it may lie outside the film. */
+  pixelAt(clientX: number, clientY: number): Point {
+    const point = filmPoint(this.#placement, this.toCanvas(clientX, clientY), this.#size);
+    return { x: Math.floor(point.x), y: Math.floor(point.y) };
+  }
+
+  /** From a point of the window to pixels of the canvas. */
+  toCanvas(clientX: number, clientY: number): Point {
+    const box = this.canvas.getBoundingClientRect();
+    const ratio = this.canvas.width / Math.max(1, box.width);
+    return { x: (clientX - box.left) * ratio, y: (clientY - box.top) * ratio };
+  }
+
+  choose(region: Region | undefined): void {
+    this.look.chosen = region;
+    this.#request();
+  }
+
+  close(): void {
+    this.#observer.disconnect();
+    cancelAnimationFrame(this.#frame);
+    this.#painter.gl.getExtension("WEBGL_lose_context")?.loseContext();
+  }
+
+  get #film(): { width: number; height: number } {
+    return this.films.first ?? { width: 1, height: 1 };
+  }
+
+  get #size(): { width: number; height: number } {
+    return { width: this.canvas.width, height: this.canvas.height };
+  }
+
+  #follow(): void {
+    const film = this.films.first;
+    if (!film) return;
+    if (this.#isAuto) this.look.exposure = autoExposure(film);
+    this.#rescale();
+    this.#listener.onLook();
+  }
+
+  #rescale(): void {
+    if (this.films.first) this.look.scale = scaleOf(this.look.show, this.films.first);
+  }
+
+  #place(placement: Placement): void {
+    this.#placement = placement;
+    this.#listener.onPlacement(placement);
+    this.#request();
+  }
+
+  #resize(): void {
+    const { clientWidth, clientHeight } = this.canvas;
+    this.canvas.width = Math.max(1, Math.round(clientWidth * devicePixelRatio));
+    this.canvas.height = Math.max(1, Math.round(clientHeight * devicePixelRatio));
+    if (this.#isFitted) this.fit();
+    // At once: a canvas that changed its size is empty until it is painted.
+    this.#paint();
+  }
+
+  #request(): void {
+    this.#frame ||= requestAnimationFrame(() => {
+      this.#paint();
+    });
+  }
+
+  #paint(): void {
+    this.#frame = 0;
+    this.#painter.paint(this.look, this.#placement);
+    this.canvas.dataset.frames = `${Number(this.canvas.dataset.frames ?? 0) + 1}`;
+  }
+}

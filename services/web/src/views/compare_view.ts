@@ -1,0 +1,136 @@
+/** Two images of one size: a render beside another, or beside an EXR from disk. */
+import { ConvergenceChart } from "../convergence/chart.ts";
+import { together, usable } from "../convergence/points.ts";
+import { element, setText } from "../dom.ts";
+import { readExr } from "../image/exr.ts";
+import type { Film } from "../image/film.ts";
+import { FilmSource } from "../image/film_source.ts";
+import { compareRoute, renderRoute } from "../router.ts";
+import { getConvergence, tilesAddress } from "../service/client.ts";
+import type { Renders } from "../service/renders.ts";
+import type { Render } from "../service/types.ts";
+import { type RenderImage, renderImage } from "../viewer/render_image.ts";
+import { select } from "../viewer/controls.ts";
+import { sides } from "../viewer/sides.ts";
+import type { View } from "./view.ts";
+
+export function compareView(first: string, second: string | undefined, renders: Renders): View {
+  const problem = element("p", { class: "problem", role: "alert" });
+  let other: Film | undefined;
+  const bothThere = (): void => {
+    const film = image.viewer?.films.first;
+    if (!film || !other) return;
+    if (film.width !== other.width || film.height !== other.height) {
+      setText(problem, `The images have different sizes: ${film.width} × ${film.height} and ${other.width} × ${other.height}.`);
+      return;
+    }
+    image.viewer?.setFilm("second", other);
+    tools.show();
+  };
+  const image = renderImage(first, { canCompare: true, onFilm: bothThere });
+  const tools = sides(image.viewer);
+  image.node.prepend(tools.node);
+  const source = second === undefined ? undefined : secondSource(second, image, (film) => { other = film; bothThere(); });
+  const chart = curves(first, second, renders);
+  const heading = element("h1", { tabindex: "-1" }, "Compare");
+  const choice = chooser(first, second, renders, async (file) => {
+    try {
+      setText(problem, "");
+      other = await readExr(await file.arrayBuffer(), image.viewer?.films.first?.tileSize ?? 32);
+      bothThere();
+    } catch (error) {
+      setText(problem, error instanceof RangeError ? "The EXR file is cut short." : error instanceof Error ? error.message : String(error));
+    }
+  });
+  const node = element("div", { class: "compare" }, element("p", { class: "back" }, element("a", { href: renderRoute(first) }, "← The render")), heading, choice.node, problem, image.node, chart.node);
+  const unsubscribe = [
+    renders.subscribe(() => { choice.update(); }),
+    renders.subscribeTiles((event) => {
+      if (event.render === first) image.refresh();
+      if (event.render === second) source?.request();
+    }),
+  ];
+  renders.watch(second === undefined ? [first] : [first, second]);
+  image.refresh();
+  source?.request();
+  return {
+    node,
+    title: "Compare",
+    close: () => {
+      for (const stop of unsubscribe) stop();
+      renders.watch([]);
+      source?.close();
+      image.close();
+      chart.close();
+    },
+  };
+}
+
+function secondSource(id: string, image: RenderImage, onFilm: (film: Film) => void): FilmSource {
+  return new FilmSource(tilesAddress(id), {
+    onFilm,
+    onTiles: (tiles) => {
+      if (image.viewer?.films.second) image.viewer.putTiles("second", tiles);
+    },
+  });
+}
+
+/** Which images are compared: names, another render of the same size, or a file. */
+function chooser(first: string, second: string | undefined, renders: Renders, onFile: (file: File) => Promise<void>): { node: HTMLElement; update: () => void } {
+  const names = element("p", { class: "versus" });
+  const others = element("span", {});
+  const input = element("input", { type: "file", accept: ".exr", id: "reference" });
+  input.addEventListener("change", () => {
+    const file = input.files?.[0];
+    if (file) void onFile(file).then(() => { setText(names, `${nameOf(renders.get(first), first)} and ${file.name}`); });
+  });
+  const node = element("div", { class: "chooser" }, names, others, element("label", { class: "file", for: "reference" }, "Reference EXR ", input));
+  let offered = "";
+  const update = (): void => {
+    const base = renders.get(first);
+    const same = renders.newestFirst().filter((render) => render.id !== first && render.width === base?.width && render.height === base.height);
+    if (!input.files?.length) setText(names, second === undefined ? nameOf(base, first) : `${nameOf(base, first)} and ${nameOf(renders.get(second), second)}`);
+    const key = same.map(({ id }) => id).join();
+    if (key === offered && offered) return;
+    offered = key;
+    const options: [string, string][] = [["", "Choose a render"], ...same.map((render): [string, string] => [render.id, nameOf(render, render.id)])];
+    others.replaceChildren(select("Second", options, second ?? "", (id) => { if (id) location.hash = compareRoute(first, id); }));
+  };
+  update();
+  return { node, update };
+}
+
+function nameOf(render: Render | undefined, id: string): string {
+  return render?.name ? `${render.name} (${id})` : id;
+}
+
+/** Both errors over the photons, on one chart. */
+function curves(first: string, second: string | undefined, renders: Renders): { node: HTMLElement; close: () => void } {
+  const plot = element("div", { class: "plot" });
+  const chart = new ConvergenceChart(plot);
+  const draw = async (): Promise<void> => {
+    const [a, b] = await Promise.all([getConvergence(first), second === undefined ? [] : getConvergence(second)]);
+    const both = together(usable(a, "photons"), usable(b, "photons"));
+    const name = (id: string): string => renders.get(id)?.name ?? id;
+    chart.show(
+      {
+        x: both.x,
+        lines: [
+          { label: `1: ${name(first)}`, values: both.first, colour: "--accent", kind: "points" },
+          ...(second === undefined ? [] : [{ label: `2: ${name(second)}`, values: both.second, colour: "--cancelled", kind: "points" as const }]),
+        ],
+      },
+      "photons",
+    );
+  };
+  const timer = setInterval(() => void draw().catch(() => undefined), 3000);
+  draw().catch(() => undefined);
+  const node = element("section", { "aria-labelledby": "curves-title" }, element("h2", { id: "curves-title" }, "Convergence of both"), element("figure", { "aria-label": "Relative error over photons" }, plot));
+  return {
+    node,
+    close: () => {
+      clearInterval(timer);
+      chart.close();
+    },
+  };
+}

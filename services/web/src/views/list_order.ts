@@ -1,0 +1,37 @@
+/** Which renders a list shows, and in which order. Pure. */
+import { hasEnded, type Render } from "../service/types.ts";
+
+export const orders = { newest: "Newest first", name: "Name", error: "Largest error first", finish: "Next to finish", cost: "Most CPU time first" };
+export type Order = keyof typeof orders;
+
+export const kinds = { all: "All states", open: "Not ended", ended: "Ended" };
+export type Kind = keyof typeof kinds;
+
+export interface Wish {
+  text: string;
+  kind: Kind;
+  order: Order;
+}
+
+/** Those that are wished for, of renders that come newest first. */
+export function listed(renders: readonly Render[], { text, kind, order }: Wish): Render[] {
+  const words = text.toLowerCase().split(/\s+/).filter(Boolean);
+  const found = renders.filter((render) => {
+    const about = `${render.name} ${render.id} ${render.owner} ${render.state}`.toLowerCase();
+    return words.every((word) => about.includes(word)) && (kind === "all" || hasEnded(render) === (kind === "ended"));
+  });
+  return order === "newest" ? found : found.toSorted(comparisons[order]);
+}
+
+const comparisons: Record<Exclude<Order, "newest">, (a: Render, b: Render) => number> = {
+  name: (a, b) => a.name.localeCompare(b.name),
+  error: (a, b) => b.progress.relative_error - a.progress.relative_error,
+  finish: (a, b) => finish(a) - finish(b),
+  cost: (a, b) => b.progress.cpu_seconds - a.progress.cpu_seconds,
+};
+
+/** Those that have ended come after all that have a forecast. */
+function finish(render: Render): number {
+  if (hasEnded(render)) return 1e15 - render.ended;
+  return render.progress.predicted_end || 1e14;
+}

@@ -1,0 +1,67 @@
+/** The heading, and beside the image: progress, figures, downloads and cancel. */
+import { element, setText } from "../dom.ts";
+import { getWhy, imageAddress, previewAddress } from "../service/client.ts";
+import type { Renders } from "../service/renders.ts";
+import { hasEnded, hasImage, type Render } from "../service/types.ts";
+import { cancelButton } from "./cancel_button.ts";
+import { factsList } from "./facts.ts";
+import { progressBar } from "./progress_bar.ts";
+import { stateBadge } from "./state_badge.ts";
+
+export function summaryPanel(id: string, renders: Renders): { heading: HTMLElement; node: HTMLElement; show: (render: Render) => void } {
+  const name = element("span", {}, "Render");
+  const badge = stateBadge();
+  const reason = element("p", { class: "reason" });
+  const bar = progressBar();
+  const facts = factsList();
+  const links = downloads(id);
+  const cancel = cancelButton(id, (render) => { renders.put(render); });
+  let current: Render | undefined;
+  // Elapsed time grows between events too.
+  const timer = setInterval(() => {
+    if (!node.isConnected) clearInterval(timer);
+    else if (current && !hasEnded(current)) facts.show(current);
+  }, 1000);
+  const node = element("aside", { "aria-label": "Figures" }, reason, bar.node, facts.node, links.node, cancel.button, cancel.dialog);
+
+  const show = (render: Render): void => {
+    const waits = !hasEnded(render) && !hasImage(render);
+    if (waits && render.state !== current?.state) void explain(id, reason);
+    current = render;
+    setText(name, render.name || render.id);
+    document.title = `${name.textContent} – Nocturne`;
+    badge.show(render.state);
+    if (!waits) setText(reason, render.reason);
+    reason.hidden = reason.textContent === "";
+    bar.show(render);
+    facts.show(render);
+    links.show(render);
+    cancel.button.hidden = hasEnded(render);
+  };
+  return { heading: element("h1", { tabindex: "-1" }, name, badge.node), node, show };
+}
+
+/** What a render without samples waits for. */
+async function explain(id: string, node: HTMLElement): Promise<void> {
+  try {
+    setText(node, await getWhy(id));
+    node.hidden = false;
+  } catch {
+    // The bar says that the service is out of reach.
+  }
+}
+
+/** Links to the image; the EXR is written when the render ends. */
+function downloads(id: string): { node: HTMLElement; show: (render: Render) => void } {
+  const file = `nocturne-${id.slice(0, 12)}`;
+  const exr = element("a", { href: imageAddress(id), download: `${file}.exr` }, "Download EXR");
+  const png = element("a", { href: previewAddress(id), download: `${file}.png` }, "Download PNG");
+  const node = element("p", { class: "downloads" }, exr, png);
+  return {
+    node,
+    show: (render) => {
+      node.hidden = !hasImage(render);
+      exr.hidden = !hasEnded(render);
+    },
+  };
+}

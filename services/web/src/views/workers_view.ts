@@ -1,0 +1,97 @@
+/** All workers: what they do now, what they did over the night, and who came and went. */
+import uPlot from "uplot";
+import { element } from "../dom.ts";
+import { formatCount } from "../format.ts";
+import { getWorkerHistory } from "../service/client.ts";
+import type { WorkerHistory } from "../service/types.ts";
+import type { View } from "./view.ts";
+import { workersSection } from "./workers_section.ts";
+
+const interval_ms = 10_000;
+// The declarations name it in a const enum, which single-file compilers cannot read.
+// eslint-disable-next-line @typescript-eslint/no-unsafe-enum-assignment
+const right = 1 as uPlot.Axis.Side;
+
+export function workersView(): View {
+  const workers = workersSection();
+  const chart = element("div", { class: "plot" });
+  const caption = element("p", { class: "note" });
+  const events = element("div", { class: "events" });
+  const node = element(
+    "div",
+    {},
+    element("h1", { tabindex: "-1" }, "Workers"),
+    workers.node,
+    element("section", { "aria-labelledby": "night-title" }, element("h2", { id: "night-title" }, "The last two days"), chart, caption),
+    element("section", { "aria-labelledby": "events-title" }, element("h2", { id: "events-title" }, "Who came and went"), events),
+  );
+  let plot: uPlot | undefined;
+  const poll = async (): Promise<void> => {
+    try {
+      const history = await getWorkerHistory();
+      plot?.destroy();
+      plot = rates(history, chart);
+      caption.textContent = efficiencyText(history);
+      events.replaceChildren(eventsTable(history));
+    } catch {
+      // The bar says that the service is out of reach.
+    }
+  };
+  const timer = setInterval(() => void poll(), interval_ms);
+  void poll();
+  return {
+    node,
+    title: "Workers",
+    close: () => {
+      clearInterval(timer);
+      workers.close();
+      plot?.destroy();
+    },
+  };
+}
+
+function rates({ rates: points }: WorkerHistory, container: HTMLElement): uPlot | undefined {
+  if (points.length < 2) return undefined;
+  const styles = getComputedStyle(document.documentElement);
+  const axis = { stroke: styles.getPropertyValue("--muted").trim(), grid: { stroke: styles.getPropertyValue("--line").trim(), width: 1 }, ticks: { show: false } };
+  const format = (_: uPlot, values: number[]): string[] => values.map((value) => formatCount(value));
+  return new uPlot(
+    {
+      width: Math.max(260, container.clientWidth),
+      height: 200,
+      scales: { y: { range: (_plot, _low, high) => [0, 1.1 * (high || 1)] }, threads: { range: (_plot, _low, high) => [0, 1.5 * (high || 1)] } },
+      axes: [axis, { ...axis, size: 64, values: format }, { ...axis, scale: "threads", side: right, grid: { show: false } }],
+      series: [
+        {},
+        { label: "Photons/s", stroke: styles.getPropertyValue("--accent").trim(), width: 2, value: (_, value: number | null) => (value === null ? "–" : formatCount(value)) },
+        { label: "Threads", scale: "threads", stroke: styles.getPropertyValue("--cancelled").trim(), width: 1, dash: [4, 3] },
+      ],
+    },
+    [points.map((point) => point.unix_time), points.map((point) => point.photons_per_second), points.map((point) => point.threads)],
+    container,
+  );
+}
+
+/** How much of what the threads can do was done: the mean rate per thread over the best there was. */
+function efficiencyText({ rates: points }: WorkerHistory): string {
+  const perThread = points.filter(({ threads }) => threads > 0).map(({ threads, photons_per_second }) => photons_per_second / threads);
+  const best = Math.max(0, ...perThread);
+  if (perThread.length < 2 || best === 0) return "A point for each minute; there are too few yet.";
+  const mean = perThread.reduce((sum, value) => sum + value, 0) / perThread.length;
+  return `${formatCount(mean)} photons/s per thread on the mean, ${((100 * mean) / best).toFixed(0)} % of the best minute. Idle time counts, and scenes differ.`;
+}
+
+function eventsTable({ events }: WorkerHistory): HTMLElement {
+  const rows = events.map(({ unix_time, worker_id, what, reason }) =>
+    element(
+      "tr",
+      {},
+      element("th", { scope: "row" }, new Date(1000 * unix_time).toLocaleString()),
+      element("td", {}, worker_id),
+      element("td", { title: reason }, reason ? `${what}: ${reason}` : what),
+    ),
+  );
+  if (rows.length === 0) return element("p", { class: "muted" }, "Nothing happened yet.");
+  const head = element("tr", {}, ...["When", "Worker", "What"].map((text) => element("th", { scope: "col" }, text)));
+  return element("table", {}, element("thead", {}, head), element("tbody", {}, ...rows));
+}

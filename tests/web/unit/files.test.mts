@@ -1,0 +1,81 @@
+/** Archives, scenes and images that people bring; the fixtures were written by Python's zipfile and by OpenImageIO. */
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { readExr } from "../../../services/web/src/image/exr.ts";
+import { documentPath, partsWithPaths, readScene, resolved } from "../../../services/web/src/submit/scene_files.ts";
+import { readZip } from "../../../services/web/src/submit/zip.ts";
+import { archive, half, piz, xyz } from "./files.ts";
+
+function bytes(base64: string): ArrayBuffer {
+  return Uint8Array.from(Buffer.from(base64, "base64")).buffer;
+}
+
+test("an archive's files, packed and stored", async () => {
+  const files = await readZip(new Blob([bytes(archive)]));
+  assert.deepEqual([...files.keys()], ["box/scene.json", "box/meshes/a.PLY", "box/readme.txt"]);
+  assert.equal(await files.get("box/meshes/a.PLY")?.text(), "ply".repeat(30));
+  assert.equal(await files.get("box/readme.txt")?.text(), "stored");
+});
+
+test("what is no archive, cut short, or says a wrong length, is refused", async () => {
+  await assert.rejects(readZip(new Blob(["no"])), /no ZIP/);
+  const whole = new Uint8Array(bytes(archive));
+  const lying = Uint8Array.from(whole);
+  const entry = whole.findIndex((_, i) => whole[i] === 0x50 && whole[i + 1] === 0x4b && whole[i + 2] === 1 && whole[i + 3] === 2);
+  lying[entry + 24] = 3;
+  await assert.rejects(readZip(new Blob([lying])), /length/);
+  const escaping = Buffer.from(whole);
+  for (let at = escaping.indexOf("box/readme"); at >= 0; at = escaping.indexOf("box/readme")) escaping.write("../", at);
+  await assert.rejects(readZip(new Blob([new Uint8Array(escaping)])), /leads out/);
+});
+
+test("a scene's files become digests, and a mesh says its format", async () => {
+  const scene = await readScene(await readZip(new Blob([bytes(archive)])));
+  assert.equal(scene.path, "box/scene.json");
+  // From sha256sum of "ply" thirty times.
+  const sha256 = "68186b5c8a5fe9046384905c6349b3e71760e69767d544016df45d43f69d9060";
+  assert.deepEqual([...scene.files.keys()], [sha256]);
+  assert.deepEqual(scene.document.surfaces, [{ shape: { type: "mesh", asset: `sha256:${sha256}`, format: "ply" } }]);
+});
+
+test("what is missing is told with its place", async () => {
+  const scene = await readScene(new Map([["scene.json", new Blob(['{"a": [{"asset": "x.png"}, {"asset": "../y.png"}]}'])]]));
+  assert.deepEqual(scene.problems.map(({ place }) => place), ["$.a[0].asset", "$.a[1].asset"]);
+  await assert.rejects(readScene(new Map([["a.txt", new Blob([])]])), /no scene document/);
+  await assert.rejects(readScene(new Map([["a.json", new Blob(["[1]"])]])), /JSON object/);
+});
+
+test("the document nearest to the top, scene.json first", () => {
+  assert.equal(documentPath(["deep/a/scene.json", "top/notes.json", "top/scene.json"]), "top/scene.json");
+  assert.equal(documentPath(["readme.md"]), undefined);
+});
+
+test("paths stay inside, names of responses are not files", () => {
+  assert.equal(resolved("box/", "./a/b.ply"), "box/a/b.ply");
+  assert.equal(resolved("box/", "/etc/passwd"), "");
+  assert.equal(resolved("box/", "a/../../b"), "");
+  assert.deepEqual([...partsWithPaths({ sensor: { responses: { asset: "no" } }, texture: { asset: "sha256:00" } })], []);
+});
+
+test("an EXR with ZIP in two blocks, X, Y, Z and an error", async () => {
+  const film = await readExr(bytes(xyz), 16);
+  assert.deepEqual([film.width, film.height, film.tiles.size], [20, 18, 4]);
+  for (const [x, y] of [[0, 0], [19, 0], [3, 17], [19, 17]] as const) {
+    const at = x + 100 * y;
+    assert.deepEqual([...(film.pixel(x, y)?.values ?? [])], [at, 10000 + at, 20000 + at, 30000 + at]);
+  }
+});
+
+test("an EXR of half floats without compression: R, G, B become XYZ of linear sRGB", async () => {
+  const film = await readExr(bytes(half), 32);
+  const [r, g, b] = [2 / 32, 1 + 2 / 32, 2 + 2 / 32];
+  // Y by IEC 61966-2-1.
+  const Y = film.pixel(2, 1)?.values[1] ?? 0;
+  assert.ok(Math.abs(Y - (0.2126 * r + 0.7152 * g + 0.0722 * b)) < 2e-4, `${Y}`);
+});
+
+test("EXR files that cannot be read say why", async () => {
+  await assert.rejects(readExr(bytes(piz), 32), /ZIP/);
+  await assert.rejects(readExr(new ArrayBuffer(20), 32), /no OpenEXR/);
+  await assert.rejects(readExr(bytes(xyz).slice(0, 600), 32));
+});
