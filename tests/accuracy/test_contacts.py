@@ -5,7 +5,7 @@ and the glass on it as Saunderson, J. Opt. Soc. Am. 32, 1942. z values within th
 file's; false alarms 0.01 in all.
 """
 
-from math import cos, exp, radians, sin
+from math import cos, exp, radians, sin, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from tests.accuracy.tracing import Document
 pytestmark = pytest.mark.system
 
 _BOUND = sidak_bound(60)
-_TURNED = {"axis": [1.0, 0.3, 0.2], "degrees": 33.0}
+_TURNED: Document = {"axis": [1.0, 0.3, 0.2], "degrees": 33.0}
 _WIDE = 20.0
 
 
@@ -58,7 +58,7 @@ def _seen(surfaces: list[Document], turned: bool, below: bool, angle: float = 0.
 
 def _reflectance(n: float, cosine: float) -> float:
     """Of light that comes from index 1 to n, unpolarised (Fresnel)."""
-    t = (1.0 - (1.0 - cosine * cosine) / (n * n)) ** 0.5
+    t = sqrt(1.0 - (1.0 - cosine * cosine) / (n * n))
     s, p = (cosine - n * t) / (cosine + n * t), (n * cosine - t) / (n * cosine + t)
     return 0.5 * (s * s + p * p)
 

@@ -31,7 +31,9 @@ class Committer:
     def commit(self, render_id: str, tiles: dict[int, tuple[int, npt.NDArray[np.float64], int]]) -> None:
         """By tile: samples, sums and rejected photons."""
         rows = [TileRow(index, n, sums.tobytes(), rejected) for index, (n, sums, rejected) in tiles.items()]
-        self.ledger.commit([RenderCommit(render_id, rows, Totals(photons=1), 0.0)])
+        held = self.ledger.take(render_id)
+        assert held is not None
+        self.ledger.commit([RenderCommit(render_id, held.fence, rows, Totals(photons=1), 0.0)])
 
 
 @pytest.fixture

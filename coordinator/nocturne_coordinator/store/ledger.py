@@ -451,8 +451,7 @@ class Ledger:
     def mirror_workers(
         self, workers: list[WorkerRow], at_work: list[tuple[str, int, str]], now: float
     ) -> None:
-        """Replaces the list of workers by who lives now, and who has which tile of this coordinator's renders in
-        hand.
+        """Replaces the list of workers by who lives now, and who has which tile of our renders in hand.
 
         Keeps who came and went, and about once a minute what all of them together did.
         """
@@ -465,11 +464,13 @@ class Ledger:
                 self._note(now, worker, "left", "")
             self._keep_rate(workers, now)
             self._database.execute(
-                "DELETE FROM at_work WHERE coordinator = ? OR coordinator NOT IN (SELECT number FROM coordinator)",
+                """DELETE FROM at_work
+                   WHERE coordinator = ? OR coordinator NOT IN (SELECT number FROM coordinator)""",
                 (self.number,),
             )
             self._database.execute_many(
-                "INSERT OR IGNORE INTO at_work VALUES (?, ?, ?, ?)", [(self.number, *each) for each in at_work]
+                "INSERT OR IGNORE INTO at_work VALUES (?, ?, ?, ?)",
+                [(self.number, *each) for each in at_work],
             )
             self._database.execute("DELETE FROM worker")
             self._database.execute_many(

@@ -7,7 +7,8 @@ from nocturne_coordinator.errors import NocturneError
 from nocturne_coordinator.restoring import Restored, restore
 
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.local.up import default_data_folder, only_one_service
+from nocturne_client.local.data import default_data_folder
+from nocturne_client.local.up import only_one_service
 
 
 def restore_folder(data: Path | None, source: Path | None) -> Restored:
