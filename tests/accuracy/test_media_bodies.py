@@ -12,7 +12,7 @@ import pytest
 from scipy import stats
 
 from tests.accuracy.agreement import ROUNDING, Values
-from tests.accuracy.media import THINNER, along, from_above, lit_slab, medium, read
+from tests.accuracy.media import EDGE, along, from_above, lit_slab, medium, read
 from tests.accuracy.meters import Measurement, Reading
 from tests.accuracy.scenes import BLACK, film, measured_scene, quad, sphere, surface
 from tests.accuracy.tracing import Document
@@ -53,14 +53,14 @@ def test_absorption(depth: float, tmp_path: Path) -> None:
         ("normal", along(0.0, 2.0), exp(-depth)),
     ):
         document = lit_slab(fog, 1.0, sensor, below=True)
-        read(document, tmp_path / key, _SAMPLES).check(truth, THINNER * (1.0 + depth), values=3)
+        read(document, tmp_path / key, _SAMPLES).check(truth, EDGE, values=3)
 
 
 def test_absorption_that_grows_with_depth(tmp_path: Path) -> None:
     """0.6 z per metre over 3 m: exp(-2.7)."""
     density = {"layers": [[-3.0, 0.0], [0.0, 3.0]], "above": {"point": [0, 0, 0], "up": [0, 0, 1]}}
     document = lit_slab({"absorption": 0.6, "density": density}, 3.0, along(0.0, 2.0), below=True)
-    read(document, tmp_path, 16 * _SAMPLES).check(exp(-2.7), THINNER * 2.7)
+    read(document, tmp_path, 16 * _SAMPLES).check(exp(-2.7), ROUNDING)
 
 
 @pytest.mark.parametrize(
@@ -182,15 +182,15 @@ def test_a_very_thick_slab(thickness: float, truth: float, samples: int, tmp_pat
         # Three rays end elsewhere: on the slab's faces, before and after, and beyond.
         collisions.append(measurement.statistics["rays"] / measurement.statistics["photons"] - 3.0)
     photons = 8 * 64 * samples
-    low, high = stats.binom.interval(1.0 - 0.01 / 2.0, photons, truth * (1.0 - THINNER))
+    low, high = stats.binom.interval(1.0 - 0.01 / 2.0, photons, truth * (1.0 - EDGE))
     assert low <= round(float(np.mean(through)) * photons) <= high
-    Reading.of(np.array(collisions)).check(2.0 * thickness, THINNER, values=2)
+    Reading.of(np.array(collisions)).check(2.0 * thickness, EDGE, values=2)
 
 
 def test_a_beam_through_a_thick_slab(tmp_path: Path) -> None:
     """Asymptotic theory, isotropic, albedo 1, optical thickness 50: along the normal 0.032648698."""
     document = lit_slab(medium(1.0), 50.0, along(0.0, 2.0), below=True)
-    read(document, tmp_path, _SAMPLES).check(0.032648698, THINNER)
+    read(document, tmp_path, _SAMPLES).check(0.032648698, EDGE)
 
 
 def test_the_law_of_darkening(tmp_path: Path) -> None:
@@ -211,7 +211,7 @@ def test_the_law_of_darkening(tmp_path: Path) -> None:
         # The error of a quotient, by the larger of the two.
         part = float(np.hypot(radiance.error / radiance.mean, flux.error / flux.mean))
         ratio = type(flux)(radiance.mean * pi / flux.mean, part * radiance.mean * pi / flux.mean, flux.count)
-        ratio.check(truth, THINNER, values=3)
+        ratio.check(truth, EDGE, values=3)
 
 
 # Extinction, scattering, g, distance of the lamp from the ray, where the ray starts and ends; the lamp is

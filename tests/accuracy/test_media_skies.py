@@ -14,7 +14,7 @@ from nocturne_coordinator.scene import rayleigh
 from nocturne_coordinator.scene.published import visible_wavelengths
 
 from tests.accuracy.agreement import Values
-from tests.accuracy.media import THINNER, WIDTH, from_above, lit_slab, read, slab, sun, thinner
+from tests.accuracy.media import EDGE, WIDTH, from_above, lit_slab, read, slab, sun
 from tests.accuracy.meters import Measurement, Reading
 from tests.accuracy.scenes import diffuse, film, measured_scene, quad, surface, white_tile
 from tests.accuracy.tracing import Document
@@ -68,7 +68,7 @@ def test_rayleigh_layers(case: Document, tmp_path: Path) -> None:
             document = _layer(case["thickness"], sensor, case["ground"], light)
             reading = read(document, tmp_path / side / view.replace("/", "-"), _SAMPLES)
             # Down, 1e-3 of the layer is below the sensor.
-            reading.check(truth, thinner(mu) + (0.0 if side == "up" else 1e-3), values=32)
+            reading.check(truth, EDGE + (0.0 if side == "up" else 1e-3), values=32)
 
 
 @pytest.mark.parametrize(
@@ -82,7 +82,7 @@ def test_the_published_layer(case: Document, tmp_path: Path) -> None:
         mu, azimuth = (float(part) for part in view.split("/"))
         document = _layer(0.5, _meter(mu, azimuth, up=True), case["ground"], light)
         reading = read(document, tmp_path / view.replace("/", "-"), _SAMPLES)
-        reading.check(truth, thinner(mu), values=len(views))
+        reading.check(truth, EDGE, values=len(views))
 
 
 @pytest.mark.parametrize("case", TRUTHS["rayleigh layers"]["cases"], ids=_name)
@@ -94,15 +94,15 @@ def test_light_above_and_below_a_layer(case: Document, tmp_path: Path) -> None:
     light = sun(float(np.degrees(np.arccos(case["mu0"]))), 180.0)
     document = _layer(case["thickness"], film([0, 0, 1e-3], [0.0, 0.0, -1.0], 1e-3), 0.0, light)
     up = read(document, tmp_path / "up", _SAMPLES) * (1.0 / case["mu0"])
-    up.check(case["R_flux(black ground)"], THINNER, values=3)
+    up.check(case["R_flux(black ground)"], EDGE, values=3)
     tile, meter = white_tile(([0.0, 0.0, -0.9999], [0.0, 0.0, 1.0]))
     document = _layer(case["thickness"], meter, 0.0, light)
     document["surfaces"].append(tile)
     down = read(document, tmp_path / "down", _SAMPLES) * (np.pi / case["mu0"])
-    down.check(case["T_flux(black ground)"], THINNER, values=3)
+    down.check(case["T_flux(black ground)"], EDGE, values=3)
     air = {"scattering": case["thickness"], **_AIR}
     even = read(lit_slab(air, 1.0, from_above(1e-3), below=False), tmp_path / "even", _SAMPLES)
-    (even * (1.0 / np.pi)).check(case["spherical_albedo"], THINNER, values=3)
+    (even * (1.0 / np.pi)).check(case["spherical_albedo"], EDGE, values=3)
 
 
 @pytest.mark.parametrize("case", TRUTHS["skies"]["cases"], ids=lambda case: f"sun at {case['sun_zenith']}")
@@ -127,20 +127,20 @@ def test_colours_of_the_sky(case: Document, tmp_path: Path) -> None:
         folder.mkdir()
         xyz = Measurement(document, folder, 16, 16).image(_SAMPLES).xyz.astype(np.float64)
         for channel, truth in enumerate(case[view]["XYZ"]):
-            Reading.of(_flat(xyz, channel)).check(truth, 2e-4 + THINNER, values)
+            Reading.of(_flat(xyz, channel)).check(truth, 2e-4 + EDGE, values)
         for channel, name in enumerate("xy"):
             part = Reading.of(_flat(xyz, channel) / xyz.sum(axis=-1).ravel())
-            part.check(case[view][name], 2e-4 + THINNER, values)
+            part.check(case[view][name], 2e-4 + EDGE, values)
     sensor = film([0, 0, -1 + 1e-5], [0, 0, 1], 1e-3)
     document = _sky(_layer(scattering, sensor, 0.0, light))
     reading = read(document, tmp_path, _SAMPLES, edge=16, channel="Y")
     of_sky = case["E_horizontal_total_lx"] - case["E_horizontal_direct_lx"]
-    reading.check(of_sky, 2e-4 + THINNER, values)
+    reading.check(of_sky, 2e-4 + EDGE, values)
     tile, meter = white_tile(([0.0, 0.0, -0.9999], [0.0, 0.0, 1.0]))
     document = _sky(_layer(scattering, meter, 0.0, light))
     document["surfaces"].append(tile)
     reading = read(document, tmp_path / "tile", _SAMPLES, edge=16, channel="Y") * np.pi
-    reading.check(case["E_horizontal_total_lx"], 2e-4 + THINNER, values)
+    reading.check(case["E_horizontal_total_lx"], 2e-4 + EDGE, values)
 
 
 def _angles(view: str) -> tuple[float, float]:

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.accuracy.media import THINNER, along, from_above, lit_slab, medium, read, sun, thinner
+from tests.accuracy.agreement import ROUNDING
+from tests.accuracy.media import EDGE, along, from_above, lit_slab, medium, read, sun
 from tests.accuracy.tracing import Document
 
 pytestmark = pytest.mark.system
@@ -32,7 +33,7 @@ def _check(fog: Document, case: Document, folder: Path, keys: tuple[str, ...], *
         sensor = from_above(1e-3) if diffuse else along(60.0 if key.endswith("60deg") else 0.0, 2.0)
         document = lit_slab(fog, thickness, sensor, below=key.startswith("T"), **more)
         reading = read(document, folder / key, _SAMPLES) * (1.0 / np.pi if diffuse else 1.0)
-        reading.check(case[key], THINNER, values=len(keys))
+        reading.check(case[key], EDGE, values=len(keys))
 
 
 @pytest.mark.parametrize("thickness", sorted({case["thickness"] for case in TRUTHS["slabs"]["cases"]}))
@@ -43,7 +44,7 @@ def test_light_that_nothing_scatters(thickness: float, tmp_path: Path) -> None:
     """
     fog, glass = {"absorption": 1.0}, {"type": "dielectric", "index": 1.0}
     document = lit_slab(fog, thickness, along(0.0, 2.0), below=True, kernel=glass)
-    read(document, tmp_path, 4).check(float(np.exp(-thickness)), thinner(1.0) * max(thickness, 1.0))
+    read(document, tmp_path, 4).check(float(np.exp(-thickness)), ROUNDING * max(thickness, 1.0))
 
 
 @pytest.mark.parametrize("case", TRUTHS["slabs"]["cases"], ids=name)
@@ -95,9 +96,7 @@ def test_van_de_hulsts_slab_by_direction(tmp_path: Path) -> None:
             del document["environment"], document["surfaces"][1]
             # A slab seen from below and lit from above is one seen from above and lit from below.
             document["distant"] = [sun(0.0 if side > 0 else 180.0)]
-            read(document, tmp_path / f"{mu}{side}", _SAMPLES).check(
-                truth, thinner(mu), values=2 * len(cases)
-            )
+            read(document, tmp_path / f"{mu}{side}", _SAMPLES).check(truth, EDGE, values=2 * len(cases))
 
 
 @pytest.mark.parametrize("case", TRUTHS["half spaces"]["cases"], ids=name)
@@ -115,9 +114,9 @@ def test_half_spaces(case: Document, tmp_path: Path) -> None:
     for key, mu in (("H_1", 1.0), ("H_05", 0.5), ("H_02", 0.2)):
         document = lit_slab(fog, deep["thickness"], along(float(np.degrees(np.arccos(mu))), 2.0), below=False)
         absorbed = (read(document, tmp_path / key, _SAMPLES) - 1.0) * (-1.0 / root)
-        absorbed.check(case[key], thinner(mu), values=3)
+        absorbed.check(case[key], EDGE, values=3)
     for key, degrees in (("fr_0_0", 0.0), ("fr_60_0", 60.0)):
         document = lit_slab(fog, deep["thickness"], along(0.0, 2.0), below=True)
         del document["environment"], document["surfaces"][1]
         document["distant"] = [sun(degrees, irradiance=float(1.0 / np.cos(np.radians(degrees))))]
-        read(document, tmp_path / key, _SAMPLES).check(case[key], THINNER, values=2)
+        read(document, tmp_path / key, _SAMPLES).check(case[key], EDGE, values=2)
