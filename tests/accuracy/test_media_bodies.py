@@ -214,6 +214,20 @@ def test_the_law_of_darkening(tmp_path: Path) -> None:
         ratio.check(truth, EDGE, values=3)
 
 
+def test_fog_without_end(tmp_path: Path) -> None:
+    """A shining black ball of 20 free paths in fog that fills space and absorbs nothing, seen from 30.
+
+    Radiance is a / (1 + l / a) / r across the direction to the ball, as diffusion has it beyond the ball's
+    skin, with Milne's extrapolation length l of 0.71 for a plane, 0.75 at most for such a ball (Davison,
+    Neutron Transport Theory, 1957, ch. IV): 0.6435, known to 3e-3 with what diffusion leaves out.
+    """
+    ball = {"shape": sphere([0, 0, 0], 20.0), "kernel": BLACK, "luminaire": {"radiance": 1.0}}
+    sensor = along(0.0, 2.0) | {"position": [30.0, 0.0, 0.0], "look_at": [30.0, 1.0, 0.0], "up": [0, 0, 1]}
+    document = measured_scene(sensor, [ball])
+    document |= {"media": {"fog": medium(1.0)}, "unbounded_media": ["fog"]}
+    read(document, tmp_path, _SAMPLES).check(0.6435, 3e-3)
+
+
 # Extinction, scattering, g, distance of the lamp from the ray, where the ray starts and ends; the lamp is
 # beside 0.
 _AIRLIGHTS = {

@@ -125,6 +125,34 @@ Vec3 sensor_start(const v1::Sensor& s) {
                         vector(s.forward(), "the sensor's forward");
 }
 
+bool fills_space_evenly(const Medium& medium) {
+  return std::holds_alternative<ConstantDensity>(medium.density) && medium.scattering.most() > 0.0f;
+}
+
+// Photons can wander through it for ever. It hides all distant light; a glow would be everywhere.
+bool in_fog_without_end(const InteriorList& everywhere, const std::vector<Interior>& interiors,
+                        const std::vector<Medium>& media) {
+  bool even = false, glows = false;
+  everywhere.for_each_present(interiors, [&](const Interior& body) {
+    for (const std::uint32_t medium : body.media) {
+      even = even || fills_space_evenly(media[medium]);
+      glows = glows || media[medium].glow;
+    }
+  });
+  return even && !glows;
+}
+
+std::optional<Geometry::Ball> find_all_in_fog(const Geometry& geometry, Vec3 sensor,
+                                              const InteriorList& everywhere,
+                                              const std::vector<Interior>& interiors,
+                                              const std::vector<Medium>& media) {
+  if (!in_fog_without_end(everywhere, interiors, media)) return std::nullopt;
+  if (geometry.shapes().empty()) return Geometry::Ball{sensor, 0.0f};
+  Geometry::Ball ball = geometry.bounds();
+  ball.radius = std::max(ball.radius, length(sensor - ball.centre));
+  return ball;
+}
+
 }  // namespace
 
 std::string blob_name(const std::string& sha256) {
@@ -161,11 +189,13 @@ std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message,
       luminaires_inside = load_luminaires_inside(luminaires, geometry, loaded.groups, materials,
                                                  interiors, everywhere);
     }
+    const auto all_in_fog =
+        find_all_in_fog(geometry, sensor_start(message.sensor()), everywhere, interiors, media);
     return std::shared_ptr<const Scene>(new Scene{
         std::move(geometry), std::move(materials), std::move(kernels), std::move(interiors),
         std::move(media), load_reliefs(context), std::move(luminaires), std::move(lights),
         std::move(emitter), std::move(sensor), load_wavelengths(message.sensor()), options,
-        sensor_inside, std::move(luminaires_inside)});
+        sensor_inside, std::move(luminaires_inside), all_in_fog});
   });
 }
 

@@ -60,6 +60,8 @@ struct Scene {
   /// Bodies that the sensor, and each luminaire, stands in.
   InteriorList sensor_inside;
   std::vector<InteriorList> luminaires_inside;
+  /// Holds all that photons can end at, where fog without end hides what is beyond it.
+  std::optional<Geometry::Ball> all_in_fog;
 
   bool has_distant_light() const { return lights.environment() || !lights.discs().empty(); }
 

@@ -48,6 +48,7 @@ class Spectrum {
   }
 
   float least() const { return *std::min_element(values_.begin(), values_.end()); }
+  float most() const { return *std::max_element(values_.begin(), values_.end()); }
 
   /// From `first` to `last`, nm, first < last; exact, however narrow what is in between.
   double mean_between(double first, double last) const {

@@ -197,6 +197,15 @@ class Walk {
            group.inside.current(scene_.interiors) == InteriorList::kOutside;
   }
 
+  // In fog without end that absorbs little, photons would wander for ever. From a distance r one
+  // flight meets a ball of radius R with (R / r)^2, and a long walk with R / r. At the latter its
+  // expected length were endless still, as a walk to r takes r^2 flights.
+  float chance_to_stay(const Group<N>& group, Vec3 position) const {
+    const auto& [centre, radius] = *scene_.all_in_fog;
+    const Vec3 away = position - centre;
+    return std::min(1.0f, largest(group.weight) * radius * radius / dot(away, away));
+  }
+
   template <class Kernel>
   bool scatter(Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel) {
     const Uniform4 u = group.sequence.next();
@@ -214,6 +223,8 @@ class Walk {
     if (group.depth - group.collisions > TracingOptions::kManyBounces) {
       survival = std::min(survival, TracingOptions::kSurvivalOfMany);
     }
+    if (scene_.all_in_fog)
+      survival = std::min(survival, chance_to_stay(group, vertex.hit.position));
     const KernelNumbers numbers{u[3], u[0], u[1]};
     if constexpr (kAdjoint) {
       const bool two_photons = options_.estimator == Estimator::kTwoPhotons && kernel.smooth() &&
