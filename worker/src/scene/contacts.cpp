@@ -79,10 +79,11 @@ std::vector<Extent> extents_of(const Geometry& geometry, std::span<const std::ui
   return shown;
 }
 
-bool meet(const Extent& a, const Extent& b) {
-  const double room = a.clearance + b.clearance;
+// Whether photons that start off `a` may step over `b`.
+bool reaches(const Extent& a, const Extent& b) {
   const Double3 gap_up = b.lower - a.upper, gap_down = a.lower - b.upper;
-  return std::max({gap_up.x, gap_up.y, gap_up.z, gap_down.x, gap_down.y, gap_down.z}) <= room;
+  return std::max({gap_up.x, gap_up.y, gap_up.z, gap_down.x, gap_down.y, gap_down.z}) <=
+         a.clearance;
 }
 
 bool is_body(const SurfaceMaterial& material) {
@@ -101,10 +102,9 @@ void find_contacts(const Geometry& geometry, std::span<const std::uint32_t> grou
     if (!is_body(material) && !material.may_pass) continue;
     for (std::size_t j = 0; j < surfaces; ++j) {
       // A surface that is shown more than once may touch itself.
-      if (i == j ? extents[i].count < 2 : !meet(extents[i], extents[j])) continue;
+      if (i == j ? extents[i].count < 2 : !reaches(extents[i], extents[j])) continue;
       if (!is_body(material) && !is_body(materials[j])) continue;
-      const double reach = std::max(extents[i].clearance, extents[j].clearance);
-      material.contact_reach = std::max(material.contact_reach, static_cast<float>(reach));
+      material.contact_reach = static_cast<float>(extents[i].clearance);
     }
   }
 }
@@ -119,8 +119,7 @@ Contacts search_contacts(const Geometry& geometry, std::span<const SurfaceMateri
   std::size_t count = geometry.others_near(ray, time, hit, reach, near);
   const auto apart = [&hit](const Hit& other) {
     return std::fabs(dot(hit.normal, other.normal)) < kParallel ||
-           std::fabs(dot(hit.normal, other.position - hit.position)) >
-               std::max(hit.clearance, other.clearance);
+           std::fabs(dot(hit.normal, other.position - hit.position)) > hit.clearance;
   };
   const auto end =
       std::remove_if(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), apart);
