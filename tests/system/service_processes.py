@@ -22,20 +22,28 @@ _LEASE_MS = 1000
 class ServiceProcesses:
     """redis-server, coordinator, API, and workers of one thread each."""
 
-    def __init__(self, folder: Path, *coordinator_words: str | Path) -> None:
-        """`folder` holds everything; its path must be short, for Unix sockets."""
+    def __init__(
+        self, folder: Path, *coordinator_words: str | Path, coordinator_port: int = 0, worker_port: int = 0
+    ) -> None:
+        """`folder` holds everything; its path must be short, for Unix sockets.
+
+        Ports, where they are given, are how coordinator and workers reach Redis' socket, `folder`/redis.sock.
+        """
         self.spoilt = False
         """A test failed with it: nothing is known of its state."""
         self.workers: dict[str, Program] = {}
         self._past_workers: list[Program] = []
         self._folder = folder
         self._socket = folder / "redis.sock"
+        here = f"unix://{self._socket}"
+        coordinators = f"redis://127.0.0.1:{coordinator_port}" if coordinator_port else here
+        self._workers_redis = f"tcp://127.0.0.1:{worker_port}" if worker_port else here
         port = free_port_pair()
         self.url = f"http://127.0.0.1:{port}"
         self.client = Client(self.url)
         self.redis_server = self._program("redis", need_program("redis-server"), *self._redis_words())
         self.coordinator = self._python(
-            *("nocturne_coordinator.main", "--redis", f"unix://{self._socket}", "--commit-seconds", "0.2"),
+            *("nocturne_coordinator.main", "--redis", coordinators, "--commit-seconds", "0.2"),
             *coordinator_words,
         )
         self._api = self._python(
@@ -80,7 +88,7 @@ class ServiceProcesses:
         worker = self._program(
             name,
             need_program("nocturne-worker"),
-            *("--redis", f"unix://{self._socket}", "--assets", f"unix:{self._folder / 'grpc.sock'}"),
+            *("--redis", self._workers_redis, "--assets", f"unix:{self._folder / 'grpc.sock'}"),
             *("--cache", self._folder / "cache", "--threads", "1", "--id", name),
             *("--lease-ms", str(_LEASE_MS)),
         )

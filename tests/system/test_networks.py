@@ -1,0 +1,149 @@
+"""Slow, cut, silent and lossy networks between Redis and its users: the image stays the same in
+every bit, and work goes on soon after."""
+
+import json
+import os
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tests.system.images import Image, differing_values
+from tests.system.renders import RANGES, followed_render, has_ended, is_in_mid_work, wait_for_more_ranges
+from tests.system.service_processes import ServiceProcesses
+from tests.system.waiting import wait_for
+from tests.system.wire import Weather, Wire
+
+pytestmark = pytest.mark.system
+
+# How long a network is spoilt: five leases of the workers, which have one second here.
+SPOILT_S = float(os.environ.get("NOCTURNE_SPOILT_SECONDS", "5"))
+# From the mending to the next commit: the longest time that anybody waits for an answer on a connection that
+# is dead (5 s), or for a connection (5 s), the longest pause before another try (2 s), a lease (1 s), and as
+# much again as all that for a job and a commit on a machine that has other things to do.
+BOUND_S = 2.0 * (5.0 + 5.0 + 2.0 + 1.0)
+_SOME_RANGES = 8
+
+
+@dataclass(frozen=True)
+class Network:
+    """A service whose coordinator and workers come to Redis by wires of their own."""
+
+    service: ServiceProcesses
+    coordinator: Wire
+    worker: Wire
+
+
+@pytest.fixture(scope="module")
+def network(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Network]:
+    folder = tmp_path_factory.mktemp("net")
+    with Wire(folder / "redis.sock", 1) as coordinator, Wire(folder / "redis.sock", 2) as worker:
+        service = ServiceProcesses(folder, coordinator_port=coordinator.port, worker_port=worker.port)
+        service.start()
+        service.have_workers(2)
+        yield Network(service, coordinator, worker)
+        service.close()
+
+
+def _cut(wire: Wire) -> None:
+    wire.cut()
+
+
+def _silent(wire: Wire) -> None:
+    wire.fall_silent()
+
+
+def _slow(wire: Wire) -> None:
+    wire.weather = Weather(delay_s=0.25, loss=0.05)
+
+
+Fault = Callable[[Wire], None]
+WIRES = ("worker", "coordinator", "both")
+
+
+def _wires(network: Network, which: str) -> list[Wire]:
+    found = {"worker": [network.worker], "coordinator": [network.coordinator]}
+    return found.get(which, [network.worker, network.coordinator])
+
+
+def _note(what: str, **figures: float) -> None:
+    """For the table in docs/reliability.md: NOCTURNE_FIGURES names a file that gets a line of JSON."""
+    path = os.environ.get("NOCTURNE_FIGURES")
+    if path:
+        with Path(path).open("a") as file:
+            file.write(json.dumps({"what": what, **figures}) + "\n")
+
+
+@pytest.mark.parametrize(
+    ("fault", "which"),
+    [
+        *((fault, which) for fault in (_cut, _silent) for which in ("worker", "coordinator")),
+        *(pytest.param(fault, "both", marks=pytest.mark.soak) for fault in (_cut, _silent)),
+        *(pytest.param(_slow, which, marks=pytest.mark.soak) for which in WIRES),
+    ],
+)
+def test_a_spoilt_network(fault: Fault, which: str, network: Network, traced_alone: Image) -> None:
+    service = network.service
+    with followed_render(service) as render:
+        wait_for_more_ranges(service.client, render.id, _SOME_RANGES)
+        assert is_in_mid_work(service.client, render.id)
+        for wire in _wires(network, which):
+            assert wire.connections > 0
+            fault(wire)
+        time.sleep(SPOILT_S)
+        before = service.client.get(render.id).progress.ranges_done
+        assert before < RANGES, "the render was over before the network was mended"
+        mended = time.monotonic()
+        for wire in _wires(network, which):
+            wire.mend()
+        wait_for(
+            lambda: service.client.get(render.id).progress.ranges_done > before, "progress", seconds=BOUND_S
+        )
+        resumed = time.monotonic() - mended
+        image = render.finished_image()
+    assert differing_values(image, traced_alone) == {}
+    _note(f"{fault.__name__[1:]} {which}", resumed_s=resumed)
+
+
+@pytest.mark.soak
+def test_work_goes_on_while_a_network_is_slow(network: Network, traced_alone: Image) -> None:
+    """500 ms there and back, and every twentieth packet lost: slower, and no slower than that explains."""
+    service = network.service
+    with followed_render(service) as render:
+        wait_for_more_ranges(service.client, render.id, 1)
+        network.worker.weather = network.coordinator.weather = Weather(delay_s=0.25, loss=0.05)
+        begun, before = time.monotonic(), service.client.get(render.id).progress.ranges_done
+        wait_for_more_ranges(service.client, render.id, _SOME_RANGES)
+        took = time.monotonic() - begun
+        done = service.client.get(render.id).progress.ranges_done - before
+        network.worker.mend()
+        network.coordinator.mend()
+        image = render.finished_image()
+    assert differing_values(image, traced_alone) == {}
+    _note("slow both, while it lasts", seconds_per_range=took / done)
+
+
+@pytest.mark.parametrize(
+    ("which", "share"),
+    [("both", 0.02), *(pytest.param(each, 0.1, marks=pytest.mark.soak) for each in WIRES)],
+)
+def test_answers_that_are_lost(which: str, share: float, network: Network, traced_alone: Image) -> None:
+    """A share of all calls happens and the answer never comes: what was done is done once."""
+    service = network.service
+    lost = [wire.lost for wire in _wires(network, which)]
+    begun = time.monotonic()
+    with followed_render(service) as render:
+        for wire in _wires(network, which):
+            wire.weather = Weather(lost_answers=share)
+        # The worst: a coordinator asks a dozen times before it is in step, and begins anew after any loss.
+        wait_for(lambda: has_ended(service.client, render.id), "the render to end", seconds=400.0)
+        took = time.monotonic() - begun
+        for wire in _wires(network, which):
+            wire.mend()
+        image = render.finished_image()
+    assert differing_values(image, traced_alone) == {}
+    now = [wire.lost for wire in _wires(network, which)]
+    assert all(after > before for before, after in zip(lost, now, strict=True))
+    _note(f"lost answers {which} {share:g}", lost=float(sum(now) - sum(lost)), took_s=took)
