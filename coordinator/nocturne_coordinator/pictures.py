@@ -32,7 +32,11 @@ class Pictures:
         self._ledger = ledger
 
     def refresh(self, renders: Iterable[RunningRender]) -> None:
-        """Previews and images that are due, of renders with new samples; to be called after a commit."""
+        """Previews that are due and one image, of renders with new samples; to be called after a commit.
+
+        Results wait meanwhile: for six images of a million pixels in a row, that would be seconds.
+        """
+        images = []
         for render in renders:
             if render.totals.photons == render.pictured_photons:
                 continue
@@ -45,8 +49,12 @@ class Pictures:
                 took = _time_of(lambda render=render: self._figures(render))  # type: ignore[misc]
                 render.next_figures = now + max(_PREVIEW_SECONDS, took / _PREVIEW_SHARE)
             if now >= render.next_image:
-                took = _time_of(lambda render=render: self._image(render))  # type: ignore[misc]
-                render.next_image = now + max(_IMAGE_SECONDS, took / _IMAGE_SHARE)
+                images.append(render)
+        if images:
+            longest = min(images, key=lambda render: render.next_image)
+            now = time.monotonic()
+            took = _time_of(lambda: self._image(longest))
+            longest.next_image = now + max(_IMAGE_SECONDS, took / _IMAGE_SHARE)
 
     def finish(self, render: RunningRender) -> None:
         """The last preview and image of a render, of all that is committed."""

@@ -1,0 +1,56 @@
+"""When pictures are written: seldom, and never so many at once that results wait for long."""
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from nocturne_coordinator.data_folder import DataFolder, NewRender
+from nocturne_coordinator.pictures import Pictures
+from nocturne_coordinator.plan import make_plan
+from nocturne_coordinator.running_render import RunningRender
+from nocturne_coordinator.store.ledger import Ledger, RenderCommit, TileRow, Totals
+from nocturne_coordinator.store.ownership import Ownership
+
+_EDGE, _SAMPLES = 32, 4
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Iterator[DataFolder]:
+    folder = DataFolder(tmp_path)
+    yield folder
+    folder.close()
+
+
+def _running(folder: DataFolder, ledger: Ledger, number: int) -> RunningRender:
+    """A render of one tile, with its first samples committed, whose image is due."""
+    plan = make_plan(_EDGE, _EDGE, 64)
+    row = folder.create_render(NewRender(f"{number}", "", "5c" * 32, "{}", _EDGE, _EDGE, 64, plan))
+    taken = ledger.take(row.id)
+    assert taken is not None
+    assert ledger.start(row.id, taken.fence, time.time())
+    tile = TileRow(0, _SAMPLES, bytes(_EDGE * _EDGE * 32))
+    totals = Totals(1, _SAMPLES * _EDGE * _EDGE, 5, 0, 0.5)
+    assert ledger.commit([RenderCommit(row.id, taken.fence, [tile], totals, 10.0)]) == []
+    render = RunningRender(taken, ledger.tiles(row.id))
+    render.next_image = time.monotonic() - number
+    return render
+
+
+def test_images_that_are_due_together_are_written_one_by_one(folder: DataFolder) -> None:
+    ledger = Ledger(folder.database, Ownership(folder.root, folder.database))
+    pictures = Pictures(folder, ledger)
+    renders = [_running(folder, ledger, number) for number in (1, 3, 2)]
+
+    def refreshed() -> list[bool]:
+        pictures.refresh(renders)
+        for render in renders:
+            # As if new samples had come.
+            render.pictured_photons = 0
+        return [folder.image_path(render.id).is_file() for render in renders]
+
+    # Who waits longest comes first; previews are not held up.
+    assert refreshed() == [False, True, False]
+    assert all(folder.preview_path(render.id).is_file() for render in renders)
+    assert refreshed() == [False, True, True]
+    assert refreshed() == [True, True, True]
