@@ -6,13 +6,15 @@ import sys
 
 from nocturne_client.errors import NocturneClientError
 
-from bench import choices, media, mixture, peers, sampling, service, traversal, watchers
+from bench import choices, duplicates, media, mixture, peers, sampling, scale, service, traversal, watchers
 from bench.machine import load_average
 from bench.report import Bench, Figures, Skipped, keep
 
 BENCHES: dict[str, Bench] = {
     "traversal": traversal,
     "service": service,
+    "scale": scale,
+    "duplicates": duplicates,
     "mixture": mixture,
     "sampling": sampling,
     "choices": choices,

@@ -86,6 +86,11 @@ def running_cpu_s(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
+def kept_waiting_s(pid: int) -> float:
+    """Seconds that the first thread of a running process had work and no processor; see proc(5)."""
+    return int(Path(f"/proc/{pid}/schedstat").read_text().split()[1]) / 1e9
+
+
 def read_image(path: Path) -> tuple[Channel, Channel]:
     """XYZ of shape (height, width, 3) and the standard error of Y of an EXR of ours."""
     return read_channels(path, "XYZ"), read_channels(path, ["Y.stderr"])[..., 0]
