@@ -288,6 +288,10 @@ async def test_private_addresses_are_refused_named_or_not(address: str) -> None:
     literal = f"[{address}]" if ":" in address else address
     with pytest.raises(TargetRefused, match="not a public address"):
         await rules.address(rules.parse(f"https://{literal}/"))
+    # Who gives it is told at once.
+    with pytest.raises(InputError, match=r"\$\.url.*not a public address"):
+        rules.admit(f"https://{literal}/")
+    rules.admit("https://name.example/")
 
 
 @pytest.mark.parametrize("host", ["2130706433", "0x7f.1", "0177.0.0.1", "127.1", "localhost"])

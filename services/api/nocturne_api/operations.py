@@ -321,7 +321,7 @@ class Operations:
         """Tells `url` how the caller's renders end. Raises InputError for what can't be told or asked."""
         async with self._recorded("create webhook"):
             CALLER.get().need("submit")
-            self._webhook_rules.parse(url)
+            self._webhook_rules.admit(url)
             owner = CALLER.get().name
             webhook, secret = await self._in_database(self._folder.webhooks.create, owner, url)
             return NewWebhookView(secret=secret, **asdict(webhook))

@@ -68,6 +68,17 @@ class TargetRules:
             raise InputError.at(_PLACE, "port 0 is no port")
         return Target(url, parts.scheme, parts.hostname, port or (443 if parts.scheme == "https" else 80))
 
+    def admit(self, url: str) -> None:
+        """Raises InputError where `parse` does, and for a number that is no allowed address: what a name
+        means is known only when it is asked."""
+        target = self.parse(url)
+        if not _is_literal(target.host):
+            return
+        try:
+            self._check(ipaddress.ip_address(target.host), target)
+        except TargetRefused as refused:
+            raise InputError.at(_PLACE, str(refused)) from None
+
     async def address(self, target: Target) -> str:
         """The address to connect to, now. Raises TargetRefused if any of the name's may not be asked."""
         try:
