@@ -6,8 +6,9 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from nocturne_coordinator.scene import published
+from nocturne_coordinator.scene import published, rgb_spectra
 
 Json = Any
 
@@ -71,3 +72,45 @@ def luminance_of(spectrum: Json) -> float:
     visible = published.visible_wavelengths()
     values = np.interp(visible, knots[:, 0], knots[:, 1], left=0.0, right=0.0)
     return float(_LUMENS_PER_WATT * (values @ published.observer("CIE 1931 2 degree")[:, 1]))
+
+
+def coefficient(rgb: Sequence[float]) -> Json:
+    """What linear sRGB of any size, not negative, stands for as a spectrum in 1/m."""
+    if len(set(rgb)) == 1:
+        return float(rgb[0])
+    # Half of the range that smooth spectra have, where they are least steep.
+    factor = 2 * max(rgb)
+    values = values_of({"rgb": [value / factor for value in rgb]}, _SMOOTH)
+    return table(_SMOOTH, factor * values)
+
+
+# nm between which smooth spectra are straight lines.
+_SMOOTH = np.arange(360.0, 831.0, 5.0)
+
+
+def knots(*spectra: Json) -> NDArray[np.float64]:
+    """Wavelengths between which products of spectra are nearly straight lines; one if all are constant."""
+    if all(isinstance(spectrum, int | float) for spectrum in spectra):
+        return np.array([550.0])
+    own = [
+        knot[0] for spectrum in spectra if isinstance(spectrum, dict) for knot in spectrum.get("table", ())
+    ]
+    return np.union1d(_SMOOTH, np.clip(own, _SMOOTH[0], _SMOOTH[-1]))
+
+
+def values_of(spectrum: Json, at: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Values of a number, a table or the colour of a reflectance at wavelengths, nm."""
+    if isinstance(spectrum, int | float):
+        return np.full(at.shape, float(spectrum))
+    if "rgb" in spectrum:
+        return rgb_spectra.spectra_of(rgb_spectra.rgb_to_coefficients(np.array(spectrum["rgb"])), at)
+    pairs = np.array(spectrum["table"])
+    ends = {"left": 0.0, "right": 0.0} if spectrum.get("outside") == "zero" else {}
+    return np.asarray(np.interp(at, pairs[:, 0], pairs[:, 1], **ends))
+
+
+def table(at: NDArray[np.float64], values: NDArray[np.float64]) -> Json:
+    """A coefficient by wavelength; a number where there is one."""
+    if len(at) == 1 or np.all(values == values[0]):
+        return float(values[0])
+    return {"table": np.stack([at, values], 1).tolist()}

@@ -96,6 +96,12 @@ class SceneWriter:
         self._path(name).write_bytes(content)
         return name
 
+    def unused_file(self, folder: str, wanted: str, end: str) -> str:
+        """Return the name of a file below a folder that is made for it."""
+        name = f"{folder}/{self._unused(wanted, folder)}{end}"
+        self._path(name)
+        return name
+
     def finish(self) -> Path:
         """Check the document and write it. Raises InputError."""
         check_document(self.document)

@@ -2,8 +2,12 @@
 
 import json
 import subprocess
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
 
 from nocturne_coordinator.programs import find_program
 
@@ -36,18 +40,39 @@ class GridFacts:
 
 def convert(source: Path, grid: str, output: Path) -> GridFacts:
     """Write one grid of an OpenVDB file as NanoVDB; raises UnusableGridError."""
+    return _facts(_run("convert", source, "--grid", grid, "-o", output))
+
+
+def create(output: Path, grid: str, values: NDArray[np.float64], voxel: float) -> None:
+    """Write an OpenVDB file of one grid: values, shape (x, y, z), of cubes with edges of `voxel` metres, the
+    first with a corner at 0. Raises UnusableGridError.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        values.astype("<f4").tofile(Path(folder) / "values.f32")
+        description = {
+            "dims": values.shape,
+            "voxel_size": voxel,
+            "origin": [voxel / 2] * 3,
+            "grids": [{"name": grid, "file": "values.f32"}],
+        }
+        plan = Path(folder) / "grid.json"
+        plan.write_text(json.dumps(description))
+        _run("create", plan, "-o", output)
+
+
+def _run(*words: str | Path) -> bytes:
     program = find_program(PROGRAM)
     if program is None:
-        raise UnusableGridError(f"{PROGRAM} is missing on this machine, which reads grids")
-    command: list[str | Path] = [program, "convert", source, "--grid", grid, "-o", output]
+        raise UnusableGridError(f"{PROGRAM} is missing on this machine, which reads and writes grids")
+    command: list[str | Path] = [program, *words]
     try:
         done = subprocess.run(command, capture_output=True, check=False, timeout=_TIMEOUT)  # noqa: S603
     except subprocess.TimeoutExpired:
-        raise UnusableGridError(f"took longer than {_TIMEOUT} s to read") from None
+        raise UnusableGridError(f"took longer than {_TIMEOUT} s") from None
     if done.returncode != 0:
-        words = done.stderr.decode("utf-8", "replace").strip().splitlines() or ["no reason given"]
-        raise UnusableGridError(words[-1].removeprefix(f"{PROGRAM}: ")[:1000])
-    return _facts(done.stdout)
+        said = done.stderr.decode("utf-8", "replace").strip().splitlines() or ["no reason given"]
+        raise UnusableGridError(said[-1].removeprefix(f"{PROGRAM}: ")[:1000])
+    return done.stdout
 
 
 def _facts(text: bytes) -> GridFacts:

@@ -165,7 +165,7 @@ def test_a_board_has_its_first_colour_at_the_origin(tmp_path: Path) -> None:
     assert [board.getpixel(x, y)[0] for x, y in ((0, last), (0, 0), (last, 0))] == [0.5, 0.25, 0.5]
 
 
-@pytest.mark.parametrize("name", ["glass_ball", "instances"])
+@pytest.mark.parametrize("name", ["glass_ball", "instances", "media"])
 def test_the_repositorys_scenes_are_imported_whole(name: str, tmp_path: Path) -> None:
     scenes = Path(__file__).parents[3] / "scenes" / "pbrt"
     found = import_scene(scenes / f"{name}.pbrt", tmp_path / "out", ImportOptions())

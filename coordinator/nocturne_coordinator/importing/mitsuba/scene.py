@@ -14,11 +14,12 @@ from nocturne_coordinator.importing.options import ImportOptions
 from nocturne_coordinator.importing.scene_files import SceneFiles
 from nocturne_coordinator.importing.scene_writer import SceneWriter
 
-# In this order: lamps without a size get theirs from that of all shapes together.
+# In this order: lamps without a size get theirs from that of all shapes together, and a medium around the
+# sensor is everywhere unless a shape encloses it.
 _PARTS: dict[str, Callable[[Context, Element], None]] = {
     "integrator": add_integrator,
-    "sensor": add_sensor,
     "shape": add_shape,
+    "sensor": add_sensor,
     "emitter": add_emitter,
 }
 # Made where something refers to them.

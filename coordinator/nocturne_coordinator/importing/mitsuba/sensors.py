@@ -9,6 +9,7 @@ from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.importing import transforms
 from nocturne_coordinator.importing.mitsuba.context import Context
 from nocturne_coordinator.importing.mitsuba.elements import Element
+from nocturne_coordinator.importing.mitsuba.media import around_sensor
 from nocturne_coordinator.importing.mitsuba.properties import Properties
 from nocturne_coordinator.importing.scene_writer import Film, Json
 from nocturne_coordinator.importing.transforms import Matrix
@@ -40,6 +41,7 @@ def add_sensor(context: Context, element: Element) -> None:
         inner.finish()
     properties.without_effect("nothing is clipped", "near_clip", "far_clip")
     properties.ignore("srf")
+    around_sensor(context, properties)
     to_world = properties.transform("to_world")
     if transforms.is_mirrored(to_world):
         context.findings.lost(element.place, "a camera that mirrors the image has no equal")

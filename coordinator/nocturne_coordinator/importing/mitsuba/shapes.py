@@ -82,7 +82,7 @@ def _material(context: Context, properties: Properties) -> _Material:
         raise InputError.at(properties.place, f"a shape has one material, found {len(found)}")
     material = bsdf(context, found[0]) if found else _DEFAULT
     surface: Json = {"kernel": _named(context, found, material), **material.relief}
-    interior(context, properties, surface)
+    interior(context, properties, surface, material.kernel)
     emitters = properties.take_all("emitter")
     if len(emitters) > 1:
         raise InputError.at(properties.place, f"a shape has one emitter, found {len(emitters)}")

@@ -159,6 +159,27 @@ def light(context: Context, element: Element) -> Json:
     return _read(_LIGHTS, context, element)
 
 
+def _rgb_coefficient(context: Context, element: Element) -> Json:
+    del context
+    values = rgb(element)
+    if min(values) < 0:
+        raise InputError.at(element.place, "a coefficient is not negative")
+    return colours.reflectance(values) if max(values) <= 1 else colours.coefficient(values)
+
+
+_COEFFICIENTS = _REFLECTANCES | {"rgb": _rgb_coefficient}
+
+
+def coefficient(context: Context, element: Element) -> Json:
+    """A coefficient or an albedo of a medium: a number or a table."""
+    found = _read(_COEFFICIENTS, context, element)
+    if isinstance(found, dict) and not {"table", "rgb"} & found.keys():
+        raise InputError.at(element.place, "a coefficient is a number, a colour or a table")
+    if isinstance(found, float | int) and found < 0:
+        raise InputError.at(element.place, "a coefficient is not negative")
+    return found
+
+
 def _read(table: dict[str, Callable[[Context, Element], Json]], context: Context, element: Element) -> Json:
     if element.tag not in table:
         raise InputError.at(element.place, f"<{element.tag}>; expected <{'>, <'.join(table)}>")

@@ -7,6 +7,7 @@ import numpy as np
 from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.importing import transforms
 from nocturne_coordinator.importing.pbrt.context import Context
+from nocturne_coordinator.importing.pbrt.media import camera_medium
 from nocturne_coordinator.importing.pbrt.parameters import Parameters
 from nocturne_coordinator.importing.scene_writer import Json
 
@@ -46,6 +47,7 @@ def add_camera(context: Context, kind: str, parameters: Parameters) -> None:
             )
             sensor |= {"type": "pinhole", "vertical_field_of_view_degrees": 90.0}
     parameters.finish()
+    camera_medium(context, parameters.place)
     context.writer.document["sensor"] = sensor
 
 

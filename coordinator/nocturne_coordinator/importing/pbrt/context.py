@@ -45,6 +45,10 @@ class Context:
     textures: dict[str, Json] = field(default_factory=dict)
     materials: dict[str, tuple[str, Json]] = field(default_factory=dict)
     """Kernel's name and relief."""
+    media: dict[str, str] = field(default_factory=dict)
+    """Names in the document by name; empty where there is nothing."""
+    enclosed: set[str] = field(default_factory=set)
+    """Names in the document of media that are inside of a shape."""
     objects: dict[str, tuple[str, list[Json]]] = field(default_factory=dict)
     """Groups by name: the group's name in the document, and its surfaces."""
     lowest: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.inf))

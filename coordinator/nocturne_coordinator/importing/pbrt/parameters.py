@@ -158,6 +158,10 @@ class Parameters:
         for name in names:
             self.take(name)
 
+    def ignore_all(self) -> None:
+        """Take all that is left."""
+        self._named.clear()
+
     def finish(self) -> None:
         """Tell of everything that was not taken."""
         for parameter in self._named.values():

@@ -35,14 +35,14 @@ def surface(context: Context, kind: str, parameters: Parameters) -> Json | None:
     if opacity != 1.0:
         kernel = {"type": "mask", "kernel": kernel, "opacity": opacity}
     found: Json = {"kernel": kernel, **state.relief}
-    interior(context, parameters.place, found)
-    if state.area_light is not None:
-        found["luminaire"] = area_light(context)
     named = (
         context.writer.document.get("kernels", {}).get(state.material)
         if isinstance(state.material, str)
         else None
     )
+    interior(context, parameters.place, found, kernel if named is None or isinstance(kernel, dict) else named)
+    if state.area_light is not None:
+        found["luminaire"] = area_light(context)
     textured = any(word in json.dumps([found, named]) for word in ('"texture"', '"roughness_u"'))
     found["shape"] = _SHAPES[kind](context, parameters, textured)
     parameters.finish()

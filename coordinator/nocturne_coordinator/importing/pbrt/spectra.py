@@ -1,5 +1,7 @@
 """Colours, spectra and textures of pbrt's."""
 
+import math
+
 from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.importing import colours
 from nocturne_coordinator.importing.pbrt.context import Context
@@ -53,6 +55,24 @@ def spectrum(context: Context, found: Parameter) -> Json:
     if len(values) < 2 or len(values) % 2:
         raise InputError.at(found.place, "expected pairs of wavelength and value")
     return {"table": [list(pair) for pair in zip(values[::2], values[1::2], strict=True)]}
+
+
+def coefficient(context: Context, parameters: Parameters, name: str, default: Json) -> Json:
+    """A coefficient of a medium, 1/m."""
+    found = parameters.take(name)
+    if found is None:
+        return default
+    if found.type == "rgb":
+        values = found.numbers(3)
+        if not all(0 <= value < math.inf for value in values):
+            raise InputError.at(found.place, "a coefficient is not negative")
+        return colours.coefficient(values)
+    if found.type == "float":
+        [value] = found.numbers(1)
+        if not 0 <= value < math.inf:
+            raise InputError.at(found.place, "a coefficient is not negative")
+        return value
+    return spectrum(context, found)
 
 
 def index(context: Context, parameters: Parameters, name: str, default: Json) -> Json:
