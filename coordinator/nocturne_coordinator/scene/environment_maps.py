@@ -87,6 +87,14 @@ def turned(row: Floats) -> Floats:
     return (np.roll(mirrored, -(width // 2), axis=0) + np.roll(mirrored, -(width // 2 + 1), axis=0)) / 2
 
 
+def read_whole(source: Path) -> _Pixels:
+    """Red, green, blue of all pixels of an HDR or EXR file, none negative; raises UnusableImageError."""
+    with opened(source) as picture:
+        spec = picture.spec()
+        _check_shape(spec)
+        return np.stack(list(_rows(picture, spec)))
+
+
 @contextmanager
 def opened(source: Path) -> Iterator[Any]:
     """Open a picture, its header read and nothing more."""

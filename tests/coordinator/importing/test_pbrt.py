@@ -170,3 +170,53 @@ def test_the_repositorys_scenes_are_imported_whole(name: str, tmp_path: Path) ->
     scenes = Path(__file__).parents[3] / "scenes" / "pbrt"
     found = import_scene(scenes / f"{name}.pbrt", tmp_path / "out", ImportOptions())
     assert found.missing == []
+
+
+SKY = 'LightSource "infinite" "string filename" "sky.exr" "float scale" 40\n'
+
+
+@pytest.mark.parametrize(
+    ("camera", "expected"),
+    [
+        ("", [[1, 0, 0], [0, 1, 0], [0, 0, -1]]),
+        ("Scale -1 1 1\n", [[1, 0, 0], [0, 1, 0], [0, 0, 1]]),
+    ],
+)
+def test_a_skys_picture_shines_from_where_it_did(
+    camera: str, expected: list[list[float]], tmp_path: Path
+) -> None:
+    """One bright pixel in the directions x, y and z of pbrt's world. Where that is left-handed as the camera
+    sees it, ours has z the other way round.
+    """
+    folder = tmp_path / "in"
+    folder.mkdir()
+    for number, (u, v) in enumerate([(63, 32), (32, 63), (32, 32)]):
+        pixels = np.zeros((64, 64, 3), dtype=np.float32)
+        pixels[v, u] = 100
+        buffer = oiio.ImageBuf(oiio.ImageSpec(64, 64, 3, oiio.FLOAT))
+        buffer.set_pixels(oiio.ROI(), pixels)
+        assert buffer.write(str(folder / "sky.exr"))
+        (folder / "a.pbrt").write_text(f'{camera}Camera "perspective"\nWorldBegin\n{SKY}Shape "sphere"\n')
+        out = tmp_path / f"out{number}"
+        found = json.loads(import_scene(folder / "a.pbrt", out, ImportOptions()).document.read_text())
+        sky = found["environment"]
+        assert sky["luminance"] == 40
+        picture = np.asarray(oiio.ImageBuf(str(out / sky["asset"])).get_pixels(oiio.FLOAT))[..., 0]
+        height, width = picture.shape
+        row, column = np.unravel_index(np.argmax(picture), picture.shape)
+        polar, azimuth = np.pi * (row + 0.5) / height, np.pi * (1 - 2 * (column + 0.5) / width)
+        up, forward = (np.array(sky[name]) for name in ("up", "forward"))
+        left = np.cross(up, forward)
+        flat = np.cos(azimuth) * forward + np.sin(azimuth) * left
+        assert np.cos(polar) * up + np.sin(polar) * flat == pytest.approx(np.array(expected[number]), abs=0.1)
+        weight = np.sin(np.pi * (np.arange(height) + 0.5) / height)[:, None]
+        # Its part of the sphere is one of 64 x 64 pixels.
+        assert (picture * weight).sum() / (weight.sum() * width) == pytest.approx(100 / 4096, rel=0.02)
+
+
+def test_a_skys_picture_is_a_square(tmp_path: Path) -> None:
+    (tmp_path / "in").mkdir()
+    buffer = oiio.ImageBuf(oiio.ImageSpec(64, 32, 3, oiio.FLOAT))
+    assert buffer.write(str(tmp_path / "in" / "sky.exr"))
+    with pytest.raises(InputError, match="64 x 32 pixels; expected a square"):
+        imported(tmp_path, "", head=f"{HEAD}{SKY}")

@@ -5,10 +5,12 @@ from collections.abc import Callable
 import numpy as np
 
 from nocturne_coordinator.errors import InputError
-from nocturne_coordinator.importing import lamps
-from nocturne_coordinator.importing.pbrt import spectra
+from nocturne_coordinator.importing import lamps, transforms
+from nocturne_coordinator.importing.pbrt import spectra, squares
 from nocturne_coordinator.importing.pbrt.context import Context
 from nocturne_coordinator.importing.pbrt.parameters import Parameters
+from nocturne_coordinator.importing.scene_writer import Json
+from nocturne_coordinator.scene.environment_maps import UnusableImageError, read_whole
 
 
 def add_light(context: Context, kind: str, parameters: Parameters) -> None:
@@ -25,18 +27,43 @@ def add_light(context: Context, kind: str, parameters: Parameters) -> None:
 
 
 def _infinite(context: Context, parameters: Parameters) -> None:
-    if parameters.word("filename", None) is not None:
-        context.findings.lost(parameters.place, "no equal of a sky's picture in an equal-area square")
-        parameters.ignore("scale", "illuminance")
+    if "environment" in context.writer.document:
+        context.findings.lost(parameters.place, "a scene has one environment")
+        parameters.ignore_all()
+        return
+    picture = parameters.word("filename", None)
+    if picture is not None:
+        context.writer.document["environment"] = _sky(context, parameters, picture)
         return
     illuminance = parameters.number("illuminance", None)
     scale = float(parameters.number("scale", 1.0))
     # Of an even sky E = pi L.
     luminance = scale if illuminance is None else float(illuminance) / np.pi
-    if "environment" in context.writer.document:
-        context.findings.lost(parameters.place, "a scene has one environment")
-        return
     context.writer.document["environment"] = {"radiance": spectra.light(context, parameters, "L", luminance)}
+
+
+def _sky(context: Context, parameters: Parameters, picture: str) -> Json:
+    """The environment of a picture in an equal-area square."""
+    for name in ("illuminance", "portal"):
+        if parameters.take(name) is not None:
+            context.findings.lost(parameters.place, f'no equal of "{name}" for a sky\'s picture')
+    try:
+        pixels = squares.latitudes(read_whole(context.file(picture, parameters.place)))
+    except UnusableImageError as error:
+        raise InputError.at(parameters.place, str(error)) from None
+    axes = context.to_world()[:3, :3]
+    size = np.linalg.norm(axes, axis=0)
+    if not np.allclose(axes.T @ axes, np.diag(size**2), atol=1e-6 * size.max() ** 2):
+        context.findings.lost(parameters.place, "a sky that is sheared has no equal")
+    if transforms.is_mirrored(context.to_world()):
+        # Rows of a frame that is no mirror image, with y the other way round.
+        pixels = pixels[:, ::-1]
+    return {
+        "asset": context.writer.picture("sky", pixels),
+        "luminance": float(parameters.number("scale", 1.0)),
+        "up": axes[:, 2].tolist(),
+        "forward": axes[:, 0].tolist(),
+    }
 
 
 def _ends(context: Context, parameters: Parameters) -> tuple[np.ndarray, np.ndarray]:
