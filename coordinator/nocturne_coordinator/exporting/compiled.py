@@ -236,6 +236,20 @@ class Compiled:
             return bool(np.linalg.norm(point - centre) < radius)
         return _crossings(mesh, point) % 2 == 1
 
+    def around_sensor(self, everywhere: Body) -> tuple[Body | None, str]:
+        """What the sensor stands in, and where that is described."""
+        position = self.point(self.message.sensor.position)
+        for index, surface in self.standing():
+            place = self.place(index)
+            if surface.HasField("interior") and self.encloses(surface, position, place):
+                return self.body(surface, place), f"{place}.interior"
+        return everywhere, "$.unbounded_media"
+
+    def is_textured(self, surface: scene_pb2.Surface) -> bool:
+        """Whether a kernel of a surface has a texture."""
+        kernels = [surface.kernel] + ([surface.back_kernel] if surface.HasField("back_kernel") else [])
+        return any("texture" in str(self.message.kernels[index]) for index in kernels)
+
     def standing(self) -> Iterator[tuple[int, scene_pb2.Surface]]:
         """Surfaces that are in the scene once, with their index."""
         return ((at, each) for at, each in enumerate(self.message.surfaces) if each.group == 0)

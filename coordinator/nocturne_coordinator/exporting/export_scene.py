@@ -12,6 +12,7 @@ from nocturne_coordinator.blobs import BlobStore
 from nocturne_coordinator.errors import InputError, Problem
 from nocturne_coordinator.exporting.compiled import Compiled, Film
 from nocturne_coordinator.exporting.mitsuba import export_mitsuba
+from nocturne_coordinator.exporting.pbrt import export_pbrt
 from nocturne_coordinator.importing.findings import Findings
 from nocturne_coordinator.importing.scene_writer import SceneWriter
 from nocturne_coordinator.scene.compiler import compile_scene
@@ -19,7 +20,7 @@ from nocturne_coordinator.scene.model import SceneDocument
 
 Exporter = Callable[[Compiled, SceneWriter, Film], str]
 
-FORMATS: dict[str, Exporter] = {"mitsuba": export_mitsuba}
+FORMATS: dict[str, Exporter] = {"mitsuba": export_mitsuba, "pbrt": export_pbrt}
 """Exporters by the renderer's name."""
 
 

@@ -6,15 +6,13 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from nocturne.v1 import scene_pb2
 
+from nocturne_coordinator.exporting.blends import Part, halves, parts_of
 from nocturne_coordinator.exporting.compiled import Body, Table, one_alpha
 from nocturne_coordinator.exporting.mitsuba.context import Context
 from nocturne_coordinator.exporting.mitsuba.elements import matrix, parameter, plugin, reference, spectrum
 
 # Materials that Mitsuba has for both sides of a surface at once.
 _THROUGH = ("dielectric", "thin_pane", "passage")
-
-_Part = tuple[int, tuple[scene_pb2.Blend.Factor, ...]]
-"""A kernel of a blend, and the factors of its weight."""
 
 
 def material(context: Context, surface: scene_pb2.Surface, body: Body | None, place: str) -> Element:
@@ -119,23 +117,15 @@ class _Sides:
         return found
 
     def _blend(self, blend: scene_pb2.Blend, side: Callable[[int], Element]) -> Element:
-        return self._tree([(part.kernel, tuple(part.factors)) for part in blend.parts], side)
+        return self._tree(parts_of(blend), side)
 
-    def _tree(self, parts: list[_Part], side: Callable[[int], Element]) -> Element:
+    def _tree(self, parts: list[Part], side: Callable[[int], Element]) -> Element:
         """Parts whose factors came of blends of blends, as such again."""
         if len(parts) == 1:
             return side(parts[0][0])
-        # The outermost weight is a factor of all parts, and the complement of some.
-        weight = next(
-            factor.weight
-            for factor in parts[0][1]
-            if all(any(factor.weight == each.weight for each in factors) for _, factors in parts)
-        )
-        halves: dict[bool, list[_Part]] = {True: [], False: []}
-        for kernel, factors in parts:
-            at = next(at for at, each in enumerate(factors) if each.weight == weight)
-            halves[factors[at].complement].append((kernel, factors[:at] + factors[at + 1 :]))
-        rest, weighed = self._tree(halves[True], side), self._tree(halves[False], side)
+        split = halves(parts)
+        weight = split.weight
+        rest, weighed = self._tree(split.rest, side), self._tree(split.weighed, side)
         for complement, (through, kept) in {False: (rest, weighed), True: (weighed, rest)}.items():
             if through.get("type") == "null":
                 mask = plugin("bsdf", "mask")

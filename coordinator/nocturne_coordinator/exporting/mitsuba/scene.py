@@ -7,7 +7,7 @@ import numpy as np
 from nocturne.v1 import scene_pb2
 
 from nocturne_coordinator.exporting import skies
-from nocturne_coordinator.exporting.compiled import Array, Body, Compiled, Film, array
+from nocturne_coordinator.exporting.compiled import Body, Compiled, Film, array
 from nocturne_coordinator.exporting.mitsuba.context import Context
 from nocturne_coordinator.exporting.mitsuba.elements import matrix, parameter, plugin, spectrum, write
 from nocturne_coordinator.exporting.mitsuba.media import medium
@@ -102,18 +102,9 @@ def _sensor(context: Context, film: Film, around: Body) -> Element:
     pixels.append(plugin("rfilter", "box"))
     sampler = plugin("sampler", "$sampler", sample_count="$spp")
     sampler[0].tag = "integer"
-    found.extend([pixels, sampler, *_medium_around(context, position, around)])
+    body, place = compiled.around_sensor(around)
+    found.extend([pixels, sampler, *medium(context, body, "", place)])
     return found
-
-
-def _medium_around(context: Context, position: Array, around: Body) -> list[Element]:
-    """What the sensor stands in."""
-    compiled = context.compiled
-    for index, surface in compiled.standing():
-        place = compiled.place(index)
-        if surface.HasField("interior") and compiled.encloses(surface, position, place):
-            return medium(context, compiled.body(surface, place), "", f"{place}.interior")
-    return medium(context, around, "", "$.unbounded_media")
 
 
 def _add_environment(context: Context) -> None:

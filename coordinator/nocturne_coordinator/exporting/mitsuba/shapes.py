@@ -62,7 +62,7 @@ def _geometry(context: Context, index: int, surface: scene_pb2.Surface, place: s
     match surface.WhichOneof("shape"):
         case "sphere":
             centre, radius = context.compiled.sphere(surface.sphere, place)
-            if _is_textured(context, surface):
+            if context.compiled.is_textured(surface):
                 context.findings.lost(place, "textures on spheres can't be exported")
             found = plugin("shape", "sphere", radius=radius)
             x, y, z = (repr(float(value)) for value in centre)
@@ -79,11 +79,6 @@ def _geometry(context: Context, index: int, surface: scene_pb2.Surface, place: s
     mesh = context.compiled.mesh(surface.mesh, place)
     name = context.writer.file(f"mesh{index}.ply", shapes.ply(mesh))
     return plugin("shape", "ply", filename=name, face_normals=mesh.normals is None)
-
-
-def _is_textured(context: Context, surface: scene_pb2.Surface) -> bool:
-    kernels = [surface.kernel] + ([surface.back_kernel] if surface.HasField("back_kernel") else [])
-    return any("texture" in str(context.compiled.message.kernels[index]) for index in kernels)
 
 
 def _emitter(context: Context, luminaire: scene_pb2.Luminaire, place: str) -> Element:

@@ -135,7 +135,9 @@ def import_scene(
 
 def export_scene(
     scene: ScenePath,
-    renderer: Annotated[Literal["mitsuba"], typer.Option("--to", help="The renderer that the scene is for.")],
+    renderer: Annotated[
+        Literal["mitsuba", "pbrt"], typer.Option("--to", help="The renderer that the scene is for.")
+    ],
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="DIR", help="New folder for the scene and its files.")
     ],
