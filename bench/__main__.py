@@ -6,7 +6,19 @@ import sys
 
 from nocturne_client.errors import NocturneClientError
 
-from bench import choices, duplicates, media, mixture, peers, sampling, scale, service, traversal, watchers
+from bench import (
+    choices,
+    duplicates,
+    grid,
+    media,
+    mixture,
+    peers,
+    sampling,
+    scale,
+    service,
+    traversal,
+    watchers,
+)
 from bench.machine import load_average
 from bench.report import Bench, Figures, Skipped, keep
 
@@ -19,6 +31,7 @@ BENCHES: dict[str, Bench] = {
     "sampling": sampling,
     "choices": choices,
     "media": media,
+    "grid": grid,
     "peers": peers,
     "watchers": watchers,
 }

@@ -1,14 +1,18 @@
 """Bad input to a service in a process of its own, at both doors; tests/services has every kind of it."""
 
 import json
+import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import grpc
 import httpx
+import numpy as np
 import pytest
 from nocturne.v1 import render_service_pb2, render_service_pb2_grpc
+from nocturne_client import Client
+from nocturne_client.local.programs import need_program
 
 from tests.system.renders import CORNELL
 from tests.system.up import Up
@@ -110,6 +114,33 @@ def test_100_mb_of_json_are_refused(running_service: Up) -> None:
     answer = httpx.post(f"{running_service.url}/v1/renders", content=pieces(), trust_env=False, timeout=60)
     assert answer.status_code == 422
     assert "more than 8388608 bytes" in answer.json()["detail"]
+
+
+def test_a_billion_voxels_in_a_header(body: dict[str, Any], running_service: Up, tmp_path: Path) -> None:
+    """A file of a few kilobytes that claims 4 GB: refused by the compiler's child, before it reads values."""
+    np.ones((9, 9, 9), "<f4").tofile(tmp_path / "ones.f32")
+    grids = [{"name": "density", "file": "ones.f32"}]
+    (tmp_path / "ones.json").write_text(json.dumps({"dims": [9, 9, 9], "voxel_size": 0.01, "grids": grids}))
+    command: list[str | Path] = [need_program("nocturne-grid"), "create", tmp_path / "ones.json"]
+    subprocess.run([*command, "-o", tmp_path / "ones.vdb"], check=True, capture_output=True)
+    data = bytearray((tmp_path / "ones.vdb").read_bytes())
+    # Name, then "int64" and the value, each after its length.
+    at = data.index(b"file_voxel_count") + len("file_voxel_count") + 4 + len("int64") + 4
+    data[at : at + 8] = (1_000_000_000).to_bytes(8, "little")
+    (tmp_path / "huge.vdb").write_bytes(data)
+    with Client(running_service.url) as client:
+        asset = client.upload(tmp_path / "huge.vdb")
+    before = _files(running_service.data)
+    density = {"asset": f"sha256:{asset}", "grid": "density"}
+    body["scene"]["media"] = {"smoke": {"scattering": 1, "density": density}}
+    box = {"shape": {"type": "medium_box", "medium": "smoke"}, "interior": {"media": ["smoke"]}}
+    body["scene"]["surfaces"].append(box)
+    answer = httpx.post(f"{running_service.url}/v1/renders", json=body, trust_env=False, timeout=60)
+    assert answer.status_code == 422
+    problem = answer.json()["problems"][0]
+    assert problem["place"] == "$.media.smoke.density.asset"
+    assert "says that it has 1000000000 voxels; at most 500000000 are read" in problem["message"]
+    assert _files(running_service.data) == before
 
 
 def _refusal_by_grpc(target: str, body: dict[str, Any]) -> Any:
