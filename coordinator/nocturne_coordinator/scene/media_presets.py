@@ -1,4 +1,4 @@
-"""Published media by name. Numbers and sources: data/media.toml."""
+"""Published media by name. Numbers and sources: data/media.toml; of skin, data/skin.toml."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from nocturne_coordinator.scene import rayleigh
+from nocturne_coordinator.scene import rayleigh, skin
 from nocturne_coordinator.scene.published import Floats, data_file, visible_wavelengths
 
 AIR = "air"
@@ -23,7 +23,7 @@ class Coefficients:
 @lru_cache(maxsize=1)
 def names() -> tuple[str, ...]:
     """All names, those of `droplets` included."""
-    return (AIR, *droplets(), *data_file("media.toml")["measured"]["media"])
+    return (AIR, *droplets(), *data_file("media.toml")["measured"]["media"], *skin.layers())
 
 
 def droplets() -> dict[str, dict[str, Any]]:
@@ -33,11 +33,16 @@ def droplets() -> dict[str, dict[str, Any]]:
 
 
 def coefficients(name: str) -> Coefficients:
-    """Return those of air at sea level (288.15 K, 101325 Pa), or of a measured medium; KeyError else."""
+    """Return those of air at sea level (288.15 K, 101325 Pa), a layer of skin or a measured medium.
+
+    Raises KeyError for another name.
+    """
     wavelengths = visible_wavelengths()
     if name == AIR:
         scattering = rayleigh.number_density() * rayleigh.cross_section(wavelengths)
         return Coefficients(np.zeros_like(scattering), scattering)
+    if name in skin.layers():
+        return Coefficients(skin.absorption(name, wavelengths), skin.scattering(name, wavelengths))
     measured = data_file("media.toml")["measured"]
     entry, at = measured["media"][name], np.array(measured["wavelengths"])
     order = np.argsort(at)
