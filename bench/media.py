@@ -1,12 +1,13 @@
 """Media: photons a second, cost over optical thickness, and ray marching for comparison.
 
-The paper's figures 6 to 8. A photon's way through a medium costs in proportion to its optical thickness; a
-ray marcher that looks for light at each of n steps takes n steps each time, so its cost grows with n squared,
-and what it leaves out between steps is a bias.
+The paper's figures 6 to 8. A photon's way through a medium costs in proportion to its optical thickness, n; a
+ray marcher whose steps have an optical thickness of their own takes n steps, and n more towards the light at
+each, so its cost grows with n squared. What it leaves out between steps is a bias.
 """
 
 import itertools
 import json
+import math
 import shutil
 import statistics
 import sys
@@ -15,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from nocturne_client.local.compiled import CompiledFolder
 from nocturne_client.local.programs import CHECKOUT
 
@@ -36,17 +38,23 @@ class _Size:
     samples: int
     rounds: int
     thicknesses: tuple[float, ...]
-    steps: tuple[int, ...]
+    densities: tuple[int, ...]
     sample_counts: tuple[int, ...]
+    marched: dict[int, tuple[int, ...]]
+    """Samples by steps."""
     reference_samples: int
 
 
 def run(quick: bool) -> Figures:
     """Rates in photons a second of CPU time; nanoseconds a photon; relMSE of Y over CPU time."""
     size = (
-        _Size(12, 16, 4, 1, (1, 10), (8, 16), (4, 16), 64)
+        _Size(12, 16, 4, 1, (1, 10), (1, 2), (4, 16), {8: (4, 16)}, 64)
         if quick
-        else _Size(48, 64, 32, 3, (1, 10, 100), (8, 16, 32, 64, 128), (4, 16, 64, 256), 1024)
+        else _Size(
+            *(48, 64, 32, 3, (1, 10, 100), (1, 2, 4, 8, 16), (4, 16, 64, 256)),
+            {8: (4, 16, 64), 32: (4, 16)},
+            1024,
+        )
     )
     if not (_SMOKE / "smoke.vdb").is_file():
         run_program([sys.executable, _SMOKE / "make_smoke.py", _SMOKE])
@@ -56,9 +64,10 @@ def run(quick: bool) -> Figures:
             "photons_per_cpu_second": _rates(place, size),
             "ns_per_photon": _thickness(place / "slab", size),
             "single_scattering": _marching(place / "marching", size),
+            "ns_over_density": _denser(place / "denser", size),
         }
     if not quick:
-        _draw(figures["single_scattering"])
+        _draw(figures)
     return figures
 
 
@@ -71,10 +80,17 @@ def rows(figures: Figures) -> list[Row]:
         what = f"white slab: cost of a photon, thickness {high:g} / {low:g}"
         table.append(Row(what, f"{cost[high] / cost[low]:.3g}", f"at most {high / low:g}"))
     single = figures["single_scattering"]
-    marched = single["marching"]
-    for low_steps, high_steps in itertools.pairwise(marched):
-        what = f"marching: cost of {high_steps['steps']} / {low_steps['steps']} steps"
-        table.append(Row(what, f"{high_steps['cpu_s'] / low_steps['cpu_s']:.3g}"))
+    for steps, line in single["marching"].items():
+        last = line[-1]
+        ratio = last["relmse"] / _photons_error(single["photons"], last["cpu_s"])
+        what = (
+            f"smoke, scattered once: relMSE, marching {steps} steps / photons, at {last['cpu_s']:.2g} CPU s"
+        )
+        table.append(Row(what, f"{ratio:.3g}", "above 1"))
+    for who, cost in figures["ns_over_density"].items():
+        factors = sorted(int(factor) for factor in cost)
+        what = f"smoke, {factors[-1]} times as dense / as it is: cost of a sample by {who}"
+        table.append(Row(what, f"{cost[str(factors[-1])] / cost[str(factors[0])]:.3g}"))
     return table
 
 
@@ -128,16 +144,54 @@ def _marching(place: Path, size: _Size) -> Figures:
     reference = trace(
         _compile(document, place / "reference", size, size.reference_samples, {**once, "seed": 7})
     )
-    photons = []
-    for samples in size.sample_counts:
-        traced = trace(_compile(document, place / f"{samples}", size, samples, once), threads=1)
-        photons.append({"samples": samples, **_error(traced, reference)})
-    marching = []
-    compiled = _compile(document, place / "march", size, 4, once)
-    for steps in size.steps:
-        traced = trace(compiled, threads=1, options=["--method", "march", "--steps", steps])
-        marching.append({"steps": steps, **_error(traced, reference)})
+    photons = [
+        {"samples": samples, **_error(_by_chance(document, place, size, samples), reference)}
+        for samples in size.sample_counts
+    ]
+    marching = {
+        str(steps): [
+            {"samples": samples, **_error(_march(document, place, size, steps, samples), reference)}
+            for samples in counts
+        ]
+        for steps, counts in size.marched.items()
+    }
     return {"photons": photons, "marching": marching}
+
+
+def _by_chance(document: Document, place: Path, size: _Size, samples: int) -> Traced:
+    return trace(_once(document, place / f"photons {samples}", size, samples), threads=1)
+
+
+def _march(document: Document, place: Path, size: _Size, steps: int, samples: int) -> Traced:
+    compiled = _once(document, place / f"march {steps} {samples}", size, samples)
+    return trace(compiled, threads=1, options=["--method", "march", "--steps", steps])
+
+
+def _once(document: Document, folder: Path, size: _Size, samples: int) -> CompiledFolder:
+    """With light that is scattered once."""
+    return _compile(document, folder, size, samples, {"maximum_depth": 1})
+
+
+def _photons_error(photons: list[dict[str, float]], cpu_s: float) -> float:
+    """What photons reach in the same time: a straight line over both logarithms."""
+    times, errors = (np.log([each[key] for each in photons]) for key in ("cpu_s", "relmse"))
+    slope, start = np.polyfit(times, errors, 1)
+    return math.exp(start + slope * math.log(cpu_s))
+
+
+def _denser(place: Path, size: _Size) -> dict[str, dict[str, float]]:
+    """CPU time of a sample, ns, where smoke is denser; by marching with as many times the steps."""
+    found: dict[str, dict[str, float]] = {"photons": {}, "marching": {}}
+    for factor in size.densities:
+        document = _document("smoke")
+        document["media"]["smoke"]["density"]["factor"] = factor
+        march = ["--method", "march", "--steps", 8 * factor]
+        for who, samples, options in (("photons", size.samples, []), ("marching", 4, march)):
+            compiled = _once(document, place / f"{factor} {who}", size, samples)
+            runs = [trace(compiled, threads=1, options=options) for _ in range(size.rounds)]
+            least = min(each.tracing_cpu_s for each in runs)
+            found[who][str(factor)] = significant(1e9 * least / (samples * size.width * size.height))
+    return found
 
 
 def _error(traced: Traced, reference: Traced) -> dict[str, Any]:
@@ -161,9 +215,16 @@ def _compile(
 
 
 def _draw(figures: Figures) -> None:
-    lines = [
-        Line(name, [(each["cpu_s"], each["relmse"]) for each in figures[key]])
-        for name, key in (("photons", "photons"), ("marching", "marching"))
+    single, cost = figures["single_scattering"], figures["ns_over_density"]
+    marched = {f"{steps} steps": points for steps, points in single["marching"].items()}
+    errors = [
+        Line(name, [(each["cpu_s"], each["relmse"]) for each in points])
+        for name, points in {"photons": single["photons"], **marched}.items()
     ]
     title = "Smoke, light scattered once: relMSE over CPU seconds"
-    write_chart(results_folder() / "media-marching.svg", title, "CPU s", "relMSE", lines)
+    write_chart(results_folder() / "media-marching.svg", title, "CPU s", "relMSE", errors)
+    costs = [
+        Line(who, [(float(factor), ns) for factor, ns in points.items()]) for who, points in cost.items()
+    ]
+    title = "The same, denser, steps of equal optical thickness: CPU time of a sample"
+    write_chart(results_folder() / "media-cost.svg", title, "times as dense", "ns", costs)
