@@ -70,6 +70,11 @@ def _box_problems(document: SceneDocument, surface: Surface, place: str) -> Iter
             f'the density of "{surface.shape.medium}" is no grid; '
             + (f"expected one of {', '.join(known[: bounds.CHOICES_SHOWN])}" if known else "none is"),
         )
+    if place.startswith("$.groups"):
+        yield Problem(
+            f"{place}.shape",
+            "instances would move the box away from its grid, which stays; put it into $.surfaces",
+        )
     moved = surface.model_fields_set & {"scale", "rotate", "translate", "motion"}
     for field in sorted(moved):
         yield Problem(f"{place}.{field}", "the box stands where the medium's grid stands; leave it out")

@@ -202,7 +202,8 @@ class Box(Node):
 class MediumBox(Node):
     """The box around what a medium's grid holds, with room for its linear interpolation.
 
-    It stands as the grid stands, so it has no placement of its own. Its normals point outwards.
+    It stands as the grid stands, so it has no placement of its own, and no place in a group. Its normals
+    point outwards.
     """
 
     type: Literal["medium_box"]

@@ -155,6 +155,18 @@ def test_a_box_needs_a_grid_and_no_place(document: Document, blobs: BlobStore) -
     assert second.startswith("$.surfaces[3].scale: the box stands where the medium's grid stands")
 
 
+def test_a_box_is_not_in_a_group(document: Document, blobs: BlobStore) -> None:
+    """Instances would leave its grid behind."""
+    document = smoke(document, blobs)
+    document["groups"] = {"cloud": [document["surfaces"].pop(3)]}
+    document["instances"] = [{"group": "cloud", "translate": [1, 0, 0]}]
+    with pytest.raises(InputError) as caught:
+        compile_scene(check_document(document), blobs)
+    [problem] = caught.value.problems
+    assert problem.place == "$.groups.cloud[0].shape"
+    assert "move the box away from its grid" in problem.message
+
+
 def test_without_the_program_it_is_said(
     document: Document, blobs: BlobStore, program: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
