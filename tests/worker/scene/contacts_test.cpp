@@ -78,10 +78,12 @@ TEST(Contacts, AWideFloorIsFarFromWhatStandsAboveIt) {
   builder.add_glass_box({-1, -1, -0.5f}, {1, 1, 0}, 1.5f);
   builder.add_quad(0.5f, 0.0f, {-1e6f, -1e6f, -1.5f}, {2e6f, 0, 0}, {0, 2e6f, 0});
   const auto scene = builder.load();
-  auto hit = scene->geometry.intersect({{0.3f, 0.2f, 3}, {0, 0, -1}}, 0.0f);
+  const Ray down{{0.3f, 0.2f, 3}, {0, 0, -1}};
+  auto hit = scene->geometry.intersect(down, 0.0f);
   ASSERT_TRUE(hit);
-  EXPECT_TRUE(contacts_of(*scene, {{0.3f, 0.2f, 3}, {0, 0, -1}}, 0.0f, *hit).empty());
-  EXPECT_EQ(hit->surface, 0u);
+  const std::uint32_t top = hit->surface;
+  EXPECT_TRUE(contacts_of(*scene, down, 0.0f, *hit).empty());
+  EXPECT_EQ(hit->surface, top);
 }
 
 TEST(Contacts, ASheetHidesTheBodyOnIt) {
