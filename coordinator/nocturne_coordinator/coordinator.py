@@ -340,7 +340,7 @@ class Coordinator:
             try:
                 write_bundle(self._folder, render.planned, aside)
             except OSError as trouble:
-                _log.error("render=%s no bundle for tile %d: %s", render_id, aside.tile_index, trouble)
+                _log.error("render=%s tile=%d has no bundle: %s", render_id, aside.tile_index, trouble)
         for worker in outcome.quarantined.keys() - self._traffic.quarantined.keys():
             reason = outcome.quarantined[worker]
             self._put_in_quarantine(worker, reason, worker in outcome.liars)

@@ -197,7 +197,7 @@ class Intake:
             # It was done elsewhere meanwhile; or it was an audit, which somebody else has to do.
             outcome.withdrawn.extend(self._auditor.returned(key))
             return
-        _log.warning("render=%s %s failed at worker=%s: %s", render.id, key[1:], worker, reason)
+        _log.warning("%s failed at worker=%s: %s", key, worker, reason)
         verdict = self._faults.failed(key, worker, reason, self._live(), died)
         if verdict is None:
             self._give_back(key, outcome)
@@ -210,7 +210,7 @@ class Intake:
         outcome.settled.extend(each.entry for each in render.put_aside(aside))
         outcome.withdrawn.extend(self._schedule.finish_tile(render.id, key.tile_index))
         outcome.set_aside.append((render.id, aside))
-        _log.error("render=%s tile %d is set aside: %s", render.id, key.tile_index, verdict.reason)
+        _log.error("render=%s tile=%d is set aside: %s", render.id, key.tile_index, verdict.reason)
         if len(render.set_aside) >= min(MAXIMUM_SET_ASIDE, render.planned.grid.count):
             outcome.failed[render.id] = verdict.reason
 

@@ -35,6 +35,10 @@ class JobKey(NamedTuple):
     tile_index: int
     range_index: int
 
+    def __str__(self) -> str:
+        """As it stands in logs."""
+        return f"render={self.render_id} tile={self.tile_index} range={self.range_index}"
+
 
 @dataclass(slots=True)
 class Published:

@@ -264,7 +264,7 @@ class Traffic:
     def _return_overdue(self, now: float) -> None:
         self._next_overdue = now + _OVERDUE_SECONDS
         for key in self._schedule.overdue(now):
-            _log.warning("render=%s %s is overdue; published again", key.render_id, key[1:])
+            _log.warning("%s is overdue; published again", key)
             self._jobs_done.extend(self._schedule.returned(key))
         for key in self._auditor.overdue(now):
             self._jobs_done.extend(self._auditor.returned(key))
@@ -296,7 +296,7 @@ class Traffic:
             slow = self._schedule.slow(now, idle)
             # Should it fail, no copy is known: it is taken off the stream when Redis answers again.
             for key, entry in zip(slow, self._publish(slow), strict=True):
-                _log.info("render=%s %s is slow; an idle worker gets it as well", key.render_id, key[1:])
+                _log.info("%s is slow; an idle worker gets it as well", key)
                 self._schedule.copied(key, entry)
 
     def _fill_audits(self, now: float) -> None:

@@ -87,6 +87,19 @@ def test_an_impossible_result_changes_nothing_and_its_range_comes_again(spoil: S
     assert session.render.totals.ranges == 1
 
 
+def test_what_is_refused_is_named_in_the_log(caplog: pytest.LogCaptureFixture) -> None:
+    session = Session(samples=20)
+    session.fill(6)
+    key = next(iter(session.stream))
+    result = session.result(key)
+    result.worker_id = "w1"
+    SPOILT["NaN"](result)
+    session.deliver(result.SerializeToString())
+    refused, failed = [record.getMessage() for record in caplog.records]
+    assert "render=r worker=w1: " in refused
+    assert failed.startswith(f"render=r tile={key.tile_index} range={key.range_index} failed at worker=w1: ")
+
+
 @pytest.mark.parametrize(("planned", "sent"), [(0, 1), (1, 0), (2, 1), (1, 2)])
 def test_sums_of_other_responses_than_planned_are_refused(planned: int, sent: int) -> None:
     session = Session(samples=4, further_responses=["rod", "cone"][:planned])
