@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -284,13 +285,14 @@ def test_scripts_are_clean(script: Path) -> None:
     assert found.returncode == 0, found.stdout
 
 
-def _slurm(tmp_path: Path, worker: str, mode: int = 0o600) -> "subprocess.Popen[str]":
-    """The Slurm script with a tunnel and a worker that only say what they were asked."""
+def _slurm(tmp_path: Path, worker: str, mode: int = 0o600, tunnel: str = "") -> "subprocess.Popen[str]":
+    """The Slurm script with a tunnel and a worker that only say what they were asked; the tunnel does
+    something else first, if wanted."""
     (tmp_path / "stunnel").mkdir()
     for name, text in (
         (
             "stunnel/start.sh",
-            'echo "tunnel $NOCTURNE_TUNNEL_ACCEPT to $NOCTURNE_TUNNEL_CONNECT"; exec sleep 60',
+            f'{tunnel}\necho "tunnel $NOCTURNE_TUNNEL_ACCEPT to $NOCTURNE_TUNNEL_CONNECT"; exec sleep 60',
         ),
         ("nocturne-worker", worker),
     ):
@@ -336,6 +338,14 @@ def test_a_signal_waits_for_the_worker(tmp_path: Path) -> None:
     said, _ = process.communicate(timeout=30)
     assert "handed back" in said
     assert process.returncode == 0
+    assert list(tmp_path.glob("nocturne-77*")) == []
+
+
+def test_a_signal_before_the_worker_runs_leaves_nothing_behind(tmp_path: Path) -> None:
+    process = _slurm(tmp_path, "while :; do sleep 0.1; done", tunnel="kill -TERM $PPID")
+    # Ends only when tunnel and worker have: they have its output.
+    process.communicate(timeout=30)
+    assert process.returncode in (0, 128 + signal.SIGTERM)
     assert list(tmp_path.glob("nocturne-77*")) == []
 
 
