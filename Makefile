@@ -89,8 +89,8 @@ screenshots: build  ## Pictures of the page for docs/page.md, by its test
 soak: build  ## Faults in random composition and every interleaving, for SOAK_SECONDS (default 600) and more
 	pytest -m soak
 
-fuzz: build  ## Any calls, messages and bytes, many times more than in the tests (about 15 minutes)
-	NOCTURNE_FUZZ_EXAMPLES=300 pytest tests/services/test_any_calls.py
+fuzz: build  ## Any calls, messages, scenes and bytes, many times more than in the tests (about 20 minutes)
+	NOCTURNE_FUZZ_EXAMPLES=300 pytest tests/services/test_any_calls.py tests/coordinator/importing/test_any_scene.py
 	NOCTURNE_FUZZ_TRIES=1000 NOCTURNE_FUZZ_SEED=$$RANDOM pytest tests/system/test_any_bytes.py
 
 references: build  ## Other renderers' scenes against their own reference images (minutes)

@@ -5,6 +5,8 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
 from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.importing.findings import Findings
 from nocturne_coordinator.importing.gltf import import_gltf
@@ -48,7 +50,9 @@ def import_scene(file: Path, folder: Path, options: ImportOptions) -> Imported:
         writer = SceneWriter(Path(kept) / "scene")
         writer.folder.mkdir()
         writer.document |= {"name": file.stem, "note": ""}
-        importer(file, writer, findings, options)
+        # What overflows is infinite, and refused where it is written.
+        with np.errstate(all="ignore"):
+            importer(file, writer, findings, options)
         if not options.allow_missing:
             findings.refuse_losses()
         _describe(writer, findings)

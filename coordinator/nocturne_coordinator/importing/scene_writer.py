@@ -56,7 +56,10 @@ class SceneWriter:
         return name
 
     def mesh(self, wanted: str, mesh: Triangles) -> Json:
-        """Write a mesh and return its shape."""
+        """Write a mesh and return its shape. Raises InputError where it has no place in space."""
+        # Also in single precision, in which it is written.
+        if not np.all(np.isfinite(mesh.vertices.astype(np.float32))):
+            raise InputError.at(wanted, "coordinates of the mesh are not finite, or too large")
         name = f"meshes/{self._unused(wanted, 'meshes')}.ply"
         self.file(name, shapes.ply(mesh))
         return {"type": "mesh", "asset": name, "smooth": mesh.normals is not None}
