@@ -16,6 +16,7 @@ from nocturne_coordinator.blobs import BlobStore
 from nocturne_coordinator.importing.findings import Findings
 from nocturne_coordinator.scene import spectra
 from nocturne_coordinator.scene.compile.triangles import Triangles
+from nocturne_coordinator.scene.compile.unseen import met_surfaces
 from nocturne_coordinator.scene.model import SceneDocument
 from nocturne_coordinator.scene.published import FIRST, LAST, visible_wavelengths
 
@@ -105,13 +106,14 @@ class Compiled:
         self.blobs = blobs
         self.document = document
         self.findings = findings
+        self._met = met_surfaces(document)
         self.metre = 1.0
         """In the unit of the export."""
 
     def place(self, surface: int) -> str:
         """Where a surface is described."""
-        if surface < len(self.document.surfaces):
-            return f"$.surfaces[{surface}]"
+        if surface < len(self._met):
+            return f"$.surfaces[{self._met[surface]}]"
         return "$.groups" if self.message.surfaces[surface].group else "$.atmosphere"
 
     def table(self, index: int) -> Table:

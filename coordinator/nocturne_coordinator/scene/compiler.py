@@ -23,6 +23,7 @@ from nocturne_coordinator.scene.compile.shapes import Shapes
 from nocturne_coordinator.scene.compile.surfaces import Surfaces
 from nocturne_coordinator.scene.compile.textures import Textures
 from nocturne_coordinator.scene.compile.tracing import compile_tracing
+from nocturne_coordinator.scene.compile.unseen import met_surfaces
 from nocturne_coordinator.scene.compile.wavelengths import put_wavelength_density
 from nocturne_coordinator.scene.compile.workspace import Workspace
 from nocturne_coordinator.scene.model import SceneDocument
@@ -101,8 +102,13 @@ def _compile(workspace: Workspace) -> scene_pb2.CompiledScene:
 
 
 def _all_surfaces(workspace: Workspace, instances: Instances) -> Iterator[tuple[Surface, int, str]]:
+    met = set(met_surfaces(workspace.document))
     for index, surface in enumerate(workspace.document.surfaces):
-        yield surface, 0, path(("surfaces", index))
+        place = path(("surfaces", index))
+        if index in met:
+            yield surface, 0, place
+        else:
+            workspace.dropped.append(f"{place}: all light passes it, and it emits none")
     yield from instances.surfaces()
 
 

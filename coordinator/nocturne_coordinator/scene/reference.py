@@ -146,8 +146,8 @@ names its place, such as `$.surfaces[3].kernel.reflectance`, and what is expecte
 JSON Schema: [scene.schema.json](scene.schema.json).
 
 A document is compiled to what it uses: spectra, kernels and media that nothing refers to, triangles without
-an area, luminaires without visible light and motions that move nothing are left out, and the compiler says
-so. How to put media into a scene, with an example: [media.md](media.md).
+an area, surfaces that all light passes, luminaires without visible light and motions that move nothing are
+left out, and the compiler says so. How to put media into a scene, with an example: [media.md](media.md).
 
 ```json
 {EXAMPLE}```

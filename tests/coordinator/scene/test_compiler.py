@@ -62,6 +62,54 @@ def test_what_is_not_used_is_dropped_and_told(document: dict[str, Any], blobs: B
     ]
 
 
+@pytest.mark.parametrize(
+    "kernel",
+    [
+        {"type": "passage"},
+        "clear",
+        {"type": "mask", "kernel": {"type": "lambertian", "reflectance": 0.5}, "opacity": 0},
+    ],
+)
+def test_a_surface_that_all_light_passes_is_dropped_and_told(
+    kernel: object, document: dict[str, Any], blobs: BlobStore
+) -> None:
+    """The scene is that without it, to the byte, also where others come after it."""
+    plain = compile_scene(check_document(document), blobs)
+    ball = {"shape": {"type": "sphere", "centre": [0, 0, 0], "radius": 1}, "kernel": kernel}
+    document["kernels"]["clear"] = {"type": "passage"}
+    document["surfaces"].insert(1, ball)
+    output = compile_scene(check_document(document), blobs)
+    assert output.scene_sha256 == plain.scene_sha256
+    assert "$.surfaces[1]: all light passes it, and it emits none" in output.dropped
+
+
+def test_a_surface_that_all_light_passes_stays_where_it_does_something(
+    document: dict[str, Any], blobs: BlobStore
+) -> None:
+    """It emits, bounds a medium, or is there by half."""
+    sphere = {"type": "sphere", "centre": [0, 0, 0], "radius": 1}
+    passage = {"type": "passage"}
+    grey = {"type": "lambertian", "reflectance": 0.5}
+    document["media"] = {"fog": {"absorption": 1}}
+    document["surfaces"] += [
+        {"shape": sphere, "kernel": passage, "luminaire": {"radiance": 1}},
+        {"shape": sphere, "interior": {"media": ["fog"]}},
+        {"shape": sphere, "kernel": {"type": "mask", "kernel": grey, "opacity": 0.5}},
+    ]
+    output = compile_scene(check_document(document), blobs)
+    scene = scene_pb2.CompiledScene.FromString(blobs.path(output.scene_sha256).read_bytes())
+    assert len(scene.surfaces) == len(document["surfaces"])
+
+
+def test_a_scene_keeps_a_surface(document: dict[str, Any], blobs: BlobStore) -> None:
+    sphere = {"type": "sphere", "centre": [0, 0, 0], "radius": 1}
+    document["surfaces"] = [{"shape": sphere, "kernel": {"type": "passage"}}] * 2
+    document["environment"] = {"radiance": 1}
+    output = compile_scene(check_document(document), blobs)
+    scene = scene_pb2.CompiledScene.FromString(blobs.path(output.scene_sha256).read_bytes())
+    assert len(scene.surfaces) == 1
+
+
 def test_a_motion_that_moves_nothing_is_dropped_and_told(document: dict[str, Any], blobs: BlobStore) -> None:
     """Surface and sensor: the scene is that without the motions, to the byte."""
     still = compile_scene(check_document(document), blobs)
