@@ -110,6 +110,7 @@ sanitize: packages  ## C++ tests under the address and undefined-behaviour sanit
 
 bench: build  ## Speed figures, each a line of JSON; charts and latest results in bench/results
 	$(PYTHON) -m bench
+	$(PYTHON) -m bench.suite $(if $(filter full,$(BENCH)),--full)
 
 docs: proto  ## Pages that are generated from the code
 	$(PYTHON) -m nocturne_coordinator.scene.reference > docs/scene.md

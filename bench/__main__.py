@@ -7,8 +7,10 @@ import sys
 from nocturne_client.errors import NocturneClientError
 
 from bench import (
+    accumulation,
     choices,
     duplicates,
+    error_bars,
     grid,
     media,
     mixture,
@@ -34,6 +36,8 @@ BENCHES: dict[str, Bench] = {
     "grid": grid,
     "peers": peers,
     "watchers": watchers,
+    "error_bars": error_bars,
+    "accumulation": accumulation,
 }
 
 

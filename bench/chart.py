@@ -6,10 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.sax.saxutils import escape
 
-_WIDTH, _HEIGHT = 640, 400
-_LEFT, _RIGHT, _TOP, _BOTTOM = 80, 150, 40, 50
+_WIDTH, _HEIGHT = 700, 400
+_LEFT, _RIGHT, _TOP, _BOTTOM = 80, 210, 40, 50
+_LABEL = 14.0
 # Told apart by people who do not see colours alike: Okabe and Ito, "Color Universal Design", 2008.
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+# Of the second seven lines, and so on.
+_DASHES = ("", "6 3", "2 2")
 
 
 @dataclass(frozen=True)
@@ -41,7 +44,9 @@ class _Axis:
 
 
 def write_chart(path: Path, title: str, x_name: str, y_name: str, lines: Sequence[Line]) -> None:
-    """Draws at most six lines into a file."""
+    """Draws at most 21 lines into a file."""
+    if len(lines) > len(_COLOURS) * len(_DASHES):
+        raise ValueError(f"{len(lines)} lines; a chart has at most {len(_COLOURS) * len(_DASHES)}")
     points = [point for line in lines for point in line.points]
     right, bottom = _WIDTH - _RIGHT, _HEIGHT - _BOTTOM
     x = _Axis([point[0] for point in points], _LEFT, right)
@@ -60,19 +65,38 @@ def write_chart(path: Path, title: str, x_name: str, y_name: str, lines: Sequenc
     for tick in y.ticks():
         parts.append(_path([(_LEFT, y.at(tick)), (right, y.at(tick))], "#ddd", 1))
         parts.append(_text(_LEFT - 6, y.at(tick) + 4, f"{tick:g}", "end"))
-    for line, colour in zip(lines, _COLOURS, strict=False):
+    ends = []
+    for number, line in enumerate(lines):
+        colour, dash = _COLOURS[number % len(_COLOURS)], _DASHES[number // len(_COLOURS)]
         places = [(x.at(a), y.at(b)) for a, b in line.points]
-        parts.append(_path(places, colour, 2))
+        parts.append(_path(places, colour, 2, dash))
         parts += [f'<circle cx="{a}" cy="{b}" r="3.5" fill="{colour}"/>' for a, b in places]
-        parts.append(_text(right + 8, places[-1][1] + 4, line.name, colour=colour))
+        ends.append((places[-1][1], line.name, colour))
+    heights = _apart([end[0] for end in ends], _TOP, bottom)
+    for height, (_, name, colour) in zip(heights, ends, strict=True):
+        parts.append(_text(right + 8, height + 4, name, colour=colour))
     path.parent.mkdir(exist_ok=True)
     path.write_text("\n".join([*parts, "</svg>", ""]))
+
+
+def _apart(heights: Sequence[float], top: float, bottom: float) -> list[float]:
+    """Moves labels by as little as needed that none lies on another, in the order that they have."""
+    order = sorted(range(len(heights)), key=lambda index: heights[index])
+    moved = list(heights)
+    last = top - _LABEL
+    for index in order:
+        last = moved[index] = max(heights[index], last + _LABEL)
+    last = bottom + _LABEL
+    for index in reversed(order):
+        last = moved[index] = round(min(moved[index], last - _LABEL), 1)
+    return moved
 
 
 def _text(x: float, y: float, text: str, anchor: str = "start", colour: str = "black") -> str:
     return f'<text x="{x}" y="{y}" text-anchor="{anchor}" fill="{colour}">{escape(text)}</text>'
 
 
-def _path(points: Sequence[tuple[float, float]], colour: str, width: int) -> str:
+def _path(points: Sequence[tuple[float, float]], colour: str, width: int, dash: str = "") -> str:
     places = " L".join(f"{x} {y}" for x, y in points)
-    return f'<path d="M{places}" fill="none" stroke="{colour}" stroke-width="{width}"/>'
+    dashes = f' stroke-dasharray="{dash}"' if dash else ""
+    return f'<path d="M{places}" fill="none" stroke="{colour}" stroke-width="{width}"{dashes}/>'

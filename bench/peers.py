@@ -89,7 +89,10 @@ def _scene(scene: Scene, size: _Size, installed: Installed) -> Figures:
         folder = Path(name)
         compiled = compile_film(scene.write(folder), folder, film.width, film.height, 1)
         contenders: dict[str, Contender] = {OURS: Ours(compiled, film, _THREADS)}
-        contenders |= stack.enter_context(mitsuba(installed, folder / "scene.json", film, _THREADS))
+        theirs = stack.enter_context(
+            mitsuba(installed, folder / "scene.json", folder / "mitsuba", film, _THREADS)
+        )
+        contenders |= {sampler: theirs[sampler] for sampler in PEERS}
         return _compare(contenders, size)
 
 

@@ -36,25 +36,37 @@ class Traced:
     process_wall_s: float
 
 
-def trace(compiled: CompiledFolder, threads: int | None = None, options: Sequence[object] = ()) -> Traced:
-    """Runs nocturne-trace, with further options; all processors where `threads` is None."""
+def trace(
+    compiled: CompiledFolder,
+    threads: int | None = None,
+    options: Sequence[object] = (),
+    program: Path | None = None,
+) -> Traced:
+    """Runs nocturne-trace, with further options; all processors where `threads` is None.
+
+    Another program must take the same words.
+    """
     with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
         image, statistics = Path(folder) / "image.exr", Path(folder) / "statistics.json"
-        files = [compiled.scene, "--plan", compiled.plan, "--blobs", compiled.blobs, "-o", image]
-        options = [
-            *options,
-            "--threads",
-            threads or os.cpu_count() or 1,
-            "--statistics",
-            statistics,
-            "--quiet",
-        ]
         cpu_s, wall_s = children_cpu_s(), time.monotonic()
-        run([need_program("nocturne-trace"), *files, *options])
+        trace_to(compiled, image, threads, [*options, "--statistics", statistics], program)
         cpu_s, wall_s = children_cpu_s() - cpu_s, time.monotonic() - wall_s
         said: dict[str, Any] = json.loads(statistics.read_text())
         xyz, y_error = read_image(image)
     return Traced(xyz, y_error, said["photons"], said["cpu_seconds"], cpu_s, wall_s)
+
+
+def trace_to(
+    compiled: CompiledFolder,
+    image: Path,
+    threads: int | None = None,
+    options: Sequence[object] = (),
+    program: Path | None = None,
+) -> None:
+    """The same into a file that is kept."""
+    files = [compiled.scene, "--plan", compiled.plan, "--blobs", compiled.blobs, "-o", image]
+    more = [*options, "--threads", threads or os.cpu_count() or 1, "--quiet"]
+    run([program or need_program("nocturne-trace"), *files, *more])
 
 
 def run(command: Sequence[object]) -> str:
@@ -70,7 +82,7 @@ def bench_program(name: str) -> Path:
     """A program of bench/worker; NocturneClientError where it is not built."""
     path = CHECKOUT / "build" / "release" / "bench" / name
     if not path.is_file():
-        raise NocturneClientError(f"{path} is missing: build it with `make build`")
+        raise NocturneClientError(f"{path} is missing: `make bench` builds it")
     return path
 
 

@@ -58,6 +58,16 @@ def furnace(albedo: float) -> Document:
     }
 
 
+def example(name: str, folder: Path) -> Document:
+    """A scene of scenes/; files that it names are made in `folder`, by the script beside it."""
+    place = CHECKOUT / "scenes" / name
+    folder.mkdir(parents=True, exist_ok=True)
+    for script in place.glob("make_*.py"):
+        run([sys.executable, script, folder])
+    document: Document = json.loads((place / "scene.json").read_text())
+    return document
+
+
 def compile_document(
     document: Document,
     folder: Path,
@@ -75,9 +85,12 @@ def compile_document(
     return compile_film(changed, folder, edge, edge, samples)
 
 
-def compile_film(document: Document, folder: Path, width: int, height: int, samples: int) -> CompiledFolder:
-    """Compiles the document; files that it names are in `folder`."""
-    folder.mkdir(parents=True, exist_ok=True)
+def compile_film(
+    document: Document, folder: Path, width: int, height: int, samples: int, into: Path | None = None
+) -> CompiledFolder:
+    """Compiles the document, into its folder unless told otherwise; files that it names are in `folder`."""
+    into = into or folder
+    into.mkdir(parents=True, exist_ok=True)
     path = folder / "scene.json"
     path.write_text(json.dumps(document))
-    return compile_to(path, folder, width, height, samples)
+    return compile_to(path, into, width, height, samples)

@@ -1,8 +1,9 @@
 """Those who are compared: each gives frames of the same scene."""
 
 import json
+import select
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,9 +19,15 @@ from nocturne_coordinator.importing.mitsuba.units import CANDELAS_PER_UNIT
 from nocturne_coordinator.scene_plan import plan_of
 
 from bench.peer.install import Installed
-from bench.programs import Channel, trace
+from bench.programs import Channel, Traced, trace
 
 SAMPLERS = ("multijitter", "independent")
+"""The first serves it best."""
+PARTICLES = "particles"
+"""Its particle tracer, which knows no media and fills no pixels that show luminaires in mirrors."""
+
+_PATIENCE_S = 60.0
+"""For an answer: some scenes make it compile kernels for hours."""
 
 
 @dataclass(frozen=True)
@@ -51,30 +58,42 @@ class Film:
 class Ours:
     """nocturne-trace."""
 
-    def __init__(self, compiled: CompiledFolder, film: Film, threads: int) -> None:
+    def __init__(
+        self, compiled: CompiledFolder, film: Film, threads: int, options: Sequence[object] = ()
+    ) -> None:
+        """With further options of nocturne-trace."""
         self._compiled = compiled
         self._film = film
         self._threads = threads
+        self._options = options
         self._scene = scene_pb2.CompiledScene.FromString(compiled.scene.read_bytes())
 
     def frame(self, samples: int, seed: int) -> Frame:
         """As Contender says."""
+        traced = self.traced(samples, seed)
+        return Frame(traced.xyz[..., 1], traced.tracing_cpu_s)
+
+    def traced(self, samples: int, seed: int) -> Traced:
+        """The same with all that the image says."""
         folder = self._compiled.scene.parent
         used = replace(self._compiled, scene=folder / "seeded.pb", plan=folder / "seeded-plan.pb")
         self._scene.tracing.seed = seed
         used.scene.write_bytes(self._scene.SerializeToString(deterministic=True))
         plan = plan_of(self._scene, self._film.width, self._film.height, samples)
         used.plan.write_bytes(plan.SerializeToString(deterministic=True))
-        traced = trace(used, self._threads)
-        return Frame(traced.xyz[..., 1], traced.tracing_cpu_s)
+        return trace(used, self._threads, self._options)
 
 
 class Mitsuba:
     """Mitsuba 3 with one of its samplers, in a process that serves all of them."""
 
-    def __init__(self, process: "subprocess.Popen[str]", sampler: str, image: Path) -> None:
+    def __init__(
+        self, process: "subprocess.Popen[str]", sampler: str, image: Path, integrator: str = ""
+    ) -> None:
+        """With the scene's own integrator unless another is named."""
         self._process = process
         self._sampler = sampler
+        self._integrator = integrator
         self._image = image
         self._compiled_for: set[int] = set()
 
@@ -87,13 +106,22 @@ class Mitsuba:
         return Frame(np.load(self._image)[..., 1] * CANDELAS_PER_UNIT, cpu_s)
 
     def _ask(self, samples: int, seed: int) -> float:
-        request = {"sampler": self._sampler, "samples": samples, "seed": seed, "image": str(self._image)}
+        request = {
+            "sampler": self._sampler,
+            "integrator": self._integrator,
+            "samples": samples,
+            "seed": seed,
+            "image": str(self._image),
+        }
         to_it, from_it = _pipe(self._process.stdin), _pipe(self._process.stdout)
         try:
             to_it.write(json.dumps(request) + "\n")
             to_it.flush()
         except BrokenPipeError:
             pass
+        if not select.select([from_it], [], [], _PATIENCE_S)[0]:
+            self._process.kill()
+            raise NocturneClientError(f"Mitsuba gave no image within {_PATIENCE_S:g} s")
         answer = from_it.readline()
         if not answer:
             raise NocturneClientError(
@@ -104,9 +132,10 @@ class Mitsuba:
 
 
 @contextmanager
-def mitsuba(installed: Installed, document: Path, film: Film, threads: int) -> Iterator[dict[str, Mitsuba]]:
-    """Starts it with the exported scene; gives a contender for each sampler."""
-    folder = document.parent / "mitsuba"
+def mitsuba(
+    installed: Installed, document: Path, folder: Path, film: Film, threads: int
+) -> Iterator[dict[str, Mitsuba]]:
+    """Starts it with the scene, exported into the folder; gives contenders: SAMPLERS and PARTICLES."""
     exported = export_to(document, folder, "mitsuba", Exported(film.width, film.height, 1))
     script = Path(__file__).with_name("mitsuba_server.py")
     process = subprocess.Popen(
@@ -125,7 +154,10 @@ def mitsuba(installed: Installed, document: Path, film: Film, threads: int) -> I
         env=installed.environment,
     )
     try:
-        yield {sampler: Mitsuba(process, sampler, folder / "image.npy") for sampler in SAMPLERS}
+        image = folder / "image.npy"
+        yield {sampler: Mitsuba(process, sampler, image) for sampler in SAMPLERS} | {
+            PARTICLES: Mitsuba(process, SAMPLERS[0], image, "ptracer")
+        }
     finally:
         process.kill()
         process.communicate()

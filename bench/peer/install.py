@@ -3,7 +3,7 @@
 import os
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from bench.report import Skipped
@@ -13,6 +13,7 @@ _FOLDER = Path(__file__).resolve().parents[2] / "build" / "peers"
 _PYTHON = _FOLDER / "bin" / "python"
 _VERSION = "3.9.1"
 _PACKAGES = (f"mitsuba=={_VERSION}", "numpy")
+_SCALAR = "scalar_spectral"
 # Of Debian 12. Its default, 14, can't compile Mitsuba's kernels ("Cannot select: fminimum").
 _LLVM_PACKAGE = "libllvm19"
 _LLVM_NAMES = ("libLLVM-19.so", "libLLVM.so.19.1")
@@ -28,6 +29,11 @@ class Installed:
     environment: dict[str, str]
     version: str = _VERSION
 
+    def variants(self) -> list["Installed"]:
+        """This one, and the scalar one, which is the faster in density grids and with many shapes."""
+        scalar = replace(self, variant=_SCALAR)
+        return [self] if self.variant == _SCALAR else [self, scalar]
+
 
 def install() -> Installed:
     """Makes the environment where it is missing; Skipped where that can't be."""
@@ -41,7 +47,7 @@ def install() -> Installed:
             f"bench: no LLVM 19 (`apt-get install {_LLVM_PACKAGE}`), so Mitsuba's scalar variant is measured",
             file=sys.stderr,
         )
-        return Installed(_PYTHON, "scalar_spectral", dict(os.environ))
+        return Installed(_PYTHON, _SCALAR, dict(os.environ))
     environment = {**os.environ, "DRJIT_LIBLLVM_PATH": str(llvm)}
     return Installed(_PYTHON, "llvm_ad_spectral", environment)
 

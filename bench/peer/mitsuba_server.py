@@ -1,9 +1,9 @@
 """Runs in Mitsuba's own environment: `mitsuba_server.py VARIANT THREADS SCENE.xml SAMPLER...`; JSON lines ask
 and answer.
 
-A request is {"sampler": name, "samples": per pixel, "seed": number, "image": path}; the image, XYZ, is saved
-as a NumPy array, and the answer is {"cpu_s": user and system time of all threads, without loading and
-saving}.
+A request is {"sampler": name, "integrator": name or "", "samples": per pixel, "seed": number,
+"image": path}; the image, XYZ, is saved as a NumPy array, and the answer is {"cpu_s": user and system time
+of all threads, without loading and saving}.
 """
 
 import json
@@ -25,11 +25,16 @@ def main() -> None:
     mi.set_variant(variant)
     dr.set_thread_count(int(threads))
     scenes = {sampler: mi.load_file(path, sampler=sampler) for sampler in samplers}
+    integrators = {}
     for line in sys.stdin:
         request = json.loads(line)
         before = _cpu_s()
         scene = scenes[request["sampler"]]
-        image = mi.render(scene, spp=request["samples"], seed=request["seed"])
+        other = request["integrator"]
+        if other and other not in integrators:
+            integrators[other] = mi.load_dict({"type": other})
+        integrator = integrators[other] if other else None
+        image = mi.render(scene, integrator=integrator, spp=request["samples"], seed=request["seed"])
         pixels = np.array(image)
         cpu_s = _cpu_s() - before
         np.save(request["image"], pixels)

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import colour
 import numpy as np
 import OpenImageIO
 
@@ -49,6 +48,9 @@ def scenes() -> dict[str, Scene]:
 
 def chart() -> Document:
     """24 Lambertian patches that fill the image, under a uniform sky of D65."""
+    # Late: it takes a second, and warns that Matplotlib is not there.
+    import colour
+
     patches = colour.SDS_COLOURCHECKERS[CHART]
     surfaces = [
         {

@@ -1,0 +1,1 @@
+"""Error against CPU time: scenes by ways to trace them, against stored references."""

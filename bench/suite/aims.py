@@ -1,0 +1,60 @@
+"""What is aimed at beside the peer, and why some aims are not reached."""
+
+from bench.report import Figures
+from bench.suite.measure import MITSUBA
+
+_EQUAL, _TENTH = 1.0, 0.1
+
+AIMS = {
+    "cornell": _EQUAL,
+    "glossy spheres": _EQUAL,
+    "reflector": _TENTH,
+    "headlight in fog": _TENTH,
+    "smoke": _EQUAL,
+    "sky": _EQUAL,
+    "subsurface": _EQUAL,
+    "prism": _TENTH,
+    "caustic": _TENTH,
+    "colour chart": _EQUAL,
+    "instances": _EQUAL,
+}
+"""Error over that of the peer's best variant at equal CPU time."""
+
+WHY = {
+    "cornell": "no reason was looked for.",
+    "glossy spheres": "no reason was looked for.",
+    "reflector": "Mitsuba's particle tracer starts at the lamp. Ours sends photons forward to meters only, "
+    "not to cameras, and finds the lamp from the camera's side, through the opening. Its error goes on "
+    "falling, where that of particles stops at the pixels that show luminaires in mirrors.",
+    "headlight in fog": "nothing converges in such times: light goes from a small lamp by a mirror into fog, "
+    "and the pixels that matter are lit by few photons.",
+    "smoke": "the export has no density grids yet.",
+    "sky": "the export has no atmosphere, no discs at infinity and no panoramic camera; Mitsuba has no "
+    "depolarising Rayleigh scattering.",
+    "subsurface": "walks of very many collisions decide, and with photons in groups each of them is dearer.",
+    "prism": "Mitsuba has no index of refraction that depends on wavelength; the export has no meters.",
+    "caustic": "Mitsuba has no index of refraction that depends on wavelength; the export has no meters.",
+    "colour chart": "no reason was looked for.",
+    "instances": "no reason was looked for.",
+}
+"""Of scenes whose aim is missed, or that the peer can't show."""
+
+_BASELINES = ("path", "march")
+
+
+def best(ways: Figures, *, peers: bool) -> str | None:
+    """The way with the least error at the longest time; None where no way showed any.
+
+    One whose mean is off by more than five standard errors found no light, or only a part of it: not finding
+    a lamp is no small error.
+    """
+    found = {
+        name: way["error"]
+        for name, way in ways.items()
+        if name.startswith(MITSUBA) == peers
+        and name not in _BASELINES
+        and "error" in way
+        and abs(way["points"][-1]["z"]) < 5.0
+        and not way["points"][-1]["not_finite"]
+    }
+    return min(found, key=lambda name: found[name], default=None)

@@ -1,0 +1,206 @@
+"""docs/speed.md and docs/accuracy.md, made of kept figures, and the charts."""
+
+import json
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from nocturne_client.local.programs import CHECKOUT
+
+from bench import accumulation, error_bars
+from bench.chart import Line, write_chart
+from bench.report import Figures, Row, results_folder
+from bench.suite.aims import AIMS, WHY, best
+from bench.suite.measure import NOT_FALLING, TARGET
+from bench.suite.references import load
+from bench.suite.scenes import SCENES
+
+_SPEED = """# Speed: error against time
+
+<!-- Made by `make bench`; edit bench/suite/page.py, not this page. -->
+
+For each scene, how many seconds of one processor a way to trace needs for an image that is right to 1 %
+(relMSE of Y {target:g}), beside the best. Errors are against stored references ([accuracy.md](accuracy.md)),
+measured in one run, in turns, by the CPU time of the process; loading and compiling are left out.
+
+- *Exponent*: the error falls with this power of time. -1 is what independent samples give, Sobol points are
+  steeper on smooth scenes, and above {falling:g} a way does not converge within these times: no time to 1 %
+  is told.
+- *relMSE*: what a line through all budgets says of the longest.
+- *Without the worst*: relMSE at the longest time without the worst 0.1 % of the pixels, at least one, over
+  that of all pixels. Far below 1, single pixels carry the error.
+- *z*: deviation of the image's mean in standard errors, at the longest time. A way that finds no light at all
+  has a relMSE below 1 and a large z.
+
+Ways are those of [stability.md](stability.md); relMSE = mean of (I - R)^2 / (R^2 + 0.01 mean(R)^2). Films are
+small, some 24 by 16 pixels, so that references are; Mitsuba's llvm variants have a cost for each image, which
+larger films would hide better.
+
+    make bench                            # all benches, and this; the suite alone: 10 to 40 minutes
+    make bench BENCH=full                 # longer times, three rounds: hours
+    python -m bench.suite cornell smoke   # some scenes; the others' figures stay
+"""
+
+_ACCURACY = """# Accuracy: what is known of errors
+
+<!-- Made by `make bench`; edit bench/suite/page.py, not this page. -->
+
+What a pixel says and what is simplified: [units-and-errors.md](units-and-errors.md). What comes of scenes
+that break methods: [stability.md](stability.md). Commands: `make bench`, `make stability`; references:
+`python -m bench.suite --references`.
+
+## References
+
+Means of 16 independent images by the most reliable way for a scene, each with its own error, checked by a
+second way. *Ratio*: mean luminance over that of the second way, which should be 1. *rms z*: differences of
+pixels over their standard errors, a little above 1 if both are right (errors from 16 images are themselves
+uncertain).
+
+| scene | CPU s | error of a pixel, median | ratio of means | z | rms z |
+| --- | --- | --- | --- | --- | --- |
+"""
+
+
+def write_pages(figures: Figures) -> None:
+    """Both pages and a chart for each scene."""
+    docs = CHECKOUT / "docs"
+    (docs / "speed.md").write_text(speed(figures))
+    (docs / "accuracy.md").write_text(accuracy(references()))
+    for name, found in figures.items():
+        _chart(name, found["ways"])
+
+
+def speed(figures: Figures) -> str:
+    """Aims, and a table of times for each scene."""
+    lines = [_SPEED.format(target=TARGET, falling=NOT_FALLING), *_aims(figures)]
+    for name, found in figures.items():
+        lines += [f"\n## {name.capitalize()}\n", f"![{name}](../bench/results/{_file(name)})\n"]
+        lines += [
+            "| way | CPU s to 1 % | over the best | exponent | relMSE | without the worst | z |",
+            "| --- | --- | --- | --- | --- | --- | --- |",
+        ]
+        lines += _rows(found["ways"])
+        lines += [f"\n{who} is not there: {why}." for who, why in found["not there"].items()]
+        budgets = ", ".join(f"{budget:g}" for budget in found["budgets_cpu_s"])
+        rounds = "once" if found["rounds"] == 1 else f"medians of {found['rounds']} rounds"
+        load = " to ".join(f"{each:g}" for each in found["load_average"])
+        lines += [f"\n{budgets} CPU s, {rounds}. {found['machine']}, load average {load}."]
+    return "\n".join(lines) + "\n"
+
+
+def _aims(figures: Figures) -> list[str]:
+    """Error at equal CPU time beside the peer's best, and what was aimed at."""
+    lines = [
+        "## Beside Mitsuba 3",
+        "",
+        "relMSE at the longest time over that of the best variant of Mitsuba, by export: our best way, our",
+        "default, and what was aimed at. One image of each: a factor of 1.5 may be chance. Baselines do not",
+        "count as ours.",
+        "",
+        "| scene | our best | default | aim | |",
+        "| --- | --- | --- | --- | --- |",
+    ]
+    why = []
+    for name, aim in AIMS.items():
+        ways = figures.get(name, {}).get("ways", {})
+        theirs, ours = best(ways, peers=True), best(ways, peers=False)
+        if theirs is None or ours is None:
+            lines.append(f"| {name} | | | at most {aim:g} | not comparable |")
+            why.append(f"- **{name}**: {WHY[name]}")
+            continue
+        ratio = ways[ours]["error"] / ways[theirs]["error"]
+        default = ways["two photons"]["error"] / ways[theirs]["error"]
+        held = ratio <= aim
+        told = "held" if held else f"**missed by {ratio / aim:.2g}**"
+        lines.append(f"| {name} | {ratio:.2g} ({ours}) | {default:.2g} | at most {aim:g} | {told} |")
+        if not held:
+            why.append(f"- **{name}**: {WHY[name]}")
+    return [*lines, "", *why]
+
+
+def accuracy(found: Figures) -> str:
+    """References, error bars, accumulation."""
+    lines = [_ACCURACY.rstrip()]
+    for name, told in found.items():
+        agree = told["agreement"]
+        z = (agree["ratio"] - 1.0) / agree["ratio_error"] if agree["ratio_error"] else 0.0
+        lines.append(
+            f"| {name} | {told['cpu_s']:g} | {100 * told['error']:.2g} % | {agree['ratio']:.5f} | {z:.1f} "
+            f"| {agree['rms_z']:.3g} |"
+        )
+    kept = _kept()
+    for title, key, bench in (
+        ("Error bars", "error_bars", error_bars),
+        ("Accumulation", "accumulation", accumulation),
+    ):
+        if key in kept:
+            lines += ["", f"## {title}", "", str(bench.__doc__).strip(), ""]
+            lines += _table(bench.rows(kept[key]))
+    if "accumulation" in kept:
+        lines += ["", f"Chart: [accumulation](../bench/results/{accumulation.CHART})"]
+    return "\n".join(lines) + "\n"
+
+
+def references() -> Figures:
+    """What is known of the stored references, by scene."""
+    found: Figures = {}
+    with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
+        for number, (name, scene) in enumerate(SCENES.items()):
+            stored = load(name, scene.document(Path(folder) / str(number)))
+            lit = stored.reference.y > 0.0
+            relative = sorted((stored.reference.error[lit] / stored.reference.y[lit]).tolist())
+            found[name] = {
+                "cpu_s": stored.cpu_s,
+                "error": relative[len(relative) // 2],
+                "agreement": stored.agreement,
+            }
+    return found
+
+
+def _rows(ways: Figures) -> list[str]:
+    times = [way["seconds_to_1_percent"] for way in ways.values() if "seconds_to_1_percent" in way]
+    lines = []
+    for name, way in ways.items():
+        if "error" not in way:
+            lines.append(f"| {name} | too slow, or no error to be seen | | | | | |")
+            continue
+        last = way["points"][-1]
+        seconds = way.get("seconds_to_1_percent")
+        time = "does not converge |" if seconds is None else f"{seconds:.3g} | {seconds / min(times):.3g}"
+        trimmed = last["trimmed"] / last["relmse"] if last["relmse"] > 0.0 else 1.0
+        lost = f"; {100 * last['not_finite']:.2g} % of the pixels not finite" if last["not_finite"] else ""
+        errors = f"{way['exponent']:g} | {way['error']:.2g} | {trimmed:.2g} | {last['z']:.1f}{lost}"
+        lines.append(f"| {name} | {time} | {errors} |")
+    return lines
+
+
+def _table(rows: list[Row]) -> list[str]:
+    return [
+        "| what | figure | aim |",
+        "| --- | --- | --- |",
+        *(f"| {row.what} | {row.figure} | {row.aim} |" for row in rows),
+    ]
+
+
+def _chart(name: str, ways: Figures) -> None:
+    lines = []
+    for way, found in ways.items():
+        points = [
+            (p["cpu_s"], p["relmse"]) for p in found["points"] if p["relmse"] > 0.0 and p["cpu_s"] > 0.0
+        ]
+        if points:
+            lines.append(Line(way, sorted(points)))
+    if lines:
+        write_chart(
+            results_folder() / _file(name), f"{name}: relMSE over CPU seconds", "CPU s", "relMSE", lines
+        )
+
+
+def _file(name: str) -> str:
+    return f"suite-{name.replace(' ', '-')}.svg"
+
+
+def _kept() -> dict[str, Any]:
+    path = results_folder() / "latest.json"
+    kept: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
+    return kept

@@ -1,0 +1,188 @@
+"""The arithmetic of the suite of error against time, and its pages. No renders."""
+
+import re
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from nocturne_client.errors import NocturneClientError
+
+from bench.accumulation import _sums
+from bench.chart import Line, write_chart
+from bench.error_bars import SCENES as NAMES
+from bench.error_bars import SEQUENCES, diagnosis
+from bench.peer.agreement import Reference
+from bench.scenes import Document
+from bench.suite import page, references
+from bench.suite.aims import AIMS, WHY, best
+from bench.suite.measure import TARGET, _errors, time_to_target
+from bench.suite.scenes import SCENES
+from bench.ways import WAYS
+
+
+def _points(exponent: float) -> list[dict[str, Any]]:
+    """relMSE 0.01 after a second."""
+    return [
+        {
+            "budget_cpu_s": t,
+            "cpu_s": t,
+            "relmse": 0.01 * t**exponent,
+            "trimmed": 0.005,
+            "z": 0.5,
+            "not_finite": 0.0,
+        }
+        for t in (0.5, 1.0, 2.0, 4.0)
+    ]
+
+
+def test_time_to_one_percent() -> None:
+    """Independent samples: error times time is constant."""
+    found = time_to_target(_points(-1.0))
+    assert found == {
+        "seconds_to_1_percent": pytest.approx(0.01 / TARGET),
+        "exponent": -1.0,
+        "error": pytest.approx(0.0025),
+    }
+    assert time_to_target([{"cpu_s": 1.0, "relmse": -1e-9}]) == {}
+
+
+def test_no_time_is_told_of_what_does_not_converge() -> None:
+    """A way that finds no light has the same error for ever, which says nothing of any time."""
+    assert time_to_target(_points(0.0)) == {"exponent": 0.0, "error": pytest.approx(0.01)}
+
+
+def test_errors_of_an_image() -> None:
+    """A reference that is exact, an image that is off by 10 % in one pixel of a hundred."""
+    truth = np.ones((10, 10))
+    image = truth.copy()
+    image[3, 4] = 1.1
+    found = _errors(image, Reference(truth, np.zeros_like(truth)))
+    assert found["relmse"] == pytest.approx(0.01 / 1.01 / 100)
+    assert found["trimmed"] == 0.0
+    # One outlier is one standard error, whatever its size.
+    assert found["z"] == pytest.approx(1.0, rel=0.01)
+
+
+def test_pixels_that_are_no_numbers_are_counted() -> None:
+    truth = np.ones((10, 10))
+    image = truth.copy()
+    image[3, 4], image[5, 5] = np.nan, np.inf
+    found = _errors(image, Reference(truth, np.full_like(truth, 0.01)))
+    assert found["not_finite"] == pytest.approx(0.02)
+    assert np.isfinite(found["relmse"])
+
+
+def test_a_bias_everywhere_is_seen() -> None:
+    random = np.random.default_rng(1)
+    truth = np.ones((16, 16))
+    image = truth * 1.1 + random.normal(0.0, 0.1, truth.shape)
+    assert _errors(image, Reference(truth, np.zeros_like(truth)))["z"] > 10.0
+
+
+def test_a_reference_of_another_scene_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(references, "results_folder", lambda: tmp_path)
+    document: Document = {"nocturne": 1, "sensor": {}}
+    with pytest.raises(NocturneClientError, match="there is no reference of cornell"):
+        references.load("cornell", document)
+    assert references.digest(document) == references.digest({**document, "tracing": {"seed": 3}})
+    assert references.digest(document) != references.digest({**document, "surfaces": []})
+
+
+def test_kept_references_are_of_the_scenes() -> None:
+    """Those whose documents need no files that must be made."""
+    for name in ("caustic", "instances"):
+        scene = SCENES[name]
+        stored = references.load(name, scene.document(Path()))
+        assert stored.reference.y.shape == (scene.film.height, scene.film.width)
+        assert (stored.reference.error > 0.0).any()
+
+
+def _way(exponent: float, factor: float = 1.0, z: float = 0.5) -> dict[str, Any]:
+    points = [{**point, "relmse": factor * point["relmse"], "z": z} for point in _points(exponent)]
+    return {"points": points, **time_to_target(points)}
+
+
+def _figures(ways: dict[str, Any]) -> dict[str, Any]:
+    scene = {
+        "machine": "a machine",
+        "load_average": [1.0, 2.0],
+        "budgets_cpu_s": [0.5, 1.0, 2.0, 4.0],
+        "rounds": 1,
+        "ways": ways,
+        "not there": {"Mitsuba y": "no discs"},
+    }
+    return {"cornell": scene}
+
+
+def test_page_compares_with_the_best() -> None:
+    ways = {
+        "two photons": _way(-1.0),
+        "split": _way(-1.0, 2.0),
+        "path": _way(0.0),
+        "Mitsuba x": _way(-1.0, 4.0),
+        "march": {"points": []},
+    }
+    text = page.speed(_figures(ways))
+    assert "| two photons | 100 | 1 | -1 | 0.0025 |" in text
+    assert "| split | 200 | 2 | -1 | 0.005 |" in text
+    assert "| path | does not converge | | 0 | 0.01 |" in text
+    assert "| march | too slow" in text
+    assert "| cornell | 0.25 (two photons) | 0.25 | at most 1 | held |" in text
+    assert "| sky | | | at most 1 | not comparable |" in text
+    assert "Mitsuba y is not there: no discs." in text
+
+
+def test_page_says_what_is_missed_and_by_how_much() -> None:
+    text = page.speed(_figures({"two photons": _way(-1.0), "Mitsuba x": _way(-1.0, 0.5)}))
+    assert "| cornell | 2 (two photons) | 2 | at most 1 | **missed by 2** |" in text
+    assert f"- **cornell**: {WHY['cornell']}" in text
+
+
+def test_finding_no_light_is_not_the_best_way() -> None:
+    """A black image has a relMSE below 1, and a mean that is far off."""
+    ways = {"two photons": _way(-1.0), "kernel only": _way(0.0, 0.1, z=-9.0), "path": _way(-1.0, 0.1)}
+    assert best(ways, peers=False) == "two photons"
+    assert best(ways, peers=True) is None
+
+
+def test_all_aims_have_reasons() -> None:
+    assert list(AIMS) == list(SCENES) == list(WHY)
+
+
+def test_charts_show_all_lines_and_no_label_on_another(tmp_path: Path) -> None:
+    lines = [Line(f"way {number}", [(1.0, 1.0), (2.0, 0.5 + 0.001 * number)]) for number in range(15)]
+    write_chart(tmp_path / "chart.svg", "title", "x", "y", lines)
+    found = re.findall(r'y="([0-9.]+)"[^>]*>(way [0-9]+)<', (tmp_path / "chart.svg").read_text())
+    labels = {name: float(height) for height, name in found}
+    assert len(labels) == 15
+    heights = sorted(labels.values())
+    assert all(after - before >= 13.9 for before, after in pairwise(heights))
+    with pytest.raises(ValueError, match="at most 21"):
+        write_chart(tmp_path / "chart.svg", "title", "x", "y", lines * 2)
+
+
+def test_ways_have_different_names() -> None:
+    assert len({way.name for way in WAYS}) == len(WAYS)
+
+
+def test_sums_stand_still_in_single_precision_only() -> None:
+    """Exponential samples in 32-bit floats: -1.1 % at 1e7, as is known; ours is exact beside the noise."""
+    last = _sums(10**7)[-1]
+    assert last["float32"] == pytest.approx(0.011, abs=0.002)
+    assert last["ours"] < 1e-12 < 0.1 * last["noise"]
+
+
+def test_diagnosis_counts_renders() -> None:
+    figures: dict[str, Any] = {"renders": 10}
+    for name in NAMES:
+        for sequence in SEQUENCES:
+            broken = name == NAMES[0]
+            figures[f"{name}, {sequence}"] = {
+                "coverage": {"95 %": 0.5 if broken else 0.95},
+                "flagged": 0.8 if broken else 0.1,
+            }
+    sound = 2 * (len(NAMES) - 1)
+    count = diagnosis(figures)
+    assert count == {"hits": 16, "misses": 4, "false alarms": sound, "sound": 9 * sound}
