@@ -109,6 +109,7 @@ sanitize: packages  ## C++ tests under the address and undefined-behaviour sanit
 	ctest --test-dir build/sanitize --output-on-failure --no-tests=error
 
 bench: build  ## Speed figures, each a line of JSON; charts and latest results in bench/results
+	@cmake --build build/release --target nocturne-trace-plain -- --quiet
 	$(PYTHON) -m bench
 	$(PYTHON) -m bench.suite $(if $(filter full,$(BENCH)),--full)
 

@@ -15,6 +15,7 @@ from bench import (
     media,
     mixture,
     peers,
+    plain,
     sampling,
     scale,
     service,
@@ -38,6 +39,7 @@ BENCHES: dict[str, Bench] = {
     "watchers": watchers,
     "error_bars": error_bars,
     "accumulation": accumulation,
+    "plain": plain,
 }
 
 

@@ -1,6 +1,7 @@
 """The arithmetic of the suite of error against time, and its pages. No renders."""
 
 import re
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,8 @@ from bench.chart import Line, write_chart
 from bench.error_bars import SCENES as NAMES
 from bench.error_bars import SEQUENCES, diagnosis
 from bench.peer.agreement import Reference
+from bench.plain import _same
+from bench.programs import Traced
 from bench.scenes import Document
 from bench.suite import page, references
 from bench.suite.aims import AIMS, WHY, best
@@ -186,3 +189,11 @@ def test_diagnosis_counts_renders() -> None:
     sound = 2 * (len(NAMES) - 1)
     count = diagnosis(figures)
     assert count == {"hits": 16, "misses": 4, "false alarms": sound, "sound": 9 * sound}
+
+
+def test_plain_tracer_must_give_the_same_image() -> None:
+    image = np.ones((2, 2, 3))
+    full = Traced(image, image[..., 1], 7, 1.0, 1.0, 1.0)
+    _same(full, replace(full, tracing_cpu_s=2.0))
+    with pytest.raises(NocturneClientError, match="another image"):
+        _same(full, replace(full, xyz=1.0000001 * image))
