@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.sax.saxutils import escape
 
-_WIDTH, _HEIGHT = 700, 400
-_LEFT, _RIGHT, _TOP, _BOTTOM = 80, 210, 40, 50
+_WIDTH, _HEIGHT = 750, 400
+_LEFT, _RIGHT, _TOP, _BOTTOM = 80, 250, 40, 50
 _LABEL = 14.0
 # Told apart by people who do not see colours alike: Okabe and Ito, "Color Universal Design", 2008.
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")

@@ -132,14 +132,14 @@ def test_page_compares_with_the_best() -> None:
     assert "| split | 200 | 2 | -1 | 0.005 |" in text
     assert "| path | does not converge | | 0 | 0.01 |" in text
     assert "| march | too slow" in text
-    assert "| cornell | 0.25 (two photons) | 0.25 | at most 1 | held |" in text
-    assert "| sky | | | at most 1 | not comparable |" in text
+    assert "| cornell | 0.25 (two photons) | 0.25 | 0.009 | at most 1 | held |" in text
+    assert "| sky | | | | at most 1 | not measured |" in text
     assert "Mitsuba y is not there: no discs." in text
 
 
 def test_page_says_what_is_missed_and_by_how_much() -> None:
     text = page.speed(_figures({"two photons": _way(-1.0), "Mitsuba x": _way(-1.0, 0.5)}))
-    assert "| cornell | 2 (two photons) | 2 | at most 1 | **missed by 2** |" in text
+    assert "| cornell | 2 (two photons) | 2 | 0.07 | at most 1 | **missed by 2** |" in text
     assert f"- **cornell**: {WHY['cornell']}" in text
 
 
