@@ -17,7 +17,7 @@ WEB_SOURCES := $(shell find services/web/src services/web/public -type f 2>/dev/
 CPP_SOURCES := $(shell find worker tests/worker bench -name '*.cpp' -o -name '*.h' 2>/dev/null)
 STAMPS := build/stamps
 
-.PHONY: help packages venv proto web worker build demo stop test check format unit system screenshots soak fuzz references peers stability sanitize bench lock docs clean
+.PHONY: help packages venv proto web worker build demo stop test check format unit system screenshots soak fuzz references peers stability plans sanitize bench lock docs clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -102,6 +102,9 @@ peers: build  ## Exported scenes rendered by another renderer, which is installe
 
 stability: build  ## Torture cases by every method; writes docs/stability.md (some ten minutes)
 	$(PYTHON) -m tests.stability
+
+plans: build  ## What the scenes of the repository need for 2 %; writes the table of docs/planning.md (half an hour)
+	$(PYTHON) -m bench.plans
 
 sanitize: packages  ## C++ tests under the address and undefined-behaviour sanitizers
 	cd worker && cmake --preset sanitize --log-level=WARNING

@@ -42,8 +42,8 @@ class Stops:
     def asked(self) -> dict[str, Any]:
         """What the service takes; typer.BadParameter for what can't be understood."""
         values: dict[str, Any] = {
-            "relative_error": _share(self.error, "--error"),
-            "tile_relative_error": _share(self.tile_error, "--tile-error"),
+            "relative_error": share(self.error, "--error"),
+            "tile_relative_error": share(self.tile_error, "--tile-error"),
             "wall_seconds": _seconds(self.duration, "--for"),
             "cpu_seconds": _seconds(self.cpu, "--cpu"),
             "until": with_zone(self.until, datetime.now()),  # noqa: DTZ005 - the clock on this wall
@@ -69,7 +69,8 @@ def with_zone(text: str, now: datetime) -> str:
     return moment.astimezone().isoformat()
 
 
-def _share(text: str, option: str) -> float:
+def share(text: str, option: str) -> float:
+    """A part of one, such as 1 % or 0.01; 0 where nothing was typed. Raises typer.BadParameter."""
     if not text:
         return 0.0
     match = _SHARE.fullmatch(text.strip())

@@ -1,0 +1,108 @@
+"""What the scenes of the repository need: `nocturne plan` over all of them, as the table of docs/planning.md.
+
+`python -m bench.plans [--budget SECONDS] [SCENE ...]`: a scene is a folder of scenes/; without any, all are.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from nocturne_client.local.programs import CHECKOUT
+
+from bench.programs import run
+
+SCENES = CHECKOUT / "scenes"
+PAGE = CHECKOUT / "docs" / "planning.md"
+RESULTS = CHECKOUT / "bench" / "results" / "plans.json"
+
+_BEGIN, _END = "<!-- table: made by `make plans` -->\n", "<!-- end of table -->"
+
+_TARGET = "2%"
+
+Found = dict[str, Any]
+
+
+def main() -> None:
+    """Plans scenes, keeps what was found in bench/results and writes the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--budget", type=float, default=120.0)
+    parser.add_argument("scenes", nargs="*")
+    arguments = parser.parse_args()
+    known = sorted(file.parent.name for file in SCENES.glob("*/scene.json"))
+    plans: dict[str, Found] = json.loads(RESULTS.read_text()) if RESULTS.exists() else {}
+    for name in arguments.scenes or known:
+        print(name, flush=True)
+        _make_files(SCENES / name)
+        plans[name] = _plan(SCENES / name / "scene.json", arguments.budget)
+        RESULTS.write_text(json.dumps(plans, indent=1, sort_keys=True) + "\n")
+    before, _, rest = PAGE.read_text().partition(_BEGIN)
+    after = rest.partition(_END)[2]
+    PAGE.write_text(before + _BEGIN + "\n" + _table(plans) + "\n" + _END + after)
+
+
+def _make_files(folder: Path) -> None:
+    """The files that a scene's own program makes, where any is missing."""
+    text = (folder / "scene.json").read_text()
+    if all((folder / asset).exists() for asset in _assets(json.loads(text))):
+        return
+    for program in folder.glob("make_*.py"):
+        run([sys.executable, program])
+
+
+def _assets(value: Any) -> list[str]:
+    if isinstance(value, dict):
+        own = [value["asset"]] if isinstance(value.get("asset"), str) else []
+        return own + [asset for each in value.values() for asset in _assets(each)]
+    return [asset for each in value for asset in _assets(each)] if isinstance(value, list) else []
+
+
+def _plan(scene: Path, budget: float) -> Found:
+    command = [sys.executable, "-m", "nocturne_client", "plan", str(scene), "--error", _TARGET]
+    command += ["--budget", str(budget), "--json"]
+    done = subprocess.run(command, check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    found: Found = json.loads(done.stdout)
+    found["scene"] = scene.parent.name
+    return found
+
+
+def _table(plans: dict[str, Found]) -> str:
+    lines = [
+        "| scene | needed | not needed, or another way to the same image | not decided | enough | saves |",
+        "| --- | --- | --- | --- | --- | --- |",
+    ]
+    for name, found in sorted(plans.items()):
+        words = {
+            verdict: _words(found, verdict) for verdict in ("needed", "not needed", "undecided", "same image")
+        }
+        harmless = "; ".join(filter(None, (words["not needed"], words["same image"])))
+        lines.append(f"| {name} | {words['needed']} | {harmless} | {words['undecided']} | {_end(found)} |")
+    return "\n".join([*lines, ""])
+
+
+def _words(found: Found, verdict: str) -> str:
+    """Simplifications with both biases; those that do no harm with the time to 2 %."""
+    words = []
+    for model in found["models"]:
+        if model["verdict"] == verdict:
+            mean, local = model["mean_bias"]["value"], model["local_bias"]["value"]
+            size = f"mean {mean:+.1%}, local {local:.1%}"
+            if verdict in ("not needed", "same image"):
+                # Times are rounded to what a pilot knows of them.
+                size = f"{model['cpu_seconds'] / found['full']['cpu_seconds']:.2g} of the time"
+            words.append(f"{', '.join(model['without'])} ({size})")
+    return "; ".join(words)
+
+
+def _end(found: Found) -> str:
+    if found["pilot"]["heavy_tails"]:
+        return "rare photons carry the noise: nothing is chosen | ?"
+    chosen = "; ".join(found["chosen"]["without"]) or "nothing less"
+    blurred = " (the pilot was too short for 1 %)" if found["pilot"]["wanted_cpu_seconds"] else ""
+    return f"{chosen}{blurred} | {found['saving']:.1f} times"
+
+
+if __name__ == "__main__":
+    main()
