@@ -33,6 +33,10 @@ class TooMany(NocturneError):
     """The caller calls too often."""
 
 
+class CantPlan(NocturneError):
+    """The service can't plan this scene, or no scene at all; says why."""
+
+
 @dataclass(frozen=True)
 class Kind:
     """What one class of error is called in words, at the REST door and at the gRPC door."""
@@ -63,6 +67,7 @@ TABLE: tuple[tuple[type[Exception], Kind], ...] = (
         WrongState,
         Kind("WRONG_STATE", "Not in this state", 409, grpc.StatusCode.FAILED_PRECONDITION),
     ),
+    (CantPlan, Kind("CANT_PLAN", "No plan can be made", 409, grpc.StatusCode.FAILED_PRECONDITION)),
     (Refused, Kind("REFUSED", "Refused", 403, grpc.StatusCode.PERMISSION_DENIED)),
     (
         Unauthenticated,

@@ -17,6 +17,11 @@ SMALL_BODY_BYTES = MEBIBYTE
 COMPILES_AT_ONCE = 2
 COMPILES_WAITING = 16
 
+# A plan renders small images on this machine: one at a time, with so much processor time at most, seconds.
+PLAN_BUDGET_S = 120.0
+# Beside its renders a plan compiles, and the machine does other things: then it is ended.
+PLAN_WALL_S = 900.0
+
 # Calls of one caller, with authentication: the page makes a few a second, a farm's scripts some more.
 CALLS_PER_SECOND = 100.0
 CALLS_AT_ONCE = 1000.0

@@ -31,6 +31,7 @@ from nocturne_api.intake import (
 )
 from nocturne_api.metrics import metrics_text
 from nocturne_api.open_file import OpenFile, open_file
+from nocturne_api.planning import PlanRequest, plan_in_child
 from nocturne_api.tiles import Cursor, TileAnswers, Tiles, encode, runs, tiles_per_answer
 from nocturne_api.views import (
     AssetView,
@@ -78,6 +79,7 @@ class Operations:
         self._database = database
         self._compiling = asyncio.Semaphore(limits.COMPILES_AT_ONCE)
         self._waiting = 0
+        self._planning = asyncio.Lock()
         self._watchers = Watchers(self._change_counter, self._find, self._newest)
         self._tile_answers = TileAnswers(self._read_tiles)
         self._webhook_rules = webhook_rules
@@ -131,6 +133,17 @@ class Operations:
             created = await self._in_database(self._folder.create_render, new)
             record.render_id = created.id
             return RenderView.of(created)
+
+    async def plan_scene(self, request: PlanRequest) -> dict[str, Any]:
+        """What a scene needs for a target error; takes minutes.
+
+        Raises InputError with every problem found, CantPlan, and Overloaded while another plan is made.
+        """
+        CALLER.get().need("submit")
+        if self._planning.locked():
+            raise Overloaded("another plan is being made; try again in a few minutes")
+        async with self._planning:
+            return await plan_in_child(request, self._folder.blobs, self._compile_limits)
 
     async def get_render(self, render_id: str) -> RenderView:
         """One render; raises NotFound."""

@@ -18,7 +18,7 @@ import httpx
 from nocturne_client.errors import NocturneClientError, NotReachedError, Problem
 from nocturne_client.events import data_of
 from nocturne_client.models import Render, Webhook, Worker
-from nocturne_client.scene_files import digest, read_scene
+from nocturne_client.scene_files import SceneOnDisk, digest, read_scene
 from nocturne_client.tiles import TileAnswer, decode_tiles
 
 DEFAULT_URL = "http://127.0.0.1:7070"
@@ -30,6 +30,8 @@ _TIMEOUT = httpx.Timeout(60.0, connect=5.0)
 # The service sends a comment every 15 s, so a longer silence is a lost connection.
 _WATCH_TIMEOUT = httpx.Timeout(40.0, connect=5.0)
 _RETRY_DELAYS_S = (0.2, 0.5, 1.0)
+# A plan's small renders; the service ends it before that.
+_PLAN_TIMEOUT = httpx.Timeout(1000.0, connect=5.0)
 _PIECE_BYTES = 1024 * 1024
 _T = TypeVar("_T")
 
@@ -108,9 +110,7 @@ class Client:
         relative_error, tile_relative_error, wall_seconds, cpu_seconds, until ("07:00 Europe/Berlin").
         Submitting again with the same `request_id` gives the same render.
         """
-        on_disk = read_scene(scene)
-        for sha256 in self._missing(sorted(on_disk.files)):
-            self.upload(on_disk.files[sha256], sha256, progress)
+        on_disk = self._uploaded(scene, progress)
         body = {
             "request_id": request_id or str(uuid.uuid4()),
             "name": name or on_disk.name or scene.stem,
@@ -122,6 +122,22 @@ class Client:
             "priority": priority,
         }
         return Render.from_json(self._json("POST", "/v1/renders", body))
+
+    def plan(
+        self, scene: Path, width: int, height: int, error: float = 0.02, budget_seconds: float = 60.0
+    ) -> dict[str, Any]:
+        """What the scene document at `scene` needs for a total relative error; takes minutes.
+
+        `budget_seconds`: processor time of the service's small renders. The report is that of `nocturne plan
+        --json`, with the document that is enough.
+        """
+        on_disk = self._uploaded(scene, None)
+        asked = {"error": error, "budget_seconds": budget_seconds}
+        body = {"scene": on_disk.document, "width": width, "height": height, **asked}
+        content, headers = json.dumps(body).encode(), {"Content-Type": "application/json"}
+        answer = self._call("POST", "/v1/plans", content=content, headers=headers, timeout=_PLAN_TIMEOUT)
+        report: dict[str, Any] = answer.json()
+        return report
 
     def get(self, render_id: str) -> Render:
         """One render."""
@@ -262,6 +278,13 @@ class Client:
             raise self._not_reached(error) from error
         except OSError as error:
             raise NocturneClientError(f"{path}: {error.strerror}") from error
+
+    def _uploaded(self, scene: Path, progress: UploadProgress | None) -> SceneOnDisk:
+        """A scene whose files the service has."""
+        on_disk = read_scene(scene)
+        for sha256 in self._missing(sorted(on_disk.files)):
+            self.upload(on_disk.files[sha256], sha256, progress)
+        return on_disk
 
     def _json(self, method: str, path: str, body: Any = None, params: dict[str, Any] | None = None) -> Any:
         # Not httpx's own encoding: NaN must reach the service, which says where in the scene it stands.

@@ -12,6 +12,7 @@ from nocturne_api.rest import (
     health,
     images,
     metrics,
+    plans,
     problems,
     reference,
     renders,
@@ -23,7 +24,7 @@ from nocturne_api.rest.guards import Guards
 from nocturne_api.rest.lingering import Lingering
 from nocturne_api.rest.page import Page
 
-_ROUTERS = (renders, images, events, session, assets, workers, webhooks, health, metrics, reference)
+_ROUTERS = (renders, plans, images, events, session, assets, workers, webhooks, health, metrics, reference)
 
 
 def build_rest(operations: Operations, web: Path, loopback_only: bool, authenticate: bool = False) -> ASGIApp:

@@ -1,6 +1,7 @@
 """nocturne.v1.RenderService over the operations."""
 
 import asyncio
+import json
 from collections.abc import AsyncIterator
 from contextlib import aclosing
 from typing import Any
@@ -14,6 +15,7 @@ from nocturne_coordinator.scene.json_text import decode_json
 
 from nocturne_api.intake import CreateRequest
 from nocturne_api.operations import Operations
+from nocturne_api.planning import PlanRequest
 from nocturne_api.rpc.failures import Answering
 from nocturne_api.rpc.messages import (
     asked_stop,
@@ -47,6 +49,15 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
                 )
             )
             return render_message(created)
+
+    async def PlanScene(  # noqa: N802
+        self, request: pb.PlanSceneRequest, context: Context
+    ) -> pb.PlanSceneResponse:
+        async with Answering(context):
+            scene = await asyncio.to_thread(decode_json, request.scene_json)
+            asked = PlanRequest(scene, request.width, request.height, request.error, request.budget_seconds)
+            report = await self._operations.plan_scene(asked)
+            return pb.PlanSceneResponse(report_json=json.dumps(report).encode())
 
     async def GetRender(self, request: pb.GetRenderRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):

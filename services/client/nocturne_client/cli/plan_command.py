@@ -44,8 +44,11 @@ def plan(
     as_json: AsJson = False,
 ) -> None:
     """Say what a scene needs: what each part changes and costs, and the cheapest scene that is enough."""
+    from nocturne_coordinator.needs.report import as_json as report
+    from nocturne_coordinator.needs.search import Request
+
     from nocturne_client.local import needs_report
-    from nocturne_client.local.needs import Request, find_needs, taken
+    from nocturne_client.local.needs import needs_of, taken
     from nocturne_client.scene_files import read_scene
 
     target = share(error, "--error")
@@ -57,21 +60,21 @@ def plan(
     if take is not None:
         # Before the work rather than after it.
         taken(on_disk, on_disk.document, take)
-    request = Request(scene, target, width, height, pilot, budget, threads or len(os.sched_getaffinity(0)))
+    request = Request(target, width, height, pilot, budget, threads or len(os.sched_getaffinity(0)))
     with Progress(console=ERRORS) as bar:
 
         def say(what: str, steps: int) -> Callable[[], None]:
             task = bar.add_task(what, total=steps)
             return lambda: bar.advance(task)
 
-        found = find_needs(request, on_disk, say)
+        found = needs_of(request, on_disk, say)
     if chart is not None:
-        needs_report.write_chart(found, chart)
+        needs_report.write_chart(found, on_disk.name or scene.stem, chart)
     if take is not None:
         document = taken(on_disk, found.document, take)
         take.write_text(json.dumps(document, indent=2, ensure_ascii=False) + "\n")
     if as_json:
-        print_json(needs_report.as_json(found))
+        print_json(report(found))
         return
     CONSOLE.print(needs_report.table(found))
     for line in needs_report.summary(found):

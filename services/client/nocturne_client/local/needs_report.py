@@ -1,61 +1,20 @@
-"""The plan report for people, for programs and as a chart."""
+"""The plan report for people, and as a chart."""
 
-from math import ceil, isfinite
+from math import ceil
 from pathlib import Path
-from typing import Any
 from xml.sax.saxutils import escape
 
 import numpy as np
-from nocturne_coordinator.needs.choosing import Model, budgets, verdict
+from nocturne_coordinator.needs.choosing import budgets, verdict
+from nocturne_coordinator.needs.pilot import RENDERS
+from nocturne_coordinator.needs.search import Needs
 from nocturne_coordinator.needs.statistics import Interval
 from rich import markup
 from rich.table import Table
 
-from nocturne_client.local.needs import Needs
-from nocturne_client.local.pilot import RENDERS
-
 # Told apart by people who do not see colours alike: Okabe and Ito, "Color Universal Design", 2008.
 _COLOURS = ("#000000", "#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 _WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 860, 440, 70, 300, 40, 50
-
-
-def as_json(needs: Needs) -> dict[str, Any]:
-    """For programs. Errors are relative, times seconds of one processor; null: out of reach."""
-    request = needs.request
-    return {
-        "scene": str(request.scene),
-        "error": request.error,
-        "film": [request.width, request.height],
-        "pilot": {
-            "film": list(needs.film),
-            "samples": needs.samples,
-            "renders": RENDERS,
-            "cpu_seconds": needs.cpu_s,
-            "wanted_cpu_seconds": needs.wanted_s or None,
-            "unevenness": needs.tails.unevenness,
-            "heavy_tails": needs.tails.heavy,
-        },
-        "full": _model(needs.full, needs),
-        "models": [_model(each, needs) for each in needs.models],
-        "chosen": _model(needs.chosen, needs),
-        "saving": needs.saving,
-        "without_effect": needs.without_effect,
-    }
-
-
-def _model(model: Model, needs: Needs) -> dict[str, Any]:
-    samples = model.samples_for(needs.request.error)
-    reachable = isfinite(samples)
-    return {
-        "without": [part.name for part in model.parts],
-        "verdict": verdict(model, needs.request.error) if model.parts else "full",
-        "mean_bias": vars(model.bias.mean),
-        "local_bias": vars(model.bias.local),
-        "noise_of_a_sample": model.noise,
-        "cost_ratio": vars(model.cost),
-        "samples": int(samples) if reachable else None,
-        "cpu_seconds": model.seconds_for(needs.request.error, needs.pixels) if reachable else None,
-    }
 
 
 def table(needs: Needs) -> Table:
@@ -131,7 +90,7 @@ def _time(seconds: float) -> str:
     return f"{seconds:.3g} s"
 
 
-def write_chart(needs: Needs, file: Path) -> None:
+def write_chart(needs: Needs, name: str, file: Path) -> None:
     """Total error over processor time, SVG: the full model, the chosen one and the fastest of the others."""
     target, pixels = needs.request.error, needs.pixels
     others = sorted(needs.models, key=lambda model: model.seconds_for(target, 1))
@@ -145,7 +104,7 @@ def write_chart(needs: Needs, file: Path) -> None:
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" font-family="sans-serif" '
         'font-size="12">',
         f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="white"/>',
-        _text(_LEFT, 22, f"{needs.request.scene.stem}: bias and noise together"),
+        _text(_LEFT, 22, f"{name}: bias and noise together"),
         _text((_LEFT + _WIDTH - _RIGHT) / 2, _HEIGHT - 12, "processor time, s", "middle"),
         _text(12, _TOP - 6, "relative error"),
     ]

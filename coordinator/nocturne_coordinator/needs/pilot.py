@@ -8,20 +8,18 @@ from pathlib import Path
 
 import numpy as np
 from nocturne.v1 import scene_pb2
+
 from nocturne_coordinator.blobs import BlobStore
 from nocturne_coordinator.comparing.pictures import read_picture
+from nocturne_coordinator.errors import NocturneError
 from nocturne_coordinator.needs.choosing import Model
 from nocturne_coordinator.needs.simplification import Document, Simplification
 from nocturne_coordinator.needs.statistics import Values, bias, noise, ratio_of_costs
+from nocturne_coordinator.programs import find_program
 from nocturne_coordinator.scene.compiler import compile_scene
 from nocturne_coordinator.scene.document import check_document
 from nocturne_coordinator.scene_plan import plan_of
 from nocturne_coordinator.tails import Tails, tails
-
-from nocturne_client.errors import NocturneClientError
-from nocturne_client.local.compiled import store_files
-from nocturne_client.local.programs import need_program
-from nocturne_client.scene_files import SceneOnDisk
 
 Parts = tuple[Simplification, ...]
 
@@ -44,20 +42,29 @@ class Shot:
     """Of tracing alone."""
 
 
+class PilotFailed(NocturneError):
+    """The pilot can't be run, or has nothing to compare."""
+
+
 class Pilot:
     """Renders models of one scene, all on the same small film."""
 
-    def __init__(self, scene: SceneOnDisk, folder: Path, film: tuple[int, int], threads: int) -> None:
-        """`folder` is for files in between; `film` is width and height in pixels."""
-        self._program = need_program("nocturne-trace")
-        self._document = scene.document
+    def __init__(self, document: Document, folder: Path, film: tuple[int, int], threads: int) -> None:
+        """`folder` is for files in between, and holds those of the scene in `blobs`; `film` is width and
+        height in pixels. Raises PilotFailed where there is no nocturne-trace."""
+        program = find_program("nocturne-trace")
+        if program is None:
+            raise PilotFailed(
+                "nocturne-trace is missing: build it, or say where it is with NOCTURNE_BIN=FOLDER"
+            )
+        self._program = program
+        self._document = document
         self._folder, self._film, self._threads = folder, film, threads
         self._blobs = BlobStore(folder / "blobs")
         self._compiled: dict[tuple[str, ...], scene_pb2.CompiledScene] = {}
         self._seeds = _seeds()
         self.cpu_s = 0.0
         """Processor time of all renders so far."""
-        store_files(scene, self._blobs)
 
     @property
     def pixels(self) -> int:
@@ -84,7 +91,7 @@ class Pilot:
         return self._compiled[key]
 
     def shoot(self, parts: Parts, samples: int, seed: int) -> Shot:
-        """One render. Raises InputError, and NocturneClientError if the tracer fails."""
+        """One render. Raises InputError, and PilotFailed if the tracer fails."""
         scene = scene_pb2.CompiledScene()
         scene.CopyFrom(self.compiled(parts))
         scene.tracing.seed = seed
@@ -108,7 +115,7 @@ class Pilot:
             words, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace", check=False
         )
         if done.returncode != 0:
-            raise NocturneClientError(f"nocturne-trace failed ({done.returncode}): {done.stderr.strip()}")
+            raise PilotFailed(f"nocturne-trace failed ({done.returncode}): {done.stderr.strip()}")
         picture = read_picture(files["image.exr"])
         cpu_s = float(json.loads(files["statistics.json"].read_text())["cpu_seconds"])
         self.cpu_s += cpu_s
@@ -130,7 +137,7 @@ class Pilot:
                 taken.append(self.shoot(parts, samples, seed))
                 step()
         if not any(shot.y.any() for shot in shots[0]):
-            raise NocturneClientError("the pilot's image is black, so there is nothing to compare with")
+            raise PilotFailed("the pilot's image is black, so there is nothing to compare with")
         images = [np.stack([shot.y.ravel() for shot in taken]) for taken in shots]
         # A clock's tick, so that nothing is divided by zero.
         costs = [np.array([max(shot.cpu_s, 1e-6) for shot in taken]) for taken in shots]
