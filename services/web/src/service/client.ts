@@ -1,7 +1,7 @@
 /** The REST calls that the page makes. Every failure is an Error whose message can be shown. */
 import { observeDate } from "./clock.ts";
 import type { Region } from "../image/film.ts";
-import type { ErrorPoint, NewRender, Render, RenderPage, Worker, WorkerHistory } from "./types.ts";
+import type { ErrorPoint, NewRender, Plan, Render, RenderPage, Worker, WorkerHistory } from "./types.ts";
 
 export interface Problem {
   place: string;
@@ -68,6 +68,11 @@ export async function storeAsset(sha256: string, content: Blob): Promise<void> {
 
 export async function createRender(request: NewRender): Promise<Render> {
   return (await getJson("/v1/renders", { method: "POST", body: JSON.stringify(request) })) as Render;
+}
+
+/** What a scene needs for a relative error; takes minutes. */
+export async function planScene(request: { scene: unknown; width: number; height: number; error: number }): Promise<Plan> {
+  return (await getJson("/v1/plans", { method: "POST", body: JSON.stringify(request) })) as Plan;
 }
 
 /** Signs in with a token, which the service keeps in a cookie. */

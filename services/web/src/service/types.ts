@@ -92,6 +92,36 @@ export interface NewRender {
   priority: number;
 }
 
+/** An estimate and where the truth lies, with 95 %. */
+export interface Interval {
+  value: number;
+  low: number;
+  high: number;
+}
+
+/** A scene with something less, as a pilot measured it; errors are relative. */
+export interface PlannedModel {
+  without: string[];
+  verdict: string;
+  mean_bias: Interval;
+  local_bias: Interval;
+  cost_ratio: Interval;
+  /** To the target; null: out of reach. */
+  samples: number | null;
+  cpu_seconds: number | null;
+}
+
+/** What a scene needs for an error. */
+export interface Plan {
+  error: number;
+  pilot: { heavy_tails: boolean };
+  models: PlannedModel[];
+  chosen: PlannedModel;
+  saving: number;
+  /** The chosen scene document. */
+  document: Record<string, unknown>;
+}
+
 /** One row of the error history. */
 export interface ErrorPoint {
   /** Seconds since the render started. */

@@ -28,17 +28,21 @@ const fields: Field[] = [
   { name: "priority", label: "Priority", value: "100", number: { min: "1", max: "1000", step: "1" } },
 ];
 
-export function submitForm(onSubmit: (asked: Asked) => void): { node: HTMLFormElement; begin: (name: string) => void; busy: (busy: boolean) => void } {
+/** `onPlan` is for the second button, which asks what the scene needs. */
+export function submitForm(onSubmit: (asked: Asked) => void, onPlan: (asked: Asked) => void): { node: HTMLFormElement; begin: (name: string) => void; busy: (busy: boolean) => void } {
   const inputs = new Map(fields.map((field) => [field.name, input(field)]));
   const button = element("button", { type: "submit", class: "primary" }, "Render");
+  const plan = element("button", { type: "button" }, "What does it need?");
   const labels = fields.map(({ name, label }) => element("label", {}, element("span", {}, label), inputs.get(name) ?? ""));
-  const node = element("form", {}, ...labels, button);
+  const node = element("form", {}, ...labels, button, plan);
   let requestId = newId();
   node.addEventListener("input", () => { requestId = newId(); });
+  const asked = (): Asked => ({ requestId, request: requestOf((name) => inputs.get(name)?.value ?? "") });
   node.addEventListener("submit", (event) => {
     event.preventDefault();
-    onSubmit({ requestId, request: requestOf((name) => inputs.get(name)?.value ?? "") });
+    onSubmit(asked());
   });
+  plan.addEventListener("click", () => { if (node.reportValidity()) onPlan(asked()); });
   return {
     node,
     begin: (name) => {
@@ -46,7 +50,7 @@ export function submitForm(onSubmit: (asked: Asked) => void): { node: HTMLFormEl
       const field = inputs.get("name");
       if (field) field.value = name;
     },
-    busy: (busy) => { button.disabled = busy; },
+    busy: (busy) => { button.disabled = plan.disabled = busy; },
   };
 }
 
