@@ -14,12 +14,11 @@ from nocturne_coordinator.comparing.pictures import read_picture
 from nocturne_coordinator.errors import NocturneError
 from nocturne_coordinator.needs.choosing import Model
 from nocturne_coordinator.needs.simplification import Document, Simplification
-from nocturne_coordinator.needs.statistics import Values, bias, noise, ratio_of_costs
+from nocturne_coordinator.needs.statistics import Values, bias, effective_pixels, noise, ratio_of_costs
 from nocturne_coordinator.programs import find_program
 from nocturne_coordinator.scene.compiler import compile_scene
 from nocturne_coordinator.scene.document import check_document
 from nocturne_coordinator.scene_plan import plan_of
-from nocturne_coordinator.tails import Tails, tails
 
 Parts = tuple[Simplification, ...]
 
@@ -36,8 +35,6 @@ class Shot:
 
     y: Values
     """Luminance, shape (height, width)."""
-    error: Values
-    """Its standard error, same shape."""
     cpu_s: float
     """Of tracing alone."""
 
@@ -119,15 +116,14 @@ class Pilot:
         picture = read_picture(files["image.exr"])
         cpu_s = float(json.loads(files["statistics.json"].read_text())["cpu_seconds"])
         self.cpu_s += cpu_s
-        error = np.zeros(picture.xyz.shape[:2]) if picture.y_error is None else picture.y_error
-        return Shot(picture.xyz[..., 1], error, cpu_s)
+        return Shot(picture.xyz[..., 1], cpu_s)
 
     def measure(
         self, models: Sequence[Parts], samples: int, confidence: float, step: Callable[[], None]
-    ) -> "tuple[Model, list[Model], Tails]":
+    ) -> tuple[Model, list[Model], float]:
         """The full model and others in turn, RENDERS times with new seeds; `step` is called after each.
 
-        Returns the full model, the others, and how the full one's noise is spread.
+        Returns the full model, the others, and how many pixels carry the full one's noise.
         """
         all_models: list[Parts] = [(), *models]
         shots: list[list[Shot]] = [[] for _ in all_models]
@@ -151,19 +147,10 @@ class Pilot:
             )
             for parts, image, cost in zip(all_models, images, costs, strict=True)
         ]
-        return measured[0], measured[1:], _tails(shots[0], samples)
+        return measured[0], measured[1:], effective_pixels(images[0])
 
 
 def _seeds() -> Iterator[int]:
     random = np.random.default_rng(_SEEDS_FROM)
     while True:
         yield int(random.integers(2**63))
-
-
-def _tails(shots: Sequence[Shot], samples: int) -> Tails:
-    """Of all renders together, from each one's mean and standard error."""
-    sums = np.zeros((*shots[0].y.shape, 4))
-    for shot in shots:
-        sums[..., 1] += samples * shot.y
-        sums[..., 3] += samples * (shot.y**2 + (samples - 1) * shot.error**2)
-    return tails(sums, np.full(shots[0].y.shape, samples * len(shots)))

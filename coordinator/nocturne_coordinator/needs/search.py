@@ -10,9 +10,8 @@ from nocturne_coordinator.needs.candidates import candidates
 from nocturne_coordinator.needs.choosing import Model, can_join, promising, worth_more
 from nocturne_coordinator.needs.pilot import RENDERS, Parts, Pilot
 from nocturne_coordinator.needs.simplification import Document, Simplification
-from nocturne_coordinator.needs.statistics import resolvable
+from nocturne_coordinator.needs.statistics import FEW, resolvable
 from nocturne_coordinator.plan import make_plan
-from nocturne_coordinator.tails import Tails
 
 CONFIDENCE = 0.95
 """Of reported intervals, and that the chosen model meets the target."""
@@ -57,12 +56,15 @@ class Needs:
     models: list[Model]
     """Each with one simplification."""
     chosen: Model
-    """Measured again with new seeds; the full model if nothing simpler is known to do, or tails are heavy."""
+    """Measured again with new seeds; the full model if nothing simpler is known to do, or `rare`."""
     document: Document
     """Of the chosen model, files by digest."""
     without_effect: list[str]
     """Simplifications that leave the same compiled scene, or none."""
-    tails: Tails
+    effective_pixels: float
+    """That carry the full model's noise in the pilot."""
+    rare: bool
+    """Whether these are so few that nothing is to be trusted."""
     wanted_s: float
     """Processor time of a pilot that sees biases of half of the target; 0 if this one does."""
 
@@ -115,9 +117,10 @@ class _Search:
                 same = True
             (without_effect if same else found).append(each)
         wanted_s = self._choose_samples(len(found))
-        full, models, spread = self._measure("each part alone", [(each,) for each in found], CONFIDENCE)
-        # Intervals of heavy tails hold less often than they say, so nothing is chosen by them.
-        chosen = full if spread.heavy else self._confirmed(self._joined(full, models), full)
+        full, models, carriers = self._measure("each part alone", [(each,) for each in found], CONFIDENCE)
+        # What few photons decide is not to be chosen by.
+        rare = carriers < min(FEW, 0.5 * self._pilot.pixels)
+        chosen = full if rare else self._confirmed(self._joined(full, models), full)
         return Needs(
             self._request,
             self._film,
@@ -128,7 +131,8 @@ class _Search:
             chosen,
             self._pilot.document(chosen.parts),
             [each.name for each in without_effect],
-            spread,
+            carriers,
+            rare,
             wanted_s,
         )
 
@@ -148,7 +152,7 @@ class _Search:
         self._samples = max(_FIRST_SAMPLES, int(min(wanted + 1, affordable, _MOST_SAMPLES)))
         return per_sample * wanted if self._samples < wanted else 0.0
 
-    def _measure(self, what: str, models: list[Parts], confidence: float) -> tuple[Model, list[Model], Tails]:
+    def _measure(self, what: str, models: list[Parts], confidence: float) -> tuple[Model, list[Model], float]:
         step = self._say(what, RENDERS * (len(models) + 1))
         return self._pilot.measure(models, self._samples, confidence, step)
 

@@ -48,6 +48,9 @@ class Bias:
         return max(self.local.high, abs(self.mean.low), abs(self.mean.high))
 
 
+FEW = 50.0
+"""Effective pixels below which sums over pixels are too few photons' to be near a normal distribution."""
+
 UNBIASED = Bias(Interval(0.0, 0.0, 0.0), Interval(0.0, 0.0, 0.0))
 
 
@@ -106,6 +109,18 @@ def noise(full: Values, simple: Values) -> float:
     _checked(full, simple)
     squares = [np.mean((simple[one] - simple[other]) ** 2 / scale) for one, other, scale in _pairs(full)]
     return 0.5 * float(np.mean(squares))
+
+
+def effective_pixels(full: Values) -> float:
+    """How many pixels carry the noise: its sum's square over the sum of squares. Shape as in `bias`.
+
+    Single pixels may have heavy tails as long as many do; where few carry the noise, intervals of sums do not
+    hold, and in other renders it is others.
+    """
+    _checked(full, full)
+    shares = np.sum([(full[one] - full[other]) ** 2 / scale for one, other, scale in _pairs(full)], axis=0)
+    squares = float(np.sum(shares**2))
+    return float(np.sum(shares)) ** 2 / squares if squares > 0 else float(full.shape[1])
 
 
 def _pairs(full: Values) -> Iterator[tuple[int, int, Values]]:

@@ -8,7 +8,15 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from nocturne_coordinator.needs.statistics import FEWEST, bias, noise, ratio_of_costs, resolvable
+from nocturne_coordinator.needs.statistics import (
+    FEW,
+    FEWEST,
+    bias,
+    effective_pixels,
+    noise,
+    ratio_of_costs,
+    resolvable,
+)
 from numpy.typing import NDArray
 from scipy import stats
 
@@ -64,6 +72,33 @@ def test_intervals_hold_the_truth(change: Callable[[Values], Values], common: fl
     assert low <= inside <= high
     assert sum(local <= each.local.high for each in found) >= stats.binom.ppf(0.001, TRIALS, 0.975)
     assert sum(each.local.low <= local for each in found) >= stats.binom.ppf(0.001, TRIALS, 0.975)
+
+
+@pytest.mark.parametrize("change", [_nothing, _everywhere])
+def test_heavy_tails_of_many_pixels_do_no_harm(change: Callable[[Values], Values]) -> None:
+    """A render's pixel has its light from one photon of three, or none: upper ends hold as often as they say,
+    where enough pixels carry the noise."""
+    random = np.random.default_rng(31)
+    full = np.random.default_rng(7).uniform(0.2, 2.0, 1024)
+    simple = full + change(full)
+    local = np.sqrt(np.mean((simple - full) ** 2 / (full**2 + 0.01 * full.mean() ** 2)))
+    trials, held = 100, 0
+    for _ in range(trials):
+        hits = (random.random((2, RENDERS, full.size)) < 1 / 3) * 3.0
+        assert effective_pixels(full * hits[0]) > FEW
+        held += local <= bias(full * hits[0], simple * hits[1], 0.95).local.high
+    assert held >= stats.binom.ppf(0.001, trials, 0.975)
+
+
+def test_a_few_pixels_that_carry_the_noise_are_counted() -> None:
+    random = np.random.default_rng(37)
+    even = 1 + random.normal(0, 0.1, (RENDERS, PIXELS))
+    # Of 28 squared differences of normal noise a pixel's sum varies by a fourth or so, which costs some.
+    assert effective_pixels(even) > 0.7 * PIXELS
+    rare = even.copy()
+    rare[2, 7] = rare[5, 9] = 1000.0
+    assert effective_pixels(rare) < 5
+    assert effective_pixels(np.ones((RENDERS, PIXELS))) == PIXELS
 
 
 def test_noise_is_no_bias() -> None:

@@ -48,7 +48,7 @@ def summary(needs: Needs) -> list[str]:
     ]
     if needs.without_effect:
         lines.append(f"makes no difference to what is traced: {'; '.join(needs.without_effect)}")
-    if needs.tails.heavy:
+    if needs.rare:
         lines.append(
             "rare photons carry the noise, so neither intervals nor times are to be trusted, and nothing is "
             "chosen; a larger --budget may show enough of them"
