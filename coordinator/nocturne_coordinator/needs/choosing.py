@@ -72,16 +72,22 @@ def verdict(model: Model, error: float) -> Verdict:
 
 def promising(models: Sequence[Model], full: Model, error: float) -> list[Model]:
     """Models that meet the target in clearly less time than the full one, the fastest first."""
-    limit = _WORTH * full.seconds_for(error, 1)
-    return sorted(
-        (each for each in models if each.seconds_for(error, 1) < limit),
-        key=lambda each: each.seconds_for(error, 1),
-    )
+    found = [each for each in models if worth_more(each, full, error)]
+    return sorted(found, key=lambda each: each.samples_for(error) * each.cost.value)
 
 
 def worth_more(model: Model, than: Model, error: float) -> bool:
-    """Whether a model meets the target in clearly less time than another."""
-    return model.seconds_for(error, 1) < _WORTH * than.seconds_for(error, 1)
+    """Whether a model meets the target in clearly less time than another.
+
+    Times are taken relative to the full model's, which was rendered in turn with each: the machine's other
+    work is in both. The upper end counts.
+    """
+    return model.samples_for(error) * model.cost.high < _WORTH * than.samples_for(error) * than.cost.value
+
+
+def saving(full: Model, model: Model, error: float) -> float:
+    """The full model's time to the target over another's; 0 if that does not reach it."""
+    return full.samples_for(error) / (model.samples_for(error) * model.cost.value)
 
 
 def can_join(parts: Sequence[Simplification], more: Simplification) -> bool:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.needs.candidates import candidates
-from nocturne_coordinator.needs.choosing import Model, can_join, promising, worth_more
+from nocturne_coordinator.needs.choosing import Model, can_join, promising, saving, worth_more
 from nocturne_coordinator.needs.pilot import RENDERS, Parts, Pilot
 from nocturne_coordinator.needs.simplification import Document, Simplification
 from nocturne_coordinator.needs.statistics import FEW, resolvable
@@ -76,8 +76,7 @@ class Needs:
     @property
     def saving(self) -> float:
         """The full model's time to the target over the chosen one's."""
-        target = self.request.error
-        return self.full.seconds_for(target, 1) / self.chosen.seconds_for(target, 1)
+        return saving(self.full, self.chosen, self.request.error)
 
 
 def find_needs(request: Request, document: Document, folder: Path, say: Say) -> Needs:

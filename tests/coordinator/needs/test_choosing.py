@@ -3,9 +3,19 @@
 from math import inf
 
 import pytest
-from nocturne_coordinator.needs.choosing import Model, budgets, can_join, promising, verdict, worth_more
+from nocturne_coordinator.needs.choosing import (
+    Model,
+    budgets,
+    can_join,
+    promising,
+    saving,
+    verdict,
+    worth_more,
+)
 from nocturne_coordinator.needs.simplification import Simplification
 from nocturne_coordinator.needs.statistics import UNBIASED, Bias, Interval
+
+FULL = Model((), UNBIASED, 1.0, 1e-6)
 
 
 def _part(name: str, *, exact: bool = False, kind: str = "") -> Simplification:
@@ -20,11 +30,10 @@ def _model(
     seconds: float = 1e-6,
     *,
     exact: bool = False,
+    unsure: float = 1.0,
 ) -> Model:
-    return Model((_part(name, exact=exact),), Bias(Interval(*mean), Interval(*local)), noise, seconds)
-
-
-FULL = Model((), UNBIASED, 1.0, 1e-6)
+    cost = Interval(seconds / FULL.seconds, seconds / FULL.seconds / unsure, seconds / FULL.seconds * unsure)
+    return Model((_part(name, exact=exact),), Bias(Interval(*mean), Interval(*local)), noise, seconds, cost)
 
 
 def test_the_full_model_has_all_of_the_target_for_noise() -> None:
@@ -74,6 +83,9 @@ def test_promising_ones_meet_the_target_and_save_time() -> None:
     quiet = _model("quiet", (0, 0, 0), noise=0.5)
     assert promising([same, quiet, faster_but_wrong, fast], FULL, 0.02) == [fast, quiet]
     assert worth_more(fast, quiet, 0.02)
+    assert saving(FULL, fast, 0.02) == pytest.approx(10, rel=0.01)
+    # What may be a moment's luck on a busy machine is nothing to choose by.
+    assert promising([_model("lucky", (0, 0, 0), seconds=0.8e-6, unsure=1.3)], FULL, 0.02) == []
     assert not worth_more(same, FULL, 0.02)
 
 
