@@ -2,6 +2,7 @@
 
 import json
 import random
+import resource
 import signal
 import threading
 import time
@@ -142,6 +143,53 @@ def test_worker_killed_in_mid_job(service: Service) -> None:
         # Takes jobs and is never heard of again.
         client.xreadgroup(keys.WORKERS_GROUP, "dead/0", {keys.JOBS: ">"}, count=3)
     service.work(SimulatedWorker(service.server.url))
+    check_complete(service, render.id)
+
+
+@pytest.mark.soak
+def test_a_worker_takes_the_jobs_of_others_off_the_stream(service: Service) -> None:
+    """Acknowledged and deleted, and nobody sends a result: they are overdue after a minute."""
+    service.start()
+    render = service.create(samples=100)
+    with service.server.client() as client:
+        wait_until(lambda: bool(client.exists(keys.JOBS)) and client.xlen(keys.JOBS) > 3)
+        service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+        wait_until(lambda: half_done(service, render.id))
+        gone = [entry for entry, _ in client.xrange(keys.JOBS)]
+        assert gone
+        client.xack(keys.JOBS, keys.WORKERS_GROUP, *gone)
+        client.xdel(keys.JOBS, *gone)
+    wait_until(lambda: service.row(render.id).state.ended, seconds=100.0)
+    check_complete(service, render.id)
+
+
+def test_redis_out_of_memory(service: Service) -> None:
+    with service.server.client() as client:
+        client.config_set("maxmemory", 1)
+        service.start()
+        render = service.create(samples=20)
+        wait_until(lambda: service.folder.meters().get("redis_in_step") == 0.0)
+        assert service.row(render.id).ranges_done == 0
+        client.config_set("maxmemory", 0)
+    service.work(SimulatedWorker(service.server.url))
+    check_complete(service, render.id)
+
+
+def test_disk_full_in_mid_commit(service: Service) -> None:
+    """No file of the coordinator can grow; commits fail until it can."""
+    process = service.start()
+    render = service.create(samples=100)
+    service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    wait_until(lambda: service.row(render.id).ranges_done > 0)
+    _, hard = resource.prlimit(process.pid, resource.RLIMIT_FSIZE)
+    resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (0, hard))
+    # What was being written may still arrive.
+    time.sleep(0.3)
+    before = service.row(render.id).ranges_done
+    time.sleep(1.0)
+    assert service.row(render.id).ranges_done == before
+    assert process.poll() is None
+    resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, hard))
     check_complete(service, render.id)
 
 
