@@ -92,7 +92,8 @@ def spectra_of(coefficients: npt.ArrayLike, wavelengths: Floats) -> Floats:
 def rgb_to_coefficients(rgb: Floats) -> NDArray[np.float32]:
     """Look up c0, c1, c2 of reflectances: linear sRGB of shape (..., 3), taken to the nearest in [0, 1].
 
-    Greys are exact (to _DARKEST at both ends); colours are trilinear between the table's entries.
+    Greys are exact (to _DARKEST at both ends); colours are trilinear between the table's entries, along the
+    scale in the argument that the sigmoid gives it: coefficients of dark colours are nearly straight in it.
     """
     values = np.clip(np.asarray(rgb, dtype=np.float64), 0.0, 1.0)
     found = _looked_up(values.reshape(-1, 3))
@@ -216,7 +217,9 @@ def _looked_up(rgb: Floats) -> Floats:
     divisor = np.where(scale > 0, scale, 1.0)
     first, second = (rgb[rows, (brightest + shift) % 3] / divisor * last for shift in (1, 2))
     # Positions along the axes of the table.
-    along = np.interp(scale, found.scales, np.arange(last + 1.0))
+    along = np.interp(
+        _inverse_sigmoid(scale), _inverse_sigmoid(found.scales.astype(np.float64)), np.arange(last + 1.0)
+    )
     z, y, x = (np.minimum(axis.astype(int), last - 1) for axis in (along, second, first))
     fractions = (along - z, second - y, first - x)
     result = np.zeros((len(rgb), 3))

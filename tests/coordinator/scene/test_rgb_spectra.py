@@ -39,6 +39,15 @@ def test_reflectances_come_back() -> None:
     assert error.max() < 0.015
 
 
+@pytest.mark.parametrize("brightest", [0.01, 0.02, 0.05, 0.1, 0.2])
+def test_dark_colours_come_back(brightest: float) -> None:
+    """To less than a step of sRGB in 8 bits, 1 / 255 / 12.92 of the linear channel at its dark end."""
+    rgb = np.random.default_rng(3).uniform(0.1, 1, (1000, 3))
+    rgb *= brightest / rgb.max(axis=1, keepdims=True)
+    error = np.abs(back(rgb_spectra.rgb_to_coefficients(rgb)) - rgb)
+    assert error.max() < 1 / 255 / 12.92
+
+
 def test_primaries_and_greys_come_back() -> None:
     corners = np.array([[i & 1, i >> 1 & 1, i >> 2] for i in range(8)], dtype=np.float64)
     assert back(rgb_spectra.rgb_to_coefficients(corners)) == pytest.approx(corners, abs=3e-4)

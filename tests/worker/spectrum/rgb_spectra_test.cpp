@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -10,10 +12,18 @@ namespace {
 
 const std::vector<float> kScales{0.0f, 0.1f, 0.4f, 1.0f};
 
-// Coefficients that are linear along every axis, where trilinear interpolation is exact.
+// What the sigmoid makes a value of, as far as the table goes.
+float argument(float value) {
+  const float v = std::clamp(value, 1e-4f, 1.0f - 1e-4f);
+  return (v - 0.5f) / std::sqrt(v * (1.0f - v));
+}
+
+// Coefficients that are linear in both ratios and the scale's argument, where interpolation is
+// exact.
 SigmoidSpectrum linear(std::size_t brightest, float scale, float second, float first) {
   const auto b = static_cast<float>(brightest);
-  return {1.0f + b + 2.0f * scale, 10.0f * b + 3.0f * second, -b + first + scale * first};
+  const float z = 0.02f * argument(scale);
+  return {1.0f + b + 2.0f * z, 10.0f * b + 3.0f * second, -b + first + z * first};
 }
 
 std::vector<SigmoidSpectrum> linear_table() {

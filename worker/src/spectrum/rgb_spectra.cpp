@@ -14,10 +14,13 @@ bool finite(const SigmoidSpectrum& s) {
   return std::isfinite(s.c0) && std::isfinite(s.c1) && std::isfinite(s.c2);
 }
 
-SigmoidSpectrum grey(float value) {
+// What the sigmoid makes `value` of.
+float inverse_sigmoid(float value) {
   const float v = std::clamp(value, kDarkest, kBrightest);
-  return {0.0f, 0.0f, (v - 0.5f) / std::sqrt(v * (1.0f - v))};
+  return (v - 0.5f) / std::sqrt(v * (1.0f - v));
 }
+
+SigmoidSpectrum grey(float value) { return {0.0f, 0.0f, inverse_sigmoid(value)}; }
 
 // A place along an axis of the table.
 struct Place {
@@ -60,7 +63,10 @@ SigmoidSpectrum RgbSpectra::operator()(const std::array<float, 3>& rgb) const {
   const float scale = std::clamp(c[brightest], scales_.front(), scales_.back());
   const auto above = static_cast<std::size_t>(
       std::upper_bound(scales_.begin() + 1, scales_.end() - 1, scale) - scales_.begin());
-  const Place z{above - 1, (scale - scales_[above - 1]) / (scales_[above] - scales_[above - 1])};
+  // Straight in the sigmoid's argument, as coefficients of dark colours nearly are.
+  const float below = inverse_sigmoid(scales_[above - 1]);
+  const float span = inverse_sigmoid(scales_[above]) - below;
+  const Place z{above - 1, span > 0.0f ? (inverse_sigmoid(scale) - below) / span : 1.0f};
   SigmoidSpectrum sum{0.0f, 0.0f, 0.0f};
   for (std::size_t corner = 0; corner < 8; ++corner) {
     const std::size_t i = corner & 1, j = (corner >> 1) & 1, k = corner >> 2;

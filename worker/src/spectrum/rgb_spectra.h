@@ -22,7 +22,8 @@ class RgbSpectra {
   RgbSpectra(std::vector<float> scales, std::vector<SigmoidSpectrum> coefficients);
 
   /// Of a colour taken to the nearest in [0, 1]. Greys are exact between 1e-4 and 1 - 1e-4, and
-  /// those values beyond; colours are trilinear between the table's entries.
+  /// those values beyond; colours are trilinear between the table's entries, along the scale
+  /// in the argument that the sigmoid gives it.
   SigmoidSpectrum operator()(const std::array<float, 3>& rgb) const;
 
  private:
