@@ -22,22 +22,23 @@ _MATRIX = CHECKOUT / "bench" / "results" / "stability.json"
 def main() -> int:
     """Exit code 0 whatever the verdicts: the page says them."""
     parser = argparse.ArgumentParser(prog="python -m tests.stability", description=__doc__)
-    parser.add_argument("cases", nargs="*", metavar="CASE", help="only cases whose name has this; not kept")
+    parser.add_argument(
+        "cases", nargs="*", metavar="CASE", help="only cases whose name has this; the others' verdicts stay"
+    )
     parser.add_argument("--page", action="store_true", help="make the page of what was measured before")
     arguments = parser.parse_args()
     asked = arguments.cases
     if arguments.page:
         _PAGE.write_text(page(from_json(_MATRIX.read_text())))
         return 0
-    matrix: Matrix = {}
+    matrix: Matrix = from_json(_MATRIX.read_text()) if asked else {}
     with tempfile.TemporaryDirectory(prefix="nocturne-stability-") as folder:
         for case in (case for cases in GROUPS.values() for case in cases):
             if not asked or any(part in case.name for part in asked):
                 matrix[case.name] = _row(case, Path(folder))
                 sys.stderr.write(f"{case.name}: {_short(matrix[case.name])}\n")
-    if not asked:
-        _PAGE.write_text(page(matrix))
-        _MATRIX.write_text(as_json(matrix, processor()))
+    _PAGE.write_text(page(matrix))
+    _MATRIX.write_text(as_json(matrix, processor()))
     return 0
 
 

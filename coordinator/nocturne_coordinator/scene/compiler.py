@@ -18,6 +18,7 @@ from nocturne_coordinator.scene.compile.instances import Instances
 from nocturne_coordinator.scene.compile.kernels import Kernels
 from nocturne_coordinator.scene.compile.lights import Lights
 from nocturne_coordinator.scene.compile.media import Media
+from nocturne_coordinator.scene.compile.origin import frame_of
 from nocturne_coordinator.scene.compile.sensors import compile_sensor
 from nocturne_coordinator.scene.compile.shapes import Shapes
 from nocturne_coordinator.scene.compile.surfaces import Surfaces
@@ -64,6 +65,7 @@ def _compile(workspace: Workspace) -> scene_pb2.CompiledScene:
     message = scene_pb2.CompiledScene(format=FORMAT)
     textures, grids, instances = Textures(workspace), Grids(workspace), Instances(workspace)
     shapes, media = Shapes(workspace, grids), Media(workspace, grids)
+    workspace.frame = frame_of(workspace.document, shapes)
     kernels, lights = Kernels(workspace, textures), Lights(workspace, textures, shapes)
     with workspace.problems_at("$.sensor"):
         message.sensor.CopyFrom(compile_sensor(workspace))

@@ -2,14 +2,16 @@
 
 Centre and radii are float64 here and in the message, and the tracer meets spheres in float64, where 6371 km
 have steps of 1 nm. Altitudes would be differences of large numbers; they are given from the point of the
-ground that is below the scene's origin.
+ground that is below the origin.
 """
 
 import numpy as np
 from nocturne.v1 import scene_pb2
+from numpy.typing import NDArray
 
 from nocturne_coordinator.scene import bounds, media_presets, rayleigh, spectra
 from nocturne_coordinator.scene.atmosphere_model import Atmosphere
+from nocturne_coordinator.scene.compile.altitudes import above_sphere
 from nocturne_coordinator.scene.compile.kernel_leaves import passage
 from nocturne_coordinator.scene.compile.media import Media, Substance
 from nocturne_coordinator.scene.compile.sensors import unit, vector
@@ -31,7 +33,7 @@ def atmosphere_surfaces(workspace: Workspace, media: Media) -> list[scene_pb2.Su
     interior = scene_pb2.Interior(matched=True, priority=-bounds.PRIORITY)
     with workspace.problems_at("$.atmosphere"):
         interior.media.extend(_layers(atmosphere, media, workspace))
-    centre = vector(-(atmosphere.planet_radius + atmosphere.altitude) * unit(np.array(atmosphere.up)))
+    centre = vector(workspace.frame.points(_centre(atmosphere)))
     index_of = workspace.kernels.index_of
     reflectance = scene_pb2.Colour(spectrum=workspace.reflectance(atmosphere.ground_reflectance))
     ground = scene_pb2.Kernel(lambertian=scene_pb2.Lambertian(reflectance=reflectance))
@@ -50,14 +52,16 @@ def atmosphere_surfaces(workspace: Workspace, media: Media) -> list[scene_pb2.Su
 
 def _layers(atmosphere: Atmosphere, media: Media, workspace: Workspace) -> list[int]:
     found, visible = [], visible_wavelengths()
+    ground = above_sphere(_centre(atmosphere), atmosphere.planet_radius, workspace.frame)
     if atmosphere.air is not None:
         air = atmosphere.air
         depth = rayleigh.optical_depth(visible, air.pressure)
         scattering = depth / _column(atmosphere, air.scale_height)
         substance = Substance(_NOTHING, spectra.at_visible(scattering, zero_outside=False), media.air_phase())
-        found.append(media.add(substance, _exponential(atmosphere, air.scale_height)))
+        found.append(media.add(substance, _exponential(ground, air.scale_height)))
     if atmosphere.ozone is not None:
-        found.append(_ozone(atmosphere, atmosphere.ozone.dobson_units, media))
+        dobson_units = atmosphere.ozone.dobson_units
+        found.append(_ozone(atmosphere, dobson_units, ground, media))
     if atmosphere.aerosol is not None:
         aerosol = atmosphere.aerosol
         if workspace.document.media[aerosol.medium].temperature is not None:
@@ -78,7 +82,10 @@ def _layers(atmosphere: Atmosphere, media: Media, workspace: Workspace) -> list[
             raise Unusable(f"does nothing at {AEROSOL_WAVELENGTH:g} nm", ".aerosol.medium")
         wanted = aerosol.optical_depth / _column(atmosphere, aerosol.scale_height)
         found.append(
-            media.add(substance.scaled(wanted / extinction), _exponential(atmosphere, aerosol.scale_height))
+            media.add(
+                substance.scaled(wanted / extinction),
+                _exponential(ground, aerosol.scale_height),
+            )
         )
     return found
 
@@ -88,7 +95,9 @@ def _column(atmosphere: Atmosphere, scale_height: float) -> float:
     return float(-scale_height * np.expm1(-atmosphere.thickness / scale_height))
 
 
-def _ozone(atmosphere: Atmosphere, dobson_units: float, media: Media) -> int:
+def _ozone(
+    atmosphere: Atmosphere, dobson_units: float, ground: scene_pb2.AltitudeDensity, media: Media
+) -> int:
     layer = media_presets.ozone_layer()
     if layer[-1, 0] > atmosphere.thickness:
         raise Unusable(
@@ -102,20 +111,18 @@ def _ozone(atmosphere: Atmosphere, dobson_units: float, media: Media) -> int:
         _NOTHING,
         scene_pb2.PhaseFunction(henyey_greenstein=scene_pb2.HenyeyGreenstein(g=0.0)),
     )
-    density = _above_ground(atmosphere)
+    density = scene_pb2.AltitudeDensity()
+    density.CopyFrom(ground)
     density.table.altitudes.extend(layer[:, 0].tolist())
     density.table.densities.extend(layer[:, 1].tolist())
     return media.add(substance, density)
 
 
-def _exponential(atmosphere: Atmosphere, scale_height: float) -> scene_pb2.AltitudeDensity:
-    density = _above_ground(atmosphere)
-    density.scale_height = scale_height
+def _exponential(ground: scene_pb2.AltitudeDensity, scale_height: float) -> scene_pb2.AltitudeDensity:
+    density = scene_pb2.AltitudeDensity(scale_height=scale_height)
+    density.MergeFrom(ground)
     return density
 
 
-def _above_ground(atmosphere: Atmosphere) -> scene_pb2.AltitudeDensity:
-    up = unit(np.array(atmosphere.up))
-    return scene_pb2.AltitudeDensity(
-        base=vector(-atmosphere.altitude * up), up=vector(up), radius=atmosphere.planet_radius
-    )
+def _centre(atmosphere: Atmosphere) -> NDArray[np.float64]:
+    return -(atmosphere.planet_radius + atmosphere.altitude) * unit(np.array(atmosphere.up))

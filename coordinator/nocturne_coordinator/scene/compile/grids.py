@@ -33,7 +33,7 @@ class Grids:
         converted = self._convert(grid)
         if converted.facts.minimum < 0:
             raise Unusable(f'grid "{grid.grid}" has negative values, down to {converted.facts.minimum:g}')
-        rows = placement_of(grid).rows()
+        rows = self._workspace.frame.after(placement_of(grid)).rows()
         if not np.abs(rows).max() <= bounds.LENGTH:
             raise Unusable(f"is farther than {bounds.LENGTH:g} m from the origin, or larger than that")
         return scene_pb2.DensityGrid(

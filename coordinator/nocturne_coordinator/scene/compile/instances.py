@@ -7,7 +7,7 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_coordinator.errors import Problem
 from nocturne_coordinator.scene import bounds
-from nocturne_coordinator.scene.compile.placement import IDENTITY, Similarity, placements_of
+from nocturne_coordinator.scene.compile.placement import Similarity, placements_of
 from nocturne_coordinator.scene.compile.workspace import Unusable, Workspace
 from nocturne_coordinator.scene.problems import path
 from nocturne_coordinator.scene.surface_model import Instance, Surface
@@ -50,7 +50,7 @@ class Instances:
             )
             return
         for index, instance in enumerate(top):
-            yield from self._shown(instance, [IDENTITY], path(("instances", index)))
+            yield from self._shown(instance, [self._workspace.frame], path(("instances", index)))
 
     def _reached(self) -> list[str]:
         """Names of groups that are used, in the order of the document's instances; cycles were refused."""

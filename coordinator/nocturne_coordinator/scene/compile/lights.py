@@ -128,7 +128,7 @@ class Lights:
                 continue
             with self._workspace.problems_at(f"{place}.shape"):
                 message = scene_pb2.ImportantShape(weight=direction.weight)
-                steps = [placement_of(direction)]
+                steps = [self._workspace.frame.after(placement_of(direction))]
                 put_shape(message, self._shapes.compile(direction.shape, steps, f"{place}.shape"))
                 found.append(message)
         return found

@@ -8,14 +8,12 @@ import numpy as np
 from nocturne.v1 import scene_pb2
 
 from nocturne_coordinator.scene import bounds, indices, media_presets, mie, rayleigh, spectra
+from nocturne_coordinator.scene.compile.altitudes import above
 from nocturne_coordinator.scene.compile.grids import Grids
 from nocturne_coordinator.scene.compile.indices import compile_index
-from nocturne_coordinator.scene.compile.sensors import unit, vector
 from nocturne_coordinator.scene.compile.workspace import Unusable, Workspace
 from nocturne_coordinator.scene.interior_model import Interior
 from nocturne_coordinator.scene.medium_model import (
-    AbovePlane,
-    AboveSphere,
     DoubleHenyeyGreensteinPhase,
     Droplets,
     ExponentialDensity,
@@ -161,11 +159,11 @@ class Media:
                     message.grid.CopyFrom(self._grids.density(grid))
             case ExponentialDensity() as profile:
                 message = self._message(substance.scaled(profile.at_ground))
-                message.altitude.CopyFrom(_above(profile.above))
+                message.altitude.CopyFrom(above(profile.above, self._workspace.frame))
                 message.altitude.scale_height = profile.scale_height
             case LayeredDensity() as profile:
                 message = self._message(substance)
-                message.altitude.CopyFrom(_above(profile.above))
+                message.altitude.CopyFrom(above(profile.above, self._workspace.frame))
                 message.altitude.table.altitudes.extend(altitude for altitude, _ in profile.layers)
                 message.altitude.table.densities.extend(density for _, density in profile.layers)
             case density:
@@ -279,16 +277,6 @@ def _mie_phase(scattering: mie.Scattering) -> scene_pb2.PhaseFunction:
         values=scattering.phase.astype(np.float32).ravel().tolist(),
     )
     return scene_pb2.PhaseFunction(tabulated=table)
-
-
-def _above(above: AbovePlane | AboveSphere) -> scene_pb2.AltitudeDensity:
-    if isinstance(above, AboveSphere):
-        centre = np.array(above.centre)
-        up = -unit(centre) if np.any(centre) else np.array([0.0, 1.0, 0.0])
-        # The message wants the point of the ground that is below the scene's origin.
-        base = vector(centre + above.radius * up)
-        return scene_pb2.AltitudeDensity(base=base, up=vector(up), radius=above.radius)
-    return scene_pb2.AltitudeDensity(base=vector(above.point), up=vector(unit(np.array(above.up))))
 
 
 @contextmanager

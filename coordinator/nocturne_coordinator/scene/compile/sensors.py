@@ -39,7 +39,7 @@ _MODELS = {
 def compile_sensor(workspace: Workspace) -> scene_pb2.Sensor:
     """Return the sensor with orthonormal frames: right x up = -forward. Raises Unusable."""
     sensor = workspace.document.sensor
-    first, *later = _poses(sensor)
+    first, *later = _poses(sensor, workspace.frame)
     workspace.report_motion(sensor.motion, 1 + len(later), "$.sensor")
     response = spectra.response(sensor.observer).astype(np.float32)
     message = scene_pb2.Sensor(
@@ -101,13 +101,14 @@ def _put_optics(message: scene_pb2.Sensor, sensor: Sensor) -> None:
             message.lamp_radius = sensor.lamp_radius
 
 
-def _poses(sensor: Sensor) -> list[scene_pb2.Pose]:
+def _poses(sensor: Sensor, frame: Similarity) -> list[scene_pb2.Pose]:
     """The sensor at equally spaced times; one entry: it is at rest."""
     steps = motion_steps(sensor.motion)
     if any(abs(step.scale - 1) > 1e-12 for step in steps):
         raise Unusable("a sensor has no scale; leave it out", ".motion.placements")
     forward, right, up = _frame(sensor)
-    return [_pose(step, np.array(sensor.position), forward, right, up) for step in steps]
+    position = np.array(sensor.position)
+    return [_pose(frame.after(step), position, forward, right, up) for step in steps]
 
 
 def _pose(

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from nocturne_coordinator.scene import bounds
 from nocturne_coordinator.scene.compile.grids import Grids
 from nocturne_coordinator.scene.compile.mesh_files import load_mesh
-from nocturne_coordinator.scene.compile.placement import IDENTITY, Similarity
+from nocturne_coordinator.scene.compile.placement import Similarity
 from nocturne_coordinator.scene.compile.sensors import vector
 from nocturne_coordinator.scene.compile.simple_meshes import box_mesh, disc_mesh, inline_mesh, quad_mesh
 from nocturne_coordinator.scene.compile.triangles import BadVertexError, Triangles, pack_mesh, unit_normals
@@ -66,6 +66,15 @@ class Shapes:
                     raise Unusable(error.reason, f".vertices[{error.index}]") from None
         return self._mesh(_simple(shape), False, steps, place, coordinates=True)
 
+    def vertices(self, shape: AssetMesh | InlineMesh | Quad | Disc | Box) -> NDArray[np.float64]:
+        """Return a shape's corners before its placement, shape (n, 3). Unusable, UnusableMeshError."""
+        match shape:
+            case AssetMesh():
+                return self._asset(shape).vertices
+            case InlineMesh():
+                return np.array(shape.vertices)
+        return _simple(shape).vertices
+
     def is_flat(self, shape: Shape) -> bool:
         """Whether a shape lies in a plane, within a ten-thousandth of its size."""
         match shape:
@@ -73,10 +82,7 @@ class Shapes:
                 return True
             case Box() | Sphere() | MediumBox():
                 return False
-            case AssetMesh():
-                vertices = self._asset(shape).vertices
-            case InlineMesh():
-                vertices = np.array(shape.vertices)
+        vertices = self.vertices(shape)
         centred = vertices - vertices.mean(axis=0)
         _, sizes, _ = np.linalg.svd(centred.T @ centred)
         return bool(sizes[2] <= 1e-8 * sizes[0])
@@ -90,7 +96,7 @@ class Shapes:
         except Unusable as error:
             medium = path(("media", shape.medium))
             raise Unusable(f"{medium}.density{error.suffix}: {error}", ".medium") from None
-        return self._mesh(box, False, [IDENTITY], place, coordinates=False)
+        return self._mesh(box, False, [self._workspace.frame], place, coordinates=False)
 
     def _asset(self, shape: AssetMesh) -> Triangles:
         key = (shape.asset, shape.resolved_format(), shape.smooth)

@@ -50,6 +50,8 @@ class Surfaces:
                 message.bump_map.CopyFrom(self._textures.heights(surface.bump_map))
         with self._workspace.problems_at(f"{place}.shape"):
             steps = placements_of(surface)
+            if group == 0:
+                steps = [self._workspace.frame.after(step) for step in steps]
             self._workspace.report_motion(surface.motion, len(steps), place)
             shape = self._shapes.compile(
                 surface.shape, steps, f"{place}.shape", coordinates=needs_coordinates

@@ -13,6 +13,7 @@ from nocturne_coordinator.blobs import BlobStore
 from nocturne_coordinator.errors import InputError, NotFound, Problem
 from nocturne_coordinator.scene import bounds, indices, line_spectra, spectra
 from nocturne_coordinator.scene.checks import resolve_spectrum
+from nocturne_coordinator.scene.compile.placement import IDENTITY
 from nocturne_coordinator.scene.mesh_headers import UnusableMeshError
 from nocturne_coordinator.scene.model import SceneDocument
 from nocturne_coordinator.scene.node import NAMED
@@ -53,6 +54,8 @@ class Workspace:
 
     def __init__(self, document: SceneDocument, blobs: BlobStore) -> None:
         self.document = document
+        self.frame = IDENTITY
+        """Comes after every placement; see origin.py."""
         self.blobs = blobs
         self.packed: dict[bytes, bytes] = {}
         """Blobs to be written once all is well, by digest."""
