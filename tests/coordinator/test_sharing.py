@@ -126,8 +126,9 @@ def test_one_that_shares_and_one_that_does_not_refuse_each_other(service: Servic
 def test_two_coordinators_share_the_renders(service: Service) -> None:
     for _ in range(2):
         service.start("", *SHARED)
-    assert service.start().wait(15) == EXIT_ALREADY_OWNED
+    # Who comes first decides whether the folder is shared.
     wait_until(lambda: len(service.folder.database.rows("SELECT * FROM coordinator")) == 2)
+    assert service.start().wait(15) == EXIT_ALREADY_OWNED
     renders = [service.create(request_id=name, samples=100).id for name in "abcd"]
     for _ in range(2):
         service.work(SimulatedWorker(service.server.url, delay=0.005))

@@ -137,7 +137,9 @@ def test_the_spheres_have_their_places_to_a_millimetre(document: Document, compi
         assert -sphere.centre.z - RADIUS == pytest.approx(1.234567, abs=1e-8)
     assert (shell.sphere.radius, ground.sphere.radius) == (RADIUS + 100_000, RADIUS)
     [air] = scene.media
-    assert (air.altitude.base, air.altitude.radius) == (scene_pb2.Vector(z=-1.234567), RADIUS)
+    base = air.altitude.base
+    assert (base.x, base.y, base.z) == pytest.approx((0, 0, -1.234567), abs=1e-8)
+    assert air.altitude.radius == RADIUS
     assert air.altitude.up == scene_pb2.Vector(z=1)
     assert scene.kernels[shell.kernel].WhichOneof("model") == "passage"
     lambertian = scene.kernels[ground.kernel].lambertian
