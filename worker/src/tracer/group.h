@@ -36,6 +36,8 @@ struct Group {
   Ray ray;
   /// Way from the last surface to where the ray starts, m; set inside of bodies only.
   float skipped = 0.0f;
+  /// From there to where the ray starts; set with it.
+  Vec3 step = {0.0f, 0.0f, 0.0f};
   /// What each photon carries; zero for those that are gone or went another way.
   Spectral<N> weight;
   /// How likely each photon would have been to take the way so far, as media met and turned it by

@@ -128,11 +128,21 @@ class Walk {
     if (leave_vertex(met, *vertex)) follow(met);
   }
 
+  // From the surface that a group left. Its ray is the one from there, moved off the surface: how
+  // much sooner it meets the next one depends on how that stands, as in a wedge.
+  float way_to(const Group<N>& group, const Hit& hit) const {
+    constexpr float kLeastCosine = 1e-3f;
+    const float cosine = dot(hit.normal, group.ray.direction);
+    if (hit.clearance == 0.0f || std::fabs(cosine) < kLeastCosine) {
+      return hit.distance + group.skipped;
+    }
+    return std::max(0.0f, hit.distance + dot(group.step, hit.normal) / cosine);
+  }
+
   // Up to a hit; what the counter looks for there is counted.
   void travel(Group<N>& group, const Hit& hit) {
     if (!group.inside.empty()) {
-      group.weight *=
-          scene_.transmittance(group.inside, hit.distance + group.skipped, wavelengths_);
+      group.weight *= scene_.transmittance(group.inside, way_to(group, hit), wavelengths_);
     }
     group.width += spread_ * hit.distance;
     if (has_media_ && scene_.is_medium(hit.surface)) {
@@ -187,7 +197,9 @@ class Walk {
   // What absorbs begins at the surface.
   static void start_off(Group<N>& group, const Hit& hit, Vec3 direction) {
     group.ray = {leave_surface(hit, direction), direction};
-    if (!group.inside.empty()) group.skipped = way_skipped(hit, direction);
+    if (group.inside.empty()) return;
+    group.skipped = way_skipped(hit, direction);
+    group.step = group.ray.origin - hit.position;
   }
 
   // From within glass no light lies where it seems to. A surface that spreads light in there may

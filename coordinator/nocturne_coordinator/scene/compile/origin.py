@@ -24,7 +24,7 @@ _Point = NDArray[np.float64]
 
 
 def frame_of(document: SceneDocument, shapes: Shapes) -> Similarity:
-    """Return what comes after every placement: a shift to the sensor if that is nearer to the surfaces."""
+    """Return what comes after every placement: a shift to the sensor if all surfaces are that far out."""
     sensor = np.array(document.sensor.position)
     origin = _STEP * np.round(sensor / _STEP)
     if not np.any(origin):
@@ -33,7 +33,8 @@ def frame_of(document: SceneDocument, shapes: Shapes) -> Similarity:
     for low, high in _extents(document, shapes):
         there = min(there, _distance(sensor, low, high))
         here = min(here, _distance(np.zeros(3), low, high))
-    return Similarity(1.0, np.eye(3), -origin) if there < 0.5 * here else IDENTITY
+    far_out = here > 0.5 * float(np.linalg.norm(sensor))
+    return Similarity(1.0, np.eye(3), -origin) if far_out and there < 0.5 * here else IDENTITY
 
 
 def _extents(document: SceneDocument, shapes: Shapes) -> Iterator[tuple[_Point, _Point]]:
