@@ -109,9 +109,12 @@ class Service:
         worker.start()
         return worker
 
-    def close(self) -> None:
+    def stop_workers(self) -> None:
         for worker in self._workers:
             worker.stop()
+
+    def close(self) -> None:
+        self.stop_workers()
         for process in (*self._others, self._process):
             if process is not None and process.poll() is None:
                 process.kill()
