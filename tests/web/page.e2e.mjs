@@ -266,7 +266,12 @@ try {
   for (const [name, check] of Object.entries(checks)) {
     const start = Date.now();
     const notes = [];
-    await check({ page, note: (text) => notes.push(text) });
+    try {
+      await check({ page, note: (text) => notes.push(text) });
+    } catch (error) {
+      console.log(`failed: ${name}; the page showed:\n${await page.locator("body").innerText()}`);
+      throw error;
+    }
     console.log(`ok  ${name} (${Date.now() - start} ms)${notes.map((text) => `: ${text}`).join("")}`);
   }
   assert.deepEqual(faults, []);

@@ -59,8 +59,8 @@ function openView(view: View): View {
 
 function signedIn(): void {
   required("sign-out").hidden = false;
-  current = open();
   renders.start();
+  current = open();
 }
 
 function showConnection(): void {

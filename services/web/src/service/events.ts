@@ -56,7 +56,7 @@ export class EventStream {
     };
     source.onerror = () => {
       source.close();
-      void this.#again();
+      void this.#again(source);
     };
     source.addEventListener("render", (event: MessageEvent<string>) => {
       this.#listeners.onRender(JSON.parse(event.data) as Render);
@@ -67,15 +67,14 @@ export class EventStream {
   }
 
   /** An EventSource does not say why it broke; asking who we are does. */
-  async #again(): Promise<void> {
+  async #again(broken: EventSource): Promise<void> {
     this.#listeners.onBreak();
-    try {
-      await getSession();
-    } catch (error) {
-      if (error instanceof ServiceError && error.status === 401) {
-        this.#listeners.onUnknown();
-        return;
-      }
+    const unknown = await getSession().then(() => false, (error: unknown) => error instanceof ServiceError && error.status === 401);
+    // Connected anew in the meantime, as after signing in: the answer is about the past.
+    if (this.#source !== broken) return;
+    if (unknown) {
+      this.#listeners.onUnknown();
+      return;
     }
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => { this.connect(); }, this.#delay_ms);

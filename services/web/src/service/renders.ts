@@ -40,8 +40,9 @@ export class Renders {
   });
   #watched: readonly string[] = [];
 
-  /** Connects; after signing in, again. */
+  /** Connects; after signing in, again: until that is done nobody is known to be signed out. */
   start(): void {
+    this.#setConnection("connecting");
     this.#stream.connect();
   }
 
