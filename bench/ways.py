@@ -1,5 +1,6 @@
 """The ways to trace that are compared: the tracer's own and the baselines."""
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -16,6 +17,13 @@ def _always(document: Document) -> bool:
 
 def _can_be_hit(document: Document) -> bool:
     return document["sensor"]["type"] in _FORWARD_SENSORS
+
+
+def _gathers(document: Document) -> bool:
+    """A camera, and something in the scene that is like a mirror or glass."""
+    surfaces = json.dumps([document.get("kernels"), document.get("surfaces"), document.get("groups")])
+    camera = document["sensor"]["type"] in ("pinhole", "thin_lens", "orthographic", "panorama")
+    return camera and any(f'"type": "{kind}"' in surfaces for kind in ("conductor", "dielectric"))
 
 
 def _no_media(document: Document) -> bool:
@@ -48,7 +56,7 @@ class Way:
         """The document, traced this way."""
         return {
             **document,
-            "tracing": {**document.get("tracing", {}), **self.tracing},
+            "tracing": {**document.get("tracing", {}), "direction": "adjoint", **self.tracing},
             "sensor": {**document["sensor"], **self.sensor},
         }
 
@@ -68,6 +76,13 @@ WAYS = (
         {"direction": "forward"},
         applies=_can_be_hit,
         samples=16,
+    ),
+    Way(
+        "both directions",
+        "photons from the luminaires for what mirrors and glass gather, the default for the rest",
+        {"direction": "both"},
+        applies=_gathers,
+        samples=0.5,
     ),
     Way("uniform", "the default with wavelengths drawn uniformly", sensor={"wavelengths": "uniform"}),
     Way("independent", "the default with independent random numbers", {"sequence": "independent"}),

@@ -19,7 +19,12 @@ _KERNEL: Tracing = {
     "mixture": {"kernel": 1.0, "luminaires": 0.0, "environment": 0.0},
 }
 _FORWARD: Tracing = {"direction": "forward"}
-OPENINGS: Tracing = {"estimator": "mixture", "mixture": {"kernel": 0.5, "important": 0.5}}
+_BOTH: Tracing = {"direction": "both"}
+OPENINGS: Tracing = {
+    "direction": "adjoint",
+    "estimator": "mixture",
+    "mixture": {"kernel": 0.5, "important": 0.5},
+}
 
 
 @dataclass(frozen=True)
@@ -112,8 +117,8 @@ def instances(folder: Path) -> Document:
 SCENES: dict[str, SuiteScene] = {
     "cornell": SuiteScene(_example("cornell"), Film(24, 24), _DEFAULT, None),
     "glossy spheres": SuiteScene(spheres, Film(32, 24), _DEFAULT, None),
-    "reflector": SuiteScene(_example("reflector"), Film(24, 16), OPENINGS, _DEFAULT, peers_particles=True),
-    "headlight in fog": SuiteScene(_example("headlight"), Film(24, 16), _DEFAULT, OPENINGS),
+    "reflector": SuiteScene(_example("reflector"), Film(24, 16), _BOTH, OPENINGS, peers_particles=True),
+    "headlight in fog": SuiteScene(_example("headlight"), Film(24, 16), _BOTH, OPENINGS),
     "smoke": SuiteScene(_example("smoke"), Film(16, 20), _DEFAULT, _MIXTURE),
     "sky": SuiteScene(_example("sky"), Film(32, 16), _DEFAULT, _MIXTURE),
     "subsurface": SuiteScene(_example("subsurface"), Film(32, 16), _DEFAULT, _KERNEL),

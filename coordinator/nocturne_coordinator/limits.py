@@ -13,10 +13,10 @@ MAXIMUM_FURTHER_RESPONSES = 60
 """With those, a pixel has 64 sums and the smallest tile's partial fills 32 KiB."""
 
 MAXIMUM_FORWARD_PIXELS = 2**18
-"""Traced forward, a job's result is the whole film: 8 MiB of sums here; 512 x 512 or 1 degree all around."""
+"""With photons from luminaires a job returns the whole film: 8 MiB here; 512 x 512 or 1 degree apart."""
 
 MAXIMUM_FORWARD_RANGES = 2**20
-"""Ranges of a plan that is traced forward; as many as the other plans have at most, and some."""
+"""Ranges of a plan with photons from luminaires; as many as the other plans have at most, and some."""
 
 MAXIMUM_SAMPLES = 2**31
 """Per pixel: the sampler's index is 32 bits, and nothing on paper needs more."""

@@ -58,7 +58,7 @@ def make_plan(
     most = limits.MAXIMUM_FORWARD_PIXELS if one_tile else limits.MAXIMUM_FILM_PIXELS
     most = most * XYZ_SUMS // sums_per_pixel
     if not problems and width * height > most:
-        of = " of a scene that is traced forward" if one_tile else ""
+        of = " of a scene with photons from luminaires" if one_tile else ""
         problems.append(Problem("$.width", f"the film{of} has {width * height} pixels; at most {most}"))
     problems.extend(Problem("$.scene", message) for message in name_problems(further_responses))
     if not 1 <= samples <= limits.MAXIMUM_SAMPLES:
@@ -70,7 +70,9 @@ def make_plan(
         longest = min(LONGEST_RANGE, max(FIRST_RANGE, LONGEST_JOB // (width * height)))
         if samples // longest > limits.MAXIMUM_FORWARD_RANGES:
             most = limits.MAXIMUM_FORWARD_RANGES * longest
-            raise InputError.at("$.samples", f"is {samples}; at most {most} of this film, traced forward")
+            raise InputError.at(
+                "$.samples", f"is {samples}; at most {most} of this film, with photons from luminaires"
+            )
     plan = job_pb2.RenderPlan(
         width=width,
         height=height,

@@ -21,6 +21,6 @@ def plan_of(scene: scene_pb2.CompiledScene, width: int, height: int, samples: in
         height,
         samples,
         [response.name for response in scene.sensor.further_responses],
-        one_tile=scene.tracing.direction == scene_pb2.DIRECTION_FORWARD,
+        one_tile=scene.tracing.direction != scene_pb2.DIRECTION_ADJOINT,
         photons_per_sample=scene.tracing.group,
     )

@@ -123,7 +123,7 @@ def test_the_plan_is_spelled_as_ever() -> None:
 
 
 @given(width=st.integers(1, 512), height=st.integers(1, 512), samples=st.integers(1, 20_000))
-def test_a_scene_that_is_traced_forward_has_one_tile_and_jobs_as_long_as_any(
+def test_a_scene_with_photons_from_luminaires_has_one_tile_and_jobs_as_long_as_any(
     width: int, height: int, samples: int
 ) -> None:
     plan = make_plan(width, height, samples, one_tile=True)

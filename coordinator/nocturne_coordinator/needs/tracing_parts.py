@@ -25,7 +25,7 @@ def tracing_parts(document: Document) -> Iterator[Simplification]:
         yield _exactly("two photons at a vertex instead of splits", {"estimator": "two_photons"}, "estimator")
     if estimator != "mixture":
         yield _exactly("one photon at a vertex", {"estimator": "mixture"}, "estimator")
-    if tracing.get("direction") == "forward":
+    if tracing.get("direction", "adjoint") != "adjoint":
         yield _exactly("adjoint photons instead of forward ones", {"direction": "adjoint"}, "direction")
 
 

@@ -119,6 +119,10 @@ def _luminaire_problems(document: SceneDocument, surface: Surface, place: str) -
     yield from radiance_problems(resolve_spectrum(document, used), used, at, may_be_relative=relative)
 
 
+_MET_BY_PHOTONS = ("irradiance_meter", "intensity_meter")
+_CAMERAS = ("pinhole", "thin_lens", "orthographic", "panorama")
+
+
 def _surrounding_problems(document: SceneDocument) -> Iterator[Problem]:
     environment = document.environment
     if isinstance(environment, ConstantEnvironment):
@@ -134,9 +138,19 @@ def _surrounding_problems(document: SceneDocument) -> Iterator[Problem]:
 
 def _tracing_problems(document: SceneDocument) -> Iterator[Problem]:
     sensor = document.sensor.type
-    if document.tracing.direction == "forward" and sensor not in ("irradiance_meter", "intensity_meter"):
+    if document.tracing.direction == "forward" and sensor not in _MET_BY_PHOTONS:
         yield Problem(
             "$.tracing.direction",
             f'"forward" needs a sensor that photons can meet, and a {sensor} has no size; expected "adjoint" '
-            'or a sensor whose type is one of "irradiance_meter", "intensity_meter"',
+            f"or a sensor whose type is one of {_quoted(_MET_BY_PHOTONS)}",
         )
+    if document.tracing.direction == "both" and sensor not in _CAMERAS:
+        yield Problem(
+            "$.tracing.direction",
+            f'"both" needs a camera, and a {sensor} is none; expected "adjoint" or a sensor whose type is '
+            f"one of {_quoted(_CAMERAS)}",
+        )
+
+
+def _quoted(names: tuple[str, ...]) -> str:
+    return ", ".join(f'"{name}"' for name in names)

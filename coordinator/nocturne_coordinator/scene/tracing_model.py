@@ -76,10 +76,12 @@ class Tracing(Node):
         "`auto`: 1 where a body's index of refraction depends on wavelength, and for `forward` with media, "
         "else 4.",
     )
-    direction: Literal["adjoint", "forward"] = Field(
+    direction: Literal["adjoint", "forward", "both"] = Field(
         default="adjoint",
         description="From the sensor to the luminaires, or the other way round. `forward` is for the "
-        "irradiance meter and the intensity meter, and not for luminaires with textures.",
+        "irradiance meter and the intensity meter. `both` is for cameras: photons from the luminaires bring "
+        "the light that mirrors and glass gather, as from lamps in reflectors and in caustics, and photons "
+        "from the camera find all other light. Neither is for luminaires with textures.",
     )
     sequence: Literal["sobol", "independent"] = Field(
         default="sobol",

@@ -162,6 +162,18 @@ def test_forward_is_for_sensors_with_a_size(document: dict[str, Any], compiled: 
         compiled(document)
 
 
+@pytest.mark.parametrize("sensor", SENSORS, ids=[sensor["type"] for sensor in SENSORS])
+def test_both_directions_are_for_cameras(
+    sensor: dict[str, Any], document: dict[str, Any], compiled: Compile
+) -> None:
+    document |= {"tracing": {"direction": "both"}, "sensor": sensor}
+    if not sensor["type"].endswith("_meter"):
+        assert compiled(document).tracing.direction == scene_pb2.DIRECTION_BOTH
+        return
+    with pytest.raises(InputError, match=r'\$\.tracing\.direction: "both" needs a camera, and a .*_meter'):
+        compiled(document)
+
+
 def weights(tracing: scene_pb2.Tracing) -> list[float]:
     return [
         tracing.weight_kernel,

@@ -87,6 +87,12 @@ TEST(LoadScene, RefusesDamagedMessagesInWords) {
       {"split", [](auto& m) { m.mutable_tracing()->set_split_vertices(9); }},
       {"forward photons",
        [](auto& m) { m.mutable_tracing()->set_direction(v1::DIRECTION_FORWARD); }},
+      {"both directions need a camera",
+       [](auto& m) {
+         m.mutable_tracing()->set_direction(v1::DIRECTION_BOTH);
+         m.mutable_sensor()->set_model(v1::SENSOR_MODEL_PLANE);
+         m.mutable_sensor()->set_height(1.0);
+       }},
       {"interior index", [](auto& m) { m.mutable_surfaces(0)->set_interior(0); }},
       {"index of refraction", [](auto& m) { m.add_interiors()->set_index(add_spectrum(m, 0.0f)); }},
       {"number out of range",

@@ -1,6 +1,7 @@
 // Forward photons are counted where adjoint photons start: a lamp on paper measured both ways.
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
 
 #include "sensors/sensors.h"
@@ -123,6 +124,58 @@ TEST(Reception, EscapesMeetThePixelThatLooksBack) {
   }
 }
 
+// A photon is sent to the camera from each point of a lamp of radiance 1, in front of the camera.
+class Cameras : public testing::TestWithParam<std::function<SensorModel()>> {
+ protected:
+  static constexpr Film kFilm{24, 16};
+  const Pose pose_ = test::oblique_pose();
+  const Sensor sensor_ = test::at_rest(GetParam()(), pose_);
+
+  test::Patch lamp() const {
+    return {pose_.position + 0.7f * pose_.forward - 0.3f * pose_.right - 0.2f * pose_.up,
+            0.5f * pose_.right + 0.1f * pose_.forward, 0.4f * pose_.up + 0.2f * pose_.right};
+  }
+};
+
+TEST_P(Cameras, MeasureTheSameBothWays) {
+  const test::Patch towards = dot(lamp().normal(), pose_.forward) < 0.0f
+                                  ? lamp()
+                                  : test::Patch{lamp().corner, lamp().edge_v, lamp().edge_u};
+  std::vector<Estimate> counted(kFilm.width * kFilm.height);
+  for (std::uint32_t i = 0; i < kPhotons; ++i) {
+    const Uniform4 u = test::uniform(i, 1);
+    const Vec3 place = towards.corner + u[0] * towards.edge_u + u[1] * towards.edge_v;
+    const auto way = sensor_.way_from(kFilm, place, u[2], u[3], 0);
+    if (!way) continue;
+    const double cosine = dot(towards.normal(), way->direction);
+    counted.at(way->pixel).add(towards.area() * std::max(0.0, cosine) * way->weight);
+  }
+  expect_same(counted, adjoint(towards, kFilm, sensor_));
+}
+
+TEST_P(Cameras, AreReachedBackAlongTheirRays) {
+  const Film film{40, 30};
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    const Uniform4 u = test::uniform(i, 2), v = test::uniform(i, 3);
+    const auto sample = sensor_.sample(film, 40.0f * u[0], 30.0f * u[1], v[0], v[1], 0);
+    const float distance = 0.5f + 3.0f * u[2];
+    const auto way =
+        sensor_.way_from(film, sample.ray.origin + distance * sample.ray.direction, v[0], v[1], 0);
+    ASSERT_TRUE(way);
+    EXPECT_NEAR(dot(way->direction, sample.ray.direction), -1.0f, 1e-5f);
+    EXPECT_NEAR(way->distance, distance, 1e-5f * distance);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, Cameras,
+    testing::Values([] { return SensorModel(Pinhole(0.4f)); },
+                    [] {
+                      return SensorModel(ThinLens(Pinhole(0.4f), Aperture(0.1f, 5, 0.2f), 0.5f));
+                    },
+                    [] { return SensorModel(Orthographic(FilmRectangle(0.5f))); },
+                    [] { return SensorModel(Panorama()); }));
+
 class Film2x2 : public testing::Test {
  protected:
   static constexpr Film kFilm{2, 2};
@@ -168,6 +221,10 @@ TEST(Reception, OtherModelsCountNothing) {
   EXPECT_FALSE(sensor.receives_escapes());
   EXPECT_FALSE(sensor.receive_segment({2, 2}, {1, 2, 0}, {0, 0, 1}, 9, 0));
   EXPECT_FALSE(sensor.receive_escape({2, 2}, {0, 0, 1}));
+  EXPECT_TRUE(sensor.is_camera());
+  const Sensor meter = test::at_rest(RadianceMeter(0.1f, 0.1f));
+  EXPECT_FALSE(meter.is_camera());
+  EXPECT_FALSE(meter.way_from({2, 2}, {1, 2, 0}, 0, 0, 0));
 }
 
 TEST(Reception, FilmThatMovesIsMetWhereItIs) {

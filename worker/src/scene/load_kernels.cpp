@@ -96,6 +96,31 @@ bool anisotropic(const v1::Roughness& roughness) {
          roughness.alpha_u().constant() != roughness.alpha_v().constant();
 }
 
+bool gathers(const v1::Roughness& roughness) {
+  constexpr double kMostAlpha = 0.3;
+  return !varies(roughness.alpha_u()) && !varies(roughness.alpha_v()) &&
+         std::max(roughness.alpha_u().constant(), roughness.alpha_v().constant()) <= kMostAlpha;
+}
+
+bool gathers(const v1::CompiledScene& message, const v1::Kernel& kernel) {
+  // As narrow as a microfacet's lobe at the same limit: n = 2 / alpha^2 - 2.
+  constexpr double kLeastExponent = 20.0;
+  switch (kernel.model_case()) {
+    case v1::Kernel::kConductor:
+      return gathers(kernel.conductor().roughness());
+    case v1::Kernel::kDielectric:
+      return gathers(kernel.dielectric().roughness());
+    case v1::Kernel::kPhong:
+      return kernel.phong().exponent() >= kLeastExponent;
+    case v1::Kernel::kBlend:
+      return std::ranges::all_of(kernel.blend().parts(), [&](const v1::Blend::Part& part) {
+        return gathers(message, message.kernels(static_cast<int>(part.kernel())));
+      });
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 std::vector<AnyKernel> load_kernels(const LoadContext& context) {
@@ -131,6 +156,14 @@ bool may_pass(const std::vector<AnyKernel>& kernels, std::uint32_t index) {
   return std::holds_alternative<DiffuseTransmitter>(kernel) ||
          std::holds_alternative<Dielectric>(kernel) || std::holds_alternative<ThinPane>(kernel) ||
          std::holds_alternative<Passage>(kernel);
+}
+
+std::vector<bool> load_gathering(const v1::CompiledScene& message, std::size_t kernels) {
+  std::vector<bool> gathering(kernels, false);
+  for (int i = 0; i < message.kernels_size(); ++i) {
+    gathering[static_cast<std::size_t>(i)] = gathers(message, message.kernels(i));
+  }
+  return gathering;
 }
 
 bool needs_detail(const v1::CompiledScene& message, std::uint32_t index) {

@@ -14,6 +14,11 @@ bool may_be_clear(const std::vector<AnyKernel>& kernels, std::uint32_t index);
 /// Photons may go through.
 bool may_pass(const std::vector<AnyKernel>& kernels, std::uint32_t index);
 
+/// For so many kernels, of which the message's are the first: whether light that it sends on stays
+/// together, so that what it falls on is better found from the luminaires: glass, mirrors and the
+/// like, roughness up to 0.3.
+std::vector<bool> load_gathering(const v1::CompiledScene& message, std::size_t kernels);
+
 /// Whether it varies over the surface or tells directions around the normal apart.
 bool needs_detail(const v1::CompiledScene& message, std::uint32_t index);
 

@@ -90,6 +90,19 @@ Estimator load_estimator(const v1::Tracing& t) {
   }
 }
 
+Direction load_direction(const v1::Tracing& t) {
+  switch (t.direction()) {
+    case v1::DIRECTION_ADJOINT:
+      return Direction::kAdjoint;
+    case v1::DIRECTION_FORWARD:
+      return Direction::kForward;
+    case v1::DIRECTION_BOTH:
+      return Direction::kBoth;
+    default:
+      refuse("a direction that this program doesn't know");
+  }
+}
+
 TracingOptions load_tracing(const v1::Tracing& t, bool no_lights) {
   require(t.h() > 0.0 && std::isfinite(t.h()), "h is not positive");
   require(
@@ -101,8 +114,6 @@ TracingOptions load_tracing(const v1::Tracing& t, bool no_lights) {
           "more than 8 vertices that split");
   require(t.group() == 1 || t.group() == 4 || t.group() == 8,
           "a group of photons that is not 1, 4 or 8");
-  require(t.direction() == v1::DIRECTION_ADJOINT || t.direction() == v1::DIRECTION_FORWARD,
-          "a direction that this program doesn't know");
   return {
       static_cast<float>(t.h()),
       t.roulette() == v1::ROULETTE_WEIGHT,
@@ -112,7 +123,7 @@ TracingOptions load_tracing(const v1::Tracing& t, bool no_lights) {
       load_estimator(t),
       t.split_vertices(),
       t.group(),
-      t.direction() == v1::DIRECTION_FORWARD,
+      load_direction(t),
       t.sequence() == v1::SAMPLE_SEQUENCE_SOBOL ? SequenceKind::kSobol : SequenceKind::kIndependent,
       t.seed()};
 }
@@ -124,6 +135,10 @@ Vec3 sensor_start(const v1::Sensor& s) {
   return position + 1.001f * finite(s.lamp_radius(), "the lamp's radius") *
                         vector(s.forward(), "the sensor's forward");
 }
+
+// Of the scene's radius. Photons from luminaires that are spread near a camera count by one over
+// the square of their distance, which in fog has no variance.
+constexpr float kNearSensor = 0.05f;
 
 bool fills_space_evenly(const Medium& medium) {
   return std::holds_alternative<ConstantDensity>(medium.density) && medium.scattering.most() > 0.0f;
@@ -180,22 +195,29 @@ std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message,
         bodies_around(sensor_start(message.sensor()), geometry, materials, interiors, everywhere);
     PhotonEmitter emitter;
     std::vector<InteriorList> luminaires_inside;
-    if (options.forward) {
+    if (options.direction == Direction::kForward) {
       require(sensor.receives_segments() || sensor.receives_escapes(),
               "forward photons need a plane or an intensity sensor");
       // What a sensor on the way counts must not depend on where photons beyond it went.
       require(media.empty() || options.group == 1, "forward photons in groups through media");
+    } else if (options.direction == Direction::kBoth) {
+      require(sensor.is_camera(), "photons in both directions need a camera");
+    }
+    if (options.direction != Direction::kAdjoint) {
       emitter = load_emitter(luminaires, lights, geometry, loaded.groups);
       luminaires_inside = load_luminaires_inside(luminaires, geometry, loaded.groups, materials,
                                                  interiors, everywhere);
     }
+    auto gathering = load_gathering(message, kernels.size());
+    const float near_sensor = kNearSensor * geometry.bounds().radius;
     const auto all_in_fog =
         find_all_in_fog(geometry, sensor_start(message.sensor()), everywhere, interiors, media);
-    return std::shared_ptr<const Scene>(new Scene{
-        std::move(geometry), std::move(materials), std::move(kernels), std::move(interiors),
-        std::move(media), load_reliefs(context), std::move(luminaires), std::move(lights),
-        std::move(emitter), std::move(sensor), load_wavelengths(message.sensor()), options,
-        sensor_inside, std::move(luminaires_inside), all_in_fog});
+    return std::shared_ptr<const Scene>(
+        new Scene{std::move(geometry), std::move(materials), std::move(kernels),
+                  std::move(interiors), std::move(media), load_reliefs(context),
+                  std::move(luminaires), std::move(lights), std::move(emitter), std::move(sensor),
+                  load_wavelengths(message.sensor()), options, sensor_inside,
+                  std::move(luminaires_inside), all_in_fog, std::move(gathering), near_sensor});
   });
 }
 

@@ -62,6 +62,10 @@ struct Scene {
   std::vector<InteriorList> luminaires_inside;
   /// Holds all that photons can end at, where fog without end hides what is beyond it.
   std::optional<Geometry::Ball> all_in_fog;
+  /// By kernel: whether it gathers light (load_kernels.h). What spreads light closer to the sensor
+  /// than near_sensor, m, is left to photons from there. Both are for Direction::kBoth.
+  std::vector<bool> gathering;
+  float near_sensor = 0.0f;
 
   bool has_distant_light() const { return lights.environment() || !lights.discs().empty(); }
 

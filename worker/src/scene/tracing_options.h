@@ -22,6 +22,16 @@ enum class Estimator {
   kTwoPhotons,
 };
 
+/// Which photons make the image.
+enum class Direction {
+  /// From the sensor to the luminaires.
+  kAdjoint,
+  /// From the luminaires to a sensor that they can meet.
+  kForward,
+  /// Each path of light by one of the two (walk.h).
+  kBoth,
+};
+
 struct TracingOptions {
   static constexpr std::uint32_t kMostSplitVertices = 8;
   /// A photon caught in clear glass never ends by itself. After so many surfaces it survives each
@@ -43,8 +53,7 @@ struct TracingOptions {
   std::uint32_t split_vertices;
   /// Photons that travel together: 1, 4 or 8.
   std::uint32_t group;
-  /// From the luminaires to the sensor.
-  bool forward;
+  Direction direction;
   SequenceKind sequence;
   std::uint64_t seed;
 };

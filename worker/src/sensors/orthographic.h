@@ -2,6 +2,7 @@
 // over its square.
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 
 #include "sensors/film.h"
@@ -40,6 +41,17 @@ class Orthographic {
 
   SensorSample sample(const Pose& pose, Film film, float x, float y, float, float) const {
     return {{rectangle_.point(pose, film, x, y), pose.forward}, 1.0f, 0.0f, rectangle_.pixel(film)};
+  }
+
+  /// From a place in front straight back to the film.
+  std::optional<WayToCamera> way_from(const Pose& pose, Film film, Vec3 place, float, float) const {
+    const Vec3 seen = place - pose.position;
+    const float distance = dot(seen, pose.forward);
+    if (!(distance > 0.0f)) return std::nullopt;
+    const float pixel = rectangle_.pixel(film);
+    const auto index = pixel_at(film, dot(seen, pose.right) / pixel, dot(seen, pose.up) / pixel);
+    if (!index) return std::nullopt;
+    return WayToCamera{-pose.forward, distance, *index, 1.0f / (pixel * pixel)};
   }
 
  private:

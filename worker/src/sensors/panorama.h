@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "sensors/direction_grid.h"
 #include "sensors/film.h"
@@ -25,6 +26,20 @@ struct Panorama {
         behind * pose.forward + left * pose.right + static_cast<float>(point.cosine) * pose.up;
     const double spread = std::max(grid.row_angle(), grid.column_angle() * point.sine);
     return {{pose.position, normalized(direction)}, 1.0f, static_cast<float>(spread), 0.0f};
+  }
+
+  std::optional<WayToCamera> way_from(const Pose& pose, Film film, Vec3 place, float, float) const {
+    const Vec3 seen = place - pose.position;
+    const float distance = length(seen);
+    if (!(distance > 0.0f)) return std::nullopt;
+    const DirectionGrid grid{film};
+    const double up = dot(seen, pose.up), ahead = dot(seen, pose.forward);
+    const double right = dot(seen, pose.right);
+    const std::uint32_t row = grid.row(std::atan2(std::hypot(right, ahead), up));
+    const std::uint32_t column = grid.column(std::atan2(-right, -ahead));
+    const double area = grid.solid_angle(row) * static_cast<double>(distance) * distance;
+    return WayToCamera{(-1.0f / distance) * seen, distance, row * film.width + column,
+                       static_cast<float>(1.0 / area)};
   }
 };
 

@@ -3,6 +3,7 @@
 // luminance in cd/m2 of what it sees.
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -36,6 +37,26 @@ class Pinhole {
     return pose.forward + horizontal * pose.right + vertical * pose.up;
   }
 
+  /// From a place in front to the pinhole; lens numbers are not looked at.
+  std::optional<WayToCamera> way_from(const Pose& pose, Film film, Vec3 place, float, float) const {
+    return way_by(pose, film, place - pose.position, place - pose.position);
+  }
+
+  /// The same through a point of a lens: `seen` is the way from there to the place, and `through`
+  /// has the direction from the lens's centre that the same point of the film sees.
+  std::optional<WayToCamera> way_by(const Pose& pose, Film film, Vec3 seen, Vec3 through) const {
+    const float along = dot(through, pose.forward), depth = dot(seen, pose.forward);
+    if (!(along > 0.0f && depth > 0.0f)) return std::nullopt;
+    const float scale = pixel(film);
+    const auto index = pixel_at(film, dot(through, pose.right) / (along * scale),
+                                dot(through, pose.up) / (along * scale));
+    if (!index) return std::nullopt;
+    const float distance = length(seen);
+    // A pixel's square at distance 1 is scale^2; seen from the lens it fills scale^2 cos^3 sr.
+    return WayToCamera{(-1.0f / distance) * seen, distance, *index,
+                       distance / (depth * depth * depth * scale * scale)};
+  }
+
   /// Edge of a pixel at distance 1.
   float pixel(Film film) const { return 2.0f * tan_half_height_ / static_cast<float>(film.height); }
 
@@ -63,6 +84,15 @@ class ThinLens {
             1.0f,
             shorten * focus_distance_ * film_.pixel(film),
             0.0f};
+  }
+
+  std::optional<WayToCamera> way_from(const Pose& pose, Film film, Vec3 place, float lens_u,
+                                      float lens_v) const {
+    const Aperture::Point point = aperture_.sample(lens_u, lens_v);
+    const Vec3 lens = point.x * pose.right + point.y * pose.up;
+    const Vec3 seen = place - pose.position - lens;
+    const float depth = dot(seen, pose.forward);
+    return film_.way_by(pose, film, seen, lens + (focus_distance_ / depth) * seen);
   }
 
  private:

@@ -6,8 +6,6 @@
 // apart by more than rounding.
 #pragma once
 
-#include <cmath>
-#include <cstdint>
 #include <optional>
 
 #include "math/constants.h"
@@ -44,16 +42,10 @@ class Plane {
     if (!(height > 0.0f && height <= approach * distance)) return std::nullopt;
     const Vec3 met = from_centre + (height / approach) * direction;
     const float pixel = rectangle_.pixel(film);
-    const float x =
-        std::floor(dot(met, pose.right) / pixel + 0.5f * static_cast<float>(film.width));
-    const float y = std::floor(0.5f * static_cast<float>(film.height) - dot(met, pose.up) / pixel);
-    // Also false for what is not a number, such as a photon along the film.
-    if (!(x >= 0.0f && x < static_cast<float>(film.width) && y >= 0.0f &&
-          y < static_cast<float>(film.height))) {
-      return std::nullopt;
-    }
-    return Reception{static_cast<std::uint32_t>(y) * film.width + static_cast<std::uint32_t>(x),
-                     1.0f / (pixel * pixel), height / approach};
+    // A photon along the film has no point on it.
+    const auto index = pixel_at(film, dot(met, pose.right) / pixel, dot(met, pose.up) / pixel);
+    if (!index) return std::nullopt;
+    return Reception{*index, 1.0f / (pixel * pixel), height / approach};
   }
 
  private:

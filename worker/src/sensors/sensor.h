@@ -63,7 +63,39 @@ class Sensor {
     return meter->receive(motion_.at(time), film, direction);
   }
 
+  /// Whether it looks out from a place, so that forward photons can be sent there.
+  bool is_camera() const {
+    return std::visit([](const auto& model) { return kIsCamera<decltype(model)>; }, model_);
+  }
+
+  /// From a place to a camera, through the point of the lens that the numbers choose; nothing where
+  /// the film does not see the place, or the model is no camera.
+  std::optional<WayToCamera> way_from(Film film, Vec3 place, float lens_u, float lens_v,
+                                      float time) const {
+    const Pose pose = motion_.at(time);
+    return std::visit(
+        [&](const auto& model) -> std::optional<WayToCamera> {
+          if constexpr (kIsCamera<decltype(model)>) {
+            return model.way_from(pose, film, place, lens_u, lens_v);
+          } else {
+            return std::nullopt;
+          }
+        },
+        model_);
+  }
+
+  /// Metres, to the middle of the sensor.
+  float distance_from(Vec3 place, float time) const {
+    return length(place - motion_.at(time).position);
+  }
+
  private:
+  template <class Model>
+  static constexpr bool kIsCamera = requires(const Model& model, const Pose& pose, Film film,
+                                             Vec3 place) {
+    model.way_from(pose, film, place, 0.0f, 0.0f);
+  };
+
   SensorSample sample_any(Film film, float x, float y, float lens_u, float lens_v,
                           float time) const;
 

@@ -30,4 +30,16 @@ struct Reception {
   float distance;
 };
 
+/// How a forward photon gets from a place to a camera: the sum over photons of flux x (BSDF x
+/// cosine) x weight is what the pixel measures.
+struct WayToCamera {
+  /// Unit length, and the way to there, m.
+  Vec3 direction;
+  float distance;
+  /// Row by row.
+  std::uint32_t pixel;
+  /// 1/m2.
+  float weight;
+};
+
 }  // namespace nocturne

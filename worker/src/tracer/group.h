@@ -46,6 +46,9 @@ struct Group {
   InteriorList inside;
   /// Interactions so far; those of them with media.
   std::uint32_t depth, collisions;
+  /// Of photons in both directions (walk.h). From the sensor: the first interaction spread them;
+  /// the last gathered them. From luminaires: they were gathered at first.
+  bool spread_first = false, gathered = false;
   /// Width of the footprint, m.
   float width;
   Share<N> share;

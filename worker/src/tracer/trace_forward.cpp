@@ -48,12 +48,39 @@ class SensorCounter {
   std::vector<Deposit<N>>& deposits_;
 };
 
-}  // namespace
-
+// Counts the photons that are sent to the camera.
 template <int N>
-std::uint32_t trace_forward(const Scene& scene, Film film, float time,
-                            const Spectral<N>& wavelengths_nm, const PhotonSequence& sequence,
-                            std::vector<Deposit<N>>& deposits) {
+class CameraCounter {
+ public:
+  static constexpr Transport kTransport = Transport::kForward;
+
+  CameraCounter(const Scene& scene, Film film, float time, const Spectral<N>&,
+                const Spectral<N>& flux, std::vector<Deposit<N>>& deposits)
+      : scene_(scene), film_(film), time_(time), flux_(flux), deposits_(deposits) {}
+
+  std::optional<WayToCamera> way_from(Vec3 place, float u, float v) const {
+    return scene_.sensor.way_from(film_, place, u, v, time_);
+  }
+  void reaches(const Group<N>& group, const WayToCamera& way) {
+    deposits_.push_back({way.pixel, way.weight * (flux_ * group.weight)});
+  }
+
+  void flies(const Group<N>&, const std::optional<Hit>&) {}
+  void arrives(const Group<N>&, const Hit&) {}
+  void glows(const Group<N>&, const Hit&) {}
+
+ private:
+  const Scene& scene_;
+  const Film film_;
+  const float time_;
+  const Spectral<N> flux_;
+  std::vector<Deposit<N>>& deposits_;
+};
+
+template <int N, class Counter>
+std::uint32_t emit_and_follow(const Scene& scene, Film film, float time,
+                              const Spectral<N>& wavelengths_nm, const PhotonSequence& sequence,
+                              std::vector<Deposit<N>>& deposits) {
   PhotonSequence numbers = sequence;
   const Uniform4 first = numbers.next(), second = numbers.next();
   const auto emitted =
@@ -64,8 +91,20 @@ std::uint32_t trace_forward(const Scene& scene, Film film, float time,
   if (emitted->luminaire != Emitted<N>::kDistant) {
     start.inside = scene.luminaires_inside[emitted->luminaire];
   }
-  SensorCounter<N> counter(scene, film, time, wavelengths_nm, emitted->flux, deposits);
-  return Walk<N, SensorCounter<N>>(scene, start, counter).run(start, numbers);
+  Counter counter(scene, film, time, wavelengths_nm, emitted->flux, deposits);
+  return Walk<N, Counter>(scene, start, counter).run(start, numbers);
+}
+
+}  // namespace
+
+template <int N>
+std::uint32_t trace_forward(const Scene& scene, Film film, float time,
+                            const Spectral<N>& wavelengths_nm, const PhotonSequence& sequence,
+                            std::vector<Deposit<N>>& deposits) {
+  const auto follow = scene.options.direction == Direction::kBoth
+                          ? emit_and_follow<N, CameraCounter<N>>
+                          : emit_and_follow<N, SensorCounter<N>>;
+  return follow(scene, film, time, wavelengths_nm, sequence, deposits);
 }
 
 template std::uint32_t trace_forward(const Scene&, Film, float, const Spectral<1>&,

@@ -34,6 +34,7 @@ class LightCounter {
  private:
   // With the share of the way that met it (balance heuristic, Veach and Guibas, SIGGRAPH 1995).
   void count(const Group<N>& group, const Spectral<N>& light) {
+    if (group.spread_first && group.gathered) return;  // photons from the luminaires bring it
     Spectral<N> found = group.weight * light;
     if (group.share.how != Shared::kNot && largest(found) > 0.0f) {
       const float towards = scene_.lights.pdf(group.share.from, group.share.direction);

@@ -82,34 +82,34 @@ void add_sample(const double* sample, std::size_t channels, double* pixel) {
   pixel[3] += sample[1] * sample[1];
 }
 
-// A sample is a group of N photons; Trace is GroupResult<N>(scene, start, sequence).
+// A sample of a pixel, a group of N photons, added to `values`; Trace is
+// GroupResult<N>(scene, start, sequence).
+template <int N, class Trace>
+void trace_sample(const Scene& scene, Film film, std::uint32_t x, std::uint32_t y,
+                  PhotonSequence sequence, const Trace& trace, TileSums& tile, double* values) {
+  const Uniform4 u = sequence.next();
+  const Uniform4 v = scene.sensor.needs_lens() ? sequence.next() : Uniform4{};
+  const SensorSample from = scene.sensor.sample(film, static_cast<float>(x) + u[0],
+                                                static_cast<float>(y) + u[1], v[0], v[1], u[3]);
+  const WavelengthSamples<N> wavelengths = scene.wavelengths.sample<N>(u[2]);
+  const GroupResult<N> group =
+      trace(scene, {from.ray, wavelengths.nm, scene.sensor_inside, u[3], from.width, from.spread},
+            sequence);
+  tile.rays += group.rays;
+  const Response<N> response(scene.wavelengths, wavelengths);
+  tile.rejected += tile.channels == TileSums::kXyzChannels
+                       ? response.add_xyz(group.radiance, from.weight, values).rejected
+                       : response.add(group.radiance, from.weight, values);
+}
+
 template <int N, class Trace>
 void trace_pixel(const Scene& scene, Film film, std::uint32_t x, std::uint32_t y,
                  const TileRange& range, const Trace& trace, std::vector<double>& values,
                  TileSums& tile, double* pixel) {
-  const TracingOptions& options = scene.options;
-  const bool lens = scene.sensor.needs_lens();
-  PixelSequence pixel_sequence(options.sequence, options.seed, y * film.width + x);
+  PixelSequence numbers(scene.options.sequence, scene.options.seed, y * film.width + x);
   for (std::uint32_t sample = range.first_sample; sample < range.end_sample; ++sample) {
-    PhotonSequence sequence(pixel_sequence, sample);
-    const Uniform4 u = sequence.next();
-    const Uniform4 v = lens ? sequence.next() : Uniform4{};
-    const SensorSample from = scene.sensor.sample(film, static_cast<float>(x) + u[0],
-                                                  static_cast<float>(y) + u[1], v[0], v[1], u[3]);
-    const WavelengthSamples<N> wavelengths = scene.wavelengths.sample<N>(u[2]);
-    const GroupResult<N> group =
-        trace(scene, {from.ray, wavelengths.nm, scene.sensor_inside, u[3], from.width, from.spread},
-              sequence);
-    tile.rays += group.rays;
-    const Response<N> response(scene.wavelengths, wavelengths);
-    if (tile.channels == TileSums::kXyzChannels) {
-      std::array<double, TileSums::kXyzChannels> xyz{};
-      tile.rejected += response.add_xyz(group.radiance, from.weight, xyz.data()).rejected;
-      add_sample(xyz.data(), TileSums::kXyzChannels, pixel);
-      continue;
-    }
     std::fill(values.begin(), values.end(), 0.0);
-    tile.rejected += response.add(group.radiance, from.weight, values.data());
+    trace_sample<N>(scene, film, x, y, PhotonSequence(numbers, sample), trace, tile, values.data());
     add_sample(values.data(), tile.channels, pixel);
   }
 }
@@ -129,35 +129,52 @@ TileSums trace_pixels(const Scene& scene, Film film, const TileRange& range, con
   return tile;
 }
 
-// Forward photons fall anywhere on the film. As many as it has pixels make one sample of the whole
-// image, so that means and errors are those of any other image.
+// A sample of all pixels at once by photons from the luminaires, as many as the film has pixels,
+// added to `values`.
 template <int N>
-TileSums trace_film_forward(const Scene& scene, Film film, const TileRange& range) {
-  if (range.width != film.width || range.height != film.height) {
-    throw std::invalid_argument("a forward tile that is not the whole film");
-  }
-  const TracingOptions& options = scene.options;
+void trace_forward_sample(const Scene& scene, Film film, std::uint32_t sample, TileSums& tile,
+                          std::vector<Deposit<N>>& deposits, std::vector<double>& values) {
   const std::uint32_t pixels = film.width * film.height;
-  TileSums tile(pixels, scene.wavelengths.further_curves());
-  std::vector<double> sample_values(tile.sums.size());
+  // Other numbers than those of photons from the pixels.
+  const std::uint32_t other = scene.options.direction == Direction::kBoth ? ~0u : 0u;
+  for (std::uint32_t photon = 0; photon < pixels; ++photon) {
+    PixelSequence photon_sequence(scene.options.sequence, scene.options.seed, photon ^ other);
+    PhotonSequence sequence(photon_sequence, sample);
+    const Uniform4 u = sequence.next();
+    const WavelengthSamples<N> wavelengths = scene.wavelengths.sample<N>(u[2]);
+    deposits.clear();
+    tile.rays += trace_forward<N>(scene, film, u[3], wavelengths.nm, sequence, deposits);
+    const Response<N> response(scene.wavelengths, wavelengths);
+    for (const Deposit<N>& deposit : deposits) {
+      tile.rejected +=
+          response.add(deposit.value, 1.0 / pixels, &values[tile.channels * deposit.pixel]);
+    }
+  }
+}
+
+// Forward photons fall anywhere on the film. As many as it has pixels, and with both directions one
+// from each pixel, make one sample of the whole image, so that means and errors are those of any
+// other image.
+template <int N>
+TileSums trace_whole_film(const Scene& scene, Film film, const TileRange& range) {
+  if (range.width != film.width || range.height != film.height) {
+    throw std::invalid_argument("a tile with forward photons that is not the whole film");
+  }
+  TileSums tile(static_cast<std::size_t>(film.width) * film.height,
+                scene.wavelengths.further_curves());
+  std::vector<double> values(tile.sums.size());
   std::vector<Deposit<N>> deposits;
   for (std::uint32_t sample = range.first_sample; sample < range.end_sample; ++sample) {
-    std::fill(sample_values.begin(), sample_values.end(), 0.0);
-    for (std::uint32_t photon = 0; photon < pixels; ++photon) {
-      PixelSequence photon_sequence(options.sequence, options.seed, photon);
-      PhotonSequence sequence(photon_sequence, sample);
-      const Uniform4 u = sequence.next();
-      const WavelengthSamples<N> wavelengths = scene.wavelengths.sample<N>(u[2]);
-      deposits.clear();
-      tile.rays += trace_forward<N>(scene, film, u[3], wavelengths.nm, sequence, deposits);
-      const Response<N> response(scene.wavelengths, wavelengths);
-      for (const Deposit<N>& deposit : deposits) {
-        tile.rejected += response.add(deposit.value, 1.0 / pixels,
-                                      &sample_values[tile.channels * deposit.pixel]);
+    std::fill(values.begin(), values.end(), 0.0);
+    trace_forward_sample<N>(scene, film, sample, tile, deposits, values);
+    for (std::uint32_t pixel = 0; pixel < film.width * film.height; ++pixel) {
+      double* const its = &values[tile.channels * pixel];
+      if (scene.options.direction == Direction::kBoth) {
+        PixelSequence numbers(scene.options.sequence, scene.options.seed, pixel);
+        trace_sample<N>(scene, film, pixel % film.width, pixel / film.width,
+                        PhotonSequence(numbers, sample), trace_group<N>, tile, its);
       }
-    }
-    for (std::size_t i = 0; i < tile.sums.size(); i += tile.channels) {
-      add_sample(&sample_values[i], tile.channels, &tile.sums[i]);
+      add_sample(its, tile.channels, &tile.sums[tile.channels * pixel]);
     }
   }
   return tile;
@@ -165,8 +182,9 @@ TileSums trace_film_forward(const Scene& scene, Film film, const TileRange& rang
 
 template <int N>
 TileSums trace_tile_in_groups(const Scene& scene, Film film, const TileRange& range) {
-  return scene.options.forward ? trace_film_forward<N>(scene, film, range)
-                               : trace_pixels<N>(scene, film, range, trace_group<N>);
+  return scene.options.direction == Direction::kAdjoint
+             ? trace_pixels<N>(scene, film, range, trace_group<N>)
+             : trace_whole_film<N>(scene, film, range);
 }
 
 TileSums trace_any(const Scene& scene, Film film, const TileRange& range, Method method) {

@@ -34,7 +34,14 @@ struct Start {
 /// Follows a group of photons until all are absorbed or out of the scene. They share their numbers,
 /// and so every decision that does not depend on the wavelength; where one differs they part.
 ///
-/// Counter has kTransport; flies(group, hit), called for every ray with the nearest hit or none,
+/// Photons in both directions: light that a mirror or glass gathered last before something spread
+/// it that the camera sees first (or whatever lies between the two) is brought by photons from the
+/// luminaires, which are sent to the camera wherever they are spread once gathered; all other light
+/// is found from the camera (docs/decisions/0032). What passes straight through a pane or a mask is
+/// as if it were not there, but for the camera.
+///
+/// Counter has kTransport; way_from(place, u, v) and reaches(group, way) if forward photons are to
+/// be sent to the sensor; flies(group, hit), called for every ray with the nearest hit or none,
 /// before the body on the way absorbs; arrives(group, hit) for a surface and glows(group, hit) for
 /// a medium, called after.
 template <int N, class Counter>
@@ -47,6 +54,7 @@ class Walk {
         time_(start.time),
         spread_(start.spread),
         has_media_(!scene.media.empty()),
+        both_(scene.options.direction == Direction::kBoth),
         counter_(counter),
         flight_(scene, start.wavelengths) {}
 
@@ -66,6 +74,9 @@ class Walk {
 
  private:
   static constexpr bool kAdjoint = Counter::kTransport == Transport::kAdjoint;
+  static constexpr bool kToCamera = requires(Counter & counter, Vec3 place) {
+    counter.way_from(place, 0.0f, 0.0f);
+  };
 
   // What can wait at once: for each vertex that splits two branches, and the members of each that
   // part.
@@ -101,6 +112,13 @@ class Walk {
   void fly(Group<N>& group, std::optional<Hit>& hit) {
     if (!flight_.enter(group.inside)) return;
     const float end = hit ? hit->distance : std::numeric_limits<float>::max();
+    if constexpr (kToCamera) {
+      sent_ = group.gathered && flight_.thin(group, end);
+      if (sent_) {
+        send_from_media(group, end);
+        flight_.enter(group.inside);  // the way to the camera leads elsewhere
+      }
+    }
     if (group.share.how == Shared::kTowardsLights) {
       flight_.pass(group, end);
     } else if (kAdjoint && group.depth == 0 && options_.estimator == Estimator::kTwoPhotons &&
@@ -110,6 +128,21 @@ class Walk {
       hit = collision;
       ++group.collisions;
     }
+  }
+
+  // To the camera from thin media without waiting for a collision there, which would seldom be;
+  // what collides on the way is not sent again.
+  void send_from_media(const Group<N>& group, float end) {
+    Group<N> met = group;
+    met.sequence = group.sequence.branch(2);
+    const auto hit = flight_.force(met, end);
+    if (!hit || !(largest(met.weight) > 0.0f)) return;
+    travel(met, *hit);
+    if (met.depth++ == options_.maximum_depth) return;
+    const auto vertex =
+        make_vertex(scene_, *hit, {}, met, wavelengths_, time_, Counter::kTransport);
+    visit_bound<N>(scene_.kernels, vertex->kernel, vertex->shading,
+                   [&](const auto& kernel) { send_to_camera(met, *vertex, kernel); });
   }
 
   // A sensor's photons meet thin media and what is behind them, too: one group collides, the other
@@ -218,6 +251,73 @@ class Walk {
     return std::min(1.0f, largest(group.weight) * radius * radius / dot(away, away));
   }
 
+  // What the interaction that a group leaves by makes of it; false where the other direction has
+  // all that could come of it. A kernel that gathers does so whichever of its parts is drawn.
+  bool sort(Group<N>& group, const Vertex<N>& vertex, Vec3 wi, bool delta) const {
+    const bool gathers = scene_.gathering[vertex.kernel];
+    const bool straight = delta && !gathers && wi == -vertex.wo;
+    if constexpr (kAdjoint) {
+      if (group.depth == 1) {
+        group.spread_first = !delta && !gathers && !too_near(vertex);
+      }
+      if (!straight) group.gathered = gathers;
+      return !(group.spread_first && gathers && group.share.how == Shared::kTowardsLights);
+    } else {
+      if (!straight && !group.gathered) group.gathered = gathers;
+      return straight || group.gathered;
+    }
+  }
+
+  bool too_near(const Vertex<N>& vertex) const {
+    return scene_.sensor.distance_from(vertex.hit.position, time_) < scene_.near_sensor;
+  }
+
+  // A photon from a luminaire to the camera; whatever is in between stops it.
+  template <class Kernel>
+  void send_to_camera(const Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel) {
+    if (!group.gathered || scene_.gathering[vertex.kernel] || !kernel.smooth()) return;
+    if (too_near(vertex)) return;
+    PhotonSequence sequence = group.sequence.branch(1);
+    const Uniform4 u = sequence.next();
+    const auto way = counter_.way_from(vertex.hit.position, u[0], u[1]);
+    if (!way) return;
+    const Vec3 wi = vertex.to_local(way->direction);
+    if (wi.z <= 0.0f && !kernel.transmits()) return;
+    Group<N> photon = group;
+    photon.sequence = sequence;
+    photon.weight *= kernel.value(vertex.wo, wi);
+    if (leave(photon, vertex, wi) && gets_to(photon, way->distance)) {
+      counter_.reaches(photon, *way);
+    }
+  }
+
+  // Straight on through all that is not seen; false where something else is met before.
+  bool gets_to(Group<N>& group, float left) {
+    for (;;) {
+      ++rays_;
+      auto hit = scene_.geometry.intersect(group.ray, time_);
+      if (hit && hit->distance >= left) hit.reset();
+      if (has_media_ && flight_.enter(group.inside)) {
+        flight_.pass(group, hit ? hit->distance : left);
+      }
+      if (!hit) {
+        if (!group.inside.empty()) {
+          group.weight *= scene_.transmittance(group.inside, left + group.skipped, wavelengths_);
+        }
+        return true;
+      }
+      if (!group.inside.empty()) {
+        group.weight *= scene_.transmittance(group.inside, way_to(group, *hit), wavelengths_);
+      }
+      const Contacts contacts = contacts_of(scene_, group.ray, time_, *hit);
+      if (make_vertex(scene_, *hit, contacts, group, wavelengths_, time_, Counter::kTransport)) {
+        return false;
+      }
+      pass_unseen(group, *hit, contacts);
+      left -= hit->distance;
+    }
+  }
+
   template <class Kernel>
   bool scatter(Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel) {
     const Uniform4 u = group.sequence.next();
@@ -252,6 +352,9 @@ class Walk {
       // What is left of the number is uniform once more.
       return draw_from_mixture(group, vertex, kernel, numbers, u[2] / survival, survival);
     } else {
+      if constexpr (kToCamera) {
+        if (!(sent_ && scene_.is_medium(vertex.hit.surface))) send_to_camera(group, vertex, kernel);
+      }
       if (u[2] >= survival) return false;
       return draw_from_kernel(group, vertex, kernel, numbers, survival, false);
     }
@@ -275,18 +378,19 @@ class Walk {
       }
       if (together == all) {
         weigh(group, *draw);
-        return leave(group, vertex, draw->wi);
+        return leave(group, vertex, draw->wi, draw->delta);
       }
       Group<N> part = group;
       part.weight = only(group.weight, together);
       weigh(part, *draw);
-      if (leave(part, vertex, draw->wi)) waiting_.push(part);
+      if (leave(part, vertex, draw->wi, draw->delta)) waiting_.push(part);
     }
     return false;
   }
 
-  bool leave(Group<N>& group, const Vertex<N>& vertex, Vec3 wi) const {
+  bool leave(Group<N>& group, const Vertex<N>& vertex, Vec3 wi, bool delta = false) const {
     if (!(largest(group.weight) > 0.0f)) return false;
+    if (both_ && !sort(group, vertex, wi, delta)) return false;
     const Vec3 direction = vertex.to_world(wi);
     const float cosine = dot(vertex.normal, direction);
     // A medium has no sides, and turns one of 2^24 photons to go exactly across.
@@ -457,9 +561,10 @@ class Walk {
   const TracingOptions& options_;
   const Spectral<N> wavelengths_;
   const float time_, spread_;
-  const bool has_media_;
+  const bool has_media_, both_;
   Counter& counter_;
   std::uint32_t rays_ = 0;
+  bool sent_ = false;
   FreeFlight<N> flight_;
   Waiting waiting_;
 };

@@ -50,7 +50,7 @@ class Lights:
             if colour is None:
                 self._workspace.dropped.append(f"{place}.luminaire: emits no visible light")
                 return None
-            forward = self._workspace.document.tracing.direction == "forward"
+            forward = self._workspace.document.tracing.direction != "adjoint"
             if forward and colour.HasField("texture"):
                 raise Unusable(
                     'photons that start at luminaires can\'t start by a texture; expected "adjoint" in '

@@ -31,6 +31,7 @@ _ESTIMATORS = {
 _DIRECTIONS = {
     "adjoint": scene_pb2.DIRECTION_ADJOINT,
     "forward": scene_pb2.DIRECTION_FORWARD,
+    "both": scene_pb2.DIRECTION_BOTH,
 }
 
 

@@ -1,0 +1,132 @@
+"""Scenes that a camera sees by photons from it alone, and with photons from the luminaires, too.
+
+Lamps are large, so that photons from the camera find them by themselves.
+"""
+
+from dataclasses import dataclass
+from math import cos, sin
+from typing import Any
+
+import numpy as np
+
+from tests.accuracy.scenes import diffuse, disc, quad, sphere, surface
+from tests.accuracy.tracing import Document
+
+_FLOOR = surface(quad([-1, 0, -1], [0, 0, 2], [2, 0, 0]), diffuse(0.6))
+_GLASS = {"type": "dielectric", "index": "N-BK7", "absorption": 0.5}
+_SILVER = {"type": "conductor", "index": "Ag"}
+
+
+@dataclass(frozen=True)
+class SeenBothWays:
+    document: Document
+    pixels: tuple[int, int] = (16, 16)
+    """Edges are multiples of 8."""
+    samples: int = 1024
+
+
+def _scene(sensor: Document, surfaces: list[Document], **further: Any) -> Document:
+    return {"nocturne": 1, "sensor": sensor, "surfaces": surfaces, **further}
+
+
+def _pinhole(**further: Any) -> Document:
+    return {
+        "type": "pinhole",
+        "position": [0.2, 1.2, 1.8],
+        "look_at": [0, 0.1, 0],
+        "vertical_field_of_view_degrees": 40,
+    } | further
+
+
+def _bowl(kernel: Document) -> Document:
+    """A part of a sphere around [0, 1, 0] that looks down, dark from outside."""
+    rings, segments, radius = 12, 32, 0.4
+    angles = np.linspace(0.0, 2.0 * np.pi, segments, endpoint=False)
+    vertices = [[0.0, 1.0 + radius, 0.0]]
+    for tilt in np.linspace(0.0, 1.2, rings + 1)[1:]:
+        for angle in angles:
+            x, z = radius * sin(tilt) * cos(angle), radius * sin(tilt) * sin(angle)
+            vertices.append([x, 1.0 + radius * cos(tilt), z])
+    after = [(i + 1) % segments for i in range(segments)]
+    triangles = [[0, 1 + i, 1 + after[i]] for i in range(segments)]
+    for ring in range(rings - 1):
+        a, b = 1 + ring * segments, 1 + (ring + 1) * segments
+        for i in range(segments):
+            triangles += [[a + i, b + i, b + after[i]], [a + i, b + after[i], a + after[i]]]
+    both_sides = {"type": "two_sided", "front": kernel, "back": diffuse(0.3)}
+    return surface({"type": "mesh", "vertices": vertices, "triangles": triangles}, both_sides)
+
+
+_LAMP_IN_BOWL = surface(sphere([0, 1.15, 0], 0.2), diffuse(0.2), 1.0)
+_LAMP_ABOVE = surface(disc([0.1, 1.6, 0.1], [0, -1, 0], 0.25, 32), radiance=1.0)
+_BALL = surface(sphere([0, 0.45, 0], 0.25), _GLASS)
+_WALL = surface(quad([-1, 0, -1], [2, 0, 0], [0, 1, 0]), diffuse(0.5))
+
+
+def _fog(sensor: Document) -> Document:
+    """A lamp inside a ball of glass, which fog surrounds; the camera is in the fog."""
+    box = {"type": "box", "minimum": [-1, -0.1, -1], "maximum": [1, 2, 2]}
+    fog = {"scattering": 0.6, "absorption": 0.1, "phase": {"type": "henyey_greenstein", "g": 0.5}}
+    return _scene(
+        sensor,
+        [
+            _FLOOR,
+            surface(sphere([0, 0.6, 0], 0.3), _GLASS),
+            surface(sphere([0, 0.6, 0], 0.15), diffuse(0.0), 1.0),
+            {"shape": box, "interior": {"media": ["fog"]}},
+        ],
+        media={"fog": fog},
+    )
+
+
+def _panes() -> Document:
+    """A pane above a ball of glass, another before half of the camera, and a mirror that is half there."""
+    pane = {"type": "thin_pane", "index": 1.5, "transmittance": 0.9}
+    sieve = {"type": "mask", "kernel": _SILVER, "opacity": 0.5}
+    return _scene(
+        {
+            "type": "orthographic",
+            "position": [0.2, 1.2, 1.8],
+            "look_at": [0, 0.1, 0],
+            "height": 1.2,
+        },
+        [
+            _FLOOR,
+            _LAMP_ABOVE,
+            _BALL,
+            surface(quad([-0.5, 0.9, -0.5], [0, 0, 1], [1, 0, 0]), pane),
+            surface(quad([-0.4, 0.01, -0.2], [0, 0, 0.6], [0.3, 0.1, 0]), sieve),
+            surface(quad([0.2, 0.6, 1.0], [0.6, 0, 0], [0, 0.6, 0.2]), pane),
+        ],
+    )
+
+
+def _distant() -> Document:
+    """A wide Sun and an even sky, through a ball of glass."""
+    sun = {"direction": [0.3, 1, 0.1], "angular_diameter_degrees": 24, "radiance": 20.0}
+    return _scene(_pinhole(), [_FLOOR, _BALL], distant=[sun], environment={"radiance": 0.2})
+
+
+def _moving() -> Document:
+    """A lamp, a ball and a camera that move."""
+    ball = _BALL | {"motion": {"translate": [0.2, 0, 0]}}
+    lamp = surface(sphere([0, 1.5, 0], 0.2), radiance=1.0) | {"motion": {"translate": [-0.4, 0, 0.2]}}
+    camera = _pinhole(motion={"translate": [0.05, 0, 0]})
+    return _scene(camera, [_FLOOR, ball, lamp, _WALL])
+
+
+_LENS = {"type": "thin_lens", "lens_radius": 0.1, "focus_distance": 1.5}
+_PANORAMA = {"type": "panorama", "position": [0.5, 0.5, 0.5], "look_at": [0, 0.3, 0]}
+
+SCENES = {
+    "bowl": SeenBothWays(_scene(_pinhole(), [_FLOOR, _WALL, _bowl(_SILVER), _LAMP_IN_BOWL])),
+    "rough bowl": SeenBothWays(
+        _scene(_pinhole(), [_FLOOR, _WALL, _bowl(_SILVER | {"roughness": 0.2}), _LAMP_IN_BOWL])
+    ),
+    "ball, lens": SeenBothWays(_scene(_pinhole(**_LENS), [_FLOOR, _LAMP_ABOVE, _BALL, _WALL])),
+    "ball, all around": SeenBothWays(_scene(_PANORAMA, [_FLOOR, _LAMP_ABOVE, _BALL, _WALL]), (32, 16)),
+    "lamp in glass in fog": SeenBothWays(_fog(_pinhole()), samples=2048),
+    "panes": SeenBothWays(_panes()),
+    "Sun and sky": SeenBothWays(_distant()),
+    "motion": SeenBothWays(_moving()),
+}
