@@ -39,6 +39,16 @@ def _plain() -> Document:
     )
 
 
+def _growing() -> Document:
+    """A lamp that grows from half its size to twice, while the shutter is open."""
+    growth = {"placements": [{"scale": 0.5}, {"scale": 2.0}]}
+    lamp = surface(quad([-0.1, -0.1, 0], [0, 0.2, 0], [0.2, 0, 0]), radiance=1.0)
+    return measured_scene(
+        film([0, 0, -0.6], [0, 0, 1], 1.0, up=[0, 1, 0]),
+        [lamp | {"motion": growth}, surface(quad([0.7, -0.6, -0.6], [0, 0, 1], [0, 1.2, 0]), diffuse(0.7))],
+    )
+
+
 def _prism() -> Document:
     """The example: a lamp through a prism of dense flint on a film, a spectrum with soft edges."""
     document: Document = json.loads((_SCENES / "both_directions" / "scene.json").read_text())
@@ -108,6 +118,7 @@ _INTENSITY = {"type": "intensity_meter", "position": [0, 0, -0.1], "lamp_radius"
 
 SCENES = {
     "plain": BothDirections(_plain(), (32, 32), {"adjoint": 1024, "forward": 2048}),
+    "growing lamp": BothDirections(_growing(), (16, 16), {"adjoint": 1024, "forward": 2048}),
     "prism": BothDirections(_prism(), (8, 8), {"adjoint": 65536, "forward": 65536}),
     "mirror, film": BothDirections(
         _mirror(film([0, 0, 0.3], [0, 0, -1], 0.4, up=[0, 1, 0])),

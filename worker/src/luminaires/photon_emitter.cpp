@@ -72,24 +72,26 @@ std::size_t PhotonEmitter::choose(float u) const {
                                   cumulative_.begin());
 }
 
-Hit PhotonEmitter::point_on(const Element& element, float time, float u, float v) {
+PhotonEmitter::Place PhotonEmitter::point_on(const Element& element, float time, float u, float v) {
   Hit hit{};
   if (element.radius > 0.0f) {
     const Vec3 centre = at_time(element.points, 1, 0, time);
     hit.normal = UniformSphere::sample(u, v);
     hit.position = centre + element.radius * hit.normal;
     hit.clearance = kClearanceUnits * (max_abs(centre) + element.radius);
-    return hit;
+    return {hit, element.area};
   }
   const Vec3 corner = at_time(element.points, 3, 0, time);
   const Vec3 edge_u = at_time(element.points, 3, 1, time) - corner;
   const Vec3 edge_v = at_time(element.points, 3, 2, time) - corner;
   const float root = std::sqrt(u);
   hit.position = corner + (1.0f - root) * edge_u + (v * root) * edge_v;
-  hit.normal = normalized(cross(edge_u, edge_v));
+  const Vec3 across = cross(edge_u, edge_v);
+  const float twice_the_area = length(across);
+  hit.normal = (1.0f / twice_the_area) * across;
   hit.clearance =
       kClearanceUnits * (max_abs(hit.position) + std::max(max_abs(edge_u), max_abs(edge_v)));
-  return hit;
+  return {hit, 0.5f * twice_the_area};
 }
 
 }  // namespace nocturne

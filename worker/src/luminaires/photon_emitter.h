@@ -59,11 +59,11 @@ class PhotonEmitter {
     const Luminaire& luminaire = luminaires[element.luminaire];
     const bool back = luminaire.two_sided() && a[3] < 0.5f;
     const float sides = luminaire.two_sided() ? 2.0f : 1.0f;
-    const Hit from = point_on(element, time, a[0], a[1]);
+    const auto [from, area] = point_on(element, time, a[0], a[1]);
     const Vec3 normal = back ? -from.normal : from.normal;
     const Vec3 direction = normalized(Frame(normal).to_world(CosineHemisphere::sample(b[0], b[1])));
     // Radiance x cosine over the density cosine/pi x 1/area x 1/sides.
-    const float scale = kPi * element.area * sides / probability;
+    const float scale = kPi * area * sides / probability;
     return Emitted<N>{
         {leave_surface(from, direction), direction},
         scale * luminaire.emitted(from.normal, direction, SurfacePoint{}, wavelengths_nm),
@@ -73,6 +73,7 @@ class PhotonEmitter {
  private:
   struct Element {
     std::uint32_t luminaire;
+    /// At the first time, m2.
     float area;
     /// Three corners for each time step; or one centre, and a radius.
     std::vector<Vec3> points;
@@ -80,7 +81,12 @@ class PhotonEmitter {
   };
 
   std::size_t choose(float u) const;
-  static Hit point_on(const Element& element, float time, float u, float v);
+  /// A point, and the element's area at that time, m2: motion may change it.
+  struct Place {
+    Hit hit;
+    float area;
+  };
+  static Place point_on(const Element& element, float time, float u, float v);
   void add(Element element, const Luminaire& what);
 
   template <int N>
