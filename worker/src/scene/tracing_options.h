@@ -45,7 +45,7 @@ struct TracingOptions {
   bool roulette_by_weight;
   /// Vertices before roulette starts.
   std::uint32_t roulette_after;
-  /// Interactions after which it is absorbed.
+  /// Interactions after which it is absorbed; what it passes straight through does not count.
   std::uint32_t maximum_depth;
   MixtureWeights mixture;
   Estimator estimator;

@@ -44,8 +44,8 @@ struct Group {
   /// chance; relative, sum 1 over those that are there.
   Spectral<N> odds = 1.0f / N;
   InteriorList inside;
-  /// Interactions so far; those of them with media.
-  std::uint32_t depth, collisions;
+  /// Interactions so far; those of them with media; those that let it straight through.
+  std::uint32_t depth, collisions, passes = 0;
   /// Of photons in both directions (walk.h). From the sensor: the first interaction spread them;
   /// the last gathered them. From luminaires: they were gathered at first.
   bool spread_first = false, gathered = false;

@@ -138,7 +138,7 @@ class Walk {
     const auto hit = flight_.force(met, end);
     if (!hit || !(largest(met.weight) > 0.0f)) return;
     travel(met, *hit);
-    if (met.depth++ == options_.maximum_depth) return;
+    if (met.depth++ - met.passes == options_.maximum_depth) return;
     const auto vertex =
         make_vertex(scene_, *hit, {}, met, wavelengths_, time_, Counter::kTransport);
     visit_bound<N>(scene_.kernels, vertex->kernel, vertex->shading,
@@ -155,7 +155,7 @@ class Walk {
     if (!hit || !(largest(met.weight) > 0.0f)) return;
     travel(met, *hit);
     ++met.collisions;
-    if (met.depth++ == options_.maximum_depth) return;
+    if (met.depth++ - met.passes == options_.maximum_depth) return;
     const auto vertex =
         make_vertex(scene_, *hit, {}, met, wavelengths_, time_, Counter::kTransport);
     if (leave_vertex(met, *vertex)) follow(met);
@@ -200,7 +200,11 @@ class Walk {
       auto vertex =
           make_vertex(scene_, *hit, contacts, group, wavelengths_, time_, Counter::kTransport);
       if (vertex) {
-        if (group.depth++ == options_.maximum_depth) return std::nullopt;
+        // At the limit light still goes straight on, which does not count.
+        if (group.depth++ - group.passes == options_.maximum_depth &&
+            !scene_.materials[hit->surface].may_be_clear) {
+          return std::nullopt;
+        }
         return vertex;
       }
       pass_unseen(group, *hit, contacts);
@@ -257,9 +261,7 @@ class Walk {
     const bool gathers = scene_.gathering[vertex.kernel];
     const bool straight = delta && !gathers && wi == -vertex.wo;
     if constexpr (kAdjoint) {
-      if (group.depth == 1) {
-        group.spread_first = !delta && !gathers && !too_near(vertex);
-      }
+      if (group.depth == 1) group.spread_first = !delta && !gathers && !too_near(vertex);
       if (!straight) group.gathered = gathers;
       return !(group.spread_first && gathers && group.share.how == Shared::kTowardsLights);
     } else {
@@ -391,6 +393,12 @@ class Walk {
   bool leave(Group<N>& group, const Vertex<N>& vertex, Vec3 wi, bool delta = false) const {
     if (!(largest(group.weight) > 0.0f)) return false;
     if (both_ && !sort(group, vertex, wi, delta)) return false;
+    // What passes straight through a pane or a hole has met nothing.
+    if (delta && wi == -vertex.wo) {
+      ++group.passes;
+    } else if (group.depth - group.passes > options_.maximum_depth) {
+      return false;
+    }
     const Vec3 direction = vertex.to_world(wi);
     const float cosine = dot(vertex.normal, direction);
     // A medium has no sides, and turns one of 2^24 photons to go exactly across.
