@@ -16,6 +16,7 @@ from .coordinator import COMMIT_SECONDS, Coordinator
 from .data_folder import DataFolder
 from .errors import AlreadyOwned, NocturneError, OwnershipLost, QueueTaken
 from .job_queue import JobQueue, QueueError, Session
+from .log_lines import write_log_lines
 from .store.ledger import Ledger
 from .store.ownership import LEASE_SECONDS, Ownership
 
@@ -29,11 +30,7 @@ _log = logging.getLogger("nocturne_coordinator")
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs until SIGTERM or SIGINT; gives the exit code."""
     options = _parser().parse_args(arguments)
-    logging.basicConfig(
-        level=options.log_level.upper(),
-        stream=sys.stderr,
-        format="%(asctime)s %(levelname)s coordinator %(message)s",
-    )
+    write_log_lines(options.log_level, "coordinator")
     stop = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stop.set())

@@ -53,7 +53,7 @@ std::shared_ptr<const Scene> JobTracer::load(const std::string& sha256) {
     throw std::runtime_error("scene " + sha256 + " is not a compiled scene");
   }
   auto scene = load_scene(message, [this](const std::string& blob) { return assets_.find(blob); });
-  log_line(LogLevel::kInfo, "scene " + sha256 + " loaded");
+  log_line(LogLevel::kInfo, "scene=" + sha256 + " loaded");
   return scene;
 }
 

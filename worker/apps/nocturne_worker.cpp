@@ -120,12 +120,13 @@ int run(const Arguments& arguments) {
                                         .threads = arguments.threads,
                                         .lease = std::chrono::milliseconds(arguments.lease_ms)};
   nocturne::Worker worker(options, [&](const nocturne::v1::Job& job) { return tracer.trace(job); });
-  log_line(LogLevel::kInfo, "worker " + options.id + " with " + std::to_string(options.threads) +
-                                " threads, Redis at " + options.redis.text());
+  const std::string name = "worker=" + options.id;
+  log_line(LogLevel::kInfo, name + " threads=" + std::to_string(options.threads) +
+                                " starts, Redis at " + options.redis.text());
   wait_for_signal();
-  log_line(LogLevel::kInfo, "worker " + options.id + " stops");
+  log_line(LogLevel::kInfo, name + " stops");
   if (worker.stop(std::chrono::seconds(arguments.grace_seconds))) return EXIT_SUCCESS;
-  log_line(LogLevel::kInfo, "worker " + options.id + " hands back what is not done");
+  log_line(LogLevel::kInfo, name + " hands back what is not done");
   worker.hand_back();
   // The threads still trace; nothing of what they do is needed.
   std::_Exit(EXIT_SUCCESS);

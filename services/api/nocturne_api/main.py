@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 from nocturne_coordinator.errors import NocturneError
+from nocturne_coordinator.log_lines import write_log_lines
 
 from nocturne_api.addresses import AddressError
 from nocturne_api.compiling import CompileLimits
@@ -22,7 +23,7 @@ _WEB = Path(__file__).resolve().parents[2] / "web" / "dist"
 
 def main() -> None:
     """Runs until SIGINT or SIGTERM. Exit status: 0 stopped, 2 can't start (standard error says why)."""
-    logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
+    write_log_lines("info", "api")
     try:
         asyncio.run(_run(_settings()))
     except (AddressError, NocturneError, OSError) as error:

@@ -144,14 +144,22 @@ TEST_F(WorkerTest, OtherEngineIsRefusedInWords) {
 
 TEST_F(WorkerTest, JobHandedBackIsDoneByAnother) {
   std::atomic<int> refused = 0;
+  testing::internal::CaptureStderr();
   Worker full(options("full"), [&](const v1::Job&) -> v1::Partial {
     ++refused;
     throw HandBack("disk full");
   });
-  server_.publish(make_job());
+  v1::Job job = make_job();
+  server_.publish(job);
   ASSERT_TRUE(eventually([&] { return refused > 0; }));
   Worker good(options("good"), [](const v1::Job&) { return some_partial(); });
   EXPECT_EQ(only_result().worker_id(), "good");
+  const std::string samples =
+      std::to_string(job.first_sample()) + ".." + std::to_string(job.end_sample());
+  const std::string line = "Z WARNING worker=full thread=0 render=" + job.render_id() +
+                           " tile=" + std::to_string(job.tile_index()) + " samples=" + samples +
+                           " handed back: disk full\n";
+  EXPECT_NE(testing::internal::GetCapturedStderr().find(line), std::string::npos);
 }
 
 TEST_F(WorkerTest, JobLongerThanTheLeaseIsDoneOnce) {

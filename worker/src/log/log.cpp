@@ -13,11 +13,11 @@ std::atomic<LogLevel> lowest_level{LogLevel::kInfo};
 const char* name_of(LogLevel level) {
   switch (level) {
     case LogLevel::kDebug:
-      return "debug";
+      return "DEBUG";
     case LogLevel::kInfo:
-      return "info";
+      return "INFO";
     case LogLevel::kWarning:
-      return "warning";
+      return "WARNING";
   }
   return "?";
 }

@@ -1,4 +1,6 @@
-// One line per event on standard error: time, level, text.
+// One line per event on standard error: time, level, text. What a line is about stands in it as
+// `name=value`, in the names of the coordinator's log: worker, thread, render, tile, samples,
+// scene.
 #pragma once
 
 #include <string_view>

@@ -67,8 +67,9 @@ std::optional<TakenJob> JobQueue::read_entry(const Reply& entry) {
   const Reply fields = entry.at(1);
   const auto bytes = fields.is_nil() ? std::nullopt : field(fields, keys::kJobField);
   if (bytes && taken.job.ParseFromString(*bytes)) return taken;
-  log_line(LogLevel::kWarning, "dropped entry " + taken.entry_id + " of " + keys::kJobs +
-                                   ": its field '" + keys::kJobField + "' is not a job");
+  log_line(LogLevel::kWarning, "consumer=" + consumer_ + " dropped entry " + taken.entry_id +
+                                   " of " + keys::kJobs + ": its field '" + keys::kJobField +
+                                   "' is not a job");
   drop(taken.entry_id);
   return std::nullopt;
 }

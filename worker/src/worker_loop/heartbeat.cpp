@@ -36,7 +36,7 @@ void Heartbeat::run(std::stop_token stop) {
       beat();
     } catch (const std::exception& error) {
       // The threads say on standard error what is wrong with Redis; the next tick tries again.
-      log_line(LogLevel::kDebug, std::string("heartbeat: ") + error.what());
+      log_line(LogLevel::kDebug, "worker=" + options_.id + " heartbeat: " + error.what());
       queue_.disconnect();
     }
     wait_unless_stopped(stop, tick);
@@ -44,7 +44,7 @@ void Heartbeat::run(std::stop_token stop) {
   try {
     queue_.withdraw_status(options_.id);
   } catch (const std::exception& error) {
-    log_line(LogLevel::kDebug, std::string("status not withdrawn: ") + error.what());
+    log_line(LogLevel::kDebug, "worker=" + options_.id + " status not withdrawn: " + error.what());
   }
 }
 

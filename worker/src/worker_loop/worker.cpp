@@ -48,7 +48,8 @@ void Worker::hand_back() {
     queue.hand_back(held_.list());
   } catch (const std::exception& error) {
     // The jobs' leases run out.
-    log_line(LogLevel::kWarning, std::string("jobs not handed back: ") + error.what());
+    log_line(LogLevel::kWarning,
+             "worker=" + options_.id + " jobs not handed back: " + error.what());
   }
 }
 

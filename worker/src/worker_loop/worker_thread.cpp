@@ -30,8 +30,8 @@ std::string printable(std::string_view text) {
 }
 
 std::string description(const v1::Job& job) {
-  return "render " + job.render_id() + " tile " + std::to_string(job.tile_index()) + " samples " +
-         std::to_string(job.first_sample()) + " ... " + std::to_string(job.end_sample());
+  return "render=" + printable(job.render_id()) + " tile=" + std::to_string(job.tile_index()) +
+         " samples=" + std::to_string(job.first_sample()) + ".." + std::to_string(job.end_sample());
 }
 
 void check_engine(const v1::Job& job, const std::string& worker_id) {
@@ -47,6 +47,7 @@ WorkerThread::WorkerThread(const WorkerOptions& options, unsigned index, const T
                            HeldJobs& held, Tally& tally)
     : options_(options),
       index_(index),
+      name_("worker=" + options.id + " thread=" + std::to_string(index)),
       trace_(trace),
       held_(held),
       tally_(tally),
@@ -134,7 +135,7 @@ void WorkerThread::deliver(const TakenJob& taken, const v1::JobResult& result,
   while (true) {
     try {
       queue_.complete(taken.entry_id, result);
-      log_line(LogLevel::kDebug, description(taken.job) + " done");
+      log_line(LogLevel::kDebug, name_ + ' ' + description(taken.job) + " done");
       return back_off_.reset();
     } catch (const RedisError& error) {
       report_trouble(std::string("a result waits: ") + error.what());
@@ -151,7 +152,7 @@ void WorkerThread::give_back(const TakenJob& taken) {
 
 void WorkerThread::report_trouble(const std::string& text) {
   if (text == std::exchange(last_trouble_, text)) return;
-  log_line(LogLevel::kWarning, queue_.consumer() + ": " + text);
+  log_line(LogLevel::kWarning, name_ + ' ' + text);
 }
 
 }  // namespace nocturne

@@ -32,6 +32,8 @@ class WorkerThread {
 
   const WorkerOptions& options_;
   unsigned index_;
+  // As it stands in logs.
+  std::string name_;
   const TraceJob& trace_;
   HeldJobs& held_;
   Tally& tally_;
