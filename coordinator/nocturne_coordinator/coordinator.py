@@ -26,7 +26,7 @@ from .job_queue import JobQueue, Session
 from .merge import XYZ_SUMS
 from .pictures import Pictures
 from .running_render import RunningRender
-from .schedule import Schedule
+from .schedule import SHORTEST_OVERDUE, Schedule
 from .store.ledger import Ledger, OpenRender
 from .store.rows import RenderState, WorkerRow
 from .traffic import Traffic
@@ -63,12 +63,13 @@ class Coordinator:
         session: Session,
         commit_seconds: float = COMMIT_SECONDS,
         auditor: Auditor | None = None,
+        overdue_seconds: float = SHORTEST_OVERDUE,
     ) -> None:
         self._commit_seconds = commit_seconds
         self._folder = folder
         self._ledger = ledger
         self._renders: dict[str, RunningRender] = {}
-        self._schedule = Schedule()
+        self._schedule = Schedule(overdue_seconds)
         self._auditor = auditor or Auditor()
         self._faults = Faults()
         others = self._is_open

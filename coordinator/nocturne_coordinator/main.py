@@ -2,6 +2,7 @@
 
 import argparse
 import logging
+import math
 import secrets
 import signal
 import sys
@@ -17,6 +18,7 @@ from .data_folder import DataFolder
 from .errors import AlreadyOwned, NocturneError, OwnershipLost, QueueTaken
 from .job_queue import JobQueue, QueueError, Session
 from .log_lines import write_log_lines
+from .schedule import SHORTEST_OVERDUE
 from .store.ledger import Ledger
 from .store.ownership import LEASE_SECONDS, Ownership
 
@@ -68,6 +70,13 @@ def _parser() -> argparse.ArgumentParser:
         help="time between commits: what a crash may cost (default %(default)s)",
     )
     parser.add_argument(
+        "--overdue-seconds",
+        type=_seconds,
+        default=SHORTEST_OVERDUE,
+        help="a job without a result is published again after that, or 20 times the usual time if that is "
+        "longer (default %(default)s)",
+    )
+    parser.add_argument(
         "--audit-share",
         type=_share,
         default=SHARE,
@@ -113,6 +122,13 @@ def _share(text: str) -> float:
     return share
 
 
+def _seconds(text: str) -> float:
+    seconds = float(text)
+    if not 0.0 < seconds < math.inf:
+        raise argparse.ArgumentTypeError("expected more than 0")
+    return seconds
+
+
 def _run(options: argparse.Namespace, stop: threading.Event) -> None:
     data: Path = options.data
     folder = DataFolder(data)
@@ -132,7 +148,10 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
             place = options.checkpoints or data / "checkpoints"
             checkpointer = Checkpointer(data, place, options.checkpoint_seconds)
             threading.Thread(target=checkpointer.run, args=(stop,), daemon=True).start()
-        Coordinator(folder, ledger, queue, session, options.commit_seconds, auditor).run(stop)
+        Coordinator(
+            *(folder, ledger, queue, session),
+            *(options.commit_seconds, auditor, options.overdue_seconds),
+        ).run(stop)
     finally:
         queue.close()
         ownership.release()

@@ -92,7 +92,9 @@ class _Queue:
 class Schedule:
     """The open work of all running renders."""
 
-    def __init__(self) -> None:
+    def __init__(self, shortest_overdue: float = SHORTEST_OVERDUE) -> None:
+        """`shortest_overdue`: seconds that a job is out, at least, before it is overdue."""
+        self._shortest_overdue = shortest_overdue
         self._queues: dict[str, _Queue] = {}
         self._owners: dict[str, _Share] = {}
         self._outstanding: dict[JobKey, Published] = {}
@@ -294,7 +296,7 @@ class Schedule:
 
     def overdue(self, now: float) -> list[JobKey]:
         """Jobs out for so long that something must have gone wrong."""
-        latest = now - max(SHORTEST_OVERDUE, OVERDUE_FACTOR * self.typical_time)
+        latest = now - max(self._shortest_overdue, OVERDUE_FACTOR * self.typical_time)
         return [key for key, published in self._outstanding.items() if published.at < latest]
 
     def is_outstanding(self, key: JobKey) -> bool:
