@@ -143,16 +143,17 @@ class SimulatedWorker(threading.Thread):
         pipeline.execute()
 
 
-class TwiceAndShuffled:
-    """Sends every result twice, in a random order, some much later."""
+class Shuffled:
+    """Sends every result several times, in a random order, some much later."""
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, seed: int, copies: int = 2) -> None:
         self._random = random.Random(seed)
+        self._copies = copies
         self._kept: list[job_pb2.JobResult] = []
 
     def __call__(self, result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
-        self._kept += [result, result]
+        self._kept += [result] * self._copies
         self._random.shuffle(self._kept)
-        count = self._random.randint(1, 3)
+        count = self._random.randint(1, 2 * self._copies - 1)
         sent, self._kept = self._kept[:count], self._kept[count:]
         return [*sent, result]

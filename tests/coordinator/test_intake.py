@@ -57,6 +57,7 @@ SPOILT: dict[str, Spoil] = {
     "rays": field("partial.rays", 2**63),
     "cpu_seconds NaN": field("partial.cpu_seconds", float("nan")),
     "cpu_seconds negative": field("partial.cpu_seconds", -1.0),
+    "render": field("job.render_id", "other"),
     "tile index": field("job.tile_index", 77),
     "other tile": field("job.tile_index", 1),
     "tile rectangle": field("job.tile.width", 2**31),

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from nocturne_coordinator.blobs import BlobStore
 from nocturne_coordinator.checkpoint import Checkpointer, checkpoints
-from nocturne_coordinator.errors import AlreadyOwned, CantRestore, UnusableFolder
+from nocturne_coordinator.errors import AlreadyOwned, CantRestore
 from nocturne_coordinator.images import manifest_of
 from nocturne_coordinator.main import EXIT_UNUSABLE
 from nocturne_coordinator.restoring import damage_of, restore
@@ -37,15 +37,6 @@ def half_way(service: Service, options: tuple[str, ...] = OFTEN) -> str:
     service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
     wait_until(lambda: service.row(render.id).ranges_done >= service.row(render.id).ranges_planned // 3)
     return render.id
-
-
-def damage(database: Path) -> None:
-    """Writes over the middle of the file, and its head."""
-    with database.open("r+b") as file:
-        file.seek(0)
-        file.write(b"\xff" * 200)
-        file.seek(database.stat().st_size // 2)
-        file.write(b"\xff" * 5000)
 
 
 def test_redis_and_all_that_it_had_on_disk_are_lost(tmp_path: Path) -> None:
@@ -111,34 +102,6 @@ def _started(place: Path) -> RedisServer:
     server = RedisServer(place)
     server.start()
     return server
-
-
-def test_a_damaged_database_is_replaced_by_the_newest_whole_checkpoint(service: Service) -> None:
-    render = half_way(service)
-    place = service.data / "checkpoints"
-    wait_until(lambda: len(checkpoints(place)) == 2)
-    service.stop(signal.SIGKILL)
-    newest, before = checkpoints(place)
-    assert not list(place.glob(".*"))
-    assert {path.name for path in place.glob("*.db")} == {f"{each.number:06}.db" for each in (newest, before)}
-    damage(newest.database(place))
-    service.folder.close()
-    damage(service.data / "nocturne.db")
-    assert service.start().wait(15) == EXIT_UNUSABLE
-    with pytest.raises(UnusableFolder, match="nocturne restore"):
-        service.reopen()
-
-    found = restore(service.data)
-    assert found.database == before.database(place)
-    assert any("damaged" in each for each in found.damage)
-    assert (service.data / "damaged-1" / "nocturne.db").is_file()
-    service.reopen()
-    assert list(service.folder.manifest(render)) == manifest_of(before.renders[render])
-    service.start()
-    check_complete(service, render)
-    # Once more: nothing to do.
-    service.stop()
-    assert restore(service.data).damage == []
 
 
 def test_a_deleted_database_is_not_silently_made_anew(service: Service) -> None:

@@ -16,7 +16,7 @@ from tests.system.program import Program
 from tests.system.waiting import wait_for
 
 # Short, so that tests do not wait long for what a killed worker had in hand.
-_LEASE_MS = 1000
+LEASE_MS = 1000
 
 
 class ServiceProcesses:
@@ -76,24 +76,29 @@ class ServiceProcesses:
     def have_workers(self, count: int) -> None:
         """Starts or ends some, so that there are that many."""
         while len(self.workers) > count:
-            _, worker = self.workers.popitem()
-            self._past_workers.append(worker)
-            assert worker.end() == 0, worker.tail()
+            self.end_worker(next(reversed(self.workers)))
         while len(self.workers) < count:
             self.start_worker()
 
-    def start_worker(self) -> None:
-        """One more, under a new name."""
+    def start_worker(self, cache: Path | None = None) -> Program:
+        """One more, under a new name; `cache`: not the one that all share."""
         name = f"w{len(self.workers) + len(self._past_workers) + 1}"
         worker = self._program(
             name,
             need_program("nocturne-worker"),
             *("--redis", self._workers_redis, "--assets", f"unix:{self._folder / 'grpc.sock'}"),
-            *("--cache", self._folder / "cache", "--threads", "1", "--id", name),
-            *("--lease-ms", str(_LEASE_MS)),
+            *("--cache", cache or self._folder / "cache", "--threads", "1", "--id", name),
+            *("--lease-ms", str(LEASE_MS)),
         )
         worker.start()
         self.workers[name] = worker
+        return worker
+
+    def end_worker(self, name: str) -> None:
+        """SIGTERM; it finishes its job, or hands it back, and ends in order."""
+        worker = self.workers.pop(name)
+        self._past_workers.append(worker)
+        assert worker.end() == 0, worker.tail()
 
     def kill_worker(self, name: str) -> None:
         self.workers[name].kill()

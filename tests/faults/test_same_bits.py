@@ -1,14 +1,28 @@
-"""The service's image is that of nocturne-trace in every bit, whatever happens on the way."""
+"""Real workers: the service's image is that of nocturne-trace in every bit, whatever happens on the way."""
 
 import random
+import resource
+import shutil
+import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 from nocturne_coordinator import keys
 
-from tests.system.faults import EVERY_FAULT, flush, kill_coordinator, kill_redis, kill_worker
+from tests.faults.faults import (
+    EVERY_FAULT,
+    end_worker,
+    flush,
+    kill_coordinator,
+    kill_redis,
+    kill_worker,
+    stop_worker_for_three_leases,
+)
+from tests.faults.survival import note
 from tests.system.images import Image, differing_values
-from tests.system.renders import RANGES, followed_render, has_ended, wait_for_more_ranges
+from tests.system.program import Program
+from tests.system.renders import RANGES, followed_render, has_ended, is_in_mid_work, wait_for_more_ranges
 from tests.system.service_processes import ServiceProcesses
 from tests.system.waiting import wait_for
 
@@ -41,23 +55,33 @@ def services(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Services]:
 
 @pytest.mark.parametrize("workers", [1, 3])
 def test_without_faults(workers: int, services: Services, traced_alone: Image) -> None:
+    """S2: one and three workers."""
     with followed_render(services(workers)) as render:
         image = render.finished_image()
     assert differing_values(image, traced_alone) == {}
 
 
-@pytest.mark.parametrize("fault", [kill_worker, kill_coordinator, kill_redis, flush])
+@pytest.mark.parametrize(
+    "fault",
+    [*(kill_worker, stop_worker_for_three_leases, end_worker), *(kill_coordinator, kill_redis, flush)],
+)
 def test_with_one_fault(fault: Fault, services: Services, traced_alone: Image) -> None:
+    """W1, W4, W10, C1, D1, D2: once, in mid-work."""
     service = services(2)
     with followed_render(service) as render:
         wait_for_more_ranges(service.client, render.id, _SOME_RANGES)
         assert fault(service, render.id), "the render was over already"
+        before, begun = service.client.get(render.id).progress.ranges_done, time.monotonic()
+        wait_for_more_ranges(service.client, render.id, 1)
+        note(f"real {fault.__name__}", resumed_s=time.monotonic() - begun)
         image = render.finished_image()
+        assert before < RANGES
+        assert service.client.get(render.id).progress.refused == 0
     assert differing_values(image, traced_alone) == {}
 
 
 def test_every_result_delivered_twice(services: Services, traced_alone: Image) -> None:
-    """Coordinator and workers take turns, so that no result gets by without its copy."""
+    """T3: coordinator and workers take turns, so that no result gets by without its copy."""
     service = services(2)
     delivered = set()
     service.pause_workers()
@@ -82,6 +106,7 @@ def test_every_result_delivered_twice(services: Services, traced_alone: Image) -
 
 
 def test_all_faults_in_a_random_order(services: Services, traced_alone: Image) -> None:
+    """S3: each once, by a seed."""
     service = services(2)
     order = random.Random(1).sample(EVERY_FAULT, len(EVERY_FAULT))
     hits = []
@@ -91,4 +116,52 @@ def test_all_faults_in_a_random_order(services: Services, traced_alone: Image) -
             hits.append(fault(service, render.id))
         image = render.finished_image()
     assert hits == [True] * len(order), order
+    assert differing_values(image, traced_alone) == {}
+
+
+Mend = Callable[[], object]
+
+
+def _full_disk(worker: Program, _: Path) -> Mend:
+    """No file of it can grow. SIGXFSZ, which no full disk sends, is ignored by what starts it."""
+    soft, hard = resource.prlimit(worker.pid, resource.RLIMIT_FSIZE)
+    resource.prlimit(worker.pid, resource.RLIMIT_FSIZE, (0, hard))
+    return lambda: resource.prlimit(worker.pid, resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def _folder_that_can_not_be_written(_: Program, cache: Path) -> Mend:
+    """A file is in its place, which stops root as well."""
+    shutil.rmtree(cache)
+    cache.touch()
+    return cache.unlink
+
+
+@pytest.mark.parametrize("trouble", [_full_disk, _folder_that_can_not_be_written])
+def test_a_worker_that_can_not_keep_the_scene(
+    trouble: Callable[[Program, Path], Mend],
+    services: Services,
+    tmp_path: Path,
+    traced_alone: Image,
+) -> None:
+    """W9: it hands its jobs back, which is no failure, until it can."""
+    service = services(1)
+    (healthy,) = service.workers
+    cache = tmp_path / "cache"
+    worker = service.start_worker(cache)
+    name = next(reversed(service.workers))
+    wait_for(cache.is_dir, "the worker's cache")
+    mend = trouble(worker, cache)
+    with followed_render(service) as render:
+        wait_for(lambda: service.jobs_held_by(name), f"{name} to take a job")
+        wait_for(lambda: not service.jobs_held_by(name), f"{name} to hand it back")
+        wait_for_more_ranges(service.client, render.id, _SOME_RANGES)
+        assert not (cache.is_dir() and [path for path in cache.rglob("*") if path.is_file()])
+        service.end_worker(healthy)
+        assert is_in_mid_work(service.client, render.id)
+        mend()
+        begun = time.monotonic()
+        wait_for_more_ranges(service.client, render.id, 1)
+        note(f"W9 {trouble.__name__[1:]}", resumed_s=time.monotonic() - begun)
+        image = render.finished_image()
+        assert service.client.get(render.id).progress.refused == 0
     assert differing_values(image, traced_alone) == {}

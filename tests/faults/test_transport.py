@@ -1,22 +1,21 @@
-"""Slow, cut, silent and lossy networks between Redis and its users: the image stays the same in
-every bit, and work goes on soon after."""
+"""Slow, cut, silent and lossy networks between Redis and its users, results that come often: rows T of the
+fault matrix. The image stays the same in every bit, and work goes on soon after."""
 
-import json
 import os
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 import pytest
 
+from tests.coordinator.service import Service
+from tests.coordinator.simulated_worker import Shuffled, SimulatedWorker
+from tests.faults.survival import check_survived, note
+from tests.faults.wire import Weather, Wire
 from tests.system.images import Image, differing_values
 from tests.system.renders import RANGES, followed_render, has_ended, is_in_mid_work, wait_for_more_ranges
 from tests.system.service_processes import ServiceProcesses
 from tests.system.waiting import wait_for
-from tests.system.wire import Weather, Wire
-
-pytestmark = pytest.mark.system
 
 # How long a network is spoilt: five leases of the workers, which have one second here.
 SPOILT_S = float(os.environ.get("NOCTURNE_SPOILT_SECONDS", "5"))
@@ -68,14 +67,7 @@ def _wires(network: Network, which: str) -> list[Wire]:
     return found.get(which, [network.worker, network.coordinator])
 
 
-def _note(what: str, **figures: float) -> None:
-    """For the table in docs/reliability.md: NOCTURNE_FIGURES names a file that gets a line of JSON."""
-    path = os.environ.get("NOCTURNE_FIGURES")
-    if path:
-        with Path(path).open("a") as file:
-            file.write(json.dumps({"what": what, **figures}) + "\n")
-
-
+@pytest.mark.system
 @pytest.mark.parametrize(
     ("fault", "which"),
     [
@@ -85,6 +77,7 @@ def _note(what: str, **figures: float) -> None:
     ],
 )
 def test_a_spoilt_network(fault: Fault, which: str, network: Network, traced_alone: Image) -> None:
+    """T1: cut, silent or slow for five leases."""
     service = network.service
     with followed_render(service) as render:
         wait_for_more_ranges(service.client, render.id, _SOME_RANGES)
@@ -104,12 +97,13 @@ def test_a_spoilt_network(fault: Fault, which: str, network: Network, traced_alo
         resumed = time.monotonic() - mended
         image = render.finished_image()
     assert differing_values(image, traced_alone) == {}
-    _note(f"{fault.__name__[1:]} {which}", resumed_s=resumed)
+    note(f"{fault.__name__[1:]} {which}", resumed_s=resumed)
 
 
+@pytest.mark.system
 @pytest.mark.soak
 def test_work_goes_on_while_a_network_is_slow(network: Network, traced_alone: Image) -> None:
-    """500 ms there and back, and every twentieth packet lost: slower, and no slower than that explains."""
+    """T1: 500 ms there and back, every twentieth packet lost: slower, and no slower than that explains."""
     service = network.service
     with followed_render(service) as render:
         wait_for_more_ranges(service.client, render.id, 1)
@@ -122,15 +116,16 @@ def test_work_goes_on_while_a_network_is_slow(network: Network, traced_alone: Im
         network.coordinator.mend()
         image = render.finished_image()
     assert differing_values(image, traced_alone) == {}
-    _note("slow both, while it lasts", seconds_per_range=took / done)
+    note("slow both, while it lasts", seconds_per_range=took / done)
 
 
+@pytest.mark.system
 @pytest.mark.parametrize(
     ("which", "share"),
     [("both", 0.02), *(pytest.param(each, 0.1, marks=pytest.mark.soak) for each in WIRES)],
 )
 def test_answers_that_are_lost(which: str, share: float, network: Network, traced_alone: Image) -> None:
-    """A share of all calls happens and the answer never comes: what was done is done once."""
+    """T2: a share of all calls happens and the answer never comes: what was done is done once."""
     service = network.service
     lost = [wire.lost for wire in _wires(network, which)]
     begun = time.monotonic()
@@ -146,4 +141,14 @@ def test_answers_that_are_lost(which: str, share: float, network: Network, trace
     assert differing_values(image, traced_alone) == {}
     now = [wire.lost for wire in _wires(network, which)]
     assert all(after > before for before, after in zip(lost, now, strict=True))
-    _note(f"lost answers {which} {share:g}", lost=float(sum(now) - sum(lost)), took_s=took)
+    note(f"lost answers {which} {share:g}", lost=float(sum(now) - sum(lost)), took_s=took)
+
+
+@pytest.mark.parametrize(("seed", "copies"), [(1, 2), (2, 2), (3, 10)])
+def test_results_come_often_and_shuffled(service: Service, seed: int, copies: int) -> None:
+    """T3: each twice, or ten times, in any order, some much later."""
+    service.start()
+    render = service.create()
+    for offset in range(2):
+        service.work(SimulatedWorker(service.server.url, Shuffled(seed + 10 * offset, copies)))
+    check_survived(service, render.id)

@@ -1,26 +1,40 @@
 """What happens to a service in mid-work. Each fault makes sure that it hits work in hand, or gives False."""
 
+import time
+
 from nocturne_coordinator import keys
 
+from tests.system.program import Program
 from tests.system.renders import has_ended, is_in_mid_work
-from tests.system.service_processes import ServiceProcesses
+from tests.system.service_processes import LEASE_MS, ServiceProcesses
 from tests.system.waiting import wait_for
 
 
 def kill_worker(service: ServiceProcesses, render_id: str) -> bool:
     """SIGKILL for a worker that has a job in hand for certain: it is looked at while it stands still."""
-    name, victim = next(iter(service.workers.items()))
-
-    def stands_still_with_a_job() -> bool:
-        victim.pause()
-        if service.jobs_held_by(name):
-            return True
-        victim.go_on()
-        return has_ended(service.client, render_id)
-
-    wait_for(stands_still_with_a_job, f"{name} to be in mid-job")
+    name, _ = _stopped_with_a_job(service, render_id)
     hit = not has_ended(service.client, render_id)
     service.kill_worker(name)
+    service.start_worker()
+    return hit
+
+
+def stop_worker_for_three_leases(service: ServiceProcesses, render_id: str) -> bool:
+    """SIGSTOP for a worker that has a job in hand; SIGCONT when another has long taken the job over."""
+    name, victim = _stopped_with_a_job(service, render_id)
+    held = service.jobs_held_by(name)
+    time.sleep(3 * LEASE_MS / 1000)
+    hit = held != [] and service.jobs_held_by(name) == [] and is_in_mid_work(service.client, render_id)
+    victim.go_on()
+    return hit
+
+
+def end_worker(service: ServiceProcesses, render_id: str) -> bool:
+    """SIGTERM for a worker that has a job in hand: it ends in time and in order."""
+    name, victim = _stopped_with_a_job(service, render_id)
+    hit = not has_ended(service.client, render_id)
+    victim.go_on()
+    service.end_worker(name)
     service.start_worker()
     return hit
 
@@ -71,6 +85,21 @@ def deliver_waiting_results_again(service: ServiceProcesses, render_id: str) -> 
     copied = service.deliver_again()
     service.coordinator.go_on()
     return copied != set()
+
+
+def _stopped_with_a_job(service: ServiceProcesses, render_id: str) -> tuple[str, Program]:
+    """A worker that stands still and has a job in hand for certain, or the render is over."""
+    name, victim = next(iter(service.workers.items()))
+
+    def stands_still_with_a_job() -> bool:
+        victim.pause()
+        if service.jobs_held_by(name):
+            return True
+        victim.go_on()
+        return has_ended(service.client, render_id)
+
+    wait_for(stands_still_with_a_job, f"{name} to be in mid-job")
+    return name, victim
 
 
 EVERY_FAULT = (kill_worker, kill_coordinator, kill_redis, flush, deliver_waiting_results_again)

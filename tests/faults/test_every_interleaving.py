@@ -7,7 +7,7 @@ order, each once, what is committed never goes back, and the render can be finis
 
 import pytest
 
-from tests.coordinator.explorer import Explorer, WentWrong
+from tests.faults.explorer import Explorer, WentWrong
 
 
 @pytest.mark.parametrize(
@@ -26,7 +26,7 @@ from tests.coordinator.explorer import Explorer, WentWrong
 def test_no_order_of_things_counts_a_range_twice_or_never(
     ranges: int, workers: int, crashes: int, takeovers: int, states: int
 ) -> None:
-    """The numbers of states are told so that nobody makes the walk shorter by mistake."""
+    """S4: the numbers of states are told so that nobody makes the walk shorter by mistake."""
     assert Explorer(ranges, workers, crashes, takeovers).walk() == states
 
 

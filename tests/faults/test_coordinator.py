@@ -1,0 +1,345 @@
+"""Coordinators killed, slowed, doubled, upgraded, without room, told other things: rows C of the matrix."""
+
+import os
+import resource
+import signal
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from nocturne.v1 import job_pb2
+from nocturne_coordinator import keys, limits
+from nocturne_coordinator.checkpoint import checkpoints
+from nocturne_coordinator.errors import UnusableFolder, WrongState
+from nocturne_coordinator.images import manifest_of
+from nocturne_coordinator.main import EXIT_ALREADY_OWNED, EXIT_UNUSABLE
+from nocturne_coordinator.restoring import restore
+from nocturne_coordinator.stopping import StopConditions
+
+from tests.coordinator.service import Service, check_committed, committed_samples, wait_until
+from tests.coordinator.simulated_worker import SimulatedWorker
+from tests.coordinator.test_restoring import half_way
+from tests.faults.survival import (
+    SOME_DELAY,
+    check_nothing_left,
+    check_resumes,
+    check_survived,
+    half_done,
+    note,
+)
+
+
+@pytest.mark.parametrize(
+    "place",
+    ["received:9", "merged:9", "before-commit:2", "after-commit:2", "after-acknowledge:2"],
+)
+def test_coordinator_killed(service: Service, place: str) -> None:
+    """C1: at each point between receiving a result and deleting it."""
+    coordinator = service.start(crash_at=place)
+    render = service.create(samples=100)
+    for _ in range(2):
+        service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    assert coordinator.wait(15) == -signal.SIGKILL
+    service.start()
+    check_resumes(service, render.id, f"C1 {place}")
+    check_survived(service, render.id)
+
+
+def test_further_responses_come_through_a_restart(service: Service) -> None:
+    """C1: they are kept as X, Y and Z are."""
+    coordinator = service.start(crash_at="after-commit:2")
+    render = service.create(further_responses=["rod", "far-red"])
+    service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY, further_responses=2))
+    assert coordinator.wait(15) != 0
+    service.start()
+    check_survived(service, render.id)
+
+
+def test_a_killed_coordinator_is_replaced_at_once(service: Service) -> None:
+    """C1: the next one does not wait for the lease of the dead one."""
+    service.start()
+    render = service.create(samples=100)
+    service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    wait_until(lambda: half_done(service, render.id))
+    service.stop(signal.SIGKILL)
+    begun = time.monotonic()
+    done = service.row(render.id).ranges_done
+    service.start()
+    wait_until(lambda: service.row(render.id).ranges_done > done)
+    # Less than the lease that the dead one left behind: the epoch says who may have it.
+    assert time.monotonic() - begun < 8.0
+    check_survived(service, render.id)
+
+
+def test_coordinator_in_a_crash_loop(service: Service) -> None:
+    """C2: six lives in a row are cut off soon after their first commit, and each commits something."""
+    service.start()
+    render = service.create(width=160, height=120, samples=100_000)
+    for _ in range(2):
+        service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    chance = np.random.default_rng(2)
+    for _ in range(6):
+        check_resumes(service, render.id, "C2")
+        time.sleep(float(chance.uniform(0.0, 0.2)))
+        assert service.stop(signal.SIGKILL) == -signal.SIGKILL
+        assert service.row(render.id).ranges_done < service.row(render.id).ranges_planned
+        service.start()
+    check_survived(service, render.id)
+
+
+def test_disk_full_in_mid_commit(service: Service) -> None:
+    """C3: no file of the coordinator can grow; commits fail until it can."""
+    process = service.start()
+    render = service.create(samples=100)
+    service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    wait_until(lambda: service.row(render.id).ranges_done > 0)
+    _, hard = resource.prlimit(process.pid, resource.RLIMIT_FSIZE)
+    resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (0, hard))
+    # What was being written may still arrive.
+    time.sleep(0.3)
+    before = service.row(render.id).ranges_done
+    time.sleep(1.0)
+    assert service.row(render.id).ranges_done == before
+    assert process.poll() is None
+    resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, hard))
+    check_resumes(service, render.id, "C3")
+    check_survived(service, render.id)
+
+
+def test_pictures_that_can_not_be_written_only_delay(service: Service) -> None:
+    """C3: images can not be written."""
+    obstacle = service.data / "images"
+    obstacle.write_text("in the way")
+    coordinator = service.start()
+    render = service.create(samples=10)
+    service.work(SimulatedWorker(service.server.url))
+    wait_until(lambda: service.row(render.id).ranges_done > 0)
+    time.sleep(0.5)
+    assert coordinator.poll() is None
+    assert service.row(render.id).state == "RUNNING"
+    obstacle.unlink()
+    check_survived(service, render.id)
+
+
+def damage(database: Path) -> None:
+    """Writes over the middle of the file, and its head."""
+    with database.open("r+b") as file:
+        file.seek(0)
+        file.write(b"\xff" * 200)
+        file.seek(database.stat().st_size // 2)
+        file.write(b"\xff" * 5000)
+
+
+def test_a_damaged_database_is_replaced_by_the_newest_whole_checkpoint(service: Service) -> None:
+    """C4: the database is damaged, and the newest checkpoint too."""
+    render = half_way(service)
+    place = service.data / "checkpoints"
+    wait_until(lambda: len(checkpoints(place)) == 2)
+    service.stop(signal.SIGKILL)
+    newest, before = checkpoints(place)
+    assert not list(place.glob(".*"))
+    assert {path.name for path in place.glob("*.db")} == {f"{each.number:06}.db" for each in (newest, before)}
+    damage(newest.database(place))
+    service.folder.close()
+    damage(service.data / "nocturne.db")
+    assert service.start().wait(15) == EXIT_UNUSABLE
+    with pytest.raises(UnusableFolder, match="nocturne restore"):
+        service.reopen()
+
+    found = restore(service.data)
+    assert found.database == before.database(place)
+    assert any("damaged" in each for each in found.damage)
+    assert (service.data / "damaged-1" / "nocturne.db").is_file()
+    service.reopen()
+    assert list(service.folder.manifest(render)) == manifest_of(before.renders[render])
+    service.start()
+    check_survived(service, render)
+    # Once more: nothing to do.
+    service.stop()
+    assert restore(service.data).damage == []
+
+
+def test_second_coordinator_is_refused(service: Service) -> None:
+    """C5: on one data folder."""
+    first = service.start()
+    wait_until(lambda: (service.data / "coordinator.lock").exists() and _epoch(service) == 1)
+    assert service.start().wait(15) == EXIT_ALREADY_OWNED
+    assert first.poll() is None
+    assert _epoch(service) == 1
+    first.terminate()
+    assert first.wait(15) == 0
+
+
+def _epoch(service: Service) -> int:
+    row = service.folder.database.row("SELECT epoch FROM ownership")
+    return int(row["epoch"]) if row else 0
+
+
+def test_coordinator_stopped_and_resumed(service: Service) -> None:
+    """C7: in order, by one of the same engine."""
+    service.start()
+    render = service.create(samples=100)
+    service.work(SimulatedWorker(service.server.url, delay=0.05))
+    wait_until(lambda: half_done(service, render.id))
+    assert service.stop() == 0
+    before = service.row(render.id)
+    assert before.state == "RUNNING"
+    service.start()
+    check_survived(service, render.id)
+
+
+@contextmanager
+def ten_times_slower(pid: int) -> Iterator[None]:
+    """The process stands still for nine tenths of the time."""
+    over = threading.Event()
+
+    def brake() -> None:
+        while not over.is_set():
+            os.kill(pid, signal.SIGSTOP)
+            over.wait(0.09)
+            os.kill(pid, signal.SIGCONT)
+            over.wait(0.01)
+
+    thread = threading.Thread(target=brake)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+
+
+def resident_bytes(pid: int) -> int:
+    return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * resource.getpagesize()
+
+
+def test_a_slow_merger_holds_the_workers_back(service: Service) -> None:
+    """C6: workers that need no time for a job never fill more than twice the window; memory is bounded."""
+    workers = 6
+    window = max(limits.MINIMUM_WINDOW, limits.JOBS_PER_THREAD * workers)
+    process = service.start()
+    render = service.create(width=320, height=224, samples=300)
+    assert render.ranges_planned > 8 * window
+    most, memory = 0, []
+    with service.server.client() as client, ten_times_slower(process.pid):
+        for _ in range(workers):
+            service.work(SimulatedWorker(service.server.url))
+        wait_until(lambda: service.row(render.id).ranges_done > window, 60.0)
+        before = resident_bytes(process.pid), client.info("memory")["used_memory"]
+        begun, done = time.monotonic(), service.row(render.id).ranges_done
+        while time.monotonic() - begun < 4.0:
+            most = max(most, client.xlen(keys.JOBS) + client.xlen(keys.RESULTS))
+            memory.append((resident_bytes(process.pid), client.info("memory")["used_memory"]))
+        row = service.row(render.id)
+        assert row.ranges_done > done
+        assert row.ranges_done < row.ranges_planned, "it was over too soon to say anything"
+    grown = [max(values) - first for values, first in zip(zip(*memory, strict=True), before, strict=True)]
+    note("C6", most=most, window=window, coordinator_bytes=grown[0], redis_bytes=grown[1])
+    assert most <= 2 * window
+    # A result is 33 kB; all that there are would be 18 MB. The coordinator also makes pictures.
+    assert grown[1] <= 2 * window * 40_000
+    assert grown[0] <= 8_000_000
+    check_survived(service, render.id)
+
+
+def test_an_upgrade_in_mid_render_never_mixes_engines(service: Service) -> None:
+    """C7: the render says that it was begun by an older engine: refused in words, and nothing is added."""
+    service.start()
+    render = service.create(samples=100)
+    service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    wait_until(lambda: half_done(service, render.id))
+    service.stop()
+    before = committed_samples(service.folder, render.id)
+    assert service.row(render.id).ranges_done < render.ranges_planned
+    older = job_pb2.ENGINE_CURRENT - 1
+    service.folder.database.execute("UPDATE render SET engine = ? WHERE id = ?", (older, render.id))
+    service.start()
+    wait_until(lambda: service.row(render.id).state.ended)
+    row = service.row(render.id)
+    assert row.state == "FAILED"
+    assert f"made for engine {older}; this service traces with engine {job_pb2.ENGINE_CURRENT}" in row.reason
+    check_nothing_left(service)
+    assert committed_samples(service.folder, render.id) == before
+    # Another is not held up by it.
+    check_survived(service, service.create(samples=20, request_id="again").id)
+
+
+def test_changes_at_random_times_leave_the_bits(service: Service) -> None:
+    """C8: paused, resumed, given another priority, extended."""
+    service.start()
+    render = service.create(samples=100)
+    for _ in range(2):
+        service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    chance = np.random.default_rng(5)
+    for _ in range(5):
+        time.sleep(float(chance.uniform(0.0, 0.2)))
+        service.folder.request_pause(render.id)
+        service.folder.request_priority(render.id, int(chance.integers(1, 1000)))
+        time.sleep(float(chance.uniform(0.0, 0.2)))
+        service.folder.request_resume(render.id)
+    service.folder.request_extension(render.id, 150, StopConditions())
+    check_survived(service, render.id)
+
+
+def test_paused_and_resumed_between_two_looks(service: Service) -> None:
+    """C8: found by the soak test: what was committed in between went nowhere, and the render ended so."""
+    service.start()
+    render = service.create(samples=100)
+    for _ in range(3):
+        service.work(SimulatedWorker(service.server.url, delay=0.005))
+    while not service.row(render.id).state.ended:
+        try:
+            service.folder.request_pause(render.id)
+            service.folder.request_resume(render.id)
+        except WrongState:
+            break
+        time.sleep(0.01)
+    check_survived(service, render.id)
+
+
+def test_an_extension_at_the_last_moment_is_not_lost(service: Service) -> None:
+    """C8: as the last range comes."""
+    service.start()
+    for number in range(4):
+        render = service.create(samples=8, request_id=f"{number}")
+        worker = service.work(SimulatedWorker(service.server.url))
+        wait_until(lambda render=render: service.row(render.id).ranges_done >= 6)  # type: ignore[misc]
+        service.folder.request_extension(render.id, 16, StopConditions())
+        wait_until(lambda render=render: service.row(render.id).photons == 70 * 40 * 16)  # type: ignore[misc]
+        check_survived(service, render.id)
+        worker.stop()
+
+
+def test_cancel_keeps_what_was_merged(service: Service) -> None:
+    """C8: the image is that of the samples so far."""
+    service.start()
+    render = service.create(samples=100)
+    service.work(SimulatedWorker(service.server.url, delay=0.05))
+    wait_until(lambda: half_done(service, render.id))
+    assert service.folder.request_cancel(render.id).state == "CANCELLED"
+    row = service.wait_for_end(render.id)
+    assert 0 < row.ranges_done < row.ranges_planned
+    check_committed(service, row)
+    with service.server.client() as client:
+        wait_until(lambda: client.xlen(keys.JOBS) == 0 and client.xlen(keys.RESULTS) == 0)
+
+
+def test_cancel_while_no_coordinator_runs(service: Service) -> None:
+    """C8: the next one writes the image."""
+    service.start()
+    render = service.create(samples=100)
+    service.work(SimulatedWorker(service.server.url, delay=0.05))
+    wait_until(lambda: half_done(service, render.id))
+    service.stop(signal.SIGKILL)
+    service.folder.request_cancel(render.id)
+    queued = service.create(request_id="queued")
+    service.folder.request_cancel(queued.id)
+    service.start()
+    row = service.wait_for_end(render.id)
+    assert row.state == "CANCELLED"
+    check_committed(service, row)
+    assert service.wait_for_end(queued.id).photons == 0

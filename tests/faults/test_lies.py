@@ -1,0 +1,130 @@
+"""Workers that lie, send nonsense or old results, or touch what is not theirs: rows L of the fault matrix."""
+
+import random
+import time
+from itertools import cycle
+
+import numpy as np
+from nocturne.v1 import job_pb2
+from nocturne_coordinator import keys
+
+from tests.coordinator.service import Service, wait_until
+from tests.coordinator.simulated_worker import SimulatedWorker
+from tests.coordinator.test_intake import SPOILT
+from tests.faults.survival import OVERDUE_SOON, SOME_DELAY, check_survived, half_done, note
+
+
+def test_a_liar_is_found_and_its_work_done_again(service: Service) -> None:
+    """L1: by one unit in the last place of one number."""
+
+    def one_bit(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
+        sums = np.frombuffer(result.partial.sums, dtype="<f8").copy()
+        sums[0] = np.nextafter(sums[0], np.inf)
+        result.partial.sums = sums.tobytes()
+        return [result]
+
+    service.start("", "--audit-share-new", "0.5")
+    before = service.create(samples=16, request_id="before")
+    liar = service.work(SimulatedWorker(service.server.url, one_bit))
+    # Alone, nobody can tell.
+    assert service.wait_for_end(before.id).state == "SUCCEEDED"
+    for _ in range(2):
+        service.work(SimulatedWorker(service.server.url, delay=0.005))
+    render = service.create(samples=100)
+    check_survived(service, render.id, redone=True)
+    assert list(service.folder.workers_in_quarantine()) == [liar.name]
+    # The image that was called final is made again.
+    wait_until(lambda: service.row(before.id).state == "SUCCEEDED" and service.row(before.id).image_final)
+    check_survived(service, before.id, redone=True)
+
+
+def test_honest_workers_agree(service: Service) -> None:
+    """L1: nobody else is found."""
+    service.start("", "--audit-share", "0.3", "--audit-share-new", "0.3")
+    render = service.create(samples=100)
+    for _ in range(2):
+        service.work(SimulatedWorker(service.server.url))
+    check_survived(service, render.id)
+    assert service.row(render.id).audited > 0
+    assert service.folder.workers_in_quarantine() == {}
+
+
+class Forger:
+    """Sends impossible results of every kind, one in the place of each job's first; the second is good."""
+
+    def __init__(self) -> None:
+        self._kinds = cycle(SPOILT.items())
+        self._seen: set[bytes] = set()
+        self.sent: set[str] = set()
+
+    def __call__(self, result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
+        job = result.job.SerializeToString()
+        if job in self._seen:
+            return [result]
+        self._seen.add(job)
+        name, spoil = next(self._kinds)
+        self.sent.add(name)
+        forged = job_pb2.JobResult()
+        forged.CopyFrom(result)
+        spoil(forged)
+        return [b"\xff\x00garbage", b"", forged]
+
+
+def test_garbage(service: Service) -> None:
+    """L2: each is refused, and its range done again."""
+    # Of some forged results nobody can tell whose job they took the place of.
+    service.start("", *OVERDUE_SOON)
+    render = service.create(samples=50)
+    forger = Forger()
+    service.work(SimulatedWorker(service.server.url, forger))
+    with service.server.client() as client:
+        client.xadd(keys.RESULTS, {"other": "field"})
+        client.xadd(keys.JOBS, {"other": "field"})
+        client.set(keys.WORKER_PREFIX + "x", b"\xff\xff", px=2000)
+    wait_until(lambda: service.row(render.id).state.ended, 60.0)
+    check_survived(service, render.id)
+    assert forger.sent == set(SPOILT)
+
+
+class Flooder:
+    """Sends, beside each result, ten that it has sent before, of any render."""
+
+    def __init__(self, seed: int) -> None:
+        self._random = random.Random(seed)
+        self._past: list[job_pb2.JobResult] = []
+
+    def __call__(self, result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
+        self._past.append(result)
+        return [*self._random.choices(self._past, k=10), result]
+
+
+def test_old_results_come_again_and_again(service: Service) -> None:
+    """L3: ten for every new one, of the render and of one that has ended."""
+    service.start()
+    flooder = service.work(SimulatedWorker(service.server.url, Flooder(3)))
+    first = service.create(samples=50, request_id="first")
+    check_survived(service, first.id)
+    second = service.create(samples=100, request_id="second")
+    service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    check_survived(service, second.id)
+    assert flooder.jobs_done > 0
+    assert service.row(first.id).photons == first.width * first.height * 50
+
+
+def test_a_worker_takes_the_jobs_of_others_off_the_stream(service: Service) -> None:
+    """L4: acknowledged and deleted, and nobody sends a result: they come again when they are overdue."""
+    service.start("", *OVERDUE_SOON)
+    render = service.create(samples=100)
+    worker = SimulatedWorker(service.server.url, delay=SOME_DELAY)
+    with service.server.client() as client:
+        wait_until(lambda: bool(client.exists(keys.JOBS)) and client.xlen(keys.JOBS) > 3)
+        service.work(worker)
+        wait_until(lambda: half_done(service, render.id))
+        gone = [entry for entry, _ in client.xrange(keys.JOBS)]
+        assert gone
+        client.xack(keys.JOBS, keys.WORKERS_GROUP, *gone)
+        client.xdel(keys.JOBS, *gone)
+    begun = time.monotonic()
+    wait_until(lambda: service.row(render.id).state.ended, 30.0)
+    note("L4", ended_s=time.monotonic() - begun)
+    check_survived(service, render.id)
