@@ -19,7 +19,7 @@ from tests.faults.faults import (
     kill_worker,
     stop_worker_for_three_leases,
 )
-from tests.faults.survival import note
+from tests.faults.survival import BOUND_S, note
 from tests.system.images import Image, differing_values
 from tests.system.program import Program
 from tests.system.renders import RANGES, followed_render, has_ended, is_in_mid_work, wait_for_more_ranges
@@ -72,7 +72,7 @@ def test_with_one_fault(fault: Fault, services: Services, traced_alone: Image) -
         wait_for_more_ranges(service.client, render.id, _SOME_RANGES)
         assert fault(service, render.id), "the render was over already"
         before, begun = service.client.get(render.id).progress.ranges_done, time.monotonic()
-        wait_for_more_ranges(service.client, render.id, 1)
+        wait_for_more_ranges(service.client, render.id, 1, BOUND_S)
         note(f"real {fault.__name__}", resumed_s=time.monotonic() - begun)
         image = render.finished_image()
         assert before < RANGES
@@ -160,7 +160,7 @@ def test_a_worker_that_can_not_keep_the_scene(
         assert is_in_mid_work(service.client, render.id)
         mend()
         begun = time.monotonic()
-        wait_for_more_ranges(service.client, render.id, 1)
+        wait_for_more_ranges(service.client, render.id, 1, BOUND_S)
         note(f"W9 {trouble.__name__[1:]}", resumed_s=time.monotonic() - begun)
         image = render.finished_image()
         assert service.client.get(render.id).progress.refused == 0

@@ -3,15 +3,23 @@ repeats a run."""
 
 import os
 import random
+import resource
 import signal
+import subprocess
 import time
 from collections.abc import Callable
+from contextlib import suppress
 
 import pytest
+import redis
 from nocturne_coordinator import keys
+from nocturne_coordinator.errors import WrongState
+from nocturne_coordinator.stopping import StopConditions
 
 from tests.coordinator.service import Service, check_complete, wait_until
-from tests.coordinator.simulated_worker import Shuffled, SimulatedWorker, unaltered
+from tests.coordinator.simulated_worker import Alter, Shuffled, SimulatedWorker, unaltered
+from tests.faults.survival import OVERDUE_SOON, check_nothing_left, note
+from tests.faults.test_lies import Flooder
 
 pytestmark = pytest.mark.soak
 
@@ -26,13 +34,20 @@ class Storm:
         self._chance = chance
         self.render_id = ""
         self._workers: list[SimulatedWorker] = []
+        self._coordinator: subprocess.Popen[bytes]
 
     def workers_come(self) -> None:
         for _ in range(self._chance.randint(1, 3)):
             seed = self._chance.randrange(2**32)
-            alter = Shuffled(seed) if self._chance.random() < 0.5 else unaltered
-            worker = SimulatedWorker(self._service.server.url, alter, self._chance.uniform(0.0, 0.03))
-            self._workers.append(self._service.work(worker))
+            kinds: list[Alter] = [unaltered, Shuffled(seed), Shuffled(seed, copies=10), Flooder(seed)]
+            alter = self._chance.choice(kinds)
+            self._comes(alter, self._chance.uniform(0.0, 0.03))
+
+    def a_slow_worker_comes(self) -> None:
+        self._comes(unaltered, 5.0)
+
+    def _comes(self, alter: Alter, delay: float) -> None:
+        self._workers.append(self._service.work(SimulatedWorker(self._service.server.url, alter, delay)))
 
     def workers_go(self) -> None:
         for worker in self._chance.sample(self._workers, len(self._workers) // 2):
@@ -42,7 +57,29 @@ class Storm:
     def coordinator_is_killed(self) -> None:
         self._service.stop(signal.SIGKILL)
         time.sleep(self._chance.uniform(0.0, 0.5))
-        self._service.start()
+        self.coordinator_starts()
+
+    def coordinator_starts(self) -> None:
+        self._coordinator = self._service.start("", *OVERDUE_SOON)
+
+    def coordinator_stands_still(self) -> None:
+        self._coordinator.send_signal(signal.SIGSTOP)
+        time.sleep(self._chance.uniform(0.0, 1.0))
+        self._coordinator.send_signal(signal.SIGCONT)
+
+    def the_disk_is_full(self) -> None:
+        pid = self._coordinator.pid
+        soft, hard = resource.prlimit(pid, resource.RLIMIT_FSIZE)
+        resource.prlimit(pid, resource.RLIMIT_FSIZE, (0, hard))
+        time.sleep(self._chance.uniform(0.0, 1.0))
+        resource.prlimit(pid, resource.RLIMIT_FSIZE, (soft, hard))
+
+    def everything_is_killed(self) -> None:
+        self._service.stop(signal.SIGKILL)
+        self._service.server.kill()
+        parts = [self._service.server.start, self.coordinator_starts, self.workers_come]
+        for start in self._chance.sample(parts, len(parts)):
+            start()
 
     def redis_is_killed(self) -> None:
         self._service.server.kill()
@@ -52,6 +89,22 @@ class Storm:
     def redis_is_emptied(self) -> None:
         with self._service.server.client() as client:
             client.flushall()
+
+    def redis_is_full(self) -> None:
+        with self._service.server.client() as client:
+            client.config_set("maxmemory", 1)
+            time.sleep(self._chance.uniform(0.0, 0.5))
+            client.config_set("maxmemory", 0)
+
+    def the_group_is_rewound(self) -> None:
+        with self._service.server.client() as client, suppress(redis.ResponseError):
+            client.xgroup_setid(keys.JOBS, keys.WORKERS_GROUP, "0")
+
+    def jobs_are_taken_off_the_stream(self) -> None:
+        with self._service.server.client() as client, suppress(redis.ResponseError):
+            for entry, _ in client.xrange(keys.JOBS, count=3):
+                client.xack(keys.JOBS, keys.WORKERS_GROUP, entry)
+                client.xdel(keys.JOBS, entry)
 
     def the_group_is_lost(self) -> None:
         with self._service.server.client() as client:
@@ -71,17 +124,31 @@ class Storm:
             client.xadd(keys.JOBS, {keys.JOB_FIELD: self._chance.randbytes(20)})
 
     def it_is_paused_for_a_while(self) -> None:
-        if self._service.row(self.render_id).state.ended:
-            return
-        self._service.folder.request_pause(self.render_id)
-        time.sleep(self._chance.uniform(0.0, 0.5))
-        self._service.folder.request_resume(self.render_id)
+        with suppress(WrongState):
+            self._service.folder.request_pause(self.render_id)
+            time.sleep(self._chance.uniform(0.0, 0.5))
+            self._service.folder.request_resume(self.render_id)
+
+    def it_is_asked_for_otherwise(self) -> None:
+        """More samples, another priority."""
+        row = self._service.row(self.render_id)
+        with suppress(WrongState):
+            self._service.folder.request_priority(row.id, self._chance.randint(1, 1000))
+            self._service.folder.request_extension(row.id, row.samples + 10, StopConditions())
 
     def all(self) -> list[Callable[[], None]]:
         return [
-            *(self.workers_come, self.workers_go, self.coordinator_is_killed, self.redis_is_killed),
-            *(self.redis_is_emptied, self.the_group_is_lost, self.somebody_takes_jobs_and_dies),
-            *(self.garbage_comes, self.it_is_paused_for_a_while),
+            *(
+                self.workers_come,
+                self.a_slow_worker_comes,
+                self.workers_go,
+                self.somebody_takes_jobs_and_dies,
+            ),
+            *(self.garbage_comes, self.jobs_are_taken_off_the_stream),
+            *(self.redis_is_killed, self.redis_is_emptied, self.redis_is_full),
+            *(self.the_group_is_lost, self.the_group_is_rewound),
+            *(self.coordinator_is_killed, self.coordinator_stands_still, self.the_disk_is_full),
+            *(self.it_is_paused_for_a_while, self.it_is_asked_for_otherwise, self.everything_is_killed),
         ]
 
 
@@ -91,8 +158,8 @@ def test_any_faults_leave_the_bits(service: Service) -> None:
     print(f"SOAK_SEED={seed}")  # noqa: T201 - to run it again
     chance = random.Random(seed)
     end = time.monotonic() + float(os.environ.get("SOAK_SECONDS", "600"))
-    service.start()
     storm = Storm(service, chance)
+    storm.coordinator_starts()
     renders = 0
     while time.monotonic() < end:
         renders += 1
@@ -106,5 +173,5 @@ def test_any_faults_leave_the_bits(service: Service) -> None:
         check_complete(service, storm.render_id)
         storm.workers_go()
     assert renders > 0
-    with service.server.client() as client:
-        wait_until(lambda: client.xlen(keys.JOBS) == 0 and client.xlen(keys.RESULTS) == 0)
+    note("S3", seed=seed, renders=renders, faults=renders * _FAULTS_PER_RENDER)
+    check_nothing_left(service)

@@ -13,7 +13,7 @@ from nocturne_client import Client, Render
 
 from tests.system.images import Image
 from tests.system.service_processes import ServiceProcesses
-from tests.system.waiting import wait_for
+from tests.system.waiting import LIMIT_S, wait_for
 
 ROOT = Path(__file__).parents[2]
 CORNELL = ROOT / "scenes" / "cornell" / "scene.json"
@@ -40,10 +40,10 @@ def is_in_mid_work(client: Client, render_id: str) -> bool:
     return 0 < client.get(render_id).progress.ranges_done < RANGES
 
 
-def wait_for_more_ranges(client: Client, render_id: str, ranges: int) -> None:
+def wait_for_more_ranges(client: Client, render_id: str, ranges: int, seconds: float = LIMIT_S) -> None:
     """Waits until that many more than now are committed, or all."""
     wanted = min(RANGES, client.get(render_id).progress.ranges_done + ranges)
-    wait_for(lambda: client.get(render_id).progress.ranges_done >= wanted, f"{wanted} ranges")
+    wait_for(lambda: client.get(render_id).progress.ranges_done >= wanted, f"{wanted} ranges", seconds)
 
 
 def finished_image(client: Client, render_id: str) -> Image:
