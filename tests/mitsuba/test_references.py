@@ -25,8 +25,7 @@ BATCHES, SAMPLES = 12, 64
 # Films of more pixels than 48 x 48 need fewer samples of each.
 PIXELS = 48 * 48
 
-_COAT = "Mitsuba's rough coat loses light between its facets, and ours does not"
-_SUM_COAT = "a rough coat, brighter than Mitsuba's: 0.6 % of the image"
+_COAT = "what Mitsuba's rough coat of alpha 1 loses depends on the angle, and here it does not"
 _SKY = "the sky's texels are interpolated there and constant here; it is seen nearly without noise"
 _TILES = "the spectra that stand for the same RGB are not quite the same; the means agree"
 _CORNERS = "between vertices Mitsuba interpolates coefficients of spectra, this RGB: 0.1 %"
@@ -45,7 +44,7 @@ SCENES = {
     "mesh_attributes/test_mesh_attributes_1_face_direct": ("", _FIT),
     "mesh_attributes/test_mesh_attributes_3_vertex_direct": ("", _CORNERS),
     "orthographic_sensor/test_orthographic_path": ("", ""),
-    "participating_media/test_surf_area_light_volpath": ("", _SUM_COAT),
+    "participating_media/test_surf_area_light_volpath": ("", ""),
     "participating_media/test_homo_area_light_volpath": ("", _PASSED),
     "participating_media/test_homo_null_envmap_volpath": ("", ""),
     "participating_media/test_homo_spectral_sigmat_volpathmis": ("", _COLOURS),

@@ -9,7 +9,7 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.importing.import_scene import import_scene
-from nocturne_coordinator.importing.mitsuba.plastics import inner_mean, inner_reflectance
+from nocturne_coordinator.importing.mitsuba.plastics import rough_coat, smooth_coat
 from nocturne_coordinator.importing.mitsuba.units import CANDELAS_PER_UNIT, white
 from nocturne_coordinator.importing.options import Imported, ImportOptions
 from nocturne_coordinator.scene.compile.mesh_files import load_mesh
@@ -99,27 +99,33 @@ def test_linear_plastic_sends_on_what_mitsuba_says(tmp_path: Path) -> None:
     """R / (1 - E) of light that entered the base, E being what the coat reflects back inside."""
     found = kernel(tmp_path, '<bsdf type="plastic"><rgb name="diffuse_reflectance" value="0.4"/></bsdf>')
     index, base = found["front"]["index"], found["front"]["reflectance"]
-    inside = inner_reflectance(index)
+    inside = smooth_coat(index).inside
     assert base / (1 - base * inside) == pytest.approx(0.4 / (1 - inside))
 
 
-def test_a_rough_coats_mean_is_mitsubas(tmp_path: Path) -> None:
-    """64 values with both ends: 63 / 64 of the trapezoidal rule, and half of the last value, 2 F(1).
-
-    The rule itself is off by 2.4e-3, since the critical angle lies between two of its values.
-    """
-    index = 1.49
-    normal = ((index - 1) / (index + 1)) ** 2
-    assert inner_mean(index) == pytest.approx((63 * inner_reflectance(index) + normal) / 64, abs=4e-3)
-    bsdf = '<bsdf type="roughplastic"><rgb name="diffuse_reflectance" value="0.4"/></bsdf>'
-    found = kernel(tmp_path, bsdf)["front"]
-    inside, theirs = inner_reflectance(found["index"]), inner_mean(found["index"])
-    assert found["reflectance"] / (1 - found["reflectance"] * inside) == pytest.approx(0.4 / (1 - theirs))
+def test_saturating_plastic_keeps_its_base(tmp_path: Path) -> None:
+    bsdf = (
+        '<bsdf type="plastic"><boolean name="nonlinear" value="true"/>'
+        '<rgb name="diffuse_reflectance" value="0.4"/></bsdf>'
+    )
+    assert kernel(tmp_path, bsdf)["front"]["reflectance"] == pytest.approx(0.4)
 
 
 def test_what_the_coat_reflects_back_is_as_published() -> None:
     """D. Judd, J. Res. NBS 29 (1942), diffuse reflectance of dielectrics: 0.596 inside for n = 1.5."""
-    assert inner_reflectance(1.5) == pytest.approx(0.596, abs=1e-3)
+    assert smooth_coat(1.5).inside == pytest.approx(0.596, abs=1e-3)
+
+
+def test_rough_plastic_becomes_a_coat_over_what_its_loss_leaves(tmp_path: Path) -> None:
+    bsdf = (
+        '<bsdf type="roughplastic"><float name="alpha" value="0.4"/><string name="distribution" value="ggx"/>'
+        '<rgb name="diffuse_reflectance" value="0.2"/></bsdf>'
+    )
+    found = kernel(tmp_path, bsdf)["front"]
+    assert found["roughness"] == 0.4
+    coat = rough_coat(found["index"], 0.4, "ggx")
+    gain = coat.passing * 0.2 / (1 - coat.theirs)
+    assert found["reflectance"] / (1 - found["reflectance"] * coat.inside) == pytest.approx(gain)
 
 
 def test_light_is_absolute(tmp_path: Path) -> None:

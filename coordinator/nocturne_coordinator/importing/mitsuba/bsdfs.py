@@ -11,7 +11,7 @@ from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.importing.mitsuba import spectra, textures
 from nocturne_coordinator.importing.mitsuba.context import Context
 from nocturne_coordinator.importing.mitsuba.elements import Element
-from nocturne_coordinator.importing.mitsuba.plastics import linear_base
+from nocturne_coordinator.importing.mitsuba.plastics import Coat, base_under, rough_coat, smooth_coat
 from nocturne_coordinator.importing.mitsuba.properties import Properties, numbers
 from nocturne_coordinator.importing.scene_writer import Json
 
@@ -195,30 +195,39 @@ def _scaled_down(context: Context, properties: Properties, kernel: Json) -> Json
 
 
 def _plastic(context: Context, properties: Properties) -> Bsdf:
-    return Bsdf(front_only(_coated(context, properties, {})))
+    index = _relative_index(context, properties, "polypropylene")
+    return Bsdf(front_only(_coated(context, properties, index, smooth_coat(index))))
 
 
 def _rough_plastic(context: Context, properties: Properties) -> Bsdf:
-    context.findings.note(
-        properties.place,
-        "a rough coat loses none of the light that Mitsuba's loses between facets: some per cent brighter at "
-        "alpha 0.1, twice as bright at 1",
-    )
-    return Bsdf(front_only(_coated(context, properties, _roughness(context, properties))))
-
-
-def _coated(context: Context, properties: Properties, roughness: Json) -> Json:
-    _scales(context, properties, "specular_reflectance")
     index = _relative_index(context, properties, "polypropylene")
+    roughness = _roughness(context, properties)
+    coat = smooth_coat(index)
+    if isinstance(roughness.get("roughness"), float):
+        coat = rough_coat(index, roughness["roughness"], roughness.get("distribution", "ggx"))
+        context.findings.note(
+            properties.place,
+            "what Mitsuba's rough coat loses between its facets, the base loses instead: as much in even "
+            "light, and the same part at all angles",
+        )
+    else:
+        context.findings.note(
+            properties.place, "a coat of varying roughness loses none of the light that Mitsuba's loses"
+        )
+    return Bsdf(front_only(_coated(context, properties, index, coat) | roughness))
+
+
+def _coated(context: Context, properties: Properties, index: float, coat: Coat) -> Json:
+    _scales(context, properties, "specular_reflectance")
     base = textures.colour(context, properties, "diffuse_reflectance", 0.5)
-    if not properties.switch("nonlinear", False):
-        if isinstance(base, dict) and "texture" in base:
-            context.findings.lost(
-                properties.place, "a textured base under a coat needs nonlinear = true; taken as such"
-            )
-        else:
-            base = linear_base(base, index, rough=bool(roughness))
-    return {"type": "coated_diffuse", "index": index, "reflectance": base, **roughness}
+    linear = not properties.switch("nonlinear", False)
+    if not (isinstance(base, dict) and "texture" in base):
+        base = base_under(coat, base, linear=linear)
+    elif linear:
+        context.findings.lost(
+            properties.place, "a textured base under a coat needs nonlinear = true; taken as such"
+        )
+    return {"type": "coated_diffuse", "index": index, "reflectance": base}
 
 
 def _inside(context: Context, properties: Properties, least: int, most: int) -> list[Bsdf]:
