@@ -113,6 +113,8 @@ CASES = {
     "sun.xml": (mitsuba("directional", "irradiance", DOWNWARDS), SUN * CANDELAS_PER_UNIT),
     "sky.xml": (mitsuba("constant", "radiance"), SKY * CANDELAS_PER_UNIT),
     "point.pbrt": (pbrt('"point" "point3 from" [ 0 2 0 ] "rgb I" [ 1 1 1 ] "float scale" 100'), POINT),
+    # 4 pi 100 lm.
+    "bulb.pbrt": (pbrt('"point" "point3 from" [ 0 2 0 ] "rgb I" [ 1 1 1 ] "float power" 1256.637'), POINT),
     "sun.pbrt": (pbrt('"distant" "point3 from" [ 0 1 0 ] "point3 to" [ 0 0 0 ] "float scale" 100'), SUN),
     "sky.pbrt": (pbrt('"infinite" "blackbody L" 5000 "float illuminance" 314.159265'), SKY),
     "point.gltf": (gltf({"type": "point", "intensity": 100}), POINT),

@@ -11,6 +11,7 @@ import pytest
 from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.importing.import_scene import import_scene
 from nocturne_coordinator.importing.options import Imported, ImportOptions
+from nocturne_coordinator.scene import photometric_files
 from nocturne_coordinator.scene.compile.mesh_files import load_mesh
 
 HEAD = """Camera "perspective" "float fov" 45
@@ -64,6 +65,25 @@ def test_a_lights_white_has_the_luminance_of_its_scale(tmp_path: Path) -> None:
     assert bright["luminaire"] == {"radiance": {"blackbody": 3000, "luminance": 50}}
     assert "luminaire" not in ball
     assert document["environment"]["radiance"]["luminance"] == pytest.approx(1)
+
+
+def test_a_points_power_goes_into_all_directions(tmp_path: Path) -> None:
+    lamp = 'LightSource "point" "float power" 200 "float scale" 3 "blackbody I" 3000'
+    document, _ = imported(tmp_path, f'{lamp} Shape "sphere"', light_radius=0.01)
+    radiance = document["surfaces"][1]["luminaire"]["radiance"]["luminance"]
+    assert radiance * np.pi * 0.01**2 == pytest.approx(3 * 200 / (4 * np.pi))
+
+
+@pytest.mark.parametrize(("cone", "delta"), [(30, 5), (80, 80), (120, 20)])
+def test_a_spots_power_is_its_flux(tmp_path: Path, cone: float, delta: float) -> None:
+    """The sum of the intensities in its file, straight in between, over all directions."""
+    lamp = f'LightSource "spot" "float power" 200 "float coneangle" {cone} "float conedeltaangle" {delta}'
+    document, _ = imported(tmp_path, f'{lamp} Shape "sphere"')
+    asset = document["surfaces"][1]["luminaire"]["profile"]["asset"]
+    lamp_file = photometric_files.read((tmp_path / "out" / asset).read_bytes())
+    degrees = np.linspace(0, 180, 200_001)
+    candela = np.interp(degrees, lamp_file.vertical, lamp_file.candela[0])
+    assert -2 * np.pi * np.trapezoid(candela, np.cos(np.radians(degrees))) == pytest.approx(200, rel=2e-4)
 
 
 def test_roughness_is_the_square_of_alpha_unless_it_is_not(tmp_path: Path) -> None:
@@ -120,6 +140,11 @@ def test_compressed_meshes_and_included_files(tmp_path: Path) -> None:
         ('Material "hair" Shape "sphere"', 'no equal of the material "hair"'),
         ('Shape "sphere" "float colour" 1', 'no equal of the parameter "colour"'),
         ('LightSource "projection"', 'no equal of the light "projection"'),
+        ('LightSource "distant" "float power" 9', 'no equal of the parameter "power"'),
+        ('AreaLightSource "diffuse" "float power" 9', 'no equal of an area light\'s "power"'),
+        ('MakeNamedMedium "m" "string type" "nanovdb"', 'no equal of the medium "nanovdb"'),
+        ('MakeNamedMedium "m" "string type" "rgbgrid"', 'no equal of the medium "rgbgrid"'),
+        ('MakeNamedMedium "m" "string type" "cloud"', 'no equal of the medium "cloud"'),
     ],
 )
 def test_what_has_no_equal_is_named_and_can_be_allowed(tmp_path: Path, body: str, said: str) -> None:

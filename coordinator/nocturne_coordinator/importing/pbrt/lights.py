@@ -21,9 +21,13 @@ def add_light(context: Context, kind: str, parameters: Parameters) -> None:
         )
         return
     _LIGHTS[kind](context, parameters)
-    if parameters.take("power") is not None:
-        context.findings.lost(parameters.place, 'no equal of "power"')
     parameters.finish()
+
+
+def _scale(parameters: Parameters, angle: float) -> float:
+    """cd of white: `scale`, times `power` (lm, of white) over the solid angle that it goes into."""
+    scale, power = float(parameters.number("scale", 1.0)), float(parameters.number("power", 0.0))
+    return scale * power / angle if power > 0 else scale
 
 
 def _infinite(context: Context, parameters: Parameters) -> None:
@@ -99,7 +103,7 @@ def _distant(context: Context, parameters: Parameters) -> None:
 
 def _point(context: Context, parameters: Parameters) -> None:
     position = np.asarray(context.to_world() @ [*(parameters.numbers("from", 3) or [0.0, 0.0, 0.0]), 1.0])[:3]
-    intensity = spectra.light(context, parameters, "I", float(parameters.number("scale", 1.0)))
+    intensity = spectra.light(context, parameters, "I", _scale(parameters, 4 * np.pi))
 
     def add() -> None:
         radius = context.light_radius()
@@ -117,10 +121,10 @@ def _spot(context: Context, parameters: Parameters) -> None:
     edge = cone - float(parameters.number("conedeltaangle", 5.0))
     if not 0 <= edge <= cone < 180:
         raise InputError.at(parameters.place, "expected 0 <= conedeltaangle <= coneangle < 180")
-    intensity = spectra.light(context, parameters, "I", float(parameters.number("scale", 1.0)))
     degrees = np.unique(np.concatenate([[0.0, 180.0, min(180.0, cone + 1e-3)], np.linspace(edge, cone, 65)]))
-    # A smooth step of the cosine.
+    # A smooth step of the cosine, whose mean is a half.
     cosine, low, high = np.cos(np.radians(degrees)), np.cos(np.radians(cone)), np.cos(np.radians(edge))
+    intensity = spectra.light(context, parameters, "I", _scale(parameters, np.pi * (2 - low - high)))
     t = np.clip((cosine - low) / max(high - low, 1e-9), 0.0, 1.0)
     part = t * t * (3 - 2 * t)
 

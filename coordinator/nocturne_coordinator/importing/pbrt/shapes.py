@@ -57,9 +57,12 @@ def area_light(context: Context) -> Json:
     parameters = context.parameters("area light", place, given)
     if kind != "diffuse":
         context.findings.lost(place, f'no equal of the area light "{kind}"; there is diffuse')
-    for name in ("filename", "power"):
-        if parameters.take(name) is not None:
-            context.findings.lost(place, f'no equal of an area light\'s "{name}"')
+    if parameters.take("filename") is not None:
+        context.findings.lost(place, 'no equal of an area light\'s "filename"')
+    if parameters.take("power") is not None:
+        context.findings.lost(
+            place, 'no equal of an area light\'s "power": each triangle has all of it in pbrt'
+        )
     radiance = spectra.light(context, parameters, "L", float(parameters.number("scale", 1.0)))
     two_sided = parameters.switch("twosided", False)
     parameters.finish()
