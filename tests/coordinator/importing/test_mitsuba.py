@@ -128,6 +128,67 @@ def test_rough_plastic_becomes_a_coat_over_what_its_loss_leaves(tmp_path: Path) 
     assert found["reflectance"] / (1 - found["reflectance"] * coat.inside) == pytest.approx(gain)
 
 
+def principled(**parameters: float) -> str:
+    given = "".join(f'<float name="{name}" value="{value}"/>' for name, value in parameters.items())
+    return f'<bsdf type="principled">{given}</bsdf>'
+
+
+def test_principled_glass_is_a_rough_dielectric(tmp_path: Path) -> None:
+    """Alpha is the square of its roughness, and 0.08 specular the reflectance at normal incidence."""
+    found = kernel(tmp_path, principled(base_color=1, spec_trans=1, roughness=0.5, specular=0.6, sheen=1))
+    assert (found["type"], found["roughness"]) == ("dielectric", 0.25)
+    assert ((found["index"] - 1) / (found["index"] + 1)) ** 2 == pytest.approx(0.08 * 0.6)
+
+
+def test_principled_metal_reflects_its_colour_at_normal_incidence(tmp_path: Path) -> None:
+    found = kernel(tmp_path, principled(base_color=0.7, metallic=1, roughness=0.3, spec_tint=1))
+    front = found["front"]
+    assert (front["type"], front["roughness"]) == ("conductor", pytest.approx(0.09))
+    n, k = front["index"]["n"], front["index"]["k"]
+    assert ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2) == pytest.approx(0.7)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "said"),
+    [
+        ({}, '"metallic" other than 1, or 0 with a "spec_trans" of 1'),
+        ({"metallic": 0.5, "spec_trans": 1}, '"metallic" other than 1'),
+        ({"metallic": 1, "clearcoat": 0.5}, '"clearcoat" other than 0'),
+        ({"metallic": 1, "anisotropic": 0.5}, '"anisotropic" other than 0'),
+        ({"spec_trans": 1, "base_color": 1, "spec_tint": 0.5}, '"spec_tint" other than 0'),
+        ({"spec_trans": 1, "base_color": 0.5}, '"base_color" of glass other than 1'),
+        ({"spec_trans": 1, "base_color": 1, "eta": 1.5, "specular": 0.5}, "found both"),
+    ],
+)
+def test_what_else_is_principled_is_refused_by_name(
+    tmp_path: Path, parameters: dict[str, float], said: str
+) -> None:
+    with pytest.raises(InputError) as raised:
+        kernel(tmp_path, principled(**parameters))
+    assert said in str(raised.value)
+
+
+def test_a_raw_constant_is_a_number(tmp_path: Path) -> None:
+    bsdf = (
+        '<bsdf type="roughconductor"><string name="material" value="Al"/>'
+        '<texture name="alpha" type="rawconstant"><float name="value" value="0.3"/></texture></bsdf>'
+    )
+    assert kernel(tmp_path, bsdf)["front"]["roughness"] == 0.3
+
+
+def test_a_raw_constant_can_be_a_normal(tmp_path: Path) -> None:
+    bsdf = (
+        '<bsdf type="normalmap"><texture name="normalmap" type="rawconstant">'
+        '<vector name="value" value="0.5, 0.5, 1"/></texture><bsdf type="diffuse"/></bsdf>'
+    )
+    document, found = imported(tmp_path, f'<shape type="rectangle">{bsdf}</shape>')
+    [use] = [surface["normal_map"] for surface in document["surfaces"]]
+    texture = document["textures"][use["texture"]]
+    assert texture["encoding"] == "linear"
+    pixels = np.asarray(oiio.ImageBuf(str(found.document.parent / texture["asset"])).get_pixels(oiio.FLOAT))
+    assert pixels.reshape(-1, 3).tolist() == [[0.5, 0.5, 1.0]]
+
+
 def test_light_is_absolute(tmp_path: Path) -> None:
     """A flat radiance of 1 has Y = 1 in Mitsuba, up to the film's constant; grey rgb is D65."""
     document, _ = imported(
@@ -256,6 +317,10 @@ def test_defaults_includes_and_references(tmp_path: Path) -> None:
             'no equal of the parameter "colour"',
         ),
         ('<emitter type="projector"/>' + SPHERE, 'no equal of the emitter "projector"'),
+        (
+            '<shape type="sphere"><bsdf type="principledthin"/></shape>',
+            'no equal of the bsdf "principledthin"',
+        ),
         (SPHERE + '<volume type="gridvolume"/>', "no equal of <volume>"),
     ],
 )

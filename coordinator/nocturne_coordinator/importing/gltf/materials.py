@@ -1,6 +1,5 @@
 """Metallic-roughness materials and their extensions, as kernels."""
 
-import math
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,7 +9,7 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from numpy.typing import NDArray
 
 from nocturne_coordinator.errors import InputError
-from nocturne_coordinator.importing import colours
+from nocturne_coordinator.importing import colours, metals
 from nocturne_coordinator.importing.findings import Findings
 from nocturne_coordinator.importing.gltf.container import Container, floats, number, unused_extensions, value
 from nocturne_coordinator.importing.scene_writer import Json, SceneWriter
@@ -114,7 +113,11 @@ class Materials:
             self.findings.note(
                 self.container.at(place), "where it is metal the base colour's texture counts by its mean"
             )
-        metal = {"type": "conductor", "index": _metal(metal_colour), **roughness}
+        metal = {
+            "type": "conductor",
+            "index": metals.of_colour(colours.reflectance(np.clip(metal_colour, 0.0, 1.0))),
+            **roughness,
+        }
         if metallic == 1.0:
             return metal
         return {"type": "blend", "first": plastic, "second": metal, "weight": metallic}
@@ -261,13 +264,3 @@ class Materials:
         """A scalar texture of pixels in place of a use's own."""
         asset = self.writer.picture(name, pixels)
         return {**use, "texture": {**use["texture"], "asset": asset, "encoding": "linear"}}
-
-
-def _metal(colour: NDArray[np.float64]) -> Json:
-    """An index whose reflectance at normal incidence is the colour: of n = 1 it is k^2 / (4 + k^2)."""
-    held = np.clip(colour, 0.0, 0.999)
-    if len(set(held.tolist())) == 1:
-        return {"n": 1.0, "k": 2 * math.sqrt(held[0] / (1 - held[0]))}
-    at = np.arange(360.0, 831.0, 5.0)
-    r = np.minimum(rgb_spectra.spectra_of(rgb_spectra.rgb_to_coefficients(held), at), 0.999)
-    return {"n": 1.0, "k": {"table": np.stack([at, 2 * np.sqrt(r / (1 - r))], 1).tolist()}}

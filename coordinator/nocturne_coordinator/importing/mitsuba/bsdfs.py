@@ -12,6 +12,7 @@ from nocturne_coordinator.importing.mitsuba import spectra, textures
 from nocturne_coordinator.importing.mitsuba.context import Context
 from nocturne_coordinator.importing.mitsuba.elements import Element
 from nocturne_coordinator.importing.mitsuba.plastics import Coat, base_under, rough_coat, smooth_coat
+from nocturne_coordinator.importing.mitsuba.principled import principled
 from nocturne_coordinator.importing.mitsuba.properties import Properties, numbers
 from nocturne_coordinator.importing.scene_writer import Json
 
@@ -230,6 +231,11 @@ def _coated(context: Context, properties: Properties, index: float, coat: Coat) 
     return {"type": "coated_diffuse", "index": index, "reflectance": base}
 
 
+def _principled(context: Context, properties: Properties) -> Bsdf:
+    kernel = principled(context, properties)
+    return Bsdf(kernel if kernel["type"] == "dielectric" else front_only(kernel))
+
+
 def _inside(context: Context, properties: Properties, least: int, most: int) -> list[Bsdf]:
     inside = [bsdf(context, element) for element in properties.take_all("bsdf")]
     if not least <= len(inside) <= most:
@@ -270,6 +276,8 @@ def _normal_map(context: Context, properties: Properties) -> Bsdf:
     [inside] = _inside(context, properties, 1, 1)
     element = properties.take("normalmap")
     use = None if element is None else textures.texture(context, element)
+    if isinstance(use, float):
+        raise InputError.at(properties.place, "a normal map has three values")
     return Bsdf(inside.kernel, inside.relief | ({} if use is None else {"normal_map": use}))
 
 
@@ -278,7 +286,8 @@ def _bump_map(context: Context, properties: Properties) -> Bsdf:
     height = properties.number("scale", 1.0)
     found = [properties.take(name) for name in properties.names()]
     use = textures.texture(context, found[0]) if found and found[0] is not None else None
-    if use is not None:
+    # One height everywhere is none.
+    if isinstance(use, dict):
         context.findings.note(
             properties.place,
             "heights of the bump map are taken as metres, not as parts of the surface's size",
@@ -296,6 +305,7 @@ _BSDFS: dict[str, Callable[[Context, Properties], Bsdf]] = {
     "roughconductor": _rough_conductor,
     "plastic": _plastic,
     "roughplastic": _rough_plastic,
+    "principled": _principled,
     "twosided": _two_sided,
     "mask": _mask,
     "blendbsdf": _blend,

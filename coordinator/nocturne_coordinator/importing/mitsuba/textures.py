@@ -14,7 +14,7 @@ from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.importing.mitsuba import spectra
 from nocturne_coordinator.importing.mitsuba.context import Context
 from nocturne_coordinator.importing.mitsuba.elements import Element
-from nocturne_coordinator.importing.mitsuba.properties import Properties
+from nocturne_coordinator.importing.mitsuba.properties import Properties, numbers, vector
 from nocturne_coordinator.importing.scene_writer import Json
 from nocturne_coordinator.scene.environment_maps import UnusableImageError, opened
 
@@ -101,15 +101,32 @@ def _mesh_attribute(context: Context, element: Element) -> Json:
     return {"texture": ATTRIBUTE + name}
 
 
+def _raw_constant(context: Context, element: Element) -> Json:
+    """A number; or three of them, which a picture of one colour stands for."""
+    properties = context.properties(element)
+    value = properties.take("value")
+    properties.finish()
+    if value is None or value.tag not in ("float", "integer", "vector", "point"):
+        raise InputError.at(element.place, 'a rawconstant needs a "value", <float> or <vector>')
+    if value.tag in ("float", "integer"):
+        return numbers(value.need("value"), value.place, 1)[0]
+    asset = context.writer.picture("constant", np.array(vector(value)).reshape(1, 1, 3))
+    return {"texture": context.writer.name("textures", "constant", {"asset": asset, "encoding": "linear"})}
+
+
 _TEXTURES: dict[str, Callable[[Context, Element], Json]] = {
     "bitmap": _bitmap,
     "checkerboard": _checkerboard,
     "mesh_attribute": _mesh_attribute,
+    "rawconstant": _raw_constant,
 }
 
 
 def texture(context: Context, element: Element) -> Json:
-    """The use of a texture; each element becomes one texture, however often it is used."""
+    """The use of a texture, or the number that it is everywhere; None where it has no equal.
+
+    Each element becomes one texture, however often it is used.
+    """
     if element.type not in _TEXTURES:
         context.findings.lost(
             element.place, f'no equal of the texture "{element.type}"; there are {", ".join(_TEXTURES)}'
@@ -126,7 +143,8 @@ def colour(context: Context, properties: Properties, name: str, default: Json) -
     if element is None:
         return default
     if element.tag == "texture":
-        return texture(context, element) or default
+        found = texture(context, element)
+        return default if found is None else found
     return spectra.reflectance(context, element)
 
 
@@ -136,7 +154,8 @@ def number(context: Context, properties: Properties, name: str, default: float) 
     if element is None:
         return default
     if element.tag == "texture":
-        return texture(context, element) or default
+        found = texture(context, element)
+        return default if found is None else found
     value = spectra.reflectance(context, element)
     if not isinstance(value, float):
         raise InputError.at(element.place, f'"{name}" is a number')
@@ -151,4 +170,6 @@ def light(context: Context, properties: Properties, name: str, default: Json) ->
     if element.tag != "texture":
         return spectra.light(context, element)
     use = texture(context, element)
-    return default if use is None else use | {"spectrum": default}
+    if use is None or isinstance(use, float):
+        return default if use is None else use
+    return use | {"spectrum": default}
