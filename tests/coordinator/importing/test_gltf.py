@@ -8,11 +8,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.importing.import_scene import import_scene
 from nocturne_coordinator.importing.options import Imported, ImportOptions
 from nocturne_coordinator.scene.compile.mesh_files import load_mesh
+from nocturne_coordinator.scene.image_textures import decoded
+
+from tests.pictures import write_exr
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype="<f4")
 COORDINATES = np.array([[0, 0], [1, 0], [0, 0.25]], dtype="<f4")
@@ -94,11 +98,35 @@ def test_metal_reflects_its_colour_at_normal_incidence(tmp_path: Path) -> None:
     assert found["roughness"] == pytest.approx(0.25)
 
 
+def test_light_that_went_through_the_coat_comes_out_as_the_base_colour_says(tmp_path: Path) -> None:
+    """D. Judd, J. Res. NBS 29 (1942): of evenly distributed light 0.596 is reflected back inside."""
+    pbr = {"baseColorFactor": [0.2, 0.5, 0.9, 1], "metallicFactor": 0}
+    under = np.array(kernel(tmp_path, {"pbrMetallicRoughness": pbr})["reflectance"]["rgb"])
+    assert under * (1 - 0.596) / (1 - 0.596 * under) == pytest.approx(np.array([0.2, 0.5, 0.9]), rel=2e-3)
+
+
+def test_a_textured_base_is_changed_texel_by_texel(tmp_path: Path) -> None:
+    (tmp_path / "in").mkdir()
+    write_exr(tmp_path / "in" / "t.exr", np.array([[[0.2, 0.5, 0.9], [1.0, 0.0, 0.5]]]))
+    scene = tree()
+    pbr = {"baseColorTexture": {"index": 0}, "baseColorFactor": [1, 1, 0.5, 1], "metallicFactor": 0}
+    scene |= {"images": [{"uri": "t.exr"}], "textures": [{"source": 0}]}
+    scene["materials"] = [{"pbrMetallicRoughness": pbr, "emissiveFactor": [1, 1, 1]}]
+    document, found = imported(tmp_path, scene)
+    [entry] = document["kernels"].values()
+    assert entry["reflectance"]["texture"]["encoding"] == "linear"
+    asset = found.document.parent / entry["reflectance"]["texture"]["asset"]
+    under = np.asarray(oiio.ImageBuf(str(asset)).get_pixels(oiio.FLOAT))
+    stored = np.array([[[0.2, 0.5, 0.9], [1.0, 0.0, 0.5]]])
+    expected = decoded(stored) * [1, 1, 0.5]
+    assert under * (1 - 0.596) / (1 - 0.596 * under) == pytest.approx(expected, rel=3e-3)
+
+
 def test_a_partly_metallic_one_is_a_blend(tmp_path: Path) -> None:
     pbr = {"baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 0.25, "roughnessFactor": 0}
     found = kernel(tmp_path, {"pbrMetallicRoughness": pbr})
     assert found["weight"] == 0.25
-    assert found["first"] == {"type": "coated_diffuse", "index": 1.5, "reflectance": 0.5}
+    assert (found["first"]["type"], found["first"]["index"]) == ("coated_diffuse", 1.5)
     assert found["second"]["type"] == "conductor"
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne_coordinator.errors import InputError
+from nocturne_coordinator.importing.coats import rough_coat, smooth_coat
 from nocturne_coordinator.importing.import_scene import import_scene
-from nocturne_coordinator.importing.mitsuba.plastics import rough_coat, smooth_coat
 from nocturne_coordinator.importing.mitsuba.units import CANDELAS_PER_UNIT, white
 from nocturne_coordinator.importing.options import Imported, ImportOptions
 from nocturne_coordinator.scene.compile.mesh_files import load_mesh

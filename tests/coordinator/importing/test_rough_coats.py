@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from nocturne_coordinator.importing.mitsuba.fresnel import reflectance_of
-from nocturne_coordinator.importing.mitsuba.plastics import rough_coat, smooth_coat
-from nocturne_coordinator.importing.mitsuba.rough_coats import Facets, unit_interval
+from nocturne_coordinator.importing.coats import rough_coat, smooth_coat
+from nocturne_coordinator.importing.fresnel import reflectance_of
+from nocturne_coordinator.importing.rough_coats import Facets, unit_interval
 
 INDEX = 1.5
 BASE = 0.2

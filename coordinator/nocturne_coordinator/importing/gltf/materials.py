@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.importing import colours, metals
+from nocturne_coordinator.importing.coats import smooth_coat
 from nocturne_coordinator.importing.findings import Findings
 from nocturne_coordinator.importing.gltf.container import Container, floats, number, unused_extensions, value
 from nocturne_coordinator.importing.scene_writer import Json, SceneWriter
@@ -79,19 +80,17 @@ class Materials:
         return ior
 
     def _opaque(self, pbr: Json, extensions: Json, place: str) -> Json:
-        factor = floats(self.container, pbr, "baseColorFactor", [1.0] * 4, place)[:3]
-        base: Json = colours.reflectance([min(1.0, max(0.0, part)) for part in factor])
-        metal_colour = np.array(factor)
+        factor = np.clip(floats(self.container, pbr, "baseColorFactor", [1.0] * 4, place)[:3], 0.0, 1.0)
+        metal_colour = factor
+        # What light that went through the coat comes out with, not what is under it.
+        index = self._index(extensions, place)
+        coat = smooth_coat(index)
+        base: Json = colours.reflectance(coat.changed(factor, linear=True).tolist())
         if "baseColorTexture" in pbr:
-            asset, use = self._picture(pbr["baseColorTexture"], place)
-            base = {
-                **use,
-                "texture": {**use["texture"], "asset": asset, "encoding": "sRGB"},
-                "spectrum": base,
-            }
-            metal_colour = metal_colour * decoded(self._read(pbr["baseColorTexture"], place)[..., :3]).mean(
-                axis=(0, 1)
-            )
+            pixels = factor * decoded(self._read(pbr["baseColorTexture"], place)[..., :3])
+            metal_colour = pixels.mean(axis=(0, 1))
+            _, use = self._picture(pbr["baseColorTexture"], place)
+            base = self._baked(use, coat.changed(pixels, linear=True), "base")
         metallic: Json = number(self.container, pbr, "metallicFactor", 1.0, place)
         rough = number(self.container, pbr, "roughnessFactor", 1.0, place)
         alpha: Json = rough**2
@@ -103,7 +102,7 @@ class Materials:
         roughness = {} if alpha == 0.0 else {"roughness": alpha}
         plastic = {
             "type": "coated_diffuse",
-            "index": self._index(extensions, place),
+            "index": index,
             "reflectance": base,
             **roughness,
         }
@@ -115,7 +114,7 @@ class Materials:
             )
         metal = {
             "type": "conductor",
-            "index": metals.of_colour(colours.reflectance(np.clip(metal_colour, 0.0, 1.0))),
+            "index": metals.of_colour(colours.reflectance(metal_colour.tolist())),
             **roughness,
         }
         if metallic == 1.0:

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from nocturne_coordinator.errors import InputError
+from nocturne_coordinator.importing.coats import Coat, base_under, rough_coat, smooth_coat
 from nocturne_coordinator.importing.mitsuba import spectra, textures
 from nocturne_coordinator.importing.mitsuba.context import Context
 from nocturne_coordinator.importing.mitsuba.elements import Element
-from nocturne_coordinator.importing.mitsuba.plastics import Coat, base_under, rough_coat, smooth_coat
 from nocturne_coordinator.importing.mitsuba.principled import principled
 from nocturne_coordinator.importing.mitsuba.properties import Properties, numbers
 from nocturne_coordinator.importing.scene_writer import Json

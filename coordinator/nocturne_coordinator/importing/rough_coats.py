@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from nocturne_coordinator.importing.mitsuba.fresnel import reflectance_of
+from nocturne_coordinator.importing.fresnel import reflectance_of
 
 Array = NDArray[np.float64]
 

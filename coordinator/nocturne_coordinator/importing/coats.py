@@ -1,11 +1,11 @@
-"""The base under a coat, so that as much light leaves it as in Mitsuba.
+"""The base under a coat, so that as much light leaves it as in another renderer.
 
 Under a coat of relative index n light bounces between base and coat: of a base of reflectance R leaves
-R / (1 - R E), E being what the coat reflects back inside of evenly distributed light. Mitsuba's plastics
-without `nonlinear` let no colour saturate and say R / (1 - e) instead; e is the E that Mitsuba computes. Its
-rough coats lose light besides (rough_coats.py): on the way in and on the way out a factor c. So its plastics
-are the coated diffuse kernel with another base: from R' / (1 - R' E) = c^2 R / (1 - e) = G follows
-R' = G / (1 + G E).
+R / (1 - R E), E being what the coat reflects back inside of evenly distributed light. glTF, whose base colour
+is R, and Mitsuba's plastics without `nonlinear` let no colour saturate and say R / (1 - e) instead, with the
+e of the other renderer. Mitsuba's rough coats lose light besides (rough_coats.py): on the way in and on the
+way out a factor c. So all are the coated diffuse kernel with another base: from
+R' / (1 - R' E) = c^2 R / (1 - e) = G follows R' = G / (1 + G E).
 """
 
 from dataclasses import dataclass
@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from nocturne_coordinator.importing.mitsuba.fresnel import reflectance_of
-from nocturne_coordinator.importing.mitsuba.rough_coats import Facets, unit_interval
+from nocturne_coordinator.importing.fresnel import reflectance_of
+from nocturne_coordinator.importing.rough_coats import Facets, unit_interval
 from nocturne_coordinator.importing.scene_writer import Json
 from nocturne_coordinator.scene import rgb_spectra
 
@@ -34,9 +34,9 @@ class Coat:
     inside: float
     """E: the part of evenly distributed light that the kernel's coat reflects back."""
     theirs: float
-    """e: the same in Mitsuba."""
+    """e: the same in the other renderer."""
     passing: float = 1.0
-    """c^2: of evenly distributed light, what Mitsuba's coat lets in and out again, over what ours does."""
+    """c^2: of evenly distributed light, what the other coat lets in and out again, over what ours does."""
 
     def changed(self, value: NDArray[np.float64], *, linear: bool) -> NDArray[np.float64]:
         """R' of R, held at 1."""
