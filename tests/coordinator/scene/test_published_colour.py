@@ -1,5 +1,8 @@
 """Published spectra give the published colours."""
 
+import warnings
+from importlib import import_module
+
 import numpy as np
 import pytest
 from nocturne_coordinator.scene import published, spectra, sun
@@ -184,7 +187,26 @@ def test_the_sun_has_its_illuminance() -> None:
     xyz = sun.irradiance() @ cmf()
     assert xyz[1] * 683.002 == pytest.approx(133100.8, rel=1e-5)
     assert xy(xyz) == pytest.approx((0.32337981, 0.3326608), abs=1e-7)
-    assert np.pi * np.sin(sun.half_angle()) ** 2 == pytest.approx(6.7999247e-05, rel=1e-6)
+    solid_angle = np.pi * np.sin(sun.half_angle()) ** 2
+    assert solid_angle == pytest.approx(6.7999247e-05, rel=1e-6)
+    assert xyz[1] * 683.002 / solid_angle == pytest.approx(1.9573864e9, rel=1e-5)
+
+
+def test_the_sun_is_that_of_the_standards_table() -> None:
+    """All columns of ASTM G173-03: power from 280 to 4000 nm, and illuminances below air mass 1.5 on a tilted
+    plane and across the beam, by the sum over our wavelengths."""
+    with warnings.catch_warnings():
+        # Of packages that colour-science would plot with.
+        warnings.simplefilter("ignore")
+        tables = import_module("colour.plotting.datasets.astm_g_173")
+    space, tilted, across = (
+        np.array(list(getattr(tables, f"DATA_ASTMG173_{column}").items())).T
+        for column in ("ETR", "GLOBAL_TILT", "DIRECT_CIRCUMSOLAR")
+    )
+    assert np.trapezoid(space[1], space[0]) == pytest.approx(1347.934, rel=1e-6)
+    assert np.array_equal(np.interp(WAVELENGTHS, *space), sun.irradiance())
+    for table, lux in ((tilted, 109495.2), (across, 97142.534)):
+        assert 683.002 * np.interp(WAVELENGTHS, *table) @ cmf()[:, 1] == pytest.approx(lux, rel=1e-5)
 
 
 @pytest.mark.parametrize("darkened", [False, True])
