@@ -1,7 +1,7 @@
 """A large density grid through the whole service: upload, compile, fetch, trace; memory by process.
 
 The grid is noise in every voxel, which neither compression nor sparsity makes much smaller. Two worker
-processes take it from one cache, and hold a copy each.
+processes map it from one cache: each has all its pages resident, and they share them.
 """
 
 import json

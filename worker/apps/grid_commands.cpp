@@ -161,7 +161,7 @@ json convert_grid(const fs::path& vdb, const std::string& name, const fs::path& 
     handle.reset();
     try {
       // As the worker will read it.
-      const FloatGrid checked = FloatGrid::read(part);
+      const FloatGrid checked = FloatGrid::map(part);
       written["most"] = checked.most();
       written["bytes"] = checked.size();
     } catch (const std::invalid_argument& error) {

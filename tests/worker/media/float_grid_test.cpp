@@ -170,7 +170,7 @@ TEST(FloatGrid, RefusesAGridOfNothing) {
       std::string::npos);
 }
 
-TEST(FloatGrid, ReadsAFileAndNothingElse) {
+TEST(FloatGrid, MapsAFileAndNothingElse) {
   const auto file = std::filesystem::path(testing::TempDir()) / "float_grid_test.nvdb";
   const auto write = [&](const Bytes& bytes) {
     std::ofstream(file, std::ios::binary)
@@ -178,18 +178,52 @@ TEST(FloatGrid, ReadsAFileAndNothingElse) {
                static_cast<std::streamsize>(bytes.size()));
   };
   write(good());
-  EXPECT_EQ(FloatGrid::read(file).most(), FloatGrid(std::span(good())).most());
+  EXPECT_EQ(FloatGrid::map(file).most(), FloatGrid(std::span(good())).most());
+  // It goes on being read after it was removed.
+  const FloatGrid removed = FloatGrid::map(file);
+  std::filesystem::remove(file);
+  EXPECT_EQ(removed.value(8, 8, 8), 2.0f);
+  write(good());
   // As large as a grid may be, with nothing in it: refused by its header, and no memory is taken.
   std::filesystem::resize_file(file, FloatGrid::kMostBytes);
-  EXPECT_THROW(FloatGrid::read(file), std::invalid_argument);
+  EXPECT_THROW(FloatGrid::map(file), std::invalid_argument);
   std::filesystem::resize_file(file, FloatGrid::kMostBytes + 1);
-  EXPECT_THROW(FloatGrid::read(file), std::invalid_argument);
+  EXPECT_THROW(FloatGrid::map(file), std::invalid_argument);
   for (const std::size_t size : {std::size_t{0}, std::size_t{671}, good().size() - 1}) {
     write({good().begin(), good().begin() + static_cast<std::ptrdiff_t>(size)});
-    EXPECT_THROW(FloatGrid::read(file), std::invalid_argument);
+    EXPECT_THROW(FloatGrid::map(file), std::invalid_argument);
   }
   std::filesystem::remove(file);
-  EXPECT_THROW(FloatGrid::read(file), std::invalid_argument);
+  EXPECT_THROW(FloatGrid::map(file), std::invalid_argument);
+}
+
+// Kilobytes of this process that it shares with nobody.
+std::size_t own_memory() {
+  std::ifstream in("/proc/self/smaps_rollup");
+  for (std::string name; in >> name;) {
+    std::size_t kilobytes = 0;
+    if (name == "Anonymous:" && in >> kilobytes) return kilobytes;
+  }
+  return 0;
+}
+
+TEST(FloatGrid, TakesNoMemoryOfItsOwnForAFile) {
+  const auto file = std::filesystem::path(testing::TempDir()) / "float_grid_memory_test.nvdb";
+  {
+    const Bytes bytes = test::grid_bytes(
+        [](int x, int y, int z) { return 1.0f + 0.1f * static_cast<float>((x + y + z) % 7); },
+        {0, 0, 0}, {255, 255, 127});
+    std::ofstream(file, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
+  }
+  const std::size_t before = own_memory();
+  ASSERT_GT(before, 0u);
+  const FloatGrid grid = FloatGrid::map(file);
+  const std::size_t after = own_memory();
+  std::filesystem::remove(file);
+  ASSERT_GT(grid.size(), std::size_t{32} << 20);
+  EXPECT_LT(after, before + grid.size() / 1024 / 16);
 }
 
 // Numbers in the places that matter: headers, masks, offsets, keys. Any bit of them, one to four at

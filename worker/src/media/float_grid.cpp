@@ -1,13 +1,18 @@
 #include "media/float_grid.h"
 
+#include <fcntl.h>
 #include <nanovdb/NanoVDB.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cfloat>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <limits>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -195,39 +200,34 @@ std::string place(const FloatGrid::Block& block, std::int64_t i) {
 
 }  // namespace
 
-FloatGrid FloatGrid::read(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw std::invalid_argument("cannot read " + file.string());
-  const std::uintmax_t size = std::filesystem::file_size(file);
+FloatGrid FloatGrid::map(const std::filesystem::path& file) {
+  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) throw std::invalid_argument("cannot read " + file.string());
+  // The mapping stays when the descriptor is closed.
+  const std::unique_ptr<const int, void (*)(const int*)> closing(&descriptor,
+                                                                 [](const int* d) { close(*d); });
+  struct stat found;
+  if (fstat(descriptor, &found) != 0) throw std::invalid_argument("cannot read " + file.string());
+  const auto size = static_cast<std::size_t>(found.st_size);
   check_size(size);
-  alignas(32) std::byte header[sizeof(Grid)];
-  if (!in.read(reinterpret_cast<char*>(header), sizeof header)) refuse("that is too short");
-  check_header(*at<Grid>(header, 0), size);
-  Bytes bytes = room(size);
-  in.seekg(0);
-  if (!in.read(reinterpret_cast<char*>(bytes.get()), static_cast<std::streamsize>(size))) {
-    refuse("that is too short");
-  }
-  return {std::move(bytes), size};
+  void* bytes = mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor, 0);
+  if (bytes == MAP_FAILED) throw std::bad_alloc();
+  const auto unmap = [size](std::byte* mapped) { munmap(mapped, size); };
+  return {Bytes(static_cast<std::byte*>(bytes), unmap), size};
 }
 
 FloatGrid::FloatGrid(std::span<const std::byte> bytes) : size_(bytes.size()) {
   check_size(size_);
-  bytes_ = room(size_);
-  std::memcpy(bytes_.get(), bytes.data(), size_);
+  constexpr std::size_t kAlignment = 64;
+  void* copy = std::aligned_alloc(kAlignment, (size_ + kAlignment - 1) / kAlignment * kAlignment);
+  if (copy == nullptr) throw std::bad_alloc();
+  std::memcpy(copy, bytes.data(), size_);
+  bytes_ = Bytes(static_cast<std::byte*>(copy), [](std::byte* b) { std::free(b); });
   check();
 }
 
 FloatGrid::FloatGrid(Bytes bytes, std::size_t size) : bytes_(std::move(bytes)), size_(size) {
   check();
-}
-
-FloatGrid::Bytes FloatGrid::room(std::size_t size) {
-  constexpr std::size_t kAlignment = 64;
-  auto* bytes = static_cast<std::byte*>(
-      std::aligned_alloc(kAlignment, (size + kAlignment - 1) / kAlignment * kAlignment));
-  if (bytes == nullptr) throw std::bad_alloc();
-  return Bytes(bytes);
 }
 
 void FloatGrid::check() {

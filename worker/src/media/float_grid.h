@@ -7,7 +7,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -34,10 +33,11 @@ class FloatGrid {
     float value;
   };
 
-  /// Of a whole file, or of bytes. Takes memory only for a grid of floats whose header says the
-  /// size that is there; about as much as the bytes. All values are finite and not negative, and
+  /// Of a whole file, whose pages all processes share; or of a copy of bytes. Only for a grid of
+  /// floats whose header says the size that is there. All values are finite and not negative, and
   /// not all of them the background. Throws std::invalid_argument for anything else, in words.
-  static FloatGrid read(const std::filesystem::path& file);
+  /// A file may be removed or replaced under its name meanwhile, but nobody may write into it.
+  static FloatGrid map(const std::filesystem::path& file);
   explicit FloatGrid(std::span<const std::byte> bytes);
 
   float value(int x, int y, int z) const;
@@ -55,13 +55,9 @@ class FloatGrid {
   void for_each_block(const std::function<void(const Block&)>& f) const;
 
  private:
-  struct Free {
-    void operator()(std::byte* bytes) const { std::free(bytes); }
-  };
-  using Bytes = std::unique_ptr<std::byte, Free>;
+  using Bytes = std::shared_ptr<const std::byte>;
 
   FloatGrid(Bytes bytes, std::size_t size);
-  static Bytes room(std::size_t size);
   void check();
 
   Bytes bytes_;

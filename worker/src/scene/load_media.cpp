@@ -69,7 +69,7 @@ class Grids {
     auto& grid = grids_[message.blob()];
     if (!grid) {
       grid = std::make_shared<FloatGrid>(
-          FloatGrid::read(context_.find_blob(blob_name(message.blob()))));
+          FloatGrid::map(context_.find_blob(blob_name(message.blob()))));
     }
     require(message.transform_size() == 12, "a grid's transform that is not 12 numbers");
     std::array<double, 12> transform;
