@@ -143,6 +143,23 @@ class BlobStore:
             while piece := stream.read(_PIECE_BYTES):
                 writer.write(piece)
 
+    def note(self, about: str) -> str | None:
+        """What was noted about something; None if nothing was. On this machine only."""
+        try:
+            return self._note_place(about).read_text()
+        except FileNotFoundError:
+            return None
+
+    def put_note(self, about: str, text: str) -> None:
+        """Notes what took long to find out and can be found out again."""
+        place = self._note_place(about)
+        place.parent.mkdir(exist_ok=True)
+        descriptor, name = tempfile.mkstemp(dir=self._incoming)
+        with os.fdopen(descriptor, "w") as file:
+            file.write(text)
+        Path(name).chmod(0o644)
+        Path(name).replace(place)
+
     def _fetched(self, sha256: str, place: Path) -> bool:
         """Whether the blob was in the object store, and is here now."""
         if self.objects is None:
@@ -153,6 +170,9 @@ class BlobStore:
         except NotFound:
             return False
         return True
+
+    def _note_place(self, about: str) -> Path:
+        return self.root / "notes" / hashlib.sha256(about.encode()).hexdigest()
 
     def _place(self, sha256: str) -> Path:
         if not _SHA256.fullmatch(sha256):

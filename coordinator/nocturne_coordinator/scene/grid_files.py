@@ -1,5 +1,6 @@
 """Grids of OpenVDB files, by way of the program `nocturne-grid`."""
 
+import hashlib
 import json
 import subprocess
 import tempfile
@@ -38,9 +39,27 @@ class GridFacts:
     """Rows of the 3 x 4 matrix from voxel centres to the grid's own space."""
 
 
-def convert(source: Path, grid: str, output: Path) -> GridFacts:
-    """Write one grid of an OpenVDB file as NanoVDB; raises UnusableGridError."""
-    return _facts(_run("convert", source, "--grid", grid, "-o", output))
+def convert(source: Path, grid: str, output: Path) -> str:
+    """Write one grid of an OpenVDB file as NanoVDB; return text for `facts_in`. Raises UnusableGridError."""
+    return _run("convert", source, "--grid", grid, "-o", output).decode()
+
+
+def facts_in(text: str) -> GridFacts:
+    """Return what `convert` found; ValueError, LookupError or TypeError for any other text."""
+    found = json.loads(text)
+    box, matrix = found["index_box"], found["transform"]
+    return GridFacts(
+        first_voxel=tuple(box[0]),
+        last_voxel=tuple(box[1]),
+        minimum=found["least"],
+        maximum=found["most"],
+        transform=tuple(tuple(matrix[at : at + 4]) for at in (0, 4, 8)),
+    )
+
+
+def program_digest() -> str:
+    """Return the SHA-256 of the program, on which all that it writes depends; raises UnusableGridError."""
+    return hashlib.sha256(_program().read_bytes()).hexdigest()
 
 
 def create(output: Path, grid: str, values: NDArray[np.float64], voxel: float) -> None:
@@ -60,11 +79,15 @@ def create(output: Path, grid: str, values: NDArray[np.float64], voxel: float) -
         _run("create", plan, "-o", output)
 
 
-def _run(*words: str | Path) -> bytes:
+def _program() -> Path:
     program = find_program(PROGRAM)
     if program is None:
         raise UnusableGridError(f"{PROGRAM} is missing on this machine, which reads and writes grids")
-    command: list[str | Path] = [program, *words]
+    return program
+
+
+def _run(*words: str | Path) -> bytes:
+    command: list[str | Path] = [_program(), *words]
     try:
         done = subprocess.run(command, capture_output=True, check=False, timeout=_TIMEOUT)  # noqa: S603
     except subprocess.TimeoutExpired:
@@ -73,15 +96,3 @@ def _run(*words: str | Path) -> bytes:
         said = done.stderr.decode("utf-8", "replace").strip().splitlines() or ["no reason given"]
         raise UnusableGridError(said[-1].removeprefix(f"{PROGRAM}: ")[:1000])
     return done.stdout
-
-
-def _facts(text: bytes) -> GridFacts:
-    found = json.loads(text)
-    box, matrix = found["index_box"], found["transform"]
-    return GridFacts(
-        first_voxel=tuple(box[0]),
-        last_voxel=tuple(box[1]),
-        minimum=found["least"],
-        maximum=found["most"],
-        transform=tuple(tuple(matrix[at : at + 4]) for at in (0, 4, 8)),
-    )

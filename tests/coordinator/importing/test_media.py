@@ -267,7 +267,7 @@ def test_a_grid_that_is_written_fills_its_box(tmp_path: Path) -> None:
     (tmp_path / "in" / "a.vol").write_bytes(vol(np.arange(8.0).reshape(2, 2, 2)))
     document = mitsuba(tmp_path, CAMERA + GRID + BALL.format(bsdf="null", side="interior"))
     file = tmp_path / "out" / document["media"]["m"]["density"]["asset"]
-    facts = grid_files.convert(file, grids.NAME, tmp_path / "a.nvdb")
+    facts = grid_files.facts_in(grid_files.convert(file, grids.NAME, tmp_path / "a.nvdb"))
     assert (facts.first_voxel, facts.last_voxel) == ((0, 0, 0), (15, 15, 15))
     # 7, held beyond the last middles.
     assert facts.maximum == 7

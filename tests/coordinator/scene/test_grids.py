@@ -31,6 +31,7 @@ assert verb == "convert", verb
 if name == "bad":
     sys.stderr.write("nocturne-grid: there is no grid of that name\\n")
     sys.exit(2)
+open(sys.argv[0] + ".runs", "a").write(".")
 open(output, "wb").write(name.encode() + b" of " + open(source, "rb").read())
 print({facts!r})
 """
@@ -142,6 +143,52 @@ def test_a_mistake_is_told_with_its_place(
     assert problem.place == place
     assert words in problem.message
     assert files_in(tmp_path) == before
+
+
+def _runs(program: Path) -> int:
+    return len(program.with_name("nocturne-grid.runs").read_text())
+
+
+def test_a_grid_is_converted_once_for_all_scenes(
+    document: Document, blobs: BlobStore, compiled: Compile, program: Path
+) -> None:
+    first = compiled(smoke(document, blobs))
+    document["media"]["smoke"]["density"]["factor"] = 2
+    second = compiled(document)
+    assert _runs(program) == 1
+    assert second.media[0].grid.blob == first.media[0].grid.blob
+    assert second.media[0].grid.scale == 2
+    assert second.surfaces[3] == first.surfaces[3]
+    # Another grid of the file, and the same of another file.
+    document["media"]["smoke"]["density"]["grid"] = "heat"
+    compiled(document)
+    document["media"]["smoke"]["density"]["asset"] = f"sha256:{blobs.put(b'another file')}"
+    compiled(document)
+    assert _runs(program) == 3
+
+
+@pytest.mark.parametrize("text", ["", "7", "[]", '["x", "{}"]', '["DIGEST", "{}"]', '["DIGEST", "nan"]'])
+def test_a_damaged_note_is_no_note(
+    document: Document, blobs: BlobStore, compiled: Compile, program: Path, text: str
+) -> None:
+    first = compiled(smoke(document, blobs))
+    [note] = (blobs.root / "notes").iterdir()
+    note.write_text(text.replace("DIGEST", first.media[0].grid.blob.hex()))
+    assert compiled(document) == first
+    assert _runs(program) == 2
+
+
+def test_a_grid_that_is_gone_or_of_another_program_is_converted_again(
+    document: Document, blobs: BlobStore, compiled: Compile, program: Path
+) -> None:
+    first = compiled(smoke(document, blobs))
+    blob = blobs.path(first.media[0].grid.blob.hex())
+    blob.unlink()
+    assert compiled(document) == first
+    assert blob.is_file()
+    program.write_text(program.read_text() + "# another\n")
+    assert compiled(document) == first
+    assert _runs(program) == 3
 
 
 def test_a_box_needs_a_grid_and_no_place(document: Document, blobs: BlobStore) -> None:

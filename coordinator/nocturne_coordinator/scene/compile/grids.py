@@ -1,11 +1,13 @@
 """Grids of OpenVDB files where they stand, as messages and blobs."""
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from nocturne.v1 import scene_pb2
 
+from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.scene import bounds, grid_files
 from nocturne_coordinator.scene.compile.placement import placement_of
 from nocturne_coordinator.scene.compile.simple_meshes import box_mesh
@@ -22,7 +24,7 @@ class _Converted:
 
 
 class Grids:
-    """Converts grids, each once."""
+    """Converts grids, each once for all scenes of a blob store."""
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace = workspace
@@ -61,11 +63,28 @@ class Grids:
     def _convert(self, grid: Grid) -> _Converted:
         key = (grid.asset, grid.grid)
         if key not in self._converted:
-            source = self._workspace.blobs.path(self._workspace.asset(grid.asset, ".asset").hex())
-            output: Path = self._workspace.temporary("grid.nvdb")
+            source = self._workspace.asset(grid.asset, ".asset").hex()
             try:
-                facts = grid_files.convert(source, grid.grid, output)
+                about = json.dumps(["grid", source, grid.grid, grid_files.program_digest()])
+                self._converted[key] = self._before(about) or self._anew(about, source, grid.grid)
             except grid_files.UnusableGridError as error:
                 raise Unusable(str(error), ".asset") from None
-            self._converted[key] = _Converted(self._workspace.keep_file(output), facts)
         return self._converted[key]
+
+    def _before(self, about: str) -> _Converted | None:
+        """What was converted for an earlier scene, if it is still there."""
+        try:
+            blob, facts = json.loads(self._workspace.blobs.note(about) or "")
+            if self._workspace.blobs.has(blob):
+                return _Converted(bytes.fromhex(blob), grid_files.facts_in(facts))
+        except (ValueError, LookupError, TypeError, InputError):
+            # A damaged note is no note.
+            pass
+        return None
+
+    def _anew(self, about: str, source: str, name: str) -> _Converted:
+        output: Path = self._workspace.temporary("grid.nvdb")
+        text = grid_files.convert(self._workspace.blobs.path(source), name, output)
+        converted = _Converted(self._workspace.keep_file(output), grid_files.facts_in(text))
+        self._workspace.notes[about] = json.dumps([converted.blob.hex(), text])
+        return converted

@@ -61,6 +61,8 @@ class Workspace:
         """Blobs to be written once all is well, by digest."""
         self.files: dict[bytes, Path] = {}
         """The same of blobs that are too large for memory."""
+        self.notes: dict[str, str] = {}
+        """To be noted in the blob store once they are written, by what they are about."""
         self.dropped: list[str] = []
         self.problems: list[Problem] = []
         self.spectra: Pool[scene_pb2.Spectrum] = Pool()
@@ -124,6 +126,8 @@ class Workspace:
             self.blobs.put(packed)
         for digest, file in self.files.items():
             self.blobs.put_file(digest.hex(), file)
+        for about, text in self.notes.items():
+            self.blobs.put_note(about, text)
 
     def clean_up(self) -> None:
         """Remove files of `temporary`."""
