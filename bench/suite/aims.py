@@ -24,10 +24,10 @@ WHY = {
     "cornell": "Mitsuba's vectorised variant has less error in the same time, its scalar one about as "
     "much as ours; what our time goes into was not looked into.",
     "glossy spheres": "no reason was looked for.",
-    "reflector": "Mitsuba's particle tracer starts at the lamp. Ours sends photons forward to meters only, "
-    "not to cameras, and finds the lamp from the camera's side, through the opening.",
-    "headlight in fog": "nothing converges in such times: light goes from a small lamp by a mirror into fog, "
-    "and the pixels that matter are lit by few photons.",
+    "reflector": "Mitsuba's particle tracer starts at the lamp, too. Both directions are ahead of it, "
+    "but both draw photons alike, and each pixel gets few of them.",
+    "headlight in fog": "Mitsuba finds only the light that misses the fog, so nothing is there to compare "
+    "with. Both directions converge; each pixel beside the beam is lit by few photons.",
     "smoke": "the export has no density grids yet.",
     "sky": "the export has no atmosphere, no discs at infinity and no panoramic camera; Mitsuba has no "
     "depolarising Rayleigh scattering.",

@@ -19,6 +19,7 @@ _KERNEL: Tracing = {
     "mixture": {"kernel": 1.0, "luminaires": 0.0, "environment": 0.0},
 }
 _FORWARD: Tracing = {"direction": "forward"}
+_ADJOINT: Tracing = {"direction": "adjoint"}
 _BOTH: Tracing = {"direction": "both"}
 OPENINGS: Tracing = {
     "direction": "adjoint",
@@ -118,7 +119,7 @@ SCENES: dict[str, SuiteScene] = {
     "cornell": SuiteScene(_example("cornell"), Film(24, 24), _DEFAULT, None),
     "glossy spheres": SuiteScene(spheres, Film(32, 24), _DEFAULT, None),
     "reflector": SuiteScene(_example("reflector"), Film(24, 16), _BOTH, OPENINGS, peers_particles=True),
-    "headlight in fog": SuiteScene(_example("headlight"), Film(24, 16), _BOTH, OPENINGS),
+    "headlight in fog": SuiteScene(_example("headlight"), Film(24, 16), _BOTH, _ADJOINT),
     "smoke": SuiteScene(_example("smoke"), Film(16, 20), _DEFAULT, _MIXTURE),
     "sky": SuiteScene(_example("sky"), Film(32, 16), _DEFAULT, _MIXTURE),
     "subsurface": SuiteScene(_example("subsurface"), Film(32, 16), _DEFAULT, _KERNEL),
