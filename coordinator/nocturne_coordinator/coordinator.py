@@ -34,8 +34,11 @@ from .traffic import Traffic
 _log = logging.getLogger(__name__)
 
 _LOOK_SECONDS = 0.2
-COMMIT_SECONDS = 1.0
+COMMIT_SECONDS = 0.9
 """Work lost with the coordinator, at most; a commit of a whole 512 x 512 film costs 15 ms."""
+
+_FIRST_LIGHT_SECONDS = 0.1
+"""From a render's first result to its commit: somebody may be waiting to see that it is the right scene."""
 
 _MIRROR_SECONDS = 2.0
 _FOLLOW_SECONDS = 5.0
@@ -136,6 +139,8 @@ class Coordinator:
             self._follow(self._intake.lost_worker(*self._traffic.lost.pop()))
         now = time.monotonic()
         self._finish(now)
+        if any(render.is_unseen for render in self._renders.values()):
+            self._next_commit = min(self._next_commit, now + _FIRST_LIGHT_SECONDS)
         if now >= self._next_commit:
             self._guarded_commit(now)
         return entries is not None

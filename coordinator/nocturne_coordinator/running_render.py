@@ -49,6 +49,7 @@ class RunningRender:
         self.pictured_photons = 0
         self._dirty: set[int] = set()
         self._dirty_totals = False
+        self._is_seen = row.totals.ranges > 0
         self._recent: deque[tuple[float, int]] = deque()
         self._last_rate = 0.0
         self._history_photons = 0.0
@@ -207,7 +208,13 @@ class RunningRender:
             set_aside=tuple(self.set_aside.values()),
         )
 
+    @property
+    def is_unseen(self) -> bool:
+        """Whether something is merged and nothing was ever committed."""
+        return bool(self._dirty) and not self._is_seen
+
     def committed(self) -> None:
+        self._is_seen = self._is_seen or bool(self._dirty)
         self._dirty.clear()
         self._contributors = {}
         self._dirty_totals = False

@@ -230,3 +230,15 @@ def test_exr_of_a_complete_render_has_no_manifest(service: Service) -> None:
     check_complete(service, render.id)
     assert read_manifest(service.folder.image_path(render.id)) == ""
     assert read_exr(service.folder.image_path(render.id))[2].min() == 4
+
+
+def test_the_first_light_is_committed_at_once(service: Service) -> None:
+    """Somebody waits for it; what comes after waits for the next commit."""
+    service.start("", "--commit-seconds", "60")
+    # Some ten seconds.
+    render = service.create(samples=50_000).id
+    service.work(SimulatedWorker(service.server.url, delay=0.15))
+    wait_until(lambda: service.row(render).ranges_done > 0)
+    first = service.row(render).ranges_done
+    time.sleep(1.0)
+    assert service.row(render).ranges_done == first

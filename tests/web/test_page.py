@@ -124,7 +124,9 @@ def test_the_page(running_service: Up, guarded_url: str, tmp_path: Path) -> None
     url = running_service.url
     cornell = json.loads((ROOT / "scenes" / "cornell" / "scene.json").read_text())
     small, other = (submit(url, cornell, (128, 128), samples) for samples in (64, 16))
-    wait_for(lambda: has_ended(url, small) and has_ended(url, other), "two renders to end", 60)
+    large = submit(url, ONE_LAMP, (3840, 2160), 1)
+    # What the page promises about time it promises beside nothing else.
+    wait_for(lambda: all(has_ended(url, each) for each in (small, other, large)), "renders to end", 120)
     exr = tmp_path / "small.exr"
     exr.write_bytes(httpx.get(f"{url}/v1/renders/{small}/image.exr").content)
     given = {
@@ -134,7 +136,7 @@ def test_the_page(running_service: Up, guarded_url: str, tmp_path: Path) -> None
         "token": token(running_service.data),
         "small": small,
         "other": other,
-        "large": submit(url, ONE_LAMP, (3840, 2160), 1),
+        "large": large,
         "exr": str(exr),
         "pixel": pixel_of(exr),
         "archive": str(archive_of(ROOT / "scenes" / "cornell", tmp_path / "cornell.zip")),
