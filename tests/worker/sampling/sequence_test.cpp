@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <set>
 #include <vector>
@@ -20,14 +21,31 @@ TEST(Philox, GivesThePublishedWords) {
             (Words{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
 }
 
-TEST(Owen, VectorAndScalarAgree) {
-  for (std::uint32_t i = 0; i < 1000; ++i) {
-    const std::uint32_t x = i * 2654435761u, seed = i * 40503u + 77u;
-    FourWords words;
-    _mm_store_si128(
-        reinterpret_cast<__m128i*>(&words),
-        owen_scramble(_mm_set1_epi32(static_cast<int>(x)), _mm_set1_epi32(static_cast<int>(seed))));
-    ASSERT_EQ(words.lane[2], owen_scramble(x, seed));
+// The fast way keeps bits reversed and takes whole bytes of the index, four dimensions at once. The
+// same by the definitions, bit by bit: a point is the xor of the direction numbers of its index's
+// bits; an Owen scramble is a nested hash between two reversals.
+TEST(Sobol, PointsAreThoseOfTheDefinition) {
+  const auto directions = sobol_direction_numbers();
+  const auto scramble = [](std::uint32_t x, std::uint32_t seed) {
+    return reverse_bits(nested_hash(reverse_bits(x), seed));
+  };
+  for (std::uint32_t sample = 0; sample < 3000; ++sample) {
+    PixelSequence numbers(SequenceKind::kSobol, 7, sample % 5);
+    const std::uint32_t index = sample < 2000 ? sample : sample * 2654435761u;
+    PhotonSequence sequence(numbers, index);
+    for (std::uint32_t set = 0; set < 10; ++set) {
+      const Uniform4 u = sequence.next();
+      const auto randomisation = numbers.randomisation(set);
+      const std::uint32_t shuffled = scramble(index, randomisation.shuffle);
+      const auto seeds = std::bit_cast<std::array<std::uint32_t, 4>>(randomisation.scrambles);
+      for (std::size_t d = 0; d < 4; ++d) {
+        std::uint32_t point = 0;
+        for (std::size_t bit = 0; bit < 32; ++bit) {
+          if ((shuffled >> bit) & 1u) point ^= directions[d][bit];
+        }
+        ASSERT_EQ(u[d], to_unit(scramble(point, seeds[d])));
+      }
+    }
   }
 }
 
@@ -102,10 +120,13 @@ TEST(Sequence, IsUniformAndUncorrelatedOverPixels) {
   }
 }
 
-TEST(Sequence, NeverReachesOne) {
-  EXPECT_LT(to_unit(~0u), 1.0f);
-  EXPECT_EQ(to_unit(0), 0.0f);
-  EXPECT_EQ(to_unit(1), 0x1p-32f);
+TEST(Sequence, FractionsAreRoundedOnceAndNeverReachOne) {
+  for (const std::uint32_t bits : {0u, 1u, 0xFFFFu, 0x10000u, 0x1000001u, 0x7FFFFFFFu, 0x80000000u,
+                                   0xFFFFFF7Fu, 0xFFFFFF80u, ~0u}) {
+    const float unit = to_unit(_mm_set1_epi32(static_cast<int>(bits)))[3];
+    EXPECT_EQ(unit, to_unit(bits)) << bits;
+    EXPECT_LT(unit, 1.0f);
+  }
 }
 
 }  // namespace

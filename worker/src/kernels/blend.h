@@ -20,6 +20,7 @@
 #include "kernels/passage.h"
 #include "kernels/phong.h"
 #include "kernels/thin_pane.h"
+#include "math/constants.h"
 #include "parameters/scalar.h"
 
 namespace nocturne {
@@ -59,7 +60,6 @@ class BoundBlend {
     std::size_t chosen = 0;
     while (chosen + 1 < count_ && left >= parts_[chosen].weight) left -= parts_[chosen++].weight;
     // What is left of the number is uniform again.
-    constexpr float kLargestBelowOne = 0x1.fffffep-1f;
     numbers.part = std::clamp(left / parts_[chosen].weight, 0.0f, kLargestBelowOne);
     auto draw = std::visit(
         [&](const auto& kernel) {

@@ -10,8 +10,6 @@
 namespace nocturne {
 namespace {
 
-constexpr float kLargestBelowOne = 0x1.fffffep-1f;
-
 // A number that fell into [start, start + width), stretched to [0, 1).
 float stretched(float u, float start, float width) {
   return std::clamp((u - start) / width, 0.0f, kLargestBelowOne);

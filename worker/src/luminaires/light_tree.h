@@ -17,6 +17,7 @@
 
 #include "luminaires/elements.h"
 #include "luminaires/from.h"
+#include "math/constants.h"
 
 namespace nocturne {
 
@@ -80,7 +81,6 @@ class LightTree {
 
  private:
   static constexpr std::uint32_t kInner = ~0u;
-  static constexpr float kLargestBelowOne = 0x1.fffffep-1f;
 
   struct Node {
     Vec3 low, high, axis;

@@ -1,7 +1,8 @@
 // Owen's nested uniform scrambling by hashing: bit reversal around a hash in which every bit
-// depends on lower bits only. Laine and Karras, "Stratified sampling for stochastic transparency",
-// EGSR 2011; Burley, "Practical hash-based Owen scrambling", JCGT 9(4), 2020; constants of N.
-// Vegdahl's improved hash (2021), chosen for lower bias.
+// depends on lower bits only. Numbers that are kept reversed need it only at the end. Laine and
+// Karras, "Stratified sampling for stochastic transparency", EGSR 2011; Burley, "Practical
+// hash-based Owen scrambling", JCGT 9(4), 2020; constants of N. Vegdahl's improved hash (2021),
+// chosen for lower bias.
 #pragma once
 
 #include <immintrin.h>
@@ -10,7 +11,7 @@
 
 namespace nocturne {
 
-inline std::uint32_t reverse_bits(std::uint32_t x) {
+constexpr std::uint32_t reverse_bits(std::uint32_t x) {
   x = __builtin_bswap32(x);
   x = ((x & 0x0F0F0F0Fu) << 4) | ((x >> 4) & 0x0F0F0F0Fu);
   x = ((x & 0x33333333u) << 2) | ((x >> 2) & 0x33333333u);
@@ -30,6 +31,8 @@ inline __m128i reverse_bits(__m128i x) {
   return _mm_or_si128(high, _mm_and_si128(_mm_srli_epi32(low, 4), mask));
 }
 
+/// Of a reversed 32-bit fraction; or of a reversed sample index, which it shuffles so that every
+/// aligned power-of-two block stays together.
 inline std::uint32_t nested_hash(std::uint32_t x, std::uint32_t seed) {
   x ^= x * 0x3D20ADEAu;
   x += seed;
@@ -48,16 +51,6 @@ inline __m128i nested_hash(__m128i x, __m128i seed) {
   x = _mm_mullo_epi32(x, _mm_or_si128(_mm_srli_epi32(seed, 16), _mm_set1_epi32(1)));
   x = xor_multiple(x, 0x05526C56u);
   return xor_multiple(x, 0x53A22864u);
-}
-
-/// Scrambles a 32-bit fraction, or shuffles a sample index (which keeps every aligned power-of-two
-/// block together).
-inline std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
-  return reverse_bits(nested_hash(reverse_bits(x), seed));
-}
-
-inline __m128i owen_scramble(__m128i x, __m128i seeds) {
-  return reverse_bits(nested_hash(reverse_bits(x), seeds));
 }
 
 }  // namespace nocturne

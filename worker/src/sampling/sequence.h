@@ -4,9 +4,12 @@
 // 2020), each pixel its own randomisation.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 
+#include "math/constants.h"
 #include "sampling/owen.h"
 #include "sampling/philox.h"
 #include "sampling/sobol.h"
@@ -20,10 +23,20 @@ using Uniform4 = std::array<float, 4>;
 
 /// A 32-bit fraction as a float in [0, 1): numbers near 0 keep their small steps, those near 1
 /// never round to 1.
-inline float to_unit(std::uint32_t bits) {
-  constexpr float kLargestBelowOne = 0x1.fffffep-1f;
-  const float u = static_cast<float>(bits) * 0x1p-32f;
-  return u < kLargestBelowOne ? u : kLargestBelowOne;
+inline float to_unit(std::uint32_t fraction) {
+  return std::min(static_cast<float>(fraction) * 0x1p-32f, kLargestBelowOne);
+}
+
+/// Four at once.
+inline Uniform4 to_unit(__m128i fractions) {
+  // AVX2 converts signed words only. Both halves are exact, so that the sum is rounded once.
+  const __m128 high = _mm_cvtepi32_ps(_mm_srli_epi32(fractions, 16));
+  const __m128 low = _mm_cvtepi32_ps(_mm_and_si128(fractions, _mm_set1_epi32(0xFFFF)));
+  const __m128 whole = _mm_add_ps(_mm_mul_ps(high, _mm_set1_ps(0x1p16f)), low);
+  Uniform4 u;
+  _mm_storeu_ps(u.data(), _mm_min_ps(_mm_mul_ps(whole, _mm_set1_ps(0x1p-32f)),
+                                     _mm_set1_ps(kLargestBelowOne)));
+  return u;
 }
 
 /// What the photons of one pixel share. Not safe between threads: it remembers the scrambles of its
@@ -46,23 +59,28 @@ class PixelSequence {
   SequenceKind kind() const { return kind_; }
 
   /// Independent numbers of any sample and set.
-  std::array<std::uint32_t, 4> independent(std::uint32_t sample, std::uint32_t set) const {
-    return philox4x32({sample, set, pixel_, 0u}, key_);
+  __m128i independent(std::uint32_t sample, std::uint32_t set) const {
+    return std::bit_cast<__m128i>(philox4x32({sample, set, pixel_, 0u}, key_));
   }
 
-  /// Sets are asked for in order by every photon, so the first ones are worth keeping.
+  /// Every photon asks for the same first sets of its way and of its branches, so these are kept.
   Randomisation randomisation(std::uint32_t set) {
-    if (set >= kRemembered) return make(set);
-    while (known_ <= set) {
-      remembered_[known_] = make(known_);
-      ++known_;
+    const std::uint32_t branch = set >> kBranchBits, own = set & ((1u << kBranchBits) - 1u);
+    if (own >= kRemembered || branch >= kBranches) return make(set);
+    const std::uint32_t slot = branch * kRemembered + own;
+    if (((known_ >> slot) & 1u) == 0) {
+      remembered_[slot] = make(set);
+      known_ |= 1u << slot;
     }
-    return remembered_[set];
+    return remembered_[slot];
   }
+
+  /// The sets of branch k of a photon are those from k << kBranchBits on.
+  static constexpr std::uint32_t kBranchBits = 24;
 
  private:
-  // Two cache lines' worth; photons with more vertices are few.
-  static constexpr std::uint32_t kRemembered = 8;
+  // Photons with more vertices are few, and so are those that branch twice.
+  static constexpr std::uint32_t kRemembered = 8, kBranches = 2;
 
   /// SplitMix64's finaliser (Steele, Lea and Flood, OOPSLA 2014).
   static std::uint64_t mix(std::uint64_t x) {
@@ -84,40 +102,36 @@ class PixelSequence {
   std::uint32_t pixel_;
   std::uint32_t known_ = 0;
   std::uint64_t hash_;
-  std::array<Randomisation, kRemembered> remembered_;
+  std::array<Randomisation, kBranches * kRemembered> remembered_;
 };
 
 class PhotonSequence {
  public:
-  PhotonSequence(PixelSequence& pixel, std::uint32_t sample) : pixel_(&pixel), sample_(sample) {}
+  PhotonSequence(PixelSequence& pixel, std::uint32_t sample)
+      : pixel_(&pixel), reversed_sample_(reverse_bits(sample)) {}
 
   /// The next four dimensions.
   Uniform4 next() {
     const std::uint32_t set = set_++;
-    FourWords words;
-    if (pixel_->kind() == SequenceKind::kSobol) {
-      const auto randomisation = pixel_->randomisation(set);
-      const std::uint32_t index = owen_scramble(sample_, randomisation.shuffle);
-      _mm_store_si128(reinterpret_cast<__m128i*>(&words),
-                      owen_scramble(sobol4(index), randomisation.scrambles));
-    } else {
-      words.lane = pixel_->independent(sample_, set);
+    if (pixel_->kind() == SequenceKind::kIndependent) {
+      return to_unit(pixel_->independent(reverse_bits(reversed_sample_), set));
     }
-    return {to_unit(words.lane[0]), to_unit(words.lane[1]), to_unit(words.lane[2]),
-            to_unit(words.lane[3])};
+    const auto randomisation = pixel_->randomisation(set);
+    const __m128i point = sobol4(nested_hash(reversed_sample_, randomisation.shuffle));
+    return to_unit(reverse_bits(nested_hash(point, randomisation.scrambles)));
   }
 
   /// Numbers of a photon that leaves this one's way: they have nothing in common with what follows
   /// here. Number 1 or 2.
   PhotonSequence branch(std::uint32_t number) const {
     PhotonSequence other = *this;
-    other.set_ += number << 24;
+    other.set_ += number << PixelSequence::kBranchBits;
     return other;
   }
 
  private:
   PixelSequence* pixel_;
-  std::uint32_t sample_, set_ = 0;
+  std::uint32_t reversed_sample_, set_ = 0;
 };
 
 }  // namespace nocturne

@@ -1,6 +1,7 @@
 // The first four dimensions of the Sobol sequence, all at once: one table row per byte of the index
 // holds the xor of its direction numbers for the four dimensions side by side, so a point costs
-// four loads. Direction numbers: Joe and Kuo, "Constructing Sobol sequences with better
+// four loads. Index and point are in reversed bits, as Owen scrambling takes and gives them
+// (sampling/owen.h). Direction numbers: Joe and Kuo, "Constructing Sobol sequences with better
 // two-dimensional projections", SIAM J. Sci. Comput. 30, 2008 (new-joe-kuo-6, dimensions 1-4).
 #pragma once
 
@@ -8,6 +9,8 @@
 
 #include <array>
 #include <cstdint>
+
+#include "sampling/owen.h"
 
 namespace nocturne {
 
@@ -52,9 +55,9 @@ constexpr std::array<std::array<FourWords, 256>, 4> sobol_byte_tables() {
       for (std::size_t d = 0; d < 4; ++d) {
         std::uint32_t x = 0;
         for (std::size_t bit = 0; bit < 8; ++bit) {
-          if ((value >> bit) & 1u) x ^= v[d][8 * byte + bit];
+          if ((value >> bit) & 1u) x ^= v[d][31 - (8 * byte + bit)];
         }
-        tables[byte][value].lane[d] = x;
+        tables[byte][value].lane[d] = reverse_bits(x);
       }
     }
   }
@@ -63,13 +66,14 @@ constexpr std::array<std::array<FourWords, 256>, 4> sobol_byte_tables() {
 
 inline constexpr auto kSobolTables = sobol_byte_tables();
 
-/// Dimensions 0-3 of point `index`, as 32-bit fractions.
-inline __m128i sobol4(std::uint32_t index) {
+/// Dimensions 0-3 of a point, as reversed 32-bit fractions, by its reversed index.
+inline __m128i sobol4(std::uint32_t reversed_index) {
   const auto row = [](std::size_t byte, std::uint32_t value) {
     return _mm_load_si128(reinterpret_cast<const __m128i*>(&kSobolTables[byte][value & 0xFFu]));
   };
-  return _mm_xor_si128(_mm_xor_si128(row(0, index), row(1, index >> 8)),
-                       _mm_xor_si128(row(2, index >> 16), row(3, index >> 24)));
+  const std::uint32_t i = reversed_index;
+  return _mm_xor_si128(_mm_xor_si128(row(0, i), row(1, i >> 8)),
+                       _mm_xor_si128(row(2, i >> 16), row(3, i >> 24)));
 }
 
 }  // namespace nocturne

@@ -113,6 +113,8 @@ class Contacts {
  public:
   static constexpr std::size_t kMost = 8;
 
+  Contacts() {}  // what is not there need not be zero
+
   bool empty() const { return count_ == 0; }
   const Crossing* begin() const { return all_.data(); }
   const Crossing* end() const { return all_.data() + count_; }

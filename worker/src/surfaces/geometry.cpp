@@ -22,6 +22,7 @@ namespace {
 // tree, and with it the choice between coincident surfaces, is the same everywhere
 // (docs/decisions/0003).
 constexpr const char* kDeviceConfiguration = "isa=avx2,threads=1,set_affinity=0";
+constexpr const char* kCantStart = "Embree can't start: the processor needs AVX2";
 
 RTCRayHit embree_query(const Ray& ray, float time) {
   RTCRayHit query;
@@ -80,7 +81,7 @@ struct Geometry::Embree {
     }
     for (Instance& instance : all) instances.emplace_back(std::move(instance));
     device = rtcNewDevice(kDeviceConfiguration);
-    if (device == nullptr) throw std::runtime_error("Embree can't start: the processor needs AVX2");
+    if (device == nullptr) throw std::runtime_error(kCantStart);
     try {
       build(group_of_shape);
     } catch (...) {
@@ -262,5 +263,13 @@ SurfaceDetail Geometry::detail(const Hit& hit, float time) const {
 
 std::span<const Shape> Geometry::shapes() const { return embree_->shapes; }
 std::span<const PlacedInstance> Geometry::instances() const { return embree_->instances; }
+
+std::string Geometry::library() {
+  const RTCDevice device = rtcNewDevice(kDeviceConfiguration);
+  if (device == nullptr) throw std::runtime_error(kCantStart);
+  const auto version = rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION);
+  rtcReleaseDevice(device);
+  return "Embree " + std::to_string(version) + ' ' + kDeviceConfiguration;
+}
 
 }  // namespace nocturne

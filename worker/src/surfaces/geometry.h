@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "math/ray.h"
@@ -52,6 +53,9 @@ class Geometry {
   std::span<const Shape> shapes() const;
   /// In the order given.
   std::span<const PlacedInstance> instances() const;
+
+  /// What searches: the library's version and how it is set up, as they decide which hit is found.
+  static std::string library();
 
  private:
   struct Embree;

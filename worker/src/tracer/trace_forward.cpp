@@ -92,7 +92,8 @@ std::uint32_t emit_and_follow(const Scene& scene, Film film, float time,
     start.inside = scene.luminaires_inside[emitted->luminaire];
   }
   Counter counter(scene, film, time, wavelengths_nm, emitted->flux, deposits);
-  return Walk<N, Counter>(scene, start, counter).run(start, numbers);
+  return scene.media.empty() ? Walk<N, Counter, false>(scene, start, counter).run(start, numbers)
+                             : Walk<N, Counter, true>(scene, start, counter).run(start, numbers);
 }
 
 }  // namespace

@@ -55,17 +55,20 @@ class LightCounter {
 
 }  // namespace
 
-template <int N>
+template <int N, bool Media>
 GroupResult<N> trace_group(const Scene& scene, const Start<N>& start,
                            const PhotonSequence& sequence) {
   LightCounter<N> counter(scene, start);
-  Walk<N, LightCounter<N>> walk(scene, start, counter);
+  Walk<N, LightCounter<N>, Media> walk(scene, start, counter);
   const std::uint32_t rays = walk.run(start, sequence);
   return {counter.radiance(), rays};
 }
 
-template GroupResult<1> trace_group(const Scene&, const Start<1>&, const PhotonSequence&);
-template GroupResult<4> trace_group(const Scene&, const Start<4>&, const PhotonSequence&);
-template GroupResult<8> trace_group(const Scene&, const Start<8>&, const PhotonSequence&);
+template GroupResult<1> trace_group<1, false>(const Scene&, const Start<1>&, const PhotonSequence&);
+template GroupResult<1> trace_group<1, true>(const Scene&, const Start<1>&, const PhotonSequence&);
+template GroupResult<4> trace_group<4, false>(const Scene&, const Start<4>&, const PhotonSequence&);
+template GroupResult<4> trace_group<4, true>(const Scene&, const Start<4>&, const PhotonSequence&);
+template GroupResult<8> trace_group<8, false>(const Scene&, const Start<8>&, const PhotonSequence&);
+template GroupResult<8> trace_group<8, true>(const Scene&, const Start<8>&, const PhotonSequence&);
 
 }  // namespace nocturne

@@ -13,8 +13,9 @@ struct GroupResult {
   std::uint32_t rays;
 };
 
-/// Follows photons that leave the sensor together, each of one wavelength. N is 1, 4 or 8.
-template <int N>
+/// Follows photons that leave the sensor together, each of one wavelength. N is 1, 4 or 8; Media
+/// says whether the scene has any.
+template <int N, bool Media>
 GroupResult<N> trace_group(const Scene& scene, const Start<N>& start,
                            const PhotonSequence& sequence);
 

@@ -155,7 +155,7 @@ void trace_forward_sample(const Scene& scene, Film film, std::uint32_t sample, T
 // Forward photons fall anywhere on the film. As many as it has pixels, and with both directions one
 // from each pixel, make one sample of the whole image, so that means and errors are those of any
 // other image.
-template <int N>
+template <int N, bool Media>
 TileSums trace_whole_film(const Scene& scene, Film film, const TileRange& range) {
   if (range.width != film.width || range.height != film.height) {
     throw std::invalid_argument("a tile with forward photons that is not the whole film");
@@ -172,7 +172,7 @@ TileSums trace_whole_film(const Scene& scene, Film film, const TileRange& range)
       if (scene.options.direction == Direction::kBoth) {
         PixelSequence numbers(scene.options.sequence, scene.options.seed, pixel);
         trace_sample<N>(scene, film, pixel % film.width, pixel / film.width,
-                        PhotonSequence(numbers, sample), trace_group<N>, tile, its);
+                        PhotonSequence(numbers, sample), trace_group<N, Media>, tile, its);
       }
       add_sample(its, tile.channels, &tile.sums[tile.channels * pixel]);
     }
@@ -180,11 +180,17 @@ TileSums trace_whole_film(const Scene& scene, Film film, const TileRange& range)
   return tile;
 }
 
+template <int N, bool Media>
+TileSums trace_by_direction(const Scene& scene, Film film, const TileRange& range) {
+  return scene.options.direction == Direction::kAdjoint
+             ? trace_pixels<N>(scene, film, range, trace_group<N, Media>)
+             : trace_whole_film<N, Media>(scene, film, range);
+}
+
 template <int N>
 TileSums trace_tile_in_groups(const Scene& scene, Film film, const TileRange& range) {
-  return scene.options.direction == Direction::kAdjoint
-             ? trace_pixels<N>(scene, film, range, trace_group<N>)
-             : trace_whole_film<N>(scene, film, range);
+  return scene.media.empty() ? trace_by_direction<N, false>(scene, film, range)
+                             : trace_by_direction<N, true>(scene, film, range);
 }
 
 TileSums trace_any(const Scene& scene, Film film, const TileRange& range, Method method) {

@@ -8,7 +8,9 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
+#include <type_traits>
 
 #include "tracer/fixed_stack.h"
 #include "tracer/free_flight.h"
@@ -44,7 +46,9 @@ struct Start {
 /// be sent to the sensor; flies(group, hit), called for every ray with the nearest hit or none,
 /// before the body on the way absorbs; arrives(group, hit) for a surface and glows(group, hit) for
 /// a medium, called after.
-template <int N, class Counter>
+///
+/// A scene without media is walked without a thought of them: Media says which.
+template <int N, class Counter, bool Media>
 class Walk {
  public:
   Walk(const Scene& scene, const Start<N>& start, Counter& counter)
@@ -53,7 +57,6 @@ class Walk {
         wavelengths_(start.wavelengths),
         time_(start.time),
         spread_(start.spread),
-        has_media_(!scene.media.empty()),
         both_(scene.options.direction == Direction::kBoth),
         counter_(counter),
         flight_(scene, start.wavelengths) {}
@@ -77,6 +80,11 @@ class Walk {
   static constexpr bool kToCamera = requires(Counter & counter, Vec3 place) {
     counter.way_from(place, 0.0f, 0.0f);
   };
+
+  struct NoFlight {
+    NoFlight(const Scene&, const Spectral<N>&) {}
+  };
+  using Flight = std::conditional_t<Media, FreeFlight<N>, NoFlight>;
 
   // What can wait at once: for each vertex that splits two branches, and the members of each that
   // part.
@@ -134,13 +142,8 @@ class Walk {
   // what collides on the way is not sent again.
   void send_from_media(const Group<N>& group, float end) {
     Group<N> met = group;
-    met.sequence = group.sequence.branch(2);
-    const auto hit = flight_.force(met, end);
-    if (!hit || !(largest(met.weight) > 0.0f)) return;
-    travel(met, *hit);
-    if (met.depth++ - met.passes == options_.maximum_depth) return;
-    const auto vertex =
-        make_vertex(scene_, *hit, {}, met, wavelengths_, time_, Counter::kTransport);
+    const auto vertex = collide_surely(met, end);
+    if (!vertex) return;
     visit_bound<N>(scene_.kernels, vertex->kernel, vertex->shading,
                    [&](const auto& kernel) { send_to_camera(met, *vertex, kernel); });
   }
@@ -149,16 +152,21 @@ class Walk {
   // passes, and each carries its part.
   void part_in_media(Group<N>& group, float end) {
     Group<N> met = group;
-    met.sequence = group.sequence.branch(2);
-    const auto hit = flight_.force(met, end);
+    const auto vertex = collide_surely(met, end);
     flight_.pass(group, end);
-    if (!hit || !(largest(met.weight) > 0.0f)) return;
+    if (vertex && leave_vertex(met, *vertex)) follow(met);
+  }
+
+  // Where a copy of a group in thin media meets them, its weight being the probability of that;
+  // empty where there is nothing to meet, or it has gone deep enough.
+  std::optional<Vertex<N>> collide_surely(Group<N>& met, float end) {
+    met.sequence = met.sequence.branch(2);
+    const auto hit = flight_.force(met, end);
+    if (!hit || !(largest(met.weight) > 0.0f)) return std::nullopt;
     travel(met, *hit);
     ++met.collisions;
-    if (met.depth++ - met.passes == options_.maximum_depth) return;
-    const auto vertex =
-        make_vertex(scene_, *hit, {}, met, wavelengths_, time_, Counter::kTransport);
-    if (leave_vertex(met, *vertex)) follow(met);
+    if (met.depth++ - met.passes == options_.maximum_depth) return std::nullopt;
+    return make_vertex(scene_, *hit, {}, met, wavelengths_, time_, Counter::kTransport);
   }
 
   // From the surface that a group left. Its ray is the one from there, moved off the surface: how
@@ -172,13 +180,21 @@ class Walk {
     return std::max(0.0f, hit.distance + dot(group.step, hit.normal) / cosine);
   }
 
+  bool is_medium(const Hit& hit) const {
+    if constexpr (Media) return scene_.is_medium(hit.surface);
+    return false;
+  }
+
+  // What the bodies around it leave of a group.
+  void absorb(Group<N>& group, float way) const {
+    group.weight *= scene_.transmittance(group.inside, way, wavelengths_);
+  }
+
   // Up to a hit; what the counter looks for there is counted.
   void travel(Group<N>& group, const Hit& hit) {
-    if (!group.inside.empty()) {
-      group.weight *= scene_.transmittance(group.inside, way_to(group, hit), wavelengths_);
-    }
+    if (!group.inside.empty()) absorb(group, way_to(group, hit));
     group.width += spread_ * hit.distance;
-    if (has_media_ && scene_.is_medium(hit.surface)) {
+    if (is_medium(hit)) {
       counter_.glows(group, hit);
     } else {
       counter_.arrives(group, hit);
@@ -191,7 +207,7 @@ class Walk {
     for (;;) {
       ++rays_;
       auto hit = scene_.geometry.intersect(group.ray, time_);
-      if (has_media_) fly(group, hit);
+      if constexpr (Media) fly(group, hit);
       const Contacts contacts = hit ? contacts_of(scene_, group.ray, time_, *hit) : Contacts();
       counter_.flies(group, hit);
       if (!hit) return std::nullopt;
@@ -242,7 +258,7 @@ class Walk {
   // From within glass no light lies where it seems to. A surface that spreads light in there may
   // still stand before one in the same glass; a medium has too many vertices to try at each.
   bool may_see_lights(const Group<N>& group, const Vertex<N>& vertex) const {
-    return !has_media_ || !scene_.is_medium(vertex.hit.surface) ||
+    return !is_medium(vertex.hit) ||
            group.inside.current(scene_.interiors) == InteriorList::kOutside;
   }
 
@@ -299,18 +315,11 @@ class Walk {
       ++rays_;
       auto hit = scene_.geometry.intersect(group.ray, time_);
       if (hit && hit->distance >= left) hit.reset();
-      if (has_media_ && flight_.enter(group.inside)) {
-        flight_.pass(group, hit ? hit->distance : left);
+      if constexpr (Media) {
+        if (flight_.enter(group.inside)) flight_.pass(group, hit ? hit->distance : left);
       }
-      if (!hit) {
-        if (!group.inside.empty()) {
-          group.weight *= scene_.transmittance(group.inside, left + group.skipped, wavelengths_);
-        }
-        return true;
-      }
-      if (!group.inside.empty()) {
-        group.weight *= scene_.transmittance(group.inside, way_to(group, *hit), wavelengths_);
-      }
+      if (!group.inside.empty()) absorb(group, hit ? way_to(group, *hit) : left + group.skipped);
+      if (!hit) return true;
       const Contacts contacts = contacts_of(scene_, group.ray, time_, *hit);
       if (make_vertex(scene_, *hit, contacts, group, wavelengths_, time_, Counter::kTransport)) {
         return false;
@@ -337,8 +346,11 @@ class Walk {
     if (group.depth - group.collisions > TracingOptions::kManyBounces) {
       survival = std::min(survival, TracingOptions::kSurvivalOfMany);
     }
-    if (scene_.all_in_fog)
-      survival = std::min(survival, chance_to_stay(group, vertex.hit.position));
+    if constexpr (Media) {
+      if (scene_.all_in_fog) {
+        survival = std::min(survival, chance_to_stay(group, vertex.hit.position));
+      }
+    }
     const KernelNumbers numbers{u[3], u[0], u[1]};
     if constexpr (kAdjoint) {
       const bool two_photons = options_.estimator == Estimator::kTwoPhotons && kernel.smooth() &&
@@ -355,7 +367,7 @@ class Walk {
       return draw_from_mixture(group, vertex, kernel, numbers, u[2] / survival, survival);
     } else {
       if constexpr (kToCamera) {
-        if (!(sent_ && scene_.is_medium(vertex.hit.surface))) send_to_camera(group, vertex, kernel);
+        if (!(sent_ && is_medium(vertex.hit))) send_to_camera(group, vertex, kernel);
       }
       if (u[2] >= survival) return false;
       return draw_from_kernel(group, vertex, kernel, numbers, survival, false);
@@ -402,7 +414,7 @@ class Walk {
     const Vec3 direction = vertex.to_world(wi);
     const float cosine = dot(vertex.normal, direction);
     // A medium has no sides, and turns one of 2^24 photons to go exactly across.
-    if (!has_media_ || !scene_.is_medium(vertex.hit.surface)) {
+    if (!is_medium(vertex.hit)) {
       // Where a shading normal says one side and the surface the other, nothing goes on.
       if (cosine * wi.z <= 0.0f) return false;
       if (cosine < 0.0f) group.inside = vertex.beyond;
@@ -569,11 +581,11 @@ class Walk {
   const TracingOptions& options_;
   const Spectral<N> wavelengths_;
   const float time_, spread_;
-  const bool has_media_, both_;
+  const bool both_;
   Counter& counter_;
   std::uint32_t rays_ = 0;
   bool sent_ = false;
-  FreeFlight<N> flight_;
+  Flight flight_;
   Waiting waiting_;
 };
 
