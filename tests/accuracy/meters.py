@@ -127,6 +127,18 @@ class Measurement:
         return compile_to(path, folder, *self._size, 1)
 
 
+def image_by(
+    direction: str, document: Document, pixels: tuple[int, int], samples: int, seed: int, folder: Path
+) -> Image:
+    """By photons of a direction and independent numbers; none may be rejected. Makes the folder."""
+    folder.mkdir()
+    tracing = {"sequence": "independent", "direction": direction}
+    measurement = Measurement({**document, "tracing": tracing}, folder, *pixels)
+    image = measurement.image(samples, seed)
+    assert measurement.statistics["rejected"] == 0
+    return image
+
+
 def _values(image: Image, channel: str) -> Values:
     if channel == "Y":
         return image.y

@@ -99,6 +99,23 @@ def ring(inner: float, outer: float, z: float, segments: int = 1024) -> Document
     return {"type": "mesh", "vertices": vertices.tolist(), "triangles": triangles.tolist()}
 
 
+def bowl(radius: float, opening: float, rings: int, segments: int) -> Document:
+    """A part of a sphere around the origin, up to the angle `opening` (radians) from -z, seen from inside."""
+    tilts = np.linspace(0.0, opening, rings + 1)[1:]
+    angles = np.linspace(0.0, 2.0 * np.pi, segments, endpoint=False)
+    around = np.column_stack([np.cos(angles), np.sin(angles), np.ones(segments)])
+    vertices = [[0.0, 0.0, -radius]]
+    for tilt in tilts:
+        vertices += (radius * around * [np.sin(tilt), np.sin(tilt), -np.cos(tilt)]).tolist()
+    after = [(i + 1) % segments for i in range(segments)]
+    triangles = [[0, 1 + i, 1 + after[i]] for i in range(segments)]
+    for ring in range(rings - 1):
+        a, b = 1 + ring * segments, 1 + (ring + 1) * segments
+        for i in range(segments):
+            triangles += [[a + i, b + i, b + after[i]], [a + i, b + after[i], a + after[i]]]
+    return {"type": "mesh", "vertices": vertices, "triangles": triangles}
+
+
 def measured_scene(sensor: Document, surfaces: list[Document], **tracing: Any) -> Document:
     """A document whose sensor has a `grey` channel."""
     return {"nocturne": 1, "sensor": {**GREY, **sensor}, "surfaces": surfaces, "tracing": tracing}

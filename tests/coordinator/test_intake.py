@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import limits
@@ -14,6 +14,7 @@ from nocturne_coordinator.worker_status import worker_row
 
 from tests.coordinator.simulated_worker import simulated_result
 from tests.coordinator.test_merging import Session
+from tests.fuzzing import tried
 from tests.mutations import mutated
 
 Spoil = Callable[[job_pb2.JobResult], None]
@@ -135,7 +136,9 @@ def test_any_bytes_are_survived(data: bytes) -> None:
     assert session.render.totals.ranges == 0
 
 
+@tried(examples=100)
 @given(st.integers(0, 2**32))
+@example(2613038)  # the job names a numeric class before the render has one
 def test_results_that_are_almost_right_are_survived(seed: int) -> None:
     session = Session(samples=4)
     session.fill(6)
@@ -150,6 +153,7 @@ def test_results_that_are_almost_right_are_survived(seed: int) -> None:
         assert job_pb2.JobResult.FromString(data).job == right.job
 
 
+@tried(examples=100)
 @given(st.integers(0, 2**32))
 def test_any_word_of_a_worker_is_shown_or_dropped(seed: int) -> None:
     status = job_pb2.WorkerStatus(worker_id="w", engine=job_pb2.ENGINE_CURRENT, threads=4, started=1e9)

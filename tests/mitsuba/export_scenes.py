@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from nocturne_coordinator.scene.grid_files import create
 
 Document = dict[str, Any]
 
@@ -95,6 +96,39 @@ def everywhere(folder: Path) -> Document:
     return scene
 
 
+def puff(folder: Path) -> Document:
+    """Smoke on a grid, linear between voxels, turned, with an albedo that depends on wavelength."""
+    return _scene(_puff(), media={"smoke": _smoke(folder, nearest=False)})
+
+
+def blocks(folder: Path) -> Document:
+    """The same, constant over each voxel, in a glass ball that cuts the grid."""
+    ball = _ball(0.2, kernel={"type": "dielectric", "index": 1.2}, interior={"media": ["smoke"]})
+    return _scene(ball, media={"smoke": _smoke(folder, nearest=True)})
+
+
+def _puff() -> Document:
+    return {"shape": {"type": "medium_box", "medium": "smoke"}, "interior": {"media": ["smoke"]}}
+
+
+def _smoke(folder: Path, *, nearest: bool) -> Document:
+    density = np.random.default_rng(36).uniform(0, 1, (5, 7, 6)) ** 3
+    create(folder / "smoke.vdb", "density", density, 0.25)
+    return {
+        "absorption": {"table": [[400, 4.0], [700, 1.0]]},
+        "scattering": {"table": [[400, 3.0], [700, 6.0]]},
+        "phase": {"type": "henyey_greenstein", "g": 0.6},
+        "density": {
+            "asset": "smoke.vdb",
+            "grid": "density",
+            "factor": 1.5,
+            "nearest": nearest,
+            "rotate": {"axis": [0.2, 1, 0.1], "degrees": 25},
+            "translate": [-0.8, 0.4, -0.4],
+        },
+    }
+
+
 def pictures(folder: Path) -> Document:
     """A colour texture, turned by nothing but repeated and shifted; a mask and a blend by grey ones."""
     _picture(folder / "colours.exr", [[0.8, 0.2, 0.1], [0.1, 0.7, 0.2], [0.2, 0.2, 0.7], [0.6, 0.6, 0.6]])
@@ -142,6 +176,19 @@ def panes(folder: Path) -> Document:
     return _scene(pane, card, _ball(0.8, radius=0.7, kernel=plastic), sensor=lens)
 
 
+def meter(folder: Path) -> Document:
+    """What falls on a plane, upright and turned, from a lamp, the floor and a ball of glass."""
+    del folder
+    plane = {
+        "type": "irradiance_meter",
+        "position": [0.6, 1.2, 1.4],
+        "normal": [-0.3, 0.2, -1],
+        "up": [0.3, 1, 0],
+        "height": 1.2,
+    }
+    return _scene(_ball(0, kernel={"type": "dielectric", "index": 1.5}), sensor=plane)
+
+
 def instances(folder: Path) -> Document:
     """A group that stands in the scene three times, in one of them smooth and turned."""
     del folder
@@ -159,6 +206,58 @@ def instances(folder: Path) -> Document:
         {"group": "post", "translate": [1.2, 0, 0], "rotate": {"axis": [0, 1, 0], "degrees": 40}},
     ]
     return _scene(groups={"post": [box, ball]}, instances=placed)
+
+
+def bodies(folder: Path) -> Document:
+    """Instances of a group with a bowl of dyed glass and a ball of mist, one of them turned and larger."""
+    del folder
+    media = {
+        "dye": {"absorption": {"table": [[400, 2.0], [550, 0.1], [700, 1.0]]}},
+        "mist": {
+            "absorption": 0.3,
+            "scattering": {"table": [[400, 4.0], [700, 2.0]]},
+            "phase": {"type": "henyey_greenstein", "g": 0.5},
+        },
+    }
+    glass = {
+        "shape": {"type": "box", "minimum": [-0.3, 0.01, -0.3], "maximum": [0.3, 0.5, 0.3]},
+        "kernel": {"type": "dielectric", "index": 1.5},
+        "interior": {"media": ["dye"]},
+    }
+    mist = {
+        "shape": {"type": "sphere", "centre": [0, 0.85, 0], "radius": 0.3},
+        "interior": {"media": ["mist"]},
+    }
+    placed = [
+        {"group": "bowl", "translate": [-0.9, 0, 0.5]},
+        {
+            "group": "bowl",
+            "translate": [0.8, 0, -0.5],
+            "scale": 1.5,
+            "rotate": {"axis": [0, 1, 0], "degrees": 40},
+        },
+    ]
+    return _scene(groups={"bowl": [glass, mist]}, instances=placed, media=media)
+
+
+def suns(folder: Path) -> Document:
+    """Two discs at infinity, one darker towards its edge, on a ball of air and one of rough metal."""
+    del folder
+    air = {"scattering": 2.0, "phase": {"type": "rayleigh", "depolarisation": 0.4}}
+    discs = [
+        {"direction": [0.3, 1, 0.4], "sun": True, "limb_darkening": True},
+        {
+            "direction": [-1, 0.7, 0.9],
+            "angular_diameter_degrees": 5,
+            "irradiance": {"blackbody": 2800, "luminance": 1e5},
+        },
+    ]
+    return _scene(
+        _ball(-0.9, interior={"media": ["air"]}),
+        _ball(0.9, kernel={"type": "conductor", "index": "Al", "roughness": 0.3}),
+        media={"air": air},
+        distant=discs,
+    )
 
 
 def sky(folder: Path) -> Document:
@@ -181,7 +280,21 @@ def sky(folder: Path) -> Document:
 
 SCENES = {
     each.__name__: each
-    for each in (dyed_glass, cloud, underwater, everywhere, pictures, panes, instances, sky)
+    for each in (
+        dyed_glass,
+        cloud,
+        underwater,
+        everywhere,
+        puff,
+        blocks,
+        pictures,
+        panes,
+        meter,
+        instances,
+        bodies,
+        suns,
+        sky,
+    )
 }
 
 

@@ -17,6 +17,7 @@ from nocturne_coordinator.importing.mitsuba.units import CANDELAS_PER_UNIT
 from nocturne_coordinator.importing.options import Imported
 from nocturne_coordinator.importing.scene_writer import Film
 
+from bench.scenes import example
 from tests.mitsuba.export_scenes import SCENES
 from tests.mitsuba.renders import Batches
 
@@ -35,6 +36,7 @@ REPOSITORY = {
     "colour_chart": (64, 64),
     "subsurface": (32, 64),
     "mixtures": (64, 64),
+    "smoke": (32, 128),
 }
 
 
@@ -68,7 +70,10 @@ def check(document: Path, folder: Path, samples: tuple[int, int]) -> None:
 
 @pytest.mark.parametrize("name", REPOSITORY)
 def test_scene_of_the_repository_looks_the_same(name: str, tmp_path: Path) -> None:
-    check(CHECKOUT / "scenes" / name / "scene.json", tmp_path, REPOSITORY[name])
+    document = tmp_path / name / "scene.json"
+    document.parent.mkdir()
+    document.write_text(json.dumps(example(name, document.parent)))
+    check(document, tmp_path, REPOSITORY[name])
 
 
 @pytest.mark.parametrize("name", SCENES)

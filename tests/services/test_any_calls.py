@@ -3,7 +3,6 @@
 import copy
 import itertools
 import json
-import os
 from collections.abc import Iterator
 from typing import Any
 
@@ -12,24 +11,16 @@ import httpx
 import pytest
 import schemathesis
 from google.protobuf import message_factory
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from nocturne.v1 import asset_service_pb2, render_service_pb2
 from nocturne_api.service import Service, Settings
 
+from tests.fuzzing import tried
 from tests.services.conftest import SCENE
 from tests.services.served import served
 
-EXAMPLES = int(os.environ.get("NOCTURNE_FUZZ_EXAMPLES", "6"))
-"""Calls of each kind; `make fuzz` makes many more."""
-
-_QUIETLY = settings(
-    max_examples=EXAMPLES,
-    deadline=None,
-    derandomize="NOCTURNE_FUZZ_EXAMPLES" not in os.environ,
-    database=None,
-    suppress_health_check=list(HealthCheck),
-)
+_QUIETLY = tried(examples=6)
 
 
 @pytest.fixture(scope="module")

@@ -124,6 +124,52 @@ def test_what_is_even_takes_no_memory(tmp_path: Path) -> None:
     np.testing.assert_array_equal(nano_values(tmp_path / "even.nvdb", (96, 96, 96)), 2)
 
 
+def test_values_are_those_that_went_in(smoke: Path, tmp_path: Path) -> None:
+    """What `create` took, in a box of whole blocks of 8; and tiles, which have no blocks, with it."""
+    answer("convert", smoke, "--grid", "density", "-o", tmp_path / "density.nvdb")
+    told = answer("values", tmp_path / "density.nvdb", "-o", tmp_path / "values.f32")
+    values = np.fromfile(tmp_path / "values.f32", "<f4").reshape(told["dims"])
+    first = np.array(told["first_voxel"])
+    assert np.all(first % 8 == 0)
+    at = np.argwhere(ball() > 0)
+    assert np.all(at.min(axis=0) >= first)
+    found = np.zeros((64, 64, 64), np.float32)
+    found[tuple(slice(low, low + n) for low, n in zip(first, told["dims"], strict=True))] = values
+    np.testing.assert_array_equal(found[:40, :30, :20], ball())
+    assert np.count_nonzero(found) == len(at)
+    assert told["background"] == 0
+    assert told["transform"] == pytest.approx([0.1, 0, 0, 1, 0, 0.1, 0, 2, 0, 0, 0.1, 3])
+
+
+def test_values_of_tiles_and_a_background(tmp_path: Path) -> None:
+    entry = {"name": "density", "file": "density.f32", "background": 0.5}
+    even = np.full((32, 32, 32), 2, np.float32)
+    even[3, 4, 5] = 1
+    description = write_input(tmp_path, {"density": even}, grids=[entry])
+    answer("create", description, "-o", tmp_path / "even.vdb")
+    answer("convert", tmp_path / "even.vdb", "--grid", "density", "-o", tmp_path / "even.nvdb")
+    told = answer("values", tmp_path / "even.nvdb", "-o", tmp_path / "values.f32")
+    assert (told["dims"], told["first_voxel"], told["background"]) == ([32, 32, 32], [0, 0, 0], 0.5)
+    np.testing.assert_array_equal(np.fromfile(tmp_path / "values.f32", "<f4"), even.ravel())
+
+
+def test_values_are_counted_before_memory_is_taken(tmp_path: Path) -> None:
+    """Two voxels far apart: 4000 x 8 x 8 in whole blocks, one more than are allowed."""
+    far = np.zeros((1, 1, 4000), np.float32)
+    far[0, 0, [0, -1]] = 1
+    answer("create", write_input(tmp_path, {"density": far}), "-o", tmp_path / "far.vdb")
+    answer("convert", tmp_path / "far.vdb", "--grid", "density", "-o", tmp_path / "far.nvdb")
+    out = tmp_path / "out.f32"
+    said = refusal("values", tmp_path / "far.nvdb", "-o", out, "--max-voxels", 64 * 4000 - 1)
+    assert "more than 255999 voxels (--max-voxels)" in said
+    assert list(tmp_path.glob("out*")) == []
+
+
+def test_values_of_what_is_no_grid(tmp_path: Path) -> None:
+    (tmp_path / "text.nvdb").write_text("not a grid at all\n" * 1000)
+    assert "is no NanoVDB buffer" in refusal("values", tmp_path / "text.nvdb", "-o", tmp_path / "out.f32")
+
+
 def test_tolerance_drops_what_is_thin(tmp_path: Path) -> None:
     entry = {"name": "density", "file": "density.f32", "tolerance": 0.25, "half": True}
     description = write_input(tmp_path, {"density": ball()}, grids=[entry])

@@ -83,6 +83,45 @@ std::vector<float> read_values(const fs::path& path, std::size_t count) {
   return values;
 }
 
+// Voxels of a grid where it may have other values than its background.
+struct Extent {
+  std::array<std::int64_t, 3> first, dims;
+  std::size_t voxels = 1;
+};
+
+Extent extent(const FloatGrid& grid, const std::string& at, const GridLimits& limits) {
+  Extent all{grid.box().low, {}};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    all.dims[axis] = grid.box().high[axis] - all.first[axis] + 1;
+    if (all.dims[axis] > limits.voxels / static_cast<std::int64_t>(all.voxels)) {
+      refuse(at + ": its values fill a box of more than " + std::to_string(limits.voxels) +
+             " voxels (--max-voxels)");
+    }
+    all.voxels *= static_cast<std::size_t>(all.dims[axis]);
+  }
+  return all;
+}
+
+std::vector<float> dense_values(const FloatGrid& grid, const Extent& extent) {
+  std::vector<float> values(extent.voxels, grid.background());
+  grid.for_each_block([&](const FloatGrid::Block& block) {
+    if (block.values == nullptr && block.value == grid.background()) return;
+    const auto offset = [&](std::size_t axis) { return block.origin[axis] - extent.first[axis]; };
+    for (std::int64_t x = 0; x < block.size; ++x) {
+      for (std::int64_t y = 0; y < block.size; ++y) {
+        const std::int64_t row = (offset(0) + x) * extent.dims[1] + offset(1) + y;
+        const auto to = values.begin() + row * extent.dims[2] + offset(2);
+        if (block.values == nullptr) {
+          std::fill_n(to, block.size, block.value);
+        } else {
+          std::copy_n(block.values + (x << 6 | y << 3), block.size, to);
+        }
+      }
+    }
+  });
+  return values;
+}
+
 // What all grids of a file share.
 struct Layout {
   std::array<std::int64_t, 3> dims;
@@ -169,6 +208,33 @@ json convert_grid(const fs::path& vdb, const std::string& name, const fs::path& 
     }
   });
   return written;
+}
+
+json grid_values(const fs::path& nvdb, const fs::path& output, const GridLimits& limits) {
+  const FloatGrid grid = [&] {
+    try {
+      return FloatGrid::map(nvdb);
+    } catch (const std::invalid_argument& error) {
+      refuse(nvdb.string() + ": " + error.what());
+    }
+  }();
+  const Extent all = extent(grid, nvdb.string(), limits);
+  const std::vector<float> values = dense_values(grid, all);
+  write_file(output, [&](const fs::path& part) {
+    std::ofstream out(part, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(values.data()),
+              static_cast<std::streamsize>(values.size() * sizeof(float)));
+    out.close();
+    if (!out) refuse(output.string() + ": can't be written");
+  });
+  const Matrix3& m = grid.matrix();
+  const Double3 shift = grid.shift();
+  return {
+      {"dims", all.dims},
+      {"first_voxel", all.first},
+      {"background", grid.background()},
+      {"transform",
+       {m.x.x, m.x.y, m.x.z, shift.x, m.y.x, m.y.y, m.y.z, shift.y, m.z.x, m.z.y, m.z.z, shift.z}}};
 }
 
 json create_grids(const fs::path& input, const fs::path& output, const GridLimits& limits) {

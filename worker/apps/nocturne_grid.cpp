@@ -78,7 +78,8 @@ int run(const std::function<nlohmann::json()>& command, const GridLimits& limits
 int main(int argc, char** argv) {
   CLI::App app(
       "Density grids: says what is in an OpenVDB file, converts one for the worker, makes one from "
-      "arrays. Answers are JSON on standard output; whatever can't be used ends with status 2.");
+      "arrays, and arrays again. Answers are JSON on standard output; whatever can't be used ends "
+      "with status 2.");
   app.require_subcommand(1);
   nocturne::GridLimits limits;
   std::string input, output, name;
@@ -101,6 +102,9 @@ int main(int argc, char** argv) {
   convert->add_option("-o,--output", output, "File to write")->required();
   convert->callback(
       [&] { command = [&] { return nocturne::convert_grid(input, name, output, limits); }; });
+  CLI::App* values = add("values", "All values of a grid for the worker", "file.nvdb");
+  values->add_option("-o,--output", output, "File to write")->required();
+  values->callback([&] { command = [&] { return nocturne::grid_values(input, output, limits); }; });
   CLI::App* create = add("create", "An OpenVDB file from arrays of numbers", "input.json");
   create->add_option("-o,--output", output, "File to write")->required();
   create->callback(

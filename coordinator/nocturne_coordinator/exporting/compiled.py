@@ -89,6 +89,17 @@ class Body:
         return not self.media
 
 
+@dataclass(frozen=True)
+class Placed:
+    """A surface where it is in the scene."""
+
+    surface: scene_pb2.Surface
+    place: str
+    """Where it is described."""
+    placement: Array
+    """The 3 x 4 matrix that it is placed by."""
+
+
 class Compiled:
     """A compiled scene with its blobs, and the document that it is of.
 
@@ -241,10 +252,10 @@ class Compiled:
     def around_sensor(self, everywhere: Body) -> tuple[Body | None, str]:
         """What the sensor stands in, and where that is described."""
         position = self.point(self.message.sensor.position)
-        for index, surface in self.standing():
-            place = self.place(index)
-            if surface.HasField("interior") and self.encloses(surface, position, place):
-                return self.body(surface, place), f"{place}.interior"
+        for body in self.bodies():
+            inside = np.asarray(np.linalg.solve(body.placement[:, :3], position - body.placement[:, 3]))
+            if self.encloses(body.surface, inside, body.place):
+                return self.body(body.surface, body.place), f"{body.place}.interior"
         return everywhere, "$.unbounded_media"
 
     def is_textured(self, surface: scene_pb2.Surface) -> bool:
@@ -252,23 +263,39 @@ class Compiled:
         kernels = [surface.kernel] + ([surface.back_kernel] if surface.HasField("back_kernel") else [])
         return any("texture" in str(self.message.kernels[index]) for index in kernels)
 
+    def bodies(self) -> Iterator[Placed]:
+        """Surfaces that enclose something, as often as they are in the scene."""
+        in_groups: dict[int, list[int]] = {}
+        for at, surface in enumerate(self.message.surfaces):
+            if surface.HasField("interior"):
+                in_groups.setdefault(surface.group, []).append(at)
+        frames = [(0, np.eye(3, 4))]
+        frames += [(each.group, self.placement(each)) for each in self.message.instances]
+        for group, placement in frames:
+            for at in in_groups.get(group, ()):
+                yield Placed(self.message.surfaces[at], self.place(at), placement)
+
     def standing(self) -> Iterator[tuple[int, scene_pb2.Surface]]:
         """Surfaces that are in the scene once, with their index."""
         return ((at, each) for at, each in enumerate(self.message.surfaces) if each.group == 0)
 
     def refuse_overlaps(self) -> None:
         """Tell of bodies that may overlap: boundaries of other renderers must not."""
-        boxes = [
-            (self.place(at), *self.bounds(surface, self.place(at)))
-            for at, surface in self.standing()
-            if surface.HasField("interior")
-        ]
-        for index, (place, low, high) in enumerate(boxes):
-            for other, lower, higher in boxes[:index]:
-                if np.all(np.minimum(high, higher) > np.maximum(low, lower)):
-                    self.findings.lost(
-                        place, f"may overlap with {other}, and bodies that do can't be exported"
-                    )
+        bodies = list(self.bodies())
+        known: dict[int, Array] = {}
+        boxes = np.empty((len(bodies), 2, 3))
+        for at, body in enumerate(bodies):
+            if id(body.surface) not in known:
+                known[id(body.surface)] = np.stack(self.bounds(body.surface, body.place), axis=1)
+            corners = np.stack(np.meshgrid(*known[id(body.surface)]), axis=-1).reshape(-1, 3)
+            placed = corners @ body.placement[:, :3].T + body.placement[:, 3]
+            boxes[at] = placed.min(axis=0), placed.max(axis=0)
+            low, high = np.maximum(boxes[at, 0], boxes[:at, 0]), np.minimum(boxes[at, 1], boxes[:at, 1])
+            for other in np.flatnonzero(np.all(high > low, axis=1)):
+                self.findings.lost(
+                    body.place,
+                    f"may overlap with {bodies[other].place}, and bodies that do can't be exported",
+                )
 
     def refuse_other_sensors(self) -> None:
         """Tell of what a sensor has that only ours have."""

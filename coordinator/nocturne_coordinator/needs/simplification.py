@@ -44,6 +44,11 @@ def objects(value: Any) -> Iterator[Document]:
             waiting.extend(found)
 
 
+def assets_of(value: Any) -> set[str]:
+    """The files that a document names, or their digests, as it writes them."""
+    return {each["asset"] for each in objects(value) if isinstance(each.get("asset"), str)}
+
+
 def member_lists(document: Document) -> Iterator[list[Document]]:
     """The lists that hold surfaces, and instances in groups."""
     yield document.get("surfaces", [])

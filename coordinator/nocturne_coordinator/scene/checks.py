@@ -17,6 +17,7 @@ from nocturne_coordinator.scene.kernel_model import (
 from nocturne_coordinator.scene.luminaire_model import ConstantEnvironment, PhotometricProfile
 from nocturne_coordinator.scene.media_checks import glows, media_problems
 from nocturne_coordinator.scene.model import SceneDocument, all_surfaces
+from nocturne_coordinator.scene.node import quoted_list
 from nocturne_coordinator.scene.problems import path
 from nocturne_coordinator.scene.spectrum_checks import (
     Reference,
@@ -119,8 +120,11 @@ def _luminaire_problems(document: SceneDocument, surface: Surface, place: str) -
     yield from radiance_problems(resolve_spectrum(document, used), used, at, may_be_relative=relative)
 
 
-_MET_BY_PHOTONS = ("irradiance_meter", "intensity_meter")
-_CAMERAS = ("pinhole", "thin_lens", "orthographic", "panorama")
+MET_BY_PHOTONS = ("irradiance_meter", "intensity_meter")
+"""Types of sensors that photons from luminaires can meet."""
+
+CAMERAS = ("pinhole", "thin_lens", "orthographic", "panorama")
+"""Types of sensors that photons from luminaires can be sent to."""
 
 
 def _surrounding_problems(document: SceneDocument) -> Iterator[Problem]:
@@ -138,19 +142,15 @@ def _surrounding_problems(document: SceneDocument) -> Iterator[Problem]:
 
 def _tracing_problems(document: SceneDocument) -> Iterator[Problem]:
     sensor = document.sensor.type
-    if document.tracing.direction == "forward" and sensor not in _MET_BY_PHOTONS:
+    if document.tracing.direction == "forward" and sensor not in MET_BY_PHOTONS:
         yield Problem(
             "$.tracing.direction",
             f'"forward" needs a sensor that photons can meet, and a {sensor} has no size; expected "adjoint" '
-            f"or a sensor whose type is one of {_quoted(_MET_BY_PHOTONS)}",
+            f"or a sensor whose type is one of {quoted_list(MET_BY_PHOTONS)}",
         )
-    if document.tracing.direction == "both" and sensor not in _CAMERAS:
+    if document.tracing.direction == "both" and sensor not in CAMERAS:
         yield Problem(
             "$.tracing.direction",
             f'"both" needs a camera, and a {sensor} is none; expected "adjoint" or a sensor whose type is '
-            f"one of {_quoted(_CAMERAS)}",
+            f"one of {quoted_list(CAMERAS)}",
         )
-
-
-def _quoted(names: tuple[str, ...]) -> str:
-    return ", ".join(f'"{name}"' for name in names)

@@ -39,6 +39,19 @@ class GridFacts:
     """Rows of the 3 x 4 matrix from voxel centres to the grid's own space."""
 
 
+@dataclass(frozen=True)
+class DenseGrid:
+    """All values of a grid."""
+
+    values: NDArray[np.float32]
+    """By x, y, z."""
+    first_voxel: _Voxel
+    background: float
+    """What is beyond."""
+    transform: NDArray[np.float64]
+    """The 3 x 4 matrix from voxel centres to the grid's own space."""
+
+
 def convert(source: Path, grid: str, output: Path) -> str:
     """Write one grid of an OpenVDB file as NanoVDB; return text for `facts_in`. Raises UnusableGridError."""
     return _run("convert", source, "--grid", grid, "-o", output).decode()
@@ -54,6 +67,20 @@ def facts_in(text: str) -> GridFacts:
         minimum=found["least"],
         maximum=found["most"],
         transform=tuple(tuple(matrix[at : at + 4]) for at in (0, 4, 8)),
+    )
+
+
+def dense(source: Path, most_voxels: int) -> DenseGrid:
+    """Return what is in a file of `convert`. Raises UnusableGridError, also where it has more voxels."""
+    with tempfile.TemporaryDirectory() as folder:
+        output = Path(folder) / "values.f32"
+        found = json.loads(_run("values", source, "--max-voxels", str(most_voxels), "-o", output))
+        values = np.fromfile(output, "<f4").reshape(found["dims"])
+    return DenseGrid(
+        values,
+        tuple(found["first_voxel"]),
+        found["background"],
+        np.array(found["transform"]).reshape(3, 4),
     )
 
 

@@ -4,7 +4,6 @@ The corpus has one file of each format that names most of what an importer knows
 left out, copied and swapped; of binary files, bytes.
 """
 
-import os
 import re
 import shutil
 import tempfile
@@ -12,26 +11,19 @@ import time
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.importing.import_scene import import_scene
 from nocturne_coordinator.importing.options import ImportOptions
 
-CORPUS = Path(__file__).parent / "corpus"
-EXAMPLES = int(os.environ.get("NOCTURNE_FUZZ_EXAMPLES", "15"))
-"""Files of each kind; `make fuzz` makes many more."""
+from tests.fuzzing import tried
 
+CORPUS = Path(__file__).parent / "corpus"
 # Of one import; a whole one takes less than one.
 _SECONDS = 20
 
-_QUIETLY = settings(
-    max_examples=EXAMPLES,
-    deadline=None,
-    derandomize="NOCTURNE_FUZZ_EXAMPLES" not in os.environ,
-    database=None,
-    suppress_health_check=list(HealthCheck),
-)
+_QUIETLY = tried(examples=15)
 
 _TOKEN = re.compile(rb"[A-Za-z_$]+|[-+0-9.eE]+|\s+|.", re.DOTALL)
 _WORDS = (

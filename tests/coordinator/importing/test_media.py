@@ -14,6 +14,7 @@ from nocturne_coordinator.importing import grids, transforms
 from nocturne_coordinator.importing.import_scene import import_scene
 from nocturne_coordinator.importing.options import ImportOptions
 from nocturne_coordinator.scene import grid_files
+from scipy.ndimage import map_coordinates
 
 from tests.mitsuba.export_scenes import SCENES
 
@@ -136,6 +137,21 @@ def test_a_grid_becomes_a_density(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.parametrize(
+    ("degrees", "inner", "told"), [(30, False, True), (90, False, False), (30, True, False)]
+)
+def test_outer_values_of_a_turned_grid_are_told(
+    degrees: float, inner: bool, told: bool, tmp_path: Path
+) -> None:
+    """Mitsuba goes on with them in the box along the axes: seen by images, with bodies larger than a grid."""
+    (tmp_path / "in").mkdir()
+    values = np.pad(np.ones((1, 1, 1)), 1) if inner else np.ones((3, 3, 3))
+    (tmp_path / "in" / "a.vol").write_bytes(vol(values))
+    body = GRID.replace('angle="90"', f'angle="{degrees}"') + BALL.format(bsdf="null", side="interior")
+    document = mitsuba(tmp_path, CAMERA + body)
+    assert ("holds the outer values" in document.get("note", "")) == told
+
+
+@pytest.mark.parametrize(
     ("content", "said"),
     [
         (b"VOL\x03", "no grid of version 3"),
@@ -235,7 +251,7 @@ def test_pbrts_media_without_an_equal_are_named(body: str, said: str, tmp_path: 
         pbrt(tmp_path, body)
 
 
-@pytest.mark.parametrize("name", ["dyed_glass", "cloud", "underwater", "everywhere"])
+@pytest.mark.parametrize("name", ["dyed_glass", "cloud", "underwater", "everywhere", "puff", "blocks"])
 def test_media_come_back_from_an_export(name: str, tmp_path: Path) -> None:
     document = SCENES[name](tmp_path)
     (tmp_path / "scene.json").write_text(json.dumps(document))
@@ -244,14 +260,39 @@ def test_media_come_back_from_an_export(name: str, tmp_path: Path) -> None:
     [given], [found] = document["media"].values(), back["media"].values()
     # The export is 1000 times as large.
     at = np.array([420.0, 500.0, 680.0])
+    grid = "density" in given
+    # A grid's density there has what is the coefficients' size here.
+    factors = [1000 * each["density"]["factor"] if grid else 1000 for each in (found, given)]
     for field in ("absorption", "scattering"):
-        assert values(found.get(field, 0), at) * 1000 == pytest.approx(
-            values(given.get(field, 0), at), rel=1e-5
+        assert factors[0] * values(found.get(field, 0), at) == pytest.approx(
+            factors[1] / 1000 * values(given.get(field, 0), at), rel=1e-5
         )
+    if grid:
+        middles, read = placed(tmp_path / "back", found["density"])
+        _, expected = placed(tmp_path, given["density"], middles / 1000)
+        assert np.ptp(expected) > 0.8
+        assert read == pytest.approx(expected, abs=2e-6)
     assert found.get("phase") == pytest.approx(given.get("phase"))
     assert len(back.get("unbounded_media", ())) == len(document.get("unbounded_media", ()))
     bodies = [sum("interior" in each for each in each["surfaces"]) for each in (document, back)]
     assert bodies[0] == bodies[1]
+
+
+def placed(folder: Path, density: Any, points: Any = None) -> tuple[Any, Any]:
+    """What a grid of a document holds at points of the scene, by default at the middles of its voxels."""
+    file = folder / "read.nvdb"
+    grid_files.convert(folder / density["asset"], density["grid"], file)
+    grid = grid_files.dense(file, 2**24)
+    matrix = transforms.translation(density.get("translate", [0, 0, 0]))
+    if "rotate" in density:
+        matrix = matrix @ transforms.rotation(**density["rotate"])
+    matrix = matrix @ np.vstack([grid.transform, [0, 0, 0, 1]]) @ transforms.translation(grid.first_voxel)
+    if points is None:
+        indices = np.argwhere(np.ones_like(grid.values))
+        points = indices @ matrix[:3, :3].T + matrix[:3, 3]
+    at = (points - matrix[:3, 3]) @ np.linalg.inv(matrix[:3, :3]).T
+    order = 0 if density.get("nearest") else 1
+    return points, map_coordinates(grid.values, at.T, order=order, mode="grid-constant")
 
 
 def values(spectrum: Any, at: np.ndarray) -> np.ndarray:

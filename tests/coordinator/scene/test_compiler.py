@@ -238,8 +238,7 @@ def shuffled(value: Any, order: random.Random) -> Any:
     return value
 
 
-# No deadline: the first example imports colour-science.
-@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=20, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.randoms(use_true_random=False))
 def test_the_order_of_keys_makes_no_difference(document: dict[str, Any], order: random.Random) -> None:
     with tempfile.TemporaryDirectory() as folder:

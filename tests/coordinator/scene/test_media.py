@@ -380,8 +380,7 @@ def test_a_scene_may_be_nothing_but_fog(document: Document, compiled: Compile) -
 coefficient = st.floats(0, 1e6, allow_subnormal=False, width=32)
 
 
-# No deadline: the first example imports colour-science.
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     absorption=coefficient,
     scattering=coefficient,

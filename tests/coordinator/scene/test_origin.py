@@ -80,7 +80,7 @@ def test_what_is_far_out_compiles_to_what_it_is_near_the_origin(compiled: Compil
 _FAR = st.floats(-1e7, 1e7)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(x=st.floats(1e4, 1e7), y=_FAR, z=_FAR)
 def test_the_sensor_is_near_the_origin_wherever_the_scene_is(x: float, y: float, z: float) -> None:
     with tempfile.TemporaryDirectory() as folder:

@@ -85,7 +85,7 @@ def photometries(draw: st.DrawFn) -> Photometry:
 
 
 @given(photometries())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_what_is_written_reads_back(photometry: Photometry) -> None:
     text = photometric_files.write(photometry)
     assert max(len(line) for line in text.splitlines()) <= 256
@@ -99,7 +99,7 @@ def test_what_is_written_reads_back(photometry: Photometry) -> None:
 
 
 @given(st.binary(max_size=400), st.integers(0, 150))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_spoiled_files_give_results_or_errors_with_a_line(noise: bytes, at: int) -> None:
     good = file("0 90", "1 1 1  4 4 4")
     places = []

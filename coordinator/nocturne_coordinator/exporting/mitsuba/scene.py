@@ -7,20 +7,26 @@ import numpy as np
 from nocturne.v1 import scene_pb2
 
 from nocturne_coordinator.exporting import skies
-from nocturne_coordinator.exporting.compiled import Body, Compiled, Film, array
+from nocturne_coordinator.exporting.compiled import Body, Compiled, Film, Table, array
 from nocturne_coordinator.exporting.mitsuba.context import Context
 from nocturne_coordinator.exporting.mitsuba.elements import matrix, parameter, plugin, spectrum, write
 from nocturne_coordinator.exporting.mitsuba.media import medium
 from nocturne_coordinator.exporting.mitsuba.shapes import add_surfaces
 from nocturne_coordinator.importing.mitsuba.units import CANDELAS_PER_UNIT, white
 from nocturne_coordinator.importing.scene_writer import SceneWriter
+from nocturne_coordinator.scene.compile.sensors import unit
 from nocturne_coordinator.scene.luminaire_model import EnvironmentMap
+from nocturne_coordinator.scene.published import visible_wavelengths
 
 # Its rays start this far, and as much of their coordinates, from where they left a surface: 1500 times the
 # rounding of a float, RayEpsilon in its include/mitsuba/core/math.h. Scenes are written so large that only
 # the second counts.
 _LARGE = 1000.0
 _FAR = 100.0
+
+# Of a disc at infinity, in sizes of the scene: directions to it differ by this part of a radian.
+_DISTANCE = 1e4
+_WIDEST = math.radians(80)
 
 # Vertices before its roulette, which ends one path in twenty at every further vertex, whatever its weight: so
 # early that paths in milk are ended often, it makes the few that go on too bright to average.
@@ -54,9 +60,13 @@ def _integrator(compiled: Compiled) -> Element:
     depth = message.tracing.maximum_depth
     # It counts edges, of which there is one more than interactions.
     edges = depth + 1 if depth else -1
-    if message.media or any(interior.HasField("absorption") for interior in message.interiors):
-        # By the multiple importance sampling of this one, extinction may depend on wavelength.
-        return plugin("integrator", "volpathmis", max_depth=edges, rr_depth=_ROULETTE)
+    coefficients = [index for each in message.media for index in (each.absorption, each.scattering)]
+    coefficients += [each.absorption for each in message.interiors if each.HasField("absorption")]
+    if coefficients:
+        # By multiple importance sampling over wavelengths, extinction may depend on them. It costs up to a
+        # quarter more where it does not.
+        grey = all(compiled.table(index).constant is not None for index in coefficients)
+        return plugin("integrator", "volpath" if grey else "volpathmis", max_depth=edges, rr_depth=_ROULETTE)
     return plugin("integrator", "path", max_depth=edges)
 
 
@@ -84,13 +94,17 @@ def _sensor(context: Context, film: Film, around: Body) -> Element:
             half_width = 0.5 * compiled.metre * sensor.height * film.width / film.height
             axes = [half_width * axes[0], half_width * axes[1], forward]
             found = plugin("sensor", "orthographic")
+        case scene_pb2.SENSOR_MODEL_PLANE:
+            found = plugin("sensor", "irradiancemeter")
         case model:
             name = scene_pb2.SensorModel.Name(model).removeprefix("SENSOR_MODEL_").lower()
             context.findings.lost("$.sensor", f"a sensor of the kind {name} can't be exported")
             found = plugin("sensor", "perspective")
-    # Else it sees no farther than 10,000.
-    parameter(found, "far_clip", _FAR * compiled.size())
-    found.append(matrix("to_world", axes, position))
+    if sensor.model != scene_pb2.SENSOR_MODEL_PLANE:
+        # Else it sees no farther than 10,000.
+        far = _DISTANCE if compiled.message.distant_discs else 1.0
+        parameter(found, "far_clip", _FAR * far * compiled.size())
+        found.append(matrix("to_world", axes, position))
     pixels = plugin(
         "film",
         "hdrfilm",
@@ -104,13 +118,24 @@ def _sensor(context: Context, film: Film, around: Body) -> Element:
     sampler[0].tag = "integer"
     body, place = compiled.around_sensor(around)
     found.extend([pixels, sampler, *medium(context, body, "", place)])
+    return _plane(context, film, found) if sensor.model == scene_pb2.SENSOR_MODEL_PLANE else found
+
+
+def _plane(context: Context, film: Film, meter: Element) -> Element:
+    """A rectangle that light does not notice, with a meter on it; its first row is that of the lowest y."""
+    sensor = context.compiled.message.sensor
+    half = 0.5 * context.compiled.metre * sensor.height
+    axes = [half * film.width / film.height * array(sensor.right), -half * array(sensor.up)]
+    found = plugin("shape", "rectangle")
+    found.append(matrix("to_world", [*axes, array(sensor.forward)], context.compiled.point(sensor.position)))
+    found.extend([plugin("bsdf", "null"), meter])
     return found
 
 
 def _add_environment(context: Context) -> None:
     message = context.compiled.message
-    if message.distant_discs:
-        context.findings.lost("$.distant", "discs at infinity have no equal in Mitsuba")
+    for disc in message.distant_discs:
+        context.root.append(_disc(context, disc))
     match message.environment.WhichOneof("radiance"):
         case "constant":
             found = plugin("emitter", "constant")
@@ -118,6 +143,36 @@ def _add_environment(context: Context) -> None:
             context.root.append(found)
         case "map":
             context.root.append(_sky(context, message.environment.map))
+
+
+def _disc(context: Context, disc: scene_pb2.DistantDisc) -> Element:
+    """A disc far away, even; where ours is darker towards its edge, with the same light in all."""
+    compiled = context.compiled
+    if disc.half_angle > _WIDEST:
+        context.findings.lost("$.distant", "a disc wider than 160 degrees has no equal in Mitsuba")
+    table = compiled.table(disc.radiance)
+    if disc.limb_plus:
+        context.findings.note("$.distant", "limb darkening is left out: an even disc of the same light")
+        at = visible_wavelengths()
+        # Of mu^k over a disc.
+        part = sum(
+            2 / (power + 2) * (compiled.table(plus).at(at) - compiled.table(minus).at(at))
+            for power, (plus, minus) in enumerate(zip(disc.limb_plus, disc.limb_minus, strict=True))
+        )
+        table = Table.visible(table.at(at) * part)
+    forward = -array(disc.direction)
+    right = unit(np.cross(forward, np.eye(3)[np.argmin(np.abs(forward))]))
+    distance = _DISTANCE * compiled.size()
+    radius = distance * math.tan(disc.half_angle)
+    found = plugin("shape", "disk")
+    axes = [radius * right, radius * np.cross(forward, right), forward]
+    found.append(matrix("to_world", axes, -distance * forward))
+    black = plugin("bsdf", "diffuse")
+    black.append(spectrum("reflectance", Table(np.zeros(1))))
+    emitter = plugin("emitter", "area")
+    emitter.append(spectrum("radiance", table))
+    found.extend([black, emitter])
+    return found
 
 
 def _sky(context: Context, frame: scene_pb2.EnvironmentMap) -> Element:

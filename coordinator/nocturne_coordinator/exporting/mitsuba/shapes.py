@@ -45,8 +45,6 @@ def _shape(
     found = _geometry(context, index, surface, place)
     found.append(material(context, surface, body, place))
     if body is not None:
-        if surface.group:
-            context.findings.lost(place, "bodies in groups can't be exported")
         if around.media and body.index is None:
             context.findings.lost(place, "media in a medium that is everywhere can't be exported")
         found.extend(medium(context, body, "interior", f"{place}.interior"))

@@ -4,6 +4,7 @@ import struct
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.importing import transforms
@@ -14,10 +15,15 @@ from nocturne_coordinator.importing.mitsuba.elements import Element
 from nocturne_coordinator.importing.mitsuba.properties import Properties
 from nocturne_coordinator.importing.scene_files import read_bytes
 from nocturne_coordinator.importing.scene_writer import Json
+from nocturne_coordinator.importing.transforms import Matrix
 from nocturne_coordinator.limits import MAXIMUM_ASSET_BYTES
 
-_HEADER = struct.Struct("<3sB5i6f")
-_FLOATS = 1
+HEADER = struct.Struct("<3sB5i6f")
+"""Of a volume's file: "VOL", version 3, the kind of its values, counts along x, y and z, channels, and a box
+that counts only where it is asked for. Values follow, x first."""
+
+FLOATS = 1
+"""The kind of 32-bit floats."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +75,24 @@ def _grid(context: Context, properties: Properties) -> Grid:
         to_world = (
             to_world @ transforms.translation(low) @ transforms.scaling(np.subtract(high, low).tolist())
         )
+    if _is_turned(to_world) and _fills_its_faces(values):
+        context.findings.note(
+            properties.place,
+            "beyond its box the grid is empty; of a turned one Mitsuba holds the outer values as far as the "
+            "box along the axes around it",
+        )
     return Grid(values, filtered == "trilinear", to_world)
+
+
+def _is_turned(matrix: Matrix) -> bool:
+    """Whether a box has other directions than the axes."""
+    sizes = np.abs(matrix[:3, :3])
+    return bool(np.any(np.sum(sizes > 1e-6 * sizes.max(), axis=0) > 1))
+
+
+def _fills_its_faces(values: NDArray[np.float64]) -> bool:
+    """Whether an outer cell is not empty."""
+    return bool(np.count_nonzero(values) > np.count_nonzero(values[1:-1, 1:-1, 1:-1]))
 
 
 def _read(context: Context, element: Element, name: str) -> tuple[np.ndarray, list[float]]:
@@ -77,21 +100,21 @@ def _read(context: Context, element: Element, name: str) -> tuple[np.ndarray, li
     file = context.tree.file(element, name)
     shown = context.tree.files.shown(file)
     content = read_bytes(file, MAXIMUM_ASSET_BYTES, shown)
-    if len(content) < _HEADER.size:
+    if len(content) < HEADER.size:
         raise InputError.at(shown, "is no grid of version 3")
-    magic, version, kind, *numbers = _HEADER.unpack_from(content)
+    magic, version, kind, *numbers = HEADER.unpack_from(content)
     counts, channels, box = numbers[:3], numbers[3], numbers[4:]
-    if magic != b"VOL" or version != 3 or kind != _FLOATS:
+    if magic != b"VOL" or version != 3 or kind != FLOATS:
         raise InputError.at(shown, "is no grid of version 3 with 32-bit floats")
     if channels != 1:
         raise InputError.at(shown, f"a grid of {channels} channels has no equal; expected 1")
-    if min(counts) < 1 or counts[0] * counts[1] * counts[2] * 4 != len(content) - _HEADER.size:
+    if min(counts) < 1 or counts[0] * counts[1] * counts[2] * 4 != len(content) - HEADER.size:
         raise InputError.at(shown, f"says that it has {' x '.join(map(str, counts))} values, and has not")
     if not np.all(np.isfinite(box)) or not all(
         high > low for low, high in zip(box[:3], box[3:], strict=True)
     ):
         raise InputError.at(shown, "has a box without a volume")
-    values = np.frombuffer(content, "<f4", offset=_HEADER.size).reshape(counts[::-1]).astype(np.float64)
+    values = np.frombuffer(content, "<f4", offset=HEADER.size).reshape(counts[::-1]).astype(np.float64)
     if not np.all(np.isfinite(values)) or values.min() < 0:
         raise InputError.at(shown, "holds values that are negative or not finite")
     return values.transpose(2, 1, 0), list(box)
