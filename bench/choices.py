@@ -5,9 +5,10 @@ are small, with many samples for each pixel, and the errors compared leave out t
 """
 
 import json
+import math
 import statistics
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from bench.chart import Line, write_chart
 from bench.errors import trimmed_relmse, true_relmse
 from bench.peer.agreement import Reference
 from bench.peer.contenders import Film, Ours
-from bench.report import Figures, Row, results_folder, significant, spread, spread_text
+from bench.report import Figures, Row, results_folder, significant, spread
 from bench.scenes import Document, compile_film
 
 WORST = 0.02
@@ -34,8 +35,10 @@ class _Figure:
     number: int
     scene: str
     ways: dict[str, dict[str, Any]]
-    reference: str
-    """The way whose long image is the truth."""
+    reference: dict[str, Any]
+    """How the truth is traced."""
+    kernels: dict[str, Any] = field(default_factory=dict)
+    """Other ones than the scene's."""
 
 
 def _mixture(**weights: float) -> dict[str, Any]:
@@ -43,6 +46,14 @@ def _mixture(**weights: float) -> dict[str, Any]:
 
 
 _PLATES = {"kernel": 0.4, "luminaires": 0.4, "environment": 0.2}
+_AIMS = {
+    "opening": _mixture(kernel=0.5, important=0.5),
+    "lamp": _mixture(kernel=0.5, luminaires=0.5),
+    "opening and lamp": _mixture(kernel=0.5, important=0.25, luminaires=0.25),
+    "two photons": {"estimator": "two_photons"},
+}
+# In the reflector, hundreds of times less error than by any of those.
+_BOTH = {"direction": "both"}
 FIGURES = {
     "mixtures": _Figure(
         4,
@@ -52,17 +63,11 @@ FIGURES = {
             "split": {"estimator": "split", "split_vertices": 1, "mixture": _PLATES},
             "two photons": {"estimator": "two_photons"},
         },
-        "two photons",
+        {"estimator": "two_photons"},
     ),
-    "reflector": _Figure(
-        5,
-        "reflector",
-        {
-            "opening": _mixture(kernel=0.5, important=0.5),
-            "lamp": _mixture(kernel=0.5, luminaires=0.5),
-            "two photons": {"estimator": "two_photons"},
-        },
-        "opening",
+    "reflector": _Figure(5, "reflector", _AIMS, _BOTH),
+    "polished reflector": _Figure(
+        5, "reflector", _AIMS, _BOTH, {"aluminium": {"type": "conductor", "index": "Al"}}
     ),
 }
 
@@ -82,7 +87,7 @@ def run(quick: bool) -> Figures:
     size = (
         _Size(Film(12, 8), (0.1,), 1, 16, 0.5)
         if quick
-        else _Size(Film(24, 16), (0.5, 1.0, 2.0), 5, 256, 12.0)
+        else _Size(Film(24, 16), (0.5, 1.0, 2.0), 12, 256, 12.0)
     )
     found: Figures = {"budgets_cpu_s": list(size.budgets_cpu_s)}
     for name, figure in FIGURES.items():
@@ -98,7 +103,10 @@ def rows(figures: Figures) -> list[Row]:
     for name, figure in FIGURES.items():
         first, *others = figure.ways
         for other in others:
-            ratios = [spread_text(each["error_over_first"][other]) for each in figures[name]]
+            ratios = [
+                f"{ratio['mean']:.3g} +- {ratio['standard_error']:.2g}"
+                for ratio in (each["error_over_first"][other] for each in figures[name])
+            ]
             what = f"figure {figure.number}, {name}: relMSE, {other} / {first}"
             budgets = ", ".join(f"{each['budget_cpu_s']:g}" for each in figures[name])
             aim = "above 1" if (first, other) == ("opening", "lamp") else ""
@@ -108,23 +116,30 @@ def rows(figures: Figures) -> list[Row]:
 
 def _measure(figure: _Figure, size: _Size) -> list[Figures]:
     document: Document = json.loads((CHECKOUT / "scenes" / figure.scene / "scene.json").read_text())
+    document["kernels"] |= figure.kernels
     with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
-        ways = {}
-        for number, (name, tracing) in enumerate(figure.ways.items()):
+
+        def traced_by(place: str, tracing: dict[str, Any]) -> Ours:
             changed = {**document, "tracing": tracing}
-            compiled = compile_film(changed, Path(folder) / str(number), size.film.width, size.film.height, 1)
-            ways[name] = Ours(compiled, size.film, _THREADS)
-        return _compare(ways, figure, size)
+            compiled = compile_film(changed, Path(folder) / place, size.film.width, size.film.height, 1)
+            return Ours(compiled, size.film, _THREADS)
+
+        ways = {name: traced_by(str(number), way) for number, (name, way) in enumerate(figure.ways.items())}
+        truth = _truth(traced_by("reference", figure.reference), size)
+        return _compare(ways, truth, size)
 
 
-def _compare(ways: dict[str, Ours], figure: _Figure, size: _Size) -> list[Figures]:
-    rates = {
-        name: way.frame(size.trial_samples, _TRIAL_SEED).cpu_s / size.trial_samples
-        for name, way in ways.items()
-    }
-    samples = max(1, round(size.reference_cpu_s / rates[figure.reference]))
-    long = [ways[figure.reference].frame(samples, _REFERENCE_SEED + number).y for number in range(4)]
-    truth = Reference.of(long)
+def _cpu_s_of_a_sample(way: Ours, size: _Size) -> float:
+    return way.frame(size.trial_samples, _TRIAL_SEED).cpu_s / size.trial_samples
+
+
+def _truth(way: Ours, size: _Size) -> Reference:
+    samples = max(1, round(size.reference_cpu_s / _cpu_s_of_a_sample(way, size)))
+    return Reference.of([way.frame(samples, _REFERENCE_SEED + number).y for number in range(4)])
+
+
+def _compare(ways: dict[str, Ours], truth: Reference, size: _Size) -> list[Figures]:
+    rates = {name: _cpu_s_of_a_sample(way, size) for name, way in ways.items()}
     found = []
     for budget in size.budgets_cpu_s:
         counts = {name: max(1, round(budget / rate)) for name, rate in rates.items()}
@@ -147,13 +162,20 @@ def _compare(ways: dict[str, Ours], figure: _Figure, size: _Size) -> list[Figure
                 "cpu_s": {name: significant(statistics.median(each)) for name, each in costs.items()},
                 "relmse": {name: spread(each) for name, each in errors.items()},
                 "relmse_of_all_pixels": {name: spread(each) for name, each in all_errors.items()},
-                "error_over_first": {
-                    other: spread([b / a for a, b in zip(errors[first], errors[other], strict=True)])
-                    for other in others
-                },
+                "error_over_first": {other: _ratio(errors[other], errors[first]) for other in others},
             }
         )
     return found
+
+
+def _ratio(above: list[float], below: list[float]) -> Figures:
+    """Of the means, and its standard error as if both were independent."""
+    ratio = statistics.fmean(above) / statistics.fmean(below)
+    relative = [
+        statistics.stdev(each) / math.sqrt(len(each)) / statistics.fmean(each) if len(each) > 1 else 0.0
+        for each in (above, below)
+    ]
+    return {"mean": significant(ratio), "standard_error": significant(ratio * math.hypot(*relative))}
 
 
 def _draw(name: str, figure: _Figure, found: list[Figures]) -> None:
@@ -162,4 +184,4 @@ def _draw(name: str, figure: _Figure, found: list[Figures]) -> None:
         for way in figure.ways
     ]
     title = f"Figure {figure.number}, {name}: relMSE of 98 % of the pixels over CPU seconds"
-    write_chart(results_folder() / f"choices-{name}.svg", title, "CPU s", "relMSE", lines)
+    write_chart(results_folder() / f"choices-{name.replace(' ', '-')}.svg", title, "CPU s", "relMSE", lines)

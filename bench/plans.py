@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from nocturne_client.local.programs import CHECKOUT
+from nocturne_coordinator.needs.simplification import assets_of
 
 from bench.programs import run
 
@@ -46,17 +47,10 @@ def main() -> None:
 def _make_files(folder: Path) -> None:
     """The files that a scene's own program makes, where any is missing."""
     text = (folder / "scene.json").read_text()
-    if all((folder / asset).exists() for asset in _assets(json.loads(text))):
+    if all((folder / asset).exists() for asset in assets_of(json.loads(text))):
         return
     for program in folder.glob("make_*.py"):
         run([sys.executable, program])
-
-
-def _assets(value: Any) -> list[str]:
-    if isinstance(value, dict):
-        own = [value["asset"]] if isinstance(value.get("asset"), str) else []
-        return own + [asset for each in value.values() for asset in _assets(each)]
-    return [asset for each in value for asset in _assets(each)] if isinstance(value, list) else []
 
 
 def _plan(scene: Path, budget: float) -> Found:

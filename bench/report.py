@@ -65,9 +65,15 @@ def significant(value: float) -> float:
     return float(f"{value:.4g}")
 
 
+def kept() -> Figures:
+    """The latest figures, by bench."""
+    latest: Figures = json.loads(_LATEST.read_text()) if _LATEST.exists() else {}
+    return latest
+
+
 def keep(name: str, figures: Figures, benches: Mapping[str, Bench]) -> None:
     """Replaces this bench's figures in results/latest.json and in README.md; other benches' stay."""
-    latest: dict[str, Any] = json.loads(_LATEST.read_text()) if _LATEST.exists() else {}
+    latest = kept()
     latest[name] = {"machine": processor(), **figures}
     _LATEST.parent.mkdir(exist_ok=True)
     _LATEST.write_text(json.dumps(latest, indent=1, sort_keys=True) + "\n")

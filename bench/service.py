@@ -36,7 +36,7 @@ class Served:
 
 def run(quick: bool) -> Figures:
     """The service has one worker of two threads and is warm: it has rendered this scene before."""
-    edge, samples, rounds = (128, 64, 1) if quick else (512, 512, 3)
+    edge, samples, rounds = (128, 64, 1) if quick else (512, 128, 3)
     served: list[Served] = []
     traced: list[Traced] = []
     with (

@@ -1,13 +1,13 @@
 """The ways to trace that are compared: the tracer's own and the baselines."""
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from bench.scenes import Document
+from nocturne_coordinator.needs.simplification import objects
+from nocturne_coordinator.scene.checks import CAMERAS, MET_BY_PHOTONS
 
-_FORWARD_SENSORS = ("irradiance_meter", "intensity_meter")
+from bench.scenes import Document
 
 
 def _always(document: Document) -> bool:
@@ -16,14 +16,13 @@ def _always(document: Document) -> bool:
 
 
 def _can_be_hit(document: Document) -> bool:
-    return document["sensor"]["type"] in _FORWARD_SENSORS
+    return document["sensor"]["type"] in MET_BY_PHOTONS
 
 
 def _gathers(document: Document) -> bool:
     """A camera, and something in the scene that is like a mirror or glass."""
-    surfaces = json.dumps([document.get("kernels"), document.get("surfaces"), document.get("groups")])
-    camera = document["sensor"]["type"] in ("pinhole", "thin_lens", "orthographic", "panorama")
-    return camera and any(f'"type": "{kind}"' in surfaces for kind in ("conductor", "dielectric"))
+    kinds = (each.get("type") for each in objects(document))
+    return document["sensor"]["type"] in CAMERAS and not {"conductor", "dielectric"}.isdisjoint(kinds)
 
 
 def _no_media(document: Document) -> bool:

@@ -93,11 +93,11 @@ def measure(name: str, scene: SuiteScene, size: Size, installed: Installed | Non
         runners = {way.name: _ours(way, scene, document, place, size) for way in ways}
         refused: dict[str, str] = {}
         for each in installed.variants() if installed is not None else ():
-            name = MITSUBA + each.variant
+            theirs = MITSUBA + each.variant
             try:
-                runners |= _theirs(name, each, scene, document, place, size, stack)
+                runners |= _theirs(theirs, each, scene, document, place, size, stack)
             except NocturneClientError as reason:
-                refused[name] = _told(reason)
+                refused[theirs] = _told(reason)
         found = _compare(runners, reference, size, refused)
     return {"ways": found, "not there": refused}
 

@@ -1,14 +1,11 @@
 """docs/speed.md and docs/accuracy.md, made of kept figures, and the charts."""
 
-import json
-from typing import Any
-
 from nocturne_client.local.programs import CHECKOUT
 
 from bench import accumulation, error_bars
 from bench.chart import Line, write_chart
 from bench.errors import expected_relmse
-from bench.report import Figures, Row, results_folder
+from bench.report import Figures, Row, kept, results_folder
 from bench.suite.aims import AIMS, WHY, best
 from bench.suite.measure import NOT_FALLING, TARGET
 from bench.suite.references import load
@@ -141,15 +138,15 @@ def accuracy(found: Figures) -> str:
             f"| {name} | {told['cpu_s']:g} | {100 * told['error']:.2g} % | {told['relmse']:.2g} "
             f"| {agree['ratio']:.5f} | {z:.1f} | {agree['rms_z']:.3g} |"
         )
-    kept = _kept()
+    latest = kept()
     for title, key, bench in (
         ("Error bars", "error_bars", error_bars),
         ("Accumulation", "accumulation", accumulation),
     ):
-        if key in kept:
+        if key in latest:
             lines += ["", f"## {title}", "", str(bench.__doc__).strip(), ""]
-            lines += _table(bench.rows(kept[key]))
-    if "accumulation" in kept:
+            lines += _table(bench.rows(latest[key]))
+    if "accumulation" in latest:
         lines += ["", f"Chart: [accumulation](../bench/results/{accumulation.CHART})"]
     return "\n".join(lines) + "\n"
 
@@ -211,9 +208,3 @@ def _chart(name: str, ways: Figures) -> None:
 
 def _file(name: str) -> str:
     return f"suite-{name.replace(' ', '-')}.svg"
-
-
-def _kept() -> dict[str, Any]:
-    path = results_folder() / "latest.json"
-    kept: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
-    return kept

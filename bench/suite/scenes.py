@@ -47,7 +47,10 @@ def _example(name: str) -> Callable[[Path], Document]:
 
 
 def caustic(folder: Path) -> Document:
-    """Light of a small lamp, gathered by a ball of glass on a film behind it."""
+    """Light of a small lamp, gathered by a ball of glass on a film behind it.
+
+    One index, that of N-BK7 at 587.6 nm, so that renderers without dispersion can show it.
+    """
     del folder
     return {
         "nocturne": 1,
@@ -61,7 +64,7 @@ def caustic(folder: Path) -> Document:
         "surfaces": [
             {
                 "shape": {"type": "sphere", "centre": [0, 0, 0.09], "radius": 0.03},
-                "kernel": {"type": "dielectric", "index": "N-BK7"},
+                "kernel": {"type": "dielectric", "index": 1.5168},
             },
             {
                 "shape": {"type": "sphere", "centre": [0.1, 0, 0.6], "radius": 0.01},
