@@ -16,8 +16,10 @@ WEB_SOURCES := $(shell find services/web/src services/web/public -type f 2>/dev/
   $(addprefix services/web/,index.html package.json package-lock.json tsconfig.json vite.config.ts)
 CPP_SOURCES := $(shell find worker tests/worker bench -name '*.cpp' -o -name '*.h' 2>/dev/null)
 STAMPS := build/stamps
+# Neighbours in a file stay together, for what they share, until a process has nothing left to do.
+PROCESSES := --dist worksteal --numprocesses
 
-.PHONY: help packages venv proto web worker build demo stop test check format unit system screenshots soak fuzz references peers stability plans sanitize bench lock docs clean
+.PHONY: help packages venv proto web worker build demo stop test check check-types check-page check-form format unit system screenshots soak fuzz references peers stability plans sanitize bench lock docs clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -63,25 +65,32 @@ stop:  ## Stop the service that `make demo` started
 test: check unit system  ## All tests
 
 check: build  ## Formatting, lint, types, who may import whom
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync check-types check-page check-form
+check-types:
+	mypy
+check-page:
+	npm --prefix services/web run --silent check
+check-form:
 	@clang-format --dry-run --Werror $(CPP_SOURCES)
 	ruff check .
 	ruff format --check .
-	mypy
 	lint-imports
-	npm --prefix services/web run --silent check
 
 format:  ## Put code into the agreed form
 	@clang-format -i $(CPP_SOURCES)
 	ruff check --fix-only --quiet .
 	ruff format --quiet .
 
+# Half of the time they wait, so there are twice as many processes as processors.
 unit: build  ## Tests of single parts: C++, Python, page
+	pytest -m "not system and not soak and not references and not peers" $(PROCESSES) 4
 	ctest --test-dir build/release --parallel 2 --output-on-failure --no-tests=error
-	pytest -m "not system and not soak and not references and not peers"
 	npm --prefix services/web run --silent test
 
+# What the page promises about time it promises beside nothing else.
 system: build  ## Tests of the whole: service, workers, browser, images
-	pytest -m "system and not soak"
+	pytest -m "system and not soak" tests/web
+	pytest -m "system and not soak" --ignore tests/web $(PROCESSES) 2
 
 screenshots: build  ## Pictures of the page for docs/page.md, by its test
 	NOCTURNE_SCREENSHOTS=$(CURDIR)/docs/images/page pytest tests/web
@@ -90,7 +99,8 @@ soak: build  ## Faults in random composition and every interleaving, for SOAK_SE
 	pytest -m soak
 
 fuzz: build  ## Any calls, messages, scenes and bytes, many times more than in the tests (about 20 minutes)
-	NOCTURNE_FUZZ_EXAMPLES=300 pytest tests/services/test_any_calls.py tests/coordinator/importing/test_any_scene.py
+	NOCTURNE_FUZZ_EXAMPLES=300 pytest tests/services/test_any_calls.py tests/coordinator/importing/test_any_scene.py \
+	  tests/coordinator/test_intake.py
 	NOCTURNE_FUZZ_TRIES=1000 NOCTURNE_FUZZ_SEED=$$RANDOM pytest tests/system/test_any_bytes.py
 
 references: build  ## Other renderers' scenes against their own reference images (minutes)

@@ -5,11 +5,17 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from tests.coordinator.service import RedisServer, Service
 from tests.system.images import Image
 from tests.system.renders import CORNELL, HEIGHT, SAMPLES, WIDTH
 from tests.system.up import NOCTURNE, Up
+
+# The same examples in every run (tests/fuzzing.py has others). No deadline: examples are no promise about
+# time, and the first one of a process imports colour-science.
+settings.register_profile("nocturne", deadline=None, derandomize=True)
+settings.load_profile("nocturne")
 
 
 @pytest.fixture(scope="module")

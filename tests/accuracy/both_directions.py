@@ -5,9 +5,7 @@ from dataclasses import dataclass
 from math import pi
 from pathlib import Path
 
-import numpy as np
-
-from tests.accuracy.scenes import BLACK, diffuse, disc, film, measured_scene, quad, sphere, surface
+from tests.accuracy.scenes import BLACK, bowl, diffuse, disc, film, measured_scene, quad, sphere, surface
 from tests.accuracy.tracing import Document
 
 _SCENES = Path(__file__).parents[2] / "scenes"
@@ -57,24 +55,11 @@ def _prism() -> Document:
 
 def _mirror(sensor: Document) -> Document:
     """A small sphere of light near the focus of a concave mirror, a part of a sphere."""
-    radius, rings, segments = 0.2, 24, 64
-    angles = np.linspace(0.0, 2.0 * np.pi, segments, endpoint=False)
-    tilts = np.linspace(0.0, 0.9, rings + 1)[1:]
-    around = np.column_stack([np.cos(angles), np.sin(angles), np.ones(segments)])
-    bowl = [[0.0, 0.0, -radius]]
-    for tilt in tilts:
-        bowl += (radius * around * [np.sin(tilt), np.sin(tilt), -np.cos(tilt)]).tolist()
-    after = [(i + 1) % segments for i in range(segments)]
-    triangles = [[0, 1 + i, 1 + after[i]] for i in range(segments)]
-    for ring in range(rings - 1):
-        a, b = 1 + ring * segments, 1 + (ring + 1) * segments
-        for i in range(segments):
-            triangles += [[a + i, b + i, b + after[i]], [a + i, b + after[i], a + after[i]]]
     silver = {"type": "conductor", "index": "Ag"}
     return measured_scene(
         sensor,
         [
-            surface({"type": "mesh", "vertices": bowl, "triangles": triangles}, silver),
+            surface(bowl(0.2, 0.9, 24, 64), silver),
             surface(sphere([0, 0, -0.1], 0.04), BLACK, 1.0),
         ],
     )

@@ -4,12 +4,9 @@ Lamps are large, so that photons from the camera find them by themselves.
 """
 
 from dataclasses import dataclass
-from math import cos, sin
 from typing import Any
 
-import numpy as np
-
-from tests.accuracy.scenes import diffuse, disc, quad, sphere, surface
+from tests.accuracy.scenes import bowl, diffuse, disc, quad, sphere, surface
 from tests.accuracy.tracing import Document
 
 _FLOOR = surface(quad([-1, 0, -1], [0, 0, 2], [2, 0, 0]), diffuse(0.6))
@@ -40,21 +37,9 @@ def _pinhole(**further: Any) -> Document:
 
 def _bowl(kernel: Document) -> Document:
     """A part of a sphere around [0, 1, 0] that looks down, dark from outside."""
-    rings, segments, radius = 12, 32, 0.4
-    angles = np.linspace(0.0, 2.0 * np.pi, segments, endpoint=False)
-    vertices = [[0.0, 1.0 + radius, 0.0]]
-    for tilt in np.linspace(0.0, 1.2, rings + 1)[1:]:
-        for angle in angles:
-            x, z = radius * sin(tilt) * cos(angle), radius * sin(tilt) * sin(angle)
-            vertices.append([x, 1.0 + radius * cos(tilt), z])
-    after = [(i + 1) % segments for i in range(segments)]
-    triangles = [[0, 1 + i, 1 + after[i]] for i in range(segments)]
-    for ring in range(rings - 1):
-        a, b = 1 + ring * segments, 1 + (ring + 1) * segments
-        for i in range(segments):
-            triangles += [[a + i, b + i, b + after[i]], [a + i, b + after[i], a + after[i]]]
     both_sides = {"type": "two_sided", "front": kernel, "back": diffuse(0.3)}
-    return surface({"type": "mesh", "vertices": vertices, "triangles": triangles}, both_sides)
+    placed = {"rotate": {"axis": [1, 0, 0], "degrees": 90}, "translate": [0, 1, 0]}
+    return surface(bowl(0.4, 1.2, 12, 32), both_sides) | placed
 
 
 _LAMP_IN_BOWL = surface(sphere([0, 1.15, 0], 0.2), diffuse(0.2), 1.0)

@@ -1,6 +1,7 @@
 """CIE general skies as environment maps, and the irradiance from them by quadrature."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -82,11 +83,17 @@ def horizontal_illuminance(sky: Sky) -> float:
     return float((sky.luminance(directions).mean(axis=1) * 2.0 * np.pi * z * dz).sum())
 
 
-def map_luminance(picture: Path, directions: Values) -> Values:
-    """What the compiler makes of a picture that `Sky.write` wrote: texels of equal area."""
+@lru_cache(maxsize=1)
+def _texels(picture: Path) -> Values:
+    """Of equal area, luminance only. Nobody writes a picture twice."""
     with opened(picture) as image:
         rows = iter(image.read_image(0, 0, 0, 3, oiio.FLOAT))
-    texels = np.stack([turned(row) for row in equal_area_rows(rows, HEIGHT)])[..., 0]
+    return np.stack([turned(row) for row in equal_area_rows(rows, HEIGHT)])[..., 0]
+
+
+def map_luminance(picture: Path, directions: Values) -> Values:
+    """What the compiler makes of a picture that `Sky.write` wrote."""
+    texels = _texels(picture)
     row = np.clip((1.0 - directions[..., 0]) / 2.0 * HEIGHT, 0, HEIGHT - 1).astype(int)
     azimuth = np.arctan2(-directions[..., 1], directions[..., 2]) % (2.0 * np.pi)
     column = np.clip(azimuth / (2.0 * np.pi) * WIDTH, 0, WIDTH - 1).astype(int)

@@ -12,7 +12,7 @@ import pytest
 
 from tests.accuracy.agreement import compare
 from tests.accuracy.both_directions import SCENES
-from tests.accuracy.meters import Measurement
+from tests.accuracy.meters import image_by
 from tests.system.images import Image
 
 pytestmark = pytest.mark.system
@@ -20,16 +20,15 @@ pytestmark = pytest.mark.system
 
 def _trace(name: str, direction: str, seed: int, folder: Path) -> Image:
     scene = SCENES[name]
-    folder.mkdir()
-    tracing = {"sequence": "independent", "direction": direction}
-    measurement = Measurement({**scene.document, "tracing": tracing}, folder, *scene.pixels)
-    return measurement.image(scene.samples[direction], seed)
+    return image_by(
+        direction, scene.document, scene.pixels, scene.samples[direction], seed, folder / direction
+    )
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_both_measure_the_same(name: str, tmp_path: Path) -> None:
     """z of pixels, of tiles and of the mean; false alarms: 0.023 for each scene."""
-    adjoint = _trace(name, "adjoint", 1, tmp_path / "adjoint")
-    forward = _trace(name, "forward", 2, tmp_path / "forward")
+    adjoint = _trace(name, "adjoint", 1, tmp_path)
+    forward = _trace(name, "forward", 2, tmp_path)
     assert forward.y.mean() > 0.0
     compare(adjoint, forward).check()

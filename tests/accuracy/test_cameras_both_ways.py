@@ -11,7 +11,7 @@ import pytest
 
 from tests.accuracy.agreement import compare
 from tests.accuracy.cameras_both_ways import SCENES
-from tests.accuracy.meters import Measurement
+from tests.accuracy.meters import image_by
 from tests.system.images import Image
 
 pytestmark = pytest.mark.system
@@ -19,16 +19,11 @@ pytestmark = pytest.mark.system
 
 def _trace(name: str, direction: str, seed: int, folder: Path) -> Image:
     scene = SCENES[name]
-    folder.mkdir()
-    tracing = {"sequence": "independent", "direction": direction}
-    measurement = Measurement({**scene.document, "tracing": tracing}, folder, *scene.pixels)
-    image = measurement.image(scene.samples, seed)
-    assert measurement.statistics["rejected"] == 0
-    return image
+    return image_by(direction, scene.document, scene.pixels, scene.samples, seed, folder / direction)
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_both_directions_make_the_same_image(name: str, tmp_path: Path) -> None:
     """z of tiles and of the mean; false alarms: 0.013 for each scene."""
-    adjoint = _trace(name, "adjoint", 1, tmp_path / "adjoint")
-    compare(adjoint, _trace(name, "both", 2, tmp_path / "both")).check_mean_and_tiles()
+    adjoint = _trace(name, "adjoint", 1, tmp_path)
+    compare(adjoint, _trace(name, "both", 2, tmp_path)).check_mean_and_tiles()
