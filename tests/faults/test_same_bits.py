@@ -4,8 +4,9 @@ import random
 import resource
 import shutil
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 from nocturne_coordinator import keys
@@ -80,10 +81,12 @@ def test_with_one_fault(fault: Fault, services: Services, traced_alone: Image) -
     assert differing_values(image, traced_alone) == {}
 
 
-def test_every_result_delivered_twice(services: Services, traced_alone: Image) -> None:
-    """T3: coordinator and workers take turns, so that no result gets by without its copy."""
-    service = services(2)
-    delivered = set()
+def _image_in_turns(
+    service: ServiceProcesses,
+    before_workers: Callable[[], None] = lambda: None,
+    after_workers: Callable[[], None] = lambda: None,
+) -> Image:
+    """Of a render during which either the coordinator works or the workers do."""
     service.pause_workers()
     with followed_render(service) as render:
 
@@ -93,14 +96,26 @@ def test_every_result_delivered_twice(services: Services, traced_alone: Image) -
         while not is_over():
             wait_for(lambda: service.queue.xlen(keys.JOBS) > 0 or is_over(), "jobs")
             service.coordinator.pause()
+            before_workers()
             service.let_workers_go_on()
             wait_for(lambda: service.queue.xlen(keys.JOBS) == 0, "the workers to do all jobs")
             service.pause_workers()
-            delivered |= service.deliver_again()
+            after_workers()
             service.coordinator.go_on()
             wait_for(lambda: service.queue.xlen(keys.RESULTS) == 0, "the results to be merged")
         service.let_workers_go_on()
-        image = render.finished_image()
+        return render.finished_image()
+
+
+def test_every_result_delivered_twice(services: Services, traced_alone: Image) -> None:
+    """T3: coordinator and workers take turns, so that no result gets by without its copy."""
+    service = services(2)
+    delivered = set()
+
+    def deliver_again() -> None:
+        delivered.update(service.deliver_again())
+
+    image = _image_in_turns(service, after_workers=deliver_again)
     assert len(delivered) == RANGES
     assert differing_values(image, traced_alone) == {}
 
@@ -116,6 +131,53 @@ def test_all_faults_in_a_random_order(services: Services, traced_alone: Image) -
             hits.append(fault(service, render.id))
         image = render.finished_image()
     assert hits == [True] * len(order), order
+    assert differing_values(image, traced_alone) == {}
+
+
+@pytest.mark.parametrize("order", ["reversed", "random"])
+def test_jobs_dispatched_in_another_order(order: str, services: Services, traced_alone: Image) -> None:
+    """S2: whatever is on the stream is taken from its end, or in a random order."""
+    service, chance = services(2), random.Random(5)
+    moved = 0
+
+    def changed(jobs: Sequence[Any]) -> Sequence[Any]:
+        return jobs[::-1] if order == "reversed" else chance.sample(jobs, len(jobs))
+
+    def dispatch() -> None:
+        nonlocal moved
+        moved += service.dispatch_in(changed)
+
+    image = _image_in_turns(service, before_workers=dispatch)
+    assert moved >= RANGES
+    assert differing_values(image, traced_alone) == {}
+
+
+# The C library without its fused multiply-adds, as on a processor that has none: sines, exponentials and
+# powers differ in the last bit here and there.
+_ROUNDS_OTHERWISE = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-AVX2"}
+
+
+def test_a_worker_that_rounds_otherwise(services: Services, traced_alone: Image) -> None:
+    """W8: it has another numeric class, and gets no jobs."""
+    service = services(2)
+    service.start_worker(environment=_ROUNDS_OTHERWISE)
+    odd = next(reversed(service.workers))
+    wait_for(lambda: len(service.client.workers()) == 3, "all workers to be seen")
+    with followed_render(service) as render:
+        wait_for(lambda: any(each.shut_out for each in service.client.workers()), "a worker to be shut out")
+        classes = {each.id: each.numeric_class for each in service.client.workers()}
+        reasons = {each.id: each.shut_out for each in service.client.workers() if each.shut_out}
+        image = render.finished_image()
+    others = {numeric_class for name, numeric_class in classes.items() if name != odd}
+    assert len(others) == 1
+    assert others == {service.client.get(render.id).numeric_class}
+    assert classes[odd] not in others
+    assert reasons == {
+        odd: f"It rounds otherwise: numeric class {classes[odd]}; the open renders have {others.pop()}."
+    }
+    assert odd not in service.contributors(render.id)
+    assert all(each.quarantine == "" for each in service.client.workers())
+    service.end_worker(odd)
     assert differing_values(image, traced_alone) == {}
 
 
@@ -149,11 +211,15 @@ def test_a_worker_that_can_not_keep_the_scene(
     cache = tmp_path / "cache"
     worker = service.start_worker(cache)
     name = next(reversed(service.workers))
-    wait_for(cache.is_dir, "the worker's cache")
+    wait_for(lambda: len(service.client.workers()) == 2, "both workers to be seen")
     mend = trouble(worker, cache)
+    # It goes on when there is a job for it to take over, or it could have done them all by then.
+    service.workers[healthy].pause()
     with followed_render(service) as render:
-        wait_for(lambda: service.jobs_held_by(name), f"{name} to take a job")
-        wait_for(lambda: not service.jobs_held_by(name), f"{name} to hand it back")
+        wait_for(lambda: service.jobs_given_back_by(name), f"{name} to hand a job back")
+        given_back = set(service.jobs_given_back_by(name))
+        service.workers[healthy].go_on()
+        wait_for(lambda: not given_back <= set(service.jobs_held_by(name)), "the other to take it over")
         wait_for_more_ranges(service.client, render.id, _SOME_RANGES)
         assert not (cache.is_dir() and [path for path in cache.rglob("*") if path.is_file()])
         service.end_worker(healthy)

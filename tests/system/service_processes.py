@@ -1,7 +1,9 @@
 """The service put together by hand, so that tests can kill each part of it."""
 
+import sqlite3
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -80,8 +82,10 @@ class ServiceProcesses:
         while len(self.workers) < count:
             self.start_worker()
 
-    def start_worker(self, cache: Path | None = None) -> Program:
-        """One more, under a new name; `cache`: not the one that all share."""
+    def start_worker(
+        self, cache: Path | None = None, environment: Mapping[str, str] | None = None
+    ) -> Program:
+        """One more, under a new name; `cache`: not the one that all share; `environment` is added to ours."""
         name = f"w{len(self.workers) + len(self._past_workers) + 1}"
         worker = self._program(
             name,
@@ -89,6 +93,7 @@ class ServiceProcesses:
             *("--redis", self._workers_redis, "--assets", f"unix:{self._folder / 'grpc.sock'}"),
             *("--cache", cache or self._folder / "cache", "--threads", "1", "--id", name),
             *("--lease-ms", str(LEASE_MS)),
+            environment=environment,
         )
         worker.start()
         self.workers[name] = worker
@@ -112,6 +117,12 @@ class ServiceProcesses:
         for worker in self.workers.values():
             worker.go_on()
 
+    def contributors(self, render_id: str) -> set[str]:
+        """Workers whose work is in the render's sums."""
+        with closing(sqlite3.connect(self._folder / "data" / "nocturne.db")) as database:
+            rows = database.execute("SELECT worker_id FROM contribution WHERE render_id = ?", (render_id,))
+            return {row[0] for row in rows}
+
     # Queue
 
     def start_redis(self) -> None:
@@ -120,15 +131,36 @@ class ServiceProcesses:
         self.redis_server.start()
         wait_for(self._redis_answers, "redis-server")
 
-    def jobs_held_by(self, worker: str) -> list[bytes]:
-        """Entries that the worker has taken and not yet acknowledged, after all that it has sent."""
+    def dispatch_in(self, order: Callable[[Sequence[Any]], Sequence[Any]]) -> int:
+        """Puts the jobs that nobody has taken back on the stream in another order; gives how many they are.
+
+        Coordinator and workers must stand still.
+        """
+        entries = self.queue.xrange(keys.JOBS)
+        with self.queue.pipeline(transaction=True) as transaction:
+            for _, fields in order(entries):
+                transaction.xadd(keys.JOBS, fields)
+            for entry, _ in entries:
+                transaction.xdel(keys.JOBS, entry)
+            transaction.execute()
+        return len(entries)
+
+    def jobs_held_by(self, worker: str, idle_ms: int | None = None) -> list[bytes]:
+        """Entries that the worker has taken and not yet acknowledged, after all that it has sent.
+
+        `idle_ms`: only those that nobody has taken or extended for so long.
+        """
         self.queue.ping()
         try:
-            pending = self.queue.xpending_range(keys.JOBS, keys.WORKERS_GROUP, "-", "+", 1000)
+            pending = self.queue.xpending_range(keys.JOBS, keys.WORKERS_GROUP, "-", "+", 1000, idle=idle_ms)
         except redis.ResponseError:
             # Redis lost all, and the coordinator has not made the group again yet.
             return []
         return [each["message_id"] for each in pending if each["consumer"].startswith(f"{worker}/".encode())]
+
+    def jobs_given_back_by(self, worker: str) -> list[bytes]:
+        """Entries of it that any worker may take over, and none has yet."""
+        return self.jobs_held_by(worker, LEASE_MS)
 
     def deliver_again(self) -> set[tuple[int, int]]:
         """Copies all that waits on the result stream, in reverse; gives tile and first sample of each."""
@@ -149,7 +181,7 @@ class ServiceProcesses:
             wait_for(_is_zero(count), what)
         known = {keys.JOBS, keys.RESULTS, keys.SESSION}
         names = {name.decode() for name in self.queue.keys("*")}
-        lapsing = (keys.WORKER_PREFIX, keys.RUN_PREFIX)
+        lapsing = (keys.WORKER_PREFIX, keys.RUN_PREFIX, keys.QUARANTINE_PREFIX)
         assert {name for name in names - known if not name.startswith(lapsing)} == set()
 
     # Inside
@@ -157,8 +189,10 @@ class ServiceProcesses:
     def _programs(self) -> list[Program]:
         return [self.redis_server, self.coordinator, self._api, *self.workers.values(), *self._past_workers]
 
-    def _program(self, name: str, *command: str | Path) -> Program:
-        return Program(command, self._folder / f"{name}.log")
+    def _program(
+        self, name: str, *command: str | Path, environment: Mapping[str, str] | None = None
+    ) -> Program:
+        return Program(command, self._folder / f"{name}.log", environment)
 
     def _python(self, module: str, *words: str | Path) -> Program:
         return self._program(module, sys.executable, "-m", module, "--data", self._folder / "data", *words)

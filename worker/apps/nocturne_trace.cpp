@@ -15,6 +15,7 @@
 #include "digest/sha256.h"
 #include "image/write_exr.h"
 #include "nocturne/v1/job.pb.h"
+#include "rounding/numeric_class.h"
 #include "scene/load_scene.h"
 #include "textures/texture.h"
 #include "tracer/trace_film.h"
@@ -162,7 +163,8 @@ void run(const Options& options) {
 
   write_exr(options.output, plan.film.width, plan.film.height, image.sums, further_responses,
             plan.range_ends.back(),
-            {sha256_of_file(options.scene), plan_json(plan_message), v1::ENGINE_CURRENT});
+            {sha256_of_file(options.scene), plan_json(plan_message), v1::ENGINE_CURRENT,
+             numeric_class()});
   if (!options.statistics.empty()) {
     write_statistics(options.statistics, image, cpu, wall.count());
   }

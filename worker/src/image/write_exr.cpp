@@ -51,6 +51,7 @@ void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint
   header.insert("nocturne:scene", Imf::StringAttribute(provenance.scene_sha256));
   header.insert("nocturne:plan", Imf::StringAttribute(provenance.plan));
   header.insert("nocturne:engine", Imf::IntAttribute(static_cast<int>(provenance.engine)));
+  header.insert("nocturne:numericClass", Imf::StringAttribute(provenance.numeric_class));
 
   Imf::FrameBuffer buffer;
   const auto add = [&](const std::string& name, Imf::PixelType type, void* first,

@@ -10,7 +10,6 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kBlock{1000};
-constexpr milliseconds kTakeOverInterval{1000};
 // XAUTOCLAIM COUNT 1 looks at ten pending entries; so many calls look at most at 160 per take().
 constexpr int kTakeOverCalls = 16;
 constexpr const char* kStatusSeconds = "10";

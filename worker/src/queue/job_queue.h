@@ -23,6 +23,9 @@ struct TakenJob {
 /// For one thread at a time; all functions throw RedisError, after which they may be called again.
 class JobQueue {
  public:
+  /// How often take() looks for jobs whose lease ran out.
+  static constexpr std::chrono::milliseconds kTakeOverInterval{1000};
+
   /// `lease`: a job that nobody extended for so long is taken over by another consumer.
   JobQueue(RedisAddress address, std::string consumer, std::chrono::milliseconds lease);
 

@@ -41,6 +41,13 @@ void check_engine(const v1::Job& job, const std::string& worker_id) {
                  ": run coordinator and workers of the same version");
 }
 
+/// Not the job's fault: workers of its class do it.
+void check_numeric_class(const v1::Job& job, const std::string& numeric_class) {
+  if (job.numeric_class().empty() || job.numeric_class() == numeric_class) return;
+  throw HandBack("it needs a worker of numeric class " + printable(job.numeric_class()) +
+                 ", this one has " + numeric_class);
+}
+
 }  // namespace
 
 WorkerThread::WorkerThread(const WorkerOptions& options, unsigned index, const TraceJob& trace,
@@ -74,7 +81,7 @@ void WorkerThread::run(std::stop_token stop) {
 
 void WorkerThread::step(std::stop_token stop) {
   if (const auto reason = queue_.quarantine(options_.id)) {
-    report_trouble("in quarantine, takes no jobs: " + printable(*reason));
+    report_trouble("is to take no jobs: " + printable(*reason));
     tally_.rest(index_);
     return wait_unless_stopped(stop, kQuarantinePause);
   }
@@ -98,8 +105,8 @@ void WorkerThread::work(const TakenJob& taken, std::stop_token stop) {
     // Else the heartbeat would keep it.
     hold.reset();
     give_back(taken);
-    // So that another worker takes it before this one sees it again.
-    return wait_unless_stopped(stop, options_.lease);
+    // So that another worker, which may be in mid-job now, takes it before this one sees it again.
+    return wait_unless_stopped(stop, options_.lease + JobQueue::kTakeOverInterval);
   }
   if (result->has_partial()) {
     tally_.record(index_, result->partial(),
@@ -114,6 +121,7 @@ std::optional<v1::JobResult> WorkerThread::result_of(const v1::Job& job) {
   try {
     check_engine(job, options_.id);
     check_job(job);
+    check_numeric_class(job, options_.numeric_class);
     *result.mutable_partial() = trace_(job);
   } catch (const HandBack& reason) {
     report_trouble(description(job) + " handed back: " + reason.what());
@@ -125,6 +133,7 @@ std::optional<v1::JobResult> WorkerThread::result_of(const v1::Job& job) {
   }
   *result.mutable_job() = job;
   result.set_worker_id(options_.id);
+  result.set_numeric_class(options_.numeric_class);
   if (result.has_failure()) report_trouble(description(job) + " failed: " + result.failure());
   return result;
 }
