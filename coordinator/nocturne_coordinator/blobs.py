@@ -71,6 +71,20 @@ class BlobStore:
             return True
         return self.objects is not None and self.objects.size(_object_name(sha256)) is not None
 
+    def here(self, sha256: str) -> Path | None:
+        """The file of a blob on this machine; None if it isn't here. InputError if this is no digest."""
+        place = self._place(sha256)
+        return place if place.is_file() else None
+
+    def remove_here(self, sha256: str) -> None:
+        """The blob is not on this machine any more. Nobody may need it."""
+        self._place(sha256).unlink(missing_ok=True)
+
+    def remove_there(self, sha256: str) -> None:
+        """The blob is not in the object store any more, unless it is here again: somebody needs it."""
+        if self.objects is not None and self.here(sha256) is None:
+            self.objects.delete(_object_name(sha256))
+
     def all(self) -> Iterator[str]:
         """The digests of all blobs that are here."""
         for place in self.root.glob("[0-9a-f][0-9a-f]/*"):

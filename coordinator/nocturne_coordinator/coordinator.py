@@ -19,11 +19,12 @@ from .audit import LONGEST_WAIT, Auditor
 from .bundle import write_bundle
 from .crash_points import crash_point
 from .data_folder import DataFolder
-from .errors import LeaseLost
+from .errors import LeaseLost, NotFound
 from .faults import Faults
 from .intake import Intake, Outcome
 from .job_queue import JobQueue, Session
 from .merge import XYZ_SUMS
+from .numeric_classes import should_start_anew, usual_class
 from .pictures import Pictures
 from .running_render import RunningRender
 from .schedule import SHORTEST_OVERDUE, Schedule
@@ -46,6 +47,10 @@ _FOLLOW_SECONDS = 5.0
 
 _LONELY_SECONDS = 10.0
 """How long audits at the end of a render wait for a worker that could settle them, while there is none."""
+
+_ODD_SECONDS = 10.0
+"""How long most workers must round otherwise than a render's before it is started anew: a worker's status
+holds as long, so all that are there have been seen."""
 
 _WAIT_MILLISECONDS = 100
 _SHORTEST_ROUND = 0.005
@@ -78,7 +83,13 @@ class Coordinator:
         others = self._is_open
         self._traffic = Traffic(queue, session, self._renders, self._schedule, self._auditor, others)
         self._intake = Intake(
-            self._renders, self._schedule, self._auditor, self._faults, others, lambda: self._traffic.live
+            self._renders,
+            self._schedule,
+            self._auditor,
+            self._faults,
+            others,
+            self._traffic.live,
+            lambda: self._traffic.threads_by_class,
         )
         self._quarantine(ledger.quarantined())
         self._pictures = Pictures(folder, ledger)
@@ -88,6 +99,8 @@ class Coordinator:
         self._mirrored: list[WorkerRow] = []
         self._failed: dict[str, str] = {}
         self._audits_end: dict[str, float] = {}
+        self._odd_since: dict[str, float] = {}
+        """Renders that most workers can't help with, and since when."""
         self._folder_trouble = False
         self._seen_changes = -1
         self._next_look = 0.0
@@ -152,6 +165,7 @@ class Coordinator:
         try:
             if now >= self._next_mirror:
                 self._mirror_workers(now)
+            self._start_odd_ones_anew(now)
             changes = self._folder.change_counter()
             if changes == self._seen_changes and now < self._next_follow:
                 return
@@ -226,7 +240,28 @@ class Coordinator:
             elif row.holder in (0, self._ledger.number) and len(self._renders) < part:
                 self._admit(row)
         self._traffic.share = _share_of(self._renders, rows.values())
+        classes = {render.id: render.numeric_class for render in self._renders.values()}
+        self._traffic.set_classes({classes.get(row.id, row.numeric_class) for row in rows.values()})
         return True
+
+    def _start_odd_ones_anew(self, now: float) -> None:
+        """A render whose first worker rounds as few others do, so that these can't help, loses its start."""
+        for render in list(self._renders.values()):
+            threads, cpu_seconds = self._traffic.threads_by_class, render.totals.cpu_seconds
+            # A replay is asked for with that very class.
+            fixed = bool(render.row.stop.tile_samples)
+            if fixed or not should_start_anew(render.numeric_class, threads, cpu_seconds):
+                self._odd_since.pop(render.id, None)
+            elif now - self._odd_since.setdefault(render.id, now) >= _ODD_SECONDS:
+                if not self._guarded_commit(now) or render.id not in self._renders:
+                    continue
+                _log.warning(
+                    "render=%s is started anew: it has numeric class %s, most workers %s",
+                    *(render.id, render.numeric_class, usual_class(threads)),
+                )
+                self._ledger.start_anew(render.id, render.row.fence)
+                self._drop(render.id)
+                self._seen_changes = -1
 
     def _pass_on(self, part: int) -> None:
         """Leaves the youngest renders to other coordinators that have fewer."""
@@ -238,11 +273,14 @@ class Coordinator:
 
     def _lose(self, render_id: str) -> None:
         """Another coordinator has the render, or its sums were changed: jobs and results are not ours any
-        more."""
+        more. Those of a render that was deleted are nobody's."""
+        is_open = self._is_open(render_id)
         if render_id in self._renders:
             _log.warning("render=%s is not ours any more; what was not committed is done again", render_id)
-            self._drop(render_id, jobs_stay=True)
-        self._settled.pop(render_id, None)
+            self._drop(render_id, jobs_stay=is_open)
+        results = self._settled.pop(render_id, [])
+        if not is_open:
+            self._traffic.acknowledge(results)
         # It may be ours to take again.
         self._seen_changes = -1
 
@@ -318,6 +356,7 @@ class Coordinator:
         jobs = [*self._schedule.remove(render_id), *self._auditor.forget(render_id)]
         self._faults.forget(render_id)
         self._audits_end.pop(render_id, None)
+        self._odd_since.pop(render_id, None)
         render = self._renders.pop(render_id)
         if not jobs_stay:
             self._traffic.withdraw(jobs)
@@ -345,7 +384,7 @@ class Coordinator:
             render = self._renders[render_id]
             try:
                 write_bundle(self._folder, render.planned, aside)
-            except OSError as trouble:
+            except (OSError, NotFound) as trouble:
                 _log.error("render=%s tile=%d has no bundle: %s", render_id, aside.tile_index, trouble)
         for worker in outcome.quarantined.keys() - self._traffic.quarantined.keys():
             reason = outcome.quarantined[worker]
@@ -394,7 +433,7 @@ class Coordinator:
         if not self._auditor.pending(render.id):
             return True
         witnesses = 3 if self._auditor.disputed(render.id) else 2
-        if len(self._traffic.live) < witnesses:
+        if len(self._traffic.live(render.numeric_class)) < witnesses:
             return now >= self._audits_end.setdefault(render.id, now + _LONELY_SECONDS)
         return now >= self._audits_end.setdefault(render.id, now + LONGEST_WAIT)
 

@@ -22,7 +22,8 @@ from nocturne.v1 import job_pb2
 
 from . import limits
 from .blobs import BlobStore
-from .errors import Conflict, InputError, NotFound, Problem, UnusableFolder, WrongState
+from .errors import Conflict, FilesGone, InputError, NotFound, Problem, UnusableFolder, WrongState
+from .numeric_classes import shut_out
 from .objects import Objects
 from .plan import TileGrid, extended_plan
 from .region import Region
@@ -30,6 +31,7 @@ from .stopping import StopConditions, check_tile_samples
 from .store.archive import Archive
 from .store.database import Database
 from .store.events import note_worker
+from .store.removals import Removals
 from .store.rows import (
     ErrorPoint,
     NewRender,
@@ -69,6 +71,7 @@ class DataFolder:
         self.tokens = Tokens(self.database)
         self.archive = Archive(self.database)
         self.webhooks = Webhooks(self.database)
+        self.removals = Removals(self.database)
 
     def close(self) -> None:
         self.database.close()
@@ -78,7 +81,8 @@ class DataFolder:
     def create_render(self, new: NewRender) -> RenderRow:
         """Queues a render; the same request again gives the render made before.
 
-        Raises InputError for a bad request id or name, Conflict if the id was used with other content.
+        Raises InputError for a bad request id or name, Conflict if the id was used with other content,
+        FilesGone if a file of the scene is not there any more.
         """
         _check_texts(new)
         digest = _request_digest(new)
@@ -95,13 +99,15 @@ class DataFolder:
     def _insert(self, new: NewRender, digest: str) -> str:
         render_id = _new_id()
         tiles = TileGrid.of(new.plan).count
+        if any(self.blobs.here(sha256) is None for sha256 in new.files):
+            raise FilesGone("files of the scene were deleted with another render")
         if new.stop.tile_samples:
             check_tile_samples(new.stop.tile_samples, tiles, new.plan.range_ends)
         self.database.execute(
             """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
                    photons_per_sample, scene_sha256, engine, created, ranges_planned, plan, scene_document,
-                   stop, priority, owner, tiles)
-               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
+                   stop, priority, owner, tiles, numeric_class)
+               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
             (
                 render_id,
                 new.request_id,
@@ -121,6 +127,7 @@ class DataFolder:
                 new.priority,
                 new.owner,
                 tiles,
+                new.numeric_class,
             ),
         )
         return render_id
@@ -254,8 +261,8 @@ class DataFolder:
         return render
 
     def create_replay(self, render_id: str, request_id: str, owner: str = "") -> RenderRow:
-        """A render of the same scene and plan, with the samples that each tile has now: it gives the same
-        bits.
+        """A render of the same scene and plan, with the samples that each tile has now, by workers of the
+        same numeric class: it gives the same bits.
 
         Raises NotFound, WrongState where there are no samples, and Conflict.
         """
@@ -275,6 +282,7 @@ class DataFolder:
                 plan=self.plan(render_id),
                 stop=StopConditions(tile_samples=manifest),
                 owner=owner,
+                numeric_class=original.numeric_class,
             )
         )
 
@@ -369,6 +377,14 @@ class DataFolder:
             (time.time() - limits.WORKER_SECONDS,),
         )
         return [WorkerRow(**dict(row)) for row in rows]
+
+    def shut_out_workers(self) -> dict[str, str]:
+        """Workers that get no jobs though they are not in quarantine, and why."""
+        renders = self.database.rows(
+            "SELECT DISTINCT numeric_class FROM render WHERE state IN ('QUEUED', 'RUNNING')"
+        )
+        classes = [row["numeric_class"] for row in renders]
+        return shut_out(self.workers(), self.workers_in_quarantine(), classes)
 
     def count_by_state(self) -> dict[str, int]:
         """How many renders there are in each state that any is in."""

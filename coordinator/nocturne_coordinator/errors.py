@@ -4,6 +4,7 @@ NocturneError
 +-- InputError      what the user gave is wrong; each problem names its place
 +-- NotFound        there is no such render or blob
 +-- Conflict        a request id was used before with other content
++-- FilesGone       files of a scene were deleted after it was compiled
 +-- WrongState      the render is in a state in which that can't be done
 +-- AlreadyOwned    another coordinator works on the data folder
 +-- QueueTaken      Redis serves the coordinator of another data folder
@@ -56,6 +57,10 @@ class Conflict(NocturneError):
     """The request id was used before, with other content."""
 
 
+class FilesGone(NocturneError):
+    """Files of a scene were deleted with another render after it was compiled; compiling again may help."""
+
+
 class WrongState(NocturneError):
     """The render is in a state in which that can't be done."""
 
@@ -81,7 +86,7 @@ class LeaseLost(NocturneError):
 
 
 class UnusableFolder(NocturneError):
-    """The data folder was written by another version of the program, or is damaged."""
+    """The data folder was written by another version of the program, is damaged, or can't be written."""
 
 
 class CantRestore(NocturneError):

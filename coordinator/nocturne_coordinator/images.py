@@ -54,6 +54,8 @@ class Provenance:
     engine: int
     manifest: str = ""
     """Samples of each tile where not all have what the plan ends with: see `manifest_text`."""
+    numeric_class: str = ""
+    """How all workers rounded."""
 
 
 def manifest_text(samples: Sequence[int]) -> str:
@@ -216,6 +218,7 @@ def write_image(
     spec.attribute("nocturne:scene", provenance.scene_sha256)
     spec.attribute("nocturne:plan", provenance.plan_json)
     spec.attribute("nocturne:engine", provenance.engine)
+    spec.attribute("nocturne:numericClass", provenance.numeric_class)
     if provenance.manifest:
         spec.attribute("nocturne:tileSamples", provenance.manifest)
     _write(path, spec, _exr_channels(sums, counts))

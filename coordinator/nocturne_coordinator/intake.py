@@ -1,7 +1,7 @@
 """What comes in on the results stream: checked, merged, audited or refused. No I/O; raises for no input."""
 
 import logging
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
 from google.protobuf.message import DecodeError
@@ -13,6 +13,7 @@ from .faults import Faults
 from .faults import Verdict as JobVerdict
 from .limits import MAXIMUM_REASON, MAXIMUM_SET_ASIDE
 from .merge import RangeSums, Verdict
+from .numeric_classes import class_of, refusal_of
 from .planned_render import RefusedResult, check_partial
 from .running_render import RunningRender
 from .schedule import JobKey, Schedule
@@ -53,12 +54,14 @@ class Intake:
         auditor: Auditor,
         faults: Faults,
         is_open: Callable[[str], bool] = lambda _: False,
-        live: Callable[[], Collection[str]] = tuple,
+        live: Callable[[str], Collection[str]] = lambda _: (),
+        threads: Callable[[], Mapping[str, int]] = dict,
     ) -> None:
         """Shares all with the coordinator. `is_open`: whether a render is some other coordinator's, or will
-        be. `live`: workers that give signs of life and are not in quarantine."""
+        be. `live`: workers of a numeric class that take jobs; `threads`: of all that could, by class."""
         self._is_open = is_open
         self._live = live
+        self._threads = threads
         self._renders = renders
         self._schedule = schedule
         self._auditor = auditor
@@ -109,6 +112,15 @@ class Intake:
             self._refuse_of(render, entry, f"worker={worker} is in quarantine", outcome)
             self._give_back(key, outcome)
             return
+        numeric_class = class_of(result.numeric_class)
+        if reason := refusal_of(render.numeric_class, numeric_class, self._threads()):
+            self._refuse_of(render, entry, f"worker={worker} has {reason}", outcome)
+            self._give_back(key, outcome)
+            return
+        # The first jobs of a render have none.
+        if result.job.numeric_class not in ("", render.numeric_class):
+            self._refuse_of(render, entry, f"worker={worker}: the job has another numeric class", outcome)
+            return
         if result.WhichOneof("outcome") == "failure":
             outcome.settled.append(entry)
             self._fail(render, key, worker, result.failure[:MAXIMUM_REASON], outcome)
@@ -124,6 +136,7 @@ class Intake:
             self._refuse_of(render, entry, f"worker={worker}: {refusal}", outcome)
             self._fail(render, key, worker, f"worker {worker} sent {refusal}", outcome)
             return
+        render.numeric_class = numeric_class
         partial = result.partial
         offered = RangeSums(
             planned.index,
@@ -155,7 +168,7 @@ class Intake:
         if verdict is Verdict.DUPLICATE:
             self._compare(render, key, offered.worker, partial, outcome)
         elif verdict is not Verdict.TOO_EARLY:
-            self._auditor.accepted(key, offered.worker, partial, self._live)
+            self._auditor.accepted(key, offered.worker, partial, lambda: self._live(render.numeric_class))
             for guilty in self._faults.succeeded(key, offered.worker):
                 outcome.quarantined[guilty] = "It failed at three jobs that other workers could do."
         if verdict in (Verdict.TOO_EARLY, Verdict.DUPLICATE):
@@ -198,7 +211,7 @@ class Intake:
             outcome.withdrawn.extend(self._auditor.returned(key))
             return
         _log.warning("%s failed at worker=%s: %s", key, worker, reason)
-        verdict = self._faults.failed(key, worker, reason, self._live(), died)
+        verdict = self._faults.failed(key, worker, reason, self._live(render.numeric_class), died)
         if verdict is None:
             self._give_back(key, outcome)
         else:

@@ -5,6 +5,7 @@ import logging
 import math
 import secrets
 import signal
+import sqlite3
 import sys
 import threading
 import time
@@ -15,7 +16,7 @@ from .audit import NEW_SHARE, SHARE, Auditor
 from .checkpoint import CHECKPOINT_SECONDS, Checkpointer
 from .coordinator import COMMIT_SECONDS, Coordinator
 from .data_folder import DataFolder
-from .errors import AlreadyOwned, NocturneError, OwnershipLost, QueueTaken
+from .errors import AlreadyOwned, NocturneError, OwnershipLost, QueueTaken, UnusableFolder
 from .job_queue import JobQueue, QueueError, Session
 from .log_lines import write_log_lines
 from .schedule import SHORTEST_OVERDUE
@@ -131,8 +132,7 @@ def _seconds(text: str) -> float:
 
 def _run(options: argparse.Namespace, stop: threading.Event) -> None:
     data: Path = options.data
-    folder = DataFolder(data)
-    ownership = Ownership(data, folder.database, options.shared, options.lease_seconds)
+    folder, ownership = _open(data, options.shared, options.lease_seconds)
     queue = JobQueue(options.redis)
     session = Session(ownership.folder, ownership.epoch, secrets.token_hex(8), options.shared)
     try:
@@ -156,6 +156,17 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
         queue.close()
         ownership.release()
         folder.close()
+
+
+def _open(data: Path, shared: bool, lease_seconds: float) -> tuple[DataFolder, Ownership]:
+    try:
+        folder = DataFolder(data)
+        return folder, Ownership(data, folder.database, shared, lease_seconds)
+    except (OSError, sqlite3.Error) as trouble:
+        raise UnusableFolder(
+            f"{data} can't be used ({trouble}); see to its rights and to the space on its disk, "
+            "then start the coordinator again"
+        ) from trouble
 
 
 def _take_lease(queue: JobQueue, session: Session, stop: threading.Event) -> None:

@@ -9,7 +9,7 @@ import hashlib
 import os
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from datetime import timedelta
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -75,6 +75,19 @@ class Objects:
             Path(temporary).replace(file)
         finally:
             Path(temporary).unlink(missing_ok=True)
+
+    def delete(self, name: str) -> None:
+        """There is no such object any more. Raises ObjectsUnavailable."""
+        with suppress(NotFound), _told(name):
+            obstore.delete(self._store, name)
+
+    def delete_all(self, folder: str) -> None:
+        """There is no object any more whose name begins with `folder` and a slash. Raises
+        ObjectsUnavailable."""
+        with _told(folder):
+            names = [each["path"] for batch in obstore.list(self._store, f"{folder}/") for each in batch]
+        for name in names:
+            self.delete(name)
 
     def _copy(self, name: str, write: Callable[[bytes], object], most_bytes: int) -> str:
         digest = hashlib.sha256()

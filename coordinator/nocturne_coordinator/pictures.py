@@ -3,10 +3,11 @@
 import logging
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from .data_folder import DataFolder
+from .errors import LeaseLost, NotFound
 from .images import FINAL_COMPRESSION, LIVE_COMPRESSION, write_image, write_preview, write_thumbnail
 from .running_render import RunningRender
 from .store.ledger import Ledger
@@ -79,12 +80,12 @@ class Pictures:
             self._ledger.let_go(row.id, row.fence)
 
     def _preview(self, render: RunningRender, compression: int = LIVE_COMPRESSION) -> None:
-        with self._in_place(render, self._folder.preview_path(render.id)) as path:
+        with self._in_place(render, self._folder.preview_path) as path:
             write_preview(path, render.film.sums, render.film.counts, compression)
 
     def _figures(self, render: RunningRender) -> None:
         """The error and a small picture, which cost less than a preview; tells watchers of all of them."""
-        with self._in_place(render, self._folder.thumbnail_path(render.id)) as path:
+        with self._in_place(render, self._folder.thumbnail_path) as path:
             write_thumbnail(path, render.film.sums, render.film.counts)
         point, in_history = render.error_point(time.time())
         self._ledger.record_preview(render.id, render.row.fence, point, in_history)
@@ -92,17 +93,27 @@ class Pictures:
 
     def _image(self, render: RunningRender) -> None:
         names = render.planned.plan.further_responses
-        with self._in_place(render, self._folder.image_path(render.id)) as path:
+        with self._in_place(render, self._folder.image_path) as path:
             write_image(path, render.film.sums, render.film.counts, render.provenance(), names)
 
     @contextmanager
-    def _in_place(self, render: RunningRender, path: Path) -> Iterator[Path]:
+    def _in_place(self, render: RunningRender, place_of: Callable[[str], Path]) -> Iterator[Path]:
         """Where to write a picture that is put into its place only if the render is still ours."""
+        try:
+            path = place_of(render.id)
+        except NotFound:
+            raise LeaseLost(render.id) from None
         written = path.with_name(f".{render.row.fence}-{path.name}")
         try:
             yield written
             with self._ledger.holding(render.id, render.row.fence):
                 written.replace(path)
+        except LeaseLost:
+            written.unlink(missing_ok=True)
+            # Of a render that was deleted nothing stays behind; a folder with something in it stays.
+            with suppress(OSError):
+                path.parent.rmdir()
+            raise
         finally:
             written.unlink(missing_ok=True)
 

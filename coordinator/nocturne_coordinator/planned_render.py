@@ -59,13 +59,18 @@ class PlannedRender:
         )
 
     def find(self, job: job_pb2.Job) -> SampleRange:
-        """The range that the job is for; RefusedResult unless it is, in every field, a job of this render."""
+        """The range that the job is for; RefusedResult unless it is, in every field, a job of this render.
+
+        But for the numeric class, of which the first jobs of a render have none: results tell their own.
+        """
         planned = self.ranges.find(job.first_sample, job.end_sample)
         if planned is None:
             raise RefusedResult(f"samples [{job.first_sample}, {job.end_sample}) are not a planned range")
         if job.tile_index >= self.grid.count:
             raise RefusedResult(f"tile {job.tile_index} of {self.grid.count}")
-        if job != self.job(job.tile_index, planned):
+        asked = self.job(job.tile_index, planned)
+        asked.numeric_class = job.numeric_class
+        if job != asked:
             raise RefusedResult("tile, scene, film or engine differ from the plan")
         return planned
 

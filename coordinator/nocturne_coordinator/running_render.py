@@ -40,6 +40,8 @@ class RunningRender:
         )
         self.film = Film(self.planned, row.stop)
         self.totals = row.totals
+        self.numeric_class = row.numeric_class
+        """How all its workers round; empty before the first result."""
         self.set_aside = {each.tile_index: each for each in row.set_aside}
         self.relative_error = 0.0
         """At the last preview; 0: unknown."""
@@ -206,6 +208,7 @@ class RunningRender:
             forecast=self.forecast(now, unix_time, rate),
             contributors=self._contributors,
             set_aside=tuple(self.set_aside.values()),
+            numeric_class=self.numeric_class,
         )
 
     @property
@@ -256,6 +259,7 @@ class RunningRender:
             plan_json(self.planned.plan),
             self.planned.engine,
             "" if whole else manifest_text(samples),
+            self.numeric_class,
         )
 
 

@@ -5,7 +5,7 @@ docs/queue.md has the table. Kept here: for each running render how far each til
 """
 
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from statistics import median
@@ -244,8 +244,10 @@ class Schedule:
         """Jobs on the stream."""
         return len(self._outstanding)
 
-    def take(self, count: int) -> list[JobKey]:
+    def take(self, count: int, but: Collection[str] = ()) -> list[JobKey]:
         """Up to `count` jobs to publish, shared by weight; `published` must follow, or `returned`.
+
+        `but`: renders that are left out, as nobody is there who could work on them.
 
         Where there is no room, and most of what is in flight waits for earlier ranges, it is these, whatever
         the count: nothing else would ever make room.
@@ -253,7 +255,7 @@ class Schedule:
         if count <= 0:
             return self._waited_for() if 2 * self._held > self.in_flight else []
         jobs: list[JobKey] = []
-        able = dict(self._queues)
+        able = {render_id: queue for render_id, queue in self._queues.items() if render_id not in but}
         while len(jobs) < count and able:
             render_id, queue = min(able.items(), key=self._passed)
             key = self._next_of(render_id)

@@ -2,7 +2,7 @@
 
 import logging
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 from google.protobuf.message import DecodeError
@@ -13,6 +13,7 @@ from .audit import Auditor
 from .crash_points import crash_point
 from .job_queue import FIRST, Entry, JobQueue, QueueError, Session
 from .lives import Lives, Sign
+from .numeric_classes import shut_out, threads_by_class
 from .planned_render import RefusedResult, render_of
 from .running_render import RunningRender
 from .schedule import JobKey, Schedule
@@ -82,15 +83,21 @@ class Traffic:
         self._next_overdue = 0.0
         self.quarantined: Mapping[str, str] = {}
         """Workers that are to take no jobs, and why."""
+        self._classes: Collection[str] = ()
+        self.shut_out: Mapping[str, str] = {}
+        """Workers that are to take no jobs though they are not in quarantine, and why."""
         self.threads = 0
         """Of all workers that take jobs."""
+        self.threads_by_class: Mapping[str, int] = {}
+        """Of all that could, whatever the renders need."""
         self.workers: list[WorkerRow] = []
         self.lost: list[tuple[JobKey, str]] = []
         """Jobs with the workers that died having them; for the coordinator to take away."""
         self.results_waiting = 0
         self.longest_wait = 0.0
         """Seconds that a result was on the stream before it was read, at most, since this was set to 0."""
-        self._live: tuple[object, object, set[str]] = (None, None, set())
+        self._live: dict[str, set[str]] = {}
+        self._live_of: tuple[object, object, object] = (None, None, None)
         self.share = 1.0
         """Part of the workers that this coordinator's renders should get."""
         self._jobs_of_others = 0
@@ -105,15 +112,24 @@ class Traffic:
         """Jobs and who has them."""
         return self._lives.at_work
 
-    @property
-    def live(self) -> set[str]:
-        """Names of the workers that take jobs."""
+    def live(self, numeric_class: str = "") -> set[str]:
+        """Names of the workers that take jobs; of one numeric class, unless it is empty."""
         # Asked for often, and long where there are thousands.
-        workers, quarantined, live = self._live
-        if workers is not self.workers or quarantined is not self.quarantined:
-            live = {worker.id for worker in self.workers} - self.quarantined.keys()
-            self._live = (self.workers, self.quarantined, live)
-        return live
+        now = (self.workers, self.quarantined, self.shut_out)
+        if any(a is not b for a, b in zip(now, self._live_of, strict=True)):
+            self._live, self._live_of = {"": set()}, now
+            for worker in self.workers:
+                if worker.id not in self.quarantined and worker.id not in self.shut_out:
+                    self._live[""].add(worker.id)
+                    self._live.setdefault(worker.numeric_class, set()).add(worker.id)
+        return self._live.get(numeric_class, set())
+
+    def set_classes(self, classes: Collection[str]) -> None:
+        """Numeric classes of all open renders of the folder, empty for one that has none yet."""
+        if classes != self._classes:
+            self._classes = classes
+            self._shut_out()
+            self._next_attend = 0.0
 
     def leave(self) -> None:
         """Gives the lease on Redis back."""
@@ -212,8 +228,8 @@ class Traffic:
             self._look_at_workers(unix_time)
             took = time.monotonic() - begun
             self._next_workers = now + min(_WORKERS_SECONDS, took / _WORKERS_SHARE)
-        if self.quarantined:
-            self._queue.keep_in_quarantine(self.quarantined)
+        if self.quarantined or self.shut_out:
+            self._queue.keep_in_quarantine({**self.shut_out, **self.quarantined})
         self._next_attend = now + _ATTEND_SECONDS
         if self.threads and now >= self._next_overdue:
             self._return_overdue(now)
@@ -253,13 +269,22 @@ class Traffic:
     def _look_at_workers(self, unix_time: float) -> None:
         rows = [(worker_row(status, unix_time), left) for status, left in self._queue.workers()]
         self.workers = [row for row, _ in rows if row is not None]
-        self.threads = sum(each.threads for each in self.workers if each.id not in self.quarantined)
+        self.threads_by_class = threads_by_class(self.workers, self.quarantined)
+        self._shut_out()
+        live = self.live()
+        self.threads = sum(each.threads for each in self.workers if each.id in live)
         signs = {row.id: Sign(row.started, left) for row, left in rows if row is not None}
         entries = self._schedule.entries()
         self.lost.extend(self._lives.look(signs, self._queue.holders(), entries))
         self.results_waiting = self._queue.results_waiting()
         ours = self._schedule.outstanding + len(self._auditor.entries())
         self._jobs_of_others = max(0, self._queue.jobs_waiting() - ours)
+
+    def _shut_out(self) -> None:
+        found = shut_out(self.workers, self.quarantined, self._classes)
+        for worker in found.keys() - self.shut_out.keys():
+            _log.warning("worker=%s gets no jobs: %s", worker, found[worker])
+        self.shut_out = found
 
     def _return_overdue(self, now: float) -> None:
         self._next_overdue = now + _OVERDUE_SECONDS
@@ -280,7 +305,8 @@ class Traffic:
 
     def _fill(self, now: float) -> None:
         """Publishes until the window is full."""
-        keys = self._schedule.take(min(self._window() - self._schedule.in_flight, _LARGEST_PUBLISH))
+        wanted = min(self._window() - self._schedule.in_flight, _LARGEST_PUBLISH)
+        keys = self._schedule.take(wanted, self._without_workers())
         try:
             entries = self._publish(keys)
         except QueueError:
@@ -298,6 +324,16 @@ class Traffic:
             for key, entry in zip(slow, self._publish(slow), strict=True):
                 _log.info("%s is slow; an idle worker gets it as well", key)
                 self._schedule.copied(key, entry)
+
+    def _without_workers(self) -> list[str]:
+        """Renders that no worker can work on though some are there: their jobs would fill the window."""
+        if not self.threads_by_class:
+            return []
+        return [
+            render.id
+            for render in self._renders.values()
+            if render.numeric_class and not self.threads_by_class.get(render.numeric_class)
+        ]
 
     def _fill_audits(self, now: float) -> None:
         keys = self._auditor.take(max(1, self._window() // _AUDIT_PART))
@@ -318,8 +354,10 @@ class Traffic:
         return min(wanted, limits.MAXIMUM_WINDOW)
 
     def _job_bytes(self, key: JobKey) -> bytes:
-        planned = self._renders[key.render_id].planned
-        return planned.job(key.tile_index, planned.ranges[key.range_index]).SerializeToString()
+        render = self._renders[key.render_id]
+        job = render.planned.job(key.tile_index, render.planned.ranges[key.range_index])
+        job.numeric_class = render.numeric_class
+        return job.SerializeToString()
 
 
 def _place(entry: bytes) -> tuple[int, int]:

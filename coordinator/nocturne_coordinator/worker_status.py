@@ -5,6 +5,7 @@ import math
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 
+from .numeric_classes import class_of
 from .store.rows import WorkerRow
 
 _LARGEST = 2**63 - 1
@@ -31,4 +32,5 @@ def worker_row(data: bytes, seen: float) -> WorkerRow | None:
         jobs_done=min(status.jobs_done, _LARGEST),
         started=status.started,
         seen=seen,
+        numeric_class=class_of(status.numeric_class),
     )

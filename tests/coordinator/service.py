@@ -25,8 +25,8 @@ from tests.coordinator.simulated_worker import SimulatedWorker, simulated_sums
 SCENE = "5c" * 32
 
 
-def wait_until(true: Callable[[], bool], seconds: float = 15.0) -> None:
-    """Fails the test if it does not become true."""
+def wait_until(true: Callable[[], bool], seconds: float = 60.0) -> None:
+    """Fails the test if it does not become true. What is promised about time gives its own seconds."""
     deadline = time.monotonic() + seconds
     while not true():
         assert time.monotonic() < deadline, "did not happen in time"

@@ -63,9 +63,13 @@ class SimulatedWorker(threading.Thread):
         further_responses: int = 0,
         dies: Callable[[job_pb2.JobResult], bool] = lambda _: False,
         status_ms: int = 10_000,
+        numeric_class: str = "",
     ) -> None:
         """`dies`: the process ends, without a word, at jobs for which it is true; `status_ms` later that
-        shows."""
+        shows.
+
+        `numeric_class` is told only: jobs of others are done as well, for the coordinator to refuse.
+        """
         super().__init__(daemon=True)
         self._further_responses = further_responses
         self._client: Any = redis.Redis.from_url(url, protocol=2)
@@ -74,6 +78,7 @@ class SimulatedWorker(threading.Thread):
         self._lease_ms = lease_ms
         self._dies = dies
         self._status_ms = status_ms
+        self._numeric_class = numeric_class
         self._since = time.time()
         self._stopping = threading.Event()
         self.name = f"worker-{os.urandom(4).hex()}"
@@ -93,7 +98,11 @@ class SimulatedWorker(threading.Thread):
 
     def _one_turn(self) -> None:
         status = job_pb2.WorkerStatus(
-            worker_id=self.name, engine=job_pb2.ENGINE_CURRENT, threads=1, started=self._since
+            worker_id=self.name,
+            engine=job_pb2.ENGINE_CURRENT,
+            threads=1,
+            started=self._since,
+            numeric_class=self._numeric_class,
         )
         self._client.set(keys.WORKER_PREFIX + self.name, status.SerializeToString(), px=self._status_ms)
         if self._client.exists(keys.QUARANTINE_PREFIX + self.name):
@@ -121,6 +130,7 @@ class SimulatedWorker(threading.Thread):
     def _work(self, entry: bytes, job: job_pb2.Job) -> None:
         self._stopping.wait(self._delay)
         result = simulated_result(job, self.name, self._further_responses)
+        result.numeric_class = self._numeric_class
         if self._dies(result):
             self._stopping.set()
             return

@@ -101,7 +101,7 @@ class Session:
             assert np.array_equal(tile.sums, total)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     seed=st.integers(0, 2**32),
     samples=st.integers(1, 70),

@@ -145,8 +145,12 @@ def test_a_newcomer_gets_its_part_of_what_runs(service: Service) -> None:
     for _ in range(2):
         service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
     wait_until(lambda: all(service.row(each).ranges_done > 5 for each in renders))
+    # No render ends before the newcomer is there, however long it takes to start.
+    service.stop_workers()
     service.start("", *SHARED)
     wait_until(lambda: len({holder(service, each)[0] for each in renders} - {0}) == 2)
+    for _ in range(2):
+        service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
     for render in renders:
         check_complete(service, render)
 

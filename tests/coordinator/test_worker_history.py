@@ -4,7 +4,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from nocturne_coordinator.data_folder import DataFolder, WorkerRow
+from nocturne_coordinator.data_folder import DataFolder, NewRender, WorkerRow
+from nocturne_coordinator.plan import make_plan
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
 
@@ -28,8 +29,11 @@ def _worker(name: str, rate: float = 5.0) -> WorkerRow:
 
 
 def test_who_came_and_went(folder: DataFolder, ledger: Ledger) -> None:
-    ledger.mirror_workers([_worker("a"), _worker("b")], [("r", 3, "b")], 1.0)
-    assert folder.at_work("r") == [(3, "b")]
+    new = NewRender("q", "", "5c" * 32, "{}", 32, 32, 8, make_plan(32, 32, 8))
+    render = folder.create_render(new).id
+    ledger.mirror_workers([_worker("a"), _worker("b")], [(render, 3, "b"), ("deleted", 1, "a")], 1.0)
+    assert folder.at_work(render) == [(3, "b")]
+    assert folder.at_work("deleted") == []
     ledger.mirror_workers([_worker("b")], [], 2.0)
     ledger.quarantine("b", "lies", 3.0)
     ledger.quarantine("b", "lies again", 4.0)
@@ -43,7 +47,7 @@ def test_who_came_and_went(folder: DataFolder, ledger: Ledger) -> None:
         ("b", "quarantined", "lies"),
         ("b", "released", ""),
     ]
-    assert folder.at_work("r") == []
+    assert folder.at_work(render) == []
 
 
 def test_rates_are_kept_by_the_minute_for_two_days(folder: DataFolder, ledger: Ledger) -> None:

@@ -1,8 +1,11 @@
 """Coordinators killed, slowed, doubled, upgraded, without room, told other things: rows C of the matrix."""
 
 import os
+import re
 import resource
 import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -14,6 +17,7 @@ import pytest
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import keys, limits
 from nocturne_coordinator.checkpoint import checkpoints
+from nocturne_coordinator.data_folder import DataFolder
 from nocturne_coordinator.errors import UnusableFolder, WrongState
 from nocturne_coordinator.images import manifest_of
 from nocturne_coordinator.main import EXIT_ALREADY_OWNED, EXIT_UNUSABLE
@@ -108,6 +112,25 @@ def test_disk_full_in_mid_commit(service: Service) -> None:
     resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, hard))
     check_resumes(service, render.id, "C3")
     check_survived(service, render.id)
+
+
+def test_a_full_disk_at_the_start(service: Service, tmp_path: Path) -> None:
+    """C3: it says so and ends, and leaves nothing that is in the way later."""
+    data = tmp_path / "new"
+    run = subprocess.run(
+        [
+            *("prlimit", "--fsize=0", sys.executable, "-m", "nocturne_coordinator.main"),
+            *("--data", data, "--redis", service.server.url),
+        ],
+        stderr=subprocess.PIPE,
+        text=True,
+        timeout=15,
+        check=False,
+    )
+    assert run.returncode == EXIT_UNUSABLE
+    assert re.search(f"ERROR coordinator {data} can't be used .*space on its disk", run.stderr)
+    assert len(run.stderr.splitlines()) == 1
+    DataFolder(data).close()
 
 
 def test_pictures_that_can_not_be_written_only_delay(service: Service) -> None:

@@ -62,6 +62,15 @@ class Storm:
     def coordinator_starts(self) -> None:
         self._coordinator = self._service.start("", *OVERDUE_SOON)
 
+    def supervise(self) -> None:
+        """As an init system does: a coordinator that finds the disk full when it starts ends."""
+        if self._coordinator.poll() is not None:
+            self.coordinator_starts()
+
+    def has_image(self) -> bool:
+        self.supervise()
+        return self._service.row(self.render_id).state.has_image
+
     def coordinator_stands_still(self) -> None:
         self._coordinator.send_signal(signal.SIGSTOP)
         time.sleep(self._chance.uniform(0.0, 1.0))
@@ -167,9 +176,10 @@ def test_any_faults_leave_the_bits(service: Service) -> None:
         for _ in range(_FAULTS_PER_RENDER):
             time.sleep(chance.uniform(0.0, 0.3))
             chance.choice(storm.all())()
+            storm.supervise()
         storm.workers_come()
         # Time for a dead worker's lease, a copy of a slow job, and audits that nobody can settle.
-        wait_until(lambda: service.row(storm.render_id).state.has_image, 90.0)
+        wait_until(storm.has_image, 90.0)
         check_complete(service, storm.render_id)
         storm.workers_go()
     assert renders > 0

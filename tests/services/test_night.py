@@ -208,7 +208,9 @@ async def test_the_command_line_does_it_all(
     assert json.loads(await nocturne("extend", render_id, "--samples", "512", "--json"))["samples"] == 512
     assert "No coordinator" in await nocturne("why", render_id)
     assert "no worker" in await nocturne("workers")
-    folder.database.execute("INSERT INTO worker VALUES ('w1', 2, 2, 10, 20, 5.5, 3, 1.0, unixepoch() + 0.0)")
+    folder.database.execute(
+        "INSERT INTO worker VALUES ('w1', 2, 2, 10, 20, 5.5, 3, 1.0, unixepoch() + 0.0, 'a1')"
+    )
     folder.database.execute("INSERT INTO quarantine VALUES ('w1', 'It lied.', 1.0)")
     assert "It lied." in await nocturne("workers")
     assert "It lied." not in await nocturne("workers", "--release", "w1")
@@ -250,6 +252,7 @@ def situation(folder: DataFolder, **changes: Any) -> Situation:
         "workers": [_WORKER],
         "quarantined": {},
         "running": 1,
+        "shut_out": {},
     }
     return Situation(**(values | changes))
 
@@ -271,6 +274,11 @@ async def test_why_tells_the_first_thing_in_the_way(
         ({"workers": []}, "No worker is there"),
         ({"quarantined": {"w": "lied"}}, "in quarantine"),
         ({"workers": [replace(_WORKER, engine=1)]}, f"engine 1, and it needs engine {_ENGINE}"),
+        (
+            {"render": {"numeric_class": "a" * 16}, "workers": [replace(_WORKER, numeric_class="b" * 16)]},
+            f"numeric class {'a' * 16}, and those that are there have {'b' * 16}, which",
+        ),
+        ({"render": running, "shut_out": {"w": "It rounds otherwise."}}, "1 workers get no jobs"),
         ({"running": 8}, "until one of 8 running renders ends"),
         ({"running": 0}, "about to start"),
         ({"render": running}, "in 10 minutes"),
@@ -380,10 +388,15 @@ async def test_tokens_open_what_their_scopes_say(
         assert (
             await rest.post("/v1/workers/w:release", headers=bearer(secrets["submit"]))
         ).status_code == 403
+        await rest.post(f"/v1/renders/{mine['id']}:cancel", headers=bearer(secrets["submit"]))
+        for secret, status in ((other, 403), (secrets["read"], 403), (secrets["submit"], 204)):
+            answer = await rest.delete(f"/v1/renders/{mine['id']}", headers=bearer(secret))
+            assert answer.status_code == status
         tokens.revoke("submit")
         assert (await rest.get("/v1/renders", headers=bearer(secrets["submit"]))).status_code == 401
     outcomes = [(call["who"], call["what"], call["outcome"]) for call in folder_of_guarded.calls(20)]
     assert ("other", "pause", "FORBIDDEN") in outcomes
+    assert ("other", "delete", "FORBIDDEN") in outcomes
     assert ("submit", "pause", "done") in outcomes
     assert ("submit", "create", "done") in outcomes
 

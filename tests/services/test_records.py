@@ -38,6 +38,7 @@ _SHA256 = hashlib.sha256(_DATA).hexdigest()
 _CALLS: dict[tuple[str, str], tuple[Any, str]] = {
     ("POST", "/v1/renders"): ("body", "create"),
     ("POST", "/v1/renders/{render_id}:cancel"): ({}, "cancel"),
+    ("DELETE", "/v1/renders/{render_id}"): (b"", "delete"),
     ("POST", "/v1/renders/{render_id}:pause"): ({}, "pause"),
     ("POST", "/v1/renders/{render_id}:resume"): ({}, "resume"),
     ("POST", "/v1/renders/{render_id}:extend"): ({"samples": 32}, "extend"),
@@ -244,7 +245,9 @@ async def test_too_many_watchers_are_refused(
     monkeypatch.setattr("nocturne_api.watching.WATCHERS", 1)
     async with rest.stream("GET", "/v1/events") as first:
         assert first.status_code == 200
-        await anext(first.aiter_lines())
+        # Kept: an iterator that nobody holds closes its stream, and then there is room for the second.
+        lines_of_first = first.aiter_lines()
+        assert (await anext(lines_of_first)).startswith(":")
         async with rest.stream("GET", "/v1/events") as second:
             lines = [line async for line in second.aiter_lines()]
     # The answer has begun: the reason is a comment in the stream.

@@ -7,8 +7,8 @@ from typing import Any
 import grpc
 import httpx
 import pytest
+from nocturne.v1 import job_pb2, render_service_pb2_grpc
 from nocturne.v1 import render_service_pb2 as pb
-from nocturne.v1 import render_service_pb2_grpc
 from nocturne_coordinator.data_folder import DataFolder
 
 from tests.services import coordinator_acts
@@ -156,7 +156,7 @@ async def test_convergence(body: dict[str, Any], rest: httpx.AsyncClient, folder
 async def test_workers(rest: httpx.AsyncClient, channel: grpc.aio.Channel, folder: DataFolder) -> None:
     assert (await rest.get("/v1/workers")).json() == {"workers": []}
     folder.database.execute(
-        "INSERT INTO worker VALUES ('w1', 1, 2, 10, 20, 5.5, 3, 1.0, unixepoch() + 0.0)",
+        "INSERT INTO worker VALUES ('w1', 1, 2, 10, 20, 5.5, 3, 1.0, unixepoch() + 0.0, 'a1')",
     )
     (worker,) = (await rest.get("/v1/workers")).json()["workers"]
     assert worker == {
@@ -167,6 +167,9 @@ async def test_workers(rest: httpx.AsyncClient, channel: grpc.aio.Channel, folde
         "jobs_done": 3,
         "started": 1.0,
         "quarantine": "",
+        "numeric_class": "a1",
+        "shut_out": f"It has engine 1, and the service engine {int(job_pb2.ENGINE_CURRENT)}.",
     }
     (message,) = (await Stub(channel).ListWorkers(pb.ListWorkersRequest())).workers
-    assert (message.id, message.jobs_done) == ("w1", 3)
+    assert (message.id, message.jobs_done, message.numeric_class) == ("w1", 3, "a1")
+    assert message.shut_out == worker["shut_out"]

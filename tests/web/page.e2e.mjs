@@ -14,6 +14,18 @@ const at = (hash) => `${given.url}/${hash}`;
 const showing = (id) => `#/renders/${encodeURIComponent(id)}`;
 const look = (page, name) => checkLooks(page, name, given.screenshots);
 
+/** White fog and a white ball in even light: by theory nobody sees them, and all collisions are in vain. */
+const evenLight = {
+  nocturne: 1,
+  media: { fog: { scattering: 3 } },
+  sensor: { type: "orthographic", position: [0, 0, 4], look_at: [0, 0, 0], height: 1 },
+  environment: { radiance: 1 },
+  surfaces: [
+    { shape: { type: "box", minimum: [-1, -1, -1], maximum: [1, 1, 1] }, interior: { media: ["fog"] } },
+    { shape: { type: "sphere", centre: [0, 0, -3], radius: 1 }, kernel: { type: "lambertian", reflectance: 1 } },
+  ],
+};
+
 /** In the order of a visit; each gets the page as the one before left it. */
 const checks = {
   async "the list shows renders, and finds them by word and state"({ page }) {
@@ -152,6 +164,30 @@ const checks = {
     await page.locator(".problems code").getByText("$.scene.sensor").or(page.locator(".problems code").getByText("$.sensor")).first().waitFor();
   },
 
+  async "a scene is planned, and rendered without what it does not need"({ page }) {
+    const file = { name: "scene.json", mimeType: "application/json", buffer: Buffer.from(JSON.stringify(evenLight)) };
+    await page.getByLabel("choose a file").setInputFiles(file);
+    await page.getByLabel("Width, pixels").fill("12");
+    await page.getByLabel("Height, pixels").fill("12");
+    await page.getByLabel("Stop at a relative error of, %").fill("20");
+    await page.getByRole("button", { name: "What does it need?" }).click();
+    const cells = (part) => page.locator(".plan tr").filter({ has: page.getByText(part, { exact: true }) }).locator("td").allTextContents();
+    await page.getByText(/^Enough for 20 %: without medium "fog"/).waitFor({ timeout: 120_000 });
+    const [, , , cost, verdict] = await cells('without medium "fog"');
+    assert.equal(verdict, "not needed");
+    assert.ok(parseFloat(cost) < 50, `without all collisions a sample takes ${cost} of the time`);
+    assert.equal((await cells("at most 2 interactions"))[4], "needed");
+    await look(page, "plan");
+    await page.getByRole("button", { name: "Take the simpler scene" }).click();
+    await page.getByText(/^scene.json, simplified: without medium "fog"/).waitFor();
+    const sent = page.waitForRequest((request) => request.method() === "POST" && request.url().endsWith("/v1/renders"));
+    await page.getByRole("button", { name: "Render", exact: true }).click();
+    const { scene } = (await sent).postDataJSON();
+    assert.ok(!scene.surfaces.some(({ interior }) => interior?.media.includes("fog")), JSON.stringify(scene));
+    await page.locator('h1 .badge[data-state="SUCCEEDED"]').waitFor();
+    await page.goto(at("#/"));
+  },
+
   async "an archive becomes a render whose image changes by itself"({ page, note }) {
     await page.getByLabel("choose a file").setInputFiles(given.archive);
     await page.getByLabel("Samples per pixel, at most").fill("100000");
@@ -207,6 +243,17 @@ const checks = {
     await page.getByRole("button", { name: "Cancel render…" }).click();
     await dialog.getByRole("button", { name: "Cancel render" }).click();
     await page.locator('h1 .badge[data-state="CANCELLED"]').waitFor();
+  },
+
+  async "delete asks first, and leads back to a list without the render"({ page }) {
+    const id = new URL(page.url()).hash.split("/").at(-1);
+    await page.getByRole("button", { name: "Delete render…" }).click();
+    const dialog = page.getByRole("dialog", { name: "Delete this render?" });
+    await dialog.getByRole("button", { name: "Delete render" }).click();
+    await page.waitForURL("**/#/");
+    await page.locator(`a[href="#/renders/${given.small}"]`).first().waitFor();
+    assert.equal(await page.locator(`a[href="#/renders/${id}"]`).count(), 0);
+    assert.equal((await fetch(`${given.url}/v1/renders/${id}`)).status, 404);
   },
 
   async "an image of 3840 x 2160 pans smoothly"({ page, note }) {

@@ -26,7 +26,7 @@ from tests.system.waiting import wait_for
 ROOT = Path(__file__).parents[2]
 NODE = ROOT / ".venv" / "bin" / "node"
 DIST = ROOT / "services/web/dist"
-TIMEOUT_S = 240
+TIMEOUT_S = 300
 PIXEL = (70, 90)
 
 ONE_LAMP: dict[str, Any] = {

@@ -65,13 +65,15 @@ class Archive:
             )
         return str(row["render_id"])
 
-    def copied(self, render_id: str, files: Mapping[str, Archived]) -> None:
-        """These are in the object store now. Images that became final again meanwhile stay due."""
+    def copied(self, render_id: str, files: Mapping[str, Archived]) -> bool:
+        """These are in the object store now. Images that became final again meanwhile stay due. False if the
+        render was deleted meanwhile."""
         content = json.dumps({name: asdict(file) for name, file in files.items()}, sort_keys=True)
-        self._database.execute(
+        changed = self._database.execute(
             "UPDATE archive SET files = ?, due = iif(due = 0, 0, NULL) WHERE render_id = ?",
             (content, render_id),
         )
+        return changed == 1
 
     def file(self, render_id: str, name: str) -> Archived | None:
         """What is in the object store of a render's file; None where it is not there."""

@@ -9,7 +9,7 @@ from typing import Any
 
 from nocturne_coordinator.errors import UnusableFolder
 
-SCHEMA_NUMBER = 5
+SCHEMA_NUMBER = 6
 
 # A tile is 32 KiB: with pages of 16 KiB it is two or three of them, not nine.
 _PAGE_BYTES = 16384
@@ -222,6 +222,12 @@ CREATE TABLE rate_point (
 ) STRICT;
 """
 
+_NEW_IN_6 = """
+-- How the workers of a render round; empty before its first result.
+ALTER TABLE render ADD COLUMN numeric_class TEXT NOT NULL DEFAULT '';
+ALTER TABLE worker ADD COLUMN numeric_class TEXT NOT NULL DEFAULT 'unknown';
+"""
+
 
 class Database:
     """One connection, shared by the threads of a process under a lock."""
@@ -258,7 +264,9 @@ class Database:
         with self.transaction():
             number = self._connection.execute("PRAGMA user_version").fetchone()[0]
             if number == 0:
-                self._execute_all(_RENDER_TABLE + _TABLES_BESIDE + _NEW_IN_3 + _NEW_IN_4 + _NEW_IN_5)
+                self._execute_all(
+                    _RENDER_TABLE + _TABLES_BESIDE + _NEW_IN_3 + _NEW_IN_4 + _NEW_IN_5 + _NEW_IN_6
+                )
                 number = SCHEMA_NUMBER
             if number == 1:
                 self._execute_all(
@@ -274,6 +282,9 @@ class Database:
             if number == 4:
                 self._execute_all(_NEW_IN_5)
                 number = 5
+            if number == 5:
+                self._execute_all(_NEW_IN_6)
+                number = 6
             if number == SCHEMA_NUMBER:
                 self._connection.execute(f"PRAGMA user_version = {number}")
             if number != SCHEMA_NUMBER:

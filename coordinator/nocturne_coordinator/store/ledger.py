@@ -22,7 +22,7 @@ from .rows import ErrorPoint, RenderState, WorkerRow
 
 _LARGEST = 2**63 - 1
 _OPEN_COLUMNS = """id, state, scene_sha256, engine, plan, photons, rays, rejected, cpu_seconds, audited,
-    refused, stop, priority, owner, ran_seconds, look_first,
+    refused, stop, priority, owner, ran_seconds, look_first, numeric_class,
     coalesce((SELECT weight FROM token WHERE token.name = render.owner), 100) AS owner_weight,
     coalesce((SELECT fence FROM lease WHERE lease.render_id = render.id), 0) AS fence,
     coalesce((SELECT coordinator.number FROM lease JOIN coordinator ON coordinator.number = lease.coordinator
@@ -51,6 +51,8 @@ class OpenRender:
     fence: int = 0
     """Grows with every holder; who does not know the newest may not write."""
     look_first: Region | None = None
+    numeric_class: str = ""
+    """How all its workers round; empty before the first result."""
 
     def asks_the_same(self, other: "OpenRender") -> bool:
         """Whether plan and conditions are those of another state of this render."""
@@ -108,6 +110,7 @@ class RenderCommit:
     """By tile, the workers whose work is new in its sums."""
     set_aside: Iterable[SetAside] = ()
     """All of the render's."""
+    numeric_class: str = ""
 
 
 _RATE_STEP_SECONDS = 60.0
@@ -273,7 +276,8 @@ class Ledger:
             """UPDATE render SET ranges_done = ?, photons = ?, rays = ?, rejected = ?, cpu_seconds = ?,
                    audited = ?, refused = ?, photons_per_second = iif(state = 'RUNNING', ?, 0), ran_seconds =
                    ?, tiles_done = ?, tiles_set_aside = ?, predicted_end = ?, predicted_cpu_seconds = ?,
-                   sequence = sequence + 1 WHERE id = ? AND state IN ('QUEUED', 'RUNNING', 'PAUSED')""",
+                   numeric_class = ?, sequence = sequence + 1
+               WHERE id = ? AND state IN ('QUEUED', 'RUNNING', 'PAUSED')""",
             (
                 totals.ranges,
                 totals.photons,
@@ -288,6 +292,7 @@ class Ledger:
                 len(tuple(commit.set_aside)),
                 commit.forecast.end,
                 commit.forecast.cpu_seconds,
+                commit.numeric_class,
                 commit.render_id,
             ),
         )
@@ -370,6 +375,22 @@ class Ledger:
                     "UPDATE lease SET fence = fence + 1 WHERE render_id = ?", (row["render_id"],)
                 )
         return [row["render_id"] for row in rows]
+
+    def start_anew(self, render_id: str, fence: int) -> None:
+        """Throws away all samples of a render that runs, and its numeric class. LeaseLost if it is another's.
+
+        What it has cost stays counted. Whoever has it in memory has lost it.
+        """
+        with self.holding(render_id, fence):
+            for table in ("tile", "contribution", "set_aside", "error_point"):
+                self._database.execute(f"DELETE FROM {table} WHERE render_id = ?", (render_id,))  # noqa: S608
+            self._database.execute(
+                """UPDATE render SET numeric_class = '', ranges_done = 0, photons = 0, rays = 0, rejected = 0,
+                       tiles_done = 0, tiles_set_aside = 0, relative_error = 0, sequence = sequence + 1
+                   WHERE id = ?""",
+                (render_id,),
+            )
+            self._database.execute("UPDATE lease SET fence = fence + 1 WHERE render_id = ?", (render_id,))
 
     def _reopen(self, render_id: str, worker_id: str) -> None:
         tiles = self._database.rows("SELECT tile_index, samples FROM tile WHERE render_id = ?", (render_id,))
@@ -469,12 +490,14 @@ class Ledger:
                 (self.number,),
             )
             self._database.execute_many(
-                "INSERT OR IGNORE INTO at_work VALUES (?, ?, ?, ?)",
+                # A worker may still have a job of a render that was deleted.
+                """INSERT OR IGNORE INTO at_work SELECT ?1, ?2, ?3, ?4
+                   WHERE EXISTS (SELECT 1 FROM render WHERE id = ?2)""",
                 [(self.number, *each) for each in at_work],
             )
             self._database.execute("DELETE FROM worker")
             self._database.execute_many(
-                "INSERT OR REPLACE INTO worker VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                "INSERT OR REPLACE INTO worker VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                 [
                     (
                         w.id,
@@ -486,6 +509,7 @@ class Ledger:
                         w.jobs_done,
                         w.started,
                         w.seen,
+                        w.numeric_class,
                     )
                     for w in workers
                 ],
@@ -535,6 +559,7 @@ class Ledger:
             holder=row["holder"],
             fence=row["fence"],
             look_first=Region.from_json(row["look_first"]) if row["look_first"] else None,
+            numeric_class=row["numeric_class"],
             set_aside=tuple(
                 SetAside(
                     each["tile_index"],

@@ -8,6 +8,9 @@ from nocturne.v1 import job_pb2
 from nocturne_coordinator.limits import DEFAULT_PRIORITY
 from nocturne_coordinator.stopping import EVERYTHING, StopConditions
 
+UNKNOWN_CLASS = "unknown"
+"""Numeric class of workers that don't tell theirs."""
+
 
 class RenderState(StrEnum):
     """Where a render stands; from SUCCEEDED on it has ended, though it may be extended."""
@@ -50,6 +53,10 @@ class NewRender:
     priority: int = DEFAULT_PRIORITY
     owner: str = ""
     """Name of the token that asked for it; empty without authentication."""
+    numeric_class: str = ""
+    """How its workers must round; empty: as the first one does."""
+    files: tuple[str, ...] = ()
+    """Digests of the compiled scene's files, which must be there when the render is made."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +72,8 @@ class RenderRow:
     samples: int
     photons_per_sample: int
     scene_sha256: str
+    numeric_class: str
+    """How all its workers round; empty before the first result."""
     sequence: int
     created: float
     started: float
@@ -119,6 +128,7 @@ class WorkerRow:
     jobs_done: int
     started: float
     seen: float
+    numeric_class: str = UNKNOWN_CLASS
 
 
 @dataclass(frozen=True, slots=True)

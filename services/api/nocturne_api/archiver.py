@@ -14,6 +14,8 @@ from nocturne_coordinator.errors import NotFound
 from nocturne_coordinator.objects import Objects, ObjectsUnavailable
 from nocturne_coordinator.store.archive import Archived
 
+from nocturne_api.background import Background
+
 _log = logging.getLogger(__name__)
 
 _LOOK_S = 2.0
@@ -21,7 +23,7 @@ _LOOK_S = 2.0
 _LEASE_S = 600.0
 
 
-class Archiver:
+class Archiver(Background):
     """One for each API process with an object store; they share the work."""
 
     def __init__(
@@ -31,16 +33,6 @@ class Archiver:
         self._folder = folder
         self._in_database = in_database
         self._objects = objects
-        self._task: asyncio.Task[None] | None = None
-
-    def start(self) -> None:
-        self._task = asyncio.create_task(self._run())
-
-    async def close(self) -> None:
-        if self._task is not None:
-            self._task.cancel()
-            with suppress(asyncio.CancelledError):
-                await self._task
 
     async def fetch(self, render_id: str, file: Path) -> None:
         """Gets a file back that is missing here, if it is in the object store. Raises
@@ -65,11 +57,17 @@ class Archiver:
 
     async def _copy(self, render_id: str) -> None:
         files = {}
-        for path in (self._folder.image_path(render_id), self._folder.preview_path(render_id)):
+        try:
+            paths = (self._folder.image_path(render_id), self._folder.preview_path(render_id))
+        except NotFound:
+            return
+        for path in paths:
             archived = await asyncio.to_thread(self._put, render_id, path)
             if archived is not None:
                 files[path.name] = archived
-        await self._in_database(self._folder.archive.copied, render_id, files)
+        if not await self._in_database(self._folder.archive.copied, render_id, files):
+            await asyncio.to_thread(self._objects.delete_all, f"images/{render_id}")
+            return
         _log.info("render=%s: %d images are in the object store", render_id, len(files))
 
     def _put(self, render_id: str, path: Path) -> Archived | None:

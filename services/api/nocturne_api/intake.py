@@ -11,6 +11,7 @@ from nocturne_coordinator.data_folder import DataFolder, NewRender, check_priori
 from nocturne_coordinator.errors import InputError, Problem
 from nocturne_coordinator.limits import DEFAULT_PRIORITY, MAXIMUM_NAME, MAXIMUM_REQUEST_ID
 from nocturne_coordinator.plan import make_plan
+from nocturne_coordinator.removal import blobs_of_scene
 from nocturne_coordinator.scene.document import check_document
 from nocturne_coordinator.scene_plan import plan_for_scene
 from nocturne_coordinator.stopping import EVERYTHING, StopConditions, stop_conditions
@@ -61,7 +62,12 @@ def compiled(
     if before is None:
         scene_sha256 = compile_in_child(document, folder.blobs, compile_limits)
         plan = plan_for_scene(folder.blobs, scene_sha256, *film)
+        files = blobs_of_scene(folder.blobs, scene_sha256)
+        for sha256 in files:
+            # Here too, not in the object store only.
+            folder.blobs.path(sha256)
     else:
+        files = ()
         scene_sha256 = before.scene_sha256
         plan = folder.plan(before.id)
     return NewRender(
@@ -76,6 +82,7 @@ def compiled(
         stop=stop,
         priority=priority,
         owner=owner,
+        files=files,
     )
 
 

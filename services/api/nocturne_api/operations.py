@@ -4,17 +4,18 @@ import asyncio
 import time
 from collections.abc import AsyncGenerator, AsyncIterator, Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, ParamSpec, Self, TypeVar
 
-from nocturne_coordinator.data_folder import DataFolder
-from nocturne_coordinator.errors import InputError, NotFound
+from nocturne_coordinator.data_folder import DataFolder, RenderRow
+from nocturne_coordinator.errors import FilesGone, InputError, NotFound
 from nocturne_coordinator.limits import MAXIMUM_PAGE, MAXIMUM_RANGES
 from nocturne_coordinator.objects import Objects
 from nocturne_coordinator.region import Region
+from nocturne_coordinator.removal import delete_render
 
 from nocturne_api import limits, uploads
 from nocturne_api.access import CALLER, Caller, caller_of
@@ -32,6 +33,7 @@ from nocturne_api.intake import (
 from nocturne_api.metrics import metrics_text
 from nocturne_api.open_file import OpenFile, open_file
 from nocturne_api.planning import PlanRequest, plan_in_child
+from nocturne_api.sweeper import Sweeper
 from nocturne_api.tiles import Cursor, TileAnswers, Tiles, encode, runs, tiles_per_answer
 from nocturne_api.views import (
     AssetView,
@@ -89,6 +91,8 @@ class Operations:
         self._archiver = None if objects is None else Archiver(folder, self._in_database, objects)
         if self._archiver is not None:
             self._archiver.start()
+        self._sweeper = Sweeper(folder)
+        self._sweeper.start()
 
     @classmethod
     async def open(
@@ -110,6 +114,7 @@ class Operations:
         await self._webhooks.close()
         if self._archiver is not None:
             await self._archiver.close()
+        await self._sweeper.close()
         await self._in_database(self._folder.close)
         self._database.shutdown()
 
@@ -129,10 +134,16 @@ class Operations:
             CALLER.get().need("submit")
             async with self._compile_slot():
                 owner = CALLER.get().name
-                new = await asyncio.to_thread(compiled, request, self._folder, owner, self._compile_limits)
-            created = await self._in_database(self._folder.create_render, new)
+                created = await self._compiled_and_created(request, owner)
             record.render_id = created.id
             return RenderView.of(created)
+
+    async def _compiled_and_created(self, request: CreateRequest, owner: str) -> RenderRow:
+        while True:
+            new = await asyncio.to_thread(compiled, request, self._folder, owner, self._compile_limits)
+            # Files that were deleted in between are made again, or found missing by the compiler.
+            with suppress(FilesGone):
+                return await self._in_database(self._folder.create_render, new)
 
     async def plan_scene(self, request: PlanRequest) -> dict[str, Any]:
         """What a scene needs for a target error; takes minutes.
@@ -162,6 +173,15 @@ class Operations:
             if request_id:
                 raise_if(request_id_problems(request_id))
             return RenderView.of(await self._in_database(self._folder.request_cancel, render_id))
+
+    async def delete_render(self, render_id: str, request_id: str = "") -> None:
+        """Forgets a render that has ended, with its images and whatever files no other render uses.
+
+        Raises NotFound, also the second time, and WrongState for one that has not ended.
+        """
+        async with self._changing("delete", render_id, request_id):
+            await asyncio.to_thread(delete_render, self._folder, render_id)
+            await self._sweeper.sweep()
 
     async def pause_render(self, render_id: str) -> RenderView:
         """No more work until it is resumed; what is merged stays. Raises NotFound, WrongState."""
@@ -305,10 +325,11 @@ class Operations:
     async def workers(self) -> list[WorkerView]:
         """Workers heard of in the last ten seconds."""
         CALLER.get().need("read")
-        rows, quarantined = await self._in_database(
-            lambda: (self._folder.workers(), self._folder.workers_in_quarantine())
+        folder = self._folder
+        rows, quarantined, shut_out = await self._in_database(
+            lambda: (folder.workers(), folder.workers_in_quarantine(), folder.shut_out_workers())
         )
-        return [WorkerView.of(row, quarantined.get(row.id, "")) for row in rows]
+        return [WorkerView.of(row, quarantined.get(row.id, ""), shut_out.get(row.id, "")) for row in rows]
 
     async def worker_history(self) -> WorkerHistoryView:
         """Who came and went, and what all workers did."""

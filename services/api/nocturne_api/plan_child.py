@@ -13,7 +13,7 @@ from nocturne_coordinator.blobs import BlobStore
 from nocturne_coordinator.errors import InputError, NocturneError, NotFound, Problem
 from nocturne_coordinator.needs.report import as_json
 from nocturne_coordinator.needs.search import Request, find_needs
-from nocturne_coordinator.needs.simplification import objects
+from nocturne_coordinator.needs.simplification import assets_of
 from nocturne_coordinator.objects import Objects
 
 # As `nocturne plan` has it: seconds for most scenes, and enough pixels for their parts.
@@ -53,8 +53,7 @@ def _say_nothing(what: str, steps: int) -> Callable[[], None]:
 
 def _link_assets(document: Any, store: BlobStore, root: Path) -> None:
     """The scene's files, where the pilot looks for them; what it makes stays out of the data folder."""
-    assets = {each["asset"] for each in objects(document) if isinstance(each.get("asset"), str)}
-    for asset in sorted(assets):
+    for asset in sorted(assets_of(document)):
         digest = asset.removeprefix("sha256:")
         try:
             file = store.path(digest)

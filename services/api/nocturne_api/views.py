@@ -90,6 +90,9 @@ class RenderView(View):
     height: int
     samples: int = Field(description="Samples per pixel asked for, at most.")
     scene_sha256: str = Field(description="SHA-256 of the compiled scene.")
+    numeric_class: str = Field(
+        description="A name for how its workers round, which all do alike; empty before the first result."
+    )
     sequence: int = Field(description="Grows with every change that watchers should see.")
     created: float = Field(description="Unix time, seconds.")
     started: float = Field(description="Unix time, seconds; 0 before the start.")
@@ -138,12 +141,18 @@ class WorkerView(View):
     jobs_done: int
     started: float = Field(description="Unix time, seconds.")
     quarantine: str = Field(description="Why its results are not taken; empty: they are.")
+    numeric_class: str = Field(description="A name for how it rounds: a render takes results of one class.")
+    shut_out: str = Field(
+        description="Why it gets no jobs though it is not in quarantine; empty: it gets them."
+    )
 
     @classmethod
-    def of(cls, row: WorkerRow, quarantine: str) -> Self:
+    def of(cls, row: WorkerRow, quarantine: str, shut_out: str) -> Self:
         """The public side of a row of the data folder."""
-        same = {name: getattr(row, name) for name in cls.model_fields if name != "quarantine"}
-        return cls(quarantine=quarantine, **same)
+        same = cls.model_fields.keys() - {"quarantine", "shut_out"}
+        return cls(
+            quarantine=quarantine, shut_out=shut_out, **{each: getattr(row, each) for each in sorted(same)}
+        )
 
 
 class WorkersView(View):

@@ -10,7 +10,6 @@ import random
 import ssl
 import time
 from collections.abc import Awaitable, Callable, Sequence
-from contextlib import suppress
 from datetime import UTC, datetime
 
 import httpx
@@ -18,6 +17,7 @@ from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.store.webhooks import WebhookMessage, Webhooks
 from standardwebhooks import Webhook as Signer
 
+from nocturne_api.background import Background
 from nocturne_api.webhook_targets import TargetRefused, TargetRules
 
 _log = logging.getLogger(__name__)
@@ -31,7 +31,7 @@ _AT_ONCE = 8
 _GONE = 410
 
 
-class WebhookSender:
+class WebhookSender(Background):
     """Looks for messages that are due, and sends them. One for each API process; they share the work."""
 
     def __init__(
@@ -51,17 +51,10 @@ class WebhookSender:
         self._http = httpx.AsyncClient(
             verify=verify, trust_env=False, follow_redirects=False, timeout=_TIMEOUT_S
         )
-        self._task: asyncio.Task[None] | None = None
-
-    def start(self) -> None:
-        self._task = asyncio.create_task(self._run())
 
     async def close(self) -> None:
         """What is being sent is cut off, and sent again later, perhaps by another process."""
-        if self._task is not None:
-            self._task.cancel()
-            with suppress(asyncio.CancelledError):
-                await self._task
+        await super().close()
         await self._http.aclose()
 
     async def _run(self) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.data_folder import DataFolder, RenderRow, RenderState, WorkerRow
 from nocturne_coordinator.limits import MAXIMUM_RUNNING, WORKER_SECONDS
+from nocturne_coordinator.numeric_classes import threads_by_class
 
 
 @dataclass(frozen=True)
@@ -18,6 +19,8 @@ class Situation:
     quarantined: dict[str, str]
     running: int
     """Renders that run."""
+    shut_out: dict[str, str]
+    """Workers that get no jobs though they are not in quarantine, and why."""
 
 
 def situation_of(folder: DataFolder, render_id: str) -> Situation:
@@ -28,6 +31,7 @@ def situation_of(folder: DataFolder, render_id: str) -> Situation:
         workers=folder.workers(),
         quarantined=folder.workers_in_quarantine(),
         running=folder.count_running(),
+        shut_out=folder.shut_out_workers(),
     )
 
 
@@ -62,7 +66,19 @@ def _trouble(situation: Situation, now: float) -> str:
         has = ", ".join(str(engine) for engine in sorted(engines))
         needs = int(job_pb2.ENGINE_CURRENT)
         return f"The workers that are there have engine {has}, and it needs engine {needs}: use one version."
-    return ""
+    return _other_class(situation.render.numeric_class, situation)
+
+
+def _other_class(needed: str, situation: Situation) -> str:
+    """Nobody there rounds as what the render has so far was rounded."""
+    found = threads_by_class(situation.workers, situation.quarantined)
+    if not needed or found[needed]:
+        return ""
+    return (
+        f"What it has was traced by workers of numeric class {needed}, and those that are there have "
+        f"{' and '.join(sorted(found))}, which would give other bits: it waits for such a worker. "
+        "To use these, submit it again."
+    )
 
 
 def _queued(situation: Situation) -> str:
@@ -84,8 +100,11 @@ def _running(situation: Situation, now: float) -> str:
         out = int(situation.meters.get("jobs_published", 0))
         return f"{out} jobs are with {threads} worker threads, and none of its own came back lately."
     end = "" if not render.predicted_end else f" It should end {_when(render.predicted_end, now)}."
+    kept = len(situation.shut_out)
+    others = f" {kept} workers get no jobs; `nocturne workers` says why." if kept else ""
     return (
-        f"It is running on {threads} worker threads, shared with {situation.running - 1} other renders.{end}"
+        f"It is running on {threads} worker threads, shared with {situation.running - 1} other renders."
+        f"{others}{end}"
     )
 
 

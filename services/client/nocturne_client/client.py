@@ -148,6 +148,11 @@ class Client:
         body = {"request_id": request_id or str(uuid.uuid4())}
         return Render.from_json(self._json("POST", f"/v1/renders/{_part(render_id)}:cancel", body))
 
+    def delete(self, render_id: str) -> None:
+        """Forgets a render that has ended, with its images and the files that no other render uses."""
+        # Not repeated: the second time there is no such render.
+        self._call("DELETE", f"/v1/renders/{_part(render_id)}")
+
     def pause(self, render_id: str) -> Render:
         """No more work on a render until it is resumed."""
         return self._act(render_id, "pause", {})

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import MISSING, dataclass, fields
 from typing import Any, Self
 
 _FINAL = frozenset({"SUCCEEDED", "STOPPED_EARLY", "DEGRADED", "FAILED", "CANCELLED"})
@@ -82,6 +82,8 @@ class Render:
     priority: int
     owner: str
     progress: Progress
+    numeric_class: str = ""
+    """How its workers round; empty before the first result."""
 
     @property
     def has_ended(self) -> bool:
@@ -118,6 +120,10 @@ class Worker:
     started: float
     quarantine: str
     """Why its results are not taken; empty: they are."""
+    numeric_class: str = ""
+    """A name for how it rounds: a render takes results of one class only."""
+    shut_out: str = ""
+    """Why it gets no jobs though it is not in quarantine; empty: it gets them."""
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Self:
@@ -141,8 +147,13 @@ class Webhook:
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Self:
         """From the service's JSON; fields of later versions are left out."""
-        return cls(**_known(cls, {"secret": "", **value}))
+        return cls(**_known(cls, value))
 
 
 def _known(model: type[Any], value: Mapping[str, Any]) -> dict[str, Any]:
-    return {field.name: value[field.name] for field in fields(model)}
+    # What has a default came with a later version of the service than its first.
+    return {
+        field.name: value[field.name]
+        for field in fields(model)
+        if field.default is MISSING or field.name in value
+    }

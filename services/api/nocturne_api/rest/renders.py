@@ -5,6 +5,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Request
 from nocturne_coordinator.region import Region
 from pydantic import BaseModel, ConfigDict, Field
+from starlette.responses import Response
 
 from nocturne_api.intake import CreateRequest
 from nocturne_api.limits import CREATE_BODY_BYTES, SMALL_BODY_BYTES
@@ -106,6 +107,13 @@ async def cancel_render(render_id: str, request: Request, operations: Service) -
     """Stops a render; what was merged stays and can be fetched. Changes nothing on an ended render."""
     body = await _act_body(request)
     return await operations.cancel_render(render_id, body.request_id)
+
+
+@router.delete("/{render_id}", status_code=204, response_class=Response)
+async def delete_render(render_id: str, operations: Service) -> Response:
+    """Forgets a render that has ended, with its images and the files that no other render uses."""
+    await operations.delete_render(render_id)
+    return Response(status_code=204)
 
 
 @router.post("/{render_id}:pause", openapi_extra=body_of(ActBody, required=False))

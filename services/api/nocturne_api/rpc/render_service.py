@@ -75,6 +75,13 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
         async with Answering(context):
             return render_message(await self._operations.cancel_render(request.id, request.request_id))
 
+    async def DeleteRender(  # noqa: N802
+        self, request: pb.DeleteRenderRequest, context: Context
+    ) -> pb.DeleteRenderResponse:
+        async with Answering(context):
+            await self._operations.delete_render(request.id, request.request_id)
+            return pb.DeleteRenderResponse()
+
     async def PauseRender(self, request: pb.PauseRenderRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
             return render_message(await self._operations.pause_render(request.id))

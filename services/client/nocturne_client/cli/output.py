@@ -69,6 +69,7 @@ def print_render(render: Render, as_json: bool) -> None:
         ("priority", f"{render.priority}" + (f", for {render.owner}" if render.owner else "")),
         ("audited", f"{progress.audited:,} ranges; results refused: {progress.refused:,}"),
         ("scene", render.scene_sha256),
+        ("numeric class", render.numeric_class or "not known yet"),
     ):
         table.add_row(f"[dim]{name}[/]", escape(text))
     CONSOLE.print(table)
@@ -102,17 +103,20 @@ def print_workers(workers: list[Worker], as_json: bool) -> None:
             print_json(asdict(worker))
         return
     table = Table(
-        "id", "engine", "threads", "photons/s", "jobs", "up", "quarantine", box=None, pad_edge=False
+        *("id", "engine", "class", "threads", "photons/s", "jobs", "up", "gets no jobs because"),
+        box=None,
+        pad_edge=False,
     )
     for worker in workers:
         table.add_row(
             escape(worker.id),
             f"{worker.engine}",
+            escape(worker.numeric_class),
             f"{worker.threads}",
             f"{worker.photons_per_second:,.0f}",
             f"{worker.jobs_done:,}",
             duration(time.time() - worker.started),
-            escape(worker.quarantine),
+            escape(f"Quarantine: {worker.quarantine}" if worker.quarantine else worker.shut_out),
         )
     CONSOLE.print(table if workers else "no worker was heard of in the last ten seconds")
 

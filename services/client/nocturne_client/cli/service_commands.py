@@ -32,7 +32,8 @@ Samples = Annotated[int, typer.Option("--samples", help="Samples per pixel.")]
 def add_to(app: typer.Typer) -> None:
     """Adds these commands to the program."""
     app.command(name="list")(list_renders)
-    for command in (submit, watch, get, cancel, pause, resume, extend, priority, replay, why, workers):
+    changes = (cancel, delete, pause, resume, extend, priority, replay)
+    for command in (submit, watch, get, *changes, why, workers):
         app.command()(command)
 
 
@@ -134,6 +135,12 @@ def cancel(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> Non
     """Stop a render; what was merged stays and can be fetched."""
     with Client(url) as client:
         print_render(client.cancel(render_id), as_json)
+
+
+def delete(render_id: RenderId, url: Url = None) -> None:
+    """Forget a render that has ended, with its images and the files that no other render uses."""
+    with Client(url) as client:
+        client.delete(render_id)
 
 
 def pause(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:

@@ -40,6 +40,12 @@ export async function cancelRender(id: string): Promise<Render> {
   return (await getJson(`${renderAddress(id)}:cancel`, { method: "POST" })) as Render;
 }
 
+/** Of a render that has ended; with its images. */
+export async function deleteRender(id: string): Promise<void> {
+  const response = await fetch(renderAddress(id), { method: "DELETE" });
+  if (!response.ok) throw await failureOf(response);
+}
+
 /** A region of the film that gets its samples first; undefined: all parts are alike. */
 export async function lookFirst(id: string, region: Region | undefined): Promise<Render> {
   return (await getJson(`${renderAddress(id)}:lookFirst`, { method: "POST", body: JSON.stringify(region ?? {}) })) as Render;

@@ -80,6 +80,12 @@ export class Renders {
     this.#notify();
   }
 
+  /** The service has it no more. */
+  forget(id: string): void {
+    this.#byId.delete(id);
+    this.#notify();
+  }
+
   /** Fetches one render; throws ServiceError where there is none. */
   async fetch(id: string): Promise<void> {
     this.put(await getRender(id));

@@ -74,6 +74,8 @@ export interface Worker {
   jobs_done: number;
   /** Why its results are not taken; empty: they are. */
   quarantine: string;
+  /** Why it gets no jobs though it is not in quarantine; empty: it gets them. */
+  shut_out: string;
 }
 
 export interface WorkerHistory {

@@ -8,8 +8,8 @@ export function planResult(plan: Plan, onTake: () => void): HTMLElement[] {
   const heads = ["Without", "Mean luminance", "Local", "Time a sample", "Verdict", "Time to the target"];
   const row = (cells: string[], tag: "td" | "th"): HTMLElement => element("tr", {}, ...cells.map((cell) => element(tag, {}, cell)));
   const rows = plan.models.map((model) => row(cellsOf(model), "td"));
-  const table = element("table", { class: "plan" }, element("thead", {}, row(heads, "th")), element("tbody", {}, ...rows));
-  const nodes: HTMLElement[] = [element("p", {}, sentence(plan)), table];
+  const table = element("table", {}, element("thead", {}, row(heads, "th")), element("tbody", {}, ...rows));
+  const nodes: HTMLElement[] = [element("p", {}, sentence(plan)), element("div", { class: "plan" }, table)];
   if (plan.chosen.without.length > 0) {
     const take = element("button", { type: "button" }, "Take the simpler scene");
     take.addEventListener("click", onTake);

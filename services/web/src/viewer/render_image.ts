@@ -24,6 +24,12 @@ export interface RenderImage {
   close: () => void;
 }
 
+/** What stands in the image's place as long as no tile is there. */
+export function whyNothingIsShown(render: Render): string {
+  if (render.progress.photons > 0) return "Loading the image.";
+  return hasEnded(render) ? "No image: it ended before its first samples." : "No samples yet.";
+}
+
 /** `onFilm`: the first tiles are there; `onChosen`: a region was chosen, or none is any more. */
 export function renderImage(id: string, hooks: { onFilm?: (film: Film) => void; onChosen?: () => void; canCompare?: boolean } = {}): RenderImage {
   const canvas = element("canvas", { tabindex: "0", role: "application", "aria-describedby": "image-keys" });
@@ -49,7 +55,7 @@ export function renderImage(id: string, hooks: { onFilm?: (film: Film) => void; 
     viewer: parts?.viewer,
     show: (render) => {
       canvas.setAttribute("aria-label", `Image of ${render.name}, ${samplesText(render)}`);
-      if (hasEnded(render)) setText(waiting, "No image: it ended before its first samples.");
+      setText(waiting, whyNothingIsShown(render));
     },
     refresh: () => { source.request(); },
     chosen: () => parts?.viewer.look.chosen,

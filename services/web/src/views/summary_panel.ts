@@ -1,9 +1,10 @@
-/** The heading, and beside the image: progress, figures, downloads and cancel. */
+/** The heading, and beside the image: progress, figures, downloads, cancel and delete. */
 import { element, setText } from "../dom.ts";
 import { getWhy, imageAddress, previewAddress } from "../service/client.ts";
 import type { Renders } from "../service/renders.ts";
 import { hasEnded, hasImage, type Render } from "../service/types.ts";
 import { cancelButton } from "./cancel_button.ts";
+import { deleteButton } from "./delete_button.ts";
 import { factsList } from "./facts.ts";
 import { progressBar } from "./progress_bar.ts";
 import { stateBadge } from "./state_badge.ts";
@@ -16,13 +17,17 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
   const facts = factsList();
   const links = downloads(id);
   const cancel = cancelButton(id, (render) => { renders.put(render); });
+  const remove = deleteButton(id, () => {
+    renders.forget(id);
+    location.hash = "#/";
+  });
   let current: Render | undefined;
   // Elapsed time grows between events too.
   const timer = setInterval(() => {
     if (!node.isConnected) clearInterval(timer);
     else if (current && !hasEnded(current)) facts.show(current);
   }, 1000);
-  const node = element("aside", { "aria-label": "Figures" }, reason, bar.node, facts.node, links.node, cancel.button, cancel.dialog);
+  const node = element("aside", { "aria-label": "Figures" }, reason, bar.node, facts.node, links.node, cancel.button, cancel.dialog, remove.button, remove.dialog);
 
   const show = (render: Render): void => {
     const waits = !hasEnded(render) && !hasImage(render);
@@ -37,6 +42,7 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
     facts.show(render);
     links.show(render);
     cancel.button.hidden = hasEnded(render);
+    remove.button.hidden = !hasEnded(render);
   };
   return { heading: element("h1", { tabindex: "-1" }, name, badge.node), node, show };
 }

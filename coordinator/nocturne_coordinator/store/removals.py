@@ -1,0 +1,35 @@
+"""Deleted renders whose files may still be there."""
+
+import json
+from collections.abc import Sequence
+
+from .database import Database
+
+# Apart from the other tables and their schema's number: who does not know this one can leave it out.
+_SCHEMA = """CREATE TABLE IF NOT EXISTS removal (
+    render_id TEXT PRIMARY KEY,
+    -- JSON: digests of the files that it used, perhaps with others.
+    files TEXT NOT NULL
+) STRICT"""
+
+
+class Removals:
+    """What is still to be removed from a data folder. For many processes."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+        if not database.row("SELECT 1 FROM sqlite_master WHERE name = 'removal'"):
+            database.execute(_SCHEMA)
+
+    def note(self, render_id: str, files: Sequence[str]) -> None:
+        """To be called in the transaction that deletes the render's rows."""
+        self._database.execute("INSERT INTO removal VALUES (?, ?)", (render_id, json.dumps(files)))
+
+    def open(self) -> list[tuple[str, list[str]]]:
+        """Renders, and the digests of the files that each used."""
+        rows = self._database.rows("SELECT render_id, files FROM removal ORDER BY render_id")
+        return [(row["render_id"], json.loads(row["files"])) for row in rows]
+
+    def done(self, render_id: str) -> None:
+        """All of it is gone."""
+        self._database.execute("DELETE FROM removal WHERE render_id = ?", (render_id,))

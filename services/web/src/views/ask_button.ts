@@ -1,0 +1,51 @@
+/** A button for what can't be undone: it asks first. */
+import { element, setText } from "../dom.ts";
+
+export interface Question {
+  /** On the button; the dialog's own button says the same. */
+  act: string;
+  title: string;
+  text: string;
+  /** On the button that changes nothing. */
+  keep: string;
+  /** Before the reason why it failed. */
+  failed: string;
+}
+
+let asked = 0;
+
+export function askButton(question: Question, act: () => Promise<void>): { button: HTMLElement; dialog: HTMLElement } {
+  const title = `question-${++asked}`;
+  const button = element("button", { type: "button", class: "danger" }, `${question.act}…`);
+  const problem = element("p", { class: "problem", role: "alert" });
+  const keep = element("button", { type: "button", autofocus: "" }, question.keep);
+  const confirm = element("button", { type: "button", class: "danger" }, question.act);
+  const dialog = element(
+    "dialog",
+    { "aria-labelledby": title },
+    element("h2", { id: title }, question.title),
+    element("p", {}, question.text),
+    problem,
+    element("div", { class: "actions" }, keep, confirm),
+  );
+
+  button.addEventListener("click", () => {
+    setText(problem, "");
+    dialog.showModal();
+  });
+  keep.addEventListener("click", () => {
+    dialog.close();
+  });
+  const confirmed = async (): Promise<void> => {
+    confirm.disabled = true;
+    try {
+      await act();
+      dialog.close();
+    } catch (error) {
+      setText(problem, `${question.failed}: ${error instanceof Error ? error.message : String(error)}`);
+    }
+    confirm.disabled = false;
+  };
+  confirm.addEventListener("click", () => void confirmed());
+  return { button, dialog };
+}

@@ -1,0 +1,149 @@
+"""Renders that are deleted in the middle of everything: row C8 of the fault matrix; Redis keeps nothing."""
+
+import random
+import signal
+import time
+
+import pytest
+from nocturne.v1 import job_pb2
+from nocturne_coordinator import keys
+from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.removal import delete_render, sweep
+
+from tests.coordinator.service import Service, check_complete, wait_until
+from tests.coordinator.simulated_worker import SimulatedWorker, simulated_result
+from tests.faults.survival import OVERDUE_SOON, SOME_DELAY, check_nothing_left
+
+
+def cancel_and_delete(folder: DataFolder, render_id: str) -> None:
+    folder.request_cancel(render_id)
+    delete_render(folder, render_id)
+    sweep(folder)
+
+
+def everything_in_redis(service: Service) -> bytes:
+    """All names and contents."""
+    found = []
+    with service.server.client() as client:
+        for name in client.scan_iter():
+            found.append(name)
+            # A dump has strings of streams as they are.
+            found.append(client.dump(name) or b"")
+            if client.type(name) == b"stream":
+                found += [value for _, fields in client.xrange(name) for value in fields.values()]
+    return b"".join(found)
+
+
+def check_forgotten(service: Service, render_id: str) -> None:
+    """Neither in Redis, nor in the database, nor in the folder; and it stays so."""
+    check_nothing_left(service)
+    time.sleep(1.0)
+    assert render_id.encode() not in everything_in_redis(service)
+    names = [row["name"] for row in service.folder.database.rows("PRAGMA table_list")]
+    for name in names:
+        rows = service.folder.database.rows(f'SELECT * FROM "{name}"')  # noqa: S608
+        assert not any(render_id in [*row] for row in rows), name
+    assert [path for path in service.data.rglob("*") if render_id in path.name] == []
+
+
+def test_what_is_looked_for_is_there_before(service: Service) -> None:
+    """C8: jobs of a render that runs are found by what must not find them later."""
+    service.start()
+    render = service.create()
+    wait_until(lambda: render.id.encode() in everything_in_redis(service))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_deleted_while_workers_die(service: Service, seed: int) -> None:
+    """C8: renders are cancelled and deleted in mid-work, while workers die with their jobs in hand."""
+    chance = random.Random(seed)
+    service.start("", *OVERDUE_SOON)
+
+    def come() -> SimulatedWorker:
+        dies_at = chance.randint(2, 12)
+        return service.work(
+            SimulatedWorker(
+                service.server.url,
+                delay=SOME_DELAY,
+                dies=lambda result: result.job.tile_index == dies_at % 6 and chance.random() < 0.3,
+                status_ms=1500,
+            )
+        )
+
+    service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    fleet = [come() for _ in range(3)]
+    deaths = 0
+    deleted = []
+    kept = service.create(request_id="kept", samples=400)
+    for number in range(4):
+        render = service.create(request_id=f"{number}", samples=200)
+        wanted = chance.randint(0, 8)
+        wait_until(lambda render=render, wanted=wanted: service.row(render.id).ranges_done >= wanted)  # type: ignore[misc]
+        cancel_and_delete(service.folder, render.id)
+        deleted.append(render.id)
+        deaths += sum(not worker.is_alive() for worker in fleet)
+        fleet = [worker for worker in fleet if worker.is_alive()]
+        while len(fleet) < 3:
+            fleet.append(come())
+    assert deaths > 0
+    wait_until(lambda: service.row(kept.id).state.ended, 30.0)
+    # Some of its jobs may have killed three workers, which is what they are for.
+    if service.row(kept.id).state == "SUCCEEDED":
+        check_complete(service, kept.id)
+    for render_id in deleted:
+        check_forgotten(service, render_id)
+
+
+def test_deleted_between_a_result_and_its_commit(service: Service) -> None:
+    """C8: the coordinator stands still with merged sums and jobs out, and finds the render gone."""
+    process = service.start()
+    render = service.create(samples=2000)
+    worker = service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    wait_until(lambda: service.row(render.id).ranges_done > 3)
+    process.send_signal(signal.SIGSTOP)
+    worker.stop()
+    cancel_and_delete(service.folder, render.id)
+    process.send_signal(signal.SIGCONT)
+    # Without any worker that would do the jobs that are out.
+    wait_until(lambda: render.id.encode() not in everything_in_redis(service))
+    service.work(SimulatedWorker(service.server.url))
+    other = service.create(request_id="b", samples=100)
+    check_complete(service, other.id)
+    check_forgotten(service, render.id)
+    assert process.poll() is None
+
+
+def test_deleted_while_no_coordinator_is_there(service: Service) -> None:
+    """C8: jobs and results that are on the streams then are taken off by the next one."""
+    service.start()
+    render = service.create(samples=400)
+    service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
+    wait_until(lambda: service.row(render.id).ranges_done > 3)
+    service.stop(signal.SIGKILL)
+    cancel_and_delete(service.folder, render.id)
+    service.start()
+    check_forgotten(service, render.id)
+
+
+def test_a_late_result_of_a_deleted_render_is_dropped(service: Service) -> None:
+    """C8: of one that had ended well, days ago; it counts as nobody's fault."""
+    late: list[job_pb2.JobResult] = []
+
+    def keeping(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
+        late.append(result)
+        return [result]
+
+    service.start()
+    service.work(SimulatedWorker(service.server.url, keeping))
+    render = service.create(samples=20)
+    service.wait_for_end(render.id)
+    delete_render(service.folder, render.id)
+    sweep(service.folder)
+    with service.server.client() as client:
+        for result in (*late, simulated_result(late[0].job)):
+            client.xadd(keys.RESULTS, {keys.RESULT_FIELD: result.SerializeToString()})
+    check_forgotten(service, render.id)
+    assert service.folder.workers_in_quarantine() == {}
+    assert service.folder.meters()["results_refused"] == 0.0
+    other = service.create(request_id="b", samples=20)
+    check_complete(service, other.id)
