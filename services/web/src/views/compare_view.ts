@@ -43,8 +43,14 @@ export function compareView(first: string, second: string | undefined, renders: 
     }
   });
   const node = element("div", { class: "compare" }, element("p", { class: "back" }, element("a", { href: renderRoute(first) }, "← The render")), heading, choice.node, problem, image.node, chart.node);
+  const update = (): void => {
+    choice.update();
+    const render = renders.get(first);
+    if (render) image.show(render);
+  };
+  update();
   const unsubscribe = [
-    renders.subscribe(() => { choice.update(); }),
+    renders.subscribe(update),
     renders.subscribeTiles((event) => {
       if (event.render === first) image.refresh();
       if (event.render === second) source?.request();
@@ -96,7 +102,6 @@ function chooser(first: string, second: string | undefined, renders: Renders, on
     const options: [string, string][] = [["", "Choose a render"], ...same.map((render): [string, string] => [render.id, nameOf(render, render.id)])];
     others.replaceChildren(select("Second", options, second ?? "", (id) => { if (id) location.hash = compareRoute(first, id); }));
   };
-  update();
   return { node, update };
 }
 
