@@ -60,14 +60,18 @@ class DataFolder:
     def __init__(self, path: Path, objects: Objects | None = None) -> None:
         """`objects` keeps blobs too.
 
-        Raises UnusableFolder if another version wrote it, it is damaged, or only checkpoints are left.
+        Raises UnusableFolder if another version wrote it, it is damaged, it can't be written, or only
+        checkpoints are left.
         """
         self.root = path
-        path.mkdir(parents=True, exist_ok=True)
-        if not (path / "nocturne.db").exists() and any((path / "checkpoints").glob("*.json")):
-            raise UnusableFolder(f"{path / 'nocturne.db'} is gone; run nocturne restore")
-        self.database = Database(path / "nocturne.db")
-        self.blobs = BlobStore(path / "blobs", objects)
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+            if not (path / "nocturne.db").exists() and any((path / "checkpoints").glob("*.json")):
+                raise UnusableFolder(f"{path / 'nocturne.db'} is gone; run nocturne restore")
+            self.database = Database(path / "nocturne.db")
+            self.blobs = BlobStore(path / "blobs", objects)
+        except (OSError, sqlite3.Error) as trouble:
+            raise UnusableFolder.because(path, trouble) from trouble
         self.tokens = Tokens(self.database)
         self.archive = Archive(self.database)
         self.webhooks = Webhooks(self.database)

@@ -17,6 +17,8 @@ NocturneError
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
 
 
 class NocturneError(Exception):
@@ -87,6 +89,11 @@ class LeaseLost(NocturneError):
 
 class UnusableFolder(NocturneError):
     """The data folder was written by another version of the program, is damaged, or can't be written."""
+
+    @classmethod
+    def because(cls, folder: Path, trouble: Exception) -> Self:
+        """What the system or SQLite says that passes: no rights, no space, another file in its place."""
+        return cls(f"{folder} can't be used ({trouble}); see to its rights and to the space on its disk")
 
 
 class CantRestore(NocturneError):

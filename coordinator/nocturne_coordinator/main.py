@@ -159,14 +159,12 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
 
 
 def _open(data: Path, shared: bool, lease_seconds: float) -> tuple[DataFolder, Ownership]:
+    folder = DataFolder(data)
     try:
-        folder = DataFolder(data)
         return folder, Ownership(data, folder.database, shared, lease_seconds)
     except (OSError, sqlite3.Error) as trouble:
-        raise UnusableFolder(
-            f"{data} can't be used ({trouble}); see to its rights and to the space on its disk, "
-            "then start the coordinator again"
-        ) from trouble
+        folder.close()
+        raise UnusableFolder.because(data, trouble) from trouble
 
 
 def _take_lease(queue: JobQueue, session: Session, stop: threading.Event) -> None:

@@ -114,21 +114,23 @@ def test_disk_full_in_mid_commit(service: Service) -> None:
     check_survived(service, render.id)
 
 
-def test_a_full_disk_at_the_start(service: Service, tmp_path: Path) -> None:
+@pytest.mark.parametrize("program", ["coordinator", "api"])
+def test_a_full_disk_at_the_start(service: Service, tmp_path: Path, program: str) -> None:
     """C3: it says so and ends, and leaves nothing that is in the way later."""
     data = tmp_path / "new"
+    options = {"coordinator": ("--redis", service.server.url), "api": ("--port", "0", "--grpc-port", "0")}
     run = subprocess.run(
         [
-            *("prlimit", "--fsize=0", sys.executable, "-m", "nocturne_coordinator.main"),
-            *("--data", data, "--redis", service.server.url),
+            *("prlimit", "--fsize=0", sys.executable, "-m", f"nocturne_{program}.main", "--data", data),
+            *options[program],
         ],
         stderr=subprocess.PIPE,
         text=True,
-        timeout=15,
+        timeout=60,
         check=False,
     )
     assert run.returncode == EXIT_UNUSABLE
-    assert re.search(f"ERROR coordinator {data} can't be used .*space on its disk", run.stderr)
+    assert re.search(f"{program}:? {data} can't be used .*space on its disk", run.stderr)
     assert len(run.stderr.splitlines()) == 1
     DataFolder(data).close()
 

@@ -50,5 +50,3 @@ def _folder(data: Path | None) -> Iterator[DataFolder]:
             folder.close()
     except NocturneError as error:
         raise NocturneClientError(str(error)) from error
-    except OSError as error:
-        raise NocturneClientError(f"{error.filename}: {error.strerror}") from error
