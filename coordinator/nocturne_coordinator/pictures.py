@@ -105,7 +105,12 @@ class Pictures:
             raise LeaseLost(render.id) from None
         written = path.with_name(f".{render.row.fence}-{path.name}")
         try:
-            yield written
+            try:
+                yield written
+            except OSError:
+                # The folder of a render goes when it is deleted: that is no trouble of ours.
+                with self._ledger.holding(render.id, render.row.fence):
+                    raise
             with self._ledger.holding(render.id, render.row.fence):
                 written.replace(path)
         except LeaseLost:

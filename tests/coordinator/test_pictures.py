@@ -1,13 +1,16 @@
 """When pictures are written: seldom, and never so many at once that results wait for long."""
 
+import errno
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from nocturne_coordinator.data_folder import DataFolder, NewRender
+from nocturne_coordinator.errors import LeaseLost
 from nocturne_coordinator.pictures import Pictures
 from nocturne_coordinator.plan import make_plan
+from nocturne_coordinator.removal import delete_render
 from nocturne_coordinator.running_render import RunningRender
 from nocturne_coordinator.store.ledger import Ledger, RenderCommit, TileRow, Totals
 from nocturne_coordinator.store.ownership import Ownership
@@ -35,6 +38,30 @@ def _running(folder: DataFolder, ledger: Ledger, number: int) -> RunningRender:
     render = RunningRender(taken, ledger.tiles(row.id))
     render.next_image = time.monotonic() - number
     return render
+
+
+def test_a_folder_that_goes_with_its_render_is_no_trouble(
+    folder: DataFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ledger = Ledger(folder.database, Ownership(folder.root, folder.database))
+    pictures = Pictures(folder, ledger)
+    kept, deleted = (_running(folder, ledger, number) for number in (1, 2))
+
+    def taken_away(path: Path, *_: object) -> None:
+        folder.request_cancel(deleted.id)
+        delete_render(folder, deleted.id)
+        raise FileNotFoundError(path)
+
+    monkeypatch.setattr("nocturne_coordinator.pictures.write_preview", taken_away)
+    with pytest.raises(LeaseLost):
+        pictures.refresh([deleted])
+
+    def without_room(path: Path, *_: object) -> None:
+        raise OSError(errno.ENOSPC, "no space left", path)
+
+    monkeypatch.setattr("nocturne_coordinator.pictures.write_preview", without_room)
+    with pytest.raises(OSError, match="no space left"):
+        pictures.refresh([kept])
 
 
 def test_images_that_are_due_together_are_written_one_by_one(folder: DataFolder) -> None:
