@@ -72,8 +72,10 @@ def load(name: str, document: Document | None = None) -> Stored:
 
 
 def digest(document: Document) -> str:
-    """Of what is shown; how it is traced makes no difference."""
-    shown = {key: value for key, value in document.items() if key != "tracing"}
+    """Of what is shown; how it is traced, and what is said of it, make no difference."""
+    shown = {
+        key: value for key, value in document.items() if key not in ("tracing", "name", "source", "note")
+    }
     return hashlib.sha256(json.dumps(shown, sort_keys=True).encode()).hexdigest()
 
 
