@@ -60,6 +60,14 @@ class Way:
         }
 
 
+FORWARD = Way(
+    "forward",
+    "photons from the luminaires",
+    {"direction": "forward"},
+    applies=_can_be_hit,
+    samples=16,
+)
+
 WAYS = (
     Way("two photons", "the default: one photon by the kernel, one towards lights"),
     Way(
@@ -69,13 +77,7 @@ WAYS = (
     ),
     Way("mixture", "one photon, drawn from kernel, luminaires and environment", {"estimator": "mixture"}),
     Way("split", "both at the first vertex, power heuristic", {"estimator": "split"}),
-    Way(
-        "forward",
-        "photons from the luminaires",
-        {"direction": "forward"},
-        applies=_can_be_hit,
-        samples=16,
-    ),
+    FORWARD,
     Way(
         "both directions",
         "photons from the luminaires for what mirrors and glass gather, the default for the rest",

@@ -25,8 +25,8 @@ WHY = {
     "much as ours. Two fifths of our time are Embree's search by single rays, and a sixth of all is what "
     "it costs that this is watertight, as Mitsuba's is on request only (embree_use_robust_intersections).",
     "glossy spheres": "no reason was looked for.",
-    "reflector": "Mitsuba's particle tracer starts at the lamp, too. Both directions are ahead of it, "
-    "but both draw photons alike, and each pixel gets few of them.",
+    "reflector": "Mitsuba's particle tracer starts at the lamp, too. Both draw photons alike, and each pixel "
+    "gets few of them.",
     "headlight in fog": "Mitsuba finds only the light that misses the fog, so nothing is there to compare "
     "with. Both directions converge; each pixel beside the beam is lit by few photons.",
     "smoke": "no reason was looked for.",
@@ -35,8 +35,7 @@ WHY = {
     "subsurface": "walks of very many collisions decide, and with photons in groups each of them is dearer.",
     "prism": "Mitsuba has no index of refraction that depends on wavelength, and no luminaire whose radiance "
     "depends on direction.",
-    "caustic": "photons from the lamp leave it to all sides, and three in a thousand reach the film or the "
-    "glass. Mitsuba's path tracer is compared: its particle tracer can't render onto a meter.",
+    "caustic": "no reason was looked for.",
     "colour chart": "no reason was looked for.",
     "instances": "no reason was looked for.",
 }

@@ -22,8 +22,8 @@ from bench.programs import Channel
 from bench.report import Figures, Skipped, significant
 from bench.scenes import Document, compile_film
 from bench.suite.references import THREADS, load, samples_for
-from bench.suite.scenes import OPENINGS, SuiteScene
-from bench.ways import WAYS, Way
+from bench.suite.scenes import AIMED, OPENINGS, SuiteScene
+from bench.ways import FORWARD, WAYS, Way
 
 WORST = 0.001
 """Part of the pixels that the second error leaves out, at least one pixel."""
@@ -37,11 +37,22 @@ MITSUBA = "Mitsuba "
 NOT_FALLING = -0.5
 """An exponent of time above this: more time does not help as it should, so no time to an error is told."""
 
+
+def _has_important(document: Document) -> bool:
+    return bool(document.get("important_directions"))
+
+
 _OPENINGS = Way(
     "openings",
     "mixture that aims at what the scene calls important",
     OPENINGS,
-    applies=lambda document: bool(document.get("important_directions")),
+    applies=_has_important,
+)
+_AIMED = Way(
+    "forward, aimed",
+    "photons from the luminaires, nine of ten towards what the scene calls important",
+    AIMED,
+    applies=lambda document: _has_important(document) and FORWARD.applies(document),
 )
 
 
@@ -89,7 +100,7 @@ def measure(name: str, scene: SuiteScene, size: Size, installed: Installed | Non
         place = Path(folder)
         document = scene.document(place)
         reference = load(name, document).reference
-        ways = [way for way in (*WAYS, _OPENINGS) if way.applies(document)]
+        ways = [way for way in (*WAYS, _OPENINGS, _AIMED) if way.applies(document)]
         runners = {way.name: _ours(way, scene, document, place, size) for way in ways}
         refused: dict[str, str] = {}
         for each in installed.variants() if installed is not None else ():

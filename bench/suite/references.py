@@ -25,6 +25,7 @@ THREADS = 2
 ROUNDING = 2e-5
 """Part of a pixel that single precision and tables may be off, beside chance."""
 
+_NOT_SHOWN = ("tracing", "important_directions", "name", "source", "note")
 _PARTS = 16
 _SEED, _CHECK_SEED, _TRIAL_SEED = 1_000_000, 2_000_000, 3_000_000
 
@@ -73,9 +74,7 @@ def load(name: str, document: Document | None = None) -> Stored:
 
 def digest(document: Document) -> str:
     """Of what is shown; how it is traced, and what is said of it, make no difference."""
-    shown = {
-        key: value for key, value in document.items() if key not in ("tracing", "name", "source", "note")
-    }
+    shown = {key: value for key, value in document.items() if key not in _NOT_SHOWN}
     return hashlib.sha256(json.dumps(shown, sort_keys=True).encode()).hexdigest()
 
 

@@ -19,6 +19,7 @@ _KERNEL: Tracing = {
     "mixture": {"kernel": 1.0, "luminaires": 0.0, "environment": 0.0},
 }
 _FORWARD: Tracing = {"direction": "forward"}
+AIMED: Tracing = {"direction": "forward", "aimed_emission": 0.9}
 _ADJOINT: Tracing = {"direction": "adjoint"}
 _BOTH: Tracing = {"direction": "both"}
 OPENINGS: Tracing = {
@@ -49,7 +50,8 @@ def _example(name: str) -> Callable[[Path], Document]:
 def caustic(folder: Path) -> Document:
     """Light of a small lamp, gathered by a ball of glass on a film behind it.
 
-    One index, that of N-BK7 at 587.6 nm, so that renderers without dispersion can show it.
+    One index, that of N-BK7 at 587.6 nm, so that renderers without dispersion can show it. Important is a
+    ball around film and glass.
     """
     del folder
     return {
@@ -71,6 +73,9 @@ def caustic(folder: Path) -> Document:
                 "kernel": {"type": "lambertian", "reflectance": 0},
                 "luminaire": {"radiance": {"blackbody": 5500, "luminance": 1e7}},
             },
+        ],
+        "important_directions": [
+            {"shape": {"type": "sphere", "centre": [0, 0, 0.045], "radius": 0.1}},
         ],
     }
 
@@ -127,7 +132,7 @@ SCENES: dict[str, SuiteScene] = {
     "sky": SuiteScene(_example("sky"), Film(32, 16), _DEFAULT, _MIXTURE),
     "subsurface": SuiteScene(_example("subsurface"), Film(32, 16), _DEFAULT, _KERNEL),
     "prism": SuiteScene(_example("both_directions"), Film(16, 16), _FORWARD, _DEFAULT),
-    "caustic": SuiteScene(caustic, Film(24, 24), _FORWARD, _DEFAULT),
+    "caustic": SuiteScene(caustic, Film(24, 24), AIMED, _DEFAULT),
     "colour chart": SuiteScene(_example("colour_chart"), Film(24, 16), _DEFAULT, None),
     "instances": SuiteScene(instances, Film(24, 16), _DEFAULT, None),
 }

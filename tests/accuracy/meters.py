@@ -132,7 +132,7 @@ def image_by(
 ) -> Image:
     """By photons of a direction and independent numbers; none may be rejected. Makes the folder."""
     folder.mkdir()
-    tracing = {"sequence": "independent", "direction": direction}
+    tracing = {**document.get("tracing", {}), "sequence": "independent", "direction": direction}
     measurement = Measurement({**document, "tracing": tracing}, folder, *pixels)
     image = measurement.image(samples, seed)
     assert measurement.statistics["rejected"] == 0

@@ -84,6 +84,12 @@ class Tracing(Node):
         "the light that mirrors and glass gather, as from lamps in reflectors and in caustics, and photons "
         "from the camera find all other light. Neither is for luminaires with textures.",
     )
+    aimed_emission: Annotated[Finite, Field(ge=0, le=0.99)] = Field(
+        default=0.0,
+        description="For photons from luminaires on surfaces, with `forward` and `both`: the part that is "
+        "sent towards `$.important_directions`, such as glass that makes a caustic. The others leave as the "
+        "luminaire emits, so that no light is lost.",
+    )
     sequence: Literal["sobol", "independent"] = Field(
         default="sobol",
         description="Random numbers: Owen-scrambled Sobol points for each pixel, or independent ones.",

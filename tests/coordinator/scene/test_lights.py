@@ -10,6 +10,7 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne.v1 import scene_pb2
 from nocturne_coordinator.blobs import BlobStore
+from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.scene import photometric_files, spectra, sun
 from nocturne_coordinator.scene.compiler import compile_scene
 from nocturne_coordinator.scene.document import parse_document
@@ -176,6 +177,28 @@ def test_important_directions_stand_where_they_are_put(document: dict[str, Any],
     assert (mesh.mesh.triangle_count, mesh.weight) == (16, 3)
     assert (sphere.sphere.centre.x, sphere.sphere.radius, sphere.weight) == (2, 2, 1)
     assert scene.tracing.weight_important == pytest.approx(0.175)
+
+
+def test_emission_is_aimed_at_what_is_there(document: dict[str, Any], blobs: BlobStore) -> None:
+    """By photons from luminaires only, and not by all of them: light on other ways would be lost."""
+    meter = {"type": "irradiance_meter", "position": [0, 0, 0], "normal": [0, 0, 1], "height": 1}
+    ball = {"shape": {"type": "sphere", "centre": [0, 0, 0], "radius": 1}}
+    aimed = {"direction": "forward", "aimed_emission": 0.9}
+
+    def compiled(**changes: Any) -> tuple[float, list[str]]:
+        output = compile_scene(parse_document(json.dumps(document | {"sensor": meter} | changes)), blobs)
+        scene = scene_pb2.CompiledScene.FromString(blobs.path(output.scene_sha256).read_bytes())
+        return scene.tracing.aimed_emission, [line for line in output.dropped if "aimed" in line]
+
+    assert compiled(important_directions=[ball], tracing=aimed) == (0.9, [])
+    place = "$.tracing.aimed_emission"
+    nothing = f"{place}: the scene has no important directions"
+    assert compiled(tracing=aimed) == (0.0, [nothing])
+    adjoint = aimed | {"direction": "adjoint"}
+    nobody = f"{place}: no photons start at luminaires"
+    assert compiled(important_directions=[ball], tracing=adjoint) == (0.0, [nobody])
+    with pytest.raises(InputError, match=r"\$\.tracing\.aimed_emission"):
+        compiled(important_directions=[ball], tracing=aimed | {"aimed_emission": 1})
 
 
 _LUMINAIRE = ("surfaces", 1, "luminaire")

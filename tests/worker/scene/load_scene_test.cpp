@@ -85,6 +85,7 @@ TEST(LoadScene, RefusesDamagedMessagesInWords) {
       {"sequence", [](auto& m) { m.mutable_tracing()->clear_sequence(); }},
       {"group of photons", [](auto& m) { m.mutable_tracing()->set_group(3); }},
       {"split", [](auto& m) { m.mutable_tracing()->set_split_vertices(9); }},
+      {"aimed", [](auto& m) { m.mutable_tracing()->set_aimed_emission(1.0); }},
       {"forward photons",
        [](auto& m) { m.mutable_tracing()->set_direction(v1::DIRECTION_FORWARD); }},
       {"both directions need a camera",

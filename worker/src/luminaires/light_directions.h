@@ -39,6 +39,8 @@ class LightDirections {
 
   const std::optional<Environment>& environment() const { return environment_; }
   const std::vector<DistantDisc>& discs() const { return discs_; }
+  /// Towards important shapes alone.
+  const LuminaireDirections& important() const { return important_; }
 
  private:
   std::optional<Vec3> sample_sky(const From& from, float choice, float u1, float u2) const;

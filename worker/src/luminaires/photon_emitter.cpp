@@ -67,6 +67,24 @@ void PhotonEmitter::finish(std::span<const DistantDisc> discs,
   fluxes_ = {};
 }
 
+std::optional<PhotonEmitter::Leaving> PhotonEmitter::leave(const From& from,
+                                                           const LuminaireDirections& important,
+                                                           float aimed, const Uniform4& u) {
+  Vec3 direction;
+  if (u[2] < aimed) {
+    const auto towards = important.sample(from, u[3], u[0], u[1]);
+    if (!towards) return std::nullopt;
+    direction = *towards;
+  } else {
+    direction = normalized(Frame(from.normal).to_world(CosineHemisphere::sample(u[0], u[1])));
+  }
+  if (!(aimed > 0.0f)) return Leaving{direction, kPi};
+  const float cosine = dot(from.normal, direction);
+  const float pdf = (1.0f - aimed) * cosine / kPi + aimed * important.pdf(from, direction);
+  if (!(cosine > 0.0f && pdf > 0.0f)) return std::nullopt;
+  return Leaving{direction, cosine / pdf};
+}
+
 std::size_t PhotonEmitter::choose(float u) const {
   return static_cast<std::size_t>(std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u) -
                                   cumulative_.begin());

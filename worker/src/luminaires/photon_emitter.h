@@ -11,6 +11,7 @@
 
 #include "luminaires/distant_disc.h"
 #include "luminaires/environment.h"
+#include "luminaires/light_directions.h"
 #include "luminaires/luminaire.h"
 #include "sampling/sequence.h"
 #include "surfaces/geometry.h"
@@ -41,19 +42,20 @@ class PhotonEmitter {
   void finish(std::span<const DistantDisc> discs, const std::optional<Environment>& environment,
               Geometry::Ball bounds);
 
-  /// Time in [0, 1]; eight uniform numbers. Empty where nothing is emitted from the drawn place.
+  /// Time in [0, 1]; eight uniform numbers. Of the photons from surfaces the part `aimed`, in
+  /// [0, 1), is drawn towards the important shapes of `lights`, and all carry what that changes.
+  /// Empty where nothing is emitted from the drawn place.
   template <int N>
   std::optional<Emitted<N>> emit(std::span<const Luminaire> luminaires,
-                                 std::span<const DistantDisc> discs,
-                                 const std::optional<Environment>& environment, float time,
+                                 const LightDirections& lights, float aimed, float time,
                                  const Spectral<N>& wavelengths_nm, const Uniform4& a,
                                  const Uniform4& b) const {
     if (cumulative_.empty()) return std::nullopt;
     const std::size_t chosen = choose(a[2]);
     const float probability = cumulative_[chosen] - (chosen > 0 ? cumulative_[chosen - 1] : 0.0f);
     if (chosen >= elements_.size()) {
-      return emit_distant<N>(chosen - elements_.size(), discs, environment, wavelengths_nm, a, b,
-                             probability);
+      return emit_distant<N>(chosen - elements_.size(), lights.discs(), lights.environment(),
+                             wavelengths_nm, a, b, probability);
     }
     const Element& element = elements_[chosen];
     const Luminaire& luminaire = luminaires[element.luminaire];
@@ -61,9 +63,11 @@ class PhotonEmitter {
     const float sides = luminaire.two_sided() ? 2.0f : 1.0f;
     const auto [from, area] = point_on(element, time, a[0], a[1]);
     const Vec3 normal = back ? -from.normal : from.normal;
-    const Vec3 direction = normalized(Frame(normal).to_world(CosineHemisphere::sample(b[0], b[1])));
-    // Radiance x cosine over the density cosine/pi x 1/area x 1/sides.
-    const float scale = kPi * area * sides / probability;
+    const auto leaving = leave({from.position, normal, false, time}, lights.important(), aimed, b);
+    if (!leaving) return std::nullopt;
+    const Vec3 direction = leaving->direction;
+    // Radiance x cosine over the density of the direction x 1/area x 1/sides.
+    const float scale = leaving->cosine_over_pdf * area * sides / probability;
     return Emitted<N>{
         {leave_surface(from, direction), direction},
         scale * luminaire.emitted(from.normal, direction, SurfacePoint{}, wavelengths_nm),
@@ -79,6 +83,14 @@ class PhotonEmitter {
     std::vector<Vec3> points;
     float radius;
   };
+
+  struct Leaving {
+    Vec3 direction;
+    float cosine_over_pdf;
+  };
+  /// As a Lambertian surface emits, or towards an important shape; by the density of both.
+  static std::optional<Leaving> leave(const From& from, const LuminaireDirections& important,
+                                      float aimed, const Uniform4& u);
 
   std::size_t choose(float u) const;
   /// A point, and the element's area at that time, m2: motion may change it.

@@ -114,6 +114,9 @@ TracingOptions load_tracing(const v1::Tracing& t, bool no_lights) {
           "more than 8 vertices that split");
   require(t.group() == 1 || t.group() == 4 || t.group() == 8,
           "a group of photons that is not 1, 4 or 8");
+  // Without others, light that takes another way from the luminaires would be lost.
+  require(t.aimed_emission() >= 0.0 && t.aimed_emission() <= 0.99,
+          "a part of aimed photons beyond 0 to 0.99");
   return {
       static_cast<float>(t.h()),
       t.roulette() == v1::ROULETTE_WEIGHT,
@@ -124,6 +127,7 @@ TracingOptions load_tracing(const v1::Tracing& t, bool no_lights) {
       t.split_vertices(),
       t.group(),
       load_direction(t),
+      static_cast<float>(t.aimed_emission()),
       t.sequence() == v1::SAMPLE_SEQUENCE_SOBOL ? SequenceKind::kSobol : SequenceKind::kIndependent,
       t.seed()};
 }

@@ -54,6 +54,8 @@ struct TracingOptions {
   /// Photons that travel together: 1, 4 or 8.
   std::uint32_t group;
   Direction direction;
+  /// Part of the photons from luminaires that is drawn towards important shapes, [0, 1).
+  float aimed_emission;
   SequenceKind sequence;
   std::uint64_t seed;
 };

@@ -84,7 +84,7 @@ std::uint32_t emit_and_follow(const Scene& scene, Film film, float time,
   PhotonSequence numbers = sequence;
   const Uniform4 first = numbers.next(), second = numbers.next();
   const auto emitted =
-      scene.emitter.emit(scene.luminaires, scene.lights.discs(), scene.lights.environment(), time,
+      scene.emitter.emit(scene.luminaires, scene.lights, scene.options.aimed_emission, time,
                          wavelengths_nm, first, second);
   if (!emitted) return 0;
   Start<N> start{.ray = emitted->ray, .wavelengths = wavelengths_nm, .inside = {}, .time = time};

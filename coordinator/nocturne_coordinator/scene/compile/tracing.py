@@ -73,6 +73,7 @@ def compile_tracing(
         split_vertices=tracing.split_vertices if tracing.estimator == "split" else 0,
         group=_group(tracing, scene),
         direction=_DIRECTIONS[tracing.direction],
+        aimed_emission=_aimed_emission(workspace, scene),
     )
 
 
@@ -85,6 +86,20 @@ def _weights(mixture: Mixture, there: Mapping[str, bool]) -> dict[str, float]:
     else:
         aimed = {name: (given[name] or 0.0) if is_there else 0.0 for name, is_there in there.items()}
     return {"kernel": mixture.kernel, **aimed, "uniform": mixture.uniform}
+
+
+def _aimed_emission(workspace: Workspace, scene: scene_pb2.CompiledScene) -> float:
+    tracing = workspace.document.tracing
+    if not tracing.aimed_emission:
+        return 0.0
+    if tracing.direction == "adjoint":
+        why = "no photons start at luminaires"
+    elif not scene.important_shapes:
+        why = "the scene has no important directions"
+    else:
+        return tracing.aimed_emission
+    workspace.dropped.append(f"$.tracing.aimed_emission: {why}")
+    return 0.0
 
 
 def _depth(tracing: Tracing, scene: scene_pb2.CompiledScene) -> int:
