@@ -95,7 +95,7 @@ system: build  ## Tests of the whole: service, workers, browser, images
 screenshots: build  ## Pictures of the page for docs/page.md, by its test
 	NOCTURNE_SCREENSHOTS=$(CURDIR)/docs/images/page pytest tests/web
 
-soak: build  ## Faults in random composition and every interleaving, for SOAK_SECONDS (default 600) and more
+soak: build  ## Random faults for SOAK_SECONDS (default 600), and all that takes minutes (a quarter of an hour more)
 	pytest -m soak
 
 fuzz: build  ## Any calls, messages, scenes and bytes, many times more than in the tests (about 20 minutes)
