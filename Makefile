@@ -99,7 +99,7 @@ soak: build  ## Random faults for SOAK_SECONDS (default 600), and all that takes
 	pytest -m soak
 
 fuzz: build  ## Any calls, messages, scenes and bytes, many times more than in the tests (about 20 minutes)
-	NOCTURNE_FUZZ_EXAMPLES=300 pytest tests/services/test_any_calls.py tests/coordinator/importing/test_any_scene.py \
+	NOCTURNE_FUZZ_EXAMPLES=300 pytest tests/services/test_any_calls.py tests/scene/formats/test_any_scene.py \
 	  tests/coordinator/test_intake.py
 	NOCTURNE_FUZZ_TRIES=1000 NOCTURNE_FUZZ_SEED=$$RANDOM pytest tests/system/test_any_bytes.py
 
@@ -127,8 +127,8 @@ bench: build  ## Speed figures, each a line of JSON; charts and latest results i
 	$(PYTHON) -m bench.suite $(if $(filter full,$(BENCH)),--full)
 
 docs: proto  ## Pages that are generated from the code
-	$(PYTHON) -m nocturne_coordinator.scene.reference > docs/scene.md
-	$(PYTHON) -m nocturne_coordinator.scene.reference --schema > docs/scene.schema.json
+	$(PYTHON) -m nocturne_scene.document.reference > docs/scene.md
+	$(PYTHON) -m nocturne_scene.document.reference --schema > docs/scene.schema.json
 
 # What miepython, which only tests use, asks for and does not need, with what that asks for. So locks are installed with
 # --no-deps. Two of those are wanted by what is only for testing.

@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 import redis
 from nocturne.v1 import job_pb2
-from nocturne_coordinator import keys
-from nocturne_coordinator.merge import XYZ_SUMS
+from nocturne_coordinator.queue import keys
+from nocturne_scene.ranges import XYZ_SUMS
 
 _STATUS_S = 2.0
 _LEASE_S = 10.0

@@ -1,6 +1,6 @@
 """What the scenes of the repository need: `nocturne plan` over all of them, as the table of docs/planning.md.
 
-`python -m bench.plans [--budget SECONDS] [SCENE ...]`: a scene is a folder of scenes/; without any, all are.
+`python -m bench.plans [--budget SECONDS] [SCENE ...]`: a scene is a folder of examples; by default, all are.
 """
 
 import argparse
@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from nocturne_client.local.programs import CHECKOUT
-from nocturne_coordinator.needs.simplification import assets_of
+from nocturne_scene.simplify.simplification import assets_of
 
 from bench.programs import run
 
-SCENES = CHECKOUT / "scenes"
+SCENES = CHECKOUT / "examples"
 PAGE = CHECKOUT / "docs" / "planning.md"
 RESULTS = CHECKOUT / "bench" / "results" / "plans.json"
 

@@ -15,9 +15,9 @@ from typing import Any
 import redis
 from nocturne.v1 import job_pb2
 from nocturne_client.local.programs import need_program
-from nocturne_coordinator import keys
-from nocturne_coordinator.data_folder import DataFolder, NewRender
-from nocturne_coordinator.plan import make_plan
+from nocturne_coordinator.queue import keys
+from nocturne_coordinator.store.data_folder import DataFolder, NewRender
+from nocturne_scene.ranges import make_plan
 
 from bench.programs import kept_waiting_s, running_cpu_s
 from bench.report import Figures, Row, significant

@@ -13,24 +13,25 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 
 from nocturne.v1 import job_pb2
+from nocturne_scene.errors import NotFound
+from nocturne_scene.ranges import XYZ_SUMS
 
-from . import limits
-from .audit import LONGEST_WAIT, Auditor
-from .bundle import write_bundle
-from .crash_points import crash_point
-from .data_folder import DataFolder
-from .errors import LeaseLost, NotFound
-from .faults import Faults
-from .intake import Intake, Outcome
-from .job_queue import JobQueue, Session
-from .merge import XYZ_SUMS
-from .numeric_classes import should_start_anew, usual_class
-from .pictures import Pictures
-from .running_render import RunningRender
-from .schedule import SHORTEST_OVERDUE, Schedule
-from .store.ledger import Ledger, OpenRender
-from .store.rows import RenderState, WorkerRow
-from .traffic import Traffic
+from nocturne_coordinator import limits
+from nocturne_coordinator.crash_points import crash_point
+from nocturne_coordinator.dispatch.audit import LONGEST_WAIT, Auditor
+from nocturne_coordinator.dispatch.failure_policy import Faults
+from nocturne_coordinator.dispatch.profiles import should_start_anew, usual_class
+from nocturne_coordinator.dispatch.result_handler import Intake, Outcome
+from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.dispatch.scheduler import SHORTEST_OVERDUE, Schedule
+from nocturne_coordinator.dispatcher import Traffic
+from nocturne_coordinator.errors import LeaseLost
+from nocturne_coordinator.output.previews import Pictures
+from nocturne_coordinator.queue.job_queue import JobQueue, Session
+from nocturne_coordinator.store.bundle import write_bundle
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.ledger import Ledger, OpenRender
+from nocturne_coordinator.store.rows import RenderState, WorkerRow
 
 _log = logging.getLogger(__name__)
 

@@ -1,28 +1,6 @@
-"""Every bound on what is accepted and kept, each with its reason."""
+"""Every bound on what the service accepts and keeps, with its reason. Of scenes: `nocturne_scene.limits`."""
 
 # --- what a render may ask for ---
-
-MAXIMUM_FILM_EDGE = 16384
-"""Pixels. An 8K wall display is 7680; the tile index and EXR tools stay comfortable."""
-
-MAXIMUM_FILM_PIXELS = 2**26
-"""Of an image with X, Y and Z only: the coordinator holds 32 bytes of sums per pixel in memory while a render
-runs, 2 GiB here. Every further response costs 8 bytes more, and so pixels."""
-
-MAXIMUM_FURTHER_RESPONSES = 60
-"""With those, a pixel has 64 sums and the smallest tile's partial fills 32 KiB."""
-
-MAXIMUM_FORWARD_PIXELS = 2**18
-"""With photons from luminaires a job returns the whole film: 8 MiB here; 512 x 512 or 1 degree apart."""
-
-MAXIMUM_FORWARD_RANGES = 2**20
-"""Ranges of a plan with photons from luminaires; as many as the other plans have at most, and some."""
-
-MAXIMUM_SAMPLES = 2**31
-"""Per pixel: the sampler's index is 32 bits, and nothing on paper needs more."""
-
-MAXIMUM_RANGES = 2**31
-"""Tiles x ranges of a plan: counts of ranges travel as uint32."""
 
 MAXIMUM_REQUEST_ID = 128
 """Characters: room for a UUID and a prefix."""
@@ -46,21 +24,6 @@ MAXIMUM_SECONDS_ASKED = 366 * 86400.0
 DEFAULT_PRIORITY = 100
 MAXIMUM_PRIORITY = 1000
 """Weights: a render of priority 200 gets twice the work of one of 100."""
-
-# --- what a scene may hold ---
-
-MAXIMUM_SCENE_BYTES = 8 * 2**20
-"""A scene document; large meshes are assets, never inline."""
-
-MAXIMUM_SCENE_NESTING = 64
-"""Levels of JSON: the schema needs fewer than 10, and recursion stays far from the stack's end."""
-
-MAXIMUM_VERTICES = 200_000_000
-MAXIMUM_TRIANGLES = 200_000_000
-"""Of one mesh: indices are 32 bits, and Embree's tree of it fills some 20 GiB."""
-
-MAXIMUM_ASSET_BYTES = 4 * 2**30
-"""One blob: 200 million triangles of 12 bytes of indices fit."""
 
 # --- what the coordinator keeps in hand ---
 

@@ -12,16 +12,18 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from .audit import NEW_SHARE, SHARE, Auditor
-from .checkpoint import CHECKPOINT_SECONDS, Checkpointer
-from .coordinator import COMMIT_SECONDS, Coordinator
-from .data_folder import DataFolder
-from .errors import AlreadyOwned, NocturneError, OwnershipLost, QueueTaken, UnusableFolder
-from .job_queue import JobQueue, QueueError, Session
-from .log_lines import write_log_lines
-from .schedule import SHORTEST_OVERDUE
-from .store.ledger import Ledger
-from .store.ownership import LEASE_SECONDS, Ownership
+from nocturne_scene.errors import NocturneError
+
+from nocturne_coordinator.coordinator import COMMIT_SECONDS, Coordinator
+from nocturne_coordinator.dispatch.audit import NEW_SHARE, SHARE, Auditor
+from nocturne_coordinator.dispatch.scheduler import SHORTEST_OVERDUE
+from nocturne_coordinator.errors import AlreadyOwned, OwnershipLost, QueueTaken, UnusableFolder
+from nocturne_coordinator.log_lines import write_log_lines
+from nocturne_coordinator.queue.job_queue import JobQueue, QueueError, Session
+from nocturne_coordinator.store.checkpoint import CHECKPOINT_SECONDS, Checkpointer
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.ledger import Ledger
+from nocturne_coordinator.store.ownership import LEASE_SECONDS, Ownership
 
 EXIT_UNUSABLE = 2
 EXIT_ALREADY_OWNED = 3

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from nocturne.v1 import scene_pb2
 from nocturne_client.local.compiled import CompiledFolder, compile_to
-from nocturne_coordinator.scene_plan import plan_of
+from nocturne_scene.scene_ranges import plan_of
 
 from tests.accuracy.agreement import ROUNDING, Values, student_bound
 from tests.accuracy.tracing import Document, run

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from nocturne_coordinator.importing.fresnel import reflectance_of
-from nocturne_coordinator.importing.import_scene import import_scene
-from nocturne_coordinator.importing.options import ImportOptions
+from nocturne_scene.formats.import_scene import import_scene
+from nocturne_scene.formats.reading.fresnel import reflectance_of
+from nocturne_scene.formats.reading.options import ImportOptions
 from numpy.typing import NDArray
 
 from tests.accuracy.gltf_plate import gltf

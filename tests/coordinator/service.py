@@ -13,12 +13,12 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import redis
 from nocturne.v1 import job_pb2
-from nocturne_coordinator.data_folder import DataFolder, NewRender, RenderRow
-from nocturne_coordinator.images import mean_further_responses, mean_xyz, variance_of_mean
-from nocturne_coordinator.merge import Counts, Sums
-from nocturne_coordinator.plan import make_plan
-from nocturne_coordinator.planned_render import PlannedRender
-from nocturne_coordinator.stopping import EVERYTHING, StopConditions
+from nocturne_coordinator.dispatch.merge import Counts, Sums
+from nocturne_coordinator.dispatch.planned_render import PlannedRender
+from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
+from nocturne_coordinator.output.images import mean_further_responses, mean_xyz, variance_of_mean
+from nocturne_coordinator.store.data_folder import DataFolder, NewRender, RenderRow
+from nocturne_scene.ranges import make_plan
 
 from tests.coordinator.simulated_worker import SimulatedWorker, simulated_sums
 

@@ -12,8 +12,9 @@ import numpy as np
 import redis
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
-from nocturne_coordinator import keys
-from nocturne_coordinator.merge import XYZ_SUMS, Sums
+from nocturne_coordinator.dispatch.merge import Sums
+from nocturne_coordinator.queue import keys
+from nocturne_scene.ranges import XYZ_SUMS
 
 Alter = Callable[[job_pb2.JobResult], list[job_pb2.JobResult | bytes]]
 """What a worker sends instead of one result."""

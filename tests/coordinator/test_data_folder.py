@@ -6,13 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from nocturne_coordinator.blobs import BlobStore
-from nocturne_coordinator.data_folder import DataFolder, NewRender
-from nocturne_coordinator.errors import Conflict, InputError, NotFound, OwnershipLost, UnusableFolder
-from nocturne_coordinator.plan import make_plan
-from nocturne_coordinator.stopping import StopConditions
+from nocturne_coordinator.dispatch.stopping import StopConditions
+from nocturne_coordinator.errors import Conflict, OwnershipLost, UnusableFolder
+from nocturne_coordinator.store.data_folder import DataFolder, NewRender
 from nocturne_coordinator.store.ledger import Ledger, RenderCommit, TileRow, Totals
 from nocturne_coordinator.store.ownership import Ownership
+from nocturne_scene.blobs import BlobStore
+from nocturne_scene.errors import InputError, NotFound
+from nocturne_scene.ranges import make_plan
 
 
 @pytest.fixture

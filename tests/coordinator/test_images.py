@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
-from nocturne_coordinator.images import (
+from nocturne_coordinator.dispatch.merge import Counts, Sums
+from nocturne_coordinator.output.images import (
     FINAL_COMPRESSION,
     LIVE_COMPRESSION,
     Provenance,
@@ -20,7 +21,6 @@ from nocturne_coordinator.images import (
     write_preview,
     write_thumbnail,
 )
-from nocturne_coordinator.merge import Counts, Sums
 
 from tests.coordinator.service import read_exr, read_further_responses
 

@@ -10,7 +10,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import limits
-from nocturne_coordinator.worker_status import worker_row
+from nocturne_coordinator.queue.worker_status import worker_row
 
 from tests.coordinator.simulated_worker import simulated_result
 from tests.coordinator.test_merging import Session

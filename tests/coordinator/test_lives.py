@@ -2,10 +2,10 @@
 
 import random
 
-from nocturne_coordinator.faults import Faults
-from nocturne_coordinator.job_queue import Holder
-from nocturne_coordinator.lives import Lives, Sign
-from nocturne_coordinator.schedule import JobKey
+from nocturne_coordinator.dispatch.failure_policy import Faults
+from nocturne_coordinator.dispatch.liveness import Lives, Sign
+from nocturne_coordinator.dispatch.scheduler import JobKey
+from nocturne_coordinator.queue.job_queue import Holder
 
 KEY = JobKey("r", 3, 1)
 ENTRIES = {b"1-0": KEY}

@@ -1,10 +1,10 @@
 """A part of the film that goes first: which tiles it has, and what is published then."""
 
 import pytest
-from nocturne_coordinator.errors import InputError
-from nocturne_coordinator.plan import TileGrid
-from nocturne_coordinator.region import Region
-from nocturne_coordinator.schedule import Schedule
+from nocturne_coordinator.dispatch.region import Region
+from nocturne_coordinator.dispatch.scheduler import Schedule
+from nocturne_scene.errors import InputError
+from nocturne_scene.ranges import TileGrid
 
 GRID = TileGrid(100, 70, 32)
 """Four columns, three rows."""

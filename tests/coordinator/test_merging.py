@@ -8,15 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import limits
-from nocturne_coordinator.audit import Auditor
-from nocturne_coordinator.faults import Faults
-from nocturne_coordinator.intake import Intake
-from nocturne_coordinator.merge import RangeSums, TileState, Verdict
-from nocturne_coordinator.plan import make_plan
-from nocturne_coordinator.running_render import RunningRender
-from nocturne_coordinator.schedule import OVERDUE_FACTOR, SHORTEST_OVERDUE, JobKey, Schedule
+from nocturne_coordinator.dispatch.audit import Auditor
+from nocturne_coordinator.dispatch.failure_policy import Faults
+from nocturne_coordinator.dispatch.merge import RangeSums, TileState, Verdict
+from nocturne_coordinator.dispatch.result_handler import Intake
+from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.dispatch.scheduler import OVERDUE_FACTOR, SHORTEST_OVERDUE, JobKey, Schedule
 from nocturne_coordinator.store.ledger import OpenRender, TileRow, Totals
 from nocturne_coordinator.store.rows import RenderState
+from nocturne_scene.ranges import make_plan
 
 from tests.coordinator.simulated_worker import simulated_result, simulated_sums
 

@@ -5,10 +5,10 @@ import time
 from pathlib import Path
 
 import pytest
-from nocturne_coordinator import keys
-from nocturne_coordinator.images import manifest_of
+from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.main import EXIT_ALREADY_OWNED, EXIT_OWNERSHIP_LOST
-from nocturne_coordinator.stopping import StopConditions
+from nocturne_coordinator.output.images import manifest_of
+from nocturne_coordinator.queue import keys
 
 from tests.coordinator.service import (
     RedisServer,

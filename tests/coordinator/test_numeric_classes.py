@@ -5,11 +5,9 @@ from pathlib import Path
 
 import pytest
 from nocturne.v1 import job_pb2
-from nocturne_coordinator.audit import Auditor
-from nocturne_coordinator.data_folder import DataFolder, NewRender, WorkerRow
-from nocturne_coordinator.faults import Faults
-from nocturne_coordinator.intake import Intake
-from nocturne_coordinator.numeric_classes import (
+from nocturne_coordinator.dispatch.audit import Auditor
+from nocturne_coordinator.dispatch.failure_policy import Faults
+from nocturne_coordinator.dispatch.profiles import (
     REDONE_SECONDS,
     class_of,
     refusal_of,
@@ -18,12 +16,14 @@ from nocturne_coordinator.numeric_classes import (
     threads_by_class,
     usual_class,
 )
-from nocturne_coordinator.plan import make_plan
-from nocturne_coordinator.running_render import RunningRender
-from nocturne_coordinator.schedule import JobKey, Schedule
+from nocturne_coordinator.dispatch.result_handler import Intake
+from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.dispatch.scheduler import JobKey, Schedule
+from nocturne_coordinator.store.data_folder import DataFolder, NewRender, WorkerRow
 from nocturne_coordinator.store.ledger import Ledger, OpenRender, Totals
 from nocturne_coordinator.store.ownership import Ownership
 from nocturne_coordinator.store.rows import UNKNOWN_CLASS, RenderState
+from nocturne_scene.ranges import make_plan
 
 from tests.coordinator.simulated_worker import simulated_result
 

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from nocturne_coordinator.data_folder import DataFolder, NewRender
+from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.errors import LeaseLost
-from nocturne_coordinator.pictures import Pictures
-from nocturne_coordinator.plan import make_plan
-from nocturne_coordinator.removal import delete_render
-from nocturne_coordinator.running_render import RunningRender
+from nocturne_coordinator.output.previews import Pictures
+from nocturne_coordinator.store.data_folder import DataFolder, NewRender
 from nocturne_coordinator.store.ledger import Ledger, RenderCommit, TileRow, Totals
 from nocturne_coordinator.store.ownership import Ownership
+from nocturne_coordinator.store.removal import delete_render
+from nocturne_scene.ranges import make_plan
 
 _EDGE, _SAMPLES = 32, 4
 
@@ -52,14 +52,14 @@ def test_a_folder_that_goes_with_its_render_is_no_trouble(
         delete_render(folder, deleted.id)
         raise FileNotFoundError(path)
 
-    monkeypatch.setattr("nocturne_coordinator.pictures.write_preview", taken_away)
+    monkeypatch.setattr("nocturne_coordinator.output.previews.write_preview", taken_away)
     with pytest.raises(LeaseLost):
         pictures.refresh([deleted])
 
     def without_room(path: Path, *_: object) -> None:
         raise OSError(errno.ENOSPC, "no space left", path)
 
-    monkeypatch.setattr("nocturne_coordinator.pictures.write_preview", without_room)
+    monkeypatch.setattr("nocturne_coordinator.output.previews.write_preview", without_room)
     with pytest.raises(OSError, match="no space left"):
         pictures.refresh([kept])
 

@@ -7,12 +7,12 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from nocturne_coordinator.blobs import BlobStore
-from nocturne_coordinator.checkpoint import Checkpointer, checkpoints
 from nocturne_coordinator.errors import AlreadyOwned, CantRestore
-from nocturne_coordinator.images import manifest_of
 from nocturne_coordinator.main import EXIT_UNUSABLE
-from nocturne_coordinator.restoring import damage_of, restore
+from nocturne_coordinator.output.images import manifest_of
+from nocturne_coordinator.store.checkpoint import Checkpointer, checkpoints
+from nocturne_coordinator.store.restoring import damage_of, restore
+from nocturne_scene.blobs import BlobStore
 
 from tests.coordinator.service import (
     SCENE,

@@ -8,10 +8,10 @@ import time
 from pathlib import Path
 
 import pytest
-from nocturne_coordinator import keys
-from nocturne_coordinator.data_folder import DataFolder
 from nocturne_coordinator.errors import AlreadyOwned, LeaseLost
 from nocturne_coordinator.main import EXIT_ALREADY_OWNED
+from nocturne_coordinator.queue import keys
+from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger, OpenRender, RenderCommit, TileRow, Totals
 from nocturne_coordinator.store.ownership import Ownership
 from nocturne_coordinator.store.rows import ErrorPoint, RenderState

@@ -10,25 +10,25 @@ from typing import Any
 import numpy as np
 import pytest
 from nocturne.v1 import job_pb2
-from nocturne_coordinator.audit import Auditor
-from nocturne_coordinator.errors import InputError
-from nocturne_coordinator.faults import Faults
-from nocturne_coordinator.forecast import UNKNOWN, Measured, forecast
-from nocturne_coordinator.images import manifest_of, manifest_text
-from nocturne_coordinator.intake import Intake
-from nocturne_coordinator.merge import Sums
-from nocturne_coordinator.plan import extended_plan, make_plan
-from nocturne_coordinator.running_render import RunningRender
-from nocturne_coordinator.schedule import JobKey, Schedule
-from nocturne_coordinator.stopping import (
+from nocturne_coordinator.dispatch.audit import Auditor
+from nocturne_coordinator.dispatch.failure_policy import Faults
+from nocturne_coordinator.dispatch.forecast import UNKNOWN, Measured, forecast
+from nocturne_coordinator.dispatch.merge import Sums
+from nocturne_coordinator.dispatch.result_handler import Intake
+from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.dispatch.scheduler import JobKey, Schedule
+from nocturne_coordinator.dispatch.stopping import (
     MINIMUM_SAMPLES,
     StopConditions,
     parse_until,
     samples_needed,
     stop_conditions,
 )
+from nocturne_coordinator.output.images import manifest_of, manifest_text
 from nocturne_coordinator.store.ledger import OpenRender, TileRow, Totals
 from nocturne_coordinator.store.rows import RenderState
+from nocturne_scene.errors import InputError
+from nocturne_scene.ranges import extended_plan, make_plan
 
 EVENING = datetime(2026, 11, 21, 18, 0, tzinfo=UTC)
 

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from nocturne_coordinator.data_folder import DataFolder, NewRender, WorkerRow
-from nocturne_coordinator.plan import make_plan
+from nocturne_coordinator.store.data_folder import DataFolder, NewRender, WorkerRow
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
+from nocturne_scene.ranges import make_plan
 
 
 @pytest.fixture

@@ -18,7 +18,7 @@ from nocturne_api import main as api_main
 from nocturne_api.metrics import metrics_text
 from nocturne_client.local.programs import need_program
 from nocturne_coordinator import main as coordinator_main
-from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder
 
 from tests.deploy.test_images import STAGES
 

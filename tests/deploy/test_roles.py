@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 import redis
-from nocturne_coordinator import keys
-from nocturne_coordinator.job_queue import JobQueue, QueueError, Session
+from nocturne_coordinator.queue import keys
+from nocturne_coordinator.queue.job_queue import JobQueue, QueueError, Session
 from redis.exceptions import NoPermissionError
 
 from tests.coordinator.service import wait_until

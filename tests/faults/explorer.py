@@ -17,15 +17,15 @@ from typing import NamedTuple
 
 import numpy as np
 from nocturne.v1 import job_pb2
-from nocturne_coordinator.audit import Auditor
-from nocturne_coordinator.faults import Faults
-from nocturne_coordinator.intake import Intake
-from nocturne_coordinator.plan import make_plan
-from nocturne_coordinator.planned_render import PlannedRender
-from nocturne_coordinator.running_render import RunningRender
-from nocturne_coordinator.schedule import JobKey, Schedule
+from nocturne_coordinator.dispatch.audit import Auditor
+from nocturne_coordinator.dispatch.failure_policy import Faults
+from nocturne_coordinator.dispatch.planned_render import PlannedRender
+from nocturne_coordinator.dispatch.result_handler import Intake
+from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.dispatch.scheduler import JobKey, Schedule
 from nocturne_coordinator.store.ledger import OpenRender, TileRow, Totals
 from nocturne_coordinator.store.rows import RenderState
+from nocturne_scene.ranges import make_plan
 
 from tests.coordinator.simulated_worker import simulated_result, simulated_sums
 

@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 import redis
-from nocturne_coordinator import keys
+from nocturne_coordinator.queue import keys
 
 from tests.coordinator.service import Service, check_complete, wait_until
 

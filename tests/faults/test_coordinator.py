@@ -15,14 +15,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from nocturne.v1 import job_pb2
-from nocturne_coordinator import keys, limits
-from nocturne_coordinator.checkpoint import checkpoints
-from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator import limits
+from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.errors import UnusableFolder, WrongState
-from nocturne_coordinator.images import manifest_of
 from nocturne_coordinator.main import EXIT_ALREADY_OWNED, EXIT_UNUSABLE
-from nocturne_coordinator.restoring import restore
-from nocturne_coordinator.stopping import StopConditions
+from nocturne_coordinator.output.images import manifest_of
+from nocturne_coordinator.queue import keys
+from nocturne_coordinator.store.checkpoint import checkpoints
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.restoring import restore
 
 from tests.coordinator.service import Service, check_committed, committed_samples, wait_until
 from tests.coordinator.simulated_worker import SimulatedWorker

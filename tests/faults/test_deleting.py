@@ -7,9 +7,9 @@ import time
 
 import pytest
 from nocturne.v1 import job_pb2
-from nocturne_coordinator import keys
-from nocturne_coordinator.data_folder import DataFolder
-from nocturne_coordinator.removal import delete_render, sweep
+from nocturne_coordinator.queue import keys
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.removal import delete_render, sweep
 
 from tests.coordinator.service import Service, check_complete, wait_until
 from tests.coordinator.simulated_worker import SimulatedWorker, simulated_result

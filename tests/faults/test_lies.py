@@ -6,7 +6,7 @@ from itertools import cycle
 
 import numpy as np
 from nocturne.v1 import job_pb2
-from nocturne_coordinator import keys
+from nocturne_coordinator.queue import keys
 
 from tests.coordinator.service import Service, wait_until
 from tests.coordinator.simulated_worker import SimulatedWorker

@@ -7,9 +7,9 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne.v1 import job_pb2
-from nocturne_api.why import sentence, situation_of
-from nocturne_coordinator import keys
-from nocturne_coordinator.numeric_classes import REDONE_SECONDS
+from nocturne_api.status_reason import sentence, situation_of
+from nocturne_coordinator.dispatch.profiles import REDONE_SECONDS
+from nocturne_coordinator.queue import keys
 
 from tests.coordinator.service import Service, wait_until
 from tests.coordinator.simulated_worker import Alter, SimulatedWorker, unaltered

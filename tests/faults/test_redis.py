@@ -5,8 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from nocturne_coordinator import keys
 from nocturne_coordinator.main import EXIT_UNUSABLE
+from nocturne_coordinator.queue import keys
 from redis import Redis
 
 from tests.coordinator.service import RedisServer, Service, wait_until

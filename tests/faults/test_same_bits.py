@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from nocturne_coordinator import keys
+from nocturne_coordinator.queue import keys
 
 from tests.faults.faults import (
     EVERY_FAULT,

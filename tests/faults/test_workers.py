@@ -8,7 +8,8 @@ import zipfile
 
 import pytest
 from nocturne.v1 import job_pb2
-from nocturne_coordinator import keys, limits
+from nocturne_coordinator import limits
+from nocturne_coordinator.queue import keys
 
 from tests.coordinator.service import Service, check_committed, check_complete, committed_samples, wait_until
 from tests.coordinator.simulated_worker import SimulatedWorker, simulated_result

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from nocturne_client.local.exporting import export_to
 from nocturne_client.local.programs import CHECKOUT
-from nocturne_coordinator.comparing.agreement import Estimate, compare
-from nocturne_coordinator.exporting.compiled import Film as Pixels
-from nocturne_coordinator.importing.mitsuba.units import CANDELAS_PER_UNIT
-from nocturne_coordinator.importing.options import Imported
-from nocturne_coordinator.importing.scene_writer import Film
+from nocturne_scene.compare.agreement import Estimate, compare
+from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT
+from nocturne_scene.formats.reading.options import Imported
+from nocturne_scene.formats.reading.scene_writer import Film
+from nocturne_scene.formats.writing.compiled import Film as Pixels
 
 from bench.scenes import example
 from tests.mitsuba.export_scenes import SCENES

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from nocturne_coordinator.comparing.agreement import Difference, Estimate, compare
-from nocturne_coordinator.errors import InputError
+from nocturne_scene.compare.agreement import Difference, Estimate, compare
+from nocturne_scene.errors import InputError
 
 from tests.mitsuba.renders import FOLDER, Batches, Reference, import_test
 

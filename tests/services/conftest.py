@@ -9,7 +9,7 @@ import grpc
 import httpx
 import pytest
 from nocturne_api.service import Service
-from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder
 
 from tests.services.doors import grpc_channel, rest_client, running
 

@@ -11,7 +11,7 @@ import pytest
 import pytest_asyncio
 from nocturne.v1 import render_service_pb2 as pb
 from nocturne.v1 import render_service_pb2_grpc
-from nocturne_api.rpc.failures import PROBLEM_KEY
+from nocturne_api.grpc.failures import PROBLEM_KEY
 from nocturne_api.service import Service
 
 from tests.services.doors import grpc_channel, rest_client, running

@@ -14,7 +14,7 @@ from nocturne_client import Client, NocturneClientError, NotReachedError, Render
 from nocturne_client.cli.app import app
 from nocturne_client.cli.output import ExitStatus
 from nocturne_client.scene_files import read_scene
-from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder
 from typer.testing import CliRunner, Result
 
 from tests.services import coordinator_acts

@@ -15,10 +15,10 @@ from nocturne.v1 import render_service_pb2_grpc
 from nocturne_api.service import Service, Settings, open_service
 from nocturne_client import Client
 from nocturne_client.cli.app import app
-from nocturne_coordinator.data_folder import DataFolder
 from nocturne_coordinator.errors import FilesGone, WrongState
-from nocturne_coordinator.objects import Objects
-from nocturne_coordinator.removal import blobs_of_scene, delete_render, sweep
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.object_store import ObjectStore
+from nocturne_coordinator.store.removal import blobs_of_scene, delete_render, sweep
 from typer.testing import CliRunner
 
 from tests.services import coordinator_acts
@@ -212,7 +212,7 @@ async def test_a_scene_whose_files_went_meanwhile_is_compiled_again(
 
 
 async def test_the_object_store_forgets_it_too(tmp_path: Path, body: dict[str, Any]) -> None:
-    objects = Objects(f"file://{tmp_path}/objects")
+    objects = ObjectStore(f"file://{tmp_path}/objects")
     settings = Settings(data=tmp_path / "data", web=tmp_path, port=0, grpc_port=0, objects=objects.url)
     service = await open_service(settings)
     await service.start()
@@ -242,8 +242,8 @@ async def test_the_object_store_forgets_it_too(tmp_path: Path, body: dict[str, A
 
 def test_a_render_that_goes_on_meanwhile_is_not_deleted(tmp_path: Path) -> None:
     """Extended between the look and the transaction."""
-    from nocturne_coordinator.data_folder import NewRender
-    from nocturne_coordinator.plan import make_plan
+    from nocturne_coordinator.store.data_folder import NewRender
+    from nocturne_scene.ranges import make_plan
 
     folder = DataFolder(tmp_path)
     try:

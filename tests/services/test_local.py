@@ -18,7 +18,7 @@ from nocturne_client.local import children, programs, up
 from nocturne_client.local.children import Child
 from nocturne_client.local.compiled import compile_to
 from nocturne_client.local.doctor import examine
-from nocturne_coordinator.blobs import BlobStore
+from nocturne_scene.blobs import BlobStore
 
 SLEEP = "/bin/sleep"
 

@@ -19,19 +19,19 @@ from nocturne.v1 import asset_service_pb2, asset_service_pb2_grpc, job_pb2, rend
 from nocturne.v1 import render_service_pb2 as pb
 from nocturne_api.access import Pace, secret_in
 from nocturne_api.addresses import AddressError, check_host
-from nocturne_api.compiling import CompileLimits, compile_in_child
+from nocturne_api.compiling.pool import CompileLimits, compile_in_child
 from nocturne_api.errors import TooMany, Unauthenticated
 from nocturne_api.limits import CALLS_AT_ONCE, CALLS_PER_SECOND
 from nocturne_api.service import Service, Settings, open_service
-from nocturne_api.why import Situation, sentence
+from nocturne_api.status_reason import Situation, sentence
 from nocturne_client import Client
 from nocturne_client.cli.app import app
 from nocturne_client.cli.stops import Stops, with_zone
-from nocturne_coordinator.blobs import BlobStore
-from nocturne_coordinator.data_folder import DataFolder
-from nocturne_coordinator.errors import InputError
-from nocturne_coordinator.scene.document import check_document
+from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.rows import RenderState, WorkerRow
+from nocturne_scene.blobs import BlobStore
+from nocturne_scene.document.read import check_document
+from nocturne_scene.errors import InputError
 from prometheus_client.parser import text_string_to_metric_families
 from typer.testing import CliRunner
 
@@ -329,7 +329,8 @@ def test_a_scene_that_takes_too_much_is_refused(scene: dict[str, Any], tmp_path:
 
 def test_a_compile_that_never_ends_is_ended() -> None:
     endless = (
-        "from nocturne_api.compile_server import bound; from nocturne_api.compiling import CompileLimits\n"
+        "from nocturne_api.compiling.server import bound\n"
+        "from nocturne_api.compiling.pool import CompileLimits\n"
         "bound(CompileLimits(cpu_seconds=1))\nwhile True: pass"
     )
     ended = subprocess.run([sys.executable, "-c", endless], timeout=60, check=False)

@@ -12,12 +12,12 @@ from typing import Any
 import httpx
 import obstore
 import pytest
-from nocturne_api import compiling
+from nocturne_api.compiling import pool as compiling
 from nocturne_api.service import Settings, open_service
-from nocturne_coordinator.blobs import BlobStore
-from nocturne_coordinator.data_folder import DataFolder
-from nocturne_coordinator.errors import InputError, NotFound
-from nocturne_coordinator.objects import ObjectDamaged, Objects, ObjectsUnavailable
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.object_store import ObjectDamaged, ObjectStore, ObjectStoreUnavailable
+from nocturne_scene.blobs import BlobStore
+from nocturne_scene.errors import InputError, NotFound
 
 from tests.services import coordinator_acts
 from tests.services.doors import rest_client
@@ -73,18 +73,18 @@ def s3(monkeypatch: pytest.MonkeyPatch) -> Iterator[S3Server]:
 
 
 @pytest.fixture(params=["file", "s3"])
-def objects(request: pytest.FixtureRequest, tmp_path: Path) -> Objects:
+def objects(request: pytest.FixtureRequest, tmp_path: Path) -> ObjectStore:
     if request.param == "s3":
         request.getfixturevalue("s3")
-        return Objects("s3://night/renders/of")
-    return Objects(f"file://{tmp_path}/objects")
+        return ObjectStore("s3://night/renders/of")
+    return ObjectStore(f"file://{tmp_path}/objects")
 
 
-def _damage(objects: Objects, name: str, data: bytes) -> None:
+def _damage(objects: ObjectStore, name: str, data: bytes) -> None:
     obstore.put(objects._store, name, data)
 
 
-def test_what_goes_in_comes_out(objects: Objects, tmp_path: Path) -> None:
+def test_what_goes_in_comes_out(objects: ObjectStore, tmp_path: Path) -> None:
     (tmp_path / "in").write_bytes(DATA)
     assert objects.size("a/b") is None
     with pytest.raises(NotFound):
@@ -96,7 +96,7 @@ def test_what_goes_in_comes_out(objects: Objects, tmp_path: Path) -> None:
     assert (tmp_path / "out").read_bytes() == DATA
 
 
-def test_damage_is_found_and_leaves_nothing(objects: Objects, tmp_path: Path) -> None:
+def test_damage_is_found_and_leaves_nothing(objects: ObjectStore, tmp_path: Path) -> None:
     (tmp_path / "here").mkdir()
     for damaged in (DATA[:-1] + b"x", DATA[:-1], b"", DATA + DATA):
         _damage(objects, "a/b", damaged)
@@ -105,7 +105,7 @@ def test_damage_is_found_and_leaves_nothing(objects: Objects, tmp_path: Path) ->
     assert list((tmp_path / "here").iterdir()) == []
 
 
-def test_blobs_come_back_from_the_object_store(objects: Objects, tmp_path: Path) -> None:
+def test_blobs_come_back_from_the_object_store(objects: ObjectStore, tmp_path: Path) -> None:
     first = BlobStore(tmp_path / "first", objects)
     assert first.put(DATA) == SHA256
     second = BlobStore(tmp_path / "second", objects)
@@ -123,9 +123,9 @@ def test_blobs_come_back_from_the_object_store(objects: Objects, tmp_path: Path)
 
 
 def test_a_blob_that_can_not_be_put_there_is_not_said_to_be_here(s3: S3Server, tmp_path: Path) -> None:
-    blobs = BlobStore(tmp_path / "blobs", Objects("s3://night/x"))
+    blobs = BlobStore(tmp_path / "blobs", ObjectStore("s3://night/x"))
     s3.kill()
-    with pytest.raises(ObjectsUnavailable), blobs.writer(SHA256, len(DATA)) as writer:
+    with pytest.raises(ObjectStoreUnavailable), blobs.writer(SHA256, len(DATA)) as writer:
         writer.write(DATA)
     assert not BlobStore(tmp_path / "blobs").has(SHA256)
 
@@ -135,11 +135,11 @@ def test_a_blob_that_can_not_be_put_there_is_not_said_to_be_here(s3: S3Server, t
 )
 def test_other_addresses_are_refused(url: str) -> None:
     with pytest.raises(InputError, match="expected s3://BUCKET/PREFIX"):
-        Objects(url)
+        ObjectStore(url)
 
 
 async def test_a_service_that_lost_its_files_has_them_still(
-    objects: Objects, tmp_path: Path, body: dict[str, Any]
+    objects: ObjectStore, tmp_path: Path, body: dict[str, Any]
 ) -> None:
     """Upload, compile, finish; then the data folder's files are gone: scene, mesh and images come back."""
     data = tmp_path / "data"

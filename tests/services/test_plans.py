@@ -9,7 +9,7 @@ import grpc
 import httpx
 import pytest
 from nocturne.v1 import render_service_pb2, render_service_pb2_grpc
-from nocturne_api import planning
+from nocturne_api.preflight import pool as planning
 from nocturne_api.service import Service
 from nocturne_client import Client
 
@@ -89,7 +89,7 @@ def _plans_running() -> list[str]:
             parent = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
         except (OSError, ValueError):
             continue
-        if "nocturne_api.plan_child" in words and parent == _own_pid():
+        if "nocturne_api.preflight.child" in words and parent == _own_pid():
             found.append(" ".join(words))
     return found
 

@@ -16,7 +16,7 @@ from nocturne.v1 import render_service_pb2_grpc as render_grpc
 from nocturne_api import limits
 from nocturne_api.rest import app as rest_app
 from nocturne_api.service import Service, Settings, open_service
-from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder
 
 from tests.services.doors import grpc_channel, rest_client, running
 

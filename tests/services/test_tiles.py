@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
-from nocturne_coordinator.data_folder import DataFolder
-from nocturne_coordinator.images import Provenance, write_image
+from nocturne_coordinator.output.images import Provenance, write_image
+from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger, RenderCommit, TileRow, Totals
 from nocturne_coordinator.store.ownership import Ownership
 

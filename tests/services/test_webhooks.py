@@ -19,8 +19,8 @@ from nocturne.v1 import render_service_pb2_grpc
 from nocturne_api.service import Service, Settings, open_service
 from nocturne_api.webhook_sender import PAUSES_S, WebhookSender
 from nocturne_api.webhook_targets import TargetRefused, TargetRules
-from nocturne_coordinator.data_folder import DataFolder
-from nocturne_coordinator.errors import InputError
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_scene.errors import InputError
 from standardwebhooks import Webhook, WebhookVerificationError
 
 from tests.services.doors import grpc_channel, rest_client

@@ -16,7 +16,7 @@ from tests.system.service_processes import ServiceProcesses
 from tests.system.waiting import LIMIT_S, wait_for
 
 ROOT = Path(__file__).parents[2]
-CORNELL = ROOT / "scenes" / "cornell" / "scene.json"
+CORNELL = ROOT / "examples" / "cornell" / "scene.json"
 
 # 12 tiles, 9 ranges each; the last two hold more than half of the four million photons, so much is left
 # to do when the first ranges are committed.

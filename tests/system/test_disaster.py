@@ -6,8 +6,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from nocturne_coordinator.checkpoint import checkpoints
-from nocturne_coordinator.images import manifest_of
+from nocturne_coordinator.output.images import manifest_of
+from nocturne_coordinator.store.checkpoint import checkpoints
 
 from tests.system.images import Image, differing_values
 from tests.system.renders import RANGES, finished_image, submit, wait_for_more_ranges

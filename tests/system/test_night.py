@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from nocturne_coordinator.images import manifest_of
+from nocturne_coordinator.output.images import manifest_of
 
 from tests.coordinator.service import read_manifest
 from tests.system.images import Image, differing_values

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import typer
-from nocturne_client.cli.plan_command import plan
+from nocturne_client.cli.preflight_command import plan
 from nocturne_client.local.render import render_scene
 
 from tests.system.images import Image

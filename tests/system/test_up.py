@@ -10,7 +10,7 @@ from typing import Any
 import httpx
 import pytest
 from nocturne_client import Client
-from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder
 
 from tests.system.images import Image, differing_values
 from tests.system.program import is_running

@@ -8,7 +8,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
-from .database import Database
+from nocturne_coordinator.store.database import Database
 
 # Apart from the other tables and their schema's number: who does not know this one can leave it out.
 _SCHEMA = (

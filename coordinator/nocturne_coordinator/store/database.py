@@ -187,7 +187,7 @@ ALTER TABLE tile ADD COLUMN revision INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE tile ADD COLUMN rejected INTEGER NOT NULL DEFAULT 0;
 CREATE INDEX tile_by_revision ON tile (render_id, revision, tile_index);
 
--- How the variance is spread over pixels: see coordinator/nocturne_coordinator/images.py, Spread.
+-- How the variance is spread over pixels: see coordinator/nocturne_coordinator/output/images.py, Spread.
 ALTER TABLE error_point ADD COLUMN worst_share REAL NOT NULL DEFAULT 0;
 ALTER TABLE error_point ADD COLUMN effective_pixels REAL NOT NULL DEFAULT 0;
 ALTER TABLE render ADD COLUMN worst_share REAL NOT NULL DEFAULT 0;

@@ -7,18 +7,17 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from nocturne.v1 import job_pb2
+from nocturne_scene.ranges import TileGrid
 
+from nocturne_coordinator.dispatch.forecast import UNKNOWN, Forecast
+from nocturne_coordinator.dispatch.region import Region
+from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_coordinator.errors import LeaseLost
-from nocturne_coordinator.forecast import UNKNOWN, Forecast
 from nocturne_coordinator.limits import DEFAULT_PRIORITY
-from nocturne_coordinator.plan import TileGrid
-from nocturne_coordinator.region import Region
-from nocturne_coordinator.stopping import EVERYTHING, StopConditions
-
-from .database import Database
-from .events import note_worker
-from .ownership import Ownership
-from .rows import ErrorPoint, RenderState, WorkerRow
+from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.events import note_worker
+from nocturne_coordinator.store.ownership import Ownership
+from nocturne_coordinator.store.rows import ErrorPoint, RenderState, WorkerRow
 
 _LARGEST = 2**63 - 1
 _OPEN_COLUMNS = """id, state, scene_sha256, engine, plan, photons, rays, rejected, cpu_seconds, audited,

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Sequence
 
-from .database import Database
+from nocturne_coordinator.store.database import Database
 
 # Apart from the other tables and their schema's number: who does not know this one can leave it out.
 _SCHEMA = """CREATE TABLE IF NOT EXISTS removal (

@@ -5,8 +5,8 @@ from enum import StrEnum
 
 from nocturne.v1 import job_pb2
 
+from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_coordinator.limits import DEFAULT_PRIORITY
-from nocturne_coordinator.stopping import EVERYTHING, StopConditions
 
 UNKNOWN_CLASS = "unknown"
 """Numeric class of workers that don't tell theirs."""

@@ -6,10 +6,11 @@ import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from nocturne_coordinator.errors import Conflict, InputError, NotFound
-from nocturne_coordinator.limits import DEFAULT_PRIORITY, MAXIMUM_NAME, MAXIMUM_PRIORITY
+from nocturne_scene.errors import InputError, NotFound
 
-from .database import Database
+from nocturne_coordinator.errors import Conflict
+from nocturne_coordinator.limits import DEFAULT_PRIORITY, MAXIMUM_NAME, MAXIMUM_PRIORITY
+from nocturne_coordinator.store.database import Database
 
 SCOPES = ("read", "submit", "worker", "admin")
 """read: see everything. submit: read, upload, and do anything to one's own renders. worker: fetch assets.

@@ -10,9 +10,9 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from nocturne_coordinator.errors import InputError, NotFound
+from nocturne_scene.errors import InputError, NotFound
 
-from .database import Database
+from nocturne_coordinator.store.database import Database
 
 TOLD_STATES = ("SUCCEEDED", "STOPPED_EARLY", "DEGRADED", "FAILED")
 """Ends that somebody waits for; who cancels a render knows."""

@@ -9,10 +9,10 @@ from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from pathlib import Path
 
-from nocturne_coordinator.data_folder import DataFolder
-from nocturne_coordinator.errors import NotFound
-from nocturne_coordinator.objects import Objects, ObjectsUnavailable
 from nocturne_coordinator.store.archive import Archived
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.object_store import ObjectStore, ObjectStoreUnavailable
+from nocturne_scene.errors import NotFound
 
 from nocturne_api.background import Background
 
@@ -27,7 +27,7 @@ class Archiver(Background):
     """One for each API process with an object store; they share the work."""
 
     def __init__(
-        self, folder: DataFolder, in_database: Callable[..., Awaitable[object]], objects: Objects
+        self, folder: DataFolder, in_database: Callable[..., Awaitable[object]], objects: ObjectStore
     ) -> None:
         """`in_database` runs a call where the data folder's calls run."""
         self._folder = folder
@@ -36,7 +36,7 @@ class Archiver(Background):
 
     async def fetch(self, render_id: str, file: Path) -> None:
         """Gets a file back that is missing here, if it is in the object store. Raises
-        ObjectsUnavailable."""
+        ObjectStoreUnavailable."""
         found = await self._in_database(self._folder.archive.file, render_id, file.name)
         if isinstance(found, Archived):
             file.parent.mkdir(parents=True, exist_ok=True)
@@ -49,7 +49,7 @@ class Archiver(Background):
             try:
                 while render_id := await self._in_database(self._folder.archive.take_due, _LEASE_S):
                     await self._copy(str(render_id))
-            except (ObjectsUnavailable, OSError) as error:
+            except (ObjectStoreUnavailable, OSError) as error:
                 _log.warning("images are copied later: %s", error)
             except Exception:
                 _log.exception("images are copied later")

@@ -5,8 +5,9 @@ import sqlite3
 from dataclasses import dataclass
 
 import grpc
-from nocturne_coordinator.errors import Conflict, InputError, NocturneError, NotFound, Problem, WrongState
-from nocturne_coordinator.objects import ObjectsUnavailable
+from nocturne_coordinator.errors import Conflict, WrongState
+from nocturne_coordinator.store.object_store import ObjectStoreUnavailable
+from nocturne_scene.errors import InputError, NocturneError, NotFound, Problem
 
 from nocturne_api.limits import PROBLEM_CHARACTERS, PROBLEMS_PER_ANSWER
 
@@ -77,7 +78,7 @@ TABLE: tuple[tuple[type[Exception], Kind], ...] = (
     (TooMany, Kind("TOO_MANY", "Too many calls", 429, grpc.StatusCode.RESOURCE_EXHAUSTED)),
     (Overloaded, Kind("OVERLOADED", "Too much at once", 503, grpc.StatusCode.UNAVAILABLE)),
     (
-        ObjectsUnavailable,
+        ObjectStoreUnavailable,
         Kind("STORE", "The object store does not answer", 503, grpc.StatusCode.UNAVAILABLE),
     ),
     (

@@ -1,6 +1,6 @@
 """What callers can ask of the API process, with reasons. Renders have the coordinator's bounds."""
 
-from nocturne_coordinator.limits import MAXIMUM_SCENE_BYTES
+from nocturne_scene.limits import MAXIMUM_SCENE_BYTES
 
 MEBIBYTE = 1024 * 1024
 

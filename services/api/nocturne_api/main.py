@@ -8,11 +8,11 @@ import signal
 import sys
 from pathlib import Path
 
-from nocturne_coordinator.errors import NocturneError
 from nocturne_coordinator.log_lines import write_log_lines
+from nocturne_scene.errors import NocturneError
 
 from nocturne_api.addresses import AddressError
-from nocturne_api.compiling import CompileLimits
+from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.service import Settings, open_service
 
 _log = logging.getLogger("nocturne_api")

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from nocturne_coordinator.data_folder import DataFolder, RenderState
+from nocturne_coordinator.store.data_folder import DataFolder, RenderState
 from prometheus_client import CollectorRegistry, generate_latest
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
 

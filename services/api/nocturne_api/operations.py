@@ -10,19 +10,25 @@ from functools import partial
 from pathlib import Path
 from typing import Any, ParamSpec, Self, TypeVar
 
-from nocturne_coordinator.data_folder import DataFolder, RenderRow
-from nocturne_coordinator.errors import FilesGone, InputError, NotFound
-from nocturne_coordinator.limits import MAXIMUM_PAGE, MAXIMUM_RANGES
-from nocturne_coordinator.objects import Objects
-from nocturne_coordinator.region import Region
-from nocturne_coordinator.removal import delete_render
+from nocturne_coordinator.dispatch.region import Region
+from nocturne_coordinator.errors import FilesGone
+from nocturne_coordinator.limits import MAXIMUM_PAGE
+from nocturne_coordinator.store.data_folder import DataFolder, RenderRow
+from nocturne_coordinator.store.object_store import ObjectStore
+from nocturne_coordinator.store.removal import delete_render
+from nocturne_scene.errors import InputError, NotFound
+from nocturne_scene.limits import MAXIMUM_RANGES
 
 from nocturne_api import limits, uploads
 from nocturne_api.access import CALLER, Caller, caller_of
 from nocturne_api.archiver import Archiver
-from nocturne_api.compiling import CompileLimits, prepare
+from nocturne_api.compiling.pool import CompileLimits, prepare
 from nocturne_api.errors import Overloaded, failure_of
-from nocturne_api.intake import (
+from nocturne_api.metrics import metrics_text
+from nocturne_api.open_file import OpenFile, open_file
+from nocturne_api.preflight.pool import PlanRequest, plan_in_child
+from nocturne_api.status_reason import sentence, situation_of
+from nocturne_api.submission import (
     CreateRequest,
     checked_stop,
     compiled,
@@ -30,9 +36,6 @@ from nocturne_api.intake import (
     raise_if,
     request_id_problems,
 )
-from nocturne_api.metrics import metrics_text
-from nocturne_api.open_file import OpenFile, open_file
-from nocturne_api.planning import PlanRequest, plan_in_child
 from nocturne_api.sweeper import Sweeper
 from nocturne_api.tiles import Cursor, TileAnswers, Tiles, encode, runs, tiles_per_answer
 from nocturne_api.views import (
@@ -52,7 +55,6 @@ from nocturne_api.views import (
 from nocturne_api.watching import Watchers, states
 from nocturne_api.webhook_sender import WebhookSender
 from nocturne_api.webhook_targets import TargetRules
-from nocturne_api.why import sentence, situation_of
 
 _P = ParamSpec("_P")
 _T = TypeVar("_T")
@@ -87,7 +89,7 @@ class Operations:
         self._webhook_rules = webhook_rules
         self._webhooks = WebhookSender(folder.webhooks, self._in_database, webhook_rules)
         self._webhooks.start()
-        objects = folder.blobs.objects
+        objects = folder.object_store
         self._archiver = None if objects is None else Archiver(folder, self._in_database, objects)
         if self._archiver is not None:
             self._archiver.start()
@@ -100,7 +102,7 @@ class Operations:
         path: Path,
         compile_limits: CompileLimits | None = None,
         webhook_rules: TargetRules | None = None,
-        objects: Objects | None = None,
+        objects: ObjectStore | None = None,
     ) -> Self:
         """Opens the data folder at `path`, making it if need be."""
         database = ThreadPoolExecutor(max_workers=1, thread_name_prefix="data-folder")

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import grpc
 import uvicorn
-from nocturne_coordinator.objects import Objects
+from nocturne_coordinator.store.object_store import ObjectStore
 
 from nocturne_api import limits
 from nocturne_api.addresses import AddressError, check_host, listen
-from nocturne_api.compiling import CompileLimits
+from nocturne_api.compiling.pool import CompileLimits
+from nocturne_api.grpc.server import GrpcDoor
 from nocturne_api.operations import Operations
 from nocturne_api.rest.app import build_rest
-from nocturne_api.rpc.server import GrpcDoor
 from nocturne_api.webhook_targets import Network, TargetRules
 
 # Running calls get this long when the service stops, seconds; streams are ended at once.
@@ -133,7 +133,7 @@ async def open_service(settings: Settings) -> Service:
     """A service on the data folder, not started yet. Raises AddressError, UnusableFolder."""
     compile_limits = CompileLimits(settings.compile_memory_bytes, settings.compile_seconds)
     rules = TargetRules(settings.webhook_networks)
-    objects = Objects(settings.objects) if settings.objects else None
+    objects = ObjectStore(settings.objects) if settings.objects else None
     operations = await Operations.open(settings.data, compile_limits, rules, objects)
     try:
         return Service(settings, operations)

@@ -3,9 +3,9 @@
 import asyncio
 import logging
 
-from nocturne_coordinator.data_folder import DataFolder
-from nocturne_coordinator.objects import ObjectsUnavailable
-from nocturne_coordinator.removal import sweep
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.object_store import ObjectStoreUnavailable
+from nocturne_coordinator.store.removal import sweep
 
 from nocturne_api.background import Background
 
@@ -24,7 +24,7 @@ class Sweeper(Background):
         """Now. What can't be done is told in the log, and tried again."""
         try:
             await asyncio.to_thread(sweep, self._folder)
-        except (ObjectsUnavailable, OSError) as error:
+        except (ObjectStoreUnavailable, OSError) as error:
             _log.warning("files of deleted renders are removed later: %s", error)
         except Exception:
             _log.exception("files of deleted renders are removed later")

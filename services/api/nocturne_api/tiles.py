@@ -15,11 +15,10 @@ from typing import Any
 
 import numpy as np
 from nocturne.v1 import job_pb2
-from nocturne_coordinator.data_folder import TileChange
-from nocturne_coordinator.errors import InputError
-from nocturne_coordinator.images import mean_xyz, variance_of_mean
-from nocturne_coordinator.merge import XYZ_SUMS
-from nocturne_coordinator.plan import TileGrid
+from nocturne_coordinator.output.images import mean_xyz, variance_of_mean
+from nocturne_coordinator.store.data_folder import TileChange
+from nocturne_scene.errors import InputError
+from nocturne_scene.ranges import XYZ_SUMS, TileGrid
 
 from nocturne_api.limits import TILE_ANSWERS_KEPT, TILES_ANSWER_BYTES
 

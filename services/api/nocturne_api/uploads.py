@@ -5,7 +5,7 @@ from collections.abc import AsyncIterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 
-from nocturne_coordinator.blobs import BlobStore
+from nocturne_scene.blobs import BlobStore
 
 from nocturne_api.limits import WRITE_BYTES
 

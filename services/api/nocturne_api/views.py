@@ -3,9 +3,9 @@
 from dataclasses import asdict
 from typing import Self
 
-from nocturne_coordinator.data_folder import RenderRow, RenderState, WorkerRow
-from nocturne_coordinator.region import Region
-from nocturne_coordinator.stopping import StopConditions
+from nocturne_coordinator.dispatch.region import Region
+from nocturne_coordinator.dispatch.stopping import StopConditions
+from nocturne_coordinator.store.data_folder import RenderRow, RenderState, WorkerRow
 from nocturne_coordinator.store.webhooks import Webhook
 from pydantic import BaseModel, ConfigDict, Field
 

@@ -13,8 +13,8 @@ from collections.abc import Awaitable, Callable, Sequence
 from datetime import UTC, datetime
 
 import httpx
-from nocturne_coordinator.errors import InputError
 from nocturne_coordinator.store.webhooks import WebhookMessage, Webhooks
+from nocturne_scene.errors import InputError
 from standardwebhooks import Webhook as Signer
 
 from nocturne_api.background import Background

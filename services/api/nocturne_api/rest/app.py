@@ -20,8 +20,8 @@ from nocturne_api.rest import (
     webhooks,
     workers,
 )
-from nocturne_api.rest.guards import Guards
 from nocturne_api.rest.lingering import Lingering
+from nocturne_api.rest.middleware import Guards
 from nocturne_api.rest.page import Page
 
 _ROUTERS = (renders, plans, images, events, session, assets, workers, webhooks, health, metrics, reference)

@@ -1,7 +1,7 @@
 """Files by content."""
 
 from fastapi import APIRouter, Request
-from nocturne_coordinator.errors import InputError
+from nocturne_scene.errors import InputError
 from pydantic import BaseModel, ConfigDict
 from starlette.responses import Response
 

@@ -6,7 +6,7 @@ from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Query
-from nocturne_coordinator.errors import InputError, NocturneError
+from nocturne_scene.errors import InputError, NocturneError
 from starlette.responses import Response, StreamingResponse
 
 from nocturne_api.limits import KEEP_ALIVE_S, RENDERS_PER_STREAM

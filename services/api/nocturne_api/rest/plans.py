@@ -6,7 +6,7 @@ from fastapi import APIRouter, Request
 from pydantic import BaseModel, ConfigDict, Field
 
 from nocturne_api.limits import CREATE_BODY_BYTES, PLAN_BUDGET_S
-from nocturne_api.planning import PlanRequest
+from nocturne_api.preflight.pool import PlanRequest
 from nocturne_api.rest.access import Service
 from nocturne_api.rest.bodies import read_json
 from nocturne_api.rest.renders import body_of

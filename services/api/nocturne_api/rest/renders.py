@@ -3,14 +3,14 @@
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
-from nocturne_coordinator.region import Region
+from nocturne_coordinator.dispatch.region import Region
 from pydantic import BaseModel, ConfigDict, Field
 from starlette.responses import Response
 
-from nocturne_api.intake import CreateRequest
 from nocturne_api.limits import CREATE_BODY_BYTES, SMALL_BODY_BYTES
 from nocturne_api.rest.access import Service
 from nocturne_api.rest.bodies import read_json
+from nocturne_api.submission import CreateRequest
 from nocturne_api.views import AtWorkView, ConvergenceView, ExplanationView, PageView, RenderView
 
 router = APIRouter(prefix="/v1/renders", tags=["renders"])

@@ -8,7 +8,7 @@ from pydantic import BaseModel
 from starlette.responses import JSONResponse, Response
 
 from nocturne_api.access import CALLER, secret_in
-from nocturne_api.rest.guards import TOKEN_COOKIE, TOKEN_PATH
+from nocturne_api.rest.middleware import TOKEN_COOKIE, TOKEN_PATH
 
 router = APIRouter(prefix="/v1", tags=["session"])
 

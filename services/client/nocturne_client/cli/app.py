@@ -6,10 +6,12 @@ import typer
 
 from nocturne_client.cli import (
     local_commands,
-    plan_command,
     service_commands,
     token_commands,
     webhook_commands,
+)
+from nocturne_client.cli import (
+    preflight_command as plan_command,
 )
 from nocturne_client.cli.output import ERRORS, ExitStatus, print_error
 from nocturne_client.errors import NocturneClientError, NotReachedError

@@ -150,7 +150,7 @@ def export_scene(
     ] = False,
 ) -> None:
     """Make another renderer's scene of a scene document."""
-    from nocturne_coordinator.exporting.compiled import Film
+    from nocturne_scene.formats.writing.compiled import Film
 
     from nocturne_client.local.exporting import export_to, report
 

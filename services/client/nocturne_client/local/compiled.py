@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from nocturne_coordinator.blobs import BlobStore
-from nocturne_coordinator.errors import InputError, NocturneError
-from nocturne_coordinator.plan import make_plan
-from nocturne_coordinator.scene.compiler import compile_scene
-from nocturne_coordinator.scene.document import check_document
-from nocturne_coordinator.scene_plan import plan_for_scene
+from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile.compiler import compile_scene
+from nocturne_scene.document.read import check_document
+from nocturne_scene.errors import InputError, NocturneError
+from nocturne_scene.ranges import make_plan
+from nocturne_scene.scene_ranges import plan_for_scene
 
 from nocturne_client.errors import NocturneClientError, Problem
 from nocturne_client.scene_files import SceneOnDisk, read_scene

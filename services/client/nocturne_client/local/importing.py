@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from nocturne_coordinator.errors import InputError
-from nocturne_coordinator.importing.import_scene import import_scene
-from nocturne_coordinator.importing.options import Imported, ImportOptions
+from nocturne_scene.errors import InputError
+from nocturne_scene.formats.import_scene import import_scene
+from nocturne_scene.formats.reading.options import Imported, ImportOptions
 
 from nocturne_client.errors import NocturneClientError, Problem
 

@@ -1,0 +1,241 @@
+"""What comes in on the results stream: checked, merged, audited or refused. No I/O; raises for no input."""
+
+import logging
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+
+from google.protobuf.message import DecodeError
+from nocturne.v1 import job_pb2
+
+from nocturne_coordinator.crash_points import crash_point
+from nocturne_coordinator.dispatch.audit import Auditor
+from nocturne_coordinator.dispatch.failure_policy import Faults
+from nocturne_coordinator.dispatch.failure_policy import Verdict as JobVerdict
+from nocturne_coordinator.dispatch.merge import RangeSums, Verdict
+from nocturne_coordinator.dispatch.planned_render import RefusedResult, check_partial
+from nocturne_coordinator.dispatch.profiles import class_of, refusal_of
+from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.dispatch.scheduler import JobKey, Schedule
+from nocturne_coordinator.limits import MAXIMUM_REASON, MAXIMUM_SET_ASIDE
+from nocturne_coordinator.store.ledger import SetAside
+
+_log = logging.getLogger(__name__)
+
+_LONGEST_NAME = 128
+
+
+@dataclass(slots=True)
+class Outcome:
+    """What is to be done after some results were taken in."""
+
+    settled: list[bytes] = field(default_factory=list)
+    """Result entries of no more use, once all that is merged by now is committed."""
+    render_id: str = ""
+    """The running render that they are of; empty: of none."""
+    withdrawn: list[bytes] = field(default_factory=list)
+    """Job entries to take off the stream: they are published again, or not needed any more."""
+    set_aside: list[tuple[str, SetAside]] = field(default_factory=list)
+    """By render, tiles that get no more samples."""
+    failed: dict[str, str] = field(default_factory=dict)
+    """Renders that can't be done, and why."""
+    quarantined: dict[str, str] = field(default_factory=dict)
+    """Workers whose results are not taken any more, and why."""
+    liars: set[str] = field(default_factory=set)
+    """Those of them whose earlier results are not to be trusted either."""
+
+
+class Intake:
+    """Takes results into the films of the running renders."""
+
+    def __init__(
+        self,
+        renders: dict[str, RunningRender],
+        schedule: Schedule,
+        auditor: Auditor,
+        faults: Faults,
+        is_open: Callable[[str], bool] = lambda _: False,
+        live: Callable[[str], Collection[str]] = lambda _: (),
+        threads: Callable[[], Mapping[str, int]] = dict,
+    ) -> None:
+        """Shares all with the coordinator. `is_open`: whether a render is some other coordinator's, or will
+        be. `live`: workers of a numeric class that take jobs; `threads`: of all that could, by class."""
+        self._is_open = is_open
+        self._live = live
+        self._threads = threads
+        self._renders = renders
+        self._schedule = schedule
+        self._auditor = auditor
+        self._faults = faults
+        self.quarantined: Collection[str] = ()
+        self.refused = 0
+        """Results that were not what a worker of ours sends."""
+
+    def take(self, entry: bytes, data: bytes, now: float) -> Outcome:
+        """One entry of the results stream; an early one is settled when it is merged."""
+        outcome = Outcome()
+        try:
+            result = job_pb2.JobResult.FromString(data)
+        except DecodeError:
+            self._refuse(entry, "it is no JobResult", outcome)
+            return outcome
+        render = self._renders.get(result.job.render_id)
+        if render is None:
+            if not self._is_open(result.job.render_id):
+                # Ended or cancelled a moment ago, most likely.
+                _log.debug("render=%s is not running; result dropped", result.job.render_id)
+                outcome.settled.append(entry)
+            return outcome
+        outcome.render_id = render.id
+        self._take_for(render, entry, result, now, outcome)
+        return outcome
+
+    def lost_worker(self, key: JobKey, worker: str) -> Outcome:
+        """A worker's process ended without a word while it had a job."""
+        outcome = Outcome(render_id=key.render_id)
+        if key.render_id in self._renders:
+            self._fail(
+                self._renders[key.render_id], key, worker, f"worker {worker} died of it", outcome, died=True
+            )
+        return outcome
+
+    def _take_for(
+        self, render: RunningRender, entry: bytes, result: job_pb2.JobResult, now: float, outcome: Outcome
+    ) -> None:
+        worker = result.worker_id[:_LONGEST_NAME]
+        try:
+            planned = render.planned.find(result.job)
+        except RefusedResult as refusal:
+            self._refuse_of(render, entry, f"worker={worker}: {refusal}", outcome)
+            return
+        key = JobKey(render.id, result.job.tile_index, planned.index)
+        if worker in self.quarantined:
+            self._refuse_of(render, entry, f"worker={worker} is in quarantine", outcome)
+            self._give_back(key, outcome)
+            return
+        numeric_class = class_of(result.numeric_class)
+        if reason := refusal_of(render.numeric_class, numeric_class, self._threads()):
+            self._refuse_of(render, entry, f"worker={worker} has {reason}", outcome)
+            self._give_back(key, outcome)
+            return
+        # The first jobs of a render have none.
+        if result.job.numeric_class not in ("", render.numeric_class):
+            self._refuse_of(render, entry, f"worker={worker}: the job has another numeric class", outcome)
+            return
+        if result.WhichOneof("outcome") == "failure":
+            outcome.settled.append(entry)
+            self._fail(render, key, worker, result.failure[:MAXIMUM_REASON], outcome)
+            return
+        try:
+            sums = check_partial(
+                result.partial,
+                result.job,
+                render.planned.sums_per_pixel,
+                render.planned.photons_per_sample,
+            )
+        except RefusedResult as refusal:
+            self._refuse_of(render, entry, f"worker={worker}: {refusal}", outcome)
+            self._fail(render, key, worker, f"worker {worker} sent {refusal}", outcome)
+            return
+        render.numeric_class = numeric_class
+        partial = result.partial
+        offered = RangeSums(
+            planned.index,
+            sums,
+            partial.photons,
+            partial.rays,
+            partial.rejected,
+            partial.cpu_seconds,
+            entry,
+            worker,
+        )
+        self._merge(render, key, offered, now, outcome, partial)
+
+    def _merge(
+        self,
+        render: RunningRender,
+        key: JobKey,
+        offered: RangeSums,
+        now: float,
+        outcome: Outcome,
+        partial: job_pb2.Partial,
+    ) -> None:
+        crash_point("received")
+        verdict, released, surplus = render.offer(key.tile_index, offered, now)
+        if verdict is Verdict.TOO_EARLY:
+            self._give_back(key, outcome)
+        else:
+            outcome.withdrawn.extend(self._schedule.received(key, now))
+        if verdict is Verdict.DUPLICATE:
+            self._compare(render, key, offered.worker, partial, outcome)
+        elif verdict is not Verdict.TOO_EARLY:
+            self._auditor.accepted(key, offered.worker, partial, lambda: self._live(render.numeric_class))
+            for guilty in self._faults.succeeded(key, offered.worker):
+                outcome.quarantined[guilty] = "It failed at three jobs that other workers could do."
+        if verdict in (Verdict.TOO_EARLY, Verdict.DUPLICATE):
+            outcome.settled.append(offered.entry)
+        if released:
+            crash_point("merged")
+            outcome.settled.extend(each.entry for each in (*released, *surplus))
+            self._schedule_after(render, key.tile_index, released[-1].index + 1, outcome)
+
+    def _schedule_after(self, render: RunningRender, tile_index: int, merged: int, outcome: Outcome) -> None:
+        if render.film.tiles[tile_index].closed:
+            outcome.withdrawn.extend(self._schedule.finish_tile(render.id, tile_index))
+        else:
+            self._schedule.expect(render.id, tile_index, render.film.horizon(tile_index))
+            self._schedule.merged(render.id, tile_index, merged)
+
+    def _compare(
+        self, render: RunningRender, key: JobKey, worker: str, partial: job_pb2.Partial, outcome: Outcome
+    ) -> None:
+        finding = self._auditor.again(key, worker, partial)
+        outcome.withdrawn.extend(finding.withdrawn)
+        if finding.agreed:
+            render.count_audited()
+        for liar in finding.liars:
+            place = f"tile {key.tile_index}, range {key.range_index} of {render.id}"
+            outcome.quarantined[liar] = f"Its result differs from that of two other workers: {place}."
+            outcome.liars.add(liar)
+
+    def _fail(
+        self,
+        render: RunningRender,
+        key: JobKey,
+        worker: str,
+        reason: str,
+        outcome: Outcome,
+        died: bool = False,
+    ) -> None:
+        if not self._schedule.is_outstanding(key):
+            # It was done elsewhere meanwhile; or it was an audit, which somebody else has to do.
+            outcome.withdrawn.extend(self._auditor.returned(key))
+            return
+        _log.warning("%s failed at worker=%s: %s", key, worker, reason)
+        verdict = self._faults.failed(key, worker, reason, self._live(render.numeric_class), died)
+        if verdict is None:
+            self._give_back(key, outcome)
+        else:
+            self._set_aside(render, key, verdict, outcome)
+
+    def _set_aside(self, render: RunningRender, key: JobKey, verdict: JobVerdict, outcome: Outcome) -> None:
+        planned = render.planned.ranges[key.range_index]
+        aside = SetAside(key.tile_index, planned.first, planned.end, verdict.reason, verdict.workers)
+        outcome.settled.extend(each.entry for each in render.put_aside(aside))
+        outcome.withdrawn.extend(self._schedule.finish_tile(render.id, key.tile_index))
+        outcome.set_aside.append((render.id, aside))
+        _log.error("render=%s tile=%d is set aside: %s", render.id, key.tile_index, verdict.reason)
+        if len(render.set_aside) >= min(MAXIMUM_SET_ASIDE, render.planned.grid.count):
+            outcome.failed[render.id] = verdict.reason
+
+    def _refuse_of(self, render: RunningRender, entry: bytes, reason: str, outcome: Outcome) -> None:
+        render.count_refused()
+        self._refuse(entry, f"render={render.id} {reason}", outcome)
+
+    def _refuse(self, entry: bytes, reason: str, outcome: Outcome) -> None:
+        self.refused += 1
+        _log.warning("result %s refused (%d so far): %s", entry.decode(), self.refused, reason)
+        outcome.settled.append(entry)
+
+    def _give_back(self, key: JobKey, outcome: Outcome) -> None:
+        outcome.withdrawn.extend(self._schedule.returned(key))
+        outcome.withdrawn.extend(self._auditor.returned(key))

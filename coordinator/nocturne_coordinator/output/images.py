@@ -1,0 +1,254 @@
+"""From sums to what people look at and measure: means, errors, EXR, PNG.
+
+Files hold nothing but content (no date, no host, no program version), so that equal images are equal files.
+"""
+
+import os
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from nocturne_scene.limits import MAXIMUM_FILM_PIXELS
+from nocturne_scene.ranges import XYZ_SUMS
+
+from nocturne_coordinator.dispatch.merge import Counts, Sums
+
+Pixels = npt.NDArray[np.float64]
+
+# IEC 61966-2-1: XYZ of white D65 to linear sRGB; transposed, for rows of pixels.
+_XYZ_TO_SRGB = np.array(
+    [
+        [3.2406, -1.5372, -0.4986],
+        [-0.9689, 1.8758, 0.0415],
+        [0.0557, -0.2040, 1.0570],
+    ],
+    dtype=np.float32,
+).T
+
+_MIDDLE_GREY = 0.18
+_WHITE_QUANTILE = 0.995
+# The quantile of every third pixel of every third row is good enough for an exposure.
+_STRIDE = 3
+
+_PNG_FILTER_NONE = 8
+
+LIVE_COMPRESSION = 0
+"""Of a PNG that is replaced in a second: noise hardly compresses, and not trying is ten times cheaper."""
+
+FINAL_COMPRESSION = 6
+
+THUMBNAIL_EDGE = 160
+"""Pixels: a list shows 72, screens have two for one, and a list of many must stay light."""
+
+
+@dataclass(frozen=True, slots=True)
+class Provenance:
+    """What an image was made of, written into it."""
+
+    scene_sha256: str
+    plan_json: str
+    engine: int
+    manifest: str = ""
+    """Samples of each tile where not all have what the plan ends with: see `manifest_text`."""
+    numeric_class: str = ""
+    """How all workers rounded."""
+
+
+def manifest_text(samples: Sequence[int]) -> str:
+    """Samples of each tile, row by row, as "64x3 128 64": runs of equal numbers are shortened."""
+    runs = [(value, len(list(run))) for value, run in groupby(samples)]
+    return " ".join(f"{value}x{length}" if length > 1 else f"{value}" for value, length in runs)
+
+
+def manifest_of(text: str) -> list[int]:
+    """What `manifest_text` was made of; ValueError for another text."""
+    samples: list[int] = []
+    for run in text.split():
+        value, _, length = run.partition("x")
+        count = int(length or 1)
+        if count > MAXIMUM_FILM_PIXELS:
+            raise ValueError(f"{run}: more tiles than any film has")
+        samples.extend([int(value)] * count)
+    return samples
+
+
+def mean_xyz(sums: Sums, counts: Counts) -> Pixels:
+    """Shape (height, width, 3); Y in cd/m2; 0 where there are no samples."""
+    return sums[..., :3] / np.maximum(counts, 1)[..., None]
+
+
+def mean_further_responses(sums: Sums, counts: Counts) -> Pixels:
+    """Shape (height, width, further responses); 0 where there are no samples."""
+    return sums[..., XYZ_SUMS:] / np.maximum(counts, 1)[..., None]
+
+
+def variance_of_mean(sums: Sums, counts: Counts) -> Pixels:
+    """Estimated variance of each pixel's mean Y, shape (height, width); 0 below two samples."""
+    n = np.maximum(counts, 2).astype(np.float64)
+    y = sums[..., 1]
+    variance: Pixels = np.maximum(0.0, (sums[..., 3] - y * y / n) / (n * (n - 1.0)))
+    variance[counts < 2] = 0.0
+    return variance
+
+
+def relative_error(sums: Sums, counts: Counts) -> float:
+    """Root mean square over pixels of Y's standard error relative to Y; 0 where unknown.
+
+    Each pixel's variance is divided by Y^2 + 0.01 M^2, M the image's mean Y: a lamp in the picture does not
+    drown the error of what it lights, and black pixels do not make it infinite.
+    """
+    variances = _relative_variances(sums, counts)
+    return 0.0 if variances is None else float(np.sqrt(np.mean(variances)))
+
+
+def _relative_variances(sums: Sums, counts: Counts) -> Pixels | None:
+    """What `relative_error` takes the mean of, shape (height, width); None where it is unknown."""
+    y = sums[..., 1] / np.maximum(counts, 1)
+    mean = float(np.mean(y))
+    if mean <= 0.0 or int(counts.min()) < 2:
+        return None
+    variances: Pixels = variance_of_mean(sums, counts) / (y * y + 0.01 * mean * mean)
+    return variances
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """An image's relative error, and how its square is spread over the pixels; all 0 where unknown."""
+
+    relative_error: float = 0.0
+    worst_share: float = 0.0
+    """Part of it that the worst 1 % of the pixels have, 0 to 1; about 0.03 where noise is even."""
+    effective_pixels: float = 0.0
+    """How many pixels carry it: (sum v)^2 / sum v^2, as Kish's effective sample size; all, where they are
+    equal. Where few do, the error is itself known badly: with 1/sqrt of them, relatively."""
+
+
+def spread_of(sums: Sums, counts: Counts) -> Spread:
+    """The error and how it is spread; the error is that of `relative_error`."""
+    variances = _relative_variances(sums, counts)
+    total = 0.0 if variances is None else float(np.sum(variances))
+    if variances is None or total <= 0.0:
+        return Spread()
+    flat = variances.ravel()
+    worst = max(1, flat.size // 100)
+    return Spread(
+        relative_error=float(np.sqrt(total / flat.size)),
+        worst_share=float(np.sum(np.partition(flat, flat.size - worst)[flat.size - worst :])) / total,
+        effective_pixels=total * total / float(np.dot(flat, flat)),
+    )
+
+
+def tone_map(sums: Sums, counts: Counts) -> npt.NDArray[np.uint8]:
+    """sRGB of shape (height, width, 3), exposed by the image itself.
+
+    Reinhard, Stark, Shirley, Ferwerda: "Photographic Tone Reproduction for Digital Images" (2002), equations
+    1, 2 and 4: the logarithmic mean of Y becomes middle grey, and much brighter pixels white.
+    """
+    xyz = sums[..., :3].astype(np.float32)
+    samples = np.maximum(counts, 1).astype(np.float32)
+    y = xyz[..., 1] / samples
+    lit = y[y > 0.0]
+    if lit.size == 0:
+        return np.zeros(xyz.shape, dtype=np.uint8)
+    exposure = _MIDDLE_GREY / float(np.exp(np.mean(np.log(lit), dtype=np.float64)))
+    y *= exposure
+    white = max(1.0, float(np.quantile(y[::_STRIDE, ::_STRIDE], _WHITE_QUANTILE)))
+    scale = (exposure / samples) * (1.0 + y / white**2) / (1.0 + y)
+    linear = xyz.reshape(-1, 3) @ _XYZ_TO_SRGB
+    linear *= scale.astype(np.float32).reshape(-1, 1)
+    steps = np.clip(linear, 0.0, 1.0, out=linear)
+    steps *= _SRGB_STEPS
+    encoded: npt.NDArray[np.uint8] = _SRGB_BYTES[(steps + 0.5).astype(np.uint16)]
+    return encoded.reshape(xyz.shape)
+
+
+def _srgb_curve(linear: Pixels) -> npt.NDArray[np.uint8]:
+    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return np.rint(encoded * 255.0).astype(np.uint8)
+
+
+# The sRGB curve as a table: a power per channel would be half of a preview's cost. 2^14 steps are enough to
+# tell dark bytes apart.
+_SRGB_STEPS = 2**14
+_SRGB_BYTES = _srgb_curve(np.linspace(0.0, 1.0, _SRGB_STEPS + 1))
+
+
+def write_preview(path: Path, sums: Sums, counts: Counts, compression: int) -> None:
+    """Replaces a tone-mapped PNG, at once."""
+    pixels = tone_map(sums, counts)
+    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, "uint8")
+    spec.attribute("png:compressionLevel", compression)
+    if compression == LIVE_COMPRESSION:
+        spec.attribute("png:filter", _PNG_FILTER_NONE)
+    _write(path, spec, pixels)
+
+
+def write_thumbnail(path: Path, sums: Sums, counts: Counts) -> None:
+    """Replaces a tone-mapped PNG of at most THUMBNAIL_EDGE pixels a side, each the mean of a square."""
+    size = -(-max(counts.shape) // THUMBNAIL_EDGE)
+    height, width = (max(1, edge // size) for edge in counts.shape)
+    rows, columns = min(size, counts.shape[0]), min(size, counts.shape[1])
+    area = (slice(height * rows), slice(width * columns))
+    squares = (height, rows, width, columns)
+    # Rows first: whole lines of memory are added, which is several times faster than both axes at once.
+    lines = sums[area].reshape(height, rows, -1).sum(axis=1)
+    small = lines.reshape(height, width, columns, -1)[..., :XYZ_SUMS].sum(axis=2)
+    number = counts[area].reshape(squares).sum(axis=(1, 3), dtype=np.uint32)
+    write_preview(path, small, number, FINAL_COMPRESSION)
+
+
+def write_image(
+    path: Path, sums: Sums, counts: Counts, provenance: Provenance, further_responses: Sequence[str] = ()
+) -> None:
+    """Replaces the EXR, at once: channels X, Y, Z, Y.stderr (float), n (uint), further responses (float)."""
+    height, width = counts.shape
+    names = ("X", "Y", "Z", "Y.stderr", "n", *further_responses)
+    spec = oiio.ImageSpec(width, height, len(names), "float")
+    spec.channelnames = names
+    spec.channelformats = tuple("uint" if name == "n" else "float" for name in names)
+    spec.attribute("compression", "zip")
+    # Left to itself, OpenImageIO writes the time of day.
+    spec.attribute("DateTime", "")
+    spec.attribute("chromaticities", "float[8]", (1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0 / 3.0, 1.0 / 3.0))
+    spec.attribute("whiteLuminance", 1.0)
+    spec.attribute("nocturne:scene", provenance.scene_sha256)
+    spec.attribute("nocturne:plan", provenance.plan_json)
+    spec.attribute("nocturne:engine", provenance.engine)
+    spec.attribute("nocturne:numericClass", provenance.numeric_class)
+    if provenance.manifest:
+        spec.attribute("nocturne:tileSamples", provenance.manifest)
+    _write(path, spec, _exr_channels(sums, counts))
+
+
+def _exr_channels(sums: Sums, counts: Counts) -> Pixels:
+    channels = np.empty((*counts.shape, sums.shape[-1] + 1))
+    channels[..., :3] = mean_xyz(sums, counts)
+    channels[..., 3] = np.sqrt(variance_of_mean(sums, counts))
+    # OpenImageIO takes one type for all channels and maps 1.0 to the largest uint, in 24 bits of mantissa:
+    # exact up to 2^24 samples, and for every multiple of 4096, which all longer ranges but a last one end on.
+    channels[..., 4] = counts / float(2**32 - 1)
+    channels[..., 5:] = mean_further_responses(sums, counts)
+    return channels
+
+
+def _write(path: Path, spec: oiio.ImageSpec, pixels: npt.NDArray[np.generic]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=path.suffix)
+    os.close(descriptor)
+    temporary = Path(name)
+    try:
+        output = oiio.ImageOutput.create(name)
+        if output is None:
+            raise OSError(f"can't write {path}: {oiio.geterror()}")
+        written = output.open(name, spec) and output.write_image(pixels) and output.close()
+        if not written:
+            raise OSError(f"can't write {path}: {output.geterror()}")
+        temporary.chmod(0o644)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)

@@ -1,0 +1,63 @@
+"""What somebody needs to see a failure again: one file for each tile that was set aside."""
+
+import json
+import tempfile
+import zipfile
+from pathlib import Path
+
+from google.protobuf.json_format import MessageToJson
+from nocturne_scene.ranges import SampleRange
+
+from nocturne_coordinator.dispatch.planned_render import PlannedRender
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.ledger import SetAside
+
+_README = """\
+Tile {tile}, samples {first} to {end} of render {render} failed on: {workers}.
+
+    {reason}
+
+To see it again, with the blobs of the service's data folder:
+
+    nocturne-trace scene.pb --job job.pb --blobs DATA/blobs -o sums.bin
+
+scene.json  the scene document            scene.pb  compiled
+job.json    the job that failed           job.pb    the same, as workers get it
+plan.pb     of the whole image            failure.json  what was said
+"""
+
+
+def write_bundle(folder: DataFolder, render: PlannedRender, aside: SetAside) -> Path:
+    """Writes it beside the render's images, whole or not at all; OSError where that can't be done."""
+    target = folder.bundle_path(render.id, aside.tile_index)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    planned = render.ranges.find(aside.first_sample, aside.end_sample)
+    job = render.job(aside.tile_index, planned or SampleRange(0, aside.first_sample, aside.end_sample))
+    failure = {"reason": aside.reason, "workers": aside.workers}
+    words = _README.format(
+        tile=aside.tile_index,
+        first=aside.first_sample,
+        end=aside.end_sample,
+        render=render.id,
+        workers=", ".join(aside.workers),
+        reason=aside.reason,
+    )
+    with tempfile.NamedTemporaryFile(dir=target.parent, prefix=".", suffix=".zip", delete=False) as file:
+        temporary = Path(file.name)
+        try:
+            with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as bundle:
+                bundle.writestr("README.txt", words)
+                bundle.writestr("job.json", MessageToJson(job))
+                bundle.writestr("job.pb", job.SerializeToString(deterministic=True))
+                bundle.writestr("plan.pb", render.plan.SerializeToString(deterministic=True))
+                bundle.writestr("failure.json", json.dumps(failure))
+                bundle.writestr("scene.json", folder.scene_document(render.id))
+                scene = render.scene.hex()
+                if folder.blobs.has(scene):
+                    bundle.write(folder.blobs.path(scene), "scene.pb")
+            temporary.chmod(0o644)
+            temporary.replace(target)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
+    return target

@@ -1,0 +1,71 @@
+"""Any format in, a folder with a scene document and its files out."""
+
+import shutil
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from nocturne_scene.errors import InputError
+from nocturne_scene.formats.gltf.read import import_gltf
+from nocturne_scene.formats.mitsuba.read import import_mitsuba
+from nocturne_scene.formats.pbrt.read import import_pbrt
+from nocturne_scene.formats.reading.findings import Findings
+from nocturne_scene.formats.reading.options import Imported, ImportOptions
+from nocturne_scene.formats.reading.scene_writer import DOCUMENT, SceneWriter
+
+Importer = Callable[[Path, SceneWriter, Findings, ImportOptions], None]
+
+FORMATS: dict[str, Importer] = {
+    ".xml": import_mitsuba,
+    ".pbrt": import_pbrt,
+    ".pbrt.gz": import_pbrt,
+    ".gltf": import_gltf,
+    ".glb": import_gltf,
+}
+"""Importers by the end of a file's name."""
+
+
+def import_scene(file: Path, folder: Path, options: ImportOptions) -> Imported:
+    """Make `folder`, which must not exist or be empty, with the scene that `file` describes.
+
+    Raises InputError: the file is wrong, or (without `allow_missing`) something in it has no equal here; then
+    nothing is left behind.
+    """
+    importer = next((found for end, found in FORMATS.items() if file.name.lower().endswith(end)), None)
+    if importer is None:
+        raise InputError.at(str(file), f"expected a file that ends in {', '.join(FORMATS)}")
+    if not file.is_file():
+        raise InputError.at(str(file), "no such file")
+    root = options.root or file.parent
+    if not file.resolve().is_relative_to(root.resolve()):
+        raise InputError.at(str(file), f"lies outside of {root}")
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise InputError.at(str(folder), "exists and is not an empty folder")
+    if not folder.absolute().parent.is_dir():
+        raise InputError.at(str(folder.absolute().parent), "no such folder")
+    findings = Findings()
+    with tempfile.TemporaryDirectory(dir=folder.absolute().parent, prefix=".import-") as kept:
+        writer = SceneWriter(Path(kept) / "scene")
+        writer.folder.mkdir()
+        writer.document |= {"name": file.stem, "note": ""}
+        # What overflows is infinite, and refused where it is written.
+        with np.errstate(all="ignore"):
+            importer(file, writer, findings, options)
+        if not options.allow_missing:
+            findings.refuse_losses()
+        _describe(writer, findings)
+        writer.finish()
+        if folder.exists():
+            folder.rmdir()
+        shutil.move(writer.folder, folder)
+    return Imported(folder / DOCUMENT, writer.film, findings.notes, findings.losses)
+
+
+def _describe(writer: SceneWriter, findings: Findings) -> None:
+    film = writer.film
+    lines = [f"Imported; its film has {film.width} x {film.height} pixels."]
+    lines += findings.notes
+    lines += [f"missing: {loss}" for loss in findings.losses]
+    writer.document["note"] = "\n".join(lines)[:20_000]
