@@ -19,7 +19,7 @@ STAMPS := build/stamps
 # Neighbours in a file stay together, for what they share, until a process has nothing left to do.
 PROCESSES := --dist worksteal --numprocesses
 
-.PHONY: help packages venv proto web worker build demo stop test check check-types check-page check-form format unit system screenshots soak fuzz references peers stability plans sanitize bench lock docs clean
+.PHONY: help packages venv proto web worker build demo stop test check check-types check-page check-form format unit system screenshots soak fuzz references peers stability preflights sanitize bench lock docs clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -113,8 +113,8 @@ peers: build  ## Exported scenes rendered by another renderer, which is installe
 stability: build  ## Torture cases by every method; writes docs/stability.md (some ten minutes)
 	$(PYTHON) -m tests.stability
 
-plans: build  ## What the scenes of the repository need for 2 %; writes the table of docs/planning.md (half an hour)
-	$(PYTHON) -m bench.plans
+preflights: build  ## What the scenes of the repository need for 2 %; writes the table of docs/planning.md (half an hour)
+	$(PYTHON) -m bench.preflights
 
 sanitize: packages  ## C++ tests under the address and undefined-behaviour sanitizers
 	cd worker && cmake --preset sanitize --log-level=WARNING

@@ -18,15 +18,15 @@ from nocturne_scene.ranges import XYZ_SUMS
 
 from nocturne_coordinator import limits
 from nocturne_coordinator.crash_points import crash_point
-from nocturne_coordinator.dispatch.audit import LONGEST_WAIT, Auditor
-from nocturne_coordinator.dispatch.failure_policy import Faults
-from nocturne_coordinator.dispatch.profiles import should_start_anew, usual_class
-from nocturne_coordinator.dispatch.result_handler import Intake, Outcome
+from nocturne_coordinator.dispatch.audit import MAX_WAIT, Auditor
+from nocturne_coordinator.dispatch.failure_policy import FailurePolicy
+from nocturne_coordinator.dispatch.profiles import should_start_anew, usual_profile
+from nocturne_coordinator.dispatch.result_handler import Outcome, ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
-from nocturne_coordinator.dispatch.scheduler import SHORTEST_OVERDUE, Schedule
-from nocturne_coordinator.dispatcher import Traffic
+from nocturne_coordinator.dispatch.scheduler import MIN_OVERDUE, Scheduler
+from nocturne_coordinator.dispatcher import Dispatcher
 from nocturne_coordinator.errors import LeaseLost
-from nocturne_coordinator.output.previews import Pictures
+from nocturne_coordinator.output.previews import Previews
 from nocturne_coordinator.queue.job_queue import JobQueue, Session
 from nocturne_coordinator.store.bundle import write_bundle
 from nocturne_coordinator.store.data_folder import DataFolder
@@ -54,8 +54,8 @@ _ODD_SECONDS = 10.0
 holds as long, so all that are there have been seen."""
 
 _WAIT_MILLISECONDS = 100
-_SHORTEST_ROUND = 0.005
-_LONGEST_ROUND = 0.05
+_MIN_ROUND = 0.005
+_MAX_ROUND = 0.05
 _ROUNDS_PER_JOB = 3.0
 """Results that come one by one are taken together, which costs less; yet the window is filled several times
 in the time that a job takes through it, so no worker waits for that."""
@@ -72,28 +72,28 @@ class Coordinator:
         session: Session,
         commit_seconds: float = COMMIT_SECONDS,
         auditor: Auditor | None = None,
-        overdue_seconds: float = SHORTEST_OVERDUE,
+        overdue_seconds: float = MIN_OVERDUE,
     ) -> None:
         self._commit_seconds = commit_seconds
         self._folder = folder
         self._ledger = ledger
         self._renders: dict[str, RunningRender] = {}
-        self._schedule = Schedule(overdue_seconds)
+        self._scheduler = Scheduler(overdue_seconds)
         self._auditor = auditor or Auditor()
-        self._faults = Faults()
+        self._failure_policy = FailurePolicy()
         others = self._is_open
-        self._traffic = Traffic(queue, session, self._renders, self._schedule, self._auditor, others)
-        self._intake = Intake(
+        self._dispatcher = Dispatcher(queue, session, self._renders, self._scheduler, self._auditor, others)
+        self._result_handler = ResultHandler(
             self._renders,
-            self._schedule,
+            self._scheduler,
             self._auditor,
-            self._faults,
+            self._failure_policy,
             others,
-            self._traffic.live,
-            lambda: self._traffic.threads_by_class,
+            self._dispatcher.live,
+            lambda: self._dispatcher.threads_by_profile,
         )
         self._quarantine(ledger.quarantined())
-        self._pictures = Pictures(folder, ledger)
+        self._previews = Previews(folder, ledger)
         self._settled: dict[str, list[bytes]] = {}
         """Result entries to delete after the next commit, by render; under no render's name, of none."""
         self._coordinators = 1
@@ -118,8 +118,8 @@ class Coordinator:
                 stop.wait(_LOOK_SECONDS / 2)
             stop.wait(max(0.0, begun + self._shortest_round() - time.monotonic()))
         self._guarded_commit(time.monotonic())
-        self._traffic.exchange(time.monotonic(), time.time(), publish=False, wait_ms=1)
-        self._traffic.leave()
+        self._dispatcher.exchange(time.monotonic(), time.time(), publish=False, wait_ms=1)
+        self._dispatcher.leave()
         self._resign()
         _log.info("stopped; %d renders wait to be resumed", len(self._renders))
 
@@ -138,19 +138,19 @@ class Coordinator:
 
     def _shortest_round(self) -> float:
         """Seconds."""
-        wanted = self._schedule.typical_time / _ROUNDS_PER_JOB
-        return min(max(wanted, _SHORTEST_ROUND), _LONGEST_ROUND)
+        wanted = self._scheduler.typical_time / _ROUNDS_PER_JOB
+        return min(max(wanted, _MIN_ROUND), _MAX_ROUND)
 
     def _round(self, now: float) -> bool:
         """One turn of the loop; False if Redis did not answer."""
         if now >= self._next_look:
             self._look_at_folder(now)
         publish = not self._folder_trouble
-        entries = self._traffic.exchange(now, time.time(), publish, _WAIT_MILLISECONDS)
+        entries = self._dispatcher.exchange(now, time.time(), publish, _WAIT_MILLISECONDS)
         for entry, data in entries or []:
-            self._follow(self._intake.take(entry, data, time.monotonic()))
-        while self._traffic.lost:
-            self._follow(self._intake.lost_worker(*self._traffic.lost.pop()))
+            self._follow(self._result_handler.take(entry, data, time.monotonic()))
+        while self._dispatcher.lost:
+            self._follow(self._result_handler.lost_worker(*self._dispatcher.lost.pop()))
         now = time.monotonic()
         self._finish(now)
         if any(render.is_unseen for render in self._renders.values()):
@@ -173,7 +173,7 @@ class Coordinator:
             self._next_follow = now + _FOLLOW_SECONDS
             if not self._follow_folder(now):
                 return
-            self._pictures.finish_ended()
+            self._previews.finish_ended()
             self._seen_changes = changes
         except LeaseLost as lost:
             self._lose(lost.render_id)
@@ -187,29 +187,29 @@ class Coordinator:
             _log.info("%d coordinators work on the folder", coordinators)
             self._coordinators = coordinators
             self._seen_changes = -1
-        workers = self._traffic.workers
-        if (workers or self._traffic.in_step) and workers is not self._mirrored:
-            at_work = [(key.render_id, key.tile_index, worker) for key, worker in self._traffic.at_work]
+        workers = self._dispatcher.workers
+        if (workers or self._dispatcher.in_step) and workers is not self._mirrored:
+            at_work = [(key.render_id, key.tile_index, worker) for key, worker in self._dispatcher.at_work]
             self._ledger.mirror_workers(workers, at_work, time.time())
             self._mirrored = workers
         self._ledger.write_meters(
             {
                 "coordinator_seen": time.time(),
-                "redis_in_step": float(self._traffic.in_step),
+                "redis_in_step": float(self._dispatcher.in_step),
                 "folder_trouble": float(self._folder_trouble),
-                "worker_threads": self._traffic.threads,
-                "jobs_in_flight": self._schedule.in_flight,
-                "jobs_published": self._schedule.outstanding,
-                "results_waiting": self._traffic.results_waiting,
-                "result_seconds": self._traffic.longest_wait,
-                "results_refused": self._intake.refused,
-                "job_seconds": self._schedule.typical_time,
+                "worker_threads": self._dispatcher.threads,
+                "jobs_in_flight": self._scheduler.in_flight,
+                "jobs_published": self._scheduler.outstanding,
+                "results_waiting": self._dispatcher.results_waiting,
+                "result_seconds": self._dispatcher.longest_wait,
+                "results_refused": self._result_handler.refused,
+                "job_seconds": self._scheduler.typical_time,
                 "audits_agreed": self._auditor.agreed,
                 "audits_differing": self._auditor.mismatches,
                 "audits_given_up": self._auditor.given_up,
             }
         )
-        self._traffic.longest_wait = 0.0
+        self._dispatcher.longest_wait = 0.0
 
     def _follow_folder(self, now: float) -> bool:
         """Takes renders up and lets them go as the folder says; False if that has to wait."""
@@ -227,38 +227,40 @@ class Coordinator:
             return False
         # A commit may have found one of them lost.
         for render_id in [each for each in changed if each in self._renders]:
-            _log.info("render=%s %s", render_id, "has other plans" if render_id in rows else "let go")
+            _log.info("render=%s %s", render_id, "has other schedules" if render_id in rows else "let go")
             self._drop(render_id)
         part = -(-len(rows) // self._coordinators)
         self._pass_on(part)
         for row in self._ledger.open_renders() if changed else rows.values():
             if row.id in self._renders:
-                self._schedule.set_priority(row.id, row.priority)
+                self._scheduler.set_priority(row.id, row.priority)
                 self._look_first(row)
                 if row.state is RenderState.QUEUED:
                     # Paused and resumed between two looks: it runs as before.
                     self._ledger.start(row.id, self._renders[row.id].row.fence, time.time())
             elif row.holder in (0, self._ledger.number) and len(self._renders) < part:
                 self._admit(row)
-        self._traffic.share = _share_of(self._renders, rows.values())
-        classes = {render.id: render.numeric_class for render in self._renders.values()}
-        self._traffic.set_classes({classes.get(row.id, row.numeric_class) for row in rows.values()})
+        self._dispatcher.share = _share_of(self._renders, rows.values())
+        classes = {render.id: render.floating_point_profile for render in self._renders.values()}
+        self._dispatcher.set_profiles(
+            {classes.get(row.id, row.floating_point_profile) for row in rows.values()}
+        )
         return True
 
     def _start_odd_ones_anew(self, now: float) -> None:
         """A render whose first worker rounds as few others do, so that these can't help, loses its start."""
         for render in list(self._renders.values()):
-            threads, cpu_seconds = self._traffic.threads_by_class, render.totals.cpu_seconds
+            threads, cpu_seconds = self._dispatcher.threads_by_profile, render.totals.cpu_seconds
             # A replay is asked for with that very class.
             fixed = bool(render.row.stop.tile_samples)
-            if fixed or not should_start_anew(render.numeric_class, threads, cpu_seconds):
+            if fixed or not should_start_anew(render.floating_point_profile, threads, cpu_seconds):
                 self._odd_since.pop(render.id, None)
             elif now - self._odd_since.setdefault(render.id, now) >= _ODD_SECONDS:
                 if not self._guarded_commit(now) or render.id not in self._renders:
                     continue
                 _log.warning(
-                    "render=%s is started anew: it has numeric class %s, most workers %s",
-                    *(render.id, render.numeric_class, usual_class(threads)),
+                    "render=%s is started anew: it has floating-point profile %s, most workers %s",
+                    *(render.id, render.floating_point_profile, usual_profile(threads)),
                 )
                 self._ledger.start_anew(render.id, render.row.fence)
                 self._drop(render.id)
@@ -281,13 +283,13 @@ class Coordinator:
             self._drop(render_id, jobs_stay=is_open)
         results = self._settled.pop(render_id, [])
         if not is_open:
-            self._traffic.acknowledge(results)
+            self._dispatcher.acknowledge(results)
         # It may be ours to take again.
         self._seen_changes = -1
 
     def _quarantine(self, workers: dict[str, str]) -> None:
-        self._intake.quarantined = workers
-        self._traffic.quarantined = workers
+        self._result_handler.quarantined = workers
+        self._dispatcher.quarantined = workers
 
     def _admit(self, row: OpenRender) -> None:
         """Resumes a render, or starts it if there is room."""
@@ -320,7 +322,7 @@ class Coordinator:
             self._end(row, RenderState.FAILED, f"Its committed samples can't be read: {error}")
             return
         self._renders[row.id] = render
-        self._schedule.add(
+        self._scheduler.add(
             row.id,
             len(render.planned.ranges),
             render.merged_ranges,
@@ -331,7 +333,7 @@ class Coordinator:
             cost=render.cost,
         )
         if row.fence > 1:
-            self._traffic.welcome(row.id)
+            self._dispatcher.welcome(row.id)
         self._look_first(row)
         _log.info(
             "render=%s %s; %d of %d ranges are merged",
@@ -343,24 +345,24 @@ class Coordinator:
 
     def _look_first(self, row: OpenRender) -> None:
         grid = self._renders[row.id].planned.grid
-        self._schedule.set_first(row.id, row.look_first.tiles(grid) if row.look_first else frozenset())
+        self._scheduler.set_first(row.id, row.look_first.tiles(grid) if row.look_first else frozenset())
 
     def _has_room(self, row: OpenRender) -> bool:
         if not self._renders:
             return True
         held = sum(render.film.sums.size for render in self._renders.values())
-        wanted = row.plan.width * row.plan.height * (XYZ_SUMS + len(row.plan.further_responses))
-        return len(self._renders) < limits.MAXIMUM_RUNNING and held + wanted <= limits.MAXIMUM_RUNNING_SUMS
+        wanted = row.schedule.width * row.schedule.height * (XYZ_SUMS + len(row.schedule.further_responses))
+        return len(self._renders) < limits.MAX_RUNNING and held + wanted <= limits.MAX_RUNNING_SUMS
 
     def _drop(self, render_id: str, jobs_stay: bool = False) -> None:
         """Works on the render no more. `jobs_stay`: another coordinator will want its jobs and results."""
-        jobs = [*self._schedule.remove(render_id), *self._auditor.forget(render_id)]
-        self._faults.forget(render_id)
+        jobs = [*self._scheduler.remove(render_id), *self._auditor.forget(render_id)]
+        self._failure_policy.forget(render_id)
         self._audits_end.pop(render_id, None)
         self._odd_since.pop(render_id, None)
         render = self._renders.pop(render_id)
         if not jobs_stay:
-            self._traffic.withdraw(jobs)
+            self._dispatcher.withdraw(jobs)
             self._settled.setdefault(render_id, []).extend(render.waiting_entries())
         try:
             self._ledger.let_go(render_id, render.row.fence)
@@ -379,23 +381,23 @@ class Coordinator:
     def _follow(self, outcome: Outcome) -> None:
         """Does what a result calls for."""
         self._settled.setdefault(outcome.render_id, []).extend(outcome.settled)
-        self._traffic.withdraw(outcome.withdrawn)
+        self._dispatcher.withdraw(outcome.withdrawn)
         self._failed.update(outcome.failed)
-        for render_id, aside in outcome.set_aside:
+        for render_id, failed in outcome.failed_tiles:
             render = self._renders[render_id]
             try:
-                write_bundle(self._folder, render.planned, aside)
+                write_bundle(self._folder, render.planned, failed)
             except (OSError, NotFound) as trouble:
-                _log.error("render=%s tile=%d has no bundle: %s", render_id, aside.tile_index, trouble)
-        for worker in outcome.quarantined.keys() - self._traffic.quarantined.keys():
+                _log.error("render=%s tile=%d has no bundle: %s", render_id, failed.tile_index, trouble)
+        for worker in outcome.quarantined.keys() - self._dispatcher.quarantined.keys():
             reason = outcome.quarantined[worker]
             self._put_in_quarantine(worker, reason, worker in outcome.liars)
 
     def _put_in_quarantine(self, worker: str, reason: str, lied: bool) -> None:
         _log.error("worker=%s is in quarantine: %s", worker, reason)
-        self._quarantine({**self._traffic.quarantined, worker: reason})
+        self._quarantine({**self._dispatcher.quarantined, worker: reason})
         if not self._guarded_commit(time.monotonic()):
-            # It is still shut out here; should this process die now, another audit finds it.
+            # It is still incompatible here; should this process die now, another audit finds it.
             return
         self._ledger.quarantine(worker, reason, time.time())
         if lied:
@@ -434,9 +436,9 @@ class Coordinator:
         if not self._auditor.pending(render.id):
             return True
         witnesses = 3 if self._auditor.disputed(render.id) else 2
-        if len(self._traffic.live(render.numeric_class)) < witnesses:
+        if len(self._dispatcher.live(render.floating_point_profile)) < witnesses:
             return now >= self._audits_end.setdefault(render.id, now + _LONELY_SECONDS)
-        return now >= self._audits_end.setdefault(render.id, now + LONGEST_WAIT)
+        return now >= self._audits_end.setdefault(render.id, now + MAX_WAIT)
 
     def _end_failed(self) -> None:
         while self._failed:
@@ -451,7 +453,7 @@ class Coordinator:
         if render.id not in self._renders:
             return
         if render.totals.photons:
-            self._pictures.finish(render)
+            self._previews.finish(render)
         disputed = self._auditor.disputed(render.id)
         if disputed:
             key, workers = disputed[0]
@@ -502,9 +504,9 @@ class Coordinator:
         for render_id in self._ledger.lost(fences):
             self._lose(render_id)
         for entries in self._settled.values():
-            self._traffic.acknowledge(entries)
+            self._dispatcher.acknowledge(entries)
         self._settled = {}
-        self._pictures.refresh(self._renders.values())
+        self._previews.refresh(self._renders.values())
 
 
 def _is_lost(render: RunningRender, rows: Mapping[str, OpenRender]) -> bool:

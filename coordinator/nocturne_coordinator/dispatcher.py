@@ -11,11 +11,11 @@ from nocturne.v1 import job_pb2
 from nocturne_coordinator import limits
 from nocturne_coordinator.crash_points import crash_point
 from nocturne_coordinator.dispatch.audit import Auditor
-from nocturne_coordinator.dispatch.liveness import Lives, Sign
+from nocturne_coordinator.dispatch.liveness import Liveness, Sign
 from nocturne_coordinator.dispatch.planned_render import RefusedResult, render_of
-from nocturne_coordinator.dispatch.profiles import shut_out, threads_by_class
+from nocturne_coordinator.dispatch.profiles import incompatible, threads_by_profile
 from nocturne_coordinator.dispatch.running_render import RunningRender
-from nocturne_coordinator.dispatch.scheduler import JobKey, Schedule
+from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
 from nocturne_coordinator.queue.job_queue import FIRST, Entry, JobQueue, QueueError, Session
 from nocturne_coordinator.queue.worker_status import worker_row
 from nocturne_coordinator.store.rows import WorkerRow
@@ -29,12 +29,12 @@ _WORKERS_SECONDS = 4.0
 renewed is to be seen in its last six seconds (see lives.py)."""
 
 _OVERDUE_SECONDS = 5.0
-_SHORTEST_WAIT = 0.1
-_LONGEST_WAIT = 2.0
+_MIN_WAIT = 0.1
+_MAX_WAIT = 2.0
 _AUDIT_PART = 8
 """One audit for so many places of the window, at most, in one round."""
 
-_LARGEST_PUBLISH = 500
+_MAX_PUBLISH = 500
 """Jobs published before results are read again."""
 
 
@@ -49,7 +49,7 @@ class _Backlog:
     at: bytes = FIRST
 
 
-class Traffic:
+class Dispatcher:
     """Talks to Redis for the coordinator. No method raises for trouble with Redis: it is only waited out."""
 
     def __init__(
@@ -57,18 +57,18 @@ class Traffic:
         queue: JobQueue,
         session: Session,
         renders: dict[str, RunningRender],
-        schedule: Schedule,
+        scheduler: Scheduler,
         auditor: Auditor,
         is_open: Callable[[str], bool] = lambda _: False,
     ) -> None:
-        """Shares renders, schedule and auditor with the coordinator. `is_open`: whether a render is some
+        """Shares renders, scheduler and auditor with the coordinator. `is_open`: whether a render is some
         other coordinator's, or will be."""
         self._is_open = is_open
         self._queue = queue
         self._renders = renders
-        self._schedule = schedule
+        self._scheduler = scheduler
         self._auditor = auditor
-        self._lives = Lives()
+        self._liveness = Liveness()
         self._session = session
         self._last_result = FIRST
         self._results_done: list[bytes] = []
@@ -76,19 +76,19 @@ class Traffic:
         self._newcomers: set[str] = set()
         self._backlog: _Backlog | None = None
         self._in_step = False
-        self._wait = _SHORTEST_WAIT
+        self._wait = _MIN_WAIT
         self._next_attempt = 0.0
         self._next_attend = 0.0
         self._next_workers = 0.0
         self._next_overdue = 0.0
         self.quarantined: Mapping[str, str] = {}
         """Workers that are to take no jobs, and why."""
-        self._classes: Collection[str] = ()
-        self.shut_out: Mapping[str, str] = {}
+        self._profiles: Collection[str] = ()
+        self.incompatible: Mapping[str, str] = {}
         """Workers that are to take no jobs though they are not in quarantine, and why."""
         self.threads = 0
         """Of all workers that take jobs."""
-        self.threads_by_class: Mapping[str, int] = {}
+        self.threads_by_profile: Mapping[str, int] = {}
         """Of all that could, whatever the renders need."""
         self.workers: list[WorkerRow] = []
         self.lost: list[tuple[JobKey, str]] = []
@@ -110,25 +110,25 @@ class Traffic:
     @property
     def at_work(self) -> list[tuple[JobKey, str]]:
         """Jobs and who has them."""
-        return self._lives.at_work
+        return self._liveness.at_work
 
-    def live(self, numeric_class: str = "") -> set[str]:
-        """Names of the workers that take jobs; of one numeric class, unless it is empty."""
+    def live(self, floating_point_profile: str = "") -> set[str]:
+        """Names of the workers that take jobs; of one floating-point profile, unless it is empty."""
         # Asked for often, and long where there are thousands.
-        now = (self.workers, self.quarantined, self.shut_out)
+        now = (self.workers, self.quarantined, self.incompatible)
         if any(a is not b for a, b in zip(now, self._live_of, strict=True)):
             self._live, self._live_of = {"": set()}, now
             for worker in self.workers:
-                if worker.id not in self.quarantined and worker.id not in self.shut_out:
+                if worker.id not in self.quarantined and worker.id not in self.incompatible:
                     self._live[""].add(worker.id)
-                    self._live.setdefault(worker.numeric_class, set()).add(worker.id)
-        return self._live.get(numeric_class, set())
+                    self._live.setdefault(worker.floating_point_profile, set()).add(worker.id)
+        return self._live.get(floating_point_profile, set())
 
-    def set_classes(self, classes: Collection[str]) -> None:
-        """Numeric classes of all open renders of the folder, empty for one that has none yet."""
-        if classes != self._classes:
-            self._classes = classes
-            self._shut_out()
+    def set_profiles(self, classes: Collection[str]) -> None:
+        """Floating-point profiles of all open renders of the folder, empty for one that has none yet."""
+        if classes != self._profiles:
+            self._profiles = classes
+            self._incompatible()
             self._next_attend = 0.0
 
     def leave(self) -> None:
@@ -174,7 +174,7 @@ class Traffic:
         except QueueError as trouble:
             self._lost_touch(now, trouble)
             return None
-        self._wait = _SHORTEST_WAIT
+        self._wait = _MIN_WAIT
         return entries
 
     def _take_up(self, now: float) -> None:
@@ -204,16 +204,16 @@ class Traffic:
         return entries
 
     def _lost_touch(self, now: float, trouble: QueueError) -> None:
-        if self._in_step or self._wait == _SHORTEST_WAIT:
+        if self._in_step or self._wait == _MIN_WAIT:
             _log.warning("Redis: %s; trying again", trouble)
         self._in_step = False
         self._next_attempt = now + self._wait
-        self._wait = min(2 * self._wait, _LONGEST_WAIT)
+        self._wait = min(2 * self._wait, _MAX_WAIT)
 
     def _attend(self, now: float, unix_time: float) -> None:
         ours = self._queue.attend(self._session)
         if not ours:
-            self._schedule.lost()
+            self._scheduler.lost()
             self._auditor.lost()
             self._last_result = FIRST
             self._backlog = None
@@ -228,8 +228,8 @@ class Traffic:
             self._look_at_workers(unix_time)
             took = time.monotonic() - begun
             self._next_workers = now + min(_WORKERS_SECONDS, took / _WORKERS_SHARE)
-        if self.quarantined or self.shut_out:
-            self._queue.keep_in_quarantine({**self.shut_out, **self.quarantined})
+        if self.quarantined or self.incompatible:
+            self._queue.keep_in_quarantine({**self.incompatible, **self.quarantined})
         self._next_attend = now + _ATTEND_SECONDS
         if self.threads and now >= self._next_overdue:
             self._return_overdue(now)
@@ -239,13 +239,13 @@ class Traffic:
         found = 0
         for entry, data in self._queue.jobs():
             key = self._key_of(data)
-            if key is not None and self._schedule.wants(key):
-                self._schedule.published(key, entry, now)
+            if key is not None and self._scheduler.wants(key):
+                self._scheduler.published(key, entry, now)
                 found += 1
             elif key is None:
                 if not self._is_others(data):
                     self._jobs_done.append(entry)
-            elif not (self._schedule.has_entry(key, entry) or self._auditor.has_entry(key, entry)):
+            elif not (self._scheduler.has_entry(key, entry) or self._auditor.has_entry(key, entry)):
                 self._jobs_done.append(entry)
         return found
 
@@ -269,28 +269,28 @@ class Traffic:
     def _look_at_workers(self, unix_time: float) -> None:
         rows = [(worker_row(status, unix_time), left) for status, left in self._queue.workers()]
         self.workers = [row for row, _ in rows if row is not None]
-        self.threads_by_class = threads_by_class(self.workers, self.quarantined)
-        self._shut_out()
+        self.threads_by_profile = threads_by_profile(self.workers, self.quarantined)
+        self._incompatible()
         live = self.live()
         self.threads = sum(each.threads for each in self.workers if each.id in live)
         signs = {row.id: Sign(row.started, left) for row, left in rows if row is not None}
-        entries = self._schedule.entries()
-        self.lost.extend(self._lives.look(signs, self._queue.holders(), entries))
+        entries = self._scheduler.entries()
+        self.lost.extend(self._liveness.look(signs, self._queue.holders(), entries))
         self.results_waiting = self._queue.results_waiting()
-        ours = self._schedule.outstanding + len(self._auditor.entries())
+        ours = self._scheduler.outstanding + len(self._auditor.entries())
         self._jobs_of_others = max(0, self._queue.jobs_waiting() - ours)
 
-    def _shut_out(self) -> None:
-        found = shut_out(self.workers, self.quarantined, self._classes)
-        for worker in found.keys() - self.shut_out.keys():
+    def _incompatible(self) -> None:
+        found = incompatible(self.workers, self.quarantined, self._profiles)
+        for worker in found.keys() - self.incompatible.keys():
             _log.warning("worker=%s gets no jobs: %s", worker, found[worker])
-        self.shut_out = found
+        self.incompatible = found
 
     def _return_overdue(self, now: float) -> None:
         self._next_overdue = now + _OVERDUE_SECONDS
-        for key in self._schedule.overdue(now):
+        for key in self._scheduler.overdue(now):
             _log.warning("%s is overdue; published again", key)
-            self._jobs_done.extend(self._schedule.returned(key))
+            self._jobs_done.extend(self._scheduler.returned(key))
         for key in self._auditor.overdue(now):
             self._jobs_done.extend(self._auditor.returned(key))
 
@@ -305,34 +305,35 @@ class Traffic:
 
     def _fill(self, now: float) -> None:
         """Publishes until the window is full."""
-        wanted = min(self._window() - self._schedule.in_flight, _LARGEST_PUBLISH)
-        keys = self._schedule.take(wanted, self._without_workers())
+        wanted = min(self._window() - self._scheduler.in_flight, _MAX_PUBLISH)
+        keys = self._scheduler.take(wanted, self._without_workers())
         try:
             entries = self._publish(keys)
         except QueueError:
             # Some may be on the stream; they are adopted when Redis answers again.
             for key in keys:
-                self._schedule.returned(key)
+                self._scheduler.returned(key)
             raise
         for key, entry in zip(keys, entries, strict=True):
-            self._schedule.published(key, entry, now)
+            self._scheduler.published(key, entry, now)
         self._fill_audits(now)
-        idle = self.threads - self._schedule.outstanding - self._jobs_of_others
+        idle = self.threads - self._scheduler.outstanding - self._jobs_of_others
         if not keys and idle > 0:
-            slow = self._schedule.slow(now, idle)
+            slow = self._scheduler.slow(now, idle)
             # Should it fail, no copy is known: it is taken off the stream when Redis answers again.
             for key, entry in zip(slow, self._publish(slow), strict=True):
                 _log.info("%s is slow; an idle worker gets it as well", key)
-                self._schedule.copied(key, entry)
+                self._scheduler.copied(key, entry)
 
     def _without_workers(self) -> list[str]:
         """Renders that no worker can work on though some are there: their jobs would fill the window."""
-        if not self.threads_by_class:
+        if not self.threads_by_profile:
             return []
         return [
             render.id
             for render in self._renders.values()
-            if render.numeric_class and not self.threads_by_class.get(render.numeric_class)
+            if render.floating_point_profile
+            and not self.threads_by_profile.get(render.floating_point_profile)
         ]
 
     def _fill_audits(self, now: float) -> None:
@@ -350,13 +351,13 @@ class Traffic:
         return self._queue.publish([self._job_bytes(key) for key in keys]) if keys else []
 
     def _window(self) -> int:
-        wanted = max(limits.MINIMUM_WINDOW, round(self.share * limits.JOBS_PER_THREAD * self.threads))
-        return min(wanted, limits.MAXIMUM_WINDOW)
+        wanted = max(limits.MIN_WINDOW, round(self.share * limits.JOBS_PER_THREAD * self.threads))
+        return min(wanted, limits.MAX_WINDOW)
 
     def _job_bytes(self, key: JobKey) -> bytes:
         render = self._renders[key.render_id]
         job = render.planned.job(key.tile_index, render.planned.ranges[key.range_index])
-        job.numeric_class = render.numeric_class
+        job.floating_point_profile = render.floating_point_profile
         return job.SerializeToString()
 
 

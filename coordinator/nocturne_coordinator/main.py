@@ -16,7 +16,7 @@ from nocturne_scene.errors import NocturneError
 
 from nocturne_coordinator.coordinator import COMMIT_SECONDS, Coordinator
 from nocturne_coordinator.dispatch.audit import NEW_SHARE, SHARE, Auditor
-from nocturne_coordinator.dispatch.scheduler import SHORTEST_OVERDUE
+from nocturne_coordinator.dispatch.scheduler import MIN_OVERDUE
 from nocturne_coordinator.errors import AlreadyOwned, OwnershipLost, QueueTaken, UnusableFolder
 from nocturne_coordinator.log_lines import write_log_lines
 from nocturne_coordinator.queue.job_queue import JobQueue, QueueError, Session
@@ -75,7 +75,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--overdue-seconds",
         type=_seconds,
-        default=SHORTEST_OVERDUE,
+        default=MIN_OVERDUE,
         help="a job without a result is published again after that, or 20 times the usual time if that is "
         "longer (default %(default)s)",
     )

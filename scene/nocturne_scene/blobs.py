@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import BinaryIO, Protocol
 
 from nocturne_scene.errors import InputError, NotFound
-from nocturne_scene.limits import MAXIMUM_ASSET_BYTES
+from nocturne_scene.limits import MAX_ASSET_BYTES
 
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 _PIECE_BYTES = 2**20
@@ -141,8 +141,8 @@ class BlobStore:
         Raises InputError where size or digest differ from what was declared, or the size is over the limit.
         """
         place = self._place(sha256)
-        if not 0 <= size_bytes <= MAXIMUM_ASSET_BYTES:
-            raise InputError.at("asset", f"has {size_bytes} bytes; expected 0 to {MAXIMUM_ASSET_BYTES}")
+        if not 0 <= size_bytes <= MAX_ASSET_BYTES:
+            raise InputError.at("asset", f"has {size_bytes} bytes; expected 0 to {MAX_ASSET_BYTES}")
         descriptor, name = tempfile.mkstemp(dir=self._incoming)
         temporary = Path(name)
         try:
@@ -199,7 +199,7 @@ class BlobStore:
             return False
         place.parent.mkdir(exist_ok=True)
         try:
-            self.remote.get(_object_name(sha256), place, sha256, MAXIMUM_ASSET_BYTES)
+            self.remote.get(_object_name(sha256), place, sha256, MAX_ASSET_BYTES)
         except NotFound:
             return False
         return True

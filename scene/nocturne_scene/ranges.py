@@ -17,29 +17,29 @@ XYZ_SUMS = 4
 TILE_SIZE = 32
 """Pixels: 32 x 32 x 4 sums x 8 bytes = 32 KiB, half of the entry size at which Redis streams get slow."""
 
-_LARGEST_PARTIAL = 64 * 1024
+_MAX_PARTIAL = 64 * 1024
 """Bytes: where Redis streams get slow. Tiles of more sums per pixel are smaller."""
 
 FIRST_RANGE = 4
 """Samples: a first look at the whole frame after four photons per pixel."""
 
-LONGEST_RANGE = 4096
+MAX_RANGE = 4096
 """Samples: 4 million photons per job, a few seconds of one core."""
 
-LONGEST_JOB = LONGEST_RANGE * TILE_SIZE**2
+MAX_JOB = MAX_RANGE * TILE_SIZE**2
 """Photons: shortens the ranges of tiles that are larger than usual."""
 
 
 @dataclass(frozen=True, slots=True)
 class SampleRange:
-    """Samples [first, end) of every pixel of a tile, the `index`-th range of its plan."""
+    """Samples [first, end) of every pixel of a tile, the `index`-th range of its schedule."""
 
     index: int
     first: int
     end: int
 
 
-def make_plan(
+def make_schedule(
     width: int,
     height: int,
     samples: int,
@@ -47,8 +47,8 @@ def make_plan(
     *,
     one_tile: bool = False,
     photons_per_sample: int = 1,
-) -> job_pb2.RenderPlan:
-    """The plan of a film of width x height pixels with `samples` samples per pixel.
+) -> job_pb2.RangeSchedule:
+    """The schedule of a film of width x height pixels with `samples` samples per pixel.
 
     `further_responses` are the names of the sensor's, besides X, Y and Z. `one_tile`: the whole film is one
     tile, as a photon from a luminaire may meet any pixel. `photons_per_sample`: photons that travel together.
@@ -57,25 +57,25 @@ def make_plan(
     """
     problems = [*_edge_problems("$.width", width), *_edge_problems("$.height", height)]
     sums_per_pixel = XYZ_SUMS + len(further_responses)
-    most = limits.MAXIMUM_FORWARD_PIXELS if one_tile else limits.MAXIMUM_FILM_PIXELS
+    most = limits.MAX_FORWARD_PIXELS if one_tile else limits.MAX_FILM_PIXELS
     most = most * XYZ_SUMS // sums_per_pixel
     if not problems and width * height > most:
         of = " of a scene with photons from luminaires" if one_tile else ""
         problems.append(Problem("$.width", f"the film{of} has {width * height} pixels; at most {most}"))
     problems.extend(Problem("$.scene", message) for message in name_problems(further_responses))
-    if not 1 <= samples <= limits.MAXIMUM_SAMPLES:
-        problems.append(Problem("$.samples", f"is {samples}; expected 1 to {limits.MAXIMUM_SAMPLES}"))
+    if not 1 <= samples <= limits.MAX_SAMPLES:
+        problems.append(Problem("$.samples", f"is {samples}; expected 1 to {limits.MAX_SAMPLES}"))
     if problems:
         raise InputError(problems)
-    longest = LONGEST_RANGE
+    longest = MAX_RANGE
     if one_tile:
-        longest = min(LONGEST_RANGE, max(FIRST_RANGE, LONGEST_JOB // (width * height)))
-        if samples // longest > limits.MAXIMUM_FORWARD_RANGES:
-            most = limits.MAXIMUM_FORWARD_RANGES * longest
+        longest = min(MAX_RANGE, max(FIRST_RANGE, MAX_JOB // (width * height)))
+        if samples // longest > limits.MAX_FORWARD_RANGES:
+            most = limits.MAX_FORWARD_RANGES * longest
             raise InputError.at(
                 "$.samples", f"is {samples}; at most {most} of this film, with photons from luminaires"
             )
-    plan = job_pb2.RenderPlan(
+    schedule = job_pb2.RangeSchedule(
         width=width,
         height=height,
         tile_size=max(width, height) if one_tile else _tile_size(sums_per_pixel),
@@ -83,47 +83,49 @@ def make_plan(
         further_responses=further_responses,
         photons_per_sample=photons_per_sample if photons_per_sample > 1 else 0,
     )
-    planned = TileGrid.of(plan).count * len(plan.range_ends)
-    if planned > limits.MAXIMUM_RANGES:
+    planned = TileGrid.of(schedule).count * len(schedule.range_ends)
+    if planned > limits.MAX_RANGES:
         raise InputError.at(
-            "$.samples", f"{samples} samples of this film are {planned} jobs; at most {limits.MAXIMUM_RANGES}"
+            "$.samples", f"{samples} samples of this film are {planned} jobs; at most {limits.MAX_RANGES}"
         )
-    return plan
+    return schedule
 
 
-def extended_plan(plan: job_pb2.RenderPlan, samples: int) -> job_pb2.RenderPlan:
-    """A plan of more samples that begins with all ranges of `plan`, so that nothing is traced again.
+def extended_schedule(schedule: job_pb2.RangeSchedule, samples: int) -> job_pb2.RangeSchedule:
+    """A schedule of more samples that begins with all ranges of `schedule`, so that nothing is traced again.
 
-    Its further ranges end where those of a new plan would. Where the old one ended on such an end as well, as
-    at every power of two, the plan is the new plan, and so the bits are. Raises InputError at `$.samples`.
+    Its further ranges end where those of a new schedule would. Where the old one ended on such an end as
+    well, as
+    at every power of two, the schedule is the new schedule, and so the bits are. Raises InputError at
+    `$.samples`.
     """
-    before = list(plan.range_ends)
+    before = list(schedule.range_ends)
     if samples < before[-1]:
         raise InputError.at("$.samples", f"is {samples}; a render of {before[-1]} can only get more")
-    fresh = make_plan(
-        plan.width,
-        plan.height,
+    fresh = make_schedule(
+        schedule.width,
+        schedule.height,
         samples,
-        list(plan.further_responses),
-        one_tile=plan.tile_size >= max(plan.width, plan.height) > TILE_SIZE,
-        photons_per_sample=plan.photons_per_sample,
+        list(schedule.further_responses),
+        one_tile=schedule.tile_size >= max(schedule.width, schedule.height) > TILE_SIZE,
+        photons_per_sample=schedule.photons_per_sample,
     )
-    extended = job_pb2.RenderPlan()
-    extended.CopyFrom(plan)
+    extended = job_pb2.RangeSchedule()
+    extended.CopyFrom(schedule)
     del extended.range_ends[:]
     extended.range_ends.extend([*before, *(end for end in fresh.range_ends if end > before[-1])])
     return extended
 
 
 def _edge_problems(place: str, edge: int) -> list[Problem]:
-    if 1 <= edge <= limits.MAXIMUM_FILM_EDGE:
+    if 1 <= edge <= limits.MAX_FILM_EDGE:
         return []
-    return [Problem(place, f"is {edge} pixels; expected 1 to {limits.MAXIMUM_FILM_EDGE}")]
+    return [Problem(place, f"is {edge} pixels; expected 1 to {limits.MAX_FILM_EDGE}")]
 
 
 def _tile_size(sums_per_pixel: int) -> int:
     size = TILE_SIZE
-    while size * size * sums_per_pixel * 8 > _LARGEST_PARTIAL:
+    while size * size * sums_per_pixel * 8 > _MAX_PARTIAL:
         size //= 2
     return size
 
@@ -147,8 +149,8 @@ class TileGrid:
     tile_size: int
 
     @classmethod
-    def of(cls, plan: job_pb2.RenderPlan) -> Self:
-        return cls(plan.width, plan.height, plan.tile_size)
+    def of(cls, schedule: job_pb2.RangeSchedule) -> Self:
+        return cls(schedule.width, schedule.height, schedule.tile_size)
 
     @cached_property
     def columns(self) -> int:
@@ -174,10 +176,10 @@ class TileGrid:
 
 
 class RangeList:
-    """The sample ranges of a plan, found by index or by their first sample."""
+    """The sample ranges of a schedule, found by index or by their first sample."""
 
-    def __init__(self, plan: job_pb2.RenderPlan) -> None:
-        self._ends = list(plan.range_ends)
+    def __init__(self, schedule: job_pb2.RangeSchedule) -> None:
+        self._ends = list(schedule.range_ends)
         self._index_by_first = {first: index for index, first in enumerate([0, *self._ends[:-1]])}
 
     def __len__(self) -> int:

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 
-from nocturne_scene.limits import MAXIMUM_FURTHER_RESPONSES
+from nocturne_scene.limits import MAX_FURTHER_RESPONSES
 
 _NAME = re.compile("[A-Za-z][A-Za-z0-9_-]{0,30}")
 # What an EXR's channels mean by convention, or here.
@@ -12,8 +12,8 @@ _TAKEN = frozenset("XYZRGBAn")
 
 def name_problems(names: Sequence[str]) -> Iterator[str]:
     """What is wrong with the names of a sensor's further responses, in words."""
-    if len(names) > MAXIMUM_FURTHER_RESPONSES:
-        yield f"{len(names)} further responses; at most {MAXIMUM_FURTHER_RESPONSES}"
+    if len(names) > MAX_FURTHER_RESPONSES:
+        yield f"{len(names)} further responses; at most {MAX_FURTHER_RESPONSES}"
     for index, name in enumerate(names):
         if not _NAME.fullmatch(name):
             yield (

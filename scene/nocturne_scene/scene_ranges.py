@@ -1,22 +1,24 @@
-"""The plan of a compiled scene: what the scene says about how its film is cut."""
+"""The schedule of a compiled scene: what the scene says about how its film is cut."""
 
 from nocturne.v1 import job_pb2, scene_pb2
 
 from nocturne_scene.blobs import BlobStore
-from nocturne_scene.ranges import make_plan
+from nocturne_scene.ranges import make_schedule
 
 
-def plan_for_scene(
+def schedule_for_scene(
     blobs: BlobStore, scene_sha256: str, width: int, height: int, samples: int
-) -> job_pb2.RenderPlan:
-    """The plan of a film of width x height pixels. Raises InputError as `make_plan`, and NotFound."""
+) -> job_pb2.RangeSchedule:
+    """The schedule of a film of width x height pixels. Raises InputError as `make_schedule`, and NotFound."""
     scene = scene_pb2.CompiledScene.FromString(blobs.path(scene_sha256).read_bytes())
-    return plan_of(scene, width, height, samples)
+    return schedule_of(scene, width, height, samples)
 
 
-def plan_of(scene: scene_pb2.CompiledScene, width: int, height: int, samples: int) -> job_pb2.RenderPlan:
-    """The same of a scene in memory. Raises InputError as `make_plan`."""
-    return make_plan(
+def schedule_of(
+    scene: scene_pb2.CompiledScene, width: int, height: int, samples: int
+) -> job_pb2.RangeSchedule:
+    """The same of a scene in memory. Raises InputError as `make_schedule`."""
+    return make_schedule(
         width,
         height,
         samples,

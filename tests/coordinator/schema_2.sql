@@ -20,12 +20,12 @@ CREATE TABLE render (
     ranges_planned INTEGER NOT NULL,
     photons INTEGER NOT NULL DEFAULT 0,
     rays INTEGER NOT NULL DEFAULT 0,
-    rejected INTEGER NOT NULL DEFAULT 0,
+    invalid_samples INTEGER NOT NULL DEFAULT 0,
     relative_error REAL NOT NULL DEFAULT 0,
     photons_per_second REAL NOT NULL DEFAULT 0,
     cpu_seconds REAL NOT NULL DEFAULT 0,
     image_final INTEGER NOT NULL DEFAULT 0 CHECK (image_final IN (0, 1)),
-    plan BLOB NOT NULL,
+    schedule BLOB NOT NULL,
     scene_document TEXT NOT NULL
 ) STRICT;
 CREATE INDEX render_open ON render (state) WHERE state IN ('QUEUED', 'RUNNING') OR image_final = 0;

@@ -13,7 +13,7 @@ from nocturne_coordinator.store.ledger import Ledger, RenderCommit, TileRow, Tot
 from nocturne_coordinator.store.ownership import Ownership
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.errors import InputError, NotFound
-from nocturne_scene.ranges import make_plan
+from nocturne_scene.ranges import make_schedule
 
 
 @pytest.fixture
@@ -22,7 +22,7 @@ def folder(tmp_path: Path) -> DataFolder:
 
 
 def new_render(request_id: str = "a") -> NewRender:
-    return NewRender(request_id, "name", "5c" * 32, '{"nocturne": 1}', 40, 33, 20, make_plan(40, 33, 20))
+    return NewRender(request_id, "name", "5c" * 32, '{"nocturne": 1}', 40, 33, 20, make_schedule(40, 33, 20))
 
 
 def test_a_request_makes_one_render(folder: DataFolder) -> None:
@@ -155,12 +155,12 @@ def test_a_folder_of_a_schema_before_is_taken_over(tmp_path: Path, schema: int) 
     path = tmp_path / "nocturne.db"
     old = sqlite3.connect(path)
     old.executescript(Path(__file__).with_name("schema_2.sql").read_text())
-    plan = make_plan(64, 64, 20).SerializeToString()
+    schedule = make_schedule(64, 64, 20).SerializeToString()
     old.execute(
         """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
-               scene_sha256, engine, created, ranges_planned, plan, scene_document)
+               scene_sha256, engine, created, ranges_planned, schedule, scene_document)
            VALUES ('r-old', 'a', 'd', 'old', 'CANCELLED', 64, 64, 20, 's', 1, 5.0, 16, ?, '{}')""",
-        (plan,),
+        (schedule,),
     )
     old.execute("INSERT INTO tile VALUES ('r-old', 3, 4, x'00')")
     if schema == 1:

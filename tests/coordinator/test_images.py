@@ -90,7 +90,7 @@ def test_exr_says_what_it_is(tmp_path: Path) -> None:
     image.close()
     assert said["whiteLuminance"] == 1.0
     assert said["chromaticities"] == pytest.approx((1, 0, 0, 1, 0, 0, 1 / 3, 1 / 3))
-    assert (said["nocturne:scene"], said["nocturne:plan"]) == ("5c" * 32, '{"width":9}')
+    assert (said["nocturne:scene"], said["nocturne:schedule"]) == ("5c" * 32, '{"width":9}')
     assert said["nocturne:engine"] == 1
     assert "DateTime" not in said
 

@@ -159,7 +159,7 @@ def test_an_extended_render_traces_only_what_is_new(service: Service, samples: i
     service.folder.request_extension(render.id, 200, StopConditions())
     wait_until(lambda: service.row(render.id).state == "SUCCEEDED")
     check_complete(service, render.id)
-    ends = service.folder.plan(render.id).range_ends
+    ends = service.folder.schedule(render.id).range_ends
     new = 6 * sum(end > samples for end in ends)
     # With a single worker there are no audits; a copy of a slow job may be done twice.
     assert new <= worker.jobs_done - done <= new + 2

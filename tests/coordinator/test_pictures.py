@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.errors import LeaseLost
-from nocturne_coordinator.output.previews import Pictures
+from nocturne_coordinator.output.previews import Previews
 from nocturne_coordinator.store.data_folder import DataFolder, NewRender
 from nocturne_coordinator.store.ledger import Ledger, RenderCommit, TileRow, Totals
 from nocturne_coordinator.store.ownership import Ownership
 from nocturne_coordinator.store.removal import delete_render
-from nocturne_scene.ranges import make_plan
+from nocturne_scene.ranges import make_schedule
 
 _EDGE, _SAMPLES = 32, 4
 
@@ -27,8 +27,8 @@ def folder(tmp_path: Path) -> Iterator[DataFolder]:
 
 def _running(folder: DataFolder, ledger: Ledger, number: int) -> RunningRender:
     """A render of one tile, with its first samples committed, whose image is due."""
-    plan = make_plan(_EDGE, _EDGE, 64)
-    row = folder.create_render(NewRender(f"{number}", "", "5c" * 32, "{}", _EDGE, _EDGE, 64, plan))
+    schedule = make_schedule(_EDGE, _EDGE, 64)
+    row = folder.create_render(NewRender(f"{number}", "", "5c" * 32, "{}", _EDGE, _EDGE, 64, schedule))
     taken = ledger.take(row.id)
     assert taken is not None
     assert ledger.start(row.id, taken.fence, time.time())
@@ -44,7 +44,7 @@ def test_a_folder_that_goes_with_its_render_is_no_trouble(
     folder: DataFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ledger = Ledger(folder.database, Ownership(folder.root, folder.database))
-    pictures = Pictures(folder, ledger)
+    pictures = Previews(folder, ledger)
     kept, deleted = (_running(folder, ledger, number) for number in (1, 2))
 
     def taken_away(path: Path, *_: object) -> None:
@@ -66,7 +66,7 @@ def test_a_folder_that_goes_with_its_render_is_no_trouble(
 
 def test_images_that_are_due_together_are_written_one_by_one(folder: DataFolder) -> None:
     ledger = Ledger(folder.database, Ownership(folder.root, folder.database))
-    pictures = Pictures(folder, ledger)
+    pictures = Previews(folder, ledger)
     renders = [_running(folder, ledger, number) for number in (1, 3, 2)]
 
     def refreshed() -> list[bool]:

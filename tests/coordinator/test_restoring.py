@@ -178,7 +178,7 @@ def test_a_checkpoint_is_made_only_of_something_new(service: Service) -> None:
         ("UPDATE tile SET sums = zeroblob(8) WHERE tile_index = 1", "cannot reshape"),
         ("UPDATE tile SET sums = unhex_ff(length(sums)) WHERE tile_index = 1", "not finite"),
         ("UPDATE tile SET tile_index = 99 WHERE tile_index = 1", "tile 99 of 6"),
-        ("UPDATE render SET plan = x'ffff'", "render r-"),
+        ("UPDATE render SET schedule = x'ffff'", "render r-"),
     ],
 )
 def test_damage_that_sqlite_can_not_see_is_found(service: Service, statement: str, said: str) -> None:

@@ -89,7 +89,7 @@ def test_who_lost_a_render_can_write_nothing_of_it(service: Service) -> None:
 def _rows(folder: DataFolder) -> list[tuple[str, object]]:
     queries = [
         *("SELECT * FROM render", "SELECT * FROM tile", "SELECT * FROM lease", "SELECT * FROM error_point"),
-        "SELECT * FROM set_aside",
+        "SELECT * FROM failed_tile",
     ]
     return [(query, [tuple(row) for row in folder.database.rows(query)]) for query in queries]
 

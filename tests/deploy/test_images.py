@@ -76,7 +76,11 @@ def copied_from_programs(stage: str) -> set[str]:
 
 def test_images_have_the_programs_that_their_code_starts() -> None:
     started = set()
-    for path in [*ROOT.glob("coordinator/**/*.py"), *ROOT.glob("services/api/**/*.py")]:
+    for path in [
+        *ROOT.glob("scene/**/*.py"),
+        *ROOT.glob("coordinator/**/*.py"),
+        *ROOT.glob("services/api/**/*.py"),
+    ]:
         started |= set(re.findall(r'"(nocturne-(?:grid|trace|worker))"', path.read_text()))
     assert started == {"nocturne-grid", "nocturne-trace"}
     assert started <= copied_from_programs("api")

@@ -28,7 +28,8 @@ def half_done(service: Service, render_id: str) -> bool:
 
 
 def check_survived(service: Service, *render_ids: str, redone: bool = False) -> None:
-    """Counts equal the plan, the image is that of a run without faults in every bit, Redis keeps nothing."""
+    """Counts equal the schedule, the image is that of a run without faults in every bit, Redis keeps
+    nothing."""
     for render_id in render_ids:
         check_complete(service, render_id, redone)
     check_nothing_left(service)

@@ -249,7 +249,7 @@ def test_a_slow_merger_holds_the_workers_back(service: Service) -> None:
     Beside those are results that wait for a commit, and at most as many while it is being made.
     """
     workers = 6
-    window = max(limits.MINIMUM_WINDOW, limits.JOBS_PER_THREAD * workers)
+    window = max(limits.MIN_WINDOW, limits.JOBS_PER_THREAD * workers)
     process = service.start()
     render = service.create(width=320, height=224, samples=300)
     assert render.ranges_planned > 8 * window

@@ -158,22 +158,25 @@ _ROUNDS_OTHERWISE = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-AVX2"}
 
 
 def test_a_worker_that_rounds_otherwise(services: Services, traced_alone: Image) -> None:
-    """W8: it has another numeric class, and gets no jobs."""
+    """W8: it has another floating-point profile, and gets no jobs."""
     service = services(2)
     service.start_worker(environment=_ROUNDS_OTHERWISE)
     odd = next(reversed(service.workers))
     wait_for(lambda: len(service.client.workers()) == 3, "all workers to be seen")
     with followed_render(service) as render:
-        wait_for(lambda: any(each.shut_out for each in service.client.workers()), "a worker to be shut out")
-        classes = {each.id: each.numeric_class for each in service.client.workers()}
-        reasons = {each.id: each.shut_out for each in service.client.workers() if each.shut_out}
+        wait_for(
+            lambda: any(each.incompatible for each in service.client.workers()), "a worker to be incompatible"
+        )
+        classes = {each.id: each.floating_point_profile for each in service.client.workers()}
+        reasons = {each.id: each.incompatible for each in service.client.workers() if each.incompatible}
         image = render.finished_image()
-    others = {numeric_class for name, numeric_class in classes.items() if name != odd}
+    others = {floating_point_profile for name, floating_point_profile in classes.items() if name != odd}
     assert len(others) == 1
-    assert others == {service.client.get(render.id).numeric_class}
+    assert others == {service.client.get(render.id).floating_point_profile}
     assert classes[odd] not in others
     assert reasons == {
-        odd: f"It rounds otherwise: numeric class {classes[odd]}; the open renders have {others.pop()}."
+        odd: f"It rounds otherwise: floating-point profile {classes[odd]}; "
+        f"the open renders have {others.pop()}."
     }
     assert odd not in service.contributors(render.id)
     assert all(each.quarantine == "" for each in service.client.workers())

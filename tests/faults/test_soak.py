@@ -1,5 +1,5 @@
-"""Faults in random composition, for as long as somebody likes: SOAK_SECONDS, 600 unless given; SOAK_SEED
-repeats a run."""
+"""FailurePolicy in random composition, for as long as somebody likes: SOAK_SECONDS, 600 unless given;
+SOAK_SEED repeats a run."""
 
 import os
 import random

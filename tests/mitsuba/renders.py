@@ -81,7 +81,7 @@ class Batches:
             image = self.folder / "batch.exr"
             command: list[str | Path] = [need_program("nocturne-trace"), compiled.scene, "-o", image]
             subprocess.run(
-                [*command, "--quiet", "--plan", compiled.plan, "--blobs", compiled.blobs], check=True
+                [*command, "--quiet", "--schedule", compiled.schedule, "--blobs", compiled.blobs], check=True
             )
             frames.append(read_picture(image).xyz / CANDELAS_PER_UNIT)
         stack = np.stack(frames)

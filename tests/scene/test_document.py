@@ -250,9 +250,9 @@ def test_text_that_is_no_document(text: str | bytes, words: str) -> None:
 @pytest.mark.parametrize("opening", ["[", "[]", '"'])
 def test_a_long_text_is_refused_before_it_is_parsed(opening: str) -> None:
     text = (opening * (100 * 2**20))[: 100 * 2**20]
-    assert str(limits.MAXIMUM_SCENE_BYTES) in problems_of(text)[0]
+    assert str(limits.MAX_SCENE_BYTES) in problems_of(text)[0]
 
 
 def test_characters_count_as_the_bytes_they_take() -> None:
-    text = '{"name": "' + "\N{EURO SIGN}" * (limits.MAXIMUM_SCENE_BYTES // 3 + 1) + '"}'
+    text = '{"name": "' + "\N{EURO SIGN}" * (limits.MAX_SCENE_BYTES // 3 + 1) + '"}'
     assert "at most" in problems_of(text)[0]

@@ -127,7 +127,7 @@ def test_spoiled_files_give_results_or_errors_with_a_line(noise: bytes, at: int)
         (file("0", "1 1 1").replace(b" 3 1 1 1 ", b" 3000 3000 1 1 "), "9000000|3000 x 3000 values"),
         (file("0", "1 1 1").replace(b"TILT=NONE", b"TILT=lamp.tlt"), "refers to another file"),
         (file("0", "1 1 1", head="IESNA:LM-63-2050"), "unknown version"),
-        (b"x" * (photometric_files.MAXIMUM_BYTES + 1), "at most"),
+        (b"x" * (photometric_files.MAX_BYTES + 1), "at most"),
     ],
 )
 def test_refused(data: bytes, message: str) -> None:

@@ -61,7 +61,7 @@ async def ended(rest: httpx.AsyncClient, folder: DataFolder, body: dict[str, Any
         "tile": "1, 8, x'00', 1, 0",
         "error_point": "1.0, 1, 1.0, 0.5, 0.1, 7.0",
         "contribution": "1, 'w'",
-        "set_aside": "1, 0, 4, 'no', '[]'",
+        "failed_tile": "1, 0, 4, 'no', '[]'",
         "lease": "1, 1",
     }.items():
         folder.database.execute(f"INSERT INTO {table} VALUES (?, {values})", (render_id,))  # noqa: S608
@@ -93,7 +93,7 @@ async def test_nothing_is_left(
     body: dict[str, Any], rest: httpx.AsyncClient, channel: grpc.aio.Channel, folder: DataFolder
 ) -> None:
     render_id = await ended(rest, folder, body, "a")
-    assert {"render", "tile", "error_point", "contribution", "set_aside", "lease", "at_work"} <= mentions(
+    assert {"render", "tile", "error_point", "contribution", "failed_tile", "lease", "at_work"} <= mentions(
         folder, render_id
     )
     assert len(files_of(folder)) == 5, "mesh, packed mesh, scene, preview, image"
@@ -243,11 +243,11 @@ async def test_the_object_store_forgets_it_too(tmp_path: Path, body: dict[str, A
 def test_a_render_that_goes_on_meanwhile_is_not_deleted(tmp_path: Path) -> None:
     """Extended between the look and the transaction."""
     from nocturne_coordinator.store.data_folder import NewRender
-    from nocturne_scene.ranges import make_plan
+    from nocturne_scene.ranges import make_schedule
 
     folder = DataFolder(tmp_path)
     try:
-        new = NewRender("q", "", "5c" * 32, "{}", 32, 32, 8, make_plan(32, 32, 8))
+        new = NewRender("q", "", "5c" * 32, "{}", 32, 32, 8, make_schedule(32, 32, 8))
         render_id = folder.create_render(new).id
         with pytest.raises(WrongState):
             delete_render(folder, render_id)

@@ -202,11 +202,11 @@ async def test_the_command_line_does_it_all(
     assert (stop["wall_seconds"], stop["cpu_seconds"], stop["until"]) == (28800.0, 144000.0, "07:00Z")
     assert "relative error 1.000%" in await nocturne("get", render_id)
     assert json.loads(await nocturne("pause", render_id, "--json"))["state"] == "PAUSED"
-    assert "paused" in await nocturne("why", render_id)
+    assert "paused" in await nocturne("explain", render_id)
     assert json.loads(await nocturne("resume", render_id, "--json"))["state"] == "QUEUED"
     assert json.loads(await nocturne("priority", render_id, "250", "--json"))["priority"] == 250
     assert json.loads(await nocturne("extend", render_id, "--samples", "512", "--json"))["samples"] == 512
-    assert "No coordinator" in await nocturne("why", render_id)
+    assert "No coordinator" in await nocturne("explain", render_id)
     assert "no worker" in await nocturne("workers")
     folder.database.execute(
         "INSERT INTO worker VALUES ('w1', 2, 2, 10, 20, 5.5, 3, 1.0, unixepoch() + 0.0, 'a1')"
@@ -252,7 +252,7 @@ def situation(folder: DataFolder, **changes: Any) -> Situation:
         "workers": [_WORKER],
         "quarantined": {},
         "running": 1,
-        "shut_out": {},
+        "incompatible": {},
     }
     return Situation(**(values | changes))
 
@@ -261,7 +261,7 @@ async def test_why_tells_the_first_thing_in_the_way(
     body: dict[str, Any], rest: httpx.AsyncClient, channel: grpc.aio.Channel, folder: DataFolder
 ) -> None:
     render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
-    said = (await rest.get(f"/v1/renders/{render_id}/why")).json()["sentence"]
+    said = (await rest.get(f"/v1/renders/{render_id}/explanation")).json()["sentence"]
     assert said == (await Stub(channel).ExplainRender(pb.ExplainRenderRequest(id=render_id))).sentence
     good = {"coordinator_seen": 1000.0, "redis_in_step": 1.0, "worker_threads": 4.0}
     running = {"state": RenderState.RUNNING, "photons_per_second": 5.0, "predicted_end": 1600.0}
@@ -275,10 +275,13 @@ async def test_why_tells_the_first_thing_in_the_way(
         ({"quarantined": {"w": "lied"}}, "in quarantine"),
         ({"workers": [replace(_WORKER, engine=1)]}, f"engine 1, and it needs engine {_ENGINE}"),
         (
-            {"render": {"numeric_class": "a" * 16}, "workers": [replace(_WORKER, numeric_class="b" * 16)]},
-            f"numeric class {'a' * 16}, and those that are there have {'b' * 16}, which",
+            {
+                "render": {"floating_point_profile": "a" * 16},
+                "workers": [replace(_WORKER, floating_point_profile="b" * 16)],
+            },
+            f"floating-point profile {'a' * 16}. The workers that are there have {'b' * 16}, which",
         ),
-        ({"render": running, "shut_out": {"w": "It rounds otherwise."}}, "1 workers get no jobs"),
+        ({"render": running, "incompatible": {"w": "It rounds otherwise."}}, "1 workers get no jobs"),
         ({"running": 8}, "until one of 8 running renders ends"),
         ({"running": 0}, "about to start"),
         ({"render": running}, "in 10 minutes"),

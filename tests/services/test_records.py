@@ -22,14 +22,14 @@ from tests.services.doors import grpc_channel, rest_client, running
 
 _READING_METHODS = {"GET", "HEAD", "OPTIONS"}
 # Asks which files are missing; a POST, because the question is long.
-# The page's cookie changes nothing that is kept, nor does a plan.
+# The page's cookie changes nothing that is kept, nor does a preflight.
 _READING = {
     ("POST", "/v1/assets:batchMissing"),
-    ("POST", "/v1/plans"),
+    ("POST", "/v1/preflights"),
     ("POST", "/v1/session"),
     ("DELETE", "/v1/session"),
 }
-_READING_CALLS = ("Get", "List", "Watch", "Fetch", "Explain", "BatchMissing", "Plan")
+_READING_CALLS = ("Get", "List", "Watch", "Fetch", "Explain", "BatchMissing", "Preflight")
 
 _DATA = b"a file"
 _SHA256 = hashlib.sha256(_DATA).hexdigest()

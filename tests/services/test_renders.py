@@ -167,9 +167,9 @@ async def test_workers(rest: httpx.AsyncClient, channel: grpc.aio.Channel, folde
         "jobs_done": 3,
         "started": 1.0,
         "quarantine": "",
-        "numeric_class": "a1",
-        "shut_out": f"It has engine 1, and the service engine {int(job_pb2.ENGINE_CURRENT)}.",
+        "floating_point_profile": "a1",
+        "incompatible": f"It has engine 1, and the service engine {int(job_pb2.ENGINE_CURRENT)}.",
     }
     (message,) = (await Stub(channel).ListWorkers(pb.ListWorkersRequest())).workers
-    assert (message.id, message.jobs_done, message.numeric_class) == ("w1", 3, "a1")
-    assert message.shut_out == worker["shut_out"]
+    assert (message.id, message.jobs_done, message.floating_point_profile) == ("w1", 3, "a1")
+    assert message.incompatible == worker["incompatible"]

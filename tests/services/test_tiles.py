@@ -29,8 +29,11 @@ class Committer:
         self.ledger = Ledger(folder.database, self.ownership)
 
     def commit(self, render_id: str, tiles: dict[int, tuple[int, npt.NDArray[np.float64], int]]) -> None:
-        """By tile: samples, sums and rejected photons."""
-        rows = [TileRow(index, n, sums.tobytes(), rejected) for index, (n, sums, rejected) in tiles.items()]
+        """By tile: samples, sums and invalid samples."""
+        rows = [
+            TileRow(index, n, sums.tobytes(), invalid_samples)
+            for index, (n, sums, invalid_samples) in tiles.items()
+        ]
         held = self.ledger.take(render_id)
         assert held is not None
         self.ledger.commit([RenderCommit(render_id, held.fence, rows, Totals(photons=1), 0.0)])
@@ -51,7 +54,8 @@ def sums_of(samples: int, width: int) -> npt.NDArray[np.float64]:
 
 
 def decode(content: bytes) -> tuple[tuple[int, ...], dict[int, tuple[tuple[int, ...], npt.NDArray[Any]]]]:
-    """Header without its magic; by tile (samples, rejected, revision) and pixels. By docs/api.md alone."""
+    """Header without its magic; by tile (samples, invalid_samples, revision) and pixels. By docs/api.md
+    alone."""
     assert content[:4] == b"NXY1"
     header = struct.unpack_from("<7I", content, 4)
     offset, tiles = 32, {}

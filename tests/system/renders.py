@@ -47,13 +47,13 @@ def wait_for_more_ranges(client: Client, render_id: str, ranges: int, seconds: f
 
 
 def finished_image(client: Client, render_id: str) -> Image:
-    """Waits for the end, checks counts against the plan; gives the service's image."""
+    """Waits for the end, checks counts against the schedule; gives the service's image."""
     wait_for(lambda: has_ended(client, render_id), "the render to end")
     render = client.get(render_id)
     assert (render.state, render.reason) == ("SUCCEEDED", "")
     assert render.progress.ranges_done == render.progress.ranges_planned == RANGES
     assert render.progress.mean_samples == SAMPLES
-    assert render.progress.rejected == 0
+    assert render.progress.invalid_samples == 0
     with tempfile.TemporaryDirectory() as folder:
         image = Image.read(client.download(render_id, "exr", Path(folder) / "image.exr"))
     assert image.samples.shape == (HEIGHT, WIDTH)
@@ -73,7 +73,7 @@ class FollowedRender:
         self._thread.start()
 
     def finished_image(self) -> Image:
-        """The service's image; checks counts against the plan, and that nothing is left in Redis."""
+        """The service's image; checks counts against the schedule, and that nothing is left in Redis."""
         image = finished_image(self._service.client, self.id)
         self._service.check_nothing_left()
         return image

@@ -36,7 +36,7 @@ def test_a_thousand_trees_take_little_memory(tmp_path: Path) -> None:
     compiled = compile_to(tmp_path / "scene.json", tmp_path, 64, 36, 4)
     image = tmp_path / "image.exr"
     command: list[str | Path] = [need_program("nocturne-trace"), compiled.scene, "-o", image, "--quiet"]
-    command += ["--plan", compiled.plan, "--blobs", compiled.blobs]
+    command += ["--schedule", compiled.schedule, "--blobs", compiled.blobs]
     most = 0
     with subprocess.Popen(command) as process:
         while process.poll() is None:

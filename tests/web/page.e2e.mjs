@@ -164,20 +164,20 @@ const checks = {
     await page.locator(".problems code").getByText("$.scene.sensor").or(page.locator(".problems code").getByText("$.sensor")).first().waitFor();
   },
 
-  async "a scene is planned, and rendered without what it does not need"({ page }) {
+  async "a scene is found, and rendered without what it does not need"({ page }) {
     const file = { name: "scene.json", mimeType: "application/json", buffer: Buffer.from(JSON.stringify(evenLight)) };
     await page.getByLabel("choose a file").setInputFiles(file);
     await page.getByLabel("Width, pixels").fill("12");
     await page.getByLabel("Height, pixels").fill("12");
     await page.getByLabel("Stop at a relative error of, %").fill("20");
     await page.getByRole("button", { name: "What does it need?" }).click();
-    const cells = (part) => page.locator(".plan tr").filter({ has: page.getByText(part, { exact: true }) }).locator("td").allTextContents();
+    const cells = (part) => page.locator(".preflight tr").filter({ has: page.getByText(part, { exact: true }) }).locator("td").allTextContents();
     await page.getByText(/^Enough for 20 %: without medium "fog"/).waitFor({ timeout: 120_000 });
     const [, , , cost, verdict] = await cells('without medium "fog"');
     assert.equal(verdict, "not needed");
     assert.ok(parseFloat(cost) < 50, `without all collisions a sample takes ${cost} of the time`);
     assert.equal((await cells("at most 2 interactions"))[4], "needed");
-    await look(page, "plan");
+    await look(page, "preflight");
     await page.getByRole("button", { name: "Take the simpler scene" }).click();
     await page.getByText(/^scene.json, simplified: without medium "fog"/).waitFor();
     const sent = page.waitForRequest((request) => request.method() === "POST" && request.url().endsWith("/v1/renders"));

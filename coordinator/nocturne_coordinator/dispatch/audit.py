@@ -13,14 +13,14 @@ from dataclasses import dataclass, field
 from nocturne.v1 import job_pb2
 
 from nocturne_coordinator.dispatch.scheduler import JobKey, Published
-from nocturne_coordinator.limits import MAXIMUM_AUDITS
+from nocturne_coordinator.limits import MAX_AUDITS
 
 SHARE = 0.02
 NEW_SHARE = 0.20
 NEW_RESULTS = 50
 """A worker is new until it has sent so many."""
 
-LONGEST_WAIT = 120.0
+MAX_WAIT = 120.0
 """Seconds that an audit may be out before it is asked for again."""
 
 _ASKS = 6
@@ -30,7 +30,7 @@ _ASKS = 6
 def digest_of(partial: job_pb2.Partial) -> bytes:
     """What must be equal wherever a job is done: all but the processor time."""
     digest = hashlib.sha256(partial.sums)
-    digest.update(f"{partial.photons} {partial.rays} {partial.rejected}".encode())
+    digest.update(f"{partial.photons} {partial.rays} {partial.invalid_samples}".encode())
     return digest.digest()
 
 
@@ -75,7 +75,7 @@ class Auditor:
         """A result was taken; perhaps it is to be audited. Nobody is audited while nobody else works."""
         self._results[worker] += 1
         share = self._new_share if self._results[worker] <= NEW_RESULTS else self._share
-        if self._chance.random() >= share or len(self._open) >= MAXIMUM_AUDITS:
+        if self._chance.random() >= share or len(self._open) >= MAX_AUDITS:
             return
         others = live()
         if len(others) - (worker in others) < 1:
@@ -143,7 +143,7 @@ class Auditor:
         return [
             key
             for key, audit in self._open.items()
-            if audit.published and audit.published.at < now - LONGEST_WAIT
+            if audit.published and audit.published.at < now - MAX_WAIT
         ]
 
     def has_entry(self, key: JobKey, entry: bytes) -> bool:

@@ -20,7 +20,7 @@ from nocturne_coordinator.limits import DISTINCT_JOBS, DISTINCT_WORKERS
 _BY_CHANCE = 1e-7
 """How improbable as many deaths must be before they are somebody's fault: a night has some 1e5 jobs."""
 
-_MOST_DEATHS = 8
+_MAX_DEATHS = 8
 
 
 @dataclass(slots=True)
@@ -34,13 +34,13 @@ class _Failures:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """A job that is to be set aside."""
+    """A job that is given up, and why: its tile gets no more samples."""
 
     reason: str
     workers: tuple[str, ...]
 
 
-class Faults:
+class FailurePolicy:
     """What went wrong lately, by job and by worker."""
 
     def __init__(self) -> None:
@@ -99,7 +99,7 @@ class Faults:
         """So many of them that they do not come about by chance, as often as processes die lately."""
         part = (self._deaths + 1) / (self._deaths + self._done + 2)
         by_chance = math.ceil(math.log(_BY_CHANCE) / math.log(part))
-        return min(max(DISTINCT_WORKERS, by_chance), _MOST_DEATHS)
+        return min(max(DISTINCT_WORKERS, by_chance), _MAX_DEATHS)
 
     def forget(self, render_id: str) -> None:
         """The render is not worked on any more."""

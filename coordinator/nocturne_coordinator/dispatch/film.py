@@ -15,10 +15,11 @@ class Film:
     """Sums, of 32 bytes or more per pixel, and the merge state of every tile, which holds views into them."""
 
     def __init__(self, render: PlannedRender, stop: StopConditions | None = None) -> None:
-        """`stop` says which tiles end before the plan does. ValueError if it does not fit the plan."""
+        """`stop` says which tiles end before the schedule does. ValueError if it does not fit the
+        schedule."""
         self._render = render
         self._stop = stop or EVERYTHING
-        width, height = render.plan.width, render.plan.height
+        width, height = render.schedule.width, render.schedule.height
         self.sums: Sums = np.zeros((height, width, render.sums_per_pixel))
         self.counts: Counts = np.zeros((height, width), dtype=np.uint32)
         areas = [self._area(index) for index in range(render.grid.count)]
@@ -34,7 +35,7 @@ class Film:
         self._unfinished = sum(not tile.closed for tile in self.tiles)
 
     def load(self, tile_index: int, samples: int, sums: bytes) -> None:
-        """Puts back a tile as it was committed; ValueError if it doesn't fit the plan."""
+        """Puts back a tile as it was committed; ValueError if it doesn't fit the schedule."""
         state = self.tiles[tile_index]
         state.sums[...] = np.frombuffer(sums, dtype="<f8").reshape(state.sums.shape)
         state.merged = self._render.ranges.merged_at(samples)
@@ -81,7 +82,7 @@ class Film:
         if not self._stop.tile_relative_error:
             return self._last[tile_index]
         # A little below: an error that is met a range earlier makes the range after it useless.
-        reached = bisect_left(self._render.plan.range_ends, 0.9 * self._expected[tile_index]) + 1
+        reached = bisect_left(self._render.schedule.range_ends, 0.9 * self._expected[tile_index]) + 1
         known = state.merged > 0 and math.isfinite(self._expected[tile_index])
         return min(self._last[tile_index], max(state.merged + 1, reached if known else 0))
 

@@ -33,7 +33,7 @@ class _Held:
     job may run out before its status does."""
 
 
-class Lives:
+class Liveness:
     """Remembers who had which job, and finds out what became of them."""
 
     def __init__(self) -> None:

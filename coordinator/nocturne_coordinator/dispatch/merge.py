@@ -27,11 +27,11 @@ class RangeSums:
     """The checked partial result of one range of one tile."""
 
     index: int
-    """Of the range in its plan."""
+    """Of the range in its schedule."""
     sums: Sums
     photons: int
     rays: int
-    rejected: int
+    invalid_samples: int
     cpu_seconds: float
     entry: bytes
     """The result stream's entry that brought it."""

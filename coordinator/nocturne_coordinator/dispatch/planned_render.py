@@ -1,4 +1,4 @@
-"""A render as the coordinator plans it, and the check that a result belongs to it. Pure."""
+"""A render as the coordinator schedules it, and the check that a result belongs to it. Pure."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,7 +9,7 @@ from nocturne.v1 import job_pb2
 from nocturne_scene.ranges import XYZ_SUMS, RangeList, SampleRange, TileGrid
 
 from nocturne_coordinator.dispatch.merge import Sums
-from nocturne_coordinator.limits import MAXIMUM_RAYS_PER_PHOTON
+from nocturne_coordinator.limits import MAX_RAYS_PER_PHOTON
 
 _BEYOND_PHYSICS = 1e150
 """No sum in cd/m2 comes near; squares of what is below are finite."""
@@ -24,26 +24,26 @@ class PlannedRender:
     """What every job of a render has in common."""
 
     id: str
-    plan: job_pb2.RenderPlan
+    schedule: job_pb2.RangeSchedule
     scene: bytes
     """SHA-256 of the compiled scene, 32 bytes."""
     engine: "job_pb2.Engine.ValueType"
 
     @cached_property
     def grid(self) -> TileGrid:
-        return TileGrid.of(self.plan)
+        return TileGrid.of(self.schedule)
 
     @cached_property
     def ranges(self) -> RangeList:
-        return RangeList(self.plan)
+        return RangeList(self.schedule)
 
     @property
     def photons_per_sample(self) -> int:
-        return max(1, self.plan.photons_per_sample)
+        return max(1, self.schedule.photons_per_sample)
 
     @property
     def sums_per_pixel(self) -> int:
-        return XYZ_SUMS + len(self.plan.further_responses)
+        return XYZ_SUMS + len(self.schedule.further_responses)
 
     def job(self, tile_index: int, planned: SampleRange) -> job_pb2.Job:
         return job_pb2.Job(
@@ -53,15 +53,16 @@ class PlannedRender:
             first_sample=planned.first,
             end_sample=planned.end,
             scene=self.scene,
-            film_width=self.plan.width,
-            film_height=self.plan.height,
+            film_width=self.schedule.width,
+            film_height=self.schedule.height,
             engine=self.engine,
         )
 
     def find(self, job: job_pb2.Job) -> SampleRange:
         """The range that the job is for; RefusedResult unless it is, in every field, a job of this render.
 
-        But for the numeric class, of which the first jobs of a render have none: results tell their own.
+        But for the floating-point profile, of which the first jobs of a render have none: results tell their
+        own.
         """
         planned = self.ranges.find(job.first_sample, job.end_sample)
         if planned is None:
@@ -69,9 +70,9 @@ class PlannedRender:
         if job.tile_index >= self.grid.count:
             raise RefusedResult(f"tile {job.tile_index} of {self.grid.count}")
         asked = self.job(job.tile_index, planned)
-        asked.numeric_class = job.numeric_class
+        asked.floating_point_profile = job.floating_point_profile
         if job != asked:
-            raise RefusedResult("tile, scene, film or engine differ from the plan")
+            raise RefusedResult("tile, scene, film or engine differ from the schedule")
         return planned
 
 
@@ -110,9 +111,9 @@ def check_sums(sums: Sums, samples: int) -> None:
 def _check_counts(partial: job_pb2.Partial, photons: int) -> None:
     if partial.photons != photons:
         raise RefusedResult(f"{partial.photons} photons; expected {photons}")
-    if partial.rejected > photons:
-        raise RefusedResult(f"{partial.rejected} rejected of {photons} photons")
-    if partial.rays > photons * MAXIMUM_RAYS_PER_PHOTON:
+    if partial.invalid_samples > photons:
+        raise RefusedResult(f"{partial.invalid_samples} invalid_samples of {photons} photons")
+    if partial.rays > photons * MAX_RAYS_PER_PHOTON:
         raise RefusedResult(f"{partial.rays} rays for {photons} photons")
     if not 0.0 <= partial.cpu_seconds < np.inf:
         raise RefusedResult(f"{partial.cpu_seconds} processor seconds")

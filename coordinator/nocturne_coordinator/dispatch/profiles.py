@@ -18,21 +18,21 @@ REDONE_SECONDS = 60.0
 """What was done by an odd worker may be done again, if it takes the others so long, in all."""
 
 
-def class_of(told: str) -> str:
+def profile_of(told: str) -> str:
     """What a worker said of itself; all that say nothing, or nonsense, are of one class."""
     return told if _DIGEST.fullmatch(told) else UNKNOWN_CLASS
 
 
-def threads_by_class(workers: Iterable[WorkerRow], quarantined: Collection[str]) -> Counter[str]:
+def threads_by_profile(workers: Iterable[WorkerRow], quarantined: Collection[str]) -> Counter[str]:
     """Of the workers that could take jobs."""
     threads: Counter[str] = Counter()
     for worker in workers:
         if worker.engine == job_pb2.ENGINE_CURRENT and worker.id not in quarantined:
-            threads[worker.numeric_class] += worker.threads
+            threads[worker.floating_point_profile] += worker.threads
     return threads
 
 
-def usual_class(threads: Mapping[str, int]) -> str:
+def usual_profile(threads: Mapping[str, int]) -> str:
     """What most threads have; empty where there are none."""
     return min(threads, key=lambda each: (-threads[each], each), default="")
 
@@ -46,11 +46,11 @@ def refusal_of(of_render: str, of_result: str, threads: Mapping[str, int]) -> st
     if of_render:
         if of_result == of_render:
             return ""
-        return f"numeric class {of_result}, the render has {of_render}"
-    usual = usual_class(threads)
+        return f"floating-point profile {of_result}, the render has {of_render}"
+    usual = usual_profile(threads)
     if threads.get(usual, 0) <= threads.get(of_result, 0):
         return ""
-    return f"numeric class {of_result}, most workers have {usual}"
+    return f"floating-point profile {of_result}, most workers have {usual}"
 
 
 def should_start_anew(of_render: str, threads: Mapping[str, int], cpu_seconds: float) -> bool:
@@ -58,20 +58,20 @@ def should_start_anew(of_render: str, threads: Mapping[str, int], cpu_seconds: f
 
     `cpu_seconds`: all that it has cost, so that this does not go on for ever.
     """
-    usual = usual_class(threads)
+    usual = usual_profile(threads)
     more = threads.get(usual, 0) - threads.get(of_render, 0)
     return bool(of_render) and more > 0 and cpu_seconds <= REDONE_SECONDS * threads[usual]
 
 
-def shut_out(
+def incompatible(
     workers: Collection[WorkerRow], quarantined: Collection[str], renders: Collection[str]
 ) -> dict[str, str]:
     """The workers that are to take no jobs though they did nothing wrong, and why.
 
-    `renders`: numeric classes of all open renders, empty for one that has none yet. Without any render, no
-    numeric class is wrong.
+    `renders`: floating-point profiles of all open renders, empty for one that has none yet. Without any
+    render, no floating-point profile is wrong.
     """
-    usual = usual_class(threads_by_class(workers, quarantined))
+    usual = usual_profile(threads_by_profile(workers, quarantined))
     wanted = {each or usual for each in renders} - {""}
     found = {}
     for worker in workers:
@@ -79,9 +79,10 @@ def shut_out(
             found[worker.id] = (
                 f"It has engine {worker.engine}, and the service engine {int(job_pb2.ENGINE_CURRENT)}."
             )
-        elif wanted and worker.numeric_class not in wanted:
+        elif wanted and worker.floating_point_profile not in wanted:
             others = " and ".join(sorted(wanted))
             found[worker.id] = (
-                f"It rounds otherwise: numeric class {worker.numeric_class}; the open renders have {others}."
+                f"It rounds otherwise: floating-point profile {worker.floating_point_profile}; "
+                f"the open renders have {others}."
             )
     return found

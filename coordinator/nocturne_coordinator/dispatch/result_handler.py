@@ -9,19 +9,19 @@ from nocturne.v1 import job_pb2
 
 from nocturne_coordinator.crash_points import crash_point
 from nocturne_coordinator.dispatch.audit import Auditor
-from nocturne_coordinator.dispatch.failure_policy import Faults
-from nocturne_coordinator.dispatch.failure_policy import Verdict as JobVerdict
+from nocturne_coordinator.dispatch.failure_policy import FailurePolicy
+from nocturne_coordinator.dispatch.failure_policy import Verdict as PoisonedJob
 from nocturne_coordinator.dispatch.merge import RangeSums, Verdict
 from nocturne_coordinator.dispatch.planned_render import RefusedResult, check_partial
-from nocturne_coordinator.dispatch.profiles import class_of, refusal_of
+from nocturne_coordinator.dispatch.profiles import profile_of, refusal_of
 from nocturne_coordinator.dispatch.running_render import RunningRender
-from nocturne_coordinator.dispatch.scheduler import JobKey, Schedule
-from nocturne_coordinator.limits import MAXIMUM_REASON, MAXIMUM_SET_ASIDE
-from nocturne_coordinator.store.ledger import SetAside
+from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
+from nocturne_coordinator.limits import MAX_FAILED_TILES, MAX_REASON
+from nocturne_coordinator.store.ledger import FailedTile
 
 _log = logging.getLogger(__name__)
 
-_LONGEST_NAME = 128
+_MAX_NAME = 128
 
 
 @dataclass(slots=True)
@@ -34,7 +34,7 @@ class Outcome:
     """The running render that they are of; empty: of none."""
     withdrawn: list[bytes] = field(default_factory=list)
     """Job entries to take off the stream: they are published again, or not needed any more."""
-    set_aside: list[tuple[str, SetAside]] = field(default_factory=list)
+    failed_tiles: list[tuple[str, FailedTile]] = field(default_factory=list)
     """By render, tiles that get no more samples."""
     failed: dict[str, str] = field(default_factory=dict)
     """Renders that can't be done, and why."""
@@ -44,28 +44,29 @@ class Outcome:
     """Those of them whose earlier results are not to be trusted either."""
 
 
-class Intake:
+class ResultHandler:
     """Takes results into the films of the running renders."""
 
     def __init__(
         self,
         renders: dict[str, RunningRender],
-        schedule: Schedule,
+        scheduler: Scheduler,
         auditor: Auditor,
-        faults: Faults,
+        faults: FailurePolicy,
         is_open: Callable[[str], bool] = lambda _: False,
         live: Callable[[str], Collection[str]] = lambda _: (),
         threads: Callable[[], Mapping[str, int]] = dict,
     ) -> None:
         """Shares all with the coordinator. `is_open`: whether a render is some other coordinator's, or will
-        be. `live`: workers of a numeric class that take jobs; `threads`: of all that could, by class."""
+        be. `live`: workers of a floating-point profile that take jobs; `threads`: of all that could, by
+        class."""
         self._is_open = is_open
         self._live = live
         self._threads = threads
         self._renders = renders
-        self._schedule = schedule
+        self._scheduler = scheduler
         self._auditor = auditor
-        self._faults = faults
+        self._failure_policy = faults
         self.quarantined: Collection[str] = ()
         self.refused = 0
         """Results that were not what a worker of ours sends."""
@@ -101,7 +102,7 @@ class Intake:
     def _take_for(
         self, render: RunningRender, entry: bytes, result: job_pb2.JobResult, now: float, outcome: Outcome
     ) -> None:
-        worker = result.worker_id[:_LONGEST_NAME]
+        worker = result.worker_id[:_MAX_NAME]
         try:
             planned = render.planned.find(result.job)
         except RefusedResult as refusal:
@@ -112,18 +113,20 @@ class Intake:
             self._refuse_of(render, entry, f"worker={worker} is in quarantine", outcome)
             self._give_back(key, outcome)
             return
-        numeric_class = class_of(result.numeric_class)
-        if reason := refusal_of(render.numeric_class, numeric_class, self._threads()):
+        floating_point_profile = profile_of(result.floating_point_profile)
+        if reason := refusal_of(render.floating_point_profile, floating_point_profile, self._threads()):
             self._refuse_of(render, entry, f"worker={worker} has {reason}", outcome)
             self._give_back(key, outcome)
             return
         # The first jobs of a render have none.
-        if result.job.numeric_class not in ("", render.numeric_class):
-            self._refuse_of(render, entry, f"worker={worker}: the job has another numeric class", outcome)
+        if result.job.floating_point_profile not in ("", render.floating_point_profile):
+            self._refuse_of(
+                render, entry, f"worker={worker}: the job has another floating-point profile", outcome
+            )
             return
         if result.WhichOneof("outcome") == "failure":
             outcome.settled.append(entry)
-            self._fail(render, key, worker, result.failure[:MAXIMUM_REASON], outcome)
+            self._fail(render, key, worker, result.failure[:MAX_REASON], outcome)
             return
         try:
             sums = check_partial(
@@ -136,14 +139,14 @@ class Intake:
             self._refuse_of(render, entry, f"worker={worker}: {refusal}", outcome)
             self._fail(render, key, worker, f"worker {worker} sent {refusal}", outcome)
             return
-        render.numeric_class = numeric_class
+        render.floating_point_profile = floating_point_profile
         partial = result.partial
         offered = RangeSums(
             planned.index,
             sums,
             partial.photons,
             partial.rays,
-            partial.rejected,
+            partial.invalid_samples,
             partial.cpu_seconds,
             entry,
             worker,
@@ -164,26 +167,30 @@ class Intake:
         if verdict is Verdict.TOO_EARLY:
             self._give_back(key, outcome)
         else:
-            outcome.withdrawn.extend(self._schedule.received(key, now))
+            outcome.withdrawn.extend(self._scheduler.received(key, now))
         if verdict is Verdict.DUPLICATE:
             self._compare(render, key, offered.worker, partial, outcome)
         elif verdict is not Verdict.TOO_EARLY:
-            self._auditor.accepted(key, offered.worker, partial, lambda: self._live(render.numeric_class))
-            for guilty in self._faults.succeeded(key, offered.worker):
+            self._auditor.accepted(
+                key, offered.worker, partial, lambda: self._live(render.floating_point_profile)
+            )
+            for guilty in self._failure_policy.succeeded(key, offered.worker):
                 outcome.quarantined[guilty] = "It failed at three jobs that other workers could do."
         if verdict in (Verdict.TOO_EARLY, Verdict.DUPLICATE):
             outcome.settled.append(offered.entry)
         if released:
             crash_point("merged")
             outcome.settled.extend(each.entry for each in (*released, *surplus))
-            self._schedule_after(render, key.tile_index, released[-1].index + 1, outcome)
+            self._update_scheduler(render, key.tile_index, released[-1].index + 1, outcome)
 
-    def _schedule_after(self, render: RunningRender, tile_index: int, merged: int, outcome: Outcome) -> None:
+    def _update_scheduler(
+        self, render: RunningRender, tile_index: int, merged: int, outcome: Outcome
+    ) -> None:
         if render.film.tiles[tile_index].closed:
-            outcome.withdrawn.extend(self._schedule.finish_tile(render.id, tile_index))
+            outcome.withdrawn.extend(self._scheduler.finish_tile(render.id, tile_index))
         else:
-            self._schedule.expect(render.id, tile_index, render.film.horizon(tile_index))
-            self._schedule.merged(render.id, tile_index, merged)
+            self._scheduler.expect(render.id, tile_index, render.film.horizon(tile_index))
+            self._scheduler.completed(render.id, tile_index, merged)
 
     def _compare(
         self, render: RunningRender, key: JobKey, worker: str, partial: job_pb2.Partial, outcome: Outcome
@@ -206,25 +213,27 @@ class Intake:
         outcome: Outcome,
         died: bool = False,
     ) -> None:
-        if not self._schedule.is_outstanding(key):
+        if not self._scheduler.is_outstanding(key):
             # It was done elsewhere meanwhile; or it was an audit, which somebody else has to do.
             outcome.withdrawn.extend(self._auditor.returned(key))
             return
         _log.warning("%s failed at worker=%s: %s", key, worker, reason)
-        verdict = self._faults.failed(key, worker, reason, self._live(render.numeric_class), died)
+        verdict = self._failure_policy.failed(
+            key, worker, reason, self._live(render.floating_point_profile), died
+        )
         if verdict is None:
             self._give_back(key, outcome)
         else:
-            self._set_aside(render, key, verdict, outcome)
+            self._fail_tile(render, key, verdict, outcome)
 
-    def _set_aside(self, render: RunningRender, key: JobKey, verdict: JobVerdict, outcome: Outcome) -> None:
+    def _fail_tile(self, render: RunningRender, key: JobKey, verdict: PoisonedJob, outcome: Outcome) -> None:
         planned = render.planned.ranges[key.range_index]
-        aside = SetAside(key.tile_index, planned.first, planned.end, verdict.reason, verdict.workers)
-        outcome.settled.extend(each.entry for each in render.put_aside(aside))
-        outcome.withdrawn.extend(self._schedule.finish_tile(render.id, key.tile_index))
-        outcome.set_aside.append((render.id, aside))
-        _log.error("render=%s tile=%d is set aside: %s", render.id, key.tile_index, verdict.reason)
-        if len(render.set_aside) >= min(MAXIMUM_SET_ASIDE, render.planned.grid.count):
+        failed = FailedTile(key.tile_index, planned.first, planned.end, verdict.reason, verdict.workers)
+        outcome.settled.extend(each.entry for each in render.fail_tile(failed))
+        outcome.withdrawn.extend(self._scheduler.finish_tile(render.id, key.tile_index))
+        outcome.failed_tiles.append((render.id, failed))
+        _log.error("render=%s tile=%d failed: %s", render.id, key.tile_index, verdict.reason)
+        if len(render.failed_tiles) >= min(MAX_FAILED_TILES, render.planned.grid.count):
             outcome.failed[render.id] = verdict.reason
 
     def _refuse_of(self, render: RunningRender, entry: bytes, reason: str, outcome: Outcome) -> None:
@@ -237,5 +246,5 @@ class Intake:
         outcome.settled.append(entry)
 
     def _give_back(self, key: JobKey, outcome: Outcome) -> None:
-        outcome.withdrawn.extend(self._schedule.returned(key))
+        outcome.withdrawn.extend(self._scheduler.returned(key))
         outcome.withdrawn.extend(self._auditor.returned(key))

@@ -13,7 +13,7 @@ from nocturne_coordinator.dispatch.merge import Offered, RangeSums
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.stopping import error_is_met
 from nocturne_coordinator.output.images import Provenance, manifest_text, spread_of
-from nocturne_coordinator.store.ledger import OpenRender, RenderCommit, SetAside, TileRow
+from nocturne_coordinator.store.ledger import FailedTile, OpenRender, RenderCommit, TileRow
 from nocturne_coordinator.store.rows import ErrorPoint, RenderState
 
 _RATE_SECONDS = 10.0
@@ -32,17 +32,20 @@ class RunningRender:
     def __init__(self, row: OpenRender, tiles: Iterable[TileRow], now: float = 0.0) -> None:
         """Goes on where the committed tiles end, from `now` (any clock, seconds).
 
-        ValueError if they do not fit the plan.
+        ValueError if they do not fit the schedule.
         """
         self.row = row
         self.planned = PlannedRender(
-            row.id, row.plan, bytes.fromhex(row.scene_sha256), cast("job_pb2.Engine.ValueType", row.engine)
+            row.id,
+            row.schedule,
+            bytes.fromhex(row.scene_sha256),
+            cast("job_pb2.Engine.ValueType", row.engine),
         )
         self.film = Film(self.planned, row.stop)
         self.totals = row.totals
-        self.numeric_class = row.numeric_class
+        self.floating_point_profile = row.floating_point_profile
         """How all its workers round; empty before the first result."""
-        self.set_aside = {each.tile_index: each for each in row.set_aside}
+        self.failed_tiles = {each.tile_index: each for each in row.failed_tiles}
         self.relative_error = 0.0
         """At the last preview; 0: unknown."""
         self.next_preview = 0.0
@@ -57,11 +60,11 @@ class RunningRender:
         self._history_photons = 0.0
         self._contributors: dict[int, set[str]] = {}
         self._since = now
-        self._rejected = [0] * len(self.film.tiles)
+        self._invalid_samples = [0] * len(self.film.tiles)
         for tile in tiles:
             self.film.load(tile.tile_index, tile.samples, tile.sums)
-            self._rejected[tile.tile_index] = tile.rejected
-        for tile_index in self.set_aside:
+            self._invalid_samples[tile.tile_index] = tile.invalid_samples
+        for tile_index in self.failed_tiles:
             self.film.give_up(tile_index)
         self.totals.ranges = sum(state.merged for state in self.film.tiles)
         samples = int(self.film.counts.sum(dtype="uint64"))
@@ -83,19 +86,19 @@ class RunningRender:
             self.totals.ranges += 1
             self.totals.photons += merged.photons
             self.totals.rays += merged.rays
-            self.totals.rejected += merged.rejected
-            self._rejected[tile_index] += merged.rejected
+            self.totals.invalid_samples += merged.invalid_samples
+            self._invalid_samples[tile_index] += merged.invalid_samples
             self.totals.cpu_seconds += merged.cpu_seconds
             self._recent.append((now, merged.photons))
             self._dirty.add(tile_index)
             self._contributors.setdefault(tile_index, set()).add(merged.worker)
         return outcome
 
-    def put_aside(self, aside: SetAside) -> list[RangeSums]:
+    def fail_tile(self, failed: FailedTile) -> list[RangeSums]:
         """The tile gets no more samples; gives ranges that waited and are of no use now."""
-        self.set_aside[aside.tile_index] = aside
+        self.failed_tiles[failed.tile_index] = failed
         self._dirty_totals = True
-        return self.film.give_up(aside.tile_index)
+        return self.film.give_up(failed.tile_index)
 
     def count_audited(self) -> None:
         """A range was traced elsewhere again, and was the same."""
@@ -112,7 +115,7 @@ class RunningRender:
     def ending(self, now: float, unix_time: float) -> tuple[RenderState, str] | None:
         """How the render ends, if it does so now: the state, and the reason in words."""
         found = self._condition_met(now, unix_time)
-        if found is None or not self.set_aside:
+        if found is None or not self.failed_tiles:
             return found
         return RenderState.DEGRADED, f"{self._degraded()} {found[1]}".strip()
 
@@ -142,19 +145,19 @@ class RunningRender:
             return "Has the samples that its manifest lists."
         if not stop.tile_relative_error:
             return ""
-        last = self.planned.plan.range_ends[-1]
+        last = self.planned.schedule.range_ends[-1]
         full = sum(samples == last for samples in self.film.manifest())
-        met = len(self.film.tiles) - len(self.set_aside) - full
+        met = len(self.film.tiles) - len(self.failed_tiles) - full
         return f"{met} tiles have relative error {stop.tile_relative_error:.3%}, {full} all {last} samples."
 
     def _degraded(self) -> str:
         places = []
-        for index in sorted(self.set_aside)[:5]:
+        for index in sorted(self.failed_tiles)[:5]:
             tile = self.planned.grid.tile(index)
             places.append(f"{index} (x {tile.x}, y {tile.y}, {self.film.samples(index)} samples)")
-        more = f" and {len(self.set_aside) - 5} more" if len(self.set_aside) > 5 else ""
-        reason = next(iter(self.set_aside.values())).reason
-        return f"Tiles {', '.join(places)}{more} were set aside after failing on several workers: {reason}"
+        more = f" and {len(self.failed_tiles) - 5} more" if len(self.failed_tiles) > 5 else ""
+        reason = next(iter(self.failed_tiles.values())).reason
+        return f"Tiles {', '.join(places)}{more} failed on several workers: {reason}"
 
     def ran_seconds(self, now: float) -> float:
         """Time running, pauses left out."""
@@ -162,11 +165,11 @@ class RunningRender:
 
     def forecast(self, now: float, unix_time: float, rate: float) -> Forecast:
         """When it will end, and what it will have cost."""
-        plan, per_sample = self.planned.plan, self.planned.photons_per_sample
+        schedule, per_sample = self.planned.schedule, self.planned.photons_per_sample
         measured = Measured(
             photons=self.totals.photons,
             photons_wanted=self.film.expected_samples * per_sample,
-            mean_samples=self.totals.photons / (plan.width * plan.height * per_sample),
+            mean_samples=self.totals.photons / (schedule.width * schedule.height * per_sample),
             relative_error=self.relative_error,
             photons_per_second=rate,
             cpu_seconds=self.totals.cpu_seconds,
@@ -194,7 +197,7 @@ class RunningRender:
             return None
         self._last_rate = rate
         tiles = [
-            TileRow(tile, self.film.samples(tile), self.film.tile_bytes(tile), self._rejected[tile])
+            TileRow(tile, self.film.samples(tile), self.film.tile_bytes(tile), self._invalid_samples[tile])
             for tile in sorted(self._dirty)
         ]
         return RenderCommit(
@@ -207,8 +210,8 @@ class RunningRender:
             tiles_done=self.film.tiles_done,
             forecast=self.forecast(now, unix_time, rate),
             contributors=self._contributors,
-            set_aside=tuple(self.set_aside.values()),
-            numeric_class=self.numeric_class,
+            failed_tiles=tuple(self.failed_tiles.values()),
+            floating_point_profile=self.floating_point_profile,
         )
 
     @property
@@ -235,12 +238,13 @@ class RunningRender:
 
     def error_point(self, unix_time: float) -> tuple[ErrorPoint, bool]:
         """The error now, and whether enough was added since the last point for the history."""
-        plan = self.planned.plan
+        schedule = self.planned.schedule
         spread = spread_of(self.film.sums, self.film.counts)
         point = ErrorPoint(
             unix_time=unix_time,
             photons=self.totals.photons,
-            samples=self.totals.photons / (plan.width * plan.height * self.planned.photons_per_sample),
+            samples=self.totals.photons
+            / (schedule.width * schedule.height * self.planned.photons_per_sample),
             relative_error=spread.relative_error,
             worst_share=spread.worst_share,
             effective_pixels=spread.effective_pixels,
@@ -253,26 +257,26 @@ class RunningRender:
 
     def provenance(self) -> Provenance:
         samples = self.film.manifest()
-        whole = all(each == self.planned.plan.range_ends[-1] for each in samples)
+        whole = all(each == self.planned.schedule.range_ends[-1] for each in samples)
         return Provenance(
             self.planned.scene.hex(),
-            plan_json(self.planned.plan),
+            schedule_json(self.planned.schedule),
             self.planned.engine,
             "" if whole else manifest_text(samples),
-            self.numeric_class,
+            self.floating_point_profile,
         )
 
 
-def plan_json(plan: job_pb2.RenderPlan) -> str:
-    """The plan in proto3 JSON, one line, in one spelling for ever: it is part of canonical files."""
+def schedule_json(schedule: job_pb2.RangeSchedule) -> str:
+    """The schedule in proto3 JSON, one line, in one spelling for ever: it is part of canonical files."""
     content: dict[str, int | list[int] | list[str]] = {
-        "width": plan.width,
-        "height": plan.height,
-        "tileSize": plan.tile_size,
-        "rangeEnds": list(plan.range_ends),
+        "width": schedule.width,
+        "height": schedule.height,
+        "tileSize": schedule.tile_size,
+        "rangeEnds": list(schedule.range_ends),
     }
-    if plan.further_responses:
-        content["furtherResponses"] = list(plan.further_responses)
-    if plan.photons_per_sample:
-        content["photonsPerSample"] = plan.photons_per_sample
+    if schedule.further_responses:
+        content["furtherResponses"] = list(schedule.further_responses)
+    if schedule.photons_per_sample:
+        content["photonsPerSample"] = schedule.photons_per_sample
     return json.dumps(content, separators=(",", ":"))

@@ -1,6 +1,7 @@
 """Which jobs to publish next. Pure: events in, instructions out, no I/O, no clock.
 
-A range of a tile is planned, published, held (its result is here and waits for an earlier range) or merged;
+A range of a tile is planned, published, held (its result is here and waits for an earlier range) or
+completed;
 docs/queue.md has the table. Kept here: for each running render how far each tile is, and what is in flight.
 """
 
@@ -13,13 +14,13 @@ from typing import NamedTuple
 
 from nocturne_coordinator.limits import DEFAULT_PRIORITY, RANGES_AHEAD
 
-SHORTEST_OVERDUE = 60.0
+MIN_OVERDUE = 60.0
 """Seconds: six leases; workers claim a dead worker's jobs themselves long before."""
 
 OVERDUE_FACTOR = 20.0
 """Times the median time from publishing to result."""
 
-SHORTEST_SLOW = 1.0
+MIN_SLOW = 1.0
 """Seconds, and the factor times the median: a job that is out for longer may be given to an idle worker as
 well."""
 
@@ -50,11 +51,11 @@ class Published:
 
 
 @dataclass(slots=True)
-class _Share:
+class _FairShare:
     """One of those who share the workers: work given so far, divided by the weight."""
 
     weight: float
-    passed: float = 0.0
+    virtual_time: float = 0.0
 
 
 @dataclass(slots=True)
@@ -62,8 +63,8 @@ class _Queue:
     """The open ranges of one render."""
 
     ranges: int
-    merged: list[int]
-    """Per tile, ranges merged."""
+    completed: list[int]
+    """Per tile, ranges completed."""
     following: list[int]
     """Per tile, the range to publish next; those below it were published once."""
     horizon: list[int]
@@ -71,7 +72,7 @@ class _Queue:
     ready: list[tuple[bool, int, int]]
     """Heap of (may wait, range to publish next, tile): earlier ranges first, so the whole frame is first."""
     owner: str
-    share: _Share
+    share: _FairShare
     cost: Callable[[int], float]
     """Of a range by its index, in any unit that all renders have in common."""
     again: list[tuple[int, int]] = field(default_factory=list)
@@ -89,14 +90,14 @@ class _Queue:
         heappush(self.ready, (may_wait, range_index, tile))
 
 
-class Schedule:
+class Scheduler:
     """The open work of all running renders."""
 
-    def __init__(self, shortest_overdue: float = SHORTEST_OVERDUE) -> None:
+    def __init__(self, shortest_overdue: float = MIN_OVERDUE) -> None:
         """`shortest_overdue`: seconds that a job is out, at least, before it is overdue."""
         self._shortest_overdue = shortest_overdue
         self._queues: dict[str, _Queue] = {}
-        self._owners: dict[str, _Share] = {}
+        self._owners: dict[str, _FairShare] = {}
         self._outstanding: dict[JobKey, Published] = {}
         self._held = 0
         self._times: deque[float] = deque(maxlen=_REMEMBERED_TIMES)
@@ -107,7 +108,7 @@ class Schedule:
         self,
         render_id: str,
         ranges: int,
-        merged: list[int],
+        completed: list[int],
         *,
         horizon: Sequence[int] = (),
         owner: str = "",
@@ -115,25 +116,25 @@ class Schedule:
         owner_weight: float = DEFAULT_PRIORITY,
         cost: Callable[[int], float] = lambda _: 1.0,
     ) -> None:
-        """A render runs from here on; `merged` holds each tile's merged ranges, `ranges` for one that needs
-        no more.
+        """A render runs from here on; `completed` holds each tile's completed ranges, `ranges` for one that
+        needs no more.
 
         `horizon`: what each tile is expected to need, all unless given. Owners share the workers by their
         weight, and an owner's renders share by priority what the owner gets.
         """
-        ready = [(False, done, tile) for tile, done in enumerate(merged) if done < ranges]
+        ready = [(False, done, tile) for tile, done in enumerate(completed) if done < ranges]
         ready.sort()
-        share = self._owners.setdefault(owner, _Share(owner_weight, _least(self._owners.values())))
+        share = self._owners.setdefault(owner, _FairShare(owner_weight, _least(self._owners.values())))
         share.weight = owner_weight
         beside = [queue.share for queue in self._queues.values() if queue.owner == owner]
         self._queues[render_id] = _Queue(
             ranges,
-            list(merged),
-            list(merged),
-            list(horizon) or [ranges] * len(merged),
+            list(completed),
+            list(completed),
+            list(horizon) or [ranges] * len(completed),
             ready,
             owner,
-            _Share(priority, _least(beside)),
+            _FairShare(priority, _least(beside)),
             cost,
         )
 
@@ -171,27 +172,27 @@ class Schedule:
         self._outstanding[key].entries.append(entry)
 
     def received(self, key: JobKey, now: float) -> list[bytes]:
-        """A job's result came and is usable; `merged` follows for what it completes. Gives copies to
+        """A job's result came and is usable; `completed` follows for what it completes. Gives copies to
         delete."""
         published = self._outstanding.pop(key, None)
         if published is not None:
             self._times.append(now - published.at)
         queue = self._queues[key.render_id]
         place = (key.range_index, key.tile_index)
-        if key.range_index >= queue.merged[key.tile_index] and place not in queue.held:
+        if key.range_index >= queue.completed[key.tile_index] and place not in queue.held:
             queue.held.add(place)
             self._held += 1
         return published.entries if published is not None and len(published.entries) > 1 else []
 
-    def merged(self, render_id: str, tile_index: int, ranges: int) -> None:
-        """A tile's first `ranges` ranges are merged."""
+    def completed(self, render_id: str, tile_index: int, ranges: int) -> None:
+        """A tile's first `ranges` ranges are completed."""
         queue = self._queues[render_id]
-        for index in range(queue.merged[tile_index], ranges):
+        for index in range(queue.completed[tile_index], ranges):
             if (index, tile_index) in queue.held:
                 queue.held.remove((index, tile_index))
                 self._held -= 1
             self._outstanding.pop(JobKey(render_id, tile_index, index), None)
-        queue.merged[tile_index] = ranges
+        queue.completed[tile_index] = ranges
         queue.following[tile_index] = max(queue.following[tile_index], ranges)
         self._unblock(queue, tile_index)
 
@@ -204,12 +205,12 @@ class Schedule:
     def finish_tile(self, render_id: str, tile_index: int) -> list[bytes]:
         """A tile gets no more samples; gives the entries of its jobs, to be deleted from the stream."""
         queue = self._queues[render_id]
-        done = queue.merged[tile_index]
+        done = queue.completed[tile_index]
         entries = []
         for index in range(done, min(done + RANGES_AHEAD, queue.ranges)):
             published = self._outstanding.pop(JobKey(render_id, tile_index, index), None)
             entries.extend(published.entries if published else [])
-        self.merged(render_id, tile_index, queue.ranges)
+        self.completed(render_id, tile_index, queue.ranges)
         return entries
 
     def returned(self, key: JobKey) -> list[bytes]:
@@ -231,7 +232,8 @@ class Schedule:
 
     @property
     def in_flight(self) -> int:
-        """Jobs published and not yet merged; what waits for an earlier range counts, which bounds memory."""
+        """Jobs published and not yet completed; what waits for an earlier range counts, which bounds
+        memory."""
         return len(self._outstanding) + self._held
 
     @property
@@ -263,20 +265,20 @@ class Schedule:
                 del able[render_id]
                 # Who has nothing to give out now saves up no claim on later.
                 if able:
-                    least = min((each.share for each in able.values()), key=lambda share: share.passed)
-                    queue.share.passed = max(queue.share.passed, least.passed)
+                    least = min((each.share for each in able.values()), key=lambda share: share.virtual_time)
+                    queue.share.virtual_time = max(queue.share.virtual_time, least.virtual_time)
                 continue
             cost = queue.cost(key.range_index)
-            queue.share.passed += cost / queue.share.weight
+            queue.share.virtual_time += cost / queue.share.weight
             owner = self._owners[queue.owner]
-            owner.passed += cost / owner.weight
+            owner.virtual_time += cost / owner.weight
             jobs.append(key)
         return jobs
 
     def _waited_for(self) -> list[JobKey]:
         """The next ranges of tiles whose later ones are here, if they are not out."""
         found = {
-            JobKey(render_id, tile, queue.merged[tile])
+            JobKey(render_id, tile, queue.completed[tile])
             for render_id, queue in self._queues.items()
             for _, tile in queue.held
         }
@@ -284,11 +286,11 @@ class Schedule:
 
     def _passed(self, item: tuple[str, _Queue]) -> tuple[float, str, float]:
         queue = item[1]
-        return self._owners[queue.owner].passed, queue.owner, queue.share.passed
+        return self._owners[queue.owner].virtual_time, queue.owner, queue.share.virtual_time
 
     def slow(self, now: float, count: int) -> list[JobKey]:
         """Up to `count` jobs that are out for much longer than others and have no copy yet, oldest first."""
-        latest = now - max(SHORTEST_SLOW, SLOW_FACTOR * self.typical_time)
+        latest = now - max(MIN_SLOW, SLOW_FACTOR * self.typical_time)
         found = [
             (published.at, key)
             for key, published in self._outstanding.items()
@@ -326,12 +328,12 @@ class Schedule:
             queue.make_ready(queue.following[tile_index], tile_index)
 
     def _is_open(self, key: JobKey) -> bool:
-        """Planned, not merged, and its result is not here."""
+        """Planned, not completed, and its result is not here."""
         queue = self._queues.get(key.render_id)
-        if queue is None or not 0 <= key.tile_index < len(queue.merged):
+        if queue is None or not 0 <= key.tile_index < len(queue.completed):
             return False
         return (
-            queue.merged[key.tile_index] <= key.range_index < queue.ranges
+            queue.completed[key.tile_index] <= key.range_index < queue.ranges
             and (key.range_index, key.tile_index) not in queue.held
         )
 
@@ -343,9 +345,9 @@ class Schedule:
                 return key
         while queue.ready:
             _, range_index, tile = heappop(queue.ready)
-            if queue.merged[tile] >= queue.ranges:
+            if queue.completed[tile] >= queue.ranges:
                 continue
-            if range_index >= min(queue.merged[tile] + RANGES_AHEAD, queue.horizon[tile]):
+            if range_index >= min(queue.completed[tile] + RANGES_AHEAD, queue.horizon[tile]):
                 queue.blocked.add(tile)
                 continue
             queue.following[tile] = range_index + 1
@@ -356,6 +358,6 @@ class Schedule:
         return None
 
 
-def _least(shares: Iterable[_Share]) -> float:
+def _least(shares: Iterable[_FairShare]) -> float:
     """Where who comes new begins: neither behind the others nor ahead of them."""
-    return min((share.passed for share in shares), default=0.0)
+    return min((share.virtual_time for share in shares), default=0.0)

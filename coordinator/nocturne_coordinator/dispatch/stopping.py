@@ -18,7 +18,7 @@ from nocturne_scene.errors import InputError, Problem
 
 from nocturne_coordinator import limits
 
-MINIMUM_SAMPLES = 16
+MIN_SAMPLES = 16
 """Per pixel, before an estimated error may end anything: the estimate itself has an error, and one that
 happens to be low would end a tile too early. With fewer samples that is likely (NIST/SEMATECH e-Handbook of
 Statistical Methods, 1.3.5.8: a standard deviation from n samples is itself good to about 1/sqrt(2 (n -
@@ -102,10 +102,10 @@ def stop_conditions(asked: Mapping[str, Any], now: datetime) -> StopConditions:
 
 
 _NUMBERS = {
-    "relative_error": limits.MAXIMUM_ERROR_ASKED,
-    "tile_relative_error": limits.MAXIMUM_ERROR_ASKED,
-    "wall_seconds": limits.MAXIMUM_SECONDS_ASKED,
-    "cpu_seconds": limits.MAXIMUM_SECONDS_ASKED,
+    "relative_error": limits.MAX_ERROR_ASKED,
+    "tile_relative_error": limits.MAX_ERROR_ASKED,
+    "wall_seconds": limits.MAX_SECONDS_ASKED,
+    "cpu_seconds": limits.MAX_SECONDS_ASKED,
 }
 
 
@@ -114,14 +114,14 @@ def parse_until(text: str, now: datetime) -> float:
 
     `now` must have a zone. ValueError, fit to be shown, for all else and for times that are over.
     """
-    if not isinstance(text, str) or len(text) > limits.MAXIMUM_NAME:
+    if not isinstance(text, str) or len(text) > limits.MAX_NAME:
         raise ValueError(f"expected a time with its zone, {_EXAMPLES}")
     clock = _CLOCK.fullmatch(text.strip())
     moment = _next_time(clock, now) if clock else _moment(text.strip())
     if moment <= now:
         raise ValueError(f"{text} is over")
-    if moment > now + timedelta(seconds=limits.MAXIMUM_SECONDS_ASKED):
-        raise ValueError(f"{text} is more than {limits.MAXIMUM_SECONDS_ASKED / 86400:g} days ahead")
+    if moment > now + timedelta(seconds=limits.MAX_SECONDS_ASKED):
+        raise ValueError(f"{text} is more than {limits.MAX_SECONDS_ASKED / 86400:g} days ahead")
     return moment.timestamp()
 
 
@@ -179,7 +179,7 @@ def error_is_met(error: float, samples: int, asked: float) -> bool:
 
     Unknown, as in a tile that is black so far, is never low enough: its light may just not have been met.
     """
-    return asked > 0.0 and samples >= MINIMUM_SAMPLES and 0.0 < error <= asked
+    return asked > 0.0 and samples >= MIN_SAMPLES and 0.0 < error <= asked
 
 
 def samples_needed(error: float, samples: float, asked: float) -> float:
@@ -187,4 +187,4 @@ def samples_needed(error: float, samples: float, asked: float) -> float:
     unknown."""
     if error <= 0.0:
         return math.inf
-    return max(MINIMUM_SAMPLES, samples * (error / asked) ** 2)
+    return max(MIN_SAMPLES, samples * (error / asked) ** 2)

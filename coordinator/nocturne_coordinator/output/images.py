@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
-from nocturne_scene.limits import MAXIMUM_FILM_PIXELS
+from nocturne_scene.limits import MAX_FILM_PIXELS
 from nocturne_scene.ranges import XYZ_SUMS
 
 from nocturne_coordinator.dispatch.merge import Counts, Sums
@@ -51,11 +51,11 @@ class Provenance:
     """What an image was made of, written into it."""
 
     scene_sha256: str
-    plan_json: str
+    schedule_json: str
     engine: int
     manifest: str = ""
-    """Samples of each tile where not all have what the plan ends with: see `manifest_text`."""
-    numeric_class: str = ""
+    """Samples of each tile where not all have what the schedule ends with: see `manifest_text`."""
+    floating_point_profile: str = ""
     """How all workers rounded."""
 
 
@@ -71,7 +71,7 @@ def manifest_of(text: str) -> list[int]:
     for run in text.split():
         value, _, length = run.partition("x")
         count = int(length or 1)
-        if count > MAXIMUM_FILM_PIXELS:
+        if count > MAX_FILM_PIXELS:
             raise ValueError(f"{run}: more tiles than any film has")
         samples.extend([int(value)] * count)
     return samples
@@ -217,9 +217,9 @@ def write_image(
     spec.attribute("chromaticities", "float[8]", (1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0 / 3.0, 1.0 / 3.0))
     spec.attribute("whiteLuminance", 1.0)
     spec.attribute("nocturne:scene", provenance.scene_sha256)
-    spec.attribute("nocturne:plan", provenance.plan_json)
+    spec.attribute("nocturne:schedule", provenance.schedule_json)
     spec.attribute("nocturne:engine", provenance.engine)
-    spec.attribute("nocturne:numericClass", provenance.numeric_class)
+    spec.attribute("nocturne:floatingPointProfile", provenance.floating_point_profile)
     if provenance.manifest:
         spec.attribute("nocturne:tileSamples", provenance.manifest)
     _write(path, spec, _exr_channels(sums, counts))

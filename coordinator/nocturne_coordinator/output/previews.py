@@ -30,7 +30,7 @@ _IMAGE_SHARE = 0.003
 """Shortest time between two, and the part of all time that may go into them. An EXR costs ten previews."""
 
 
-class Pictures:
+class Previews:
     """Writes what people look at; shows committed samples only, so no picture goes back.
 
     All methods raise LeaseLost where another coordinator has the render.
@@ -100,7 +100,7 @@ class Pictures:
         render.pictured_photons = point.photons
 
     def _image(self, render: RunningRender) -> None:
-        names = render.planned.plan.further_responses
+        names = render.planned.schedule.further_responses
         with self._in_place(render, self._folder.image_path) as path:
             write_image(path, render.film.sums, render.film.counts, render.provenance(), names)
 

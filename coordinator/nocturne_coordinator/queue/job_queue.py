@@ -36,7 +36,7 @@ _RENEWALS = 5
 _TIMEOUT = 5.0
 
 # Results read at once: so many that their number costs little, and as many bytes, going by those before them.
-_FIRST_BATCH, _LARGEST_BATCH = 16, 256
+_FIRST_BATCH, _MAX_BATCH = 16, 256
 _BATCH_BYTES = 8 * 2**20
 
 # Entries named in one XDEL, jobs listed by one XRANGE.
@@ -229,7 +229,7 @@ class JobQueue:
         ]
         if entries:
             largest = max(len(data) for _, data in entries)
-            self._batch = max(1, min(_LARGEST_BATCH, _BATCH_BYTES // max(1, largest)))
+            self._batch = max(1, min(_MAX_BATCH, _BATCH_BYTES // max(1, largest)))
         return entries
 
     @_queue_errors

@@ -5,12 +5,12 @@ import math
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 
-from nocturne_coordinator.dispatch.profiles import class_of
+from nocturne_coordinator.dispatch.profiles import profile_of
 from nocturne_coordinator.store.rows import WorkerRow
 
 _LARGEST = 2**63 - 1
-_MAXIMUM_ID = 128
-_MAXIMUM_THREADS = 4096
+_MAX_ID = 128
+_MAX_THREADS = 4096
 
 
 def worker_row(data: bytes, seen: float) -> WorkerRow | None:
@@ -20,17 +20,17 @@ def worker_row(data: bytes, seen: float) -> WorkerRow | None:
     except DecodeError:
         return None
     sensible = math.isfinite(status.photons_per_second) and math.isfinite(status.started)
-    if not sensible or not 1 <= len(status.worker_id) <= _MAXIMUM_ID:
+    if not sensible or not 1 <= len(status.worker_id) <= _MAX_ID:
         return None
     return WorkerRow(
         id=status.worker_id,
         engine=status.engine,
-        threads=min(status.threads, _MAXIMUM_THREADS),
+        threads=min(status.threads, _MAX_THREADS),
         photons=min(status.photons, _LARGEST),
         rays=min(status.rays, _LARGEST),
         photons_per_second=status.photons_per_second,
         jobs_done=min(status.jobs_done, _LARGEST),
         started=status.started,
         seen=seen,
-        numeric_class=class_of(status.numeric_class),
+        floating_point_profile=profile_of(status.floating_point_profile),
     )

@@ -1,4 +1,4 @@
-"""What somebody needs to see a failure again: one file for each tile that was set aside."""
+"""What somebody needs to see a failure again: one file for each tile that failed."""
 
 import json
 import tempfile
@@ -10,7 +10,7 @@ from nocturne_scene.ranges import SampleRange
 
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.ledger import SetAside
+from nocturne_coordinator.store.ledger import FailedTile
 
 _README = """\
 Tile {tile}, samples {first} to {end} of render {render} failed on: {workers}.
@@ -23,24 +23,24 @@ To see it again, with the blobs of the service's data folder:
 
 scene.json  the scene document            scene.pb  compiled
 job.json    the job that failed           job.pb    the same, as workers get it
-plan.pb     of the whole image            failure.json  what was said
+schedule.pb     of the whole image            failure.json  what was said
 """
 
 
-def write_bundle(folder: DataFolder, render: PlannedRender, aside: SetAside) -> Path:
+def write_bundle(folder: DataFolder, render: PlannedRender, failed: FailedTile) -> Path:
     """Writes it beside the render's images, whole or not at all; OSError where that can't be done."""
-    target = folder.bundle_path(render.id, aside.tile_index)
+    target = folder.bundle_path(render.id, failed.tile_index)
     target.parent.mkdir(parents=True, exist_ok=True)
-    planned = render.ranges.find(aside.first_sample, aside.end_sample)
-    job = render.job(aside.tile_index, planned or SampleRange(0, aside.first_sample, aside.end_sample))
-    failure = {"reason": aside.reason, "workers": aside.workers}
+    planned = render.ranges.find(failed.first_sample, failed.end_sample)
+    job = render.job(failed.tile_index, planned or SampleRange(0, failed.first_sample, failed.end_sample))
+    failure = {"reason": failed.reason, "workers": failed.workers}
     words = _README.format(
-        tile=aside.tile_index,
-        first=aside.first_sample,
-        end=aside.end_sample,
+        tile=failed.tile_index,
+        first=failed.first_sample,
+        end=failed.end_sample,
         render=render.id,
-        workers=", ".join(aside.workers),
-        reason=aside.reason,
+        workers=", ".join(failed.workers),
+        reason=failed.reason,
     )
     with tempfile.NamedTemporaryFile(dir=target.parent, prefix=".", suffix=".zip", delete=False) as file:
         temporary = Path(file.name)
@@ -49,7 +49,7 @@ def write_bundle(folder: DataFolder, render: PlannedRender, aside: SetAside) -> 
                 bundle.writestr("README.txt", words)
                 bundle.writestr("job.json", MessageToJson(job))
                 bundle.writestr("job.pb", job.SerializeToString(deterministic=True))
-                bundle.writestr("plan.pb", render.plan.SerializeToString(deterministic=True))
+                bundle.writestr("schedule.pb", render.schedule.SerializeToString(deterministic=True))
                 bundle.writestr("failure.json", json.dumps(failure))
                 bundle.writestr("scene.json", folder.scene_document(render.id))
                 scene = render.scene.hex()

@@ -1,6 +1,7 @@
 """Copies of a data folder's database, each whole and provably so, made while the service runs.
 
-    DIR/<number>.db      the database at one moment: renders with plans, sums and samples of all tiles, tokens
+    DIR/<number>.db      the database at one moment: renders with schedules, sums and samples of all tiles,
+    tokens
     DIR/<number>.json    SHA-256 of it and what is in it; written last, so one that is there is complete
     DIR/blobs/           scenes and assets by SHA-256, unless DIR lies in the data folder itself
 

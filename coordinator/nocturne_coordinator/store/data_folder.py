@@ -2,7 +2,7 @@
 
     nocturne.db      renders, tiles, workers (SQLite in WAL mode)
     blobs/           scenes and assets by SHA-256
-    images/<id>/     preview.png, thumbnail.png and image.exr of a render, set-aside-<tile>.zip of what failed
+    images/<id>/     preview.png, thumbnail.png and image.exr of a render, failed-tile-<tile>.zip
     checkpoints/     the last two copies of the database (see checkpoint.py)
     coordinator.lock held by the coordinator that works on the folder
 
@@ -21,10 +21,10 @@ from pathlib import Path
 from nocturne.v1 import job_pb2
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.errors import InputError, NotFound, Problem
-from nocturne_scene.ranges import TileGrid, extended_plan
+from nocturne_scene.ranges import TileGrid, extended_schedule
 
 from nocturne_coordinator import limits
-from nocturne_coordinator.dispatch.profiles import shut_out
+from nocturne_coordinator.dispatch.profiles import incompatible
 from nocturne_coordinator.dispatch.region import Region
 from nocturne_coordinator.dispatch.stopping import StopConditions, check_tile_samples
 from nocturne_coordinator.errors import Conflict, FilesGone, UnusableFolder, WrongState
@@ -104,15 +104,15 @@ class DataFolder:
 
     def _insert(self, new: NewRender, digest: str) -> str:
         render_id = _new_id()
-        tiles = TileGrid.of(new.plan).count
+        tiles = TileGrid.of(new.schedule).count
         if any(self.blobs.here(sha256) is None for sha256 in new.files):
             raise FilesGone("files of the scene were deleted with another render")
         if new.stop.tile_samples:
-            check_tile_samples(new.stop.tile_samples, tiles, new.plan.range_ends)
+            check_tile_samples(new.stop.tile_samples, tiles, new.schedule.range_ends)
         self.database.execute(
             """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
-                   photons_per_sample, scene_sha256, engine, created, ranges_planned, plan, scene_document,
-                   stop, priority, owner, tiles, numeric_class)
+                   photons_per_sample, scene_sha256, engine, created, ranges_planned, schedule,
+                   scene_document, stop, priority, owner, tiles, floating_point_profile)
                VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
             (
                 render_id,
@@ -122,18 +122,18 @@ class DataFolder:
                 new.width,
                 new.height,
                 new.samples,
-                max(1, new.plan.photons_per_sample),
+                max(1, new.schedule.photons_per_sample),
                 new.scene_sha256,
                 int(job_pb2.ENGINE_CURRENT),
                 time.time(),
-                tiles * len(new.plan.range_ends),
-                new.plan.SerializeToString(deterministic=True),
+                tiles * len(new.schedule.range_ends),
+                new.schedule.SerializeToString(deterministic=True),
                 new.scene_document,
                 new.stop.to_json(),
                 new.priority,
                 new.owner,
                 tiles,
-                new.numeric_class,
+                new.floating_point_profile,
             ),
         )
         return render_id
@@ -156,8 +156,8 @@ class DataFolder:
         Raises InputError for a page token that was not given out, or a negative size.
         """
         if page_size < 0:
-            raise InputError.at("page_size", f"is {page_size}; expected 0 to {limits.MAXIMUM_PAGE}")
-        size = min(page_size or limits.DEFAULT_PAGE, limits.MAXIMUM_PAGE)
+            raise InputError.at("page_size", f"is {page_size}; expected 0 to {limits.MAX_PAGE}")
+        size = min(page_size or limits.DEFAULT_PAGE, limits.MAX_PAGE)
         rows = self.database.rows(
             f"SELECT number, {RENDER_COLUMNS} FROM render WHERE number < ? ORDER BY number DESC LIMIT ?",  # noqa: S608
             (_decode_page_token(page_token), size + 1),
@@ -188,13 +188,13 @@ class DataFolder:
         return self._now_in(render_id, (RenderState.PAUSED,), "paused")
 
     def request_resume(self, render_id: str) -> RenderRow:
-        """Goes on with a paused render; with a degraded one, by trying again what was set aside.
+        """Goes on with a paused render; with a degraded one, by tracing its failed tiles again.
 
         Resuming twice is resuming once. Raises NotFound, and WrongState for a render in another state.
         """
         with self.database.transaction():
             self.database.execute(
-                """DELETE FROM set_aside WHERE render_id IN
+                """DELETE FROM failed_tile WHERE render_id IN
                    (SELECT id FROM render WHERE id = ? AND state = 'DEGRADED')""",
                 (render_id,),
             )
@@ -232,19 +232,20 @@ class DataFolder:
             render = self.get_render(render_id)
             if render.state is RenderState.FAILED:
                 raise WrongState(f"{render_id} has failed, and can't be extended: {render.reason}")
-            plan = extended_plan(self.plan(render_id), samples)
+            schedule = extended_schedule(self.schedule(render_id), samples)
             if (samples, stop.request()) == (render.samples, render.stop.request()):
                 return render
             goes_on = render.state in (RenderState.RUNNING, RenderState.PAUSED)
-            self.database.execute("DELETE FROM set_aside WHERE render_id = ?", (render_id,))
+            self.database.execute("DELETE FROM failed_tile WHERE render_id = ?", (render_id,))
             self.database.execute(
-                """UPDATE render SET samples = ?, plan = ?, stop = ?, ranges_planned = ?, state = ?, reason =
+                """UPDATE render SET samples = ?, schedule = ?, stop = ?, ranges_planned = ?, state = ?,
+                reason =
                 '', ended = 0, image_final = 0, sequence = sequence + 1 WHERE id = ?""",
                 (
                     samples,
-                    plan.SerializeToString(deterministic=True),
+                    schedule.SerializeToString(deterministic=True),
                     stop.to_json(),
-                    TileGrid.of(plan).count * len(plan.range_ends),
+                    TileGrid.of(schedule).count * len(schedule.range_ends),
                     render.state.value if goes_on else "QUEUED",
                     render_id,
                 ),
@@ -267,8 +268,8 @@ class DataFolder:
         return render
 
     def create_replay(self, render_id: str, request_id: str, owner: str = "") -> RenderRow:
-        """A render of the same scene and plan, with the samples that each tile has now, by workers of the
-        same numeric class: it gives the same bits.
+        """A render of the same scene and schedule, with the samples that each tile has now, by workers of the
+        same floating-point profile: it gives the same bits.
 
         Raises NotFound, WrongState where there are no samples, and Conflict.
         """
@@ -279,22 +280,22 @@ class DataFolder:
         return self.create_render(
             NewRender(
                 request_id=request_id,
-                name=f"{original.name[: limits.MAXIMUM_NAME - 10]} (replay)",
+                name=f"{original.name[: limits.MAX_NAME - 10]} (replay)",
                 scene_sha256=original.scene_sha256,
                 scene_document=self.scene_document(render_id),
                 width=original.width,
                 height=original.height,
                 samples=original.samples,
-                plan=self.plan(render_id),
+                schedule=self.schedule(render_id),
                 stop=StopConditions(tile_samples=manifest),
                 owner=owner,
-                numeric_class=original.numeric_class,
+                floating_point_profile=original.floating_point_profile,
             )
         )
 
     def manifest(self, render_id: str) -> tuple[int, ...]:
         """Committed samples of each tile, row by row; raises NotFound."""
-        count = TileGrid.of(self.plan(render_id)).count
+        count = TileGrid.of(self.schedule(render_id)).count
         rows = self.database.rows("SELECT tile_index, samples FROM tile WHERE render_id = ?", (render_id,))
         samples = {row["tile_index"]: row["samples"] for row in rows}
         return tuple(samples.get(index, 0) for index in range(count))
@@ -306,12 +307,12 @@ class DataFolder:
             raise NotFound(f"there is no render {render_id!r}")
         return str(row["scene_document"])
 
-    def plan(self, render_id: str) -> job_pb2.RenderPlan:
+    def schedule(self, render_id: str) -> job_pb2.RangeSchedule:
         """Raises NotFound."""
-        row = self.database.row("SELECT plan FROM render WHERE id = ?", (render_id,))
+        row = self.database.row("SELECT schedule FROM render WHERE id = ?", (render_id,))
         if row is None:
             raise NotFound(f"there is no render {render_id!r}")
-        return job_pb2.RenderPlan.FromString(row["plan"])
+        return job_pb2.RangeSchedule.FromString(row["schedule"])
 
     def error_history(self, render_id: str) -> list[ErrorPoint]:
         """One point per preview, oldest first; raises NotFound."""
@@ -331,7 +332,7 @@ class DataFolder:
         Asking again with the last one's gives the rest: a tile that changes meanwhile comes once more, later.
         """
         rows = self.database.rows(
-            """SELECT tile_index, revision, samples, rejected FROM tile
+            """SELECT tile_index, revision, samples, invalid_samples FROM tile
                WHERE render_id = ? AND (revision, tile_index) > (?, ?)
                ORDER BY revision, tile_index LIMIT ?""",
             (render_id, *since, limit),
@@ -341,13 +342,16 @@ class DataFolder:
     def tile_sums(self, render_id: str, since: tuple[int, int], limit: int) -> list[tuple[TileChange, bytes]]:
         """The same tiles with their sums, float64, little endian, row by row."""
         rows = self.database.rows(
-            """SELECT tile_index, revision, samples, rejected, sums FROM tile
+            """SELECT tile_index, revision, samples, invalid_samples, sums FROM tile
                WHERE render_id = ? AND (revision, tile_index) > (?, ?)
                ORDER BY revision, tile_index LIMIT ?""",
             (render_id, *since, limit),
         )
         return [
-            (TileChange(row["tile_index"], row["revision"], row["samples"], row["rejected"]), row["sums"])
+            (
+                TileChange(row["tile_index"], row["revision"], row["samples"], row["invalid_samples"]),
+                row["sums"],
+            )
             for row in rows
         ]
 
@@ -366,8 +370,8 @@ class DataFolder:
         return self._images(render_id) / "image.exr"
 
     def bundle_path(self, render_id: str, tile_index: int) -> Path:
-        """What is needed to see again why a tile was set aside; may not exist."""
-        return self._images(render_id) / f"set-aside-{tile_index}.zip"
+        """What is needed to see again why a tile failed; may not exist."""
+        return self._images(render_id) / f"failed-tile-{tile_index}.zip"
 
     def _images(self, render_id: str) -> Path:
         # The id becomes part of a path: only one that this folder gave out may.
@@ -384,13 +388,13 @@ class DataFolder:
         )
         return [WorkerRow(**dict(row)) for row in rows]
 
-    def shut_out_workers(self) -> dict[str, str]:
+    def incompatible_workers(self) -> dict[str, str]:
         """Workers that get no jobs though they are not in quarantine, and why."""
         renders = self.database.rows(
-            "SELECT DISTINCT numeric_class FROM render WHERE state IN ('QUEUED', 'RUNNING')"
+            "SELECT DISTINCT floating_point_profile FROM render WHERE state IN ('QUEUED', 'RUNNING')"
         )
-        classes = [row["numeric_class"] for row in renders]
-        return shut_out(self.workers(), self.workers_in_quarantine(), classes)
+        classes = [row["floating_point_profile"] for row in renders]
+        return incompatible(self.workers(), self.workers_in_quarantine(), classes)
 
     def count_by_state(self) -> dict[str, int]:
         """How many renders there are in each state that any is in."""
@@ -499,10 +503,10 @@ def _request_digest(new: NewRender) -> str:
 
 def _check_texts(new: NewRender) -> None:
     problems = []
-    if not 1 <= len(new.request_id) <= limits.MAXIMUM_REQUEST_ID:
-        problems.append(Problem("$.request_id", f"expected 1 to {limits.MAXIMUM_REQUEST_ID} characters"))
-    if len(new.name) > limits.MAXIMUM_NAME:
-        problems.append(Problem("$.name", f"expected at most {limits.MAXIMUM_NAME} characters"))
+    if not 1 <= len(new.request_id) <= limits.MAX_REQUEST_ID:
+        problems.append(Problem("$.request_id", f"expected 1 to {limits.MAX_REQUEST_ID} characters"))
+    if len(new.name) > limits.MAX_NAME:
+        problems.append(Problem("$.name", f"expected at most {limits.MAX_NAME} characters"))
     if problems:
         raise InputError(problems)
     check_priority(new.priority)
@@ -510,8 +514,8 @@ def _check_texts(new: NewRender) -> None:
 
 def check_priority(priority: int) -> None:
     """Raises InputError for one that can't be."""
-    if not 1 <= priority <= limits.MAXIMUM_PRIORITY:
-        raise InputError.at("$.priority", f"is {priority}; expected 1 to {limits.MAXIMUM_PRIORITY}")
+    if not 1 <= priority <= limits.MAX_PRIORITY:
+        raise InputError.at("$.priority", f"is {priority}; expected 1 to {limits.MAX_PRIORITY}")
 
 
 def _encode_page_token(number: int) -> str:

@@ -40,12 +40,12 @@ CREATE TABLE render (
     ranges_planned INTEGER NOT NULL,
     photons INTEGER NOT NULL DEFAULT 0,
     rays INTEGER NOT NULL DEFAULT 0,
-    rejected INTEGER NOT NULL DEFAULT 0,
+    invalid_samples INTEGER NOT NULL DEFAULT 0,
     relative_error REAL NOT NULL DEFAULT 0,
     photons_per_second REAL NOT NULL DEFAULT 0,
     cpu_seconds REAL NOT NULL DEFAULT 0,
     image_final INTEGER NOT NULL DEFAULT 0 CHECK (image_final IN (0, 1)),
-    plan BLOB NOT NULL,
+    schedule BLOB NOT NULL,
     scene_document TEXT NOT NULL,
     -- JSON of StopConditions.
     stop TEXT NOT NULL DEFAULT '{{}}',
@@ -54,7 +54,7 @@ CREATE TABLE render (
     ran_seconds REAL NOT NULL DEFAULT 0,
     tiles INTEGER NOT NULL DEFAULT 0,
     tiles_done INTEGER NOT NULL DEFAULT 0,
-    tiles_set_aside INTEGER NOT NULL DEFAULT 0,
+    tiles_failed INTEGER NOT NULL DEFAULT 0,
     audited INTEGER NOT NULL DEFAULT 0,
     refused INTEGER NOT NULL DEFAULT 0,
     predicted_end REAL NOT NULL DEFAULT 0,
@@ -65,7 +65,7 @@ CREATE INDEX render_open ON render (state) WHERE state IN ('QUEUED', 'RUNNING') 
 
 _NEW_IN_3 = """
 -- Tiles that get no more samples, because this range failed on several workers.
-CREATE TABLE set_aside (
+CREATE TABLE failed_tile (
     render_id TEXT NOT NULL REFERENCES render (id) ON DELETE CASCADE,
     tile_index INTEGER NOT NULL,
     first_sample INTEGER NOT NULL,
@@ -184,7 +184,7 @@ INSERT INTO ownership VALUES (1, 0, lower(hex(randomblob(8))));
 _NEW_IN_5 = """
 -- A commit gives its tiles the render's sequence as their revision: what is above one changed since it.
 ALTER TABLE tile ADD COLUMN revision INTEGER NOT NULL DEFAULT 0;
-ALTER TABLE tile ADD COLUMN rejected INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE tile ADD COLUMN invalid_samples INTEGER NOT NULL DEFAULT 0;
 CREATE INDEX tile_by_revision ON tile (render_id, revision, tile_index);
 
 -- How the variance is spread over pixels: see coordinator/nocturne_coordinator/output/images.py, Spread.
@@ -224,8 +224,8 @@ CREATE TABLE rate_point (
 
 _NEW_IN_6 = """
 -- How the workers of a render round; empty before its first result.
-ALTER TABLE render ADD COLUMN numeric_class TEXT NOT NULL DEFAULT '';
-ALTER TABLE worker ADD COLUMN numeric_class TEXT NOT NULL DEFAULT 'unknown';
+ALTER TABLE render ADD COLUMN floating_point_profile TEXT NOT NULL DEFAULT '';
+ALTER TABLE worker ADD COLUMN floating_point_profile TEXT NOT NULL DEFAULT 'unknown';
 """
 
 

@@ -83,10 +83,10 @@ def damage_of(database: Path) -> list[str]:
 
 
 def _damaged_tiles(connection: sqlite3.Connection) -> Iterator[str]:
-    for row in connection.execute("SELECT id, plan, scene_sha256, engine FROM render").fetchall():
+    for row in connection.execute("SELECT id, schedule, scene_sha256, engine FROM render").fetchall():
         try:
-            plan = job_pb2.RenderPlan.FromString(row["plan"])
-            planned = PlannedRender(row["id"], plan, bytes.fromhex(row["scene_sha256"]), row["engine"])
+            schedule = job_pb2.RangeSchedule.FromString(row["schedule"])
+            planned = PlannedRender(row["id"], schedule, bytes.fromhex(row["scene_sha256"]), row["engine"])
             for tile in connection.execute("SELECT * FROM tile WHERE render_id = ?", (row["id"],)):
                 _check_tile(planned, tile)
         except (DecodeError, ValueError, IndexError, RefusedResult) as damage:
@@ -110,7 +110,7 @@ def _take_newest(place: Path, database: Path, damage: list[str]) -> Path:
         if wrong := damage_of(path):
             damage.extend(f"checkpoint {path}: {each}" for each in wrong)
             continue
-        _put_aside(database)
+        _fail_tile(database)
         temporary = database.with_name(".nocturne.db.new")
         shutil.copyfile(path, temporary)
         _make_anew(temporary)
@@ -119,7 +119,7 @@ def _take_newest(place: Path, database: Path, damage: list[str]) -> Path:
     raise CantRestore("; ".join([*damage, f"there is no whole checkpoint in {place}"]))
 
 
-def _put_aside(database: Path) -> None:
+def _fail_tile(database: Path) -> None:
     number = 1
     while (kept := database.with_name(f"damaged-{number}")).exists():
         number += 1

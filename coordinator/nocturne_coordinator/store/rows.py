@@ -9,7 +9,7 @@ from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_coordinator.limits import DEFAULT_PRIORITY
 
 UNKNOWN_CLASS = "unknown"
-"""Numeric class of workers that don't tell theirs."""
+"""Floating-point profile of workers that don't tell theirs."""
 
 
 class RenderState(StrEnum):
@@ -22,7 +22,7 @@ class RenderState(StrEnum):
     STOPPED_EARLY = "STOPPED_EARLY"
     """By a time: the image lists the samples that each tile has."""
     DEGRADED = "DEGRADED"
-    """Complete but for tiles that were set aside."""
+    """Complete but for tiles that failed."""
     FAILED = "FAILED"
     CANCELLED = "CANCELLED"
 
@@ -48,12 +48,12 @@ class NewRender:
     width: int
     height: int
     samples: int
-    plan: job_pb2.RenderPlan
+    schedule: job_pb2.RangeSchedule
     stop: StopConditions = EVERYTHING
     priority: int = DEFAULT_PRIORITY
     owner: str = ""
     """Name of the token that asked for it; empty without authentication."""
-    numeric_class: str = ""
+    floating_point_profile: str = ""
     """How its workers must round; empty: as the first one does."""
     files: tuple[str, ...] = ()
     """Digests of the compiled scene's files, which must be there when the render is made."""
@@ -72,7 +72,7 @@ class RenderRow:
     samples: int
     photons_per_sample: int
     scene_sha256: str
-    numeric_class: str
+    floating_point_profile: str
     """How all its workers round; empty before the first result."""
     sequence: int
     created: float
@@ -82,7 +82,7 @@ class RenderRow:
     ranges_planned: int
     photons: int
     rays: int
-    rejected: int
+    invalid_samples: int
     relative_error: float
     worst_share: float
     effective_pixels: float
@@ -95,7 +95,7 @@ class RenderRow:
     tiles: int
     tiles_done: int
     """Tiles that need no more samples."""
-    tiles_set_aside: int
+    tiles_failed: int
     audited: int
     """Ranges that were traced again elsewhere and were the same."""
     refused: int
@@ -128,7 +128,7 @@ class WorkerRow:
     jobs_done: int
     started: float
     seen: float
-    numeric_class: str = UNKNOWN_CLASS
+    floating_point_profile: str = UNKNOWN_CLASS
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +151,7 @@ class TileChange:
     tile_index: int
     revision: int
     samples: int
-    rejected: int
+    invalid_samples: int
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ from nocturne_coordinator.store.database import Database
 TOLD_STATES = ("SUCCEEDED", "STOPPED_EARLY", "DEGRADED", "FAILED")
 """Ends that somebody waits for; who cancels a render knows."""
 
-MOST_WEBHOOKS = 20
+MAX_WEBHOOKS = 20
 """Of one owner."""
 
 _KEEP_SECONDS = 7 * 86400.0
@@ -106,8 +106,8 @@ class Webhooks:
         secret = "whsec_" + base64.b64encode(secrets.token_bytes(_SECRET_BYTES)).decode()
         webhook = Webhook("wh-" + secrets.token_hex(8), owner, url, time.time(), "")
         with self._database.transaction():
-            if len(self.list(owner)) >= MOST_WEBHOOKS:
-                raise InputError.at("$.url", f"there are {MOST_WEBHOOKS} webhooks already; delete one first")
+            if len(self.list(owner)) >= MAX_WEBHOOKS:
+                raise InputError.at("$.url", f"there are {MAX_WEBHOOKS} webhooks already; delete one first")
             self._database.execute(
                 "INSERT INTO webhook (id, owner, url, secret, created) VALUES (?, ?, ?, ?, ?)",
                 (webhook.id, owner, url, secret, webhook.created),

@@ -14,8 +14,8 @@ Values = NDArray[np.float64]
 # Linear sRGB to XYZ, IEC 61966-2-1; transposed, for rows of pixels.
 _RGB_TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]).T
 
-_MOST_PIXELS = 2**26
-_MOST_CHANNELS = 128
+_MAX_PIXELS = 2**26
+_MAX_CHANNELS = 128
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def read_picture(file: Path) -> Picture:
     try:
         spec = picture.spec()
         names = list(spec.channelnames)
-        if not (0 < spec.width * spec.height <= _MOST_PIXELS and spec.nchannels <= _MOST_CHANNELS):
+        if not (0 < spec.width * spec.height <= _MAX_PIXELS and spec.nchannels <= _MAX_CHANNELS):
             raise InputError.at(str(file), f"{spec.width} x {spec.height} pixels are too many")
         colour = next((each for each in ("XYZ", "RGB") if all(name in names for name in each)), None)
         if colour is None:

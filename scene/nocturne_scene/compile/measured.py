@@ -14,8 +14,8 @@ from nocturne_scene.spectra import published
 _HEADER = struct.Struct("<8s6I2f")
 _MAGIC = b"NOCTBRDF"
 _VERSION = 1
-_MOST_ALONG = 4096
-_MOST_VALUES = 2**26
+_MAX_ALONG = 4096
+_MAX_VALUES = 2**26
 
 
 def compile_measured(workspace: Workspace, kernel: Measured) -> bytes:
@@ -55,10 +55,10 @@ def _check_table(workspace: Workspace, digest: bytes) -> None:
     _, version, *counts, basis, first, step = _HEADER.unpack(head)
     if version != _VERSION:
         raise Unusable(f"a table of version {version}; expected {_VERSION}", ".asset")
-    if not all(1 <= count <= _MOST_ALONG for count in counts) or math.prod(counts) > _MOST_VALUES:
+    if not all(1 <= count <= _MAX_ALONG for count in counts) or math.prod(counts) > _MAX_VALUES:
         shown = " x ".join(str(count) for count in counts)
-        raise Unusable(f"a table of {shown} values; at most {_MOST_VALUES} are accepted", ".asset")
-    if basis and (counts[3] != 3 or not 2 <= basis <= _MOST_ALONG):
+        raise Unusable(f"a table of {shown} values; at most {_MAX_VALUES} are accepted", ".asset")
+    if basis and (counts[3] != 3 or not 2 <= basis <= _MAX_ALONG):
         raise Unusable(f"{basis} basis spectra entries with {counts[3]} planes; expected 3 planes", ".asset")
     if not (np.isfinite(first) and np.isfinite(step) and step > 0):
         raise Unusable("a table without a positive step of wavelengths", ".asset")

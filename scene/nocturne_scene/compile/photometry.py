@@ -17,7 +17,7 @@ def compile_profile(workspace: Workspace, profile: PhotometricProfile) -> scene_
     """
     digest = workspace.asset(profile.asset, ".profile.asset")
     try:
-        photometry = photometric_files.read(workspace.read(digest, photometric_files.MAXIMUM_BYTES))
+        photometry = photometric_files.read(workspace.read(digest, photometric_files.MAX_BYTES))
     except photometric_files.BadPhotometryError as error:
         raise Unusable(str(error), ".profile.asset") from None
     if profile.lumens is not None:

@@ -167,9 +167,9 @@ def _sphere(sphere: Sphere, steps: Sequence[Similarity]) -> scene_pb2.Sphere:
 
 
 def _check_length(suffix: str, length: float) -> None:
-    if not bounds.SMALLEST_SIZE <= length <= bounds.LENGTH:
+    if not bounds.MIN_SIZE <= length <= bounds.LENGTH:
         raise Unusable(
-            f"is {length:g} m long once scaled; expected {bounds.SMALLEST_SIZE:g} to {bounds.LENGTH:g} m",
+            f"is {length:g} m long once scaled; expected {bounds.MIN_SIZE:g} to {bounds.LENGTH:g} m",
             suffix,
         )
 

@@ -75,7 +75,7 @@ class Atmosphere(Node):
 
     @model_validator(mode="after")
     def _is_somewhere(self) -> "Atmosphere":
-        if length(self.up) < bounds.SMALLEST_LENGTH:
+        if length(self.up) < bounds.MIN_LENGTH:
             raise problem_at(".up", "the direction has no length")
         if self.planet_radius + self.altitude <= 0:
             raise problem_at(".altitude", "is deeper than the planet's centre")

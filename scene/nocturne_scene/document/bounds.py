@@ -6,7 +6,7 @@ reason.
 LENGTH = 1e12
 
 # Metres. Squares of lengths stay above the smallest normal float32 (1.2e-38).
-SMALLEST_LENGTH = 1e-18
+MIN_LENGTH = 1e-18
 
 # Square metres: twice a triangle's area, times a ray's cosine. Embree takes hits below it for a corner (its
 # min_rcp_input), which is why smaller triangles count as having no area.
@@ -14,7 +14,7 @@ EMBREE_AREA = 1e-18
 
 # Metres across a shape. At this size hits suffer from EMBREE_AREA only where the cosine is below 1e-4: one
 # in 1e8 of diffuse light. Below the wavelength of light rays mean nothing anyway.
-SMALLEST_SIZE = 1e-7
+MIN_SIZE = 1e-7
 
 # W m-2 sr-1 nm-1. Twenty bounces' worth of weights stay finite in float32; the sun's surface is about 3e4.
 RADIANCE = 1e20
@@ -26,8 +26,8 @@ LUMINANCE = 1e20
 TEMPERATURE = 1e6
 
 # Nanometres of a table's knots: what a tabulated optical spectrum may cover.
-SHORTEST_WAVELENGTH = 1.0
-LONGEST_WAVELENGTH = 100_000.0
+MIN_WAVELENGTH = 1.0
+MAX_WAVELENGTH = 100_000.0
 
 # Knots of one table: ten per nanometre of the visible range, rounded up.
 TABLE_KNOTS = 10_000
@@ -115,7 +115,7 @@ APERTURE_BLADES = 64
 SPLIT_VERTICES = 8
 
 # Degrees. Directions in float32 are 3e-6 degrees apart; the smallest disc in the sky is thousands of them.
-SMALLEST_ANGLE = 0.01
+MIN_ANGLE = 0.01
 
 # Groups inside groups; each level multiplies, so more than a few are a mistake.
 GROUP_DEPTH = 32

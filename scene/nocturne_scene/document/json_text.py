@@ -39,10 +39,10 @@ def decode_json(text: bytes | str) -> Any:
 
 def _as_text(text: bytes | str) -> str:
     size = len(text)
-    if isinstance(text, str) and size <= limits.MAXIMUM_SCENE_BYTES:
+    if isinstance(text, str) and size <= limits.MAX_SCENE_BYTES:
         size = len(text.encode("utf-8", "surrogatepass"))
-    if size > limits.MAXIMUM_SCENE_BYTES:
-        most = f"at most {limits.MAXIMUM_SCENE_BYTES} bytes are accepted"
+    if size > limits.MAX_SCENE_BYTES:
+        most = f"at most {limits.MAX_SCENE_BYTES} bytes are accepted"
         raise InputError.at(
             "$", f"the document is too long; {most}; put large meshes into files of their own"
         )
@@ -73,7 +73,7 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 def _is_suspicious(root: Any) -> bool:
     """Whether a walk that keeps track of places will find something; this one is far cheaper."""
     level = [root]
-    for _ in range(limits.MAXIMUM_SCENE_NESTING):
+    for _ in range(limits.MAX_SCENE_NESTING):
         inner: list[Any] = []
         for value in level:
             if isinstance(value, dict):
@@ -95,7 +95,7 @@ def _structural_problems(root: Any) -> Iterator[Problem]:
         steps, value = waiting.pop()
         if not isinstance(value, dict | list):
             continue
-        if len(steps) >= limits.MAXIMUM_SCENE_NESTING:
+        if len(steps) >= limits.MAX_SCENE_NESTING:
             yield _too_deep(path(steps[:_STEPS_SHOWN]) + "...")
             continue
         if isinstance(value, _AmbiguousObject):
@@ -106,7 +106,7 @@ def _structural_problems(root: Any) -> Iterator[Problem]:
 
 
 def _too_deep(place: str) -> Problem:
-    return Problem(place, f"nested deeper than {limits.MAXIMUM_SCENE_NESTING} levels")
+    return Problem(place, f"nested deeper than {limits.MAX_SCENE_NESTING} levels")
 
 
 def _first(problems: Iterator[Problem]) -> list[Problem]:

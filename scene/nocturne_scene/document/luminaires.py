@@ -52,7 +52,7 @@ def check_axes(
 ) -> None:
     """Raise an error unless two directions span a plane."""
     for place, direction in ((first_at, first), (second_at, second)):
-        if length(direction) < bounds.SMALLEST_LENGTH:
+        if length(direction) < bounds.MIN_LENGTH:
             raise problem_at(place, f"{place.removeprefix('.')} has no length")
     if parallel(first, second):
         raise problem_at(
@@ -169,13 +169,13 @@ class DistantDisc(Node):
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
-        if length(self.direction) < bounds.SMALLEST_LENGTH:
+        if length(self.direction) < bounds.MIN_LENGTH:
             raise problem_at(".direction", "direction has no length")
         size = self.angular_diameter_degrees
-        if size is not None and size < bounds.SMALLEST_ANGLE:
+        if size is not None and size < bounds.MIN_ANGLE:
             raise problem_at(
                 ".angular_diameter_degrees",
-                f"a lamp needs a size; expected {bounds.SMALLEST_ANGLE:g} to 180, found {size:g}",
+                f"a lamp needs a size; expected {bounds.MIN_ANGLE:g} to 180, found {size:g}",
             )
         given = [name for name in ("radiance", "irradiance") if getattr(self, name) is not None]
         given += ["sun"] if self.sun else []

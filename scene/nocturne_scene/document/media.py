@@ -164,7 +164,7 @@ class AbovePlane(Node):
 
     @model_validator(mode="after")
     def _has_direction(self) -> Self:
-        if length(self.up) < bounds.SMALLEST_LENGTH:
+        if length(self.up) < bounds.MIN_LENGTH:
             raise problem_at(".up", "the direction has no length")
         return self
 

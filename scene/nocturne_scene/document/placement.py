@@ -18,7 +18,7 @@ class Rotation(Node):
 
     @model_validator(mode="after")
     def _has_axis(self) -> Self:
-        if length(self.axis) < bounds.SMALLEST_LENGTH:
+        if length(self.axis) < bounds.MIN_LENGTH:
             raise problem_at(".axis", "the axis has no length")
         return self
 

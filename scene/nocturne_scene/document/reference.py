@@ -136,8 +136,8 @@ _INTRODUCTION = f"""\
 <!-- Made by `python -m nocturne_scene.document.reference`; edit the descriptions in the schema, not this
 page. -->
 
-A scene is one JSON document (UTF-8, at most {limits.MAXIMUM_SCENE_BYTES // 2**20} MiB, at most
-{limits.MAXIMUM_SCENE_NESTING} levels deep). Lengths are metres, angles degrees, wavelengths nanometres,
+A scene is one JSON document (UTF-8, at most {limits.MAX_SCENE_BYTES // 2**20} MiB, at most
+{limits.MAX_SCENE_NESTING} levels deep). Lengths are metres, angles degrees, wavelengths nanometres,
 radiance W m⁻² sr⁻¹ nm⁻¹; the image is in absolute units, its Y in cd/m². The number of pixels and of samples
 is not part of a scene.
 

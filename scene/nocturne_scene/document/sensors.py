@@ -50,11 +50,11 @@ class _Sensor(_AnySensor):
     @model_validator(mode="after")
     def _has_frame(self) -> Self:
         view = difference(self.look_at, self.position)
-        if length(view) < bounds.SMALLEST_LENGTH:
+        if length(view) < bounds.MIN_LENGTH:
             raise problem_at(
                 ".look_at", "look_at is the same point as position, so there is no direction of view"
             )
-        if length(self.up) < bounds.SMALLEST_LENGTH:
+        if length(self.up) < bounds.MIN_LENGTH:
             raise problem_at(".up", "up has no length")
         if parallel(view, self.up):
             raise problem_at(".up", "up is parallel to the direction of view")
@@ -141,11 +141,11 @@ class IrradianceMeter(_AnySensor):
     def _has_frame(self) -> Self:
         if (self.normal is None) == (self.look_at is None):
             raise problem_at(".normal", "expected either normal or look_at")
-        if length(self.facing()) < bounds.SMALLEST_LENGTH:
+        if length(self.facing()) < bounds.MIN_LENGTH:
             place = ".normal" if self.look_at is None else ".look_at"
             raise problem_at(place, "gives no direction")
         if self.up is not None:
-            if length(self.up) < bounds.SMALLEST_LENGTH:
+            if length(self.up) < bounds.MIN_LENGTH:
                 raise problem_at(".up", "up has no length")
             if parallel(self.facing(), self.up):
                 raise problem_at(".up", "up is parallel to the normal")

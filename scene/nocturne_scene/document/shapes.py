@@ -26,7 +26,7 @@ DIGEST_PREFIX = "sha256:"
 _DIGEST = re.compile(r"sha256:[0-9a-f]{64}")
 
 # Sine of the smallest angle that still spans an area in float32 (24 bits of mantissa).
-_SMALLEST_SINE = 1e-6
+_MIN_SINE = 1e-6
 
 
 def length(vector: tuple[float, float, float]) -> float:
@@ -36,7 +36,7 @@ def length(vector: tuple[float, float, float]) -> float:
 
 def parallel(a: tuple[float, float, float], b: tuple[float, float, float]) -> bool:
     """Whether two directions span no area, also when one of them is zero."""
-    return length(tuple(np.cross(a, b))) <= _SMALLEST_SINE * length(a) * length(b)
+    return length(tuple(np.cross(a, b))) <= _MIN_SINE * length(a) * length(b)
 
 
 _SMOOTH = Field(
@@ -143,7 +143,7 @@ class Quad(Node):
     @model_validator(mode="after")
     def _has_area(self) -> Self:
         for name in ("edge_u", "edge_v"):
-            if length(getattr(self, name)) < bounds.SMALLEST_LENGTH:
+            if length(getattr(self, name)) < bounds.MIN_LENGTH:
                 raise problem_at(f".{name}", "the edge has no length")
         if parallel(self.edge_u, self.edge_v):
             raise problem_at(".edge_v", "the quad has no area: edge_v is parallel to edge_u")
@@ -179,7 +179,7 @@ class Disc(Node):
 
     @model_validator(mode="after")
     def _has_normal(self) -> Self:
-        if length(self.normal) < bounds.SMALLEST_LENGTH:
+        if length(self.normal) < bounds.MIN_LENGTH:
             raise problem_at(".normal", "the normal has no length")
         return self
 
@@ -194,7 +194,7 @@ class Box(Node):
     @model_validator(mode="after")
     def _has_volume(self) -> Self:
         for axis, (low, high) in enumerate(zip(self.minimum, self.maximum, strict=True)):
-            if high - low < bounds.SMALLEST_LENGTH:
+            if high - low < bounds.MIN_LENGTH:
                 raise problem_at(f".maximum[{axis}]", f"must be more than minimum's {low:g}, found {high:g}")
         return self
 

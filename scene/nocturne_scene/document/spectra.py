@@ -110,7 +110,7 @@ class SpectralLine(Node):
     power: SpectralValue = Field(
         description="The line's radiance, W m⁻² sr⁻¹; with `luminance` only the lines' proportions count."
     )
-    width: Annotated[Finite, Field(ge=line_spectra.SMALLEST_WIDTH, le=line_spectra.LARGEST_WIDTH)] = Field(
+    width: Annotated[Finite, Field(ge=line_spectra.MIN_WIDTH, le=line_spectra.MAX_WIDTH)] = Field(
         default=line_spectra.DEFAULT_WIDTH, description="Full width at half maximum, nm."
     )
 

@@ -36,7 +36,7 @@ _TAIL = 1e-4
 # A knot is added where a straight line misses the phase function by more than this part of it.
 _TOLERANCE = 0.01
 _FIRST_ANGLES = 360
-_MOST_COSINES = 6000
+_MAX_COSINES = 6000
 
 # Part of the name of what is kept: raised when the same distribution gives other numbers.
 _VERSION = 2
@@ -149,7 +149,7 @@ def _refined(series: "list[_Series]") -> tuple[Floats, Floats]:
     values = _all(series, angles)
     low = np.arange(len(angles) - 1)
     high = low + 1
-    while len(low) and len(angles) + len(low) <= _MOST_COSINES:
+    while len(low) and len(angles) + len(low) <= _MAX_COSINES:
         middles = 0.5 * (angles[low] + angles[high])
         between = _all(series, middles)
         ends, at = np.cos(angles), np.cos(middles)

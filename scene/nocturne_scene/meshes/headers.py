@@ -40,20 +40,18 @@ def check_header(file: BinaryIO, file_format: MeshFormat) -> None:
     """
     size = file.seek(0, os.SEEK_END)
     file.seek(0)
-    if size > limits.MAXIMUM_ASSET_BYTES:
-        raise UnusableMeshError(
-            f"the file has {size} bytes; at most {limits.MAXIMUM_ASSET_BYTES} are accepted"
-        )
+    if size > limits.MAX_ASSET_BYTES:
+        raise UnusableMeshError(f"the file has {size} bytes; at most {limits.MAX_ASSET_BYTES} are accepted")
     _CHECKS[file_format](file, size)
     file.seek(0)
 
 
 def check_counts(vertices: int, triangles: int) -> None:
     """Raise UnusableMeshError where a mesh is larger than allowed."""
-    if vertices > limits.MAXIMUM_VERTICES:
-        raise UnusableMeshError(f"{vertices} vertices; at most {limits.MAXIMUM_VERTICES} are accepted")
-    if triangles > limits.MAXIMUM_TRIANGLES:
-        raise UnusableMeshError(f"{triangles} triangles; at most {limits.MAXIMUM_TRIANGLES} are accepted")
+    if vertices > limits.MAX_VERTICES:
+        raise UnusableMeshError(f"{vertices} vertices; at most {limits.MAX_VERTICES} are accepted")
+    if triangles > limits.MAX_TRIANGLES:
+        raise UnusableMeshError(f"{triangles} triangles; at most {limits.MAX_TRIANGLES} are accepted")
 
 
 def _check_ply(file: BinaryIO, size: int) -> None:
@@ -124,7 +122,7 @@ def _check_obj(file: BinaryIO, size: int) -> None:
     if size == 0:
         raise UnusableMeshError("the file is empty")
     with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as text:
-        check_counts(size // _OBJ_LINE_BYTES if size > _OBJ_LINE_BYTES * limits.MAXIMUM_VERTICES else 0, 0)
+        check_counts(size // _OBJ_LINE_BYTES if size > _OBJ_LINE_BYTES * limits.MAX_VERTICES else 0, 0)
         if _OBJ_INDEX_ZERO.search(text):
             raise UnusableMeshError("a face refers to vertex 0; OBJ counts from 1")
         relative = _OBJ_RELATIVE.search(text)
@@ -136,7 +134,7 @@ def _check_obj(file: BinaryIO, size: int) -> None:
 
 
 def _check_gltf(file: BinaryIO, size: int) -> None:
-    _check_gltf_tree(_json(file.read(min(size, limits.MAXIMUM_ASSET_BYTES))), size)
+    _check_gltf_tree(_json(file.read(min(size, limits.MAX_ASSET_BYTES))), size)
 
 
 def _check_glb(file: BinaryIO, size: int) -> None:

@@ -124,10 +124,10 @@ def _check_size(mesh: Triangles, steps: int) -> None:
     """A moving mesh is large: refuse it before memory is taken."""
     floats = 3 * steps * (1 if mesh.normals is None else 2) + (0 if mesh.coordinates is None else 2)
     size = 4 * floats * len(mesh.vertices) + 12 * len(mesh.indices)
-    if size > limits.MAXIMUM_ASSET_BYTES:
+    if size > limits.MAX_ASSET_BYTES:
         raise UnusableMeshError(
             f"the mesh would take {size} bytes with its {steps} time steps; "
-            f"at most {limits.MAXIMUM_ASSET_BYTES} are accepted"
+            f"at most {limits.MAX_ASSET_BYTES} are accepted"
         )
 
 
@@ -173,10 +173,8 @@ def _check_vertices(vertices: NDArray[np.float64], original: NDArray[np.float64]
 
 def _check_extent(vertices: NDArray[np.float32]) -> None:
     extent = float(np.linalg.norm(np.ptp(vertices.astype(np.float64), axis=0))) if len(vertices) else 0.0
-    if extent < bounds.SMALLEST_SIZE:
-        raise UnusableMeshError(
-            f"is {extent:g} m large once scaled; expected at least {bounds.SMALLEST_SIZE:g} m"
-        )
+    if extent < bounds.MIN_SIZE:
+        raise UnusableMeshError(f"is {extent:g} m large once scaled; expected at least {bounds.MIN_SIZE:g} m")
 
 
 def _has_area(vertices: NDArray[np.float32], indices: NDArray[np.int64]) -> NDArray[np.bool_]:

@@ -14,12 +14,12 @@ import numpy as np
 from nocturne_scene.spectra.published import Floats
 
 # A file with 1 degree in both directions has 181 x 361 values of some 8 bytes.
-MAXIMUM_BYTES = 16 * 2**20
-MAXIMUM_VALUES = 2**20
+MAX_BYTES = 16 * 2**20
+MAX_VALUES = 2**20
 # Angles of one kind: a tenth of a degree all around.
-MAXIMUM_ANGLES = 3601
-_MAXIMUM_LINE = 64 * 2**10
-_MAXIMUM_KEYWORDS = 1000
+MAX_ANGLES = 3601
+_MAX_LINE = 64 * 2**10
+_MAX_KEYWORDS = 1000
 
 # cd. Beyond any lamp; squares stay finite in float32.
 _LARGEST = 1e18
@@ -60,8 +60,8 @@ class Photometry:
 
 def read(data: bytes) -> Photometry:
     """Read a file; raises BadPhotometryError. Quadrants and halves are mirrored to all directions."""
-    if len(data) > MAXIMUM_BYTES:
-        raise BadPhotometryError(1, f"the file has {len(data)} bytes; at most {MAXIMUM_BYTES} are accepted")
+    if len(data) > MAX_BYTES:
+        raise BadPhotometryError(1, f"the file has {len(data)} bytes; at most {MAX_BYTES} are accepted")
     lines = data.decode("latin-1").splitlines()
     keywords, tilt_line = _head(lines)
     words = _Words(lines, tilt_line + 1)
@@ -125,7 +125,7 @@ def _head(lines: list[str]) -> tuple[dict[str, str], int]:
     last = ""
     for index, line in enumerate(lines):
         text = line.strip()
-        if len(line) > _MAXIMUM_LINE or index > _MAXIMUM_KEYWORDS:
+        if len(line) > _MAX_LINE or index > _MAX_KEYWORDS:
             raise BadPhotometryError(index + 1, "no TILT= so far; is this a photometric file?")
         if text.startswith("TILT="):
             return keywords, index
@@ -191,7 +191,7 @@ def _tilt(text: str, line: int, words: _Words) -> None:
             line, f'TILT={kind[:40]} refers to another file; expected "NONE" or "INCLUDE"'
         )
     words.count("the lamp-to-luminaire geometry", 3)
-    pairs = words.count("the number of tilt angles", MAXIMUM_ANGLES)
+    pairs = words.count("the number of tilt angles", MAX_ANGLES)
     words.numbers(pairs, "a tilt angle")
     words.numbers(pairs, "a tilt factor")
 
@@ -200,11 +200,11 @@ def _body(words: _Words, keywords: dict[str, str], *, has_ballast_lamp_factor: b
     lamps = words.count("the number of lamps", 10**6)
     lumens = words.number("lumens per lamp")
     multiplier = words.number("the candela multiplier")
-    verticals = words.count("the number of vertical angles", MAXIMUM_ANGLES)
-    horizontals = words.count("the number of horizontal angles", MAXIMUM_ANGLES)
-    if verticals * horizontals > MAXIMUM_VALUES:
+    verticals = words.count("the number of vertical angles", MAX_ANGLES)
+    horizontals = words.count("the number of horizontal angles", MAX_ANGLES)
+    if verticals * horizontals > MAX_VALUES:
         raise BadPhotometryError(
-            words.line, f"{verticals} x {horizontals} values; at most {MAXIMUM_VALUES} are accepted"
+            words.line, f"{verticals} x {horizontals} values; at most {MAX_VALUES} are accepted"
         )
     kind = words.count("the photometric type", 3)
     if kind != 1:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from nocturne_scene.photometry.ies import MAXIMUM_ANGLES, MAXIMUM_VALUES, Photometry
+from nocturne_scene.photometry.ies import MAX_ANGLES, MAX_VALUES, Photometry
 from nocturne_scene.spectra.published import Floats
 
 
@@ -25,10 +25,10 @@ def photometry_of(candela: Floats, keywords: Mapping[str, str]) -> Photometry:
         rows = np.concatenate([seam, rows, seam])
         middles = (np.arange(width) + 0.5) * (360.0 / width)
         horizontal = np.concatenate([[0.0], middles, [360.0]])
-    if max(rows.shape) > MAXIMUM_ANGLES or rows.size > MAXIMUM_VALUES:
+    if max(rows.shape) > MAX_ANGLES or rows.size > MAX_VALUES:
         raise ValueError(
-            f"{width} x {height} pixels are too many: a photometric file has at most {MAXIMUM_ANGLES} angles "
-            f"of a kind and {MAXIMUM_VALUES} values"
+            f"{width} x {height} pixels are too many: a photometric file has at most {MAX_ANGLES} angles "
+            f"of a kind and {MAX_VALUES} values"
         )
     return Photometry(vertical, horizontal, rows, keywords=keywords)
 

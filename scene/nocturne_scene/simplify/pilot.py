@@ -15,7 +15,7 @@ from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import NocturneError
 from nocturne_scene.programs import find_program
-from nocturne_scene.scene_ranges import plan_of
+from nocturne_scene.scene_ranges import schedule_of
 from nocturne_scene.simplify.choosing import Model
 from nocturne_scene.simplify.simplification import Document, Simplification
 from nocturne_scene.simplify.statistics import Values, bias, effective_pixels, noise, ratio_of_costs
@@ -93,16 +93,16 @@ class Pilot:
         scene.CopyFrom(self.compiled(parts))
         scene.tracing.seed = seed
         files = {
-            name: self._folder / name for name in ("scene.pb", "plan.pb", "image.exr", "statistics.json")
+            name: self._folder / name for name in ("scene.pb", "schedule.pb", "image.exr", "statistics.json")
         }
         files["scene.pb"].write_bytes(scene.SerializeToString(deterministic=True))
-        plan = plan_of(scene, *self._film, samples)
-        files["plan.pb"].write_bytes(plan.SerializeToString(deterministic=True))
+        plan = schedule_of(scene, *self._film, samples)
+        files["schedule.pb"].write_bytes(plan.SerializeToString(deterministic=True))
         words: list[str | Path] = [
             self._program,
             files["scene.pb"],
-            "--plan",
-            files["plan.pb"],
+            "--schedule",
+            files["schedule.pb"],
             "--blobs",
             self._folder / "blobs",
         ]

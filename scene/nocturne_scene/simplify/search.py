@@ -6,7 +6,7 @@ from math import isfinite
 from pathlib import Path
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.ranges import make_plan
+from nocturne_scene.ranges import make_schedule
 from nocturne_scene.simplify.candidates import candidates
 from nocturne_scene.simplify.choosing import Model, can_join, promising, saving, worth_more
 from nocturne_scene.simplify.pilot import RENDERS, Parts, Pilot
@@ -17,7 +17,7 @@ CONFIDENCE = 0.95
 """Of reported intervals, and that the chosen model meets the target."""
 
 _FIRST_SAMPLES = 16
-_MOST_SAMPLES = 2**16
+_MAX_SAMPLES = 2**16
 # Models that are tried with several simplifications at once, and that are confirmed.
 _TRIES = 6
 
@@ -85,7 +85,7 @@ def find_needs(request: Request, document: Document, folder: Path, say: Say) -> 
     Raises InputError and PilotFailed.
     """
     # What is wrong with the film is told before the work.
-    make_plan(request.width, request.height, 1)
+    make_schedule(request.width, request.height, 1)
     return _Search(request, document, folder, say).run()
 
 
@@ -148,7 +148,7 @@ class _Search:
         # A half more than the models alone take: for several simplifications at once, and for confirmation.
         per_sample = 1.5 * RENDERS * (models + 1) * full.seconds * self._pilot.pixels
         affordable = self._request.budget_s / per_sample
-        self._samples = max(_FIRST_SAMPLES, int(min(wanted + 1, affordable, _MOST_SAMPLES)))
+        self._samples = max(_FIRST_SAMPLES, int(min(wanted + 1, affordable, _MAX_SAMPLES)))
         return per_sample * wanted if self._samples < wanted else 0.0
 
     def _measure(self, what: str, models: list[Parts], confidence: float) -> tuple[Model, list[Model], float]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from nocturne_scene.simplify.simplification import Document, Find, Simplification, objects
 from nocturne_scene.textures.environment_maps import UnusableImageError, check_size, opened
-from nocturne_scene.textures.image_files import MAXIMUM_EDGE, MAXIMUM_PIXELS, decoded
+from nocturne_scene.textures.image_files import MAX_EDGE, MAX_PIXELS, decoded
 
 Array = NDArray[np.float64]
 
@@ -119,7 +119,7 @@ def _read(file: Path) -> tuple[Array, bool]:
     """Pixels as stored, shape (height, width, 1 or 3), and whether they are floating-point numbers."""
     with opened(file) as picture:
         spec = picture.spec()
-        check_size(spec, MAXIMUM_PIXELS, MAXIMUM_EDGE)
+        check_size(spec, MAX_PIXELS, MAX_EDGE)
         channels = 3 if spec.nchannels >= 3 else 1
         pixels = picture.read_image(0, 0, 0, channels, oiio.FLOAT)
         if pixels is None:

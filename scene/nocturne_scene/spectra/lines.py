@@ -14,8 +14,8 @@ from nocturne_scene.spectra.published import FIRST, LAST, Floats, visible_wavele
 DEFAULT_WIDTH = 0.1
 
 # nm. Wavelengths in float32 are 6e-5 nm apart, and few instruments tell narrower lines from this one.
-SMALLEST_WIDTH = 0.01
-LARGEST_WIDTH = 100.0
+MIN_WIDTH = 0.01
+MAX_WIDTH = 100.0
 
 # nm. Narrower lines are missed by wavelengths that are drawn from the response alone: a photon in some
 # hundred finds one, and then carries all of its light.

@@ -24,8 +24,8 @@ from nocturne_scene.spectra.published import Floats
 from nocturne_scene.spectra.rgb import emission
 
 # Pixels: 8192 x 4096; the texels then fill 512 MiB.
-MAXIMUM_PIXELS = 2**25
-MAXIMUM_EDGE = 16384
+MAX_PIXELS = 2**25
+MAX_EDGE = 16384
 
 # Linear sRGB. Sums over the sphere stay finite in float32.
 LARGEST = 1e15
@@ -120,7 +120,7 @@ def check_size(spec: Any, pixels: int, edge: int) -> None:
 
 
 def _check_shape(spec: Any) -> None:
-    check_size(spec, MAXIMUM_PIXELS, MAXIMUM_EDGE)
+    check_size(spec, MAX_PIXELS, MAX_EDGE)
     if spec.nchannels not in (3, 4):
         raise UnusableImageError(f"{spec.nchannels} channels; expected red, green, blue")
     if spec.format.basetype not in (oiio.HALF, oiio.FLOAT):

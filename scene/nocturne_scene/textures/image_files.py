@@ -14,8 +14,8 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne_scene.textures.environment_maps import UnusableImageError, check_size, opened
 
 # Pixels; as float32 in three channels 768 MiB while it is made.
-MAXIMUM_PIXELS = 2**26
-MAXIMUM_EDGE = 16384
+MAX_PIXELS = 2**26
+MAX_EDGE = 16384
 
 Encoding = Literal["srgb", "linear"]
 
@@ -35,7 +35,7 @@ def convert(source: Path, channels: Literal[1, 3], encoding: Encoding) -> bytes:
     """
     with opened(source) as picture:
         spec = picture.spec()
-        check_size(spec, MAXIMUM_PIXELS, MAXIMUM_EDGE)
+        check_size(spec, MAX_PIXELS, MAX_EDGE)
         pixels = picture.read_image(0, 0, 0, 3 if spec.nchannels >= 3 else 1, oiio.FLOAT)
         if pixels is None:
             raise UnusableImageError(f"the picture can't be read: {picture.geterror()[:200]}")

@@ -34,8 +34,8 @@ class TooMany(NocturneError):
     """The caller calls too often."""
 
 
-class CantPlan(NocturneError):
-    """The service can't plan this scene, or no scene at all; says why."""
+class CantPreflight(NocturneError):
+    """The service can't preflight this scene, or no scene at all; says why."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,10 @@ TABLE: tuple[tuple[type[Exception], Kind], ...] = (
         WrongState,
         Kind("WRONG_STATE", "Not in this state", 409, grpc.StatusCode.FAILED_PRECONDITION),
     ),
-    (CantPlan, Kind("CANT_PLAN", "No plan can be made", 409, grpc.StatusCode.FAILED_PRECONDITION)),
+    (
+        CantPreflight,
+        Kind("CANT_PREFLIGHT", "No preflight can be made", 409, grpc.StatusCode.FAILED_PRECONDITION),
+    ),
     (Refused, Kind("REFUSED", "Refused", 403, grpc.StatusCode.PERMISSION_DENIED)),
     (
         Unauthenticated,

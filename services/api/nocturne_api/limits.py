@@ -1,11 +1,11 @@
 """What callers can ask of the API process, with reasons. Renders have the coordinator's bounds."""
 
-from nocturne_scene.limits import MAXIMUM_SCENE_BYTES
+from nocturne_scene.limits import MAX_SCENE_BYTES
 
 MEBIBYTE = 1024 * 1024
 
 # A create request at the REST door: mostly the scene document, so the same bound.
-CREATE_BODY_BYTES = MAXIMUM_SCENE_BYTES
+CREATE_BODY_BYTES = MAX_SCENE_BYTES
 # gRPC holds a message in memory before any of our code sees it, so its limit is close to the document's.
 GRPC_MESSAGE_BYTES = 9 * MEBIBYTE
 
@@ -17,10 +17,11 @@ SMALL_BODY_BYTES = MEBIBYTE
 COMPILES_AT_ONCE = 2
 COMPILES_WAITING = 16
 
-# A plan renders small images on this machine: one at a time, with so much processor time at most, seconds.
-PLAN_BUDGET_S = 120.0
-# Beside its renders a plan compiles, and the machine does other things: then it is ended.
-PLAN_WALL_S = 900.0
+# A preflight renders small images on this machine: one at a time, with so much processor time at most,
+# seconds.
+PREFLIGHT_BUDGET_S = 120.0
+# Beside its renders a preflight compiles, and the machine does other things: then it is ended.
+PREFLIGHT_WALL_S = 900.0
 
 # Calls of one caller, with authentication: the page makes a few a second, a farm's scripts some more.
 CALLS_PER_SECOND = 100.0

@@ -12,12 +12,12 @@ from typing import Any, ParamSpec, Self, TypeVar
 
 from nocturne_coordinator.dispatch.region import Region
 from nocturne_coordinator.errors import FilesGone
-from nocturne_coordinator.limits import MAXIMUM_PAGE
+from nocturne_coordinator.limits import MAX_PAGE
 from nocturne_coordinator.store.data_folder import DataFolder, RenderRow
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_coordinator.store.removal import delete_render
 from nocturne_scene.errors import InputError, NotFound
-from nocturne_scene.limits import MAXIMUM_RANGES
+from nocturne_scene.limits import MAX_RANGES
 
 from nocturne_api import limits, uploads
 from nocturne_api.access import CALLER, Caller, caller_of
@@ -26,7 +26,7 @@ from nocturne_api.compiling.pool import CompileLimits, prepare
 from nocturne_api.errors import Overloaded, failure_of
 from nocturne_api.metrics import metrics_text
 from nocturne_api.open_file import OpenFile, open_file
-from nocturne_api.preflight.pool import PlanRequest, plan_in_child
+from nocturne_api.preflight.pool import PreflightSpec, preflight_in_child
 from nocturne_api.status_reason import sentence, situation_of
 from nocturne_api.submission import (
     CreateRequest,
@@ -147,16 +147,17 @@ class Operations:
             with suppress(FilesGone):
                 return await self._in_database(self._folder.create_render, new)
 
-    async def plan_scene(self, request: PlanRequest) -> dict[str, Any]:
+    async def preflight(self, request: PreflightSpec) -> dict[str, Any]:
         """What a scene needs for a target error; takes minutes.
 
-        Raises InputError with every problem found, CantPlan, and Overloaded while another plan is made.
+        Raises InputError with every problem found, CantPreflight, and Overloaded while another preflight
+        runs.
         """
         CALLER.get().need("submit")
         if self._planning.locked():
-            raise Overloaded("another plan is being made; try again in a few minutes")
+            raise Overloaded("another preflight is running; try again in a few minutes")
         async with self._planning:
-            return await plan_in_child(request, self._folder.blobs, self._compile_limits)
+            return await preflight_in_child(request, self._folder.blobs, self._compile_limits)
 
     async def get_render(self, render_id: str) -> RenderView:
         """One render; raises NotFound."""
@@ -191,7 +192,7 @@ class Operations:
             return RenderView.of(await self._in_database(self._folder.request_pause, render_id))
 
     async def resume_render(self, render_id: str) -> RenderView:
-        """Goes on with a paused render, or tries again what a degraded one set aside. NotFound,
+        """Goes on with a paused render, or traces the failed tiles of a degraded one again. NotFound,
         WrongState."""
         async with self._changing("resume", render_id):
             return RenderView.of(await self._in_database(self._folder.request_resume, render_id))
@@ -297,16 +298,16 @@ class Operations:
         """First and last indices of the tiles with a revision above `since`."""
         CALLER.get().need("read")
         changes = await self._in_database(
-            self._folder.changed_tiles, render_id, (since, MAXIMUM_RANGES), MAXIMUM_RANGES
+            self._folder.changed_tiles, render_id, (since, MAX_RANGES), MAX_RANGES
         )
         return runs([change.tile_index for change in changes])
 
     async def _read_tiles(self, render_id: str, since: Cursor) -> Tiles:
-        plan = await self._in_database(self._folder.plan, render_id)
-        most = tiles_per_answer(plan)
+        schedule = await self._in_database(self._folder.schedule, render_id)
+        most = tiles_per_answer(schedule)
         place = (since.revision, since.tile_index)
         found = await self._in_database(self._folder.tile_sums, render_id, place, most + 1)
-        return await asyncio.to_thread(encode, plan, since, found[:most], len(found) > most)
+        return await asyncio.to_thread(encode, schedule, since, found[:most], len(found) > most)
 
     # Images
 
@@ -328,10 +329,10 @@ class Operations:
         """Workers heard of in the last ten seconds."""
         CALLER.get().need("read")
         folder = self._folder
-        rows, quarantined, shut_out = await self._in_database(
-            lambda: (folder.workers(), folder.workers_in_quarantine(), folder.shut_out_workers())
+        rows, quarantined, incompatible = await self._in_database(
+            lambda: (folder.workers(), folder.workers_in_quarantine(), folder.incompatible_workers())
         )
-        return [WorkerView.of(row, quarantined.get(row.id, ""), shut_out.get(row.id, "")) for row in rows]
+        return [WorkerView.of(row, quarantined.get(row.id, ""), incompatible.get(row.id, "")) for row in rows]
 
     async def worker_history(self) -> WorkerHistoryView:
         """Who came and went, and what all workers did."""
@@ -511,7 +512,7 @@ class Operations:
             return None
 
     async def _newest(self) -> list[RenderView]:
-        return (await self.list_renders(MAXIMUM_PAGE)).renders
+        return (await self.list_renders(MAX_PAGE)).renders
 
     async def _in_database(self, call: Callable[_P, _T], *args: _P.args, **kwargs: _P.kwargs) -> _T:
         loop = asyncio.get_running_loop()

@@ -4,8 +4,8 @@ import time
 from dataclasses import dataclass
 
 from nocturne.v1 import job_pb2
-from nocturne_coordinator.dispatch.profiles import threads_by_class
-from nocturne_coordinator.limits import MAXIMUM_RUNNING, WORKER_SECONDS
+from nocturne_coordinator.dispatch.profiles import threads_by_profile
+from nocturne_coordinator.limits import MAX_RUNNING, WORKER_SECONDS
 from nocturne_coordinator.store.data_folder import DataFolder, RenderRow, RenderState, WorkerRow
 
 
@@ -19,7 +19,7 @@ class Situation:
     quarantined: dict[str, str]
     running: int
     """Renders that run."""
-    shut_out: dict[str, str]
+    incompatible: dict[str, str]
     """Workers that get no jobs though they are not in quarantine, and why."""
 
 
@@ -31,7 +31,7 @@ def situation_of(folder: DataFolder, render_id: str) -> Situation:
         workers=folder.workers(),
         quarantined=folder.workers_in_quarantine(),
         running=folder.count_running(),
-        shut_out=folder.shut_out_workers(),
+        incompatible=folder.incompatible_workers(),
     )
 
 
@@ -66,25 +66,25 @@ def _trouble(situation: Situation, now: float) -> str:
         has = ", ".join(str(engine) for engine in sorted(engines))
         needs = int(job_pb2.ENGINE_CURRENT)
         return f"The workers that are there have engine {has}, and it needs engine {needs}: use one version."
-    return _other_class(situation.render.numeric_class, situation)
+    return _other_profile(situation.render.floating_point_profile, situation)
 
 
-def _other_class(needed: str, situation: Situation) -> str:
+def _other_profile(needed: str, situation: Situation) -> str:
     """Nobody there rounds as what the render has so far was rounded."""
-    found = threads_by_class(situation.workers, situation.quarantined)
+    found = threads_by_profile(situation.workers, situation.quarantined)
     if not needed or found[needed]:
         return ""
     return (
-        f"What it has was traced by workers of numeric class {needed}, and those that are there have "
-        f"{' and '.join(sorted(found))}, which would give other bits: it waits for such a worker. "
-        "To use these, submit it again."
+        f"Its samples were traced by workers of floating-point profile {needed}. The workers that are there "
+        f"have {' and '.join(sorted(found))}, which gives other bits, so it waits. "
+        "To use these workers, submit it again."
     )
 
 
 def _queued(situation: Situation) -> str:
     if situation.render.state is not RenderState.QUEUED:
         return ""
-    if situation.running >= MAXIMUM_RUNNING:
+    if situation.running >= MAX_RUNNING:
         return f"It waits until one of {situation.running} running renders ends; high priorities go first."
     if situation.running:
         return "It waits for memory that running renders use, or is about to start."
@@ -100,7 +100,7 @@ def _running(situation: Situation, now: float) -> str:
         out = int(situation.meters.get("jobs_published", 0))
         return f"{out} jobs are with {threads} worker threads, and none of its own came back lately."
     end = "" if not render.predicted_end else f" It should end {_when(render.predicted_end, now)}."
-    kept = len(situation.shut_out)
+    kept = len(situation.incompatible)
     others = f" {kept} workers get no jobs; `nocturne workers` says why." if kept else ""
     return (
         f"It is running on {threads} worker threads, shared with {situation.running - 1} other renders."

@@ -8,13 +8,13 @@ from datetime import UTC, datetime
 from typing import Any, TypeVar
 
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions, stop_conditions
-from nocturne_coordinator.limits import DEFAULT_PRIORITY, MAXIMUM_NAME, MAXIMUM_REQUEST_ID
+from nocturne_coordinator.limits import DEFAULT_PRIORITY, MAX_NAME, MAX_REQUEST_ID
 from nocturne_coordinator.store.data_folder import DataFolder, NewRender, check_priority
 from nocturne_coordinator.store.removal import blobs_of_scene
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
-from nocturne_scene.ranges import make_plan
-from nocturne_scene.scene_ranges import plan_for_scene
+from nocturne_scene.ranges import make_schedule
+from nocturne_scene.scene_ranges import schedule_for_scene
 
 from nocturne_api.compiling.pool import CompileLimits, compile_in_child
 
@@ -50,18 +50,18 @@ def compiled(
     found.add(request_id_problems(request.request_id))
     found.add(_name_problems(request.name))
     film = (request.width, request.height, request.samples)
-    plan = found.collect(lambda: make_plan(*film))
+    schedule = found.collect(lambda: make_schedule(*film))
     document = found.collect(lambda: check_document(request.scene))
     # A request id used before decides without the scene, so a conflict leaves no blobs behind.
     before = folder.find_request(request.request_id) if not found.problems else None
     stop = found.collect(lambda: checked_stop(request.stop, before.stop if before else EVERYTHING))
     priority = request.priority or DEFAULT_PRIORITY
     found.collect(lambda: check_priority(priority))
-    if found.problems or plan is None or document is None or stop is None:
+    if found.problems or schedule is None or document is None or stop is None:
         raise InputError(found.problems)
     if before is None:
         scene_sha256 = compile_in_child(document, folder.blobs, compile_limits)
-        plan = plan_for_scene(folder.blobs, scene_sha256, *film)
+        schedule = schedule_for_scene(folder.blobs, scene_sha256, *film)
         files = blobs_of_scene(folder.blobs, scene_sha256)
         for sha256 in files:
             # Here too, not in the object store only.
@@ -69,7 +69,7 @@ def compiled(
     else:
         files = ()
         scene_sha256 = before.scene_sha256
-        plan = folder.plan(before.id)
+        schedule = folder.schedule(before.id)
     return NewRender(
         request_id=request.request_id,
         name=request.name,
@@ -78,7 +78,7 @@ def compiled(
         width=request.width,
         height=request.height,
         samples=request.samples,
-        plan=plan,
+        schedule=schedule,
         stop=stop,
         priority=priority,
         owner=owner,
@@ -96,14 +96,14 @@ def checked_stop(asked: Mapping[str, Any], before: StopConditions) -> StopCondit
 
 
 def request_id_problems(request_id: str) -> Iterator[Problem]:
-    if not 0 < len(request_id) <= MAXIMUM_REQUEST_ID or not request_id.isprintable():
-        message = f"expected 1 to {MAXIMUM_REQUEST_ID} printable characters, different for every request"
+    if not 0 < len(request_id) <= MAX_REQUEST_ID or not request_id.isprintable():
+        message = f"expected 1 to {MAX_REQUEST_ID} printable characters, different for every request"
         yield Problem("$.request_id", message)
 
 
 def _name_problems(name: str) -> Iterator[Problem]:
-    if len(name) > MAXIMUM_NAME or not name.isprintable():
-        yield Problem("$.name", f"expected at most {MAXIMUM_NAME} printable characters")
+    if len(name) > MAX_NAME or not name.isprintable():
+        yield Problem("$.name", f"expected at most {MAX_NAME} printable characters")
 
 
 def digest_problems(digest: str, place: str) -> Iterator[Problem]:

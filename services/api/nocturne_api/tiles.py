@@ -2,7 +2,7 @@
 
 An answer is a header of eight uint32 (the bytes "NXY1", width and height of the film, edge of a tile, number
 of tiles here, whether there are more, revision and index of the last one here) and then, for each tile, four
-uint32 (index, samples, rejected photons, revision) and its pixels, row by row: float32 X, Y, Z and the
+uint32 (index, samples, invalid samples, revision) and its pixels, row by row: float32 X, Y, Z and the
 standard error of Y, the same numbers that the EXR has.
 """
 
@@ -63,23 +63,23 @@ class Tiles:
     end: Cursor
 
 
-def tiles_per_answer(plan: job_pb2.RenderPlan) -> int:
+def tiles_per_answer(schedule: job_pb2.RangeSchedule) -> int:
     """So many that an answer has about TILES_ANSWER_BYTES; at least one."""
-    return max(1, TILES_ANSWER_BYTES // (_PIXEL_BYTES * plan.tile_size**2))
+    return max(1, TILES_ANSWER_BYTES // (_PIXEL_BYTES * schedule.tile_size**2))
 
 
 def encode(
-    plan: job_pb2.RenderPlan, since: Cursor, tiles: Sequence[tuple[TileChange, bytes]], more: bool
+    schedule: job_pb2.RangeSchedule, since: Cursor, tiles: Sequence[tuple[TileChange, bytes]], more: bool
 ) -> Tiles:
     """`tiles` with their sums, in the order of revision and index; `more` of them wait."""
-    grid, per_pixel = TileGrid.of(plan), XYZ_SUMS + len(plan.further_responses)
+    grid, per_pixel = TileGrid.of(schedule), XYZ_SUMS + len(schedule.further_responses)
     end = Cursor(tiles[-1][0].revision, tiles[-1][0].tile_index) if tiles else since
-    film = (plan.width, plan.height, plan.tile_size)
+    film = (schedule.width, schedule.height, schedule.tile_size)
     parts = [_MAGIC, struct.pack("<7I", *film, len(tiles), more, end.revision, end.tile_index)]
     for change, sums in tiles:
         tile = grid.tile(change.tile_index)
-        rejected = min(change.rejected, _LARGEST)
-        parts.append(struct.pack("<4I", change.tile_index, change.samples, rejected, change.revision))
+        invalid_samples = min(change.invalid_samples, _LARGEST)
+        parts.append(struct.pack("<4I", change.tile_index, change.samples, invalid_samples, change.revision))
         parts.append(_pixels(sums, (tile.height, tile.width, per_pixel), change.samples))
     return Tiles(b"".join(parts), end)
 

@@ -23,7 +23,7 @@ class ProgressView(View):
     ranges_planned: int
     photons: int
     rays: int
-    rejected: int = Field(
+    invalid_samples: int = Field(
         description="Photons left out because their contribution was not finite or negative."
     )
     mean_samples: float = Field(description="Mean over pixels of samples merged.")
@@ -40,7 +40,7 @@ class ProgressView(View):
     cpu_seconds: float = Field(description="Processor seconds spent by workers.")
     tiles_done: int = Field(description="Tiles that need no more samples.")
     tiles: int
-    tiles_set_aside: int = Field(description="Tiles left as they are, after failing on several workers.")
+    tiles_failed: int = Field(description="Tiles left as they are, after failing on several workers.")
     audited: int = Field(description="Ranges that were traced again elsewhere, and were the same.")
     refused: int = Field(description="Results that could not be right.")
     predicted_end: float = Field(description="Unix time at which it should end; 0: unknown.")
@@ -90,7 +90,7 @@ class RenderView(View):
     height: int
     samples: int = Field(description="Samples per pixel asked for, at most.")
     scene_sha256: str = Field(description="SHA-256 of the compiled scene.")
-    numeric_class: str = Field(
+    floating_point_profile: str = Field(
         description="A name for how its workers round, which all do alike; empty before the first result."
     )
     sequence: int = Field(description="Grows with every change that watchers should see.")
@@ -141,17 +141,21 @@ class WorkerView(View):
     jobs_done: int
     started: float = Field(description="Unix time, seconds.")
     quarantine: str = Field(description="Why its results are not taken; empty: they are.")
-    numeric_class: str = Field(description="A name for how it rounds: a render takes results of one class.")
-    shut_out: str = Field(
+    floating_point_profile: str = Field(
+        description="A name for how it rounds: a render takes results of one class."
+    )
+    incompatible: str = Field(
         description="Why it gets no jobs though it is not in quarantine; empty: it gets them."
     )
 
     @classmethod
-    def of(cls, row: WorkerRow, quarantine: str, shut_out: str) -> Self:
+    def of(cls, row: WorkerRow, quarantine: str, incompatible: str) -> Self:
         """The public side of a row of the data folder."""
-        same = cls.model_fields.keys() - {"quarantine", "shut_out"}
+        same = cls.model_fields.keys() - {"quarantine", "incompatible"}
         return cls(
-            quarantine=quarantine, shut_out=shut_out, **{each: getattr(row, each) for each in sorted(same)}
+            quarantine=quarantine,
+            incompatible=incompatible,
+            **{each: getattr(row, each) for each in sorted(same)},
         )
 
 

@@ -17,7 +17,7 @@ Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 Resolve = Callable[[str, int], Awaitable[Sequence[str]]]
 
-_MOST_CHARACTERS = 2048
+_MAX_CHARACTERS = 2048
 _PLACE = "$.url"
 # IPv4 inside IPv6, for translators that some networks have (RFC 6052, RFC 8215).
 _TRANSLATED = (ipaddress.ip_network("64:ff9b::/96"), ipaddress.ip_network("64:ff9b:1::/48"))
@@ -52,8 +52,8 @@ class TargetRules:
 
     def parse(self, url: str) -> Target:
         """Raises InputError for what can't be an address. Says nothing of where it leads."""
-        if len(url) > _MOST_CHARACTERS or not url.isascii() or not url.isprintable() or " " in url:
-            raise InputError.at(_PLACE, f"expected at most {_MOST_CHARACTERS} printable ASCII characters")
+        if len(url) > _MAX_CHARACTERS or not url.isascii() or not url.isprintable() or " " in url:
+            raise InputError.at(_PLACE, f"expected at most {_MAX_CHARACTERS} printable ASCII characters")
         try:
             parts = urlsplit(url)
             port = parts.port

@@ -30,8 +30,8 @@ _TIMEOUT = httpx.Timeout(60.0, connect=5.0)
 # The service sends a comment every 15 s, so a longer silence is a lost connection.
 _WATCH_TIMEOUT = httpx.Timeout(40.0, connect=5.0)
 _RETRY_DELAYS_S = (0.2, 0.5, 1.0)
-# A plan's small renders; the service ends it before that.
-_PLAN_TIMEOUT = httpx.Timeout(1000.0, connect=5.0)
+# A preflight's small renders; the service ends it before that.
+_PREFLIGHT_TIMEOUT = httpx.Timeout(1000.0, connect=5.0)
 _PIECE_BYTES = 1024 * 1024
 _T = TypeVar("_T")
 
@@ -123,19 +123,22 @@ class Client:
         }
         return Render.from_json(self._json("POST", "/v1/renders", body))
 
-    def plan(
+    def preflight(
         self, scene: Path, width: int, height: int, error: float = 0.02, budget_seconds: float = 60.0
     ) -> dict[str, Any]:
         """What the scene document at `scene` needs for a total relative error; takes minutes.
 
-        `budget_seconds`: processor time of the service's small renders. The report is that of `nocturne plan
+        `budget_seconds`: processor time of the service's small renders. The report is that of `nocturne
+        preflight
         --json`, with the document that is enough.
         """
         on_disk = self._uploaded(scene, None)
         asked = {"error": error, "budget_seconds": budget_seconds}
         body = {"scene": on_disk.document, "width": width, "height": height, **asked}
         content, headers = json.dumps(body).encode(), {"Content-Type": "application/json"}
-        answer = self._call("POST", "/v1/plans", content=content, headers=headers, timeout=_PLAN_TIMEOUT)
+        answer = self._call(
+            "POST", "/v1/preflights", content=content, headers=headers, timeout=_PREFLIGHT_TIMEOUT
+        )
         report: dict[str, Any] = answer.json()
         return report
 
@@ -158,7 +161,7 @@ class Client:
         return self._act(render_id, "pause", {})
 
     def resume(self, render_id: str) -> Render:
-        """Goes on with a paused render; with a degraded one, by trying again what was set aside."""
+        """Goes on with a paused render; with a degraded one, by tracing its failed tiles again."""
         return self._act(render_id, "resume", {})
 
     def extend(self, render_id: str, samples: int = 0, stop: Mapping[str, Any] | None = None) -> Render:
@@ -174,9 +177,9 @@ class Client:
         body = {"request_id": request_id or str(uuid.uuid4())}
         return Render.from_json(self._json("POST", f"/v1/renders/{_part(render_id)}:replay", body))
 
-    def why(self, render_id: str) -> str:
+    def explain(self, render_id: str) -> str:
         """What the render waits for, in one sentence."""
-        return str(self._json("GET", f"/v1/renders/{_part(render_id)}/why")["sentence"])
+        return str(self._json("GET", f"/v1/renders/{_part(render_id)}/explanation")["sentence"])
 
     def release_worker(self, worker_id: str) -> None:
         """Takes the results of a worker in quarantine again."""

@@ -16,7 +16,7 @@ class Progress:
     ranges_planned: int
     photons: int
     rays: int
-    rejected: int
+    invalid_samples: int
     mean_samples: float
     """Mean over pixels of samples merged."""
     relative_error: float
@@ -26,7 +26,7 @@ class Progress:
     tiles_done: int
     """Tiles that need no more samples."""
     tiles: int
-    tiles_set_aside: int
+    tiles_failed: int
     """Tiles left as they are, after failing on several workers."""
     audited: int
     """Ranges that were traced again elsewhere, and were the same."""
@@ -82,7 +82,7 @@ class Render:
     priority: int
     owner: str
     progress: Progress
-    numeric_class: str = ""
+    floating_point_profile: str = ""
     """How its workers round; empty before the first result."""
 
     @property
@@ -120,9 +120,9 @@ class Worker:
     started: float
     quarantine: str
     """Why its results are not taken; empty: they are."""
-    numeric_class: str = ""
+    floating_point_profile: str = ""
     """A name for how it rounds: a render takes results of one class only."""
-    shut_out: str = ""
+    incompatible: str = ""
     """Why it gets no jobs though it is not in quarantine; empty: it gets them."""
 
     @classmethod

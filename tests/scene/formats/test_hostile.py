@@ -64,7 +64,7 @@ def test_xml(tmp_path: Path, content: str | bytes, said: str) -> None:
 
 def test_files_that_include_each_other_many_times(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two includes in each of 15 files: 2^15 times the last one, with 100 elements each."""
-    monkeypatch.setattr(elements, "_MOST_ELEMENTS", 10_000)
+    monkeypatch.setattr(elements, "_MAX_ELEMENTS", 10_000)
     folder = tmp_path / "in"
     folder.mkdir()
     for number in range(1, 15):

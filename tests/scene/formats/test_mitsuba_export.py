@@ -161,7 +161,7 @@ def test_grids_without_an_equal_are_named(media: Any, said: str, smoke: Path) ->
 
 
 def test_grids_are_counted_before_they_are_read(smoke: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(volumes, "_MOST_VOXELS", 511)
+    monkeypatch.setattr(volumes, "_MAX_VOXELS", 511)
     [problem] = refused(smoke, SMOKE, media={"m": {"absorption": 1, "density": DENSITY}})
     assert "more than 511 voxels" in problem
 

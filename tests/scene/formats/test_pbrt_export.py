@@ -57,7 +57,12 @@ def numbers(text: str, name: str, after: str = "") -> list[float]:
 def image(document: Path, folder: Path) -> Any:
     """Few samples with the document's seed: XYZ."""
     compiled = compile_to(document, folder, 24, 18, 16)
-    command: list[str | Path] = [need_program("nocturne-trace"), compiled.scene, "--plan", compiled.plan]
+    command: list[str | Path] = [
+        need_program("nocturne-trace"),
+        compiled.scene,
+        "--schedule",
+        compiled.schedule,
+    ]
     command += ["--blobs", compiled.blobs, "-o", folder / "image.exr", "--quiet"]
     subprocess.run(command, check=True)
     return read_picture(folder / "image.exr").xyz

@@ -42,12 +42,12 @@ class Response {
       pixel[TileSums::kXyzChannels + c] +=
           scale * mean(sampler_.further_weight(c, wavelengths_), kept.radiance);
     }
-    return kept.rejected;
+    return kept.invalid_samples;
   }
 
   struct Kept {
     Spectral<N> radiance;
-    std::uint32_t rejected;
+    std::uint32_t invalid_samples;
   };
 
   Kept add_xyz(const Spectral<N>& radiance, double scale, double* pixel) const {
@@ -55,7 +55,7 @@ class Response {
     for (std::size_t k = 0; k < N; ++k) {
       if (std::isfinite(radiance[k]) && radiance[k] >= 0.0f) continue;
       kept.radiance[k] = 0.0f;
-      ++kept.rejected;
+      ++kept.invalid_samples;
     }
     for (std::size_t c = 0; c < 3; ++c) {
       pixel[c] += scale * mean(wavelengths_.weight[c], kept.radiance);
@@ -97,9 +97,10 @@ void trace_sample(const Scene& scene, Film film, std::uint32_t x, std::uint32_t 
             sequence);
   tile.rays += group.rays;
   const Response<N> response(scene.wavelengths, wavelengths);
-  tile.rejected += tile.channels == TileSums::kXyzChannels
-                       ? response.add_xyz(group.radiance, from.weight, values).rejected
-                       : response.add(group.radiance, from.weight, values);
+  tile.invalid_samples +=
+      tile.channels == TileSums::kXyzChannels
+          ? response.add_xyz(group.radiance, from.weight, values).invalid_samples
+          : response.add(group.radiance, from.weight, values);
 }
 
 template <int N, class Trace>
@@ -146,7 +147,7 @@ void trace_forward_sample(const Scene& scene, Film film, std::uint32_t sample, T
     tile.rays += trace_forward<N>(scene, film, u[3], wavelengths.nm, sequence, deposits);
     const Response<N> response(scene.wavelengths, wavelengths);
     for (const Deposit<N>& deposit : deposits) {
-      tile.rejected +=
+      tile.invalid_samples +=
           response.add(deposit.value, 1.0 / pixels, &values[tile.channels * deposit.pixel]);
     }
   }

@@ -17,7 +17,7 @@ NAME = "density"
 
 # Voxels of a file that is written, and how much finer than its grid it is at most. Values are constant over a
 # voxel, so that the grid ends sharply; in between they are those of a renderer that interpolates.
-_MOST_VOXELS = 2**24
+_MAX_VOXELS = 2**24
 _FINEST = 8
 
 # By which part of a voxel the faces of a grid may be off.
@@ -73,7 +73,7 @@ def cubes(edges: Values, grid: Grid) -> tuple[tuple[int, ...] | None, float]:
         fits = np.all(np.abs(wanted * voxel - edges) <= _OFF * voxel)
         # Cells that are not interpolated must not be cut.
         whole = grid.interpolated or not np.any(wanted % counts)
-        if fits and whole and np.prod(wanted.astype(float)) <= _MOST_VOXELS:
+        if fits and whole and np.prod(wanted.astype(float)) <= _MAX_VOXELS:
             found = (tuple(int(count) for count in wanted), float(voxel))
             if finer >= finest:
                 break

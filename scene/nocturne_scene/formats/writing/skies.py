@@ -10,8 +10,8 @@ from nocturne_scene.formats.writing.compiled import Array
 from nocturne_scene.textures.environment_maps import equal_area_rows, read_whole
 
 # Pixels of the picture that is made: the more, the narrower are the seams between texels.
-_MOST_PIXELS = 2**22
-_LARGEST_SQUARE = 2048
+_MAX_PIXELS = 2**22
+_MAX_SQUARE = 2048
 _FINEST = 16
 _PARTS = 8
 
@@ -25,7 +25,7 @@ def texels_of(sha256: str, blobs: BlobStore) -> Array:
 def equal_area_square(texels: Array) -> Array:
     """The same texels as a finer square, each pixel the mean of what it shows of them."""
     rows, columns = texels.shape[:2]
-    size = min(_LARGEST_SQUARE, 2 ** math.ceil(math.log2(4 * math.sqrt(rows * columns))))
+    size = min(_MAX_SQUARE, 2 ** math.ceil(math.log2(4 * math.sqrt(rows * columns))))
     across = (np.arange(_PARTS * size) + 0.5) / (_PARTS * size)
     found = []
     for row in across.reshape(size, _PARTS):
@@ -45,7 +45,7 @@ def latitudes_with_poles(texels: Array) -> Array:
     poles, and whose columns are areas.
     """
     rows, columns = texels.shape[:2]
-    finer = max(1, min(_FINEST, int(np.sqrt(_MOST_PIXELS / (rows * columns)))))
+    finer = max(1, min(_FINEST, int(np.sqrt(_MAX_PIXELS / (rows * columns)))))
     # A row is the mean of what is nearer to it than to its neighbours.
     parts = (np.arange(_PARTS) + 0.5) / _PARTS - 0.5
     steps = np.clip(np.arange(finer * rows + 1)[:, None] + parts, 0, finer * rows)

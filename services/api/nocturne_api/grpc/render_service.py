@@ -22,7 +22,7 @@ from nocturne_api.grpc.messages import (
     worker_message,
 )
 from nocturne_api.operations import Operations
-from nocturne_api.preflight.pool import PlanRequest
+from nocturne_api.preflight.pool import PreflightSpec
 from nocturne_api.submission import CreateRequest
 
 Context = grpc.aio.ServicerContext[Any, Any]
@@ -50,14 +50,14 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
             )
             return render_message(created)
 
-    async def PlanScene(  # noqa: N802
-        self, request: pb.PlanSceneRequest, context: Context
-    ) -> pb.PlanSceneResponse:
+    async def Preflight(  # noqa: N802
+        self, request: pb.PreflightRequest, context: Context
+    ) -> pb.PreflightResponse:
         async with Answering(context):
             scene = await asyncio.to_thread(decode_json, request.scene_json)
-            asked = PlanRequest(scene, request.width, request.height, request.error, request.budget_seconds)
-            report = await self._operations.plan_scene(asked)
-            return pb.PlanSceneResponse(report_json=json.dumps(report).encode())
+            asked = PreflightSpec(scene, request.width, request.height, request.error, request.budget_seconds)
+            report = await self._operations.preflight(asked)
+            return pb.PreflightResponse(report_json=json.dumps(report).encode())
 
     async def GetRender(self, request: pb.GetRenderRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):

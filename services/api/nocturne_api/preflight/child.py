@@ -1,4 +1,4 @@
-"""Plans one scene: the job on standard input, the answer on standard output, both JSON."""
+"""Preflights one scene: the job on standard input, the answer on standard output, both JSON."""
 
 import json
 import os
@@ -16,18 +16,18 @@ from nocturne_scene.simplify.report import as_json
 from nocturne_scene.simplify.search import Request, find_needs
 from nocturne_scene.simplify.simplification import assets_of
 
-# As `nocturne plan` has it: seconds for most scenes, and enough pixels for their parts.
+# As `nocturne preflight` has it: seconds for most scenes, and enough pixels for their parts.
 _PILOT_EDGE = 64
 
 
 def main() -> None:
-    """Reads, plans, writes."""
+    """Reads the request, runs the preflight, writes the report."""
     job = json.load(sys.stdin)
     # Its renders inherit both.
     os.nice(10)
     resource.setrlimit(resource.RLIMIT_AS, (job["memory_bytes"], job["memory_bytes"]))
     try:
-        with tempfile.TemporaryDirectory(prefix="nocturne-plan-") as folder:
+        with tempfile.TemporaryDirectory(prefix="nocturne-preflight-") as folder:
             answer = _planned(job, Path(folder))
     except InputError as error:
         answer = {"problems": [[each.place, each.message] for each in error.problems]}

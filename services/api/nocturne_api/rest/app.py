@@ -12,7 +12,7 @@ from nocturne_api.rest import (
     health,
     images,
     metrics,
-    plans,
+    preflights,
     problems,
     reference,
     renders,
@@ -24,7 +24,19 @@ from nocturne_api.rest.lingering import Lingering
 from nocturne_api.rest.middleware import Guards
 from nocturne_api.rest.page import Page
 
-_ROUTERS = (renders, plans, images, events, session, assets, workers, webhooks, health, metrics, reference)
+_ROUTERS = (
+    renders,
+    preflights,
+    images,
+    events,
+    session,
+    assets,
+    workers,
+    webhooks,
+    health,
+    metrics,
+    reference,
+)
 
 
 def build_rest(operations: Operations, web: Path, loopback_only: bool, authenticate: bool = False) -> ASGIApp:

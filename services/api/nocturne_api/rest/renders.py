@@ -125,7 +125,7 @@ async def pause_render(render_id: str, request: Request, operations: Service) ->
 
 @router.post("/{render_id}:resume", openapi_extra=body_of(ActBody, required=False))
 async def resume_render(render_id: str, request: Request, operations: Service) -> RenderView:
-    """Goes on with a paused render; with a degraded one, by trying again what was set aside."""
+    """Goes on with a paused render; with a degraded one, by tracing its failed tiles again."""
     await _act_body(request)
     return await operations.resume_render(render_id)
 
@@ -159,8 +159,8 @@ async def replay_render(render_id: str, request: Request, operations: Service) -
     return await operations.replay_render(render_id, body.request_id)
 
 
-@router.get("/{render_id}/why")
-async def why(render_id: str, operations: Service) -> ExplanationView:
+@router.get("/{render_id}/explanation")
+async def explain(render_id: str, operations: Service) -> ExplanationView:
     """What the render waits for, in one sentence."""
     return await operations.explain(render_id)
 

@@ -6,12 +6,10 @@ import typer
 
 from nocturne_client.cli import (
     local_commands,
+    preflight_command,
     service_commands,
     token_commands,
     webhook_commands,
-)
-from nocturne_client.cli import (
-    preflight_command as plan_command,
 )
 from nocturne_client.cli.output import ERRORS, ExitStatus, print_error
 from nocturne_client.errors import NocturneClientError, NotReachedError
@@ -28,7 +26,7 @@ app = typer.Typer(
 )
 service_commands.add_to(app)
 local_commands.add_to(app)
-plan_command.add_to(app)
+preflight_command.add_to(app)
 app.add_typer(token_commands.app)
 app.add_typer(webhook_commands.app)
 

@@ -82,7 +82,7 @@ def compile_scene(
     height: Height = 512,
     samples: Samples = 256,
 ) -> None:
-    """Compile a scene for `nocturne-trace`: DIR/scene.pb, DIR/plan.pb and DIR/blobs/."""
+    """Compile a scene for `nocturne-trace`: DIR/scene.pb, DIR/schedule.pb and DIR/blobs/."""
     from nocturne_client.local.compiled import compile_to
 
     compiled = compile_to(scene, output, width, height, samples)

@@ -62,14 +62,14 @@ def print_render(render: Render, as_json: bool) -> None:
         ("film", f"{render.width} x {render.height}, {render.samples} samples per pixel"),
         ("merged", f"{render.fraction:.1%}, {progress.photons:,} photons, {progress.rays:,} rays"),
         ("relative error", f"{progress.relative_error:.3%}" if progress.relative_error else "not known yet"),
-        ("rejected photons", f"{progress.rejected:,}"),
+        ("invalid samples", f"{progress.invalid_samples:,}"),
         ("processor time", f"{progress.cpu_seconds:,.1f} s"),
         ("stops at", _stop(render)),
         ("forecast", _forecast(render)),
         ("priority", f"{render.priority}" + (f", for {render.owner}" if render.owner else "")),
         ("audited", f"{progress.audited:,} ranges; results refused: {progress.refused:,}"),
         ("scene", render.scene_sha256),
-        ("numeric class", render.numeric_class or "not known yet"),
+        ("floating-point profile", render.floating_point_profile or "not known yet"),
     ):
         table.add_row(f"[dim]{name}[/]", escape(text))
     CONSOLE.print(table)
@@ -111,12 +111,12 @@ def print_workers(workers: list[Worker], as_json: bool) -> None:
         table.add_row(
             escape(worker.id),
             f"{worker.engine}",
-            escape(worker.numeric_class),
+            escape(worker.floating_point_profile),
             f"{worker.threads}",
             f"{worker.photons_per_second:,.0f}",
             f"{worker.jobs_done:,}",
             duration(time.time() - worker.started),
-            escape(f"Quarantine: {worker.quarantine}" if worker.quarantine else worker.shut_out),
+            escape(f"Quarantine: {worker.quarantine}" if worker.quarantine else worker.incompatible),
         )
     CONSOLE.print(table if workers else "no worker was heard of in the last ten seconds")
 

@@ -1,4 +1,4 @@
-"""`nocturne plan`: what a scene needs for a target error."""
+"""`nocturne preflight`: what a scene needs for a target error."""
 
 import json
 import os
@@ -17,10 +17,10 @@ from nocturne_client.cli.stops import share
 
 def add_to(app: typer.Typer) -> None:
     """Adds the command to the program."""
-    app.command()(plan)
+    app.command()(preflight)
 
 
-def plan(
+def preflight(
     scene: ScenePath,
     error: Annotated[
         str, typer.Option("--error", help='Relative error that is wanted, bias and noise together: "2%".')

@@ -33,7 +33,7 @@ def add_to(app: typer.Typer) -> None:
     """Adds these commands to the program."""
     app.command(name="list")(list_renders)
     changes = (cancel, delete, pause, resume, extend, priority, replay)
-    for command in (submit, watch, get, *changes, why, workers):
+    for command in (submit, watch, get, *changes, explain, workers):
         app.command()(command)
 
 
@@ -150,7 +150,7 @@ def pause(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None
 
 
 def resume(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:
-    """Go on with a paused render; with a degraded one, by trying again what was set aside."""
+    """Go on with a paused render; with a degraded one, by tracing its failed tiles again."""
     with Client(url) as client:
         print_render(client.resume(render_id), as_json)
 
@@ -200,10 +200,10 @@ def replay(
         raise typer.Exit(status)
 
 
-def why(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:
+def explain(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:
     """Say in one sentence what a render waits for."""
     with Client(url) as client:
-        sentence = client.why(render_id)
+        sentence = client.explain(render_id)
     print_json({"sentence": sentence}) if as_json else typer.echo(sentence)
 
 

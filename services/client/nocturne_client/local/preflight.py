@@ -1,4 +1,4 @@
-"""`nocturne plan`: the pilot of a scene on this disk."""
+"""`nocturne preflight`: the pilot of a scene on this disk."""
 
 import tempfile
 from copy import deepcopy
@@ -17,12 +17,12 @@ from nocturne_client.scene_files import DIGEST_PREFIX, SceneOnDisk
 def needs_of(request: Request, scene: SceneOnDisk, say: Say) -> Needs:
     """Run the pilot. Raises NocturneClientError."""
     try:
-        with tempfile.TemporaryDirectory(prefix="nocturne-plan-") as folder:
+        with tempfile.TemporaryDirectory(prefix="nocturne-preflight-") as folder:
             store_files(scene, BlobStore(Path(folder) / "blobs"))
             return find_needs(request, scene.document, Path(folder), say)
     except InputError as error:
         problems = [Problem(each.place, each.message) for each in error.problems]
-        raise NocturneClientError("the scene can't be planned", problems=problems) from error
+        raise NocturneClientError("the scene can't be found", problems=problems) from error
     except NocturneError as error:
         raise NocturneClientError(str(error)) from error
 

@@ -1,4 +1,4 @@
-"""The plan report for people, and as a chart."""
+"""The preflight report for people, and as a chart."""
 
 from math import ceil
 from pathlib import Path

@@ -65,7 +65,7 @@ def run_up(settings: UpSettings) -> None:
             if not stop.is_set():
                 _announce(settings, token)
             while not stop.wait(_TEND_S):
-                stack.tend()
+                stack.supervise()
             ERRORS.print("stopping ...")
 
 
@@ -130,10 +130,11 @@ class _Stack:
             worker.start()
         self._write_file()
 
-    def tend(self) -> None:
+    def supervise(self) -> None:
         """Starts again what has died."""
         restarted = [
-            child.tend(lambda text: ERRORS.print(escape(text), soft_wrap=True)) for child in self._children
+            child.supervise(lambda text: ERRORS.print(escape(text), soft_wrap=True))
+            for child in self._children
         ]
         if any(restarted):
             self._write_file()

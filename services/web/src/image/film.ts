@@ -17,7 +17,7 @@ export interface Reading {
   /** Fewest and most samples of any pixel. */
   samples: [number, number];
   /** Of the tiles that the region touches. */
-  rejected: number;
+  invalid_samples: number;
   /** Pixels with samples. */
   pixels: number;
 }
@@ -77,7 +77,7 @@ export class Film {
       xyz: [sumX / pixels, sumY / pixels, sumZ / pixels],
       standardError: fewest > 1 ? Math.sqrt(variance) / pixels : NaN,
       samples: [fewest, Math.max(...samples)],
-      rejected: [...seen].reduce((total, tile) => total + tile.rejected, 0),
+      invalid_samples: [...seen].reduce((total, tile) => total + tile.invalid_samples, 0),
       pixels,
     };
   }

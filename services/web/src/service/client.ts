@@ -1,7 +1,7 @@
 /** The REST calls that the page makes. Every failure is an Error whose message can be shown. */
 import { observeDate } from "./clock.ts";
 import type { Region } from "../image/film.ts";
-import type { ErrorPoint, NewRender, Plan, Render, RenderPage, Worker, WorkerHistory } from "./types.ts";
+import type { ErrorPoint, NewRender, Preflight, Render, RenderPage, Worker, WorkerHistory } from "./types.ts";
 
 export interface Problem {
   place: string;
@@ -52,7 +52,7 @@ export async function lookFirst(id: string, region: Region | undefined): Promise
 }
 
 export async function getWhy(id: string): Promise<string> {
-  return ((await getJson(`${renderAddress(id)}/why`)) as { sentence: string }).sentence;
+  return ((await getJson(`${renderAddress(id)}/explanation`)) as { sentence: string }).sentence;
 }
 
 export async function getAtWork(id: string): Promise<{ tile: number; worker: string }[]> {
@@ -77,8 +77,8 @@ export async function createRender(request: NewRender): Promise<Render> {
 }
 
 /** What a scene needs for a relative error; takes minutes. */
-export async function planScene(request: { scene: unknown; width: number; height: number; error: number }): Promise<Plan> {
-  return (await getJson("/v1/plans", { method: "POST", body: JSON.stringify(request) })) as Plan;
+export async function preflight(request: { scene: unknown; width: number; height: number; error: number }): Promise<Preflight> {
+  return (await getJson("/v1/preflights", { method: "POST", body: JSON.stringify(request) })) as Preflight;
 }
 
 /** Signs in with a token, which the service keeps in a cookie. */

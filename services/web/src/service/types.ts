@@ -16,7 +16,7 @@ export interface Progress {
   ranges_planned: number;
   photons: number;
   rays: number;
-  rejected: number;
+  invalid_samples: number;
   /** Mean over pixels of samples merged. */
   mean_samples: number;
   /** Standard error of Y, root mean square over pixels, relative to the mean Y; 0 where unknown. */
@@ -75,7 +75,7 @@ export interface Worker {
   /** Why its results are not taken; empty: they are. */
   quarantine: string;
   /** Why it gets no jobs though it is not in quarantine; empty: it gets them. */
-  shut_out: string;
+  incompatible: string;
 }
 
 export interface WorkerHistory {
@@ -102,7 +102,7 @@ export interface Interval {
 }
 
 /** A scene with something less, as a pilot measured it; errors are relative. */
-export interface PlannedModel {
+export interface PreflightModel {
   without: string[];
   verdict: string;
   mean_bias: Interval;
@@ -114,11 +114,11 @@ export interface PlannedModel {
 }
 
 /** What a scene needs for an error. */
-export interface Plan {
+export interface Preflight {
   error: number;
   pilot: { heavy_tails: boolean };
-  models: PlannedModel[];
-  chosen: PlannedModel;
+  models: PreflightModel[];
+  chosen: PreflightModel;
   saving: number;
   /** The chosen scene document. */
   document: Record<string, unknown>;

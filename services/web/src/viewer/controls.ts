@@ -7,7 +7,7 @@ import type { Viewer } from "./viewer.ts";
 
 const showNames: Record<Show, string> = {
   colour: "Colour", luminance: "Luminance", error: "Standard error", "relative error": "Relative error",
-  samples: "Samples", rejected: "Rejected photons", difference: "Difference",
+  samples: "Samples", invalid_samples: "Invalid samples", difference: "Difference",
 };
 const toneNames: Record<Tone, string> = { linear: "Linear", reinhard: "Reinhard", filmic: "Filmic" };
 

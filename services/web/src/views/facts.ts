@@ -34,7 +34,7 @@ const facts: Fact[] = [
     meaning: "From the rate and the error so far, to the first condition that ends the render.",
   },
   { label: "CPU time", value: (render) => formatDuration(render.progress.cpu_seconds) },
-  { label: "Rejected", value: (render) => formatCount(render.progress.rejected), meaning: "Photons whose result was not a finite number; they are left out of the image." },
+  { label: "Rejected", value: (render) => formatCount(render.progress.invalid_samples), meaning: "Photons whose result was not a finite number; they are left out of the image." },
   { label: "Film", value: (render) => `${render.width} × ${render.height}` },
 ];
 

@@ -55,7 +55,7 @@ function row(worker: Worker, more: string[]): HTMLElement {
   const cells = [`${worker.threads}`, formatCount(worker.photons_per_second), formatCount(worker.jobs_done), ...more];
   const name = element("th", { scope: "row" }, worker.id);
   if (worker.quarantine) name.append(element("span", { class: "badge", "data-state": "FAILED", title: worker.quarantine }, "Quarantine"));
-  else if (worker.shut_out) name.append(element("span", { class: "badge", "data-state": "PAUSED", title: worker.shut_out }, "No jobs"));
+  else if (worker.incompatible) name.append(element("span", { class: "badge", "data-state": "PAUSED", title: worker.incompatible }, "No jobs"));
   return element("tr", {}, name, ...cells.map((text) => element("td", {}, text)));
 }
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.scene_files import TEXT_BYTES, SceneFiles, read_bytes
-from nocturne_scene.limits import MAXIMUM_ASSET_BYTES
+from nocturne_scene.limits import MAX_ASSET_BYTES
 
 Json = Any
 
@@ -25,7 +25,7 @@ _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 _LARGEST = {5120: 127.0, 5121: 255.0, 5122: 32767.0, 5123: 65535.0}
 
 # Numbers of one accessor: the triangles of the largest mesh.
-_MOST_NUMBERS = 2**29
+_MAX_NUMBERS = 2**29
 
 
 @dataclass
@@ -63,7 +63,7 @@ class Container:
         if "sparse" in accessor or "bufferView" not in accessor:
             raise InputError.at(self.at(place), "sparse accessors have no equal")
         count, width = self.count(accessor, "count", place), _WIDTHS[kind]
-        if count * width > _MOST_NUMBERS:
+        if count * width > _MAX_NUMBERS:
             raise InputError.at(self.at(place), f"{count} values are too many")
         item = np.dtype(_COMPONENTS[component])
         row = item.itemsize * width
@@ -133,7 +133,7 @@ class Container:
             except (binascii.Error, ValueError):
                 raise InputError.at(self.at(place), "a data URI is no base64") from None
         file = self.files.find(unquote(uri), [self.folder], self.at(place))
-        return read_bytes(file, MAXIMUM_ASSET_BYTES, self.files.shown(file))
+        return read_bytes(file, MAX_ASSET_BYTES, self.files.shown(file))
 
 
 def open_container(file: Path, root: Path) -> Container:
@@ -142,7 +142,7 @@ def open_container(file: Path, root: Path) -> Container:
     shown = files.shown(file)
     chunk = b""
     if file.suffix.lower() == ".glb":
-        text, chunk = _glb(read_bytes(file, MAXIMUM_ASSET_BYTES, shown), shown)
+        text, chunk = _glb(read_bytes(file, MAX_ASSET_BYTES, shown), shown)
     else:
         text = read_bytes(file, TEXT_BYTES, shown)
     try:

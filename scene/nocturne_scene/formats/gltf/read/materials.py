@@ -16,7 +16,7 @@ from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
 from nocturne_scene.spectra import rgb as rgb_spectra
 from nocturne_scene.textures.environment_maps import UnusableImageError, check_size, opened
-from nocturne_scene.textures.image_files import MAXIMUM_EDGE, MAXIMUM_PIXELS, decoded
+from nocturne_scene.textures.image_files import MAX_EDGE, MAX_PIXELS, decoded
 
 _KNOWN = (
     "KHR_materials_transmission",
@@ -250,7 +250,7 @@ class Materials:
     def _decoded(self, file: Path, place: str) -> NDArray[np.float64]:
         try:
             with opened(file) as picture:
-                check_size(picture.spec(), MAXIMUM_PIXELS, MAXIMUM_EDGE)
+                check_size(picture.spec(), MAX_PIXELS, MAX_EDGE)
                 read = picture.read_image(oiio.FLOAT)
         except UnusableImageError as error:
             raise InputError.at(self.container.at(place), str(error)) from None

@@ -26,9 +26,9 @@ _KNOWN = (
     "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
 )
-_MOST_DEPTH = 64
+_MAX_DEPTH = 64
 # Nodes visited; a tree has each once.
-_MOST_NODES = 100_000
+_MAX_NODES = 100_000
 
 
 @dataclass
@@ -47,7 +47,7 @@ class _Reader:
     def node(self, index: Json, outer: Matrix, above: tuple[Json, ...]) -> None:
         """A node and all below it."""
         self.visited += 1
-        if index in above or len(above) >= _MOST_DEPTH or self.visited > _MOST_NODES:
+        if index in above or len(above) >= _MAX_DEPTH or self.visited > _MAX_NODES:
             raise InputError.at(
                 self.container.at(f"nodes[{index}]"), "nodes are nested too deep, or in themselves"
             )

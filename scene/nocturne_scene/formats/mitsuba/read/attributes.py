@@ -18,7 +18,7 @@ from nocturne_scene.meshes.triangles import Triangles
 _Array = NDArray[np.float64]
 _BLOCK = 2
 # Texels along an edge.
-_MOST_EDGE = 16384
+_MAX_EDGE = 16384
 
 
 def wanted(value: Json) -> set[str]:
@@ -47,7 +47,7 @@ def bake(writer: SceneWriter, mesh: Triangles, corners: _Array, name: str) -> tu
     count, channels = len(corners), corners.shape[2]
     columns = int(np.ceil(np.sqrt(count)))
     rows = -(-count // columns)
-    if columns * _BLOCK > _MOST_EDGE:
+    if columns * _BLOCK > _MAX_EDGE:
         raise InputError.at("", f"the attribute {name} has more triangles than a texture can hold")
     # Values at texel (i, j) of a block, corners at (0, 0), (1, 0), (0, 1).
     across, down = np.meshgrid(np.arange(_BLOCK), np.arange(_BLOCK))

@@ -14,9 +14,9 @@ from nocturne_scene.errors import InputError
 from nocturne_scene.formats.reading.scene_files import TEXT_BYTES, SceneFiles, read_bytes
 
 # Elements of a scene, included files each time they are; and how deep they and the files may nest.
-_MOST_ELEMENTS = 1_000_000
-_MOST_DEPTH = 64
-_MOST_INCLUDES = 16
+_MAX_ELEMENTS = 1_000_000
+_MAX_DEPTH = 64
+_MAX_INCLUDES = 16
 
 _PARAMETER = re.compile(r"\$(\w+)")
 
@@ -63,8 +63,8 @@ class _LinedBuilder(TreeBuilder):
         self._open: list[Element] = []
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:  # type: ignore[override]
-        if len(self._open) >= _MOST_DEPTH:
-            raise InputError.at(self._place(), f"elements are nested more than {_MOST_DEPTH} deep")
+        if len(self._open) >= _MAX_DEPTH:
+            raise InputError.at(self._place(), f"elements are nested more than {_MAX_DEPTH} deep")
         element = Element(tag, dict(attributes), self._place())
         if self._open:
             self._open[-1].children.append(element)
@@ -135,8 +135,8 @@ class SceneTree:
         shown = self.files.shown(file)
         if file in opened:
             raise InputError.at(shown, "includes itself")
-        if len(opened) >= _MOST_INCLUDES:
-            raise InputError.at(shown, f"files are included more than {_MOST_INCLUDES} deep")
+        if len(opened) >= _MAX_INCLUDES:
+            raise InputError.at(shown, f"files are included more than {_MAX_INCLUDES} deep")
         root = parse_xml(read_bytes(file, TEXT_BYTES, shown), shown)
         version = root.attributes.get("version", "")
         if root.tag == "scene" and re.match(r"0\.", version):
@@ -147,8 +147,8 @@ class SceneTree:
     def _expanded(self, elements: list[Element], opened: tuple[Path, ...]) -> Iterator[Element]:
         for element in elements:
             self._count += 1
-            if self._count > _MOST_ELEMENTS:
-                raise InputError.at(element.place, f"more than {_MOST_ELEMENTS:,} elements")
+            if self._count > _MAX_ELEMENTS:
+                raise InputError.at(element.place, f"more than {_MAX_ELEMENTS:,} elements")
             for key, value in element.attributes.items():
                 element.attributes[key] = self._substituted(value, element.place)
             match element.tag:

@@ -22,7 +22,7 @@ Pixels = NDArray[np.float64]
 # A picture of the sky is written larger, which keeps the interpolation between its pixels: as many times as
 # the result has no more pixels than this.
 _FINER = (4, 2, 1)
-_MOST_PIXELS = 2**23
+_MAX_PIXELS = 2**23
 
 
 def add_emitter(context: Context, element: Element) -> None:
@@ -147,14 +147,14 @@ def _sky(file: Path) -> Pixels:
     """
     with opened(file) as picture:
         spec = picture.spec()
-        check_size(spec, _MOST_PIXELS, 8192)
+        check_size(spec, _MAX_PIXELS, 8192)
         if spec.nchannels < 3:
             raise UnusableImageError("the picture has no colours")
         pixels = np.asarray(picture.read_image(0, 0, 0, 3, oiio.FLOAT), dtype=np.float64)
     rows, columns = pixels.shape[:2]
     if rows < 2 or columns < 2:
         raise UnusableImageError("the picture needs at least 2 x 2 pixels")
-    finer = next(each for each in _FINER if rows * columns * each**2 <= _MOST_PIXELS)
+    finer = next(each for each in _FINER if rows * columns * each**2 <= _MAX_PIXELS)
     x = (np.arange(finer * columns) + 0.5) / finer - 0.5
     y = (np.arange(finer * rows) + 0.5) / (finer * rows) * (rows - 1)
     left, top = np.floor(x).astype(int), np.minimum(np.floor(y).astype(int), rows - 2)

@@ -15,14 +15,14 @@ _T = TypeVar("_T")
 _SEPARATORS = re.compile(r"[\s,]+")
 
 # Numbers of one value: far more than a matrix has, as many as a table of 1 nm has.
-_MOST_NUMBERS = 20_000
+_MAX_NUMBERS = 20_000
 
 
 def numbers(text: str, place: str, count: int | None = None) -> list[float]:
     """Numbers with spaces or commas between them. Raises InputError."""
     parts = [part for part in _SEPARATORS.split(text.strip()) if part]
-    if len(parts) > _MOST_NUMBERS:
-        raise InputError.at(place, f"more than {_MOST_NUMBERS:,} numbers")
+    if len(parts) > _MAX_NUMBERS:
+        raise InputError.at(place, f"more than {_MAX_NUMBERS:,} numbers")
     try:
         values = [float(part) for part in parts]
     except ValueError:

@@ -18,7 +18,7 @@ _MAGIC = 0x041C
 _NORMALS, _COORDINATES, _COLOURS, _FACE_NORMALS, _DOUBLE = 0x1, 0x2, 0x8, 0x10, 0x2000
 
 # Bytes of one mesh once decompressed.
-_MOST_BYTES = 2**30
+_MAX_BYTES = 2**30
 
 
 class _Reader:
@@ -57,11 +57,11 @@ def read_serialized(content: bytes, number: int, place: str) -> Triangles:
         raise InputError.at(place, "is no serialized mesh of version 3 or 4")
     decompressor = zlib.decompressobj()
     try:
-        plain = decompressor.decompress(content[start + 4 :], _MOST_BYTES)
+        plain = decompressor.decompress(content[start + 4 :], _MAX_BYTES)
     except zlib.error as error:
         raise InputError.at(place, f"can't be decompressed: {error}") from None
     if decompressor.unconsumed_tail:
-        raise InputError.at(place, f"a mesh has more than {_MOST_BYTES:,} bytes")
+        raise InputError.at(place, f"a mesh has more than {_MAX_BYTES:,} bytes")
     reader = _Reader(plain, place)
     (flags,) = reader.unpack("<I")
     if version == 4:

@@ -20,7 +20,7 @@ from nocturne_scene.formats.reading import shapes, transforms
 from nocturne_scene.formats.reading.scene_files import read_bytes
 from nocturne_scene.formats.reading.scene_writer import Json
 from nocturne_scene.formats.reading.transforms import IDENTITY, Matrix
-from nocturne_scene.limits import MAXIMUM_ASSET_BYTES
+from nocturne_scene.limits import MAX_ASSET_BYTES
 from nocturne_scene.meshes.files import load_mesh
 from nocturne_scene.meshes.headers import UnusableMeshError
 from nocturne_scene.meshes.triangles import Triangles
@@ -172,7 +172,7 @@ def _turned_over(coordinates: Matrix) -> Matrix:
 def _serialized(context: Context, properties: Properties, to_world: Matrix, material: _Material) -> Json:
     file = _file(properties, context)
     number = properties.whole("shape_index", 0)
-    content = read_bytes(file, MAXIMUM_ASSET_BYTES, context.tree.files.shown(file))
+    content = read_bytes(file, MAX_ASSET_BYTES, context.tree.files.shown(file))
     mesh = read_serialized(content, number, properties.place)
     if mesh.coordinates is not None and not properties.switch("flip_tex_coords", False):
         mesh = Triangles(mesh.vertices, mesh.indices, mesh.normals, _turned_over(mesh.coordinates))

@@ -16,7 +16,7 @@ from nocturne_scene.formats.reading.grids import Grid
 from nocturne_scene.formats.reading.scene_files import read_bytes
 from nocturne_scene.formats.reading.scene_writer import Json
 from nocturne_scene.formats.reading.transforms import Matrix
-from nocturne_scene.limits import MAXIMUM_ASSET_BYTES
+from nocturne_scene.limits import MAX_ASSET_BYTES
 
 HEADER = struct.Struct("<3sB5i6f")
 """Of a volume's file: "VOL", version 3, the kind of its values, counts along x, y and z, channels, and a box
@@ -99,7 +99,7 @@ def _read(context: Context, element: Element, name: str) -> tuple[np.ndarray, li
     """Values by x, y, z, and the box that the file says."""
     file = context.tree.file(element, name)
     shown = context.tree.files.shown(file)
-    content = read_bytes(file, MAXIMUM_ASSET_BYTES, shown)
+    content = read_bytes(file, MAX_ASSET_BYTES, shown)
     if len(content) < HEADER.size:
         raise InputError.at(shown, "is no grid of version 3")
     magic, version, kind, *numbers = HEADER.unpack_from(content)

@@ -13,7 +13,7 @@ from nocturne_scene.spectra.published import visible_wavelengths
 
 # By which part of the light, either way, what is scattered evenly may depend on wavelength. Rayleigh's
 # phase function is at most half off that.
-_MOST_SPREAD = 0.01
+_MAX_SPREAD = 0.01
 
 
 def medium(context: Context, body: Body | None, name: str, place: str) -> list[Element]:
@@ -116,7 +116,7 @@ def _depolarising(context: Context, phase: scene_pb2.RayleighPhase, place: str) 
     gamma = ratio / (2 - ratio)
     even = 3 * gamma / (1 + 2 * gamma)
     spread = float(np.ptp(even)) / 2
-    if spread > _MOST_SPREAD:
+    if spread > _MAX_SPREAD:
         context.findings.lost(place, "depolarisation that depends much on wavelength has no equal in Mitsuba")
     elif spread > 0:
         context.findings.note(

@@ -10,13 +10,13 @@ from nocturne_scene.formats.reading.transforms import scaling, translation
 from nocturne_scene.media.grid_files import UnusableGridError, dense
 
 # Its grids have no empty parts: a quarter of a gigabyte, and some five times as much memory on the way.
-_MOST_VOXELS = 2**26
+_MAX_VOXELS = 2**26
 
 
 def density(context: Context, grid: scene_pb2.DensityGrid, name: str, place: str) -> Element | None:
     """A grid's values, without its scale, in a file of that name; None (told) where that can't be."""
     try:
-        found = dense(context.compiled.blobs.path(grid.blob.hex()), _MOST_VOXELS)
+        found = dense(context.compiled.blobs.path(grid.blob.hex()), _MAX_VOXELS)
     except UnusableGridError as error:
         context.findings.lost(place, f"a density grid that can't be exported: {error}")
         return None

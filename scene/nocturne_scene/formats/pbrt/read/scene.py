@@ -19,10 +19,10 @@ from nocturne_scene.formats.reading.scene_files import SceneFiles
 from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
 from nocturne_scene.formats.reading.transforms import Matrix
 
-_MOST_DEPTH = 64
-_MOST_INCLUDES = 16
+_MAX_DEPTH = 64
+_MAX_INCLUDES = 16
 # Directives of a scene, those of included files each time.
-_MOST_DIRECTIVES = 1_000_000
+_MAX_DIRECTIVES = 1_000_000
 
 
 @dataclass
@@ -52,14 +52,14 @@ class _Reader:
         shown = self.context.files.shown(file)
         if file in opened:
             raise InputError.at(shown, "includes itself")
-        if len(opened) >= _MOST_INCLUDES:
-            raise InputError.at(shown, f"files are included more than {_MOST_INCLUDES} deep")
+        if len(opened) >= _MAX_INCLUDES:
+            raise InputError.at(shown, f"files are included more than {_MAX_INCLUDES} deep")
         stream = Stream(tokens(read_text(file, shown), shown))
         while stream.ahead is not None:
             token = stream.take(shown)
             self.count += 1
-            if self.count > _MOST_DIRECTIVES:
-                raise InputError.at(token.place, f"more than {_MOST_DIRECTIVES:,} directives")
+            if self.count > _MAX_DIRECTIVES:
+                raise InputError.at(token.place, f"more than {_MAX_DIRECTIVES:,} directives")
             if token.kind != "word" or (
                 token.text not in _DIRECTIVES and token.text not in ("Include", "Import")
             ):
@@ -155,8 +155,8 @@ def _begin_world(reader: _Reader, stream: Stream, place: str) -> None:
 
 
 def _begin(reader: _Reader, stream: Stream, place: str) -> None:
-    if len(reader.saved) >= _MOST_DEPTH:
-        raise InputError.at(place, f"attributes are nested more than {_MOST_DEPTH} deep")
+    if len(reader.saved) >= _MAX_DEPTH:
+        raise InputError.at(place, f"attributes are nested more than {_MAX_DEPTH} deep")
     state = reader.context.state
     reader.saved.append(replace(state, defaults=dict(state.defaults)))
 

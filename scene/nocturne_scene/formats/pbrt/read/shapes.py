@@ -16,7 +16,7 @@ from nocturne_scene.formats.pbrt.read.tokens import decompressed
 from nocturne_scene.formats.reading import shapes, transforms
 from nocturne_scene.formats.reading.scene_files import read_bytes
 from nocturne_scene.formats.reading.scene_writer import Json
-from nocturne_scene.limits import MAXIMUM_ASSET_BYTES
+from nocturne_scene.limits import MAX_ASSET_BYTES
 from nocturne_scene.meshes.files import load_mesh, load_ply_columns
 from nocturne_scene.meshes.headers import UnusableMeshError, check_counts
 from nocturne_scene.meshes.triangles import Triangles, check_indices
@@ -188,7 +188,7 @@ def _ply_mesh(context: Context, parameters: Parameters, textured: bool) -> Json:
         if file.suffix != ".gz":
             mesh = _read(file)
         else:
-            plain = decompressed(read_bytes(file, MAXIMUM_ASSET_BYTES, shown), MAXIMUM_ASSET_BYTES, shown)
+            plain = decompressed(read_bytes(file, MAX_ASSET_BYTES, shown), MAX_ASSET_BYTES, shown)
             with tempfile.TemporaryDirectory() as folder:
                 unpacked = Path(folder) / "mesh.ply"
                 unpacked.write_bytes(plain)

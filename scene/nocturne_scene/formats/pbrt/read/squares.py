@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 _PARTS = 4
 
 # Of a picture that is made: with twice as many columns, the most that an environment map has.
-_MOST_ROWS = 4096
+_MAX_ROWS = 4096
 
 
 def direction(u: Array, v: Array) -> Array:
@@ -60,7 +60,7 @@ def latitudes(pixels: NDArray[np.float32]) -> Array:
     if rows != columns:
         raise UnusableImageError(f"{columns} x {rows} pixels; expected a square, as pbrt-v4 keeps skies")
     # From the middle to the left and the right: from azimuth pi to -pi.
-    count = min(rows, _MOST_ROWS)
+    count = min(rows, _MAX_ROWS)
     azimuth = np.pi * (1 - (np.arange(2 * count * _PARTS) + 0.5) / (count * _PARTS))
     edges = np.cos(np.pi * np.arange(count + 1) / count)
     found = []

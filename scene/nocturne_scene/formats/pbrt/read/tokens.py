@@ -10,7 +10,7 @@ from nocturne_scene.errors import InputError
 from nocturne_scene.formats.reading.scene_files import TEXT_BYTES, read_bytes
 
 # Bytes of a compressed file once it is not.
-_MOST_BYTES = 4 * TEXT_BYTES
+_MAX_BYTES = 4 * TEXT_BYTES
 
 _TOKEN = re.compile(r'\s+|#[^\n]*|"(?P<string>[^"\n]*)"|(?P<open>\[)|(?P<close>\])|(?P<word>[^\s"\[\]#]+)')
 
@@ -28,7 +28,7 @@ def read_text(file: Path, shown: str) -> str:
     """Return a file's text, decompressed if its name ends in .gz. Raises InputError."""
     content = read_bytes(file, TEXT_BYTES, shown)
     if file.suffix == ".gz":
-        content = decompressed(content, _MOST_BYTES, shown)
+        content = decompressed(content, _MAX_BYTES, shown)
     try:
         return content.decode("utf-8")
     except UnicodeDecodeError as error:

@@ -21,7 +21,7 @@ from nocturne_scene.formats.writing.blends import Part, halves, parts_of
 from nocturne_scene.formats.writing.compiled import Array, Body, Table
 
 # Reflections between a coat and its base that are followed: the rest is below rounding.
-_MOST_BOUNCES = 1000
+_MAX_BOUNCES = 1000
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ class _Maker:
             "coateddiffuse",
             _index(self._table(coated.index)),
             self._colour("reflectance", coated.reflectance),
-            whole("maxdepth", _MOST_BOUNCES),
+            whole("maxdepth", _MAX_BOUNCES),
             # Its own default is not smooth.
             *(self._roughness(coated.roughness) or [real("roughness", 0.0)]),
         ]

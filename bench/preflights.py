@@ -1,6 +1,8 @@
-"""What the scenes of the repository need: `nocturne plan` over all of them, as the table of docs/planning.md.
+"""What the scenes of the repository need: `nocturne preflight` over all of them, as the table of
+docs/planning.md.
 
-`python -m bench.plans [--budget SECONDS] [SCENE ...]`: a scene is a folder of examples; by default, all are.
+`python -m bench.preflights [--budget SECONDS] [SCENE ...]`: a scene is a folder of examples; by default, all
+are.
 """
 
 import argparse
@@ -17,9 +19,9 @@ from bench.programs import run
 
 SCENES = CHECKOUT / "examples"
 PAGE = CHECKOUT / "docs" / "planning.md"
-RESULTS = CHECKOUT / "bench" / "results" / "plans.json"
+RESULTS = CHECKOUT / "bench" / "results" / "preflights.json"
 
-_BEGIN, _END = "<!-- table: made by `make plans` -->\n", "<!-- end of table -->"
+_BEGIN, _END = "<!-- table: made by `make preflights` -->\n", "<!-- end of table -->"
 
 _TARGET = "2%"
 
@@ -33,15 +35,15 @@ def main() -> None:
     parser.add_argument("scenes", nargs="*")
     arguments = parser.parse_args()
     known = sorted(file.parent.name for file in SCENES.glob("*/scene.json"))
-    plans: dict[str, Found] = json.loads(RESULTS.read_text()) if RESULTS.exists() else {}
+    preflights: dict[str, Found] = json.loads(RESULTS.read_text()) if RESULTS.exists() else {}
     for name in arguments.scenes or known:
         print(name, flush=True)
         _make_files(SCENES / name)
-        plans[name] = _plan(SCENES / name / "scene.json", arguments.budget)
-        RESULTS.write_text(json.dumps(plans, indent=1, sort_keys=True) + "\n")
+        preflights[name] = _preflight(SCENES / name / "scene.json", arguments.budget)
+        RESULTS.write_text(json.dumps(preflights, indent=1, sort_keys=True) + "\n")
     before, _, rest = PAGE.read_text().partition(_BEGIN)
     after = rest.partition(_END)[2]
-    PAGE.write_text(before + _BEGIN + "\n" + _table(plans) + "\n" + _END + after)
+    PAGE.write_text(before + _BEGIN + "\n" + _table(preflights) + "\n" + _END + after)
 
 
 def _make_files(folder: Path) -> None:
@@ -53,8 +55,8 @@ def _make_files(folder: Path) -> None:
         run([sys.executable, program])
 
 
-def _plan(scene: Path, budget: float) -> Found:
-    command = [sys.executable, "-m", "nocturne_client", "plan", str(scene), "--error", _TARGET]
+def _preflight(scene: Path, budget: float) -> Found:
+    command = [sys.executable, "-m", "nocturne_client", "preflight", str(scene), "--error", _TARGET]
     command += ["--budget", str(budget), "--json"]
     done = subprocess.run(command, check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     found: Found = json.loads(done.stdout)
@@ -62,12 +64,12 @@ def _plan(scene: Path, budget: float) -> Found:
     return found
 
 
-def _table(plans: dict[str, Found]) -> str:
+def _table(preflights: dict[str, Found]) -> str:
     lines = [
         "| scene | needed | not needed, or another way to the same image | not decided | enough | saves |",
         "| --- | --- | --- | --- | --- | --- |",
     ]
-    for name, found in sorted(plans.items()):
+    for name, found in sorted(preflights.items()):
         words = {
             verdict: _words(found, verdict) for verdict in ("needed", "not needed", "undecided", "same image")
         }

@@ -1,4 +1,4 @@
-#include "rounding/numeric_class.h"
+#include "rounding/floating_point_profile.h"
 
 #include <immintrin.h>
 
@@ -157,7 +157,7 @@ void add_hits(Answers& answers) {
 
 }  // namespace
 
-std::string numeric_class() {
+std::string floating_point_profile() {
   Answers answers;
   add_arithmetic(answers);
   add_library(answers);

@@ -1,10 +1,11 @@
-"""The numeric class is a digest of what all functions give whose last bit is the C library's choice."""
+"""The floating-point profile is a digest of what all functions give whose last bit is the C library's
+choice."""
 
 import re
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PROBE = ROOT / "worker" / "src" / "rounding" / "numeric_class.cpp"
+PROBE = ROOT / "worker" / "src" / "rounding" / "floating_point_profile.cpp"
 
 # Of <cmath>, without those that IEEE 754 fixes to the last bit (sqrt, fma, floor, ...) or that are exact.
 _FREE = (

@@ -11,6 +11,6 @@ namespace nocturne {
 
 /// 16 hexadecimal digits: a digest of what a fixed probe answers here. Takes some milliseconds;
 /// throws std::runtime_error where Embree can't start.
-std::string numeric_class();
+std::string floating_point_profile();
 
 }  // namespace nocturne

@@ -1,29 +1,29 @@
-/** The sentence under a plan. */
+/** The sentence under a preflight. */
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import type { Plan, PlannedModel } from "../../../services/web/src/service/types.ts";
-import { sentence } from "../../../services/web/src/submit/plan_result.ts";
+import type { Preflight, PreflightModel } from "../../../services/web/src/service/types.ts";
+import { sentence } from "../../../services/web/src/submit/preflight_result.ts";
 
 const nothing = { value: 0, low: 0, high: 0 };
-const model = (without: string[]): PlannedModel => ({
+const model = (without: string[]): PreflightModel => ({
   without, verdict: "not needed", mean_bias: nothing, local_bias: nothing, cost_ratio: nothing, samples: 2500, cpu_seconds: 125,
 });
-const plan = (without: string[], heavy: boolean): Plan => ({
+const preflight = (without: string[], heavy: boolean): Preflight => ({
   error: 0.02, pilot: { heavy_tails: heavy }, models: [], chosen: model(without), saving: 3.14, document: {},
 });
 
 test("what is enough is named, with what it saves", () => {
-  const said = sentence(plan(["without medium \"fog\""], false));
+  const said = sentence(preflight(["without medium \"fog\""], false));
   assert.equal(said.replaceAll("\u00a0", " "), "Enough for 2 %: without medium \"fog\"; 3.1 times faster. 2,500 samples, 2 min 05 s of one processor.");
 });
 
 test("where nothing simpler does, it says so", () => {
-  assert.match(sentence(plan([], false)), /^Nothing simpler is known to be faster within 2 %/);
+  assert.match(sentence(preflight([], false)), /^Nothing simpler is known to be faster within 2 %/);
 });
 
 test("heavy tails hide all figures", () => {
-  const said = sentence(plan(["without medium \"fog\""], true));
+  const said = sentence(preflight(["without medium \"fog\""], true));
   assert.match(said, /nothing is chosen/);
   assert.doesNotMatch(said, /2,500/);
 });

@@ -54,7 +54,7 @@ SPOILT: dict[str, Spoil] = {
     "too long": lambda result: setattr(result.partial, "sums", result.partial.sums + bytes(32)),
     "no sums": field("partial.sums", b""),
     "photons": field("partial.photons", 1),
-    "rejected": field("partial.rejected", 2**40),
+    "invalid_samples": field("partial.invalid_samples", 2**40),
     "rays": field("partial.rays", 2**63),
     "cpu_seconds NaN": field("partial.cpu_seconds", float("nan")),
     "cpu_seconds negative": field("partial.cpu_seconds", -1.0),
@@ -138,7 +138,7 @@ def test_any_bytes_are_survived(data: bytes) -> None:
 
 @tried(examples=100)
 @given(st.integers(0, 2**32))
-@example(2613038)  # the job names a numeric class before the render has one
+@example(2613038)  # the job names a floating-point profile before the render has one
 def test_results_that_are_almost_right_are_survived(seed: int) -> None:
     session = Session(samples=4)
     session.fill(6)
@@ -174,8 +174,8 @@ def test_workers_that_send_nonsense_for_ever_end_the_render() -> None:
             result.partial.photons = 3
             session.deliver(result.SerializeToString())
     assert "3 photons; expected" in session.failed["r"]
-    assert sorted(session.render.set_aside) == list(range(6))
-    assert session.schedule.in_flight == 0
+    assert sorted(session.render.failed_tiles) == list(range(6))
+    assert session.scheduler.in_flight == 0
     assert session.render.totals.refused == 6 * limits.DISTINCT_WORKERS
 
 
@@ -186,10 +186,10 @@ def test_a_failure_counts_once_per_attempt() -> None:
     result = session.result(key)
     result.failure = "no such scene"
     for attempt in range(limits.DISTINCT_WORKERS):
-        assert not session.render.set_aside, attempt
+        assert not session.render.failed_tiles, attempt
         session.fill(6)
         session.deliver(result.SerializeToString())
         # Delivered twice: the job is not out now, so this is no attempt.
         session.deliver(result.SerializeToString())
-    assert session.render.set_aside[key.tile_index].reason == "no such scene"
+    assert session.render.failed_tiles[key.tile_index].reason == "no such scene"
     assert key not in session.stream

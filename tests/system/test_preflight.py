@@ -1,4 +1,4 @@
-"""`nocturne plan` from end to end: what matters by a known factor is kept, what does not is left out."""
+"""`nocturne preflight` from end to end: what matters by a known factor is kept, what does not is left out."""
 
 import json
 import math
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import typer
-from nocturne_client.cli.preflight_command import plan
+from nocturne_client.cli.preflight_command import preflight
 from nocturne_client.local.render import render_scene
 
 from tests.system.images import Image
@@ -54,11 +54,20 @@ def _scene(folder: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def planned(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], Path]:
+def preflight_found(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], Path]:
     """What the command prints, and the folder with scene.json, taken.json and chart.svg."""
-    folder = tmp_path_factory.mktemp("plan")
+    folder = tmp_path_factory.mktemp("preflight")
     files = ["--take", str(folder / "taken.json"), "--chart", str(folder / "chart.svg")]
-    command = [sys.executable, "-m", "nocturne_client", "plan", str(_scene(folder)), "--error", "3%", *files]
+    command = [
+        sys.executable,
+        "-m",
+        "nocturne_client",
+        "preflight",
+        str(_scene(folder)),
+        "--error",
+        "3%",
+        *files,
+    ]
     command += ["--width", "32", "--height", "32", "--pilot", "32", "--budget", "20", "--json"]
     done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=300)
     found: dict[str, Any] = json.loads(done.stdout)
@@ -77,8 +86,10 @@ def _holds(interval: dict[str, float], truth: float) -> bool:
     return interval["low"] - _ROUNDING <= truth <= interval["high"] + _ROUNDING
 
 
-def test_what_matters_is_needed_by_as_much_as_it_absorbs(planned: tuple[dict[str, Any], Path]) -> None:
-    smoke = _without(planned[0], "smoke")
+def test_what_matters_is_needed_by_as_much_as_it_absorbs(
+    preflight_found: tuple[dict[str, Any], Path],
+) -> None:
+    smoke = _without(preflight_found[0], "smoke")
     assert smoke["verdict"] == "needed"
     assert smoke["cpu_seconds"] is None
     assert _holds(smoke["mean_bias"], math.exp(THICK) - 1)
@@ -87,15 +98,15 @@ def test_what_matters_is_needed_by_as_much_as_it_absorbs(planned: tuple[dict[str
     assert smoke["local_bias"]["value"] == pytest.approx((math.exp(THICK) - 1) / 1.01**0.5, rel=0.02)
 
 
-def test_what_does_not_matter_is_not_needed(planned: tuple[dict[str, Any], Path]) -> None:
-    haze = _without(planned[0], "haze")
+def test_what_does_not_matter_is_not_needed(preflight_found: tuple[dict[str, Any], Path]) -> None:
+    haze = _without(preflight_found[0], "haze")
     assert haze["verdict"] == "not needed"
     assert _holds(haze["mean_bias"], math.exp(THIN) - 1)
     assert haze["samples"] is not None
 
 
-def test_what_is_taken_is_as_bright(planned: tuple[dict[str, Any], Path], tmp_path: Path) -> None:
-    found, folder = planned
+def test_what_is_taken_is_as_bright(preflight_found: tuple[dict[str, Any], Path], tmp_path: Path) -> None:
+    found, folder = preflight_found
     taken = json.loads((folder / "taken.json").read_text())
     kept = {name for surface in taken["surfaces"] for name in surface.get("interior", {}).get("media", [])}
     assert "smoke" in kept
@@ -107,8 +118,8 @@ def test_what_is_taken_is_as_bright(planned: tuple[dict[str, Any], Path], tmp_pa
     assert abs(image.y.mean() - expected) < 4 * error + 2 * (math.exp(THIN) - 1) * expected
 
 
-def test_the_chart_names_the_models(planned: tuple[dict[str, Any], Path]) -> None:
-    chart = (planned[1] / "chart.svg").read_text()
+def test_the_chart_names_the_models(preflight_found: tuple[dict[str, Any], Path]) -> None:
+    chart = (preflight_found[1] / "chart.svg").read_text()
     assert "the full model" in chart
     assert "without medium &quot;haze&quot;" in chart or 'without medium "haze"' in chart
 
@@ -120,7 +131,7 @@ def test_files_elsewhere_are_refused_before_the_work(tmp_path: Path) -> None:
         sys.executable,
         "-m",
         "nocturne_client",
-        "plan",
+        "preflight",
         str(scene),
         "--take",
         str(tmp_path / "no" / "a.json"),
@@ -132,4 +143,4 @@ def test_files_elsewhere_are_refused_before_the_work(tmp_path: Path) -> None:
 
 def test_a_target_of_more_than_all_is_refused(tmp_path: Path) -> None:
     with pytest.raises(typer.BadParameter, match="less than 100 %"):
-        plan(_scene(tmp_path), error="200%")
+        preflight(_scene(tmp_path), error="200%")

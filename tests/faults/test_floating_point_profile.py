@@ -29,8 +29,10 @@ def rounds_otherwise(result: job_pb2.JobResult) -> list[job_pb2.JobResult | byte
 def work(service: Service) -> Callable[..., str]:
     """Starts a worker of a class, gives its name."""
 
-    def start(numeric_class: str, alter: Alter = unaltered, delay: float = SOME_DELAY) -> str:
-        worker = SimulatedWorker(service.server.url, alter, delay, numeric_class=numeric_class)
+    def start(floating_point_profile: str, alter: Alter = unaltered, delay: float = SOME_DELAY) -> str:
+        worker = SimulatedWorker(
+            service.server.url, alter, delay, floating_point_profile=floating_point_profile
+        )
         return service.work(worker).name
 
     return start
@@ -44,14 +46,14 @@ def contributors(service: Service) -> set[str]:
 def classes_of_jobs(service: Service) -> set[str]:
     with service.server.client() as client:
         jobs = [job_pb2.Job.FromString(fields[keys.JOB_FIELD]) for _, fields in client.xrange(keys.JOBS)]
-    return {job.numeric_class for job in jobs}
+    return {job.floating_point_profile for job in jobs}
 
 
 def class_in_image(service: Service, render_id: str) -> str:
     image = oiio.ImageInput.open(str(service.folder.image_path(render_id)))
     assert image is not None
     try:
-        return str(image.spec().get_string_attribute("nocturne:numericClass"))
+        return str(image.spec().get_string_attribute("nocturne:floatingPointProfile"))
     finally:
         image.close()
 
@@ -63,9 +65,9 @@ def test_a_fleet_of_two_classes_uses_one(service: Service, work: Callable[..., s
     odd = work(ODD, rounds_otherwise)
     wait_until(lambda: len(service.folder.workers()) == 3)
     render = service.create(samples=2000)
-    wait_until(lambda: bool(service.folder.shut_out_workers()))
-    assert service.folder.shut_out_workers() == {
-        odd: f"It rounds otherwise: numeric class {ODD}; the open renders have {MOST}."
+    wait_until(lambda: bool(service.folder.incompatible_workers()))
+    assert service.folder.incompatible_workers() == {
+        odd: f"It rounds otherwise: floating-point profile {ODD}; the open renders have {MOST}."
     }
     # Whoever takes a job learns whose it is.
     wait_until(lambda: MOST in classes_of_jobs(service))
@@ -73,7 +75,7 @@ def test_a_fleet_of_two_classes_uses_one(service: Service, work: Callable[..., s
     assert contributors(service) <= honest
     assert service.folder.workers_in_quarantine() == {}
     row = service.row(render.id)
-    assert (row.numeric_class, row.tiles_set_aside) == (MOST, 0)
+    assert (row.floating_point_profile, row.tiles_failed) == (MOST, 0)
     assert class_in_image(service, render.id) == MOST
 
 
@@ -83,9 +85,9 @@ def test_an_odd_worker_that_was_first_is_outvoted(service: Service, work: Callab
     work(ODD, rounds_otherwise, delay=1.0)
     render = service.create(samples=100)
     wait_until(lambda: service.row(render.id).ranges_done > 1)
-    assert service.row(render.id).numeric_class == ODD
+    assert service.row(render.id).floating_point_profile == ODD
     honest = {work(MOST), work(MOST)}
-    wait_until(lambda: service.row(render.id).numeric_class == MOST, 30.0)
+    wait_until(lambda: service.row(render.id).floating_point_profile == MOST, 30.0)
     check_survived(service, render.id)
     assert contributors(service) <= honest
 
@@ -98,22 +100,24 @@ def test_long_work_waits_for_its_class(service: Service, work: Callable[..., str
         return [result]
 
     service.start()
-    first = service.work(SimulatedWorker(service.server.url, costs_much, SOME_DELAY, numeric_class=ODD))
+    first = service.work(
+        SimulatedWorker(service.server.url, costs_much, SOME_DELAY, floating_point_profile=ODD)
+    )
     long = service.create(samples=2000)
     wait_until(lambda: service.row(long.id).ranges_done >= 6)
     first.stop()
     work(MOST, rounds_otherwise)
-    wait_until(lambda: [each.numeric_class for each in service.folder.workers()] == [MOST], 20.0)
+    wait_until(lambda: [each.floating_point_profile for each in service.folder.workers()] == [MOST], 20.0)
     before = service.row(long.id).ranges_done
     other = service.create(request_id="b", samples=100)
-    assert service.wait_for_end(other.id).numeric_class == MOST
+    assert service.wait_for_end(other.id).floating_point_profile == MOST
     time.sleep(2.0)
     said = sentence(situation_of(service.folder, long.id), time.time())
-    assert f"traced by workers of numeric class {ODD}, and those that are there have {MOST}" in said
+    assert f"traced by workers of floating-point profile {ODD}, and those that are there have {MOST}" in said
     assert service.row(long.id).ranges_done == before
     # Replays need that class as well, from their start.
     replay = service.folder.create_replay(long.id, "c")
-    assert replay.numeric_class == ODD
+    assert replay.floating_point_profile == ODD
     work(ODD)
     check_survived(service, long.id)
-    assert service.wait_for_end(replay.id).numeric_class == ODD
+    assert service.wait_for_end(replay.id).floating_point_profile == ODD

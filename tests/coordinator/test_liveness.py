@@ -2,8 +2,8 @@
 
 import random
 
-from nocturne_coordinator.dispatch.failure_policy import Faults
-from nocturne_coordinator.dispatch.liveness import Lives, Sign
+from nocturne_coordinator.dispatch.failure_policy import FailurePolicy
+from nocturne_coordinator.dispatch.liveness import Liveness, Sign
 from nocturne_coordinator.dispatch.scheduler import JobKey
 from nocturne_coordinator.queue.job_queue import Holder
 
@@ -13,7 +13,7 @@ FRESH, STALE = 9000, 3000
 
 
 def seen(*looks: tuple[dict[str, Sign], list[Holder]]) -> list[tuple[JobKey, str]]:
-    lives = Lives()
+    lives = Liveness()
     return [lost for signs, holders in looks for lost in lives.look(signs, holders, ENTRIES)]
 
 
@@ -60,7 +60,7 @@ def key(number: int) -> JobKey:
 
 
 def test_three_workers_condemn_a_job() -> None:
-    faults = Faults()
+    faults = FailurePolicy()
     live = {"a", "b", "c", "d"}
     assert faults.failed(key(1), "a", "x", live) is None
     assert faults.failed(key(1), "a", "x", live) is None
@@ -71,7 +71,7 @@ def test_three_workers_condemn_a_job() -> None:
 
 
 def test_where_nobody_else_is_three_attempts_condemn_a_job() -> None:
-    faults = Faults()
+    faults = FailurePolicy()
     for _ in range(2):
         assert faults.failed(key(1), "a", "x", {"a"}) is None
     assert faults.failed(key(1), "a", "x", {"a", "b"}) is None
@@ -79,7 +79,7 @@ def test_where_nobody_else_is_three_attempts_condemn_a_job() -> None:
 
 
 def test_three_jobs_that_others_can_do_condemn_a_worker() -> None:
-    faults = Faults()
+    faults = FailurePolicy()
     for number in range(5):
         faults.failed(key(number), "a", "x", {"a", "b", "c"})
     assert faults.succeeded(key(0), "b") == []
@@ -90,7 +90,7 @@ def test_three_jobs_that_others_can_do_condemn_a_worker() -> None:
 
 
 def test_a_scene_that_fails_everywhere_condemns_nobody() -> None:
-    faults = Faults()
+    faults = FailurePolicy()
     chance = random.Random(1)
     for _ in range(300):
         faults.failed(key(chance.randrange(50)), chance.choice("abc"), "x", {"a", "b", "c"})
@@ -100,7 +100,7 @@ def test_a_scene_that_fails_everywhere_condemns_nobody() -> None:
 
 
 def test_three_deaths_condemn_a_job_where_deaths_are_rare() -> None:
-    faults, live = Faults(), {f"{number}" for number in range(40)}
+    faults, live = FailurePolicy(), {f"{number}" for number in range(40)}
     for number in range(1000):
         faults.succeeded(key(number), "0")
     verdicts = [faults.failed(key(1), worker, "died of it", live, died=True) for worker in "123"]
@@ -114,7 +114,7 @@ def test_a_night_of_pulled_plugs_condemns_nobody() -> None:
     one run of 30. With three deaths each it would be some six jobs a night.
     """
     for seed in range(20):
-        chance, faults = random.Random(seed), Faults()
+        chance, faults = random.Random(seed), FailurePolicy()
         workers = [f"{number}" for number in range(40)]
         for number in range(40 * 1200):
             worker = chance.choice(workers)
@@ -125,7 +125,7 @@ def test_a_night_of_pulled_plugs_condemns_nobody() -> None:
 
 
 def test_a_worker_that_dies_of_every_job_is_condemned() -> None:
-    faults, live = Faults(), {f"{number}" for number in range(40)}
+    faults, live = FailurePolicy(), {f"{number}" for number in range(40)}
     guilty: list[str] = []
     deaths = 0
     for number in range(1000):
