@@ -108,7 +108,7 @@ void write_statistics(const std::string& path, const TileSums& image, double cpu
   std::ofstream file(path);
   file.precision(17);
   file << "{\"photons\": " << image.photons << ", \"rays\": " << image.rays
-       << ", \"rejected\": " << image.rejected << ", \"cpu_seconds\": " << cpu_seconds
+       << ", \"rejected\": " << image.invalid_samples << ", \"cpu_seconds\": " << cpu_seconds
        << ", \"wall_seconds\": " << wall_seconds << "}\n";
   if (!file) throw std::runtime_error(path + ": can't be written");
 }
@@ -168,8 +168,8 @@ void run(const Options& options) {
   if (!options.statistics.empty()) {
     write_statistics(options.statistics, image, cpu, wall.count());
   }
-  if (image.rejected > 0) {
-    std::cerr << "warning: " << image.rejected << " of " << image.photons
+  if (image.invalid_samples > 0) {
+    std::cerr << "warning: " << image.invalid_samples << " of " << image.photons
               << " photons were rejected (negative or not finite)\n";
   }
 }

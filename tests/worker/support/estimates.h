@@ -42,7 +42,7 @@ inline void expect_all_pixels(const TileSums& tile, double n, double truth) {
   }
   const Estimate mean = estimate_mean(tile, n);
   EXPECT_NEAR(mean.y, truth, 4.0 * mean.standard_error + 1e-5 * truth);
-  EXPECT_EQ(tile.rejected, 0u);
+  EXPECT_EQ(tile.invalid_samples, 0u);
 }
 
 }  // namespace nocturne::test

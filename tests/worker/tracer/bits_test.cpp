@@ -48,7 +48,7 @@ TEST(Bits, NumberOfThreadsDoesNotMatter) {
   EXPECT_EQ(one.sums, trace(3).sums);
   EXPECT_EQ(one.photons, 40u * 24u * 20u);
   EXPECT_GT(one.rays, one.photons);
-  EXPECT_EQ(one.rejected, 0u);
+  EXPECT_EQ(one.invalid_samples, 0u);
 }
 
 TEST(Bits, TracingLeavesTheFloatingPointModeAlone) {

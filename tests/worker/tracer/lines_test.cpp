@@ -61,7 +61,7 @@ Image trace(test::SceneBuilder& builder, std::uint32_t group, std::uint32_t samp
     sum += tile.sums[i + 1];
     squares += tile.sums[i + 3];
   }
-  EXPECT_EQ(tile.rejected, 0u);
+  EXPECT_EQ(tile.invalid_samples, 0u);
   const double n = static_cast<double>(samples) * kFilm.width * kFilm.height, mean = sum / n;
   return {mean, std::sqrt((squares / n - mean * mean) / (n - 1.0))};
 }

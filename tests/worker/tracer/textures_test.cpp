@@ -73,7 +73,7 @@ class TexturedSquare : public testing::Test {
   void expect_everywhere(double truth) {
     constexpr std::uint32_t kSamples = 64;
     const TileSums tile = trace(4, kSamples);
-    EXPECT_EQ(tile.rejected, 0u);
+    EXPECT_EQ(tile.invalid_samples, 0u);
     for (std::size_t i = 0; i < 16; ++i) {
       const double* sums = &tile.sums[tile.channels * i];
       const double variance = (sums[3] - sums[1] * sums[1] / kSamples) / (kSamples - 1.0);

@@ -25,7 +25,7 @@ struct TileSums {
   std::uint64_t photons = 0;
   std::uint64_t rays = 0;
   /// Photons left out because their contribution was negative or not finite.
-  std::uint64_t rejected = 0;
+  std::uint64_t invalid_samples = 0;
 
   explicit TileSums(std::size_t pixels = 0, std::size_t further_responses = 0)
       : channels(kXyzChannels + further_responses), sums(channels * pixels) {}

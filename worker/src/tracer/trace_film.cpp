@@ -21,7 +21,7 @@ TileSums trace_ranges(const Scene& scene, const FilmPlan& plan, TileRange tile, 
     for (std::size_t i = 0; i < total.sums.size(); ++i) total.sums[i] += range.sums[i];
     total.photons += range.photons;
     total.rays += range.rays;
-    total.rejected += range.rejected;
+    total.invalid_samples += range.invalid_samples;
     tile.first_sample = end;
     merged(range.photons);
   }
@@ -38,7 +38,7 @@ void place(const TileSums& tile, const TileRange& where, Film film, TileSums& im
   }
   image.photons += tile.photons;
   image.rays += tile.rays;
-  image.rejected += tile.rejected;
+  image.invalid_samples += tile.invalid_samples;
 }
 
 }  // namespace
