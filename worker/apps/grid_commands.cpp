@@ -201,7 +201,7 @@ json convert_grid(const fs::path& vdb, const std::string& name, const fs::path& 
     try {
       // As the worker will read it.
       const FloatGrid checked = FloatGrid::map(part);
-      written["most"] = checked.most();
+      written["most"] = checked.majorant();
       written["bytes"] = checked.size();
     } catch (const std::invalid_argument& error) {
       refuse(at + ": " + error.what());

@@ -171,7 +171,7 @@ void run(const Options& options) {
   }
   if (image.invalid_samples > 0) {
     std::cerr << "warning: " << image.invalid_samples << " of " << image.photons
-              << " photons were invalid_samples (negative or not finite)\n";
+              << " samples were invalid (negative or not finite)\n";
   }
 }
 

@@ -37,7 +37,7 @@ VdbFile::VdbFile(const std::filesystem::path& path, const GridLimits& limits)
     : path_(path.string()), limits_(limits), in_(path, std::ios::binary) {
   if (!std::filesystem::is_regular_file(path)) refuse(path_ + ": there is no such file");
   const auto size = static_cast<std::int64_t>(std::filesystem::file_size(path));
-  constexpr std::int32_t kMostGrids = 1000;
+  constexpr std::int32_t kMaxGrids = 1000;
   try {
     readHeader(in_);
     setFormatVersion(in_);
@@ -47,7 +47,7 @@ VdbFile::VdbFile(const std::filesystem::path& path, const GridLimits& limits)
       refuse("it was written as a stream, and does not say where grids are");
     openvdb::MetaMap().readMeta(in_);
     const std::int32_t count = readGridCount(in_);
-    if (count < 0 || count > kMostGrids) refuse(std::to_string(count) + " grids");
+    if (count < 0 || count > kMaxGrids) refuse(std::to_string(count) + " grids");
     for (std::int32_t i = 0; i < count; ++i) {
       Descriptor descriptor;
       auto empty = descriptor.read(in_);

@@ -43,7 +43,7 @@ class Shown {
     add("measured", test::glossy_blob().kernel());
     for (const float n : {0.0f, 10.0f, 1000.0f})
       add("phong " + std::to_string(n), Phong{Colour(line(0.5f, 1.0f)), n});
-    add("passage", Passage{});
+    add("passage", NullKernel{});
     for (const double g : {-0.5, 0.0, 0.8}) {
       add("phase " + std::to_string(g),
           Phase{line(1.0f, 2.0f), line(4.0f, 1.0f), HenyeyGreenstein(g)});

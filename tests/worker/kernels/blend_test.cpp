@@ -10,7 +10,7 @@ namespace {
 
 const std::vector<AnyKernel>& kernels() {
   static const std::vector<AnyKernel> all{
-      Lambertian{Colour(Spectrum(0.5f))}, Passage{},
+      Lambertian{Colour(Spectrum(0.5f))}, NullKernel{},
       Conductor{Spectrum(0.0f), Spectrum(1.0f), {Scalar(0.0f), Scalar(0.0f)}},
       Blend{{{0, {{Scalar(0.25f), false}}}, {1, {{Scalar(0.25f), true}}}}},
       Blend{{{0, {{Scalar(0.5f), false}, {Scalar(0.4f), false}}},
@@ -42,7 +42,7 @@ TEST(Blend, DrawsGiveTheSumOfParts) {
 TEST(Blend, IsChecked) {
   EXPECT_NO_THROW(check_blends(kernels()));
   const auto refused = [](Blend blend) {
-    std::vector<AnyKernel> all{Passage{}, Blend{{{0, {}}}}};
+    std::vector<AnyKernel> all{NullKernel{}, Blend{{{0, {}}}}};
     all.emplace_back(std::move(blend));
     EXPECT_THROW(check_blends(all), std::invalid_argument);
   };

@@ -164,15 +164,15 @@ TEST(Phase, TableDrawsItsDensity) {
   const auto group =
       phase.bind(Shading<4>{.wavelengths = test::lanes(380.0f, 480.0f, 580.0f, 680.0f)});
   expect_density(group, 4.0);
-  // By the odds of its photons, where media have made them unlike.
+  // By the path pdf ratios of its photons, where media have made them unlike.
   auto shading = Shading<4>{.wavelengths = test::lanes(380.0f, 480.0f, 580.0f, 680.0f)};
-  shading.odds = test::lanes(0.0f, 0.6f, 0.1f, 0.3f);
+  shading.path_pdf_ratio = test::lanes(0.0f, 0.6f, 0.1f, 0.3f);
   const auto unlike = phase.bind(shading);
   expect_density(unlike, 4.0);
   const Vec3 to{0.6f, 0.0f, 0.8f};
   const float mean = unlike.pdf(kFrom, to)[0];
-  EXPECT_NEAR(sum(shading.odds * unlike.value(kFrom, to)), mean, 1e-5f * mean);
-  EXPECT_NEAR(sum(shading.odds * unlike.likelihood(kFrom, to)), 1.0f, 1e-5f);
+  EXPECT_NEAR(sum(shading.path_pdf_ratio * unlike.value(kFrom, to)), mean, 1e-5f * mean);
+  EXPECT_NEAR(sum(shading.path_pdf_ratio * unlike.likelihood(kFrom, to)), 1.0f, 1e-5f);
 }
 
 // A linear density, known in closed form: (1 + a cos) / (4 pi), with mean cosine a / 3.

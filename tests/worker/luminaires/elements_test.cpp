@@ -10,11 +10,12 @@ namespace nocturne {
 namespace {
 
 using Corners = std::array<Vec3, 3>;
-constexpr From kUp{{0, 0, 0}, {0, 0, 1}};
+constexpr LightSamplingContext kUp{{0, 0, 0}, {0, 0, 1}};
 
-From anywhere(Vec3 position) { return {position, {0, 0, 1}, true}; }
+LightSamplingContext anywhere(Vec3 position) { return {position, {0, 0, 1}, true}; }
 
-void expect_consistent(const LuminaireDirections& directions, const From& from, int parts = 48) {
+void expect_consistent(const LuminaireDirections& directions, const LightSamplingContext& from,
+                       int parts = 48) {
   test::expect_samples_match_pdf(
       [&](const Uniform4& u) { return directions.sample(from, u[1], u[2], u[3]); },
       [&](Vec3 w) { return directions.pdf(from, w); }, parts);
@@ -133,7 +134,7 @@ TEST(Elements, MovingIsRestAtEveryTime) {
   moving.add_triangle(triangle, emission());
   moving.add_sphere(sphere, emission());
   const LuminaireDirections directions(moving);
-  From from = anywhere({0.1f, 0.2f, -0.3f});
+  LightSamplingContext from = anywhere({0.1f, 0.2f, -0.3f});
   from.time = 0.75f;
   expect_consistent(directions, from);
 
@@ -190,7 +191,7 @@ TEST(Elements, OddPositions) {
                        Vec3{0, 0, 3}, Vec3{0, 0, 2}, Vec3{1, 0, 3}, Vec3{0, 0, 5}, Vec3{500, 0, 5},
                        Vec3{1e6f, 1e6f, -1e6f}, Vec3{-1, -1, 1.8f}}) {
     for (const Vec3 n : {Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{1, 0, 0}}) {
-      const From from{p, n};
+      const LightSamplingContext from{p, n};
       for (std::uint32_t i = 0; i < 500; ++i) {
         const auto u = test::numbers(i);
         const auto w = directions.sample(from, u[0], i % 5 == 0 ? 0.0f : u[1], u[2]);
@@ -227,7 +228,7 @@ struct ManyLamps {
   }
 
   // Irradiance from the point that is drawn from the middle of the unit square.
-  double contribution(std::size_t i, const From& from) const {
+  double contribution(std::size_t i, const LightSamplingContext& from) const {
     const ElementBounds& b = elements.bounds(i);
     const auto w = elements.sample(i, from, 0.5f, 0.5f);
     if (!w || !from.sees(*w)) return 0.0;
@@ -244,7 +245,8 @@ TEST(LightTree, TenThousandLamps) {
   ASSERT_EQ(lamps.elements.size(), ManyLamps::kCount);
   const LuminaireDirections directions(lamps.elements);
   const LightTree& tree = directions.tree();
-  for (const From& from : {kUp, From{{0, 0, 10}, normalized({1, 1, -1})}}) {
+  for (const LightSamplingContext& from :
+       {kUp, LightSamplingContext{{0, 0, 10}, normalized({1, 1, -1})}}) {
     std::vector<double> contribution, probability;
     double truth = 0.0, claimed = 0.0, by_tree = 0.0, by_power = 0.0;
     for (std::uint32_t i = 0; i < lamps.elements.size(); ++i) {
@@ -291,7 +293,7 @@ TEST(LightTree, FindsAllOnAHalfLine) {
   for (const bool flat : {false, true}) {
     for (std::uint32_t i = 0; i < 3000; ++i) {
       const auto u = test::numbers(i);
-      const From from = anywhere({u[0] - 0.5f, 0.0f, u[1]});
+      const LightSamplingContext from = anywhere({u[0] - 0.5f, 0.0f, u[1]});
       Vec3 w = UniformSphere::sample(u[2], u[3]);
       if (flat) w = normalized({0.0f, w.y, w.z});  // zeros among its components
       double sum = 0.0;
@@ -342,7 +344,7 @@ TEST(Irradiance, DiscAndSphere) {
     };
     test::expect_mean(test::irradiance(directions, kUp, on_ball), std::numbers::pi * sin2, 1e-4);
     if (c.radius < 0.5) {  // wholly above the tilted horizon
-      const From tilted{{0, 0, 0}, {std::sqrt(0.75f), 0, 0.5f}};
+      const LightSamplingContext tilted{{0, 0, 0}, {std::sqrt(0.75f), 0, 0.5f}};
       test::expect_mean(test::irradiance(directions, tilted, on_ball),
                         0.5 * std::numbers::pi * sin2, 1e-4);
     }

@@ -32,7 +32,7 @@ std::vector<DistantDisc> suns() {
   return discs;
 }
 
-void expect_consistent(const LightDirections& directions, const From& from) {
+void expect_consistent(const LightDirections& directions, const LightSamplingContext& from) {
   ASSERT_FALSE(directions.empty());
   test::expect_samples_match_pdf(
       [&](const Uniform4& u) { return directions.sample(from, u[0], u[1], u[2]); },
@@ -54,7 +54,7 @@ TEST(LightDirections, AllGroupsAndEachMissing) {
 
 TEST(LightDirections, OneGroupTakesAll) {
   const LightDirections directions({}, std::nullopt, {}, opening(), {0.5f, 0.5f, 0.1f});
-  const From from{{0, 0, 0}, {1, 0, 0}};
+  const LightSamplingContext from{{0, 0, 0}, {1, 0, 0}};
   for (std::uint32_t i = 0; i < 1000; ++i) {
     const auto u = test::numbers(i);
     ASSERT_TRUE(directions.sample(from, u[0], u[1], u[2]));
@@ -65,7 +65,7 @@ TEST(LightDirections, OneGroupTakesAll) {
 TEST(LightDirections, NothingAndNoWeight) {
   const LightDirections nothing({}, Environment(Spectrum(0.0f)), {}, {}, {1, 1, 1});
   const LightDirections unwanted(lamp(), Environment(Spectrum(1.0f)), {}, {}, {0, 0, 1});
-  const From from{{0, 0, 0}, {0, 0, 1}};
+  const LightSamplingContext from{{0, 0, 0}, {0, 0, 1}};
   for (const LightDirections* d : {&nothing, &unwanted}) {
     EXPECT_TRUE(d->empty());
     EXPECT_FALSE(d->sample(from, 0.5f, 0.5f, 0.5f));

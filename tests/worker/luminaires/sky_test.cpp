@@ -10,7 +10,7 @@ namespace nocturne {
 namespace {
 
 constexpr double kPiD = std::numbers::pi;
-constexpr From kUp{{0, 0, 0}, {0, 0, 1}};
+constexpr LightSamplingContext kUp{{0, 0, 0}, {0, 0, 1}};
 using Texel = EnvironmentMap::Texel;
 
 // c0 = c1 = c2 = 0 is S = 1/2.
@@ -29,26 +29,27 @@ EnvironmentMap make_map(std::uint32_t columns, std::uint32_t rows, const Radianc
 // As LightDirections asks both.
 struct Sampled {
   const Environment& environment;
-  std::optional<Vec3> sample(const From& from, float choice, float u1, float u2) const {
+  std::optional<Vec3> sample(const LightSamplingContext& from, float choice, float u1,
+                             float u2) const {
     return environment.sample(from, choice, u1, u2);
   }
-  float pdf(const From& from, Vec3 w) const { return environment.pdf(from, w); }
+  float pdf(const LightSamplingContext& from, Vec3 w) const { return environment.pdf(from, w); }
 };
 
 struct Uniformly {
-  static std::optional<Vec3> sample(const From& from, float, float u1, float u2) {
+  static std::optional<Vec3> sample(const LightSamplingContext& from, float, float u1, float u2) {
     const Vec3 w = UniformSphere::sample(u1, u2);
     if (!from.sees(w)) return std::nullopt;
     return w;
   }
-  static float pdf(const From&, Vec3) { return UniformSphere::pdf(); }
+  static float pdf(const LightSamplingContext&, Vec3) { return UniformSphere::pdf(); }
 };
 
 auto radiance_of(const Environment& e) {
   return [&e](Vec3 w) { return static_cast<double>(e.radiance(w, Spectral<1>(550.0f))[0]); };
 }
 
-void expect_consistent(const Environment& environment, const From& from) {
+void expect_consistent(const Environment& environment, const LightSamplingContext& from) {
   test::expect_samples_match_pdf(
       [&](const Uniform4& u) { return environment.sample(from, u[0], u[1], u[2]); },
       [&](Vec3 w) { return environment.pdf(from, w); });
@@ -107,7 +108,7 @@ TEST(Environment, WindowLeavesOutWhatIsBelow) {
   EXPECT_LT(up.relative_spread(), 0.7);
   // A wall that faces away from column 100 of 512.
   const float phi = kTwoPi * 100.5f / 512.0f;
-  const From wall{{}, {-std::cos(phi), -std::sin(phi), 0}};
+  const LightSamplingContext wall{{}, {-std::cos(phi), -std::sin(phi), 0}};
   const auto away = test::irradiance(Sampled{environment}, wall, radiance_of(environment));
   test::expect_mean(away, kPiD, 1e-4);
   EXPECT_LT(away.relative_spread(), 0.8);
@@ -141,7 +142,7 @@ TEST(Environment, LargestUnitNumbers) {
   constexpr float kLast = 0x1.fffffep-1f;
   for (const float u : {0.0f, kLast}) {
     for (const float v : {0.0f, kLast}) {
-      const From from{{}, {0, 0, 1}, true};
+      const LightSamplingContext from{{}, {0, 0, 1}, true};
       const auto w = environment.sample(from, u, u, v);
       ASSERT_TRUE(w);
       EXPECT_TRUE(std::isfinite(w->x) && std::isfinite(w->y) && std::isfinite(w->z));
@@ -213,7 +214,8 @@ TEST(Irradiance, TiltedPlanesUnderSkies) {
   for (const Case c : {Case{0, 3.1415927, 2.443461}, Case{30, 2.9311458, 2.2069372},
                        Case{60, 2.3561945, 1.6357195}, Case{90, 1.5707963, 0.96804322}}) {
     const double b = c.tilt * kPiD / 180.0;
-    const From from{{}, {static_cast<float>(std::sin(b)), 0, static_cast<float>(std::cos(b))}};
+    const LightSamplingContext from{
+        {}, {static_cast<float>(std::sin(b)), 0, static_cast<float>(std::cos(b))}};
     test::expect_mean(test::irradiance(Sampled{sky}, from, radiance_of(sky), 400'000), c.uniform);
     test::expect_mean(test::irradiance(Sampled{cie}, from, radiance_of(cie), 400'000), c.overcast);
     const auto upper = [](Vec3 w) { return w.z > 0.0f ? 1.0 : 0.0; };
@@ -223,10 +225,10 @@ TEST(Irradiance, TiltedPlanesUnderSkies) {
 
 struct DiscOnly {
   const DistantDisc& disc;
-  std::optional<Vec3> sample(const From&, float, float u1, float u2) const {
+  std::optional<Vec3> sample(const LightSamplingContext&, float, float u1, float u2) const {
     return disc.sample(u1, u2);
   }
-  float pdf(const From&, Vec3 w) const { return disc.pdf(w); }
+  float pdf(const LightSamplingContext&, Vec3 w) const { return disc.pdf(w); }
 };
 
 const Vec3 kSun = normalized({0.3f, -0.4f, 0.7f});
@@ -239,7 +241,7 @@ TEST(DistantDisc, Irradiance) {
       return static_cast<double>(disc.radiance(w, Spectral<1>(550.0f))[0]);
     };
     const double truth = 2.0 * kPiD * std::sin(h) * std::sin(h);
-    const From facing{{}, kSun};
+    const LightSamplingContext facing{{}, kSun};
     // Without the rim a tenth of a per mille is what float leaves of a disc of 1e-4.
     test::expect_mean(test::irradiance(DiscOnly{disc}, facing, radiance, 400'000), truth, 1e-4);
     EXPECT_NEAR(disc.irradiance(kSun, false), truth, 1e-3 * truth);

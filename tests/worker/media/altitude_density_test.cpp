@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "bounds_checks.h"
+#include "majorant_checks.h"
 #include "pdfs/directions.h"
 
 namespace nocturne {
@@ -94,7 +94,7 @@ std::vector<AltitudeDensity> several() {
   return all;
 }
 
-TEST(AltitudeBounds, HoldOnAnyRay) {
+TEST(AltitudeMajorants, HoldOnAnyRay) {
   std::uint32_t i = 0;
   for (const AltitudeDensity& density : several()) {
     for (int ray = 0; ray < 150; ++ray, ++i) {
@@ -112,7 +112,7 @@ TEST(AltitudeBounds, HoldOnAnyRay) {
   }
 }
 
-TEST(AltitudeBounds, AreCloseEnoughToPay) {
+TEST(AltitudeMajorants, AreCloseEnoughToPay) {
   const auto air = AltitudeDensity::exponential(kPlanet, 8'000.0);
   for (const double degrees : {0.0, 60.0, 85.0, 90.0}) {
     const double angle = degrees * std::acos(-1.0) / 180.0;
@@ -138,10 +138,10 @@ TEST(AltitudeBounds, AreCloseEnoughToPay) {
 
 // Along the fog, for ever: each bound is what is there, though rounding could in the end be
 // anything.
-TEST(AltitudeBounds, StayLowOnLevelRays) {
+TEST(AltitudeMajorants, StayLowOnLevelRays) {
   const auto fog = AltitudeDensity::exponential(kFlat, 10.0);
   for (const auto& s : test::segments(fog, {{0, 0, 5}, {1, 0, 0}}, kForever)) {
-    EXPECT_LE(s.most, 1.001f);
+    EXPECT_LE(s.majorant, 1.001f);
   }
 }
 
@@ -149,7 +149,7 @@ TEST(ConstantDensity, IsOneSegment) {
   const ConstantDensity density{0.5f};
   const auto s = test::segments(density, {{1, 2, 3}, {0, 0, 1}}, 7.0f);
   ASSERT_EQ(s.size(), 1u);
-  EXPECT_EQ(s[0].most, 0.5f);
+  EXPECT_EQ(s[0].majorant, 0.5f);
   EXPECT_EQ(density.at({1, 2, 3}), 0.5f);
 }
 

@@ -10,8 +10,8 @@
 #include <fstream>
 #include <string>
 
-#include "bounds_checks.h"
 #include "grid_bytes.h"
+#include "majorant_checks.h"
 #include "media/grid_density.h"
 #include "pdfs/directions.h"
 
@@ -48,9 +48,9 @@ std::string refusal(const Bytes& bytes) {
       const Ray ray{{16 * u[0] - 4, 16 * u[1] - 2, 16 * u[2] - 2},
                     UniformSphere::sample(v[0], v[1])};
       EXPECT_TRUE(std::isfinite(density.at(ray.origin)));
-      GridBounds bounds(density, ray, 50.0f);
-      BoundSegment segment;
-      while (bounds.next(segment)) EXPECT_GE(segment.most, 0.0f);
+      GridMajorants majorants(density, ray, 50.0f);
+      MajorantSegment segment;
+      while (majorants.next(segment)) EXPECT_GE(segment.majorant, 0.0f);
     }
     return {};
   } catch (const std::invalid_argument& error) {
@@ -178,16 +178,16 @@ TEST(FloatGrid, MapsAFileAndNothingElse) {
                static_cast<std::streamsize>(bytes.size()));
   };
   write(good());
-  EXPECT_EQ(FloatGrid::map(file).most(), FloatGrid(std::span(good())).most());
+  EXPECT_EQ(FloatGrid::map(file).majorant(), FloatGrid(std::span(good())).majorant());
   // It goes on being read after it was removed.
   const FloatGrid removed = FloatGrid::map(file);
   std::filesystem::remove(file);
   EXPECT_EQ(removed.value(8, 8, 8), 2.0f);
   write(good());
   // As large as a grid may be, with nothing in it: refused by its header, and no memory is taken.
-  std::filesystem::resize_file(file, FloatGrid::kMostBytes);
+  std::filesystem::resize_file(file, FloatGrid::kMaxBytes);
   EXPECT_THROW(FloatGrid::map(file), std::invalid_argument);
-  std::filesystem::resize_file(file, FloatGrid::kMostBytes + 1);
+  std::filesystem::resize_file(file, FloatGrid::kMaxBytes + 1);
   EXPECT_THROW(FloatGrid::map(file), std::invalid_argument);
   for (const std::size_t size : {std::size_t{0}, std::size_t{671}, good().size() - 1}) {
     write({good().begin(), good().begin() + static_cast<std::ptrdiff_t>(size)});

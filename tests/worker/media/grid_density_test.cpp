@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "bounds_checks.h"
 #include "grid_bytes.h"
+#include "majorant_checks.h"
 #include "pdfs/directions.h"
 
 namespace nocturne {
@@ -38,7 +38,7 @@ TEST(FloatGrid, HoldsWhatWasPutIn) {
   const FloatGrid grid{std::span(cloud_bytes())};
   EXPECT_EQ(grid.background(), 0.0f);
   EXPECT_EQ(grid.size(), cloud_bytes().size());
-  float most = 0.0f;
+  float majorant = 0.0f;
   for (std::uint32_t i = 0; i < 100'000; ++i) {
     const auto u = test::media_numbers(i, 1);
     const int x = static_cast<int>(u[0] * 220.0f) - 150, y = static_cast<int>(u[1] * 200.0f) - 145,
@@ -46,15 +46,15 @@ TEST(FloatGrid, HoldsWhatWasPutIn) {
     const bool inside = x >= -140 && x <= 60 && y >= -135 && y <= 41 && z >= -30 && z <= 50;
     const float expected = inside ? cloud(x, y, z) : 0.0f;
     ASSERT_EQ(grid.value(x, y, z), expected);
-    most = std::max(most, expected);
+    majorant = std::max(majorant, expected);
     const auto corners = grid.corners(x, y, z);
     for (int c = 0; c < 8; ++c) {
       ASSERT_EQ(corners[static_cast<std::size_t>(c)],
                 grid.value(x + c / 4, y + c / 2 % 2, z + c % 2));
     }
   }
-  EXPECT_GE(grid.most(), most);
-  EXPECT_LE(grid.most(), 1.0f);
+  EXPECT_GE(grid.majorant(), majorant);
+  EXPECT_LE(grid.majorant(), 1.0f);
   // In whole blocks.
   EXPECT_EQ(grid.box().low, (std::array<std::int64_t, 3>{-144, -136, -32}));
   EXPECT_EQ(grid.box().high, (std::array<std::int64_t, 3>{63, 47, 55}));
@@ -135,7 +135,7 @@ const Placed kPlaced[]{{"as it is", kAsItIs, 200.0f},
                        // Voxels of 10 cm ten kilometres away, where single precision steps by 1 mm.
                        {"far", {0.1, 0, 0, 10000.0005, 0, 0.1, 0, -1e4, 0, 0, 0.1, 1e4}, 8.0f}};
 
-TEST(GridBounds, HoldOnAnyRay) {
+TEST(GridMajorants, HoldOnAnyRay) {
   const auto ball = test::grid_bytes(
       [](int x, int y, int z) {
         const float r = std::sqrt(static_cast<float>(x * x + y * y + z * z));
@@ -175,7 +175,7 @@ TEST(GridBounds, HoldOnAnyRay) {
 }
 
 // Where bounds change and by how much, on one ray by hand: a voxel of 5 at 20 and nothing else.
-TEST(GridBounds, LeaveOutWhatIsEmpty) {
+TEST(GridMajorants, LeaveOutWhatIsEmpty) {
   const auto bytes = test::grid_bytes(
       [](int x, int y, int z) { return x == 20 && y == 20 && z == 20 ? 5.0f : 0.0f; }, {0, 0, 0},
       {100, 100, 100});
@@ -183,15 +183,15 @@ TEST(GridBounds, LeaveOutWhatIsEmpty) {
   const Ray ray{{-10.0f, 20.5f, 20.5f}, {1.0f, 0.0f, 0.0f}};
   const auto s = test::segments(density, ray, 200.0f);
   ASSERT_EQ(s.size(), 3u);
-  EXPECT_EQ(s[0].most, 0.0f);
+  EXPECT_EQ(s[0].majorant, 0.0f);
   EXPECT_FLOAT_EQ(s[0].end, 26.0f);
-  EXPECT_EQ(s[1].most, 5.0f);
+  EXPECT_EQ(s[1].majorant, 5.0f);
   EXPECT_FLOAT_EQ(s[1].end, 34.0f);
-  EXPECT_EQ(s[2].most, 0.0f);
+  EXPECT_EQ(s[2].majorant, 0.0f);
   EXPECT_EQ(test::segments(density, {{0, 50, 50}, {1, 0, 0}}, 100.0f).size(), 1u);
 }
 
-TEST(GridBounds, AreCloseEnoughToPay) {
+TEST(GridMajorants, AreCloseEnoughToPay) {
   const auto bytes = test::grid_bytes(
       [](int x, int y, int z) {
         const float r = std::sqrt(static_cast<float>(x * x + y * y + z * z));
@@ -204,7 +204,7 @@ TEST(GridBounds, AreCloseEnoughToPay) {
 }
 
 // A grid that spans a large space has cells that fit into memory.
-TEST(GridBounds, CellsGrowWithEmptySpace) {
+TEST(GridMajorants, CellsGrowWithEmptySpace) {
   const auto far = [](int x, int y, int z) { return x + y + z > 0 ? 1.0f : 2.0f; };
   auto bytes = test::grid_bytes(far, {0, 0, 0}, {7, 7, 7});
   EXPECT_EQ(GridDensity(field(bytes)).cell(), 8);
@@ -219,7 +219,7 @@ TEST(GridBounds, CellsGrowWithEmptySpace) {
   EXPECT_GT(density.cell(), 8);
   double taken = 0.0, from = 0.0;
   for (const auto& s : test::segments(density, {{-10, 0, 0}, {1, 0, 0}}, 1e6f)) {
-    if (s.most > 0.0f) taken += static_cast<double>(s.end) - from;
+    if (s.majorant > 0.0f) taken += static_cast<double>(s.end) - from;
     from = static_cast<double>(s.end);
   }
   EXPECT_LT(taken, 4.0 * static_cast<double>(density.cell()));

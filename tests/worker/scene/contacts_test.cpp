@@ -26,11 +26,11 @@ std::vector<std::uint32_t> bodies_on(const Scene& scene, Ray ray) {
     auto hit = scene.geometry.intersect(ray, 0.0f);
     if (!hit) break;
     const Contacts contacts = contacts_of(scene, ray, 0.0f, *hit);
-    const std::uint32_t body = scene.materials[hit->surface].interior;
+    const std::uint32_t body = scene.materials[hit->surface].medium_interface;
     const Crossing own{body, dot(hit->normal, ray.direction) < 0.0f};
-    inside = cross_boundary(inside, scene.interiors, own, contacts).beyond;
-    if (inside.current(scene.interiors) != met.back()) {
-      met.push_back(inside.current(scene.interiors));
+    inside = cross_boundary(inside, scene.medium_interfaces, own, contacts).beyond;
+    if (inside.current(scene.medium_interfaces) != met.back()) {
+      met.push_back(inside.current(scene.medium_interfaces));
     }
     ray.origin = leave_surface(*hit, ray.direction);
   }

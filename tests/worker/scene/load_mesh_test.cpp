@@ -111,9 +111,9 @@ TEST_F(LoadMesh, RefusesOtherLengths) {
 }
 
 TEST_F(LoadMesh, ChecksTheLengthBeforeTakingMemory) {
-  constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
-  for (const std::uint32_t vertices : {kMost, 3u}) {
-    for (const std::uint32_t triangles : {kMost, 1u}) {
+  constexpr std::uint32_t kMax = std::numeric_limits<std::uint32_t>::max();
+  for (const std::uint32_t vertices : {kMax, 3u}) {
+    for (const std::uint32_t triangles : {kMax, 1u}) {
       if (vertices == 3 && triangles == 1) continue;
       Parts parts(1);
       parts.message.set_vertex_count(vertices);
@@ -125,7 +125,7 @@ TEST_F(LoadMesh, ChecksTheLengthBeforeTakingMemory) {
     }
   }
   Parts steps(1);
-  for (const std::uint32_t count : {130u, kMost}) {
+  for (const std::uint32_t count : {130u, kMax}) {
     steps.message.set_time_steps(count);
     expect_refused(steps, "time steps");
   }

@@ -9,7 +9,7 @@
 #include <functional>
 #include <optional>
 
-#include "luminaires/from.h"
+#include "luminaires/light_sampling_context.h"
 #include "sampling/philox.h"
 #include "sampling/sequence.h"
 
@@ -44,8 +44,8 @@ inline Estimate estimate(std::uint32_t count, const std::function<double(const U
 
 /// radiance x cosine / pdf, for any sampler with the usual interface.
 template <class Directions, class Radiance>
-Estimate irradiance(const Directions& directions, const From& from, const Radiance& radiance,
-                    std::uint32_t count = 100'000) {
+Estimate irradiance(const Directions& directions, const LightSamplingContext& from,
+                    const Radiance& radiance, std::uint32_t count = 100'000) {
   return estimate(count, [&](const Uniform4& u) {
     const auto w = directions.sample(from, u[0], u[1], u[2]);
     if (!w) return 0.0;

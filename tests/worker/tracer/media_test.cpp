@@ -46,7 +46,8 @@ class Media : public testing::TestWithParam<Variant> {
 };
 
 // Whatever a medium does to photons without absorbing any, uniform light stays uniform. The
-// spectra differ over the response, so that photons of a group part company with their odds.
+// spectra differ over the response, so that photons of a group part company with their path pdf
+// ratios.
 TEST_P(Media, WhiteFurnace) {
   for (const double g : {-0.5, 0.0, 0.9}) {
     test::SceneBuilder builder;

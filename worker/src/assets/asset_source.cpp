@@ -15,7 +15,7 @@ namespace {
 // A call that makes no progress must end. The largest asset (8 GiB) in this time is 5 MB/s.
 constexpr std::chrono::minutes kDeadline{30};
 // Above what a sensible service sends as one chunk, and all that a bad one can make us hold.
-constexpr int kLargestChunkBytes = 16 << 20;
+constexpr int kMaxChunkBytes = 16 << 20;
 // gRPC's own default waits up to two minutes between attempts to connect.
 constexpr int kLongestReconnectMs = 2000;
 
@@ -30,7 +30,7 @@ std::shared_ptr<grpc::Channel> make_channel(const std::string& target,
                                             const std::string& authorities) {
   keep_grpc();
   grpc::ChannelArguments arguments;
-  arguments.SetMaxReceiveMessageSize(kLargestChunkBytes);
+  arguments.SetMaxReceiveMessageSize(kMaxChunkBytes);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kLongestReconnectMs);
   // The service is where Redis is; a web proxy is not on the way.
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);

@@ -14,7 +14,7 @@
 namespace nocturne {
 
 using AnyKernel = std::variant<Lambertian, DiffuseTransmitter, Conductor, Dielectric, ThinPane,
-                               CoatedDiffuse, Measured, Phong, Passage, Blend, Phase>;
+                               CoatedDiffuse, Measured, Phong, NullKernel, Blend, Phase>;
 
 /// Throws std::invalid_argument unless every blend has 1 to 8 parts that are there and that are
 /// surfaces' kernels, no blends.
@@ -22,7 +22,7 @@ inline void check_blends(const std::vector<AnyKernel>& kernels) {
   for (const AnyKernel& kernel : kernels) {
     const Blend* blend = std::get_if<Blend>(&kernel);
     if (blend == nullptr) continue;
-    if (blend->parts.empty() || blend->parts.size() > BoundBlend<1>::kMostParts) {
+    if (blend->parts.empty() || blend->parts.size() > BoundBlend<1>::kMaxParts) {
       throw std::invalid_argument("a blend has 1 to 8 parts");
     }
     for (const Blend::Part& part : blend->parts) {

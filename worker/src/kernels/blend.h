@@ -1,6 +1,6 @@
 // A sum of other kernels with weights that add up to 1. What is drawn chooses a part in proportion
 // to its weight, the same for all wavelengths; value and density are those of the sum. An opacity
-// mask is a blend of a surface and a Passage.
+// mask is a blend of a surface and a NullKernel.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 #include "kernels/diffuse_transmitter.h"
 #include "kernels/lambertian.h"
 #include "kernels/measured.h"
-#include "kernels/passage.h"
+#include "kernels/null_kernel.h"
 #include "kernels/phong.h"
 #include "kernels/thin_pane.h"
 #include "math/constants.h"
@@ -25,18 +25,19 @@
 
 namespace nocturne {
 
-/// A kernel that is not a blend, bound. Passage first: an unused one costs nothing.
+/// A kernel that is not a blend, bound. NullKernel first: an unused one costs nothing.
 template <int N>
-using AnyBoundPart = std::variant<BoundPassage<N>, BoundLambertian<N>, BoundDiffuseTransmitter<N>,
-                                  BoundConductor<N>, BoundDielectric<N>, BoundThinPane<N>,
-                                  BoundCoatedDiffuse<N>, BoundMeasured<N>, BoundPhong<N>>;
+using AnyBoundPart =
+    std::variant<BoundNullKernel<N>, BoundLambertian<N>, BoundDiffuseTransmitter<N>,
+                 BoundConductor<N>, BoundDielectric<N>, BoundThinPane<N>, BoundCoatedDiffuse<N>,
+                 BoundMeasured<N>, BoundPhong<N>>;
 
 template <int N>
 class BoundBlend {
  public:
-  static constexpr std::size_t kMostParts = 8;
+  static constexpr std::size_t kMaxParts = 8;
 
-  /// At most kMostParts times. A part of weight 0 is left out.
+  /// At most kMaxParts times. A part of weight 0 is left out.
   void add(float weight, AnyBoundPart<N> part) {
     if (!(weight > 0.0f)) return;
     parts_[count_].weight = weight;
@@ -60,7 +61,7 @@ class BoundBlend {
     std::size_t chosen = 0;
     while (chosen + 1 < count_ && left >= parts_[chosen].weight) left -= parts_[chosen++].weight;
     // What is left of the number is uniform again.
-    numbers.part = std::clamp(left / parts_[chosen].weight, 0.0f, kLargestBelowOne);
+    numbers.part = std::clamp(left / parts_[chosen].weight, 0.0f, kOneMinusEpsilon);
     auto draw = std::visit(
         [&](const auto& kernel) {
           return std::optional<Draw<N>>(kernel.sample(wo, numbers, lead));
@@ -97,7 +98,7 @@ class BoundBlend {
     return false;
   }
 
-  std::array<Part, kMostParts> parts_;
+  std::array<Part, kMaxParts> parts_;
   std::size_t count_ = 0;
   float total_ = 0.0f;
 };

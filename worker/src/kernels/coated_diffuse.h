@@ -120,10 +120,10 @@ struct BoundCoatedDiffuse {
   /// Of drawing from the coat's reflection; the same for all wavelengths. Neither part is left out,
   /// since at some wavelength the average may be far off.
   float glossy_probability(Vec3 wo) const {
-    constexpr float kLeast = 1.0f / 16.0f;
+    constexpr float kMin = 1.0f / 16.0f;
     const float e = Coat{mean_ratio, roughness.seen_from(wo), roughness.smooth}.reflectance(wo.z);
     const float total = e + (1.0f - e) * mean_leaving;
-    return std::clamp(total > 0.0f ? e / total : 0.0f, kLeast, 1.0f - kLeast);
+    return std::clamp(total > 0.0f ? e / total : 0.0f, kMin, 1.0f - kMin);
   }
 };
 static_assert(BoundKernel<BoundCoatedDiffuse<1>, 1> && BoundKernel<BoundCoatedDiffuse<4>, 4> &&

@@ -37,7 +37,7 @@ struct Shading {
   SurfacePoint point = {};
   Transport transport = Transport::kAdjoint;
   /// How likely each photon would have been to come here, among media; sum 1.
-  Spectral<N> odds = 1.0f / N;
+  Spectral<N> path_pdf_ratio = 1.0f / N;
 };
 
 /// Three uniform numbers in [0, 1): `part` chooses between parts of the kernel, u and v the

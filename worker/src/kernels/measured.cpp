@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::uint32_t kVersion = 1;
 // 256 MB of values: 46 planes of the size of Matusik's.
-constexpr std::uint64_t kMostValues = 64u << 20;
-constexpr std::uint32_t kMostAlong = 4096;
+constexpr std::uint64_t kMaxValues = 64u << 20;
+constexpr std::uint32_t kMaxAlong = 4096;
 constexpr double kHalfPi = 0.5 * std::numbers::pi;
 constexpr std::size_t kAlbedoCosines = 9;
 
@@ -94,17 +94,17 @@ MeasuredTable::MeasuredTable(std::span<const std::byte> blob) {
   first_nm_ = reader.next<float>();
   const auto step_nm = reader.next<float>();
   for (const std::uint32_t n : {n_theta_h_, n_theta_d_, n_phi_d_, n_planes_}) {
-    if (n == 0 || n > kMostAlong) refuse("a size of 0 or above " + std::to_string(kMostAlong));
+    if (n == 0 || n > kMaxAlong) refuse("a size of 0 or above " + std::to_string(kMaxAlong));
   }
   if (!std::isfinite(first_nm_) || !std::isfinite(step_nm) || !(step_nm > 0.0f)) {
     refuse("a wavelength grid without a positive step");
   }
-  if (n_basis != 0 && (n_planes_ != 3 || n_basis < 2 || n_basis > kMostAlong)) {
+  if (n_basis != 0 && (n_planes_ != 3 || n_basis < 2 || n_basis > kMaxAlong)) {
     refuse("basis spectra that are not three, or too short or long");
   }
   // Each factor is at most 2^12, so the product of three fits, and then the fourth.
   const std::uint64_t plane = std::uint64_t{n_theta_h_} * n_theta_d_ * n_phi_d_;
-  if (plane > kMostValues || plane * n_planes_ > kMostValues) refuse("too many values");
+  if (plane > kMaxValues || plane * n_planes_ > kMaxValues) refuse("too many values");
   if (reader.left() != (plane * n_planes_ + std::uint64_t{n_basis} * 3) * sizeof(float)) {
     refuse("not as long as its sizes say");
   }
@@ -261,14 +261,14 @@ void MeasuredTable::read_albedo() {
     }
   }
   // The quadrature may miss what is narrow.
-  constexpr float kLeast = 1e-3f;
+  constexpr float kMin = 1e-3f;
   for (std::size_t p = 0; p < n_planes_; ++p) {
     const auto plane = values_.begin() + static_cast<std::ptrdiff_t>(p * plane_size_);
     const bool black = std::all_of(plane, plane + static_cast<std::ptrdiff_t>(plane_size_),
                                    [](float value) { return value == 0.0f; });
     for (std::size_t c = 0; c < kAlbedoCosines; ++c) {
       float& a = albedo_[p * kAlbedoCosines + c];
-      a = black ? 0.0f : std::max(kLeast, a);
+      a = black ? 0.0f : std::max(kMin, a);
     }
   }
 }

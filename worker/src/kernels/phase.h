@@ -29,8 +29,8 @@ class BoundPhase {
     return albedo_ *
            std::visit([&](const auto& s) { return Spectral<N>(s.density(angle)); }, shape_);
   }
-  /// From the mean over the group's photons of their densities, by the odds: no photon goes its own
-  /// way.
+  /// From the mean over the group's photons of their densities, by the path pdf ratios: no photon
+  /// goes its own way.
   std::optional<Draw<N>> sample(Vec3 wo, const KernelNumbers& numbers, std::size_t) const {
     const auto angle = std::visit([&](const auto& s) { return s.sample(numbers); }, shape_);
     return Draw<N>{.wi = angle.direction(wo, numbers.v)};

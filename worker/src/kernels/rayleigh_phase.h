@@ -61,16 +61,16 @@ class RayleighPhase {
     BoundRayleigh<N> bound{0.25f, 0.25f};
     if (depolarisation_) {
       // (1 - gamma) / (4 (1 + 2 gamma))
-      bound.share = each([](float d) { return 0.5f * (1.0f - d) / (2.0f + d); },
-                         each([](float d) { return std::min(d, kMost); },
-                              (*depolarisation_)(shading.wavelengths)));
-      bound.mean_share = sum(shading.odds * bound.share);
+      bound.share = each(
+          [](float d) { return 0.5f * (1.0f - d) / (2.0f + d); },
+          each([](float d) { return std::min(d, kMax); }, (*depolarisation_)(shading.wavelengths)));
+      bound.mean_share = sum(shading.path_pdf_ratio * bound.share);
     }
     return bound;
   }
 
  private:
-  static constexpr float kMost = 1.0f - 1e-6f;
+  static constexpr float kMax = 1.0f - 1e-6f;
 
   std::optional<Spectrum> depolarisation_;
 };

@@ -49,9 +49,9 @@ double average(double cosine, float alpha, double ratio) {
   return sum / (kNormals * kNormals);
 }
 
-struct Place {
+struct TableCell {
   Cell ratio, alpha;
-  Place(float alpha_value, float ratio_value)
+  TableCell(float alpha_value, float ratio_value)
       : ratio(cell((std::log2(ratio_value) + 1.0f) * kRatiosPerOctave, kRatios)),
         alpha(cell(std::sqrt(alpha_value) * static_cast<float>(kAlphas - 1), kAlphas)) {}
 
@@ -104,7 +104,7 @@ RoughFresnel::RoughFresnel()
 float RoughFresnel::reflectance(float cosine, float alpha, float ratio) const {
   const Cell c =
       cell(std::sqrt(std::max(0.0f, cosine)) * static_cast<float>(kCosines - 1), kCosines);
-  const float difference = Place(alpha, ratio).interpolate([&](std::size_t p) {
+  const float difference = TableCell(alpha, ratio).interpolate([&](std::size_t p) {
     const float* row = &difference_[p * kCosines];
     return mix(row[c.index], row[c.index + 1], c.t);
   });
@@ -115,7 +115,7 @@ float RoughFresnel::reflectance(float cosine, float alpha, float ratio) const {
 
 float RoughFresnel::hemispherical(float alpha, float ratio) const {
   const float difference =
-      Place(alpha, ratio).interpolate([&](std::size_t p) { return mean_difference_[p]; });
+      TableCell(alpha, ratio).interpolate([&](std::size_t p) { return mean_difference_[p]; });
   return std::clamp(static_cast<float>(hemispherical_reflectance(ratio)) + difference, 0.0f, 1.0f);
 }
 

@@ -12,16 +12,15 @@ namespace nocturne {
 struct BoundRoughness {
   /// Below it facets deviate by less than a hundredth of a degree: both below are smooth, and one
   /// below is raised to it, which keeps single precision well-conditioned.
-  static constexpr float kLeast = 1e-4f;
+  static constexpr float kMin = 1e-4f;
 
   bool smooth;
   Facets facets;
 
   BoundRoughness(float alpha_u, float alpha_v,
                  FacetDistribution distribution = FacetDistribution::kGgx)
-      : smooth(std::max(alpha_u, alpha_v) < kLeast),
-        facets{std::clamp(alpha_u, kLeast, 1.0f), std::clamp(alpha_v, kLeast, 1.0f), distribution} {
-  }
+      : smooth(std::max(alpha_u, alpha_v) < kMin),
+        facets{std::clamp(alpha_u, kMin, 1.0f), std::clamp(alpha_v, kMin, 1.0f), distribution} {}
 
   /// One alpha for both, as they are met from w: along the normal their root mean square, at
   /// grazing angles the alpha in the plane of w and the normal.

@@ -16,13 +16,13 @@ namespace {
 }
 
 void check_sizes(std::size_t rows, std::size_t columns, std::size_t values) {
-  if (rows < 1 || rows > TabulatedPhase::kMostWavelengths) {
-    refuse("without 1 to " + std::to_string(TabulatedPhase::kMostWavelengths) + " wavelengths");
+  if (rows < 1 || rows > TabulatedPhase::kMaxWavelengths) {
+    refuse("without 1 to " + std::to_string(TabulatedPhase::kMaxWavelengths) + " wavelengths");
   }
-  if (columns < 2 || columns > TabulatedPhase::kMostCosines) {
-    refuse("without 2 to " + std::to_string(TabulatedPhase::kMostCosines) + " cosines");
+  if (columns < 2 || columns > TabulatedPhase::kMaxCosines) {
+    refuse("without 2 to " + std::to_string(TabulatedPhase::kMaxCosines) + " cosines");
   }
-  if (rows * columns > TabulatedPhase::kMostValues) refuse("with too many values");
+  if (rows * columns > TabulatedPhase::kMaxValues) refuse("with too many values");
   if (values != rows * columns) refuse("without one value for each wavelength and cosine");
 }
 
@@ -74,7 +74,7 @@ TabulatedPhase::RowsAt TabulatedPhase::rows_at(float wavelength_nm) const {
   return {low, (wavelength_nm - wavelengths_[low]) / (*above - wavelengths_[low])};
 }
 
-TabulatedPhase::Place TabulatedPhase::place(double cosine) const {
+TabulatedPhase::CosineCell TabulatedPhase::place(double cosine) const {
   const auto above = std::upper_bound(cosines_.begin() + 1, cosines_.end() - 1, cosine);
   const auto cell = static_cast<std::size_t>(above - cosines_.begin()) - 1;
   const double t = (cosine - cosines_[cell]) / (*above - cosines_[cell]);

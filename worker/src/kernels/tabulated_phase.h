@@ -22,21 +22,23 @@ struct BoundTabulatedPhase {
   };
   const TabulatedPhase* table;
   std::array<Rows, N> rows;
-  Spectral<N> odds;
+  Spectral<N> path_pdf_ratio;
 
   Spectral<N> density(const ScatteringAngle& angle) const;
-  float mean_density(const ScatteringAngle& angle) const { return sum(odds * density(angle)); }
-  /// A photon's row by the odds, then by inversion.
+  float mean_density(const ScatteringAngle& angle) const {
+    return sum(path_pdf_ratio * density(angle));
+  }
+  /// A photon's row by the path pdf ratios, then by inversion.
   ScatteringAngle sample(const KernelNumbers& numbers) const;
 };
 
 class TabulatedPhase {
  public:
-  static constexpr std::size_t kMostWavelengths = 10'000, kMostCosines = 100'000,
-                               kMostValues = 10'000'000;
+  static constexpr std::size_t kMaxWavelengths = 10'000, kMaxCosines = 100'000,
+                               kMaxValues = 10'000'000;
 
   /// A place between two cosines.
-  struct Place {
+  struct CosineCell {
     std::size_t cell;
     float fraction;
   };
@@ -51,7 +53,7 @@ class TabulatedPhase {
   BoundTabulatedPhase<N> bind(const Shading<N>& shading) const& {
     BoundTabulatedPhase<N> bound;
     bound.table = this;
-    bound.odds = shading.odds;
+    bound.path_pdf_ratio = shading.path_pdf_ratio;
     for (std::size_t i = 0; i < N; ++i) {
       const auto [low, fraction] = rows_at(shading.wavelengths[i]);
       bound.rows[i] = {low, fraction};
@@ -62,9 +64,9 @@ class TabulatedPhase {
   template <int N>
   BoundTabulatedPhase<N> bind(const Shading<N>&) const&& = delete;
 
-  Place place(double cosine) const;
+  CosineCell place(double cosine) const;
   /// Of one wavelength's row, 1/sr.
-  float density(std::size_t row, const Place& at) const {
+  float density(std::size_t row, const CosineCell& at) const {
     const float* value = &values_[row * cosines_.size() + at.cell];
     return value[0] + at.fraction * (value[1] - value[0]);
   }
@@ -89,7 +91,7 @@ class TabulatedPhase {
 
 template <int N>
 Spectral<N> BoundTabulatedPhase<N>::density(const ScatteringAngle& angle) const {
-  const TabulatedPhase::Place at = table->place(angle.cosine());
+  const TabulatedPhase::CosineCell at = table->place(angle.cosine());
   Spectral<N> r;
   for (std::size_t i = 0; i < N; ++i) {
     const auto& [low, fraction] = rows[i];
@@ -101,13 +103,13 @@ Spectral<N> BoundTabulatedPhase<N>::density(const ScatteringAngle& angle) const 
 
 template <int N>
 ScatteringAngle BoundTabulatedPhase<N>::sample(const KernelNumbers& numbers) const {
-  // Rounding may leave more than all odds; then it is the last photon that has any.
+  // Rounding may leave more than all path pdf ratios; then it is the last photon that has any.
   std::size_t photon = 0;
-  float left = numbers.part, share = odds[0];
+  float left = numbers.part, share = path_pdf_ratio[0];
   for (std::size_t i = 0; i < N; ++i) {
-    if (!(odds[i] > 0.0f)) continue;
+    if (!(path_pdf_ratio[i] > 0.0f)) continue;
     photon = i;
-    share = odds[i];
+    share = path_pdf_ratio[i];
     if (left < share) break;
     if (i + 1 < N) left -= share;
   }

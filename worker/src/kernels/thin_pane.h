@@ -57,11 +57,11 @@ struct BoundThinPane {
   /// Probability of mirroring, the same for all wavelengths. Never 0 or 1: at some wavelength the
   /// average may be far off.
   float mirroring(float cosine) const {
-    constexpr float kLeast = 0x1p-8f;
+    constexpr float kMin = 0x1p-8f;
     const PaneShares shares = pane_shares(cosine, mean_index, mean_transmittance);
     const auto share =
         static_cast<float>(shares.reflected / (shares.reflected + shares.transmitted + 1e-30));
-    return std::clamp(share, kLeast, 1.0f - kLeast);
+    return std::clamp(share, kMin, 1.0f - kMin);
   }
 };
 static_assert(BoundKernel<BoundThinPane<1>, 1> && BoundKernel<BoundThinPane<4>, 4> &&

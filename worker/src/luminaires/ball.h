@@ -7,7 +7,7 @@
 #include <numbers>
 #include <optional>
 
-#include "luminaires/from.h"
+#include "luminaires/light_sampling_context.h"
 #include "math/constants.h"
 #include "math/frame.h"
 #include "pdfs/directions.h"

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "luminaires/from.h"
+#include "luminaires/light_sampling_context.h"
 #include "math/constants.h"
 
 namespace nocturne {

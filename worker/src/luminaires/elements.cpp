@@ -167,15 +167,16 @@ Ball Elements::ball_at(const Entry& entry, float time) const {
           balls_[entry.first].two_sided};
 }
 
-std::optional<Vec3> Elements::sample_moving(const Entry& entry, const From& from, float u1,
-                                            float u2) const {
+std::optional<Vec3> Elements::sample_moving(const Entry& entry, const LightSamplingContext& from,
+                                            float u1, float u2) const {
   if (entry.kind == Kind::kMovingPatch) {
     return patch_at(entry, from.time).sample(from.position, u1, u2);
   }
   return ball_at(entry, from.time).sample(from.position, u1, u2);
 }
 
-float Elements::moving_pdf(const Entry& entry, const From& from, Vec3 direction) const {
+float Elements::moving_pdf(const Entry& entry, const LightSamplingContext& from,
+                           Vec3 direction) const {
   if (entry.kind == Kind::kMovingPatch) {
     return patch_at(entry, from.time).pdf(from.position, direction);
   }

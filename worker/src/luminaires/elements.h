@@ -58,13 +58,14 @@ class Elements {
   const ElementBounds& bounds(std::size_t i) const { return entries_[i].bounds; }
   double total_weight() const;
 
-  std::optional<Vec3> sample(std::size_t i, const From& from, float u1, float u2) const {
+  std::optional<Vec3> sample(std::size_t i, const LightSamplingContext& from, float u1,
+                             float u2) const {
     const Entry& entry = entries_[i];
     if (entry.kind == Kind::kPatch) return patches_[entry.first].sample(from.position, u1, u2);
     if (entry.kind == Kind::kBall) return balls_[entry.first].sample(from.position, u1, u2);
     return sample_moving(entry, from, u1, u2);
   }
-  float pdf(std::size_t i, const From& from, Vec3 direction) const {
+  float pdf(std::size_t i, const LightSamplingContext& from, Vec3 direction) const {
     const Entry& entry = entries_[i];
     if (entry.kind == Kind::kPatch) return patches_[entry.first].pdf(from.position, direction);
     if (entry.kind == Kind::kBall) return balls_[entry.first].pdf(from.position, direction);
@@ -84,8 +85,9 @@ class Elements {
                  const Emission& emission);
   Patch patch_at(const Entry& entry, float time) const;
   Ball ball_at(const Entry& entry, float time) const;
-  std::optional<Vec3> sample_moving(const Entry& entry, const From& from, float u1, float u2) const;
-  float moving_pdf(const Entry& entry, const From& from, Vec3 direction) const;
+  std::optional<Vec3> sample_moving(const Entry& entry, const LightSamplingContext& from, float u1,
+                                    float u2) const;
+  float moving_pdf(const Entry& entry, const LightSamplingContext& from, Vec3 direction) const;
 
   std::vector<Entry> entries_;
   std::vector<Patch> patches_;

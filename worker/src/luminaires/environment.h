@@ -6,7 +6,7 @@
 #include <variant>
 
 #include "luminaires/environment_map.h"
-#include "luminaires/from.h"
+#include "luminaires/light_sampling_context.h"
 #include "math/frame.h"
 #include "pdfs/directions.h"
 
@@ -33,7 +33,8 @@ class Environment {
 
   /// A unit direction; the map in proportion to its radiance, a constant in proportion to the
   /// receiver's cosine. Three uniform numbers.
-  std::optional<Vec3> sample(const From& from, float choice, float u1, float u2) const {
+  std::optional<Vec3> sample(const LightSamplingContext& from, float choice, float u1,
+                             float u2) const {
     if (!(mean_ > 0.0)) return std::nullopt;
     if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) return map->sample(from, u1, u2);
     const bool behind = from.both_sides && choice < 0.5f;
@@ -44,7 +45,7 @@ class Environment {
   }
 
   /// Density of `sample`, 1/sr.
-  float pdf(const From& from, Vec3 direction) const {
+  float pdf(const LightSamplingContext& from, Vec3 direction) const {
     if (!(mean_ > 0.0)) return 0.0f;
     if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) return map->pdf(from, direction);
     const float cosine = dot(from.normal, direction);

@@ -87,7 +87,7 @@ EnvironmentMap::EnvironmentMap(std::uint32_t columns, std::uint32_t rows, std::v
       texels_(std::move(texels)),
       spectrum_(std::move(spectrum)),
       axes_(axes) {
-  if (columns == 0 || rows == 0 || columns > kMostColumns || rows > kMostRows) {
+  if (columns == 0 || rows == 0 || columns > kMaxColumns || rows > kMaxRows) {
     throw std::invalid_argument("the environment map has no texels, or more than 8192 x 4096");
   }
   if (texels_.size() != std::size_t{columns} * rows) {
@@ -122,7 +122,7 @@ void EnvironmentMap::sum_up(const std::vector<float>& means) {
   }
 }
 
-EnvironmentMap::Place EnvironmentMap::place_of(Vec3 in_map) const {
+EnvironmentMap::TexelPoint EnvironmentMap::place_of(Vec3 in_map) const {
   const float row = 0.5f * (1.0f - in_map.z) * static_cast<float>(rows_);
   const float turn = std::atan2(in_map.y, in_map.x) * (0.5f * kInvPi);
   const float column = (turn < 0.0f ? turn + 1.0f : turn) * static_cast<float>(columns_);
@@ -132,7 +132,7 @@ EnvironmentMap::Place EnvironmentMap::place_of(Vec3 in_map) const {
 
 // The hemisphere above a tilted plane reaches in z from -sin(tilt) to the pole. Only for a vertical
 // plane is it narrower than all around in azimuth, and half a turn then.
-EnvironmentMap::Window EnvironmentMap::window(const From& from) const {
+EnvironmentMap::Window EnvironmentMap::window(const LightSamplingContext& from) const {
   Window window{0, rows_, 0, columns_};
   if (from.both_sides) return window;
   const Vec3 n = to_map(from.normal);
@@ -153,7 +153,8 @@ EnvironmentMap::Window EnvironmentMap::window(const From& from) const {
   return window;
 }
 
-std::optional<Vec3> EnvironmentMap::sample(const From& from, float u1, float u2) const {
+std::optional<Vec3> EnvironmentMap::sample(const LightSamplingContext& from, float u1,
+                                           float u2) const {
   const Window w = window(from);
   const std::uint64_t total = weight(w);
   if (total == 0) return std::nullopt;
@@ -179,10 +180,10 @@ std::optional<Vec3> EnvironmentMap::sample(const From& from, float u1, float u2)
   return direction;
 }
 
-float EnvironmentMap::pdf(const From& from, Vec3 direction) const {
+float EnvironmentMap::pdf(const LightSamplingContext& from, Vec3 direction) const {
   if (!from.sees(direction)) return 0.0f;
   const Window w = window(from);
-  const Place place = place_of(to_map(direction));
+  const TexelPoint place = place_of(to_map(direction));
   if (place.row < w.row0 || place.row >= w.row1) return 0.0f;
   const std::uint32_t turned = place.column + (place.column < w.column0 ? columns_ : 0);
   if (turned - w.column0 >= w.columns) return 0.0f;

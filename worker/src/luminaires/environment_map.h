@@ -18,7 +18,7 @@
 #include <optional>
 #include <vector>
 
-#include "luminaires/from.h"
+#include "luminaires/light_sampling_context.h"
 #include "spectrum/sigmoid.h"
 #include "spectrum/spectrum.h"
 
@@ -26,7 +26,7 @@ namespace nocturne {
 
 class EnvironmentMap {
  public:
-  static constexpr std::uint32_t kMostColumns = 8192, kMostRows = 4096;
+  static constexpr std::uint32_t kMaxColumns = 8192, kMaxRows = 4096;
 
   /// Orthonormal axes of the map in the scene.
   struct Axes {
@@ -44,7 +44,7 @@ class EnvironmentMap {
   /// W m-2 sr-1 nm-1, from the unit direction.
   template <int N>
   Spectral<N> radiance(Vec3 direction, const Spectral<N>& wavelengths) const {
-    const Place place = place_of(to_map(direction));
+    const TexelPoint place = place_of(to_map(direction));
     const Texel& texel = texels_[std::size_t{place.row} * columns_ + place.column];
     if (texel.scale == 0.0f) return 0.0f;
     const SigmoidSpectrum shape{texel.c0, texel.c1, texel.c2};
@@ -57,13 +57,13 @@ class EnvironmentMap {
 
   /// A unit direction that `from` sees. Empty where all that it sees is black, and where the drawn
   /// one is below the horizon after all (the window is a rectangle of whole texels).
-  std::optional<Vec3> sample(const From& from, float u1, float u2) const;
+  std::optional<Vec3> sample(const LightSamplingContext& from, float u1, float u2) const;
 
   /// Density of `sample`, 1/sr.
-  float pdf(const From& from, Vec3 direction) const;
+  float pdf(const LightSamplingContext& from, Vec3 direction) const;
 
  private:
-  struct Place {
+  struct TexelPoint {
     std::uint32_t row, column;
   };
   // Rows [row0, row1) and `columns` columns from column0 on, around the back if need be.
@@ -72,8 +72,8 @@ class EnvironmentMap {
   };
 
   Vec3 to_map(Vec3 v) const { return {dot(v, axes_.x), dot(v, axes_.y), dot(v, axes_.z)}; }
-  Place place_of(Vec3 in_map) const;
-  Window window(const From& from) const;
+  TexelPoint place_of(Vec3 in_map) const;
+  Window window(const LightSamplingContext& from) const;
   void sum_up(const std::vector<float>& means);
 
   // The sum of all texels above `row` and left of `column`, which may be beyond the right edge.

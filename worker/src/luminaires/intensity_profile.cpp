@@ -27,19 +27,19 @@ void check_angles(const std::vector<float>& angles, std::size_t least, float lar
   }
 }
 
-struct Place {
+struct ProfileCell {
   std::size_t cell;
   float t;
 };
 
-std::optional<Place> place(const std::vector<float>& knots, float angle) {
+std::optional<ProfileCell> place(const std::vector<float>& knots, float angle) {
   if (angle < knots.front() - kAngleRounding || angle > knots.back() + kAngleRounding) {
     return std::nullopt;
   }
   const auto above = std::upper_bound(knots.begin() + 1, knots.end() - 1, angle);
   const auto cell = static_cast<std::size_t>(above - knots.begin()) - 1;
-  return Place{cell,
-               std::clamp((angle - knots[cell]) / (knots[cell + 1] - knots[cell]), 0.0f, 1.0f)};
+  return ProfileCell{
+      cell, std::clamp((angle - knots[cell]) / (knots[cell + 1] - knots[cell]), 0.0f, 1.0f)};
 }
 
 // The integral of (linear from a to b) sin(theta) between two angles.

@@ -12,7 +12,7 @@ namespace {
 
 // A number that fell into [start, start + width), stretched to [0, 1).
 float stretched(float u, float start, float width) {
-  return std::clamp((u - start) / width, 0.0f, kLargestBelowOne);
+  return std::clamp((u - start) / width, 0.0f, kOneMinusEpsilon);
 }
 
 }  // namespace
@@ -41,8 +41,8 @@ LightDirections::LightDirections(Elements luminaires, std::optional<Environment>
   important_share_ /= total;
 }
 
-std::optional<Vec3> LightDirections::sample(const From& from, float choice, float u1,
-                                            float u2) const {
+std::optional<Vec3> LightDirections::sample(const LightSamplingContext& from, float choice,
+                                            float u1, float u2) const {
   if (choice < luminaires_share_) {
     return luminaires_.sample(from, stretched(choice, 0.0f, luminaires_share_), u1, u2);
   }
@@ -54,7 +54,7 @@ std::optional<Vec3> LightDirections::sample(const From& from, float choice, floa
   return important_.sample(from, stretched(choice, before_important, important_share_), u1, u2);
 }
 
-float LightDirections::pdf(const From& from, Vec3 direction) const {
+float LightDirections::pdf(const LightSamplingContext& from, Vec3 direction) const {
   float sum = 0.0f;
   if (luminaires_share_ > 0.0f) sum += luminaires_share_ * luminaires_.pdf(from, direction);
   if (sky_share_ > 0.0f) sum += sky_share_ * sky_pdf(from, direction);
@@ -66,8 +66,8 @@ float LightDirections::environment_irradiance() const {
   return environment_ ? kPi * static_cast<float>(environment_->mean_radiance()) : 0.0f;
 }
 
-std::optional<Vec3> LightDirections::sample_sky(const From& from, float choice, float u1,
-                                                float u2) const {
+std::optional<Vec3> LightDirections::sample_sky(const LightSamplingContext& from, float choice,
+                                                float u1, float u2) const {
   const float around = environment_irradiance();
   float total = around;
   for (const DistantDisc& disc : discs_) total += disc.irradiance(from.normal, from.both_sides);
@@ -87,7 +87,7 @@ std::optional<Vec3> LightDirections::sample_sky(const From& from, float choice, 
   return std::nullopt;  // rounding, behind the last one
 }
 
-float LightDirections::sky_pdf(const From& from, Vec3 direction) const {
+float LightDirections::sky_pdf(const LightSamplingContext& from, Vec3 direction) const {
   if (!from.sees(direction)) return 0.0f;
   const float around = environment_irradiance();
   float total = around;

@@ -9,7 +9,7 @@
 
 #include "luminaires/distant_disc.h"
 #include "luminaires/environment.h"
-#include "luminaires/from.h"
+#include "luminaires/light_sampling_context.h"
 #include "luminaires/luminaire_directions.h"
 
 namespace nocturne {
@@ -32,10 +32,11 @@ class LightDirections {
   bool empty() const { return !(luminaires_share_ + sky_share_ + important_share_ > 0.0f); }
 
   /// A unit direction from there; three uniform numbers. Empty where the drawn way gives none.
-  std::optional<Vec3> sample(const From& from, float choice, float u1, float u2) const;
+  std::optional<Vec3> sample(const LightSamplingContext& from, float choice, float u1,
+                             float u2) const;
 
   /// Density of `sample`, 1/sr; finite, not negative.
-  float pdf(const From& from, Vec3 direction) const;
+  float pdf(const LightSamplingContext& from, Vec3 direction) const;
 
   const std::optional<Environment>& environment() const { return environment_; }
   const std::vector<DistantDisc>& discs() const { return discs_; }
@@ -43,8 +44,9 @@ class LightDirections {
   const LuminaireDirections& important() const { return important_; }
 
  private:
-  std::optional<Vec3> sample_sky(const From& from, float choice, float u1, float u2) const;
-  float sky_pdf(const From& from, Vec3 direction) const;
+  std::optional<Vec3> sample_sky(const LightSamplingContext& from, float choice, float u1,
+                                 float u2) const;
+  float sky_pdf(const LightSamplingContext& from, Vec3 direction) const;
   float environment_irradiance() const;
 
   LuminaireDirections luminaires_, important_;

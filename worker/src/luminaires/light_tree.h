@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "luminaires/elements.h"
-#include "luminaires/from.h"
+#include "luminaires/light_sampling_context.h"
 #include "math/constants.h"
 
 namespace nocturne {
@@ -35,7 +35,7 @@ class LightTree {
     float choice;
   };
   /// Empty where no element can be seen.
-  std::optional<Chosen> choose(const From& from, float choice) const {
+  std::optional<Chosen> choose(const LightSamplingContext& from, float choice) const {
     std::uint32_t i = 0;
     while (!nodes_[i].leaf()) {
       const float left = importance(nodes_[i + 1], from);
@@ -44,14 +44,14 @@ class LightTree {
       const float p = left / (left + right);
       const bool go_left = choice < p;
       choice = go_left ? choice / p : (choice - p) / (1.0f - p);
-      choice = std::min(choice, kLargestBelowOne);
+      choice = std::min(choice, kOneMinusEpsilon);
       i = go_left ? i + 1 : nodes_[i + 1].next;
     }
     return Chosen{nodes_[i].element, choice};
   }
 
   /// The probability that `choose` gives this element.
-  float probability(const From& from, std::uint32_t element) const {
+  float probability(const LightSamplingContext& from, std::uint32_t element) const {
     float p = 1.0f;
     for (std::uint32_t i = leaf_of_[element]; i != 0; i = nodes_[i].parent) {
       const std::uint32_t parent = nodes_[i].parent;
@@ -113,7 +113,7 @@ class LightTree {
 
   // An upper bound of the cosines over the distance squared (to the middle), times the weight. Zero
   // only where nothing below can shine on the receiver.
-  float importance(const Node& node, const From& from) const {
+  float importance(const Node& node, const LightSamplingContext& from) const {
     const Vec3 half = 0.5f * (node.high - node.low);
     const Vec3 to = node.low + half - from.position;
     const float radius2 = dot(half, half), distance2 = dot(to, to);

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "luminaires/elements.h"
-#include "luminaires/from.h"
+#include "luminaires/light_sampling_context.h"
 #include "luminaires/light_tree.h"
 
 namespace nocturne {
@@ -24,7 +24,8 @@ class LuminaireDirections {
 
   /// A unit direction; three uniform numbers. Empty where nothing is to be seen, where the drawn
   /// element has no extent from there, and where it is drawn below the receiver's horizon.
-  std::optional<Vec3> sample(const From& from, float choice, float u1, float u2) const {
+  std::optional<Vec3> sample(const LightSamplingContext& from, float choice, float u1,
+                             float u2) const {
     if (empty()) return std::nullopt;
     const auto chosen = tree_.choose(from, choice);
     if (!chosen) return std::nullopt;
@@ -34,14 +35,14 @@ class LuminaireDirections {
   }
 
   /// Density of `sample`, 1/sr.
-  float pdf(const From& from, Vec3 direction) const {
+  float pdf(const LightSamplingContext& from, Vec3 direction) const {
     if (!from.sees(direction)) return 0.0f;
     float sum = 0.0f;
     const auto add = [&](std::size_t i) {
       const float pdf = elements_.pdf(i, from, direction);
       if (pdf > 0.0f) sum += pdf * tree_.probability(from, static_cast<std::uint32_t>(i));
     };
-    if (elements_.size() <= kMostTestedOneByOne) {
+    if (elements_.size() <= kMaxTestedOneByOne) {
       for (std::size_t i = 0; i < elements_.size(); ++i) add(i);
     } else {
       tree_.for_each_on(from.position, direction, add);
@@ -56,7 +57,7 @@ class LuminaireDirections {
  private:
   // Up to here testing each is cheaper than a walk through the tree (about 100 ns, against 4 ns for
   // an element).
-  static constexpr std::size_t kMostTestedOneByOne = 16;
+  static constexpr std::size_t kMaxTestedOneByOne = 16;
 
   Elements elements_;
   LightTree tree_;

@@ -15,7 +15,7 @@ namespace {
 constexpr float kNearAreas = 2.25f;
 
 // Outside of these the arithmetic loses digits: nearly edge-on, or nearly in its plane.
-constexpr double kLeastSolidAngle = 1e-5, kMostSolidAngle = 2.0 * std::numbers::pi - 1e-4;
+constexpr double kMinSolidAngle = 1e-5, kMaxSolidAngle = 2.0 * std::numbers::pi - 1e-4;
 
 // One triangle, or the two of a parallelogram.
 struct NearView {
@@ -39,7 +39,7 @@ struct NearView {
   }
 
   // Also false for a position on a corner, where nothing is a number.
-  bool usable() const { return total > kLeastSolidAngle && total < kMostSolidAngle; }
+  bool usable() const { return total > kMinSolidAngle && total < kMaxSolidAngle; }
 };
 
 }  // namespace

@@ -67,7 +67,7 @@ void PhotonEmitter::finish(std::span<const DistantDisc> discs,
   fluxes_ = {};
 }
 
-std::optional<PhotonEmitter::Leaving> PhotonEmitter::leave(const From& from,
+std::optional<PhotonEmitter::Leaving> PhotonEmitter::leave(const LightSamplingContext& from,
                                                            const LuminaireDirections& important,
                                                            float aimed, const Uniform4& u) {
   Vec3 direction;
@@ -90,7 +90,8 @@ std::size_t PhotonEmitter::choose(float u) const {
                                   cumulative_.begin());
 }
 
-PhotonEmitter::Place PhotonEmitter::point_on(const Element& element, float time, float u, float v) {
+PhotonEmitter::EmissionPoint PhotonEmitter::point_on(const Element& element, float time, float u,
+                                                     float v) {
   Hit hit{};
   if (element.radius > 0.0f) {
     const Vec3 centre = at_time(element.points, 1, 0, time);

@@ -89,16 +89,17 @@ class PhotonEmitter {
     float cosine_over_pdf;
   };
   /// As a Lambertian surface emits, or towards an important shape; by the density of both.
-  static std::optional<Leaving> leave(const From& from, const LuminaireDirections& important,
-                                      float aimed, const Uniform4& u);
+  static std::optional<Leaving> leave(const LightSamplingContext& from,
+                                      const LuminaireDirections& important, float aimed,
+                                      const Uniform4& u);
 
   std::size_t choose(float u) const;
   /// A point, and the element's area at that time, m2: motion may change it.
-  struct Place {
+  struct EmissionPoint {
     Hit hit;
     float area;
   };
-  static Place point_on(const Element& element, float time, float u, float v);
+  static EmissionPoint point_on(const Element& element, float time, float u, float v);
   void add(Element element, const Luminaire& what);
 
   template <int N>
@@ -106,7 +107,7 @@ class PhotonEmitter {
                                          const std::optional<Environment>& environment,
                                          const Spectral<N>& wavelengths_nm, const Uniform4& a,
                                          const Uniform4& b, float probability) const {
-    const From anywhere{bounds_.centre, {0, 0, 1}, true, 0.0f};
+    const LightSamplingContext anywhere{bounds_.centre, {0, 0, 1}, true, 0.0f};
     Vec3 towards;
     float pdf;
     if (which < discs.size()) {

@@ -7,7 +7,7 @@
 namespace nocturne {
 
 /// As many as Embree takes.
-inline constexpr std::size_t kMostTimeSteps = 129;
+inline constexpr std::size_t kMaxTimeSteps = 129;
 
 /// Between which two steps a time is: first and first + 1, `fraction` of the way.
 struct TimeSegment {

@@ -13,7 +13,7 @@ namespace {
 constexpr double kLowest = -80.0, kHighest = 100.0;  // scale heights
 // So that no rounding puts what is there above a bound.
 constexpr float kRoundedUp = 1.000001f;
-constexpr std::size_t kMostKnots = 10'000, kMostLayers = 64;
+constexpr std::size_t kMaxKnots = 10'000, kMaxLayers = 64;
 
 [[noreturn]] void refuse(const std::string& what) { throw std::invalid_argument(what); }
 
@@ -33,19 +33,19 @@ AltitudeDensity::AltitudeDensity(const Ground& ground) : ground_(ground) {
 }
 
 // On top of the last one; layers of nothing become one.
-void AltitudeDensity::add_layer(float most, double upper_edge) {
-  if (!most_.empty() && most == 0.0f && most_.back() == 0.0f) {
+void AltitudeDensity::add_layer(float majorant, double upper_edge) {
+  if (!majorant_.empty() && majorant == 0.0f && majorant_.back() == 0.0f) {
     edges_.back() = upper_edge;
     return;
   }
-  most_.push_back(most);
+  majorant_.push_back(majorant);
   edges_.push_back(upper_edge);
 }
 void AltitudeDensity::add_space_above() {
-  if (most_.back() == 0.0f) {
+  if (majorant_.back() == 0.0f) {
     edges_.pop_back();
   } else {
-    most_.push_back(0.0f);
+    majorant_.push_back(0.0f);
   }
 }
 
@@ -55,16 +55,16 @@ AltitudeDensity AltitudeDensity::exponential(const Ground& ground, double scale_
   }
   AltitudeDensity d(ground);
   d.scale_height_ = scale_height;
-  const auto most = [](double heights) {
+  const auto majorant = [](double heights) {
     return static_cast<float>(std::exp(-heights) * 1.000001);
   };
   // Half a scale height each up to the ground; above it they grow, as ever less is met there.
-  // Bounds on a vertical ray are half again as much as there is.
+  // Majorants on a vertical ray are half again as much as there is.
   double low = kLowest, step = 0.5;
-  d.add_layer(most(low), low * scale_height);
+  d.add_layer(majorant(low), low * scale_height);
   for (; low < kHighest; low += step) {
     if (low > 0.0) step *= 1.5;
-    d.add_layer(most(low), std::min(low + step, kHighest) * scale_height);
+    d.add_layer(majorant(low), std::min(low + step, kHighest) * scale_height);
   }
   d.add_space_above();
   return d;
@@ -73,8 +73,8 @@ AltitudeDensity AltitudeDensity::exponential(const Ground& ground, double scale_
 AltitudeDensity AltitudeDensity::table(const Ground& ground, std::vector<double> altitudes,
                                        std::vector<float> densities) {
   AltitudeDensity d(ground);
-  if (altitudes.size() < 2 || altitudes.size() > kMostKnots) {
-    refuse("a table without 2 to " + std::to_string(kMostKnots) + " altitudes");
+  if (altitudes.size() < 2 || altitudes.size() > kMaxKnots) {
+    refuse("a table without 2 to " + std::to_string(kMaxKnots) + " altitudes");
   }
   if (densities.size() != altitudes.size()) refuse("a table without one density for each altitude");
   if (!std::ranges::all_of(altitudes, [](double x) { return std::isfinite(x); }) ||
@@ -89,12 +89,12 @@ AltitudeDensity AltitudeDensity::table(const Ground& ground, std::vector<double>
   // Few layers with bounds that are not much too high.
   double tolerance = 0.01;
   std::vector<std::size_t> ends = d.layers_of_table(tolerance);
-  while (ends.size() > kMostLayers) ends = d.layers_of_table(tolerance *= 2.0);
+  while (ends.size() > kMaxLayers) ends = d.layers_of_table(tolerance *= 2.0);
   d.add_layer(0.0f, d.altitudes_.front());
   std::size_t first = 0;
   for (const std::size_t last : ends) {
-    const float most = *std::max_element(&d.densities_[first], &d.densities_[last] + 1);
-    d.add_layer(most * kRoundedUp, d.altitudes_[last]);
+    const float majorant = *std::max_element(&d.densities_[first], &d.densities_[last] + 1);
+    d.add_layer(majorant * kRoundedUp, d.altitudes_[last]);
     first = last;
   }
   d.add_space_above();
@@ -113,9 +113,9 @@ std::vector<std::size_t> AltitudeDensity::layers_of_table(double tolerance) cons
   std::vector<std::size_t> ends;
   std::size_t first = 0;
   double here = 0.0;
-  float most = densities_[0];
+  float majorant = densities_[0];
   for (std::size_t i = 0; i + 1 < altitudes_.size(); ++i) {
-    const float more = std::max(most, densities_[i + 1]);
+    const float more = std::max(majorant, densities_[i + 1]);
     const double bound = static_cast<double>(more) * (altitudes_[i + 1] - altitudes_[first]);
     const double with = here + column(i);
     // Empty space stays by itself.
@@ -124,10 +124,10 @@ std::vector<std::size_t> AltitudeDensity::layers_of_table(double tolerance) cons
       ends.push_back(i);
       first = i;
       here = column(i);
-      most = std::max(densities_[i], densities_[i + 1]);
+      majorant = std::max(densities_[i], densities_[i + 1]);
     } else {
       here = with;
-      most = more;
+      majorant = more;
     }
   }
   ends.push_back(altitudes_.size() - 1);
@@ -147,15 +147,16 @@ float AltitudeDensity::at_altitude(double altitude) const {
   return static_cast<float>(low + t * (static_cast<double>(densities_[i]) - low));
 }
 
-float AltitudeDensity::most_between(double low, double high) const {
+float AltitudeDensity::majorant_between(double low, double high) const {
   if (scale_height_ > 0.0) return at_altitude(low) * kRoundedUp;
   auto i = static_cast<std::size_t>(std::ranges::lower_bound(edges_, low) - edges_.begin());
-  float most = most_[i];
-  for (; i < edges_.size() && edges_[i] <= high; ++i) most = std::max(most, most_[i + 1]);
-  return most;
+  float majorant = majorant_[i];
+  for (; i < edges_.size() && edges_[i] <= high; ++i)
+    majorant = std::max(majorant, majorant_[i + 1]);
+  return majorant;
 }
 
-AltitudeBounds::AltitudeBounds(const AltitudeDensity& density, const Ray& ray, float end)
+AltitudeMajorants::AltitudeMajorants(const AltitudeDensity& density, const Ray& ray, float end)
     : density_(&density), altitude_(density.ground_, ray.origin, ray.direction), end_(end) {
   // A product and a sum, each right to 6e-8 in every coordinate: with room to spare.
   constexpr double kRounding = 4e-7;
@@ -170,16 +171,16 @@ AltitudeBounds::AltitudeBounds(const AltitudeDensity& density, const Ray& ray, f
   layer_ = static_cast<std::size_t>(above - density.edges_.begin());
 }
 
-bool AltitudeBounds::advance(BoundSegment& segment) {
+bool AltitudeMajorants::advance(MajorantSegment& segment) {
   if (!(at_ < end_)) return false;
   const float to = way_out();
-  segment = {to, most_between(at_, to)};
+  segment = {to, majorant_between(at_, to)};
   at_ = to;
   return true;
 }
 
 // Out of the layer; on to the next one.
-float AltitudeBounds::way_out() {
+float AltitudeMajorants::way_out() {
   const std::vector<double>& edges = density_->edges_;
   for (;;) {
     float out = end_;
@@ -214,26 +215,26 @@ float AltitudeBounds::way_out() {
 }
 
 // Where the ray is over an edge: while all that rounding can reach has the higher bound.
-double AltitudeBounds::crossing(std::size_t edge, bool rising) const {
+double AltitudeMajorants::crossing(std::size_t edge, bool rising) const {
   const double h = density_->edges_[edge];
   const auto to = [&](double altitude) {
     return rising ? altitude_.rises_to(altitude) : altitude_.falls_to(altitude);
   };
   const double t = to(h);
   if (t == AltitudeAlong::kNever) return t;
-  const bool denser_below = density_->most_[edge] > density_->most_[edge + 1];
+  const bool denser_below = density_->majorant_[edge] > density_->majorant_[edge + 1];
   const double room = 2.0 * reach(std::fmax(0.0, t));
   return to(denser_below ? h + room : h - room);
 }
 
-float AltitudeBounds::most_between(float from, float to) const {
+float AltitudeMajorants::majorant_between(float from, float to) const {
   constexpr double kFar = 1e18;
   const double t0 = static_cast<double>(from), t1 = std::fmin(static_cast<double>(to), kFar);
   const double middle = std::clamp(altitude_.lowest(), t0, std::fmax(t0, t1));
   const double h0 = altitude_(t0), h1 = altitude_(t1), hm = altitude_(middle);
   const double low = std::min({h0 - reach(t0), hm - reach(middle), h1 - reach(t1)});
   const double high = std::max(h0 + reach(t0), h1 + reach(t1));
-  return density_->most_between(low, high);
+  return density_->majorant_between(low, high);
 }
 
 }  // namespace nocturne

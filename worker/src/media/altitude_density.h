@@ -5,16 +5,16 @@
 #include <vector>
 
 #include "math/ray.h"
-#include "media/bounds.h"
 #include "media/ground.h"
+#include "media/majorants.h"
 
 namespace nocturne {
 
-class AltitudeBounds;
+class AltitudeMajorants;
 
 class AltitudeDensity {
  public:
-  using Bounds = AltitudeBounds;
+  using Majorants = AltitudeMajorants;
 
   /// exp(-altitude / scale_height), metres; held below -80 scale heights, where it is 5e34, and
   /// zero above 100, where it is 4e-44. The ground's `up` need not be a unit vector. Throws
@@ -29,12 +29,12 @@ class AltitudeDensity {
   float at_altitude(double altitude) const;
 
  private:
-  friend class AltitudeBounds;
+  friend class AltitudeMajorants;
 
   explicit AltitudeDensity(const Ground& ground);
-  void add_layer(float most, double upper_edge);
+  void add_layer(float majorant, double upper_edge);
   void add_space_above();
-  float most_between(double low, double high) const;
+  float majorant_between(double low, double high) const;
   std::vector<std::size_t> layers_of_table(double tolerance) const;
 
   Ground ground_;
@@ -42,26 +42,27 @@ class AltitudeDensity {
   double scale_height_ = 0.0;
   std::vector<double> altitudes_;
   std::vector<float> densities_;
-  // Layers of air, for bounds: layer i is between edges i - 1 and i, and holds at most most_[i].
+  // Layers of air, for bounds: layer i is between edges i - 1 and i, and holds at most
+  // majorant_[i].
   std::vector<double> edges_;
-  std::vector<float> most_;
+  std::vector<float> majorant_;
 };
 
 /// Walks a ray from layer to layer.
-class AltitudeBounds {
+class AltitudeMajorants {
  public:
   /// `end` may be infinite. `density` must outlive this.
-  AltitudeBounds(const AltitudeDensity& density, const Ray& ray, float end);
-  bool next(BoundSegment& segment) {
-    return empty_.next(segment, [this](BoundSegment& s) { return advance(s); });
+  AltitudeMajorants(const AltitudeDensity& density, const Ray& ray, float end);
+  bool next(MajorantSegment& segment) {
+    return empty_.next(segment, [this](MajorantSegment& s) { return advance(s); });
   }
 
  private:
-  bool advance(BoundSegment& segment);
+  bool advance(MajorantSegment& segment);
   float way_out();
   double crossing(std::size_t edge, bool rising) const;
   double reach(double t) const { return reach_ + per_metre_ * t; }
-  float most_between(float from, float to) const;
+  float majorant_between(float from, float to) const;
 
   const AltitudeDensity* density_;
   AltitudeAlong altitude_;

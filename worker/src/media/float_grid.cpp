@@ -29,7 +29,7 @@ using Lower = nanovdb::NanoLower<float>::DataType;
 using Leaf = nanovdb::NanoLeaf<float>::DataType;
 
 // Lookups search them one after another.
-constexpr std::uint32_t kMostRootTiles = 4096;
+constexpr std::uint32_t kMaxRootTiles = 4096;
 
 // So that no index of a neighbour overflows.
 constexpr std::int64_t kFarthest = std::int64_t{1} << 30;
@@ -85,7 +85,7 @@ void check_header(const Grid& grid, std::uintmax_t size) {
 
 void check_size(std::uintmax_t size) {
   if (size < sizeof(Grid) + sizeof(Tree) + sizeof(Root)) refuse("that is too short");
-  if (size > FloatGrid::kMostBytes) refuse("that is larger than 8 GiB");
+  if (size > FloatGrid::kMaxBytes) refuse("that is larger than 8 GiB");
 }
 
 // The nodes of one level: all in a row, each with one parent.
@@ -133,8 +133,8 @@ void check_nodes(const std::byte* bytes, std::size_t size) {
     refuse("with a root outside of its bytes");
   }
   const Root& root = root_of(bytes);
-  if (root.mTableSize > kMostRootTiles) {
-    refuse("with more than " + std::to_string(kMostRootTiles) + " nodes at its root");
+  if (root.mTableSize > kMaxRootTiles) {
+    refuse("with more than " + std::to_string(kMaxRootTiles) + " nodes at its root");
   }
   if (root.mTableSize > (room - offset) / sizeof(Root::Tile)) {
     refuse("with a root that is longer than its bytes");
@@ -247,16 +247,16 @@ void FloatGrid::check() {
   shift_ = {map.mVecD[0], map.mVecD[1], map.mVecD[2]};
   background_ = root_of(bytes_.get()).mBackground;
   if (!sound(background_)) refuse("whose background is negative or not finite");
-  most_ = background_;
+  majorant_ = background_;
   constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();
   box_ = {{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
   for_each_block([this](const Block& block) {
-    float most = block.value;
+    float majorant = block.value;
     if (block.values != nullptr) {
       bool good = true;
       for (int i = 0; i < 512; ++i) {
         good &= sound(block.values[i]);
-        most = std::max(most, block.values[i]);
+        majorant = std::max(majorant, block.values[i]);
       }
       if (!good) {
         const auto* bad = std::find_if_not(block.values, block.values + 512, sound);
@@ -265,7 +265,7 @@ void FloatGrid::check() {
     } else if (!sound(block.value)) {
       refuse("with a value that is negative or not finite " + place(block, 0));
     }
-    most_ = std::max(most_, most);
+    majorant_ = std::max(majorant_, majorant);
     if (block.values == nullptr && block.value == background_) return;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       box_.low[axis] = std::min(box_.low[axis], block.origin[axis]);

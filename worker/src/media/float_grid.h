@@ -18,7 +18,7 @@ namespace nocturne {
 
 class FloatGrid {
  public:
-  static constexpr std::uintmax_t kMostBytes = std::uintmax_t{8} << 30;
+  static constexpr std::uintmax_t kMaxBytes = std::uintmax_t{8} << 30;
 
   /// Where voxels may have other values than the background; both ends are part of it.
   struct Box {
@@ -46,7 +46,7 @@ class FloatGrid {
 
   const Box& box() const { return box_; }
   float background() const { return background_; }
-  float most() const { return most_; }
+  float majorant() const { return majorant_; }
   /// From voxels to the grid's own space: matrix x index + shift.
   const Matrix3& matrix() const { return matrix_; }
   Double3 shift() const { return shift_; }
@@ -63,7 +63,7 @@ class FloatGrid {
   Bytes bytes_;
   std::size_t size_;
   Box box_;
-  float background_ = 0.0f, most_ = 0.0f;
+  float background_ = 0.0f, majorant_ = 0.0f;
   Matrix3 matrix_;
   Double3 shift_;
 };

@@ -40,7 +40,7 @@ float mix(float a, float b, float t) { return a + t * (b - a); }
 GridField::GridField(std::shared_ptr<const FloatGrid> grid, const std::array<double, 12>& transform,
                      double scale, bool nearest)
     : grid_(std::move(grid)), scale_(static_cast<float>(scale)), nearest_(nearest) {
-  if (!(scale >= 0.0) || !std::isfinite(scale_ * grid_->most())) {
+  if (!(scale >= 0.0) || !std::isfinite(scale_ * grid_->majorant())) {
     throw std::invalid_argument("a scale of a grid that is negative, or too large for its values");
   }
   const auto& m = transform;
@@ -90,7 +90,7 @@ GridDensity::GridDensity(GridField field, std::int64_t cell)
     }
     if (cells <= static_cast<double>(most_cells)) break;
   }
-  most_.assign(static_cast<std::size_t>(count_[0] * count_[1] * count_[2]), grid.background());
+  majorant_.assign(static_cast<std::size_t>(count_[0] * count_[1] * count_[2]), grid.background());
   grid.for_each_block([this](const FloatGrid::Block& block) { add(block); });
 }
 
@@ -128,15 +128,15 @@ void GridDensity::add(const FloatGrid::Block& block) {
       own |= part[axis] != 1 && cell[axis] == cells[axis][1];
     }
     if (own) continue;
-    float most = background;
+    float majorant = background;
     for (int x = kParts[part[0]].from; x <= kParts[part[0]].to; ++x) {
       for (int y = kParts[part[1]].from; y <= kParts[part[1]].to; ++y) {
         for (int z = kParts[part[2]].from; z <= kParts[part[2]].to; ++z) {
-          most = std::max(most, block.values[x << 6 | y << 3 | z]);
+          majorant = std::max(majorant, block.values[x << 6 | y << 3 | z]);
         }
       }
     }
-    raise(cell, cell, most);
+    raise(cell, cell, majorant);
   }
 }
 
@@ -145,14 +145,14 @@ void GridDensity::raise(const std::array<std::int64_t, 3>& first,
   for (std::int64_t z = first[2] - first_[2]; z <= last[2] - first_[2]; ++z) {
     for (std::int64_t y = first[1] - first_[1]; y <= last[1] - first_[1]; ++y) {
       for (std::int64_t x = first[0] - first_[0]; x <= last[0] - first_[0]; ++x) {
-        float& most = most_[static_cast<std::size_t>((z * count_[1] + y) * count_[0] + x)];
-        most = std::max(most, value);
+        float& majorant = majorant_[static_cast<std::size_t>((z * count_[1] + y) * count_[0] + x)];
+        majorant = std::max(majorant, value);
       }
     }
   }
 }
 
-GridBounds::GridBounds(const GridDensity& density, const Ray& ray, float end)
+GridMajorants::GridMajorants(const GridDensity& density, const Ray& ray, float end)
     : density_(&density), end_(end), in_(0.0), out_(static_cast<double>(end)) {
   const GridField& field = density.field_;
   const double size = 1.0 / static_cast<double>(density.cell_);
@@ -173,7 +173,7 @@ GridBounds::GridBounds(const GridDensity& density, const Ray& ray, float end)
 }
 
 // The cell at t, and where its sides are crossed.
-void GridBounds::enter(double t) {
+void GridMajorants::enter(double t) {
   inside_ = true;
   const auto o = coordinates(origin_), d = coordinates(direction_);
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -185,7 +185,7 @@ void GridBounds::enter(double t) {
   }
 }
 
-void GridBounds::step() {
+void GridMajorants::step() {
   const auto next =
       static_cast<std::size_t>(std::ranges::min_element(crossing_) - crossing_.begin());
   const auto o = coordinates(origin_), d = coordinates(direction_);
@@ -198,7 +198,7 @@ void GridBounds::step() {
   crossing_[next] = (side - o[next]) / d[next];
 }
 
-bool GridBounds::advance(BoundSegment& segment) {
+bool GridMajorants::advance(MajorantSegment& segment) {
   if (!(at_ < end_)) return false;
   const float scale = density_->field_.scale();
   const float outside = density_->field_.grid().background() * scale;
@@ -223,7 +223,7 @@ bool GridBounds::advance(BoundSegment& segment) {
     }
     if (to <= at_) continue;
     at_ = std::min(to, end_);
-    segment = {at_, density_->most_[index] * scale};
+    segment = {at_, density_->majorant_[index] * scale};
     return true;
   }
   at_ = end_;

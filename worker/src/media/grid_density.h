@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "math/ray.h"
-#include "media/bounds.h"
 #include "media/float_grid.h"
+#include "media/majorants.h"
 
 namespace nocturne {
 
@@ -41,14 +41,14 @@ class GridField {
   bool nearest_;
 };
 
-class GridBounds;
+class GridMajorants;
 
 class GridDensity {
  public:
-  using Bounds = GridBounds;
+  using Majorants = GridMajorants;
 
-  /// Bounds are kept for cells of `cell` voxels a side, 8 times a power of two; larger ones where
-  /// they would take more than an eighth of the grid's memory (or a megabyte).
+  /// Majorants are kept for cells of `cell` voxels a side, 8 times a power of two; larger ones
+  /// where they would take more than an eighth of the grid's memory (or a megabyte).
   explicit GridDensity(GridField field, std::int64_t cell = 8);
 
   float at(Vec3 p) const { return field_.at(p); }
@@ -56,7 +56,7 @@ class GridDensity {
   std::int64_t cell() const { return cell_; }
 
  private:
-  friend class GridBounds;
+  friend class GridMajorants;
 
   void add(const FloatGrid::Block& block);
   void raise(const std::array<std::int64_t, 3>& first, const std::array<std::int64_t, 3>& last,
@@ -67,7 +67,7 @@ class GridDensity {
   // Of cells: the first, and how many.
   std::array<std::int64_t, 3> first_, count_;
   // Most that the field can be in each cell, without its scale; x fastest.
-  std::vector<float> most_;
+  std::vector<float> majorant_;
 };
 
 /// Walks from cell to cell: Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing",
@@ -75,16 +75,16 @@ class GridDensity {
 ///
 /// Cells know of voxels one beyond those that they interpolate, so that bounds hold where positions
 /// are rounded by less than a voxel.
-class GridBounds {
+class GridMajorants {
  public:
   /// `density` must outlive this.
-  GridBounds(const GridDensity& density, const Ray& ray, float end);
-  bool next(BoundSegment& segment) {
-    return empty_.next(segment, [this](BoundSegment& s) { return advance(s); });
+  GridMajorants(const GridDensity& density, const Ray& ray, float end);
+  bool next(MajorantSegment& segment) {
+    return empty_.next(segment, [this](MajorantSegment& s) { return advance(s); });
   }
 
  private:
-  bool advance(BoundSegment& segment);
+  bool advance(MajorantSegment& segment);
   void enter(double t);
   void step();
 

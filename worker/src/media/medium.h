@@ -6,9 +6,9 @@
 #include <variant>
 
 #include "media/altitude_density.h"
-#include "media/bounds.h"
 #include "media/glow.h"
 #include "media/grid_density.h"
+#include "media/majorants.h"
 #include "spectrum/spectrum.h"
 
 namespace nocturne {

@@ -24,7 +24,7 @@ using Uniform4 = std::array<float, 4>;
 /// A 32-bit fraction as a float in [0, 1): numbers near 0 keep their small steps, those near 1
 /// never round to 1.
 inline float to_unit(std::uint32_t fraction) {
-  return std::min(static_cast<float>(fraction) * 0x1p-32f, kLargestBelowOne);
+  return std::min(static_cast<float>(fraction) * 0x1p-32f, kOneMinusEpsilon);
 }
 
 /// Four at once.
@@ -35,7 +35,7 @@ inline Uniform4 to_unit(__m128i fractions) {
   const __m128 whole = _mm_add_ps(_mm_mul_ps(high, _mm_set1_ps(0x1p16f)), low);
   Uniform4 u;
   _mm_storeu_ps(u.data(), _mm_min_ps(_mm_mul_ps(whole, _mm_set1_ps(0x1p-32f)),
-                                     _mm_set1_ps(kLargestBelowOne)));
+                                     _mm_set1_ps(kOneMinusEpsilon)));
   return u;
 }
 

@@ -13,8 +13,8 @@ namespace {
 // Of normals: surfaces that only cross each other have no area in common.
 constexpr float kParallel = 0.999f;
 // At more grazing incidence the reach along the ray is not that much longer.
-constexpr float kLeastCosine = 1e-3f;
-constexpr std::size_t kMostNear = 24;
+constexpr float kMinCosine = 1e-3f;
+constexpr std::size_t kMaxNear = 24;
 
 // A box at all times, and a bound on the clearance of any hit in it.
 struct Extent {
@@ -87,7 +87,7 @@ bool reaches(const Extent& a, const Extent& b) {
 }
 
 bool is_body(const SurfaceMaterial& material) {
-  return material.interior != SurfaceMaterial::kNone;
+  return material.medium_interface != SurfaceMaterial::kNone;
 }
 
 }  // namespace
@@ -110,10 +110,10 @@ void find_contacts(const Geometry& geometry, std::span<const std::uint32_t> grou
 }
 
 Contacts search_contacts(const Geometry& geometry, std::span<const SurfaceMaterial> materials,
-                         std::span<const Interior> interiors, const Ray& ray, float time,
-                         Hit& hit) {
-  std::array<Hit, kMostNear> near;
-  const float cosine = std::max(kLeastCosine, std::fabs(dot(hit.normal, ray.direction)));
+                         std::span<const MediumInterface> medium_interfaces, const Ray& ray,
+                         float time, Hit& hit) {
+  std::array<Hit, kMaxNear> near;
+  const float cosine = std::max(kMinCosine, std::fabs(dot(hit.normal, ray.direction)));
   const float reach =
       (materials[hit.surface].contact_reach + kClearanceUnits * hit.distance) / cosine;
   std::size_t count = geometry.others_near(ray, time, hit, reach, near);
@@ -130,9 +130,9 @@ Contacts search_contacts(const Geometry& geometry, std::span<const SurfaceMateri
   const auto order = [&](const Hit& h) {
     const SurfaceMaterial& material = materials[h.surface];
     const bool body = is_body(material);
-    const bool dielectric = body && !interiors[material.interior].matched;
+    const bool dielectric = body && !medium_interfaces[material.medium_interface].index_matched;
     const int kind = !body ? 0 : dielectric ? 1 : 2;
-    const std::int64_t priority = body ? interiors[material.interior].priority : 0;
+    const std::int64_t priority = body ? medium_interfaces[material.medium_interface].priority : 0;
     return std::tuple(kind, -priority, h.surface, h.instance, h.primitive);
   };
   const Hit first = hit;
@@ -141,11 +141,11 @@ Contacts search_contacts(const Geometry& geometry, std::span<const SurfaceMateri
   }
   const auto cross = [&](const Hit& h) {
     hit.clearance = std::max(hit.clearance, h.clearance);
-    const std::uint32_t body = materials[h.surface].interior;
+    const std::uint32_t body = materials[h.surface].medium_interface;
     if (body == SurfaceMaterial::kNone) return;
     const Crossing crossing{body, dot(h.normal, ray.direction) < 0.0f};
     // Once at an edge that two triangles share.
-    const bool own = body == materials[hit.surface].interior &&
+    const bool own = body == materials[hit.surface].medium_interface &&
                      crossing.entering == (dot(hit.normal, ray.direction) < 0.0f);
     if (!own) contacts.add(crossing);
   };

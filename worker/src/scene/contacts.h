@@ -21,17 +21,18 @@ void find_contacts(const Geometry& geometry, std::span<const std::uint32_t> grou
 /// What touches a hit. The hit becomes the one that is seen: a surface that bounds no body hides
 /// the bodies' own; of bodies, that of the highest priority.
 Contacts search_contacts(const Geometry& geometry, std::span<const SurfaceMaterial> materials,
-                         std::span<const Interior> interiors, const Ray& ray, float time, Hit& hit);
+                         std::span<const MediumInterface> medium_interfaces, const Ray& ray,
+                         float time, Hit& hit);
 
 /// Most hits are on surfaces that touch nothing.
 inline Contacts contacts_of(const Geometry& geometry, std::span<const SurfaceMaterial> materials,
-                            std::span<const Interior> interiors, const Ray& ray, float time,
-                            Hit& hit) {
+                            std::span<const MediumInterface> medium_interfaces, const Ray& ray,
+                            float time, Hit& hit) {
   if (!(materials[hit.surface].contact_reach > 0.0f)) return {};
-  return search_contacts(geometry, materials, interiors, ray, time, hit);
+  return search_contacts(geometry, materials, medium_interfaces, ray, time, hit);
 }
 inline Contacts contacts_of(const Scene& scene, const Ray& ray, float time, Hit& hit) {
-  return contacts_of(scene.geometry, scene.materials, scene.interiors, ray, time, hit);
+  return contacts_of(scene.geometry, scene.materials, scene.medium_interfaces, ray, time, hit);
 }
 
 }  // namespace nocturne

@@ -17,9 +17,9 @@
 
 namespace nocturne {
 
-/// The inside of a body.
-struct Interior {
-  /// Of refraction; not looked at where matched.
+/// What a body is filled with, behind its boundary.
+struct MediumInterface {
+  /// Of refraction; not looked at where index-matched.
   Spectrum index;
   /// 1/m; not looked at where the body is clear.
   Spectrum absorption;
@@ -27,7 +27,7 @@ struct Interior {
   /// Where bodies overlap, the one with the highest is there.
   std::int32_t priority;
   /// Has the index of what is around it.
-  bool matched = false;
+  bool index_matched = false;
   /// That fill it: indices into the scene's list.
   std::vector<std::uint32_t> media = {};
 };
@@ -35,9 +35,9 @@ struct Interior {
 class InteriorList {
  public:
   static constexpr std::uint32_t kOutside = ~0u;
-  static constexpr std::uint32_t kMostBodies = 0xFFFF;
+  static constexpr std::uint32_t kMaxBodies = 0xFFFF;
   /// Bodies that overlap at one point; a boundary that would make more is not seen.
-  static constexpr std::size_t kMost = 7;
+  static constexpr std::size_t kMax = 7;
 
   bool empty() const { return count_ == 0; }
 
@@ -48,26 +48,27 @@ class InteriorList {
   }
 
   /// The dielectric body that is there: highest priority, of equals the one entered first.
-  std::uint32_t current(std::span<const Interior> interiors) const {
+  std::uint32_t current(std::span<const MediumInterface> medium_interfaces) const {
     std::uint32_t best = kOutside;
     for (std::size_t i = 0; i < count_; ++i) {
-      const Interior& body = interiors[body_[i]];
-      if (body.matched) continue;
-      if (best == kOutside || body.priority > interiors[best].priority) best = body_[i];
+      const MediumInterface& body = medium_interfaces[body_[i]];
+      if (body.index_matched) continue;
+      if (best == kOutside || body.priority > medium_interfaces[best].priority) best = body_[i];
     }
     return best;
   }
 
-  /// f(interior) for every body that is there: the dielectric, and the matched ones that it does
-  /// not keep out.
+  /// f(medium interface) for every body that is there: the dielectric, and the index-matched ones
+  /// that it does not keep out.
   template <class F>
-  void for_each_present(std::span<const Interior> interiors, const F& f) const {
-    const std::uint32_t dielectric = current(interiors);
+  void for_each_present(std::span<const MediumInterface> medium_interfaces, const F& f) const {
+    const std::uint32_t dielectric = current(medium_interfaces);
     for (std::size_t i = 0; i < count_; ++i) {
-      const Interior& body = interiors[body_[i]];
+      const MediumInterface& body = medium_interfaces[body_[i]];
       const bool there =
-          body.matched ? dielectric == kOutside || body.priority > interiors[dielectric].priority
-                       : body_[i] == dielectric;
+          body.index_matched
+              ? dielectric == kOutside || body.priority > medium_interfaces[dielectric].priority
+              : body_[i] == dielectric;
       if (there) f(body);
     }
   }
@@ -77,7 +78,7 @@ class InteriorList {
   }
 
   void enter(std::uint32_t body) {
-    if (count_ < kMost) body_[count_++] = static_cast<std::uint16_t>(body);
+    if (count_ < kMax) body_[count_++] = static_cast<std::uint16_t>(body);
   }
 
   /// Nothing happens where the photon is not inside.
@@ -91,7 +92,7 @@ class InteriorList {
   }
 
  private:
-  std::array<std::uint16_t, kMost> body_;
+  std::array<std::uint16_t, kMax> body_;
   std::uint16_t count_ = 0;
 };
 
@@ -111,7 +112,7 @@ struct Crossing {
 /// What else is crossed in the same place.
 class Contacts {
  public:
-  static constexpr std::size_t kMost = 8;
+  static constexpr std::size_t kMax = 8;
 
   Contacts() {}  // what is not there need not be zero
 
@@ -124,26 +125,27 @@ class Contacts {
     const bool known = std::any_of(begin(), end(), [&](const Crossing& c) {
       return c.body == crossing.body && c.entering == crossing.entering;
     });
-    if (!known && count_ < kMost) all_[count_++] = crossing;
+    if (!known && count_ < kMax) all_[count_++] = crossing;
   }
 
  private:
-  std::array<Crossing, kMost> all_;
+  std::array<Crossing, kMax> all_;
   std::size_t count_ = 0;
 };
 
 /// `own` is empty for a surface that bounds no body. What is entered is there before what is left
 /// is gone: nothing lies between bodies that touch.
-inline Boundary cross_boundary(const InteriorList& inside, std::span<const Interior> interiors,
+inline Boundary cross_boundary(const InteriorList& inside,
+                               std::span<const MediumInterface> medium_interfaces,
                                std::optional<Crossing> own, const Contacts& contacts) {
-  Boundary boundary{inside.current(interiors), 0, inside};
+  Boundary boundary{inside.current(medium_interfaces), 0, inside};
   const auto enter = [&](const Crossing& c) {
     if (c.entering) boundary.beyond.enter(c.body);
   };
   const auto leave = [&](const Crossing& c) {
     if (c.entering) return;
     // A photon that leaves what it never entered started inside, in an open shape.
-    if (boundary.from == InteriorList::kOutside && !interiors[c.body].matched &&
+    if (boundary.from == InteriorList::kOutside && !medium_interfaces[c.body].index_matched &&
         !boundary.beyond.holds(c.body)) {
       boundary.from = c.body;
     }
@@ -153,7 +155,7 @@ inline Boundary cross_boundary(const InteriorList& inside, std::span<const Inter
   for (const Crossing& c : contacts) enter(c);
   if (own) leave(*own);
   for (const Crossing& c : contacts) leave(c);
-  boundary.to = boundary.beyond.current(interiors);
+  boundary.to = boundary.beyond.current(medium_interfaces);
   return boundary;
 }
 

@@ -11,7 +11,7 @@ namespace nocturne {
 namespace {
 
 // 64 M numbers, and room for what stands before them.
-constexpr std::uintmax_t kMostTableBytes = (256u << 20) + (1u << 20);
+constexpr std::uintmax_t kMaxTableBytes = (256u << 20) + (1u << 20);
 
 class KernelLoader {
  public:
@@ -45,7 +45,7 @@ class KernelLoader {
         return Phong{colour(message.phong().reflectance()), static_cast<float>(exponent)};
       }
       case v1::Kernel::kPassage:
-        return Passage{};
+        return NullKernel{};
       case v1::Kernel::kBlend:
         return blend(message.blend());
       case v1::Kernel::MODEL_NOT_SET:
@@ -80,7 +80,7 @@ class KernelLoader {
     auto& table = tables_[sha256];
     if (table) return table;
     BlobFile file(context_.find_blob, sha256, "a measured table");
-    require(file.size() <= kMostTableBytes, "a measured table that is too large");
+    require(file.size() <= kMaxTableBytes, "a measured table that is too large");
     table = std::make_shared<const MeasuredTable>(file.read<std::byte>(file.size()));
     return table;
   }
@@ -96,25 +96,25 @@ bool anisotropic(const v1::Roughness& roughness) {
          roughness.alpha_u().constant() != roughness.alpha_v().constant();
 }
 
-bool gathers(const v1::Roughness& roughness) {
-  constexpr double kMostAlpha = 0.3;
+bool is_specular_like(const v1::Roughness& roughness) {
+  constexpr double kMaxAlpha = 0.3;
   return !varies(roughness.alpha_u()) && !varies(roughness.alpha_v()) &&
-         std::max(roughness.alpha_u().constant(), roughness.alpha_v().constant()) <= kMostAlpha;
+         std::max(roughness.alpha_u().constant(), roughness.alpha_v().constant()) <= kMaxAlpha;
 }
 
-bool gathers(const v1::CompiledScene& message, const v1::Kernel& kernel) {
+bool is_specular_like(const v1::CompiledScene& message, const v1::Kernel& kernel) {
   // As narrow as a microfacet's lobe at the same limit: n = 2 / alpha^2 - 2.
-  constexpr double kLeastExponent = 20.0;
+  constexpr double kMinExponent = 20.0;
   switch (kernel.model_case()) {
     case v1::Kernel::kConductor:
-      return gathers(kernel.conductor().roughness());
+      return is_specular_like(kernel.conductor().roughness());
     case v1::Kernel::kDielectric:
-      return gathers(kernel.dielectric().roughness());
+      return is_specular_like(kernel.dielectric().roughness());
     case v1::Kernel::kPhong:
-      return kernel.phong().exponent() >= kLeastExponent;
+      return kernel.phong().exponent() >= kMinExponent;
     case v1::Kernel::kBlend:
       return std::ranges::all_of(kernel.blend().parts(), [&](const v1::Blend::Part& part) {
-        return gathers(message, message.kernels(static_cast<int>(part.kernel())));
+        return is_specular_like(message, message.kernels(static_cast<int>(part.kernel())));
       });
     default:
       return false;
@@ -136,11 +136,12 @@ std::vector<AnyKernel> load_kernels(const LoadContext& context) {
   return kernels;
 }
 
-bool may_be_clear(const std::vector<AnyKernel>& kernels, std::uint32_t index) {
+bool has_delta_lobe(const std::vector<AnyKernel>& kernels, std::uint32_t index) {
   const AnyKernel& kernel = kernels[index];
   if (const auto* blend = std::get_if<Blend>(&kernel)) {
-    return std::ranges::any_of(
-        blend->parts, [&](const Blend::Part& part) { return may_be_clear(kernels, part.kernel); });
+    return std::ranges::any_of(blend->parts, [&](const Blend::Part& part) {
+      return has_delta_lobe(kernels, part.kernel);
+    });
   }
   return !(std::holds_alternative<Lambertian>(kernel) ||
            std::holds_alternative<DiffuseTransmitter>(kernel) ||
@@ -155,15 +156,15 @@ bool may_pass(const std::vector<AnyKernel>& kernels, std::uint32_t index) {
   }
   return std::holds_alternative<DiffuseTransmitter>(kernel) ||
          std::holds_alternative<Dielectric>(kernel) || std::holds_alternative<ThinPane>(kernel) ||
-         std::holds_alternative<Passage>(kernel);
+         std::holds_alternative<NullKernel>(kernel);
 }
 
-std::vector<bool> load_gathering(const v1::CompiledScene& message, std::size_t kernels) {
-  std::vector<bool> gathering(kernels, false);
+std::vector<bool> load_specular_like(const v1::CompiledScene& message, std::size_t kernels) {
+  std::vector<bool> by_kernel(kernels, false);
   for (int i = 0; i < message.kernels_size(); ++i) {
-    gathering[static_cast<std::size_t>(i)] = gathers(message, message.kernels(i));
+    by_kernel[static_cast<std::size_t>(i)] = is_specular_like(message, message.kernels(i));
   }
-  return gathering;
+  return by_kernel;
 }
 
 bool needs_detail(const v1::CompiledScene& message, std::uint32_t index) {

@@ -9,15 +9,15 @@ namespace nocturne {
 
 std::vector<AnyKernel> load_kernels(const LoadContext& context);
 
-/// Whether photons may pass it or be mirrored without being spread.
-bool may_be_clear(const std::vector<AnyKernel>& kernels, std::uint32_t index);
+/// Whether it has a delta lobe: photons may pass it or be mirrored.
+bool has_delta_lobe(const std::vector<AnyKernel>& kernels, std::uint32_t index);
 /// Photons may go through.
 bool may_pass(const std::vector<AnyKernel>& kernels, std::uint32_t index);
 
 /// For so many kernels, of which the message's are the first: whether light that it sends on stays
 /// together, so that what it falls on is better found from the luminaires: glass, mirrors and the
 /// like, roughness up to 0.3.
-std::vector<bool> load_gathering(const v1::CompiledScene& message, std::size_t kernels);
+std::vector<bool> load_specular_like(const v1::CompiledScene& message, std::size_t kernels);
 
 /// Whether it varies over the surface or tells directions around the normal apart.
 bool needs_detail(const v1::CompiledScene& message, std::uint32_t index);

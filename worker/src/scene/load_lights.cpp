@@ -16,7 +16,7 @@ namespace nocturne {
 namespace {
 
 // Of a texture: finite.
-constexpr float kMostRadiance = std::numeric_limits<float>::max();
+constexpr float kMaxRadiance = std::numeric_limits<float>::max();
 
 // Where a surface stands: once in the scene, or in each instance of its group.
 template <class Use>
@@ -155,8 +155,8 @@ Elements important_elements(const LoadContext& context) {
 }
 
 EnvironmentMap load_map(const LoadContext& context, const v1::EnvironmentMap& message) {
-  require(message.columns() > 0 && message.columns() <= EnvironmentMap::kMostColumns &&
-              message.rows() > 0 && message.rows() <= EnvironmentMap::kMostRows,
+  require(message.columns() > 0 && message.columns() <= EnvironmentMap::kMaxColumns &&
+              message.rows() > 0 && message.rows() <= EnvironmentMap::kMaxRows,
           "an environment map without texels or with too many");
   const std::size_t count = std::size_t{message.columns()} * message.rows();
   BlobFile file(context.find_blob, message.blob(), "an environment map");
@@ -205,7 +205,7 @@ std::vector<Luminaire> load_luminaires(const LoadContext& context, const Geometr
     const bool instanced =
         context.message.surfaces(static_cast<int>(message.surface())).group() != 0;
     luminaires.push_back(checked([&] {
-      return Luminaire(message.surface(), load_colour(context, message.radiance(), kMostRadiance),
+      return Luminaire(message.surface(), load_colour(context, message.radiance(), kMaxRadiance),
                        message.two_sided(),
                        load_profile(message, geometry.shapes()[message.surface()], instanced));
     }));
@@ -260,12 +260,10 @@ PhotonEmitter load_emitter(const std::vector<Luminaire>& luminaires, const Light
   return emitter;
 }
 
-std::vector<InteriorList> load_luminaires_inside(const std::vector<Luminaire>& luminaires,
-                                                 const Geometry& geometry,
-                                                 const std::vector<std::uint32_t>& groups,
-                                                 const std::vector<SurfaceMaterial>& materials,
-                                                 const std::vector<Interior>& interiors,
-                                                 const InteriorList& everywhere) {
+std::vector<InteriorList> load_luminaires_inside(
+    const std::vector<Luminaire>& luminaires, const Geometry& geometry,
+    const std::vector<std::uint32_t>& groups, const std::vector<SurfaceMaterial>& materials,
+    const std::vector<MediumInterface>& medium_interfaces, const InteriorList& everywhere) {
   std::vector<InteriorList> inside;
   for (const Luminaire& luminaire : luminaires) {
     const Shape& shape = geometry.shapes()[luminaire.surface];
@@ -289,7 +287,7 @@ std::vector<InteriorList> load_luminaires_inside(const std::vector<Luminaire>& l
             {static_cast<float>(s.x), static_cast<float>(s.y), static_cast<float>(s.z + s.radius)});
       }
       list = bodies_around(point + 1e-5f * std::max(max_abs(point), 1e-3f) * normal, geometry,
-                           materials, interiors, everywhere);
+                           materials, medium_interfaces, everywhere);
     });
     inside.push_back(list);
   }

@@ -23,11 +23,9 @@ PhotonEmitter load_emitter(const std::vector<Luminaire>& luminaires, const Light
                            const Geometry& geometry, const std::vector<std::uint32_t>& groups);
 
 /// A point just outside each luminaire, where its photons start.
-std::vector<InteriorList> load_luminaires_inside(const std::vector<Luminaire>& luminaires,
-                                                 const Geometry& geometry,
-                                                 const std::vector<std::uint32_t>& groups,
-                                                 const std::vector<SurfaceMaterial>& materials,
-                                                 const std::vector<Interior>& interiors,
-                                                 const InteriorList& everywhere);
+std::vector<InteriorList> load_luminaires_inside(
+    const std::vector<Luminaire>& luminaires, const Geometry& geometry,
+    const std::vector<std::uint32_t>& groups, const std::vector<SurfaceMaterial>& materials,
+    const std::vector<MediumInterface>& medium_interfaces, const InteriorList& everywhere);
 
 }  // namespace nocturne

@@ -13,9 +13,9 @@ namespace {
 using Shape = decltype(Phase::shape);
 
 Shape load_tabulated(const v1::TabulatedPhase& message) {
-  require(message.wavelengths_size() <= static_cast<int>(TabulatedPhase::kMostWavelengths) &&
-              message.cosines_size() <= static_cast<int>(TabulatedPhase::kMostCosines) &&
-              message.values_size() <= static_cast<int>(TabulatedPhase::kMostValues),
+  require(message.wavelengths_size() <= static_cast<int>(TabulatedPhase::kMaxWavelengths) &&
+              message.cosines_size() <= static_cast<int>(TabulatedPhase::kMaxCosines) &&
+              message.values_size() <= static_cast<int>(TabulatedPhase::kMaxValues),
           "a phase function with too many values");
   return TabulatedPhase({message.wavelengths().begin(), message.wavelengths().end()},
                         {message.cosines().begin(), message.cosines().end()},

@@ -91,7 +91,7 @@ TriangleMesh read(const std::filesystem::path& path, const Counts& counts) {
 TriangleMesh load_mesh(const v1::Mesh& message, const FindBlob& find_blob) {
   const std::string name = blob_name(message.blob());
   const Checks checks(name);
-  checks.require(message.time_steps() <= kMostTimeSteps, "has more than 129 time steps");
+  checks.require(message.time_steps() <= kMaxTimeSteps, "has more than 129 time steps");
   const Counts counts(message);
   checks.require(counts.vertices > 0 && counts.triangles > 0, "is empty");
   const auto path = find_blob(name);

@@ -18,10 +18,10 @@ namespace {
 
 constexpr std::uint32_t kFormat = 2;
 // Of one spectrum, so that a scene's size says how much work it makes.
-constexpr int kMostLines = 10'000;
+constexpr int kMaxLines = 10'000;
 
 Lines load_lines(const v1::Spectrum& message) {
-  require(message.lines_size() <= kMostLines, "a spectrum with more than 10000 lines");
+  require(message.lines_size() <= kMaxLines, "a spectrum with more than 10000 lines");
   std::vector<Line> lines;
   for (const auto& line : message.lines()) {
     lines.push_back({finite(line.centre_nm(), "a line's centre"),
@@ -110,7 +110,7 @@ TracingOptions load_tracing(const v1::Tracing& t, bool no_lights) {
       "a sample sequence that this program doesn't know");
   require(t.roulette() == v1::ROULETTE_WEIGHT || t.roulette() == v1::ROULETTE_ALBEDO,
           "a roulette that this program doesn't know");
-  require(t.split_vertices() <= TracingOptions::kMostSplitVertices,
+  require(t.split_vertices() <= TracingOptions::kMaxSplitVertices,
           "more than 8 vertices that split");
   require(t.group() == 1 || t.group() == 4 || t.group() == 8,
           "a group of photons that is not 1, 4 or 8");
@@ -149,10 +149,11 @@ bool fills_space_evenly(const Medium& medium) {
 }
 
 // Photons can wander through it for ever. It hides all distant light; a glow would be everywhere.
-bool in_fog_without_end(const InteriorList& everywhere, const std::vector<Interior>& interiors,
+bool in_fog_without_end(const InteriorList& everywhere,
+                        const std::vector<MediumInterface>& medium_interfaces,
                         const std::vector<Medium>& media) {
   bool even = false, glows = false;
-  everywhere.for_each_present(interiors, [&](const Interior& body) {
+  everywhere.for_each_present(medium_interfaces, [&](const MediumInterface& body) {
     for (const std::uint32_t medium : body.media) {
       even = even || fills_space_evenly(media[medium]);
       glows = glows || media[medium].glow;
@@ -163,9 +164,9 @@ bool in_fog_without_end(const InteriorList& everywhere, const std::vector<Interi
 
 std::optional<Geometry::Ball> find_all_in_fog(const Geometry& geometry, Vec3 sensor,
                                               const InteriorList& everywhere,
-                                              const std::vector<Interior>& interiors,
+                                              const std::vector<MediumInterface>& medium_interfaces,
                                               const std::vector<Medium>& media) {
-  if (!in_fog_without_end(everywhere, interiors, media)) return std::nullopt;
+  if (!in_fog_without_end(everywhere, medium_interfaces, media)) return std::nullopt;
   if (geometry.shapes().empty()) return Geometry::Ball{sensor, 0.0f};
   Geometry::Ball ball = geometry.bounds();
   ball.radius = std::max(ball.radius, length(sensor - ball.centre));
@@ -185,7 +186,7 @@ std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message,
   auto kernels = load_kernels(context);
   LoadedShapes loaded = load_shapes(context);
   auto materials = load_materials(context, kernels, loaded.shapes);
-  auto interiors = load_interiors(context);
+  auto medium_interfaces = load_medium_interfaces(context);
   const InteriorList everywhere = load_unbounded(context);
   return checked([&] {
     Geometry geometry(std::move(loaded.shapes), loaded.groups, std::move(loaded.instances));
@@ -195,12 +196,12 @@ std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message,
     auto lights = load_light_directions(context, luminaires, geometry, loaded.groups);
     const TracingOptions options = load_tracing(message.tracing(), lights.empty());
     auto sensor = load_sensor(message.sensor());
-    const InteriorList sensor_inside =
-        bodies_around(sensor_start(message.sensor()), geometry, materials, interiors, everywhere);
+    const InteriorList sensor_inside = bodies_around(sensor_start(message.sensor()), geometry,
+                                                     materials, medium_interfaces, everywhere);
     PhotonEmitter emitter;
     std::vector<InteriorList> luminaires_inside;
     if (options.direction == Direction::kForward) {
-      require(sensor.receives_segments() || sensor.receives_escapes(),
+      require(sensor.splats_segments() || sensor.receives_escapes(),
               "forward photons need a plane or an intensity sensor");
       // What a sensor on the way counts must not depend on where photons beyond it went.
       require(media.empty() || options.group == 1, "forward photons in groups through media");
@@ -210,18 +211,18 @@ std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message,
     if (options.direction != Direction::kAdjoint) {
       emitter = load_emitter(luminaires, lights, geometry, loaded.groups);
       luminaires_inside = load_luminaires_inside(luminaires, geometry, loaded.groups, materials,
-                                                 interiors, everywhere);
+                                                 medium_interfaces, everywhere);
     }
-    auto gathering = load_gathering(message, kernels.size());
+    auto specular_like = load_specular_like(message, kernels.size());
     const float near_sensor = kNearSensor * geometry.bounds().radius;
-    const auto all_in_fog =
-        find_all_in_fog(geometry, sensor_start(message.sensor()), everywhere, interiors, media);
+    const auto all_in_fog = find_all_in_fog(geometry, sensor_start(message.sensor()), everywhere,
+                                            medium_interfaces, media);
     return std::shared_ptr<const Scene>(
         new Scene{std::move(geometry), std::move(materials), std::move(kernels),
-                  std::move(interiors), std::move(media), load_reliefs(context),
+                  std::move(medium_interfaces), std::move(media), load_bump_maps(context),
                   std::move(luminaires), std::move(lights), std::move(emitter), std::move(sensor),
                   load_wavelengths(message.sensor()), options, sensor_inside,
-                  std::move(luminaires_inside), all_in_fog, std::move(gathering), near_sensor});
+                  std::move(luminaires_inside), all_in_fog, std::move(specular_like), near_sensor});
   });
 }
 

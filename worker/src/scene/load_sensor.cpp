@@ -6,9 +6,9 @@ namespace nocturne {
 namespace {
 
 // Partials would be too large to hand over.
-constexpr int kMostFurtherResponses = 60;
+constexpr int kMaxFurtherResponses = 60;
 // Three for each of many lines.
-constexpr int kMostKnots = 100'000;
+constexpr int kMaxKnots = 100'000;
 
 template <class PoseMessage>
 Pose pose(const PoseMessage& message) {
@@ -58,8 +58,7 @@ std::vector<float> curve(const google::protobuf::RepeatedField<float>& values) {
 }
 
 DensityTable load_density(const v1::Sensor& s) {
-  require(s.wavelength_knots_size() <= kMostKnots,
-          "a wavelength density of more than 100000 knots");
+  require(s.wavelength_knots_size() <= kMaxKnots, "a wavelength density of more than 100000 knots");
   DensityTable table{{}, {s.wavelength_density().begin(), s.wavelength_density().end()}};
   for (const double nm : s.wavelength_knots()) table.knots_nm.push_back(finite(nm, "a wavelength"));
   return table;
@@ -79,7 +78,7 @@ WavelengthSampler load_wavelengths(const v1::Sensor& s) {
   require(s.wavelength_sampling() == v1::WAVELENGTH_SAMPLING_RESPONSE ||
               s.wavelength_sampling() == v1::WAVELENGTH_SAMPLING_UNIFORM,
           "a wavelength sampling that this program doesn't know");
-  require(s.further_responses_size() <= kMostFurtherResponses, "more than 60 further responses");
+  require(s.further_responses_size() <= kMaxFurtherResponses, "more than 60 further responses");
   ResponseCurves curves{finite(s.response_first_nm(), "a wavelength"),
                         finite(s.response_step_nm(), "a wavelength step"),
                         curve(s.response_x()),

@@ -80,31 +80,32 @@ LoadedShapes load_shapes(const LoadContext& context) {
   return loaded;
 }
 
-std::vector<Interior> load_interiors(const LoadContext& context) {
+std::vector<MediumInterface> load_medium_interfaces(const LoadContext& context) {
   const auto& message = context.message;
-  require(message.interiors_size() <= static_cast<int>(InteriorList::kMostBodies),
-          "more interiors than 65535");
-  std::vector<Interior> interiors;
+  require(message.interiors_size() <= static_cast<int>(InteriorList::kMaxBodies),
+          "more medium_interfaces than 65535");
+  std::vector<MediumInterface> medium_interfaces;
   for (const auto& interior : message.interiors()) {
     const bool absorbs = interior.has_absorption();
-    interiors.push_back({interior.matched() ? Spectrum(1.0f) : context.spectrum(interior.index()),
-                         absorbs ? context.spectrum(interior.absorption()) : Spectrum(0.0f),
-                         absorbs,
-                         interior.priority(),
-                         interior.matched(),
-                         {interior.media().begin(), interior.media().end()}});
-    require(interiors.back().index.least() >= 1e-3f, "an index of refraction below 0.001");
-    for (const std::uint32_t medium : interiors.back().media) {
+    medium_interfaces.push_back(
+        {interior.matched() ? Spectrum(1.0f) : context.spectrum(interior.index()),
+         absorbs ? context.spectrum(interior.absorption()) : Spectrum(0.0f),
+         absorbs,
+         interior.priority(),
+         interior.matched(),
+         {interior.media().begin(), interior.media().end()}});
+    require(medium_interfaces.back().index.least() >= 1e-3f, "an index of refraction below 0.001");
+    for (const std::uint32_t medium : medium_interfaces.back().media) {
       require(medium < static_cast<std::uint32_t>(message.media_size()),
               "a medium index out of range");
     }
   }
-  return interiors;
+  return medium_interfaces;
 }
 
 InteriorList load_unbounded(const LoadContext& context) {
   const auto& message = context.message;
-  require(message.unbounded_interiors_size() <= static_cast<int>(InteriorList::kMost),
+  require(message.unbounded_interiors_size() <= static_cast<int>(InteriorList::kMax),
           "more than 7 unbounded interiors");
   InteriorList everywhere;
   for (const std::uint32_t body : message.unbounded_interiors()) {
@@ -117,23 +118,23 @@ InteriorList load_unbounded(const LoadContext& context) {
   return everywhere;
 }
 
-std::vector<Relief> load_reliefs(const LoadContext& context) {
-  std::vector<Relief> reliefs;
+std::vector<BumpMap> load_bump_maps(const LoadContext& context) {
+  std::vector<BumpMap> bump_maps;
   for (const auto& surface : context.message.surfaces()) {
     if (surface.has_normal_map()) {
-      reliefs.push_back(Relief::of_normals(load_texture_use(context, surface.normal_map(), 3)));
+      bump_maps.push_back(BumpMap::of_normals(load_texture_use(context, surface.normal_map(), 3)));
     } else if (surface.has_bump_map()) {
-      reliefs.push_back(Relief::of_heights(load_texture_use(context, surface.bump_map(), 1)));
+      bump_maps.push_back(BumpMap::of_heights(load_texture_use(context, surface.bump_map(), 1)));
     }
   }
-  return reliefs;
+  return bump_maps;
 }
 
 std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
                                             const std::vector<AnyKernel>& kernels,
                                             const std::vector<Shape>& shapes) {
   std::vector<SurfaceMaterial> materials;
-  std::uint32_t reliefs = 0;
+  std::uint32_t bump_maps = 0;
   for (const auto& surface : context.message.surfaces()) {
     SurfaceMaterial material;
     material.front_kernel = checked_kernel(context.message, surface.kernel());
@@ -143,19 +144,20 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
     if (surface.has_interior()) {
       require(surface.interior() < static_cast<std::uint32_t>(context.message.interiors_size()),
               "an interior index out of range");
-      material.interior = surface.interior();
+      material.medium_interface = surface.interior();
     }
-    if (surface.has_normal_map() || surface.has_bump_map()) material.relief = reliefs++;
-    material.unseen = surface.has_interior() &&
-                      context.message.interiors(static_cast<int>(surface.interior())).matched() &&
-                      std::holds_alternative<Passage>(kernels[material.front_kernel]) &&
-                      std::holds_alternative<Passage>(kernels[material.back_kernel]);
-    material.may_be_clear =
-        may_be_clear(kernels, material.front_kernel) || may_be_clear(kernels, material.back_kernel);
+    if (surface.has_normal_map() || surface.has_bump_map()) material.bump_map = bump_maps++;
+    material.index_matched_only =
+        surface.has_interior() &&
+        context.message.interiors(static_cast<int>(surface.interior())).matched() &&
+        std::holds_alternative<NullKernel>(kernels[material.front_kernel]) &&
+        std::holds_alternative<NullKernel>(kernels[material.back_kernel]);
+    material.has_delta_lobe = has_delta_lobe(kernels, material.front_kernel) ||
+                              has_delta_lobe(kernels, material.back_kernel);
     material.may_pass =
         may_pass(kernels, material.front_kernel) || may_pass(kernels, material.back_kernel);
     const auto* mesh = std::get_if<TriangleMesh>(&shapes[materials.size()]);
-    material.needs_detail = material.relief != SurfaceMaterial::kNone ||
+    material.needs_detail = material.bump_map != SurfaceMaterial::kNone ||
                             (mesh != nullptr && !mesh->normals.empty()) ||
                             needs_detail(context.message, material.front_kernel) ||
                             needs_detail(context.message, material.back_kernel);
@@ -166,8 +168,9 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
 
 InteriorList bodies_around(Vec3 position, const Geometry& geometry,
                            const std::vector<SurfaceMaterial>& materials,
-                           const std::vector<Interior>& interiors, const InteriorList& everywhere) {
-  constexpr int kMostSurfaces = 10'000;
+                           const std::vector<MediumInterface>& medium_interfaces,
+                           const InteriorList& everywhere) {
+  constexpr int kMaxSurfaces = 10'000;
   // No axis, no diagonal: few scenes have edges there.
   Ray ray{position, normalized(Vec3{0.5317f, 0.7621f, 0.3694f})};
   std::vector<std::uint32_t> entered, left;
@@ -181,13 +184,13 @@ InteriorList bodies_around(Vec3 position, const Geometry& geometry,
       left.push_back(crossing.body);
     }
   };
-  for (int i = 0; i < kMostSurfaces; ++i) {
+  for (int i = 0; i < kMaxSurfaces; ++i) {
     auto hit = geometry.intersect(ray, 0.0f);
     if (!hit) break;
-    const Contacts contacts = contacts_of(geometry, materials, interiors, ray, 0.0f, *hit);
+    const Contacts contacts = contacts_of(geometry, materials, medium_interfaces, ray, 0.0f, *hit);
     ray.origin = leave_surface(*hit, ray.direction);
     std::ranges::for_each(contacts, cross);
-    const std::uint32_t body = materials[hit->surface].interior;
+    const std::uint32_t body = materials[hit->surface].medium_interface;
     if (body != SurfaceMaterial::kNone) cross({body, dot(hit->normal, ray.direction) < 0.0f});
   }
   InteriorList inside = everywhere;

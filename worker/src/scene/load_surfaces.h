@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "scene/bump_map.h"
 #include "scene/interior_list.h"
 #include "scene/load_context.h"
-#include "scene/relief.h"
 #include "scene/scene.h"
 #include "surfaces/instance.h"
 #include "surfaces/shapes.h"
@@ -22,10 +22,10 @@ LoadedShapes load_shapes(const LoadContext& context);
 TriangleMesh load_quad(const v1::Quad& message);
 Sphere load_sphere(const v1::Sphere& message);
 
-std::vector<Interior> load_interiors(const LoadContext& context);
+std::vector<MediumInterface> load_medium_interfaces(const LoadContext& context);
 /// The bodies that all of space is inside of.
 InteriorList load_unbounded(const LoadContext& context);
-std::vector<Relief> load_reliefs(const LoadContext& context);
+std::vector<BumpMap> load_bump_maps(const LoadContext& context);
 
 /// By surface. Luminaires are set by their own loader.
 std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
@@ -36,6 +36,7 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
 /// leaves.
 InteriorList bodies_around(Vec3 position, const Geometry& geometry,
                            const std::vector<SurfaceMaterial>& materials,
-                           const std::vector<Interior>& interiors, const InteriorList& everywhere);
+                           const std::vector<MediumInterface>& medium_interfaces,
+                           const InteriorList& everywhere);
 
 }  // namespace nocturne

@@ -44,7 +44,7 @@ std::vector<Texture> load_textures(const v1::CompiledScene& message, const FindB
 std::shared_ptr<const RgbSpectra> load_rgb_table(const v1::RgbTable& message,
                                                  const FindBlob& find_blob) {
   const std::size_t n = message.resolution();
-  require(n >= RgbSpectra::kLeastResolution && n <= RgbSpectra::kMostResolution,
+  require(n >= RgbSpectra::kMinResolution && n <= RgbSpectra::kMaxResolution,
           "an RGB table of a resolution outside [2, 64]");
   const std::size_t count = 3 * n * n * n;
   BlobFile file(find_blob, message.blob(), "an RGB table");

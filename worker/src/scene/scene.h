@@ -11,8 +11,8 @@
 #include "luminaires/photon_emitter.h"
 #include "media/medium.h"
 #include "sampling/sequence.h"
+#include "scene/bump_map.h"
 #include "scene/interior_list.h"
-#include "scene/relief.h"
 #include "scene/tracing_options.h"
 #include "sensors/sensor.h"
 #include "sensors/wavelengths.h"
@@ -27,14 +27,14 @@ struct SurfaceMaterial {
   /// For photons from the side that the normal points to, and from the other.
   std::uint32_t front_kernel = 0, back_kernel = 0;
   std::uint32_t luminaire = kNone;
-  std::uint32_t interior = kNone;
-  std::uint32_t relief = kNone;
-  /// Photons may pass or be mirrored without being spread.
-  bool may_be_clear = false;
+  std::uint32_t medium_interface = kNone;
+  std::uint32_t bump_map = kNone;
+  /// One of its kernels has a delta lobe: photons may pass or be mirrored.
+  bool has_delta_lobe = false;
   /// Photons may go through.
   bool may_pass = false;
-  /// Bounds a matched body and does nothing else.
-  bool unseen = false;
+  /// Bounds an index-matched body and does nothing else.
+  bool index_matched_only = false;
   /// How far from a hit, along the normal, what touches it is looked for, m; 0 where nothing does
   /// (contacts.h).
   float contact_reach = 0.0f;
@@ -47,9 +47,9 @@ struct Scene {
   /// By surface; then by medium, as a hit on a medium is one on a surface of its own.
   std::vector<SurfaceMaterial> materials;
   std::vector<AnyKernel> kernels;
-  std::vector<Interior> interiors;
+  std::vector<MediumInterface> medium_interfaces;
   std::vector<Medium> media;
-  std::vector<Relief> reliefs;
+  std::vector<BumpMap> bump_maps;
   std::vector<Luminaire> luminaires;
   LightDirections lights;
   /// Empty unless the direction is forward.
@@ -62,9 +62,9 @@ struct Scene {
   std::vector<InteriorList> luminaires_inside;
   /// Holds all that photons can end at, where fog without end hides what is beyond it.
   std::optional<Geometry::Ball> all_in_fog;
-  /// By kernel: whether it gathers light (load_kernels.h). What spreads light closer to the sensor
-  /// than near_sensor, m, is left to photons from there. Both are for Direction::kBoth.
-  std::vector<bool> gathering;
+  /// By kernel: whether it is specular-like (load_kernels.h). What scatters light closer to the
+  /// sensor than near_sensor, m, is left to photons from there. Both are for Direction::kBoth.
+  std::vector<bool> specular_like;
   float near_sensor = 0.0f;
 
   bool has_distant_light() const { return lights.environment() || !lights.discs().empty(); }
@@ -105,7 +105,7 @@ struct Scene {
   Spectral<N> transmittance(const InteriorList& inside, float distance,
                             const Spectral<N>& wavelengths_nm) const {
     Spectral<N> left = 1.0f;
-    inside.for_each_present(interiors, [&](const Interior& body) {
+    inside.for_each_present(medium_interfaces, [&](const MediumInterface& body) {
       if (!body.absorbs) return;
       left *= each([distance](float a) { return std::exp(-a * distance); },
                    body.absorption(wavelengths_nm));

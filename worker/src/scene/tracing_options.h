@@ -1,4 +1,4 @@
-// How photons are traced. None of it changes what an image converges to, but for maximum_depth.
+// How photons are traced. None of it changes what an image converges to, but for max_depth.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@ enum class Direction {
 };
 
 struct TracingOptions {
-  static constexpr std::uint32_t kMostSplitVertices = 8;
+  static constexpr std::uint32_t kMaxSplitVertices = 8;
   /// A photon caught in clear glass never ends by itself. After so many surfaces it survives each
   /// further one with this probability, and carries as much more: no bias, whatever the depth.
   static constexpr std::uint32_t kManyBounces = 1000;
@@ -46,7 +46,7 @@ struct TracingOptions {
   /// Vertices before roulette starts.
   std::uint32_t roulette_after;
   /// Interactions after which it is absorbed; what it passes straight through does not count.
-  std::uint32_t maximum_depth;
+  std::uint32_t max_depth;
   MixtureWeights mixture;
   Estimator estimator;
   /// Vertices that split.

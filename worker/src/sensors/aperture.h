@@ -14,7 +14,7 @@ namespace nocturne {
 
 class Aperture {
  public:
-  static constexpr std::uint32_t kMostBlades = 64;  // more can't be told from a disc
+  static constexpr std::uint32_t kMaxBlades = 64;  // more can't be told from a disc
 
   /// In metres across the lens: x to the sensor's right, y up.
   struct Point {
@@ -22,11 +22,11 @@ class Aperture {
   };
 
   /// Corners on the circle of `radius` (metres, > 0), the first at `angle` (radians) from x towards
-  /// y; 0 blades: a disc. Throws std::invalid_argument for 1, 2 or more than kMostBlades blades.
+  /// y; 0 blades: a disc. Throws std::invalid_argument for 1, 2 or more than kMaxBlades blades.
   Aperture(float radius, std::uint32_t blades, float angle) : radius_(radius) {
     if (!(radius > 0.0f)) throw std::invalid_argument("a lens without a radius");
     if (blades == 0) return;
-    if (blades < 3 || blades > kMostBlades) {
+    if (blades < 3 || blades > kMaxBlades) {
       throw std::invalid_argument("an aperture with 1, 2 or more than 64 blades");
     }
     for (std::uint32_t i = 0; i <= blades; ++i) {

@@ -49,7 +49,7 @@ class IntensityMeter {
   }
 
   /// A photon that leaves in a direction, unit length.
-  Reception receive(const Pose& pose, Film film, Vec3 direction) const {
+  SplatWeight receive(const Pose& pose, Film film, Vec3 direction) const {
     const DirectionGrid grid{film};
     const double along = dot(direction, pose.forward);
     const double right = dot(direction, pose.right), up = dot(direction, pose.up);

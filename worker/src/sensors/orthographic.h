@@ -44,14 +44,15 @@ class Orthographic {
   }
 
   /// From a place in front straight back to the film.
-  std::optional<WayToCamera> way_from(const Pose& pose, Film film, Vec3 place, float, float) const {
+  std::optional<CameraConnection> connect(const Pose& pose, Film film, Vec3 place, float,
+                                          float) const {
     const Vec3 seen = place - pose.position;
     const float distance = dot(seen, pose.forward);
     if (!(distance > 0.0f)) return std::nullopt;
     const float pixel = rectangle_.pixel(film);
     const auto index = pixel_at(film, dot(seen, pose.right) / pixel, dot(seen, pose.up) / pixel);
     if (!index) return std::nullopt;
-    return WayToCamera{-pose.forward, distance, *index, 1.0f / (pixel * pixel)};
+    return CameraConnection{-pose.forward, distance, *index, 1.0f / (pixel * pixel)};
   }
 
  private:

@@ -28,7 +28,8 @@ struct Panorama {
     return {{pose.position, normalized(direction)}, 1.0f, static_cast<float>(spread), 0.0f};
   }
 
-  std::optional<WayToCamera> way_from(const Pose& pose, Film film, Vec3 place, float, float) const {
+  std::optional<CameraConnection> connect(const Pose& pose, Film film, Vec3 place, float,
+                                          float) const {
     const Vec3 seen = place - pose.position;
     const float distance = length(seen);
     if (!(distance > 0.0f)) return std::nullopt;
@@ -38,8 +39,8 @@ struct Panorama {
     const std::uint32_t row = grid.row(std::atan2(std::hypot(right, ahead), up));
     const std::uint32_t column = grid.column(std::atan2(-right, -ahead));
     const double area = grid.solid_angle(row) * static_cast<double>(distance) * distance;
-    return WayToCamera{(-1.0f / distance) * seen, distance, row * film.width + column,
-                       static_cast<float>(1.0 / area)};
+    return CameraConnection{(-1.0f / distance) * seen, distance, row * film.width + column,
+                            static_cast<float>(1.0 / area)};
   }
 };
 

@@ -38,13 +38,15 @@ class Pinhole {
   }
 
   /// From a place in front to the pinhole; lens numbers are not looked at.
-  std::optional<WayToCamera> way_from(const Pose& pose, Film film, Vec3 place, float, float) const {
+  std::optional<CameraConnection> connect(const Pose& pose, Film film, Vec3 place, float,
+                                          float) const {
     return way_by(pose, film, place - pose.position, place - pose.position);
   }
 
   /// The same through a point of a lens: `seen` is the way from there to the place, and `through`
   /// has the direction from the lens's centre that the same point of the film sees.
-  std::optional<WayToCamera> way_by(const Pose& pose, Film film, Vec3 seen, Vec3 through) const {
+  std::optional<CameraConnection> way_by(const Pose& pose, Film film, Vec3 seen,
+                                         Vec3 through) const {
     const float along = dot(through, pose.forward), depth = dot(seen, pose.forward);
     if (!(along > 0.0f && depth > 0.0f)) return std::nullopt;
     const float scale = pixel(film);
@@ -53,8 +55,8 @@ class Pinhole {
     if (!index) return std::nullopt;
     const float distance = length(seen);
     // A pixel's square at distance 1 is scale^2; seen from the lens it fills scale^2 cos^3 sr.
-    return WayToCamera{(-1.0f / distance) * seen, distance, *index,
-                       distance / (depth * depth * depth * scale * scale)};
+    return CameraConnection{(-1.0f / distance) * seen, distance, *index,
+                            distance / (depth * depth * depth * scale * scale)};
   }
 
   /// Edge of a pixel at distance 1.
@@ -86,8 +88,8 @@ class ThinLens {
             0.0f};
   }
 
-  std::optional<WayToCamera> way_from(const Pose& pose, Film film, Vec3 place, float lens_u,
-                                      float lens_v) const {
+  std::optional<CameraConnection> connect(const Pose& pose, Film film, Vec3 place, float lens_u,
+                                          float lens_v) const {
     const Aperture::Point point = aperture_.sample(lens_u, lens_v);
     const Vec3 lens = point.x * pose.right + point.y * pose.up;
     const Vec3 seen = place - pose.position - lens;

@@ -33,8 +33,8 @@ class Plane {
 
   /// A photon that flies `distance` (metres, may be infinite) from `origin`, if that takes it
   /// through the film against `forward`.
-  std::optional<Reception> receive(const Pose& pose, Film film, Vec3 origin, Vec3 direction,
-                                   float distance) const {
+  std::optional<SplatWeight> receive(const Pose& pose, Film film, Vec3 origin, Vec3 direction,
+                                     float distance) const {
     const float approach = -dot(direction, pose.forward);
     if (!(approach > 0.0f)) return std::nullopt;
     const Vec3 from_centre = origin - pose.position;
@@ -45,7 +45,7 @@ class Plane {
     // A photon along the film has no point on it.
     const auto index = pixel_at(film, dot(met, pose.right) / pixel, dot(met, pose.up) / pixel);
     if (!index) return std::nullopt;
-    return Reception{*index, 1.0f / (pixel * pixel), height / approach};
+    return SplatWeight{*index, 1.0f / (pixel * pixel), height / approach};
   }
 
  private:

@@ -44,12 +44,12 @@ class Sensor {
 
   /// Whether forward photons are counted on their way, and where they leave the scene. Both are
   /// false for sensors that only adjoint photons can start from.
-  bool receives_segments() const { return std::holds_alternative<Plane>(model_); }
+  bool splats_segments() const { return std::holds_alternative<Plane>(model_); }
   bool receives_escapes() const { return std::holds_alternative<IntensityMeter>(model_); }
 
   /// A forward photon that flies `distance` metres (may be infinite) from `origin`; nothing if it
   /// misses the film, comes from behind, or the model does not count photons on their way.
-  std::optional<Reception> receive_segment(Film film, Vec3 origin, Vec3 direction, float distance,
+  std::optional<SplatWeight> splat_segment(Film film, Vec3 origin, Vec3 direction, float distance,
                                            float time) const {
     const Plane* plane = std::get_if<Plane>(&model_);
     if (plane == nullptr) return std::nullopt;
@@ -57,7 +57,7 @@ class Sensor {
   }
 
   /// A forward photon that leaves the scene; nothing if the model does not count those.
-  std::optional<Reception> receive_escape(Film film, Vec3 direction, float time = 0.0f) const {
+  std::optional<SplatWeight> splat_escape(Film film, Vec3 direction, float time = 0.0f) const {
     const IntensityMeter* meter = std::get_if<IntensityMeter>(&model_);
     if (meter == nullptr) return std::nullopt;
     return meter->receive(motion_.at(time), film, direction);
@@ -70,13 +70,13 @@ class Sensor {
 
   /// From a place to a camera, through the point of the lens that the numbers choose; nothing where
   /// the film does not see the place, or the model is no camera.
-  std::optional<WayToCamera> way_from(Film film, Vec3 place, float lens_u, float lens_v,
-                                      float time) const {
+  std::optional<CameraConnection> connect(Film film, Vec3 place, float lens_u, float lens_v,
+                                          float time) const {
     const Pose pose = motion_.at(time);
     return std::visit(
-        [&](const auto& model) -> std::optional<WayToCamera> {
+        [&](const auto& model) -> std::optional<CameraConnection> {
           if constexpr (kIsCamera<decltype(model)>) {
-            return model.way_from(pose, film, place, lens_u, lens_v);
+            return model.connect(pose, film, place, lens_u, lens_v);
           } else {
             return std::nullopt;
           }
@@ -93,7 +93,7 @@ class Sensor {
   template <class Model>
   static constexpr bool kIsCamera = requires(const Model& model, const Pose& pose, Film film,
                                              Vec3 place) {
-    model.way_from(pose, film, place, 0.0f, 0.0f);
+    model.connect(pose, film, place, 0.0f, 0.0f);
   };
 
   SensorSample sample_any(Film film, float x, float y, float lens_u, float lens_v,

@@ -21,7 +21,7 @@ struct SensorSample {
 
 /// Where a forward photon is counted: the sum over photons of flux x weight is what the pixel
 /// measures.
-struct Reception {
+struct SplatWeight {
   /// Row by row.
   std::uint32_t pixel;
   /// 1/m2 for an irradiance, 1/sr for an intensity.
@@ -32,7 +32,7 @@ struct Reception {
 
 /// How a forward photon gets from a place to a camera: the sum over photons of flux x (BSDF x
 /// cosine) x weight is what the pixel measures.
-struct WayToCamera {
+struct CameraConnection {
   /// Unit length, and the way to there, m.
   Vec3 direction;
   float distance;

@@ -17,16 +17,16 @@ struct Line {
 class Lines {
  public:
   /// Single precision has 16 wavelengths over so narrow a line.
-  static constexpr float kLeastWidth = 1e-3f;
+  static constexpr float kMinWidth = 1e-3f;
 
   Lines() = default;
 
-  /// In any order. Throws std::invalid_argument where a width is below kLeastWidth, a power is
+  /// In any order. Throws std::invalid_argument where a width is below kMinWidth, a power is
   /// negative or what a line rises to is not finite.
   explicit Lines(const std::vector<Line>& lines) {
     for (const Line& line : lines) {
       const float height = line.power / line.width_nm;
-      if (!std::isfinite(line.centre_nm) || !(line.width_nm >= kLeastWidth) ||
+      if (!std::isfinite(line.centre_nm) || !(line.width_nm >= kMinWidth) ||
           !std::isfinite(line.width_nm) || !(height >= 0.0f) || !std::isfinite(height)) {
         throw std::invalid_argument(
             "a spectral line that is narrower than 0.001 nm, negative or not finite");

@@ -23,12 +23,12 @@ float inverse_sigmoid(float value) {
 SigmoidSpectrum grey(float value) { return {0.0f, 0.0f, inverse_sigmoid(value)}; }
 
 // A place along an axis of the table.
-struct Place {
+struct GridCell {
   std::size_t cell;
   float fraction;
 };
 
-Place place(float position, std::size_t resolution) {
+GridCell place(float position, std::size_t resolution) {
   const std::size_t cell = std::min(static_cast<std::size_t>(position), resolution - 2);
   return {cell, position - static_cast<float>(cell)};
 }
@@ -38,7 +38,7 @@ Place place(float position, std::size_t resolution) {
 RgbSpectra::RgbSpectra(std::vector<float> scales, std::vector<SigmoidSpectrum> coefficients)
     : scales_(std::move(scales)), coefficients_(std::move(coefficients)) {
   const std::size_t n = scales_.size();
-  if (n < kLeastResolution || n > kMostResolution || coefficients_.size() != 3 * n * n * n) {
+  if (n < kMinResolution || n > kMaxResolution || coefficients_.size() != 3 * n * n * n) {
     throw std::invalid_argument("an RGB table of a size that none has");
   }
   for (std::size_t i = 0; i < n; ++i) {
@@ -58,15 +58,15 @@ SigmoidSpectrum RgbSpectra::operator()(const std::array<float, 3>& rgb) const {
   const auto brightest = static_cast<std::size_t>(std::ranges::max_element(c) - c.begin());
   const std::size_t n = scales_.size();
   const float steps = static_cast<float>(n - 1) / c[brightest];
-  const Place x = place(c[(brightest + 1) % 3] * steps, n);
-  const Place y = place(c[(brightest + 2) % 3] * steps, n);
+  const GridCell x = place(c[(brightest + 1) % 3] * steps, n);
+  const GridCell y = place(c[(brightest + 2) % 3] * steps, n);
   const float scale = std::clamp(c[brightest], scales_.front(), scales_.back());
   const auto above = static_cast<std::size_t>(
       std::upper_bound(scales_.begin() + 1, scales_.end() - 1, scale) - scales_.begin());
   // Straight in the sigmoid's argument, as coefficients of dark colours nearly are.
   const float below = inverse_sigmoid(scales_[above - 1]);
   const float span = inverse_sigmoid(scales_[above]) - below;
-  const Place z{above - 1, span > 0.0f ? (inverse_sigmoid(scale) - below) / span : 1.0f};
+  const GridCell z{above - 1, span > 0.0f ? (inverse_sigmoid(scale) - below) / span : 1.0f};
   SigmoidSpectrum sum{0.0f, 0.0f, 0.0f};
   for (std::size_t corner = 0; corner < 8; ++corner) {
     const std::size_t i = corner & 1, j = (corner >> 1) & 1, k = corner >> 2;

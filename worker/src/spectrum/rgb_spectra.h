@@ -13,7 +13,7 @@ namespace nocturne {
 
 class RgbSpectra {
  public:
-  static constexpr std::size_t kLeastResolution = 2, kMostResolution = 64;
+  static constexpr std::size_t kMinResolution = 2, kMaxResolution = 64;
 
   /// `scales`: values of the brightest channel, increasing, in [0, 1]; their number is the
   /// resolution n. `coefficients`: 3 x n x n x n by brightest channel m (red, green, blue), scale,

@@ -54,8 +54,8 @@ inline Vec3 leave_surface(const Hit& hit, Vec3 direction) {
 /// Way in `direction` from the surface to where a ray that leaves it starts, as of a plane: what is
 /// thinner than that is not seen at grazing angles.
 inline float way_skipped(const Hit& hit, Vec3 direction) {
-  constexpr float kLeastCosine = 1e-3f;
-  return hit.clearance / std::max(kLeastCosine, std::fabs(dot(hit.normal, direction)));
+  constexpr float kMinCosine = 1e-3f;
+  return hit.clearance / std::max(kMinCosine, std::fabs(dot(hit.normal, direction)));
 }
 
 }  // namespace nocturne

@@ -9,7 +9,7 @@ namespace nocturne {
 namespace {
 
 const Transform& first_of(const Instance& instance) {
-  if (instance.transforms.empty() || instance.transforms.size() > kMostTimeSteps) {
+  if (instance.transforms.empty() || instance.transforms.size() > kMaxTimeSteps) {
     throw std::invalid_argument("an instance needs 1 to 129 time steps");
   }
   return instance.transforms.front();

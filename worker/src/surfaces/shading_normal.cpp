@@ -5,19 +5,19 @@ namespace {
 
 // A perturbed normal that would be behind the surface is lifted until its cosine with the geometric
 // normal is this.
-constexpr float kLeastCosine = 1e-3f;
+constexpr float kMinCosine = 1e-3f;
 
 Vec3 in_front(Vec3 normal, const SurfaceDetail& detail) {
   const float square = dot(normal, normal);
   if (!(square > 0.0f) || !std::isfinite(square)) return detail.shading_normal;
   const Vec3 n = (1.0f / std::sqrt(square)) * normal;
   const float cosine = dot(n, detail.geometric_normal);
-  if (cosine >= kLeastCosine) return n;
+  if (cosine >= kMinCosine) return n;
   const Vec3 level = n - cosine * detail.geometric_normal;
   const float sine = length(level);
   // Straight behind: no direction to lift it towards.
-  if (!(sine > kLeastCosine)) return detail.shading_normal;
-  return normalized((1.0f / sine) * level + kLeastCosine * detail.geometric_normal);
+  if (!(sine > kMinCosine)) return detail.shading_normal;
+  return normalized((1.0f / sine) * level + kMinCosine * detail.geometric_normal);
 }
 
 }  // namespace

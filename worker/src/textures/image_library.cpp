@@ -48,12 +48,12 @@ const TextureSystem& texture_system() {
 }
 
 // As the scene compiler's.
-constexpr int kMostEdge = 16384;
-constexpr std::int64_t kMostPixels = std::int64_t{1} << 26;
+constexpr int kMaxEdge = 16384;
+constexpr std::int64_t kMaxPixels = std::int64_t{1} << 26;
 // The cache holds whole tiles.
-constexpr int kMostTileEdge = 1024;
+constexpr int kMaxTileEdge = 1024;
 // The coarsest level is one texel, so even a damaged file takes no more memory than this.
-constexpr std::int64_t kMostCoarsestPixels = 64;
+constexpr std::int64_t kMaxCoarsestPixels = 64;
 
 OIIO::TextureSystem::TextureHandle* typed(void* handle) {
   return static_cast<OIIO::TextureSystem::TextureHandle*>(handle);
@@ -83,16 +83,16 @@ bool has_levels(OIIO::ImageCache& cache, OIIO::ImageCache::ImageHandle* image, i
 }
 
 void check_spec(const OIIO::ImageSpec& spec, int channels) {
-  require_texture(spec.width >= 1 && spec.width <= kMostEdge && spec.height >= 1 &&
-                      spec.height <= kMostEdge && spec.depth == 1 &&
-                      std::int64_t{spec.width} * spec.height <= kMostPixels,
+  require_texture(spec.width >= 1 && spec.width <= kMaxEdge && spec.height >= 1 &&
+                      spec.height <= kMaxEdge && spec.depth == 1 &&
+                      std::int64_t{spec.width} * spec.height <= kMaxPixels,
                   "an image of a size that no texture has");
   require_texture(spec.nchannels == channels,
                   "an image of another number of channels than it says");
   require_texture(spec.format == OIIO::TypeDesc::HALF || spec.format == OIIO::TypeDesc::FLOAT,
                   "an image that is neither of half nor of float numbers");
-  require_texture(spec.tile_width > 0 && spec.tile_width <= kMostTileEdge && spec.tile_height > 0 &&
-                      spec.tile_height <= kMostTileEdge,
+  require_texture(spec.tile_width > 0 && spec.tile_width <= kMaxTileEdge && spec.tile_height > 0 &&
+                      spec.tile_height <= kMaxTileEdge,
                   "an image that is not tiled, or in tiles that are too large");
   require_texture(spec.x == 0 && spec.y == 0 && spec.full_x == 0 && spec.full_y == 0 &&
                       spec.full_width == spec.width && spec.full_height == spec.height,
@@ -102,7 +102,7 @@ void check_spec(const OIIO::ImageSpec& spec, int channels) {
 std::array<float, 3> coarsest_mean(OIIO::ImageCache& cache, OIIO::ImageCache::ImageHandle* image,
                                    int levels, int channels) {
   const OIIO::ImageSpec* spec = cache.imagespec(image, nullptr, 0, levels - 1);
-  require_texture(spec != nullptr && spec->image_pixels() <= kMostCoarsestPixels,
+  require_texture(spec != nullptr && spec->image_pixels() <= kMaxCoarsestPixels,
                   "an image without its coarsest level");
   std::vector<float> texels(static_cast<std::size_t>(spec->image_pixels()) *
                             static_cast<std::size_t>(channels));

@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "math/ray.h"
-#include "media/bounds.h"
+#include "media/majorants.h"
 #include "sampling/sequence.h"
 
 namespace nocturne {
@@ -45,8 +45,8 @@ struct Tentative {
   /// Along the ray, m.
   float distance;
   float density;
-  /// The bound there, times the extinction, 1/m.
-  float most;
+  /// The majorant there, times the extinction, 1/m.
+  float majorant;
 };
 
 /// f(tentative collision) for each before `end`, in order, until it says false. `extinction`: the
@@ -54,22 +54,23 @@ struct Tentative {
 template <class Density, class F>
 void for_each_tentative(const Density& density, float extinction, const Ray& ray, float end,
                         FlightNumbers& numbers, const F& f) {
-  typename Density::Bounds bounds(density, ray, end);
+  typename Density::Majorants majorants(density, ray, end);
   float position = 0.0f, depth = exponential(numbers.first());
-  for (BoundSegment segment; bounds.next(segment); position = segment.end) {
-    const float most = segment.most * extinction;
-    if (!(most > 0.0f)) continue;
+  for (MajorantSegment segment; majorants.next(segment); position = segment.end) {
+    const float majorant = segment.majorant * extinction;
+    if (!(majorant > 0.0f)) continue;
     for (;;) {
-      const float left = (segment.end - position) * most;
+      const float left = (segment.end - position) * majorant;
       if (depth >= left) {
         depth -= left;
         break;
       }
-      position += depth / most;
+      position += depth / majorant;
       depth = exponential(numbers());
-      // Rounding may lift a density above its bound by a unit in the last place.
-      const float here = std::min(density.at(ray.origin + position * ray.direction), segment.most);
-      if (!f(Tentative{position, here, most})) return;
+      // Rounding may lift a density above its majorant by a unit in the last place.
+      const float here =
+          std::min(density.at(ray.origin + position * ray.direction), segment.majorant);
+      if (!f(Tentative{position, here, majorant})) return;
     }
   }
 }

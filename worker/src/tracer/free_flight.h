@@ -3,11 +3,12 @@
 // section 5), so that media may overlap as they like.
 //
 // Photons of a group meet a medium at different places where its extinction depends on the
-// wavelength. One of them, drawn by the odds, decides for all; each weight is then multiplied by
-// the photon's own probability of what happened over the mean of all photons' (balance heuristic
-// over the choice of the one that leads; Wilkie et al., "Hero wavelength spectral sampling", EGSR
-// 2014, with null collisions as in Miller, Georgiev and Jarosz, "A null-scattering path integral
-// formulation of light transport", SIGGRAPH 2019). In grey media all of this is 1.
+// wavelength. One of them, drawn by the path pdf ratios, decides for all; each weight is then
+// multiplied by the photon's own probability of what happened over the mean of all photons'
+// (balance heuristic over the choice of the one that leads; Wilkie et al., "Hero wavelength
+// spectral sampling", EGSR 2014, with null collisions as in Miller, Georgiev and Jarosz, "A
+// null-scattering path integral formulation of light transport", SIGGRAPH 2019). In grey media all
+// of this is 1.
 #pragma once
 
 #include <algorithm>
@@ -52,7 +53,7 @@ class FreeFlight {
       const float distance = exponential(u[0]) / constant_[lead];
       if (distance < end) {
         way.distance = distance;
-        way.medium = choose_constant(lead, FlightNumbers(seed(u, kMostPresent))());
+        way.medium = choose_constant(lead, FlightNumbers(seed(u, kMaxPresent))());
       }
     }
     fly(ray, u, lead, end, way);
@@ -67,7 +68,7 @@ class FreeFlight {
     const float end = nearest + group.skipped;
     depth_ = 0.0f;
     for (std::size_t i = 0; i < present_.size(); ++i)
-      depth_ += depths_[i] = most_depth(i, ray, end);
+      depth_ += depths_[i] = majorant_depth(i, ray, end);
     return depth_ < kThin;
   }
 
@@ -84,13 +85,13 @@ class FreeFlight {
     if (i == kNone) return std::nullopt;
     const Present& present = present_[i];
     const float depth = depths_[i], all = -std::expm1(-depth), at = -std::log1p(-u[0] * all);
-    const auto [distance, most] = place(i, ray, end, at);
+    const auto [distance, majorant] = place(i, ray, end, at);
     if (!(distance < end)) return std::nullopt;
     const Vec3 position = ray.origin + distance * ray.direction;
-    const float here = std::visit([&](const auto& d) { return std::min(d.at(position), most); },
+    const float here = std::visit([&](const auto& d) { return std::min(d.at(position), majorant); },
                                   scene_.media[present.index].density);
-    const float factor = here / (most * largest(present.extinction)) * std::exp(at) * all * depth_ /
-                         (depth * chance);
+    const float factor = here / (majorant * largest(present.extinction)) * std::exp(at) * all *
+                         depth_ / (depth * chance);
     group.weight *= factor * present.extinction;
     transmit(group, ray, group.sequence.next(), distance);
     return hit_at(group, i, distance);
@@ -125,7 +126,7 @@ class FreeFlight {
   }
 
   // Of media at one point.
-  static constexpr std::size_t kMostPresent = 32;
+  static constexpr std::size_t kMaxPresent = 32;
   static constexpr std::size_t kNone = ~std::size_t{0};
   // An estimate below this goes on by roulette.
   static constexpr float kSmallTransmittance = 0.05f;
@@ -156,7 +157,7 @@ class FreeFlight {
     present_.clear();
     first_varying_ = kNone;
     constant_ = 0.0f;
-    inside.for_each_present(scene_.interiors, [&](const Interior& body) {
+    inside.for_each_present(scene_.medium_interfaces, [&](const MediumInterface& body) {
       for (const std::uint32_t medium : body.media) add(medium);
     });
   }
@@ -181,41 +182,41 @@ class FreeFlight {
   void for_each_segment(std::size_t i, const Ray& ray, float end, const F& f) const {
     std::visit(
         [&](const auto& density) {
-          typename std::remove_cvref_t<decltype(density)>::Bounds bounds(density, ray, end);
+          typename std::remove_cvref_t<decltype(density)>::Majorants majorants(density, ray, end);
           float from = 0.0f;
-          for (BoundSegment segment; bounds.next(segment); from = segment.end) {
-            if (!f(segment.most, from, segment.end)) return;
+          for (MajorantSegment segment; majorants.next(segment); from = segment.end) {
+            if (!f(segment.majorant, from, segment.end)) return;
           }
         },
         scene_.media[present_[i].index].density);
   }
 
-  // Optical depth under the bounds, of the photon for which it is most.
-  float most_depth(std::size_t i, const Ray& ray, float end) const {
+  // Optical depth of the majorants, of the photon for which it is largest.
+  float majorant_depth(std::size_t i, const Ray& ray, float end) const {
     const float extinction = largest(present_[i].extinction);
     float depth = 0.0f;
-    for_each_segment(i, ray, end, [&](float most, float from, float to) {
-      if (most > 0.0f) depth += extinction * most * (to - from);
+    for_each_segment(i, ray, end, [&](float majorant, float from, float to) {
+      if (majorant > 0.0f) depth += extinction * majorant * (to - from);
       return depth < kThin;
     });
     return depth;
   }
 
-  struct Place {
-    float distance, most;
+  struct MajorantPoint {
+    float distance, majorant;
   };
   // Where that depth is reached.
-  Place place(std::size_t i, const Ray& ray, float end, float depth) const {
+  MajorantPoint place(std::size_t i, const Ray& ray, float end, float depth) const {
     const float extinction = largest(present_[i].extinction);
-    Place found{end, 0.0f};
-    for_each_segment(i, ray, end, [&](float most, float from, float to) {
-      if (!(most > 0.0f)) return true;
-      const float here = extinction * most * (to - from);
+    MajorantPoint found{end, 0.0f};
+    for_each_segment(i, ray, end, [&](float majorant, float from, float to) {
+      if (!(majorant > 0.0f)) return true;
+      const float here = extinction * majorant * (to - from);
       if (depth >= here) {
         depth -= here;
         return true;
       }
-      found = {from + depth / (extinction * most), most};
+      found = {from + depth / (extinction * majorant), majorant};
       return false;
     });
     return found;
@@ -233,9 +234,9 @@ class FreeFlight {
     return last;
   }
 
-  // Media beyond what fits are not seen, as bodies beyond InteriorList::kMost are not.
+  // Media beyond what fits are not seen, as bodies beyond InteriorList::kMax are not.
   void add(std::uint32_t index) {
-    if (present_.size() == kMostPresent) return;
+    if (present_.size() == kMaxPresent) return;
     const Medium& medium = scene_.media[index];
     Present present{index, medium.extinction(wavelengths_), 0.0f};
     if (const auto* constant = std::get_if<ConstantDensity>(&medium.density)) {
@@ -260,30 +261,30 @@ class FreeFlight {
     return (bits(u[2]) << 32 | bits(u[3])) + medium * 0xD1B54A32D192ED03u;
   }
 
-  // By the odds of those that still carry something.
+  // By the path pdf ratios of those that still carry something.
   static std::size_t draw_lead(Group<N>& group, float u) {
     if constexpr (N == 1) return 0;
-    Spectral<N> odds = only(group.odds, alive(group.weight));
-    const float all = sum(odds);
+    Spectral<N> path_pdf_ratio = only(group.path_pdf_ratio, alive(group.weight));
+    const float all = sum(path_pdf_ratio);
     if (!(all > 0.0f)) {
       const std::uint32_t mask = alive(group.weight);
-      odds = only(Spectral<N>(1.0f / static_cast<float>(std::popcount(mask))), mask);
+      path_pdf_ratio = only(Spectral<N>(1.0f / static_cast<float>(std::popcount(mask))), mask);
     } else {
-      odds = odds / all;
+      path_pdf_ratio = path_pdf_ratio / all;
     }
-    group.odds = odds;
+    group.path_pdf_ratio = path_pdf_ratio;
     std::size_t last = 0;
     for (std::size_t i = 0; i < N; ++i) {
-      if (!(odds[i] > 0.0f)) continue;
+      if (!(path_pdf_ratio[i] > 0.0f)) continue;
       last = i;
-      if (u < odds[i]) return i;
-      u -= odds[i];
+      if (u < path_pdf_ratio[i]) return i;
+      u -= path_pdf_ratio[i];
     }
     return last;
   }
 
   std::size_t choose_constant(std::size_t lead, float u) const {
-    std::array<float, kMostPresent> shares;
+    std::array<float, kMaxPresent> shares;
     for (std::size_t i = 0; i < present_.size(); ++i) {
       shares[i] = present_[i].density * present_[i].extinction[lead];
     }
@@ -319,7 +320,7 @@ class FreeFlight {
         scene_.media[present_[i].index].density);
   }
 
-  // Delta tracking (Woodcock et al. 1965) under bounds that are constant over segments. One bound
+  // Delta tracking (Woodcock et al. 1965) under majorants that are constant over segments. One
   // serves the whole group, so that only the share of null collisions tells photons apart.
   template <class Density>
   static bool track(const Density& density, const Spectral<N>& extinction, std::size_t lead,
@@ -328,10 +329,10 @@ class FreeFlight {
     bool hit = false;
     for_each_tentative(density, largest_extinction, ray, end, numbers, [&](const Tentative& at) {
       if (at.distance > way.distance) return false;
-      hit = numbers() * at.most < at.density * extinction[lead];
+      hit = numbers() * at.majorant < at.density * extinction[lead];
       if (hit) way.distance = at.distance;
       if constexpr (N > 1) {
-        way.probability *= hit ? extinction : Spectral<N>(at.most) - at.density * extinction;
+        way.probability *= hit ? extinction : Spectral<N>(at.majorant) - at.density * extinction;
         normalise(way.probability);
       }
       return !hit;
@@ -341,8 +342,8 @@ class FreeFlight {
 
   static void normalise(Spectral<N>& probability) {
     if constexpr (N > 1) {
-      const float most = largest(probability);
-      if (most > 0.0f) probability = probability / most;
+      const float majorant = largest(probability);
+      if (majorant > 0.0f) probability = probability / majorant;
     }
   }
 
@@ -351,7 +352,7 @@ class FreeFlight {
                                  const Ray& ray, float end, FlightNumbers numbers) {
     Spectral<N> left = 1.0f;
     for_each_tentative(density, largest(extinction), ray, end, numbers, [&](const Tentative& at) {
-      left *= Spectral<N>(1.0f) - (at.density / at.most) * extinction;
+      left *= Spectral<N>(1.0f) - (at.density / at.majorant) * extinction;
       const float best = largest(left);
       if (best >= kSmallTransmittance) return true;
       const bool survives = numbers() * kSmallTransmittance < best;
@@ -371,11 +372,11 @@ class FreeFlight {
       if (way.medium != kNone && present_[way.medium].density > 0.0f) {
         p *= present_[way.medium].extinction;
       }
-      const float mean = sum(group.odds * p);
+      const float mean = sum(group.path_pdf_ratio * p);
       if (!(mean > 0.0f)) return;
       p = p / mean;
       group.weight *= p;
-      group.odds *= p;
+      group.path_pdf_ratio *= p;
     }
   }
 
@@ -384,10 +385,10 @@ class FreeFlight {
   InteriorList inside_;
   // Extinction of all media that are the same everywhere, 1/m.
   Spectral<N> constant_ = 0.0f;
-  FixedStack<Present, kMostPresent> present_;
+  FixedStack<Present, kMaxPresent> present_;
   std::size_t first_varying_;
   // What thin found.
-  std::array<float, kMostPresent> depths_;
+  std::array<float, kMaxPresent> depths_;
   float depth_;
 };
 

@@ -13,19 +13,19 @@ namespace nocturne {
 
 /// What a light that photons meet counts, as long as it could have been met in two ways: by a
 /// direction from the kernel, and by one drawn towards lights. Both ways' shares add up to one.
-enum class Shared {
-  kNot,
+enum class MisTechnique {
+  kNone,
   /// Drawn by the kernel; the weight holds the division by its density.
-  kByKernel,
+  kKernel,
   /// Drawn towards lights; the weight holds no division yet.
-  kTowardsLights,
+  kLights,
 };
 
 /// The densities at the vertex where the direction was drawn.
 template <int N>
-struct Share {
-  Shared how = Shared::kNot;
-  From from;
+struct MisState {
+  MisTechnique technique = MisTechnique::kNone;
+  LightSamplingContext context;
   Vec3 direction;
   /// Of the kernel, times the probability to survive, 1/sr.
   Spectral<N> kernel_pdf;
@@ -42,16 +42,16 @@ struct Group {
   Spectral<N> weight;
   /// How likely each photon would have been to take the way so far, as media met and turned it by
   /// chance; relative, sum 1 over those that are there.
-  Spectral<N> odds = 1.0f / N;
+  Spectral<N> path_pdf_ratio = 1.0f / N;
   InteriorList inside;
   /// Interactions so far; those of them with media; those that let it straight through.
   std::uint32_t depth, collisions, passes = 0;
-  /// Of photons in both directions (walk.h). From the sensor: the first interaction spread them;
-  /// the last gathered them. From luminaires: they were gathered at first.
-  bool spread_first = false, gathered = false;
+  /// Of photons in both directions (walk.h). From the sensor: the first interaction was
+  /// diffuse-like; the last was specular-like. From luminaires: the first was specular-like.
+  bool diffuse_like_first = false, specular_like = false;
   /// Width of the footprint, m.
   float width;
-  Share<N> share;
+  MisState<N> mis;
   PhotonSequence sequence;
 };
 

@@ -8,17 +8,17 @@ namespace nocturne {
 
 /// What one group adds to a pixel.
 template <int N>
-struct Deposit {
+struct Splat {
   std::uint32_t pixel;
   /// Of each photon: an estimate of the spectral quantity that the pixel measures.
   Spectral<N> value;
 };
 
 /// Follows photons that leave a luminaire together and appends what the sensor counts to
-/// `deposits`. Returns the number of rays cast. N is 1, 4 or 8.
+/// `splats`. Returns the number of rays cast. N is 1, 4 or 8.
 template <int N>
 std::uint32_t trace_forward(const Scene& scene, Film film, float time,
                             const Spectral<N>& wavelengths_nm, const PhotonSequence& sequence,
-                            std::vector<Deposit<N>>& deposits);
+                            std::vector<Splat<N>>& splats);
 
 }  // namespace nocturne

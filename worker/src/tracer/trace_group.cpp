@@ -5,11 +5,11 @@ namespace {
 
 // Counts the light that photons from the sensor meet.
 template <int N>
-class LightCounter {
+class RadianceEstimator {
  public:
   static constexpr Transport kTransport = Transport::kAdjoint;
 
-  LightCounter(const Scene& scene, const Start<N>& start)
+  RadianceEstimator(const Scene& scene, const Start<N>& start)
       : scene_(scene), wavelengths_(start.wavelengths), time_(start.time) {}
 
   void flies(const Group<N>& group, const std::optional<Hit>& hit) {
@@ -34,15 +34,16 @@ class LightCounter {
  private:
   // With the share of the way that met it (balance heuristic, Veach and Guibas, SIGGRAPH 1995).
   void count(const Group<N>& group, const Spectral<N>& light) {
-    if (group.spread_first && group.gathered) return;  // photons from the luminaires bring it
+    if (group.diffuse_like_first && group.specular_like)
+      return;  // photons from the luminaires bring it
     Spectral<N> found = group.weight * light;
-    if (group.share.how != Shared::kNot && largest(found) > 0.0f) {
-      const float towards = scene_.lights.pdf(group.share.from, group.share.direction);
-      const bool by_kernel = group.share.how == Shared::kByKernel;
+    if (group.mis.technique != MisTechnique::kNone && largest(found) > 0.0f) {
+      const float towards = scene_.lights.pdf(group.mis.context, group.mis.direction);
+      const bool by_kernel = group.mis.technique == MisTechnique::kKernel;
       // Drawn at a rim and rounded off it. The photon from the kernel has the whole weight there.
       if (!by_kernel && !(towards > 0.0f)) return;
       found *= each([&](float kernel) { return (by_kernel ? kernel : 1.0f) / (kernel + towards); },
-                    group.share.kernel_pdf);
+                    group.mis.kernel_pdf);
     }
     radiance_ += found;
   }
@@ -58,10 +59,10 @@ class LightCounter {
 template <int N, bool Media>
 GroupResult<N> trace_group(const Scene& scene, const Start<N>& start,
                            const PhotonSequence& sequence) {
-  LightCounter<N> counter(scene, start);
-  Walk<N, LightCounter<N>, Media> walk(scene, start, counter);
+  RadianceEstimator<N> estimator(scene, start);
+  Walk<N, RadianceEstimator<N>, Media> walk(scene, start, estimator);
   const std::uint32_t rays = walk.run(start, sequence);
-  return {counter.radiance(), rays};
+  return {estimator.radiance(), rays};
 }
 
 template GroupResult<1> trace_group<1, false>(const Scene&, const Start<1>&, const PhotonSequence&);

@@ -134,7 +134,7 @@ TileSums trace_pixels(const Scene& scene, Film film, const TileRange& range, con
 // added to `values`.
 template <int N>
 void trace_forward_sample(const Scene& scene, Film film, std::uint32_t sample, TileSums& tile,
-                          std::vector<Deposit<N>>& deposits, std::vector<double>& values) {
+                          std::vector<Splat<N>>& splats, std::vector<double>& values) {
   const std::uint32_t pixels = film.width * film.height;
   // Other numbers than those of photons from the pixels.
   const std::uint32_t other = scene.options.direction == Direction::kBoth ? ~0u : 0u;
@@ -143,12 +143,12 @@ void trace_forward_sample(const Scene& scene, Film film, std::uint32_t sample, T
     PhotonSequence sequence(photon_sequence, sample);
     const Uniform4 u = sequence.next();
     const WavelengthSamples<N> wavelengths = scene.wavelengths.sample<N>(u[2]);
-    deposits.clear();
-    tile.rays += trace_forward<N>(scene, film, u[3], wavelengths.nm, sequence, deposits);
+    splats.clear();
+    tile.rays += trace_forward<N>(scene, film, u[3], wavelengths.nm, sequence, splats);
     const Response<N> response(scene.wavelengths, wavelengths);
-    for (const Deposit<N>& deposit : deposits) {
+    for (const Splat<N>& splat : splats) {
       tile.invalid_samples +=
-          response.add(deposit.value, 1.0 / pixels, &values[tile.channels * deposit.pixel]);
+          response.add(splat.value, 1.0 / pixels, &values[tile.channels * splat.pixel]);
     }
   }
 }
@@ -164,10 +164,10 @@ TileSums trace_whole_film(const Scene& scene, Film film, const TileRange& range)
   TileSums tile(static_cast<std::size_t>(film.width) * film.height,
                 scene.wavelengths.further_curves());
   std::vector<double> values(tile.sums.size());
-  std::vector<Deposit<N>> deposits;
+  std::vector<Splat<N>> splats;
   for (std::uint32_t sample = range.first_sample; sample < range.end_sample; ++sample) {
     std::fill(values.begin(), values.end(), 0.0);
-    trace_forward_sample<N>(scene, film, sample, tile, deposits, values);
+    trace_forward_sample<N>(scene, film, sample, tile, splats, values);
     for (std::uint32_t pixel = 0; pixel < film.width * film.height; ++pixel) {
       double* const its = &values[tile.channels * pixel];
       if (scene.options.direction == Direction::kBoth) {

@@ -33,10 +33,10 @@ struct Vertex {
 /// What a photon finds that goes through the surface of a hit and all that touches it.
 inline Boundary boundary_at(const Scene& scene, const Hit& hit, const Contacts& contacts,
                             const InteriorList& inside, bool front) {
-  const std::uint32_t body = scene.materials[hit.surface].interior;
+  const std::uint32_t body = scene.materials[hit.surface].medium_interface;
   std::optional<Crossing> own;
   if (body != SurfaceMaterial::kNone) own = {body, front};
-  return cross_boundary(inside, scene.interiors, own, contacts);
+  return cross_boundary(inside, scene.medium_interfaces, own, contacts);
 }
 
 /// Indices of refraction before and behind the boundary of a body; false where they are the same,
@@ -47,8 +47,9 @@ bool enter_boundary(const Scene& scene, const Contacts& contacts, bool front, Ve
   vertex.beyond = boundary.beyond;
   if (boundary.from == boundary.to) return false;
   const auto index = [&](std::uint32_t at) {
-    return at == InteriorList::kOutside ? Spectral<N>(1.0f)
-                                        : scene.interiors[at].index(vertex.shading.wavelengths);
+    return at == InteriorList::kOutside
+               ? Spectral<N>(1.0f)
+               : scene.medium_interfaces[at].index(vertex.shading.wavelengths);
   };
   vertex.shading.index_from = index(boundary.from);
   vertex.shading.index_to = index(boundary.to);
@@ -57,14 +58,14 @@ bool enter_boundary(const Scene& scene, const Contacts& contacts, bool front, Ve
 
 /// Texture coordinates and the frame of a surface that is not the same everywhere.
 template <int N>
-void look_closer(const Scene& scene, const SurfaceMaterial& material, const Group<N>& group,
-                 float time, bool front, Vertex<N>& vertex) {
+void set_shading_frame(const Scene& scene, const SurfaceMaterial& material, const Group<N>& group,
+                       float time, bool front, Vertex<N>& vertex) {
   const SurfaceDetail detail = scene.geometry.detail(vertex.hit, time);
   SurfacePoint& point = vertex.shading.point;
   point = {detail.u, detail.v, group.width * detail.texture_per_metre};
   Vec3 normal = detail.shading_normal;
-  if (material.relief != SurfaceMaterial::kNone) {
-    normal = scene.reliefs[material.relief].normal(detail, point);
+  if (material.bump_map != SurfaceMaterial::kNone) {
+    normal = scene.bump_maps[material.bump_map].normal(detail, point);
   }
   vertex.frame = frame_along(front ? normal : -normal, detail.dp_du);
   // Seen from behind the shading normal, though not from behind the surface: the surface's own.
@@ -89,14 +90,16 @@ std::optional<Vertex<N>> make_vertex(const Scene& scene, const Hit& hit, const C
                    .shading = {.wavelengths = wavelengths,
                                .point = {},
                                .transport = transport,
-                               .odds = group.odds},
+                               .path_pdf_ratio = group.path_pdf_ratio},
                    .beyond = group.inside};
-  const bool bounds_body = material.interior != SurfaceMaterial::kNone;
+  const bool bounds_body = material.medium_interface != SurfaceMaterial::kNone;
   if ((bounds_body || !contacts.empty()) && !enter_boundary(scene, contacts, front, vertex) &&
-      bounds_body && (material.unseen || !scene.interiors[material.interior].matched)) {
+      bounds_body &&
+      (material.index_matched_only ||
+       !scene.medium_interfaces[material.medium_interface].index_matched)) {
     return std::nullopt;
   }
-  if (material.needs_detail) look_closer(scene, material, group, time, front, vertex);
+  if (material.needs_detail) set_shading_frame(scene, material, group, time, front, vertex);
   vertex.wo = vertex.frame.to_local(-group.ray.direction);
   return vertex;
 }

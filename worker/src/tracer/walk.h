@@ -36,29 +36,30 @@ struct Start {
 /// Follows a group of photons until all are absorbed or out of the scene. They share their numbers,
 /// and so every decision that does not depend on the wavelength; where one differs they part.
 ///
-/// Photons in both directions: light that a mirror or glass gathered last before something spread
-/// it that the camera sees first (or whatever lies between the two) is brought by photons from the
-/// luminaires, which are sent to the camera wherever they are spread once gathered; all other light
-/// is found from the camera (docs/decisions/0032). What passes straight through a pane or a mask is
-/// as if it were not there, but for the camera.
+/// Photons in both directions: light whose last interaction before a diffuse-like one, which the
+/// camera sees first (or whatever lies between the two), is specular-like is brought by photons
+/// from the luminaires, which are connected to the camera wherever they meet what is diffuse-like
+/// after their first, specular-like interaction; all other light is found from the camera
+/// (docs/decisions/0032). What passes straight through a pane or a mask is as if it were not there,
+/// but for the camera.
 ///
-/// Counter has kTransport; way_from(place, u, v) and reaches(group, way) if forward photons are to
-/// be sent to the sensor; flies(group, hit), called for every ray with the nearest hit or none,
-/// before the body on the way absorbs; arrives(group, hit) for a surface and glows(group, hit) for
-/// a medium, called after.
+/// PathEstimator has kTransport; connect(place, u, v) and reaches(group, way) if forward photons
+/// are to be sent to the sensor; flies(group, hit), called for every ray with the nearest hit or
+/// none, before the body on the way absorbs; arrives(group, hit) for a surface and glows(group,
+/// hit) for a medium, called after.
 ///
 /// A scene without media is walked without a thought of them: Media says which.
-template <int N, class Counter, bool Media>
+template <int N, class PathEstimator, bool Media>
 class Walk {
  public:
-  Walk(const Scene& scene, const Start<N>& start, Counter& counter)
+  Walk(const Scene& scene, const Start<N>& start, PathEstimator& estimator)
       : scene_(scene),
         options_(scene.options),
         wavelengths_(start.wavelengths),
         time_(start.time),
         spread_(start.spread),
         both_(scene.options.direction == Direction::kBoth),
-        counter_(counter),
+        estimator_(estimator),
         flight_(scene, start.wavelengths) {}
 
   /// Returns the number of rays cast.
@@ -69,16 +70,16 @@ class Walk {
                    .depth = 0,
                    .collisions = 0,
                    .width = start.width,
-                   .share = {},
+                   .mis = {},
                    .sequence = sequence};
     follow(group);
     return rays_;
   }
 
  private:
-  static constexpr bool kAdjoint = Counter::kTransport == Transport::kAdjoint;
-  static constexpr bool kToCamera = requires(Counter & counter, Vec3 place) {
-    counter.way_from(place, 0.0f, 0.0f);
+  static constexpr bool kAdjoint = PathEstimator::kTransport == Transport::kAdjoint;
+  static constexpr bool kToCamera = requires(PathEstimator & estimator, Vec3 place) {
+    estimator.connect(place, 0.0f, 0.0f);
   };
 
   struct NoFlight {
@@ -88,7 +89,7 @@ class Walk {
 
   // What can wait at once: for each vertex that splits two branches, and the members of each that
   // part.
-  using Waiting = FixedStack<Group<N>, N*(2 * TracingOptions::kMostSplitVertices + 2)>;
+  using Waiting = FixedStack<Group<N>, N*(2 * TracingOptions::kMaxSplitVertices + 2)>;
 
   // To the end of a group and of all that it leaves behind.
   void follow(Group<N>& group) {
@@ -110,7 +111,7 @@ class Walk {
   bool leave_vertex(Group<N>& group, const Vertex<N>& vertex) {
     return visit_bound<N>(scene_.kernels, vertex.kernel, vertex.shading, [&](const auto& kernel) {
       if constexpr (kAdjoint) {
-        if (group.share.how == Shared::kTowardsLights) return pass_on(group, vertex, kernel);
+        if (group.mis.technique == MisTechnique::kLights) return pass_on(group, vertex, kernel);
       }
       return scatter(group, vertex, kernel);
     });
@@ -121,13 +122,13 @@ class Walk {
     if (!flight_.enter(group.inside)) return;
     const float end = hit ? hit->distance : std::numeric_limits<float>::max();
     if constexpr (kToCamera) {
-      sent_ = group.gathered && flight_.thin(group, end);
+      sent_ = group.specular_like && flight_.thin(group, end);
       if (sent_) {
-        send_from_media(group, end);
+        connect_from_media(group, end);
         flight_.enter(group.inside);  // the way to the camera leads elsewhere
       }
     }
-    if (group.share.how == Shared::kTowardsLights) {
+    if (group.mis.technique == MisTechnique::kLights) {
       flight_.pass(group, end);
     } else if (kAdjoint && group.depth == 0 && options_.estimator == Estimator::kTwoPhotons &&
                flight_.thin(group, end)) {
@@ -140,12 +141,12 @@ class Walk {
 
   // To the camera from thin media without waiting for a collision there, which would seldom be;
   // what collides on the way is not sent again.
-  void send_from_media(const Group<N>& group, float end) {
+  void connect_from_media(const Group<N>& group, float end) {
     Group<N> met = group;
     const auto vertex = collide_surely(met, end);
     if (!vertex) return;
     visit_bound<N>(scene_.kernels, vertex->kernel, vertex->shading,
-                   [&](const auto& kernel) { send_to_camera(met, *vertex, kernel); });
+                   [&](const auto& kernel) { connect_to_camera(met, *vertex, kernel); });
   }
 
   // A sensor's photons meet thin media and what is behind them, too: one group collides, the other
@@ -165,16 +166,16 @@ class Walk {
     if (!hit || !(largest(met.weight) > 0.0f)) return std::nullopt;
     travel(met, *hit);
     ++met.collisions;
-    if (met.depth++ - met.passes == options_.maximum_depth) return std::nullopt;
-    return make_vertex(scene_, *hit, {}, met, wavelengths_, time_, Counter::kTransport);
+    if (met.depth++ - met.passes == options_.max_depth) return std::nullopt;
+    return make_vertex(scene_, *hit, {}, met, wavelengths_, time_, PathEstimator::kTransport);
   }
 
   // From the surface that a group left. Its ray is the one from there, moved off the surface: how
   // much sooner it meets the next one depends on how that stands, as in a wedge.
   float way_to(const Group<N>& group, const Hit& hit) const {
-    constexpr float kLeastCosine = 1e-3f;
+    constexpr float kMinCosine = 1e-3f;
     const float cosine = dot(hit.normal, group.ray.direction);
-    if (hit.clearance == 0.0f || std::fabs(cosine) < kLeastCosine) {
+    if (hit.clearance == 0.0f || std::fabs(cosine) < kMinCosine) {
       return hit.distance + group.skipped;
     }
     return std::max(0.0f, hit.distance + dot(group.step, hit.normal) / cosine);
@@ -190,58 +191,59 @@ class Walk {
     group.weight *= scene_.transmittance(group.inside, way, wavelengths_);
   }
 
-  // Up to a hit; what the counter looks for there is counted.
+  // Up to a hit; what the estimator looks for there is counted.
   void travel(Group<N>& group, const Hit& hit) {
     if (!group.inside.empty()) absorb(group, way_to(group, hit));
     group.width += spread_ * hit.distance;
     if (is_medium(hit)) {
-      counter_.glows(group, hit);
+      estimator_.glows(group, hit);
     } else {
-      counter_.arrives(group, hit);
+      estimator_.arrives(group, hit);
     }
   }
 
   // The nearest surface that is seen; empty where the group leaves the scene or has gone deep
-  // enough. What the counter looks for on the way is counted.
+  // enough. What the estimator looks for on the way is counted.
   std::optional<Vertex<N>> next_vertex(Group<N>& group) {
     for (;;) {
       ++rays_;
       auto hit = scene_.geometry.intersect(group.ray, time_);
       if constexpr (Media) fly(group, hit);
       const Contacts contacts = hit ? contacts_of(scene_, group.ray, time_, *hit) : Contacts();
-      counter_.flies(group, hit);
+      estimator_.flies(group, hit);
       if (!hit) return std::nullopt;
       travel(group, *hit);
       if (ends_here(group, *hit)) return std::nullopt;
-      auto vertex =
-          make_vertex(scene_, *hit, contacts, group, wavelengths_, time_, Counter::kTransport);
+      auto vertex = make_vertex(scene_, *hit, contacts, group, wavelengths_, time_,
+                                PathEstimator::kTransport);
       if (vertex) {
         // At the limit light still goes straight on, which does not count.
-        if (group.depth++ - group.passes == options_.maximum_depth &&
-            !scene_.materials[hit->surface].may_be_clear) {
+        if (group.depth++ - group.passes == options_.max_depth &&
+            !scene_.materials[hit->surface].has_delta_lobe) {
           return std::nullopt;
         }
         return vertex;
       }
-      pass_unseen(group, *hit, contacts);
+      pass_index_matched(group, *hit, contacts);
     }
   }
 
   // Most photons that went towards lights end without another look at the surface.
   bool ends_here(const Group<N>& group, const Hit& hit) const {
-    return group.share.how == Shared::kTowardsLights && !scene_.materials[hit.surface].may_be_clear;
+    return group.mis.technique == MisTechnique::kLights &&
+           !scene_.materials[hit.surface].has_delta_lobe;
   }
 
   // Inside a body radiance is n^2 times what it is outside, and the photon's weight as much less:
   // it is worth what it will be outside.
   Spectral<N> square_of_index(const InteriorList& inside) const {
-    const std::uint32_t body = inside.current(scene_.interiors);
+    const std::uint32_t body = inside.current(scene_.medium_interfaces);
     if (body == InteriorList::kOutside) return 1.0f;
-    const Spectral<N> n = scene_.interiors[body].index(wavelengths_);
+    const Spectral<N> n = scene_.medium_interfaces[body].index(wavelengths_);
     return n * n;
   }
 
-  void pass_unseen(Group<N>& group, const Hit& hit, const Contacts& contacts) const {
+  void pass_index_matched(Group<N>& group, const Hit& hit, const Contacts& contacts) const {
     const bool front = dot(hit.normal, group.ray.direction) < 0.0f;
     group.inside = boundary_at(scene_, hit, contacts, group.inside, front).beyond;
     start_off(group, hit, group.ray.direction);
@@ -259,7 +261,7 @@ class Walk {
   // still stand before one in the same glass; a medium has too many vertices to try at each.
   bool may_see_lights(const Group<N>& group, const Vertex<N>& vertex) const {
     return !is_medium(vertex.hit) ||
-           group.inside.current(scene_.interiors) == InteriorList::kOutside;
+           group.inside.current(scene_.medium_interfaces) == InteriorList::kOutside;
   }
 
   // In fog without end that absorbs little, photons would wander for ever. From a distance r one
@@ -272,17 +274,19 @@ class Walk {
   }
 
   // What the interaction that a group leaves by makes of it; false where the other direction has
-  // all that could come of it. A kernel that gathers does so whichever of its parts is drawn.
-  bool sort(Group<N>& group, const Vertex<N>& vertex, Vec3 wi, bool delta) const {
-    const bool gathers = scene_.gathering[vertex.kernel];
-    const bool straight = delta && !gathers && wi == -vertex.wo;
+  // all that could come of it. A specular-like kernel is so whichever of its lobes is drawn.
+  bool keep_in_partition(Group<N>& group, const Vertex<N>& vertex, Vec3 wi, bool delta) const {
+    const bool specular_like = scene_.specular_like[vertex.kernel];
+    const bool straight = delta && !specular_like && wi == -vertex.wo;
     if constexpr (kAdjoint) {
-      if (group.depth == 1) group.spread_first = !delta && !gathers && !too_near(vertex);
-      if (!straight) group.gathered = gathers;
-      return !(group.spread_first && gathers && group.share.how == Shared::kTowardsLights);
+      if (group.depth == 1)
+        group.diffuse_like_first = !delta && !specular_like && !too_near(vertex);
+      if (!straight) group.specular_like = specular_like;
+      return !(group.diffuse_like_first && specular_like &&
+               group.mis.technique == MisTechnique::kLights);
     } else {
-      if (!straight && !group.gathered) group.gathered = gathers;
-      return straight || group.gathered;
+      if (!straight && !group.specular_like) group.specular_like = specular_like;
+      return straight || group.specular_like;
     }
   }
 
@@ -292,12 +296,12 @@ class Walk {
 
   // A photon from a luminaire to the camera; whatever is in between stops it.
   template <class Kernel>
-  void send_to_camera(const Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel) {
-    if (!group.gathered || scene_.gathering[vertex.kernel] || !kernel.smooth()) return;
+  void connect_to_camera(const Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel) {
+    if (!group.specular_like || scene_.specular_like[vertex.kernel] || !kernel.smooth()) return;
     if (too_near(vertex)) return;
     PhotonSequence sequence = group.sequence.branch(1);
     const Uniform4 u = sequence.next();
-    const auto way = counter_.way_from(vertex.hit.position, u[0], u[1]);
+    const auto way = estimator_.connect(vertex.hit.position, u[0], u[1]);
     if (!way) return;
     const Vec3 wi = vertex.to_local(way->direction);
     if (wi.z <= 0.0f && !kernel.transmits()) return;
@@ -305,7 +309,7 @@ class Walk {
     photon.sequence = sequence;
     photon.weight *= kernel.value(vertex.wo, wi);
     if (leave(photon, vertex, wi) && gets_to(photon, way->distance)) {
-      counter_.reaches(photon, *way);
+      estimator_.reaches(photon, *way);
     }
   }
 
@@ -321,10 +325,11 @@ class Walk {
       if (!group.inside.empty()) absorb(group, hit ? way_to(group, *hit) : left + group.skipped);
       if (!hit) return true;
       const Contacts contacts = contacts_of(scene_, group.ray, time_, *hit);
-      if (make_vertex(scene_, *hit, contacts, group, wavelengths_, time_, Counter::kTransport)) {
+      if (make_vertex(scene_, *hit, contacts, group, wavelengths_, time_,
+                      PathEstimator::kTransport)) {
         return false;
       }
-      pass_unseen(group, *hit, contacts);
+      pass_index_matched(group, *hit, contacts);
       left -= hit->distance;
     }
   }
@@ -355,7 +360,7 @@ class Walk {
     if constexpr (kAdjoint) {
       const bool two_photons = options_.estimator == Estimator::kTwoPhotons && kernel.smooth() &&
                                !scene_.lights.empty() && may_see_lights(group, vertex);
-      if (two_photons) send_to_lights(group, vertex, kernel, survival);
+      if (two_photons) next_event_estimation(group, vertex, kernel, survival);
       if (u[2] >= survival) return false;
       if (options_.estimator == Estimator::kTwoPhotons || !kernel.smooth()) {
         return draw_from_kernel(group, vertex, kernel, numbers, survival, two_photons);
@@ -367,7 +372,7 @@ class Walk {
       return draw_from_mixture(group, vertex, kernel, numbers, u[2] / survival, survival);
     } else {
       if constexpr (kToCamera) {
-        if (!(sent_ && is_medium(vertex.hit))) send_to_camera(group, vertex, kernel);
+        if (!(sent_ && is_medium(vertex.hit))) connect_to_camera(group, vertex, kernel);
       }
       if (u[2] >= survival) return false;
       return draw_from_kernel(group, vertex, kernel, numbers, survival, false);
@@ -376,7 +381,7 @@ class Walk {
 
   // A draw for each photon of the group; those that draw the same go on together, the others wait.
   // `weigh` multiplies the weights by value over density. A phase function that depends on the
-  // wavelength turns all alike, and moves the odds with the weights.
+  // wavelength turns all alike, and moves the path pdf ratios with the weights.
   template <class Kernel, class Weigh>
   bool for_each_draw(Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
                      const KernelNumbers& numbers, const Weigh& weigh) {
@@ -388,7 +393,7 @@ class Walk {
       left &= ~together;
       if (!draw) continue;
       if constexpr (N > 1 && requires { kernel.likelihood(vertex.wo, draw->wi); }) {
-        group.odds *= kernel.likelihood(vertex.wo, draw->wi);
+        group.path_pdf_ratio *= kernel.likelihood(vertex.wo, draw->wi);
       }
       if (together == all) {
         weigh(group, *draw);
@@ -404,11 +409,11 @@ class Walk {
 
   bool leave(Group<N>& group, const Vertex<N>& vertex, Vec3 wi, bool delta = false) const {
     if (!(largest(group.weight) > 0.0f)) return false;
-    if (both_ && !sort(group, vertex, wi, delta)) return false;
+    if (both_ && !keep_in_partition(group, vertex, wi, delta)) return false;
     // What passes straight through a pane or a hole has met nothing.
     if (delta && wi == -vertex.wo) {
       ++group.passes;
-    } else if (group.depth - group.passes > options_.maximum_depth) {
+    } else if (group.depth - group.passes > options_.max_depth) {
       return false;
     }
     const Vec3 direction = vertex.to_world(wi);
@@ -450,9 +455,9 @@ class Walk {
       }
       const Spectral<N> pdf = survival * kernel.pdf(vertex.wo, draw.wi);
       on.weight *= ratio(kernel.value(vertex.wo, draw.wi), pdf);
-      on.share.how = Shared::kNot;
+      on.mis.technique = MisTechnique::kNone;
       if (shared) {
-        on.share = {Shared::kByKernel, from(vertex, kernel), vertex.to_world(draw.wi), pdf};
+        on.mis = {MisTechnique::kKernel, from(vertex, kernel), vertex.to_world(draw.wi), pdf};
       }
     });
   }
@@ -463,7 +468,7 @@ class Walk {
   bool draw_from_mixture(Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
                          const KernelNumbers& numbers, float part, float survival) {
     const MixtureWeights& weights = options_.mixture;
-    const From here = from(vertex, kernel);
+    const LightSamplingContext here = from(vertex, kernel);
     const bool from_lights = part >= weights.kernel && part < weights.kernel + weights.lights;
     const auto weigh = [&](Group<N>& on, const Draw<N>& draw) {
       if (draw.delta) {
@@ -501,7 +506,7 @@ class Walk {
   template <class Kernel>
   bool split(Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
              const KernelNumbers& numbers, float survival) {
-    const From here = from(vertex, kernel);
+    const LightSamplingContext here = from(vertex, kernel);
     const bool uniform = options_.mixture.uniform > 0.0f;
     const auto weigh = [&](Group<N>& on, const Draw<N>& draw, int drawn_by) {
       if (draw.delta) {
@@ -544,18 +549,18 @@ class Walk {
   // too. It ends on the first surface that spreads light: there the one from the kernel carries the
   // whole weight.
   template <class Kernel>
-  void send_to_lights(const Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
-                      float survival) {
+  void next_event_estimation(const Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
+                             float survival) {
     Group<N> photon = group;
     photon.sequence = group.sequence.branch(1);
     const Uniform4 u = photon.sequence.next();
-    const From here = from(vertex, kernel);
+    const LightSamplingContext here = from(vertex, kernel);
     const auto direction = scene_.lights.sample(here, u[2], u[0], u[1]);
     if (!direction) return;
     const Vec3 wi = vertex.to_local(*direction);
     if (wi.z <= 0.0f && !kernel.transmits()) return;
     photon.weight *= kernel.value(vertex.wo, wi);
-    photon.share = {Shared::kTowardsLights, here, *direction, survival * kernel.pdf(vertex.wo, wi)};
+    photon.mis = {MisTechnique::kLights, here, *direction, survival * kernel.pdf(vertex.wo, wi)};
     if (leave(photon, vertex, wi)) follow(photon);
   }
 
@@ -573,7 +578,7 @@ class Walk {
   }
 
   template <class Kernel>
-  From from(const Vertex<N>& vertex, const Kernel& kernel) const {
+  LightSamplingContext from(const Vertex<N>& vertex, const Kernel& kernel) const {
     return {vertex.hit.position, vertex.normal, kernel.transmits(), time_};
   }
 
@@ -582,7 +587,7 @@ class Walk {
   const Spectral<N> wavelengths_;
   const float time_, spread_;
   const bool both_;
-  Counter& counter_;
+  PathEstimator& estimator_;
   std::uint32_t rays_ = 0;
   bool sent_ = false;
   Flight flight_;

@@ -48,16 +48,16 @@ class Path {
                               : 1.0f;
       radiance_ += weight_ * share * seen;
     }
-    if (!hit || depth == scene_.options.maximum_depth) return false;
+    if (!hit || depth == scene_.options.max_depth) return false;
     const SurfaceMaterial& material = scene_.materials[hit->surface];
     const bool front = dot(hit->normal, ray_.direction) < 0.0f;
     Shading<1> shading{.wavelengths = start_.wavelengths, .point = {}};
-    const Interior* interior = nullptr;
-    if (material.interior != SurfaceMaterial::kNone) {
-      interior = &scene_.interiors[material.interior];
-      (front ? shading.index_to : shading.index_from) = interior->index(start_.wavelengths);
-      if (!front && interior->absorbs) {
-        weight_ *= std::exp(-interior->absorption(start_.wavelengths)[0] * hit->distance);
+    const MediumInterface* entered = nullptr;
+    if (material.medium_interface != SurfaceMaterial::kNone) {
+      entered = &scene_.medium_interfaces[material.medium_interface];
+      (front ? shading.index_to : shading.index_from) = entered->index(start_.wavelengths);
+      if (!front && entered->absorbs) {
+        weight_ *= std::exp(-entered->absorption(start_.wavelengths)[0] * hit->distance);
       }
     }
     return visit_bound<1>(scene_.kernels, front ? material.front_kernel : material.back_kernel,
@@ -108,7 +108,7 @@ class Path {
   const Start<1>& start_;
   PhotonSequence sequence_;
   Ray ray_;
-  From from_{};
+  LightSamplingContext from_{};
   // Of the last draw; zero where no light could have been asked for in its place.
   float kernel_pdf_ = 0.0f;
   float weight_ = 1.0f, radiance_ = 0.0f;

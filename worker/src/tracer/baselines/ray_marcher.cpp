@@ -52,7 +52,7 @@ class March {
         radiance += left * scene_.emitted(scene_.luminaires[material.luminaire], *hit,
                                           -ray.direction, start_.time, start_.wavelengths)[0];
       }
-      if (!material.unseen) return radiance + left * on_surface(*hit, ray, inside);
+      if (!material.index_matched_only) return radiance + left * on_surface(*hit, ray, inside);
       const bool front = dot(hit->normal, ray.direction) < 0.0f;
       inside = boundary_at(scene_, *hit, contacts, inside, front).beyond;
       ray.origin = leave_surface(*hit, ray.direction);
@@ -62,7 +62,7 @@ class March {
   // f(index, density x extinction at p) for all media there, 1/m.
   template <class F>
   void at(const InteriorList& inside, Vec3 p, const F& f) const {
-    inside.for_each_present(scene_.interiors, [&](const Interior& body) {
+    inside.for_each_present(scene_.medium_interfaces, [&](const MediumInterface& body) {
       for (const std::uint32_t index : body.media) {
         const Medium& medium = scene_.media[index];
         const float density = std::visit([p](const auto& d) { return d.at(p); }, medium.density);
@@ -116,7 +116,8 @@ class March {
         [&](const auto& kernel) {
           if (!kernel.smooth() || scene_.lights.empty()) return 0.0f;
           const Frame frame(front ? hit.normal : -hit.normal);
-          const From from{hit.position, frame.normal, kernel.transmits(), start_.time};
+          const LightSamplingContext from{hit.position, frame.normal, kernel.transmits(),
+                                          start_.time};
           const Uniform4 u = sequence_.next();
           const auto direction = scene_.lights.sample(from, u[2], u[0], u[1]);
           if (!direction) return 0.0f;

@@ -1,7 +1,7 @@
 // How dense a medium can be along a ray, which delta tracking asks: Woodcock et al., "Techniques
 // used in the GEM code for Monte Carlo neutronics calculations", ANL-7050, 1965.
 //
-// Every density has `float at(Vec3) const` and a walk `Bounds(density, ray, end)` whose segments
+// Every density has `float at(Vec3) const` and a walk `Majorants(density, ray, end)` whose segments
 // tile [0, end). A bound holds where a position along the ray is rounded to single precision, too.
 #pragma once
 
@@ -13,10 +13,10 @@
 namespace nocturne {
 
 /// From the end of the segment before, or 0, up to `end`, along the ray.
-struct BoundSegment {
+struct MajorantSegment {
   float end;
   /// At least the density anywhere in the segment; 0 where there is nothing.
-  float most;
+  float majorant;
 };
 
 /// Makes one segment of neighbours where there is nothing.
@@ -24,15 +24,15 @@ class EmptySpace {
  public:
   /// `advance` is what `next` would be without it.
   template <class Advance>
-  bool next(BoundSegment& segment, const Advance& advance) {
+  bool next(MajorantSegment& segment, const Advance& advance) {
     if (ahead_) {
       segment = *std::exchange(ahead_, std::nullopt);
     } else if (!advance(segment)) {
       return false;
     }
-    BoundSegment after;
-    while (segment.most == 0.0f && advance(after)) {
-      if (after.most > 0.0f) {
+    MajorantSegment after;
+    while (segment.majorant == 0.0f && advance(after)) {
+      if (after.majorant > 0.0f) {
         ahead_ = after;
         break;
       }
@@ -42,31 +42,31 @@ class EmptySpace {
   }
 
  private:
-  std::optional<BoundSegment> ahead_;
+  std::optional<MajorantSegment> ahead_;
 };
 
-class ConstantBounds;
+class ConstantMajorants;
 
 struct ConstantDensity {
-  using Bounds = ConstantBounds;
+  using Majorants = ConstantMajorants;
   /// Not negative.
   float value;
 
   float at(Vec3) const { return value; }
 };
 
-class ConstantBounds {
+class ConstantMajorants {
  public:
-  ConstantBounds(const ConstantDensity& density, const Ray&, float end)
+  ConstantMajorants(const ConstantDensity& density, const Ray&, float end)
       : segment_{end, density.value}, left_(end > 0.0f) {}
 
-  bool next(BoundSegment& segment) {
+  bool next(MajorantSegment& segment) {
     segment = segment_;
     return std::exchange(left_, false);
   }
 
  private:
-  BoundSegment segment_;
+  MajorantSegment segment_;
   bool left_;
 };
 

@@ -17,14 +17,14 @@ using test::kPiExact;
 constexpr std::uint32_t kPhotons = 400'000;
 constexpr std::uint32_t kSamplesPerPixel = 10'000;
 
-using Receive = std::function<std::optional<Reception>(const Ray&)>;
+using Receive = std::function<std::optional<SplatWeight>(const Ray&)>;
 
 std::vector<Estimate> forward(const test::Patch& lamp, Film film, const Receive& receive) {
   std::vector<Estimate> pixels(static_cast<std::size_t>(film.width) * film.height);
   const double flux = kPiExact * lamp.area();
   for (std::uint32_t i = 0; i < kPhotons; ++i) {
-    const auto reception = receive(lamp.emit(test::uniform(i, 1)));
-    if (reception) pixels.at(reception->pixel).add(flux * reception->weight);
+    const auto splat = receive(lamp.emit(test::uniform(i, 1)));
+    if (splat) pixels.at(splat->pixel).add(flux * splat->weight);
   }
   return pixels;
 }
@@ -63,7 +63,7 @@ void expect_same(const std::vector<Estimate>& one, const std::vector<Estimate>& 
   EXPECT_LT(test::chi_square_deviate(statistic, lit), 4.0) << statistic << " over " << lit;
 }
 
-TEST(Reception, PlaneMeasuresTheSameBothWays) {
+TEST(Splat, PlaneMeasuresTheSameBothWays) {
   const Film film{6, 4};
   const Pose pose = test::oblique_pose();
   const Sensor sensor = test::at_rest(Plane(FilmRectangle(1.0f)), pose);
@@ -76,19 +76,19 @@ TEST(Reception, PlaneMeasuresTheSameBothWays) {
                                        ? lamp
                                        : test::Patch{lamp.corner, lamp.edge_v, lamp.edge_u};
   const auto counted = forward(towards_film, film, [&](const Ray& ray) {
-    return sensor.receive_segment(film, ray.origin, ray.direction,
-                                  std::numeric_limits<float>::infinity(), 0);
+    return sensor.splat_segment(film, ray.origin, ray.direction,
+                                std::numeric_limits<float>::infinity(), 0);
   });
   expect_same(counted, adjoint(towards_film, film, sensor));
 }
 
-TEST(Reception, IntensityMeasuresTheSameBothWaysAndIsTheCosineLaw) {
+TEST(Splat, IntensityMeasuresTheSameBothWaysAndIsTheCosineLaw) {
   const Film film{8, 6};
   const Pose pose = test::oblique_pose();
   const Sensor sensor = test::at_rest(IntensityMeter(0.5f), pose);
   const test::Patch lamp{pose.position, {0.3f, 0.1f, 0}, {0, 0.2f, 0.3f}};
-  const auto counted = forward(
-      lamp, film, [&](const Ray& ray) { return sensor.receive_escape(film, ray.direction); });
+  const auto counted =
+      forward(lamp, film, [&](const Ray& ray) { return sensor.splat_escape(film, ray.direction); });
   expect_same(counted, adjoint(lamp, film, sensor));
   // All flux is counted: the sum of intensity x solid angle is pi x area.
   double flux = 0.0;
@@ -98,7 +98,7 @@ TEST(Reception, IntensityMeasuresTheSameBothWaysAndIsTheCosineLaw) {
   EXPECT_NEAR(flux, kPiExact * lamp.area(), 1e-6);
   // Straight ahead of the lamp: area x cos, averaged over a cell; against the middle of a fine one.
   const Film fine{4096, 2048};
-  const auto cell = sensor.receive_escape(fine, lamp.normal());
+  const auto cell = sensor.splat_escape(fine, lamp.normal());
   ASSERT_TRUE(cell);
   Estimate ahead;
   for (std::uint32_t i = 0; i < kPhotons; ++i) {
@@ -111,16 +111,16 @@ TEST(Reception, IntensityMeasuresTheSameBothWaysAndIsTheCosineLaw) {
   EXPECT_NEAR(ahead.mean(kPhotons), lamp.area(), 4.0 * std::sqrt(ahead.variance(kPhotons)));
 }
 
-TEST(Reception, EscapesMeetThePixelThatLooksBack) {
+TEST(Splat, EscapesMeetThePixelThatLooksBack) {
   const Film film{36, 18};
   const Sensor sensor = test::at_rest(IntensityMeter(0.5f), test::oblique_pose());
   for (std::uint32_t pixel = 0; pixel < film.width * film.height; ++pixel) {
     const auto sample = sensor.sample(film, static_cast<float>(pixel % film.width) + 0.5f,
                                       static_cast<float>(pixel / film.width) + 0.5f, 0.1f, 0.9f, 0);
-    const auto reception = sensor.receive_escape(film, -sample.ray.direction);
-    ASSERT_TRUE(reception);
-    EXPECT_EQ(reception->pixel, pixel);
-    EXPECT_NEAR(reception->weight * DirectionGrid{film}.solid_angle(pixel / film.width), 1.0, 1e-6);
+    const auto splat = sensor.splat_escape(film, -sample.ray.direction);
+    ASSERT_TRUE(splat);
+    EXPECT_EQ(splat->pixel, pixel);
+    EXPECT_NEAR(splat->weight * DirectionGrid{film}.solid_angle(pixel / film.width), 1.0, 1e-6);
   }
 }
 
@@ -145,7 +145,7 @@ TEST_P(Cameras, MeasureTheSameBothWays) {
   for (std::uint32_t i = 0; i < kPhotons; ++i) {
     const Uniform4 u = test::uniform(i, 1);
     const Vec3 place = towards.corner + u[0] * towards.edge_u + u[1] * towards.edge_v;
-    const auto way = sensor_.way_from(kFilm, place, u[2], u[3], 0);
+    const auto way = sensor_.connect(kFilm, place, u[2], u[3], 0);
     if (!way) continue;
     const double cosine = dot(towards.normal(), way->direction);
     counted.at(way->pixel).add(towards.area() * std::max(0.0, cosine) * way->weight);
@@ -160,7 +160,7 @@ TEST_P(Cameras, AreReachedBackAlongTheirRays) {
     const auto sample = sensor_.sample(film, 40.0f * u[0], 30.0f * u[1], v[0], v[1], 0);
     const float distance = 0.5f + 3.0f * u[2];
     const auto way =
-        sensor_.way_from(film, sample.ray.origin + distance * sample.ray.direction, v[0], v[1], 0);
+        sensor_.connect(film, sample.ray.origin + distance * sample.ray.direction, v[0], v[1], 0);
     ASSERT_TRUE(way);
     EXPECT_NEAR(dot(way->direction, sample.ray.direction), -1.0f, 1e-5f);
     EXPECT_NEAR(way->distance, distance, 1e-5f * distance);
@@ -181,8 +181,8 @@ class Film2x2 : public testing::Test {
   static constexpr Film kFilm{2, 2};
   const Sensor sensor_ = test::at_rest(Plane(FilmRectangle(2.0f)));  // looks along -z from z = 3
 
-  std::optional<Reception> receive(Vec3 origin, Vec3 direction, float distance) const {
-    return sensor_.receive_segment(kFilm, origin, direction, distance, 0);
+  std::optional<SplatWeight> receive(Vec3 origin, Vec3 direction, float distance) const {
+    return sensor_.splat_segment(kFilm, origin, direction, distance, 0);
   }
 };
 
@@ -215,24 +215,24 @@ TEST_F(Film2x2, CountsOnceWhereASurfaceIsInItsPlane) {
   }
 }
 
-TEST(Reception, OtherModelsCountNothing) {
+TEST(Splat, OtherModelsCountNothing) {
   const Sensor sensor = test::at_rest(Pinhole(1.0f));
-  EXPECT_FALSE(sensor.receives_segments());
+  EXPECT_FALSE(sensor.splats_segments());
   EXPECT_FALSE(sensor.receives_escapes());
-  EXPECT_FALSE(sensor.receive_segment({2, 2}, {1, 2, 0}, {0, 0, 1}, 9, 0));
-  EXPECT_FALSE(sensor.receive_escape({2, 2}, {0, 0, 1}));
+  EXPECT_FALSE(sensor.splat_segment({2, 2}, {1, 2, 0}, {0, 0, 1}, 9, 0));
+  EXPECT_FALSE(sensor.splat_escape({2, 2}, {0, 0, 1}));
   EXPECT_TRUE(sensor.is_camera());
   const Sensor meter = test::at_rest(RadianceMeter(0.1f, 0.1f));
   EXPECT_FALSE(meter.is_camera());
-  EXPECT_FALSE(meter.way_from({2, 2}, {1, 2, 0}, 0, 0, 0));
+  EXPECT_FALSE(meter.connect({2, 2}, {1, 2, 0}, 0, 0, 0));
 }
 
-TEST(Reception, FilmThatMovesIsMetWhereItIs) {
+TEST(Splat, FilmThatMovesIsMetWhereItIs) {
   Pose end = test::pose();
   end.position.z = 5;
   const Sensor sensor(Plane(FilmRectangle(2.0f)), Motion({test::pose(), end}));
-  EXPECT_FALSE(sensor.receive_segment({2, 2}, {1, 2, 2}, {0, 0, 1}, 1.5f, 0.5f));
-  EXPECT_TRUE(sensor.receive_segment({2, 2}, {1, 2, 2}, {0, 0, 1}, 1.5f, 0.2f));
+  EXPECT_FALSE(sensor.splat_segment({2, 2}, {1, 2, 2}, {0, 0, 1}, 1.5f, 0.5f));
+  EXPECT_TRUE(sensor.splat_segment({2, 2}, {1, 2, 2}, {0, 0, 1}, 1.5f, 0.2f));
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "media/bounds.h"
+#include "media/majorants.h"
 #include "sampling/philox.h"
 #include "sampling/sequence.h"
 
@@ -19,15 +19,15 @@ inline Uniform4 media_numbers(std::uint32_t index, std::uint32_t seed) {
 
 /// All segments; fails unless they tile [0, end) and no two of nothing are neighbours.
 template <class Density>
-std::vector<BoundSegment> segments(const Density& density, const Ray& ray, float end) {
-  std::vector<BoundSegment> all;
-  typename Density::Bounds bounds(density, ray, end);
-  BoundSegment segment;
+std::vector<MajorantSegment> segments(const Density& density, const Ray& ray, float end) {
+  std::vector<MajorantSegment> all;
+  typename Density::Majorants majorants(density, ray, end);
+  MajorantSegment segment;
   float at = 0.0f;
-  while (bounds.next(segment)) {
+  while (majorants.next(segment)) {
     EXPECT_GT(segment.end, at);
-    EXPECT_GE(segment.most, 0.0f);
-    EXPECT_FALSE(!all.empty() && segment.most == 0.0f && all.back().most == 0.0f);
+    EXPECT_GE(segment.majorant, 0.0f);
+    EXPECT_FALSE(!all.empty() && segment.majorant == 0.0f && all.back().majorant == 0.0f);
     at = segment.end;
     all.push_back(segment);
     if (all.size() > 100'000) {
@@ -36,7 +36,7 @@ std::vector<BoundSegment> segments(const Density& density, const Ray& ray, float
     }
   }
   EXPECT_EQ(at, end);
-  EXPECT_FALSE(bounds.next(segment));
+  EXPECT_FALSE(majorants.next(segment));
   return all;
 }
 
@@ -46,7 +46,7 @@ void expect_bounds_hold(const Density& density, const Ray& ray, float end, std::
                         int in_each = 12) {
   float from = 0.0f;
   std::uint32_t i = 0;
-  for (const BoundSegment& s : segments(density, ray, end)) {
+  for (const MajorantSegment& s : segments(density, ray, end)) {
     const float to = std::min(s.end, 1e30f);
     for (int k = 0; k < in_each; ++k) {
       const float u = media_numbers(i++, seed)[0];
@@ -55,7 +55,7 @@ void expect_bounds_hold(const Density& density, const Ray& ray, float end, std::
       if (k == 1) t = std::nextafter(to, from);
       if (k == 2) t = from + 1e-5f * u * (to - from);
       const float here = density.at(ray.origin + t * ray.direction);
-      ASSERT_LE(here, s.most) << "at " << t << " in [" << from << ", " << s.end << ")";
+      ASSERT_LE(here, s.majorant) << "at " << t << " in [" << from << ", " << s.end << ")";
     }
     from = s.end;
   }
@@ -65,9 +65,9 @@ void expect_bounds_hold(const Density& density, const Ray& ray, float end, std::
 template <class Density>
 double waste(const Density& density, const Ray& ray, float end) {
   double bound = 0.0, there = 0.0, from = 0.0;
-  for (const BoundSegment& s : segments(density, ray, end)) {
+  for (const MajorantSegment& s : segments(density, ray, end)) {
     const double to = static_cast<double>(s.end);
-    bound += static_cast<double>(s.most) * (to - from);
+    bound += static_cast<double>(s.majorant) * (to - from);
     for (int k = 0; k < 1000; ++k) {
       const auto t = static_cast<float>(from + (k + 0.5) / 1000.0 * (to - from));
       there += static_cast<double>(density.at(ray.origin + t * ray.direction)) * (to - from) / 1000;

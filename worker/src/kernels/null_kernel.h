@@ -7,7 +7,7 @@
 namespace nocturne {
 
 template <int N>
-struct BoundPassage {
+struct BoundNullKernel {
   static Spectral<N> albedo(Vec3) { return 1.0f; }
   static Spectral<N> value(Vec3, Vec3) { return 0.0f; }
   static std::optional<Draw<N>> sample(Vec3 wo, const KernelNumbers&, std::size_t) {
@@ -17,12 +17,12 @@ struct BoundPassage {
   static constexpr bool smooth() { return false; }
   static constexpr bool transmits() { return false; }
 };
-static_assert(BoundKernel<BoundPassage<1>, 1> && BoundKernel<BoundPassage<4>, 4> &&
-              BoundKernel<BoundPassage<8>, 8>);
+static_assert(BoundKernel<BoundNullKernel<1>, 1> && BoundKernel<BoundNullKernel<4>, 4> &&
+              BoundKernel<BoundNullKernel<8>, 8>);
 
-struct Passage {
+struct NullKernel {
   template <int N>
-  BoundPassage<N> bind(const Shading<N>&) const {
+  BoundNullKernel<N> bind(const Shading<N>&) const {
     return {};
   }
 };

@@ -6,12 +6,12 @@
 
 namespace nocturne {
 
-class Relief {
+class BumpMap {
  public:
   /// Tangent-space normals, each component 2 t - 1 of a channel t.
-  static Relief of_normals(const TextureUse& use) { return {use, true}; }
+  static BumpMap of_normals(const TextureUse& use) { return {use, true}; }
   /// Heights, m.
-  static Relief of_heights(const TextureUse& use) { return {use, false}; }
+  static BumpMap of_heights(const TextureUse& use) { return {use, false}; }
 
   Vec3 normal(const SurfaceDetail& detail, const SurfacePoint& point) const {
     if (map_) {
@@ -31,7 +31,7 @@ class Relief {
  private:
   static constexpr float kStep = 0x1p-11f;
 
-  Relief(const TextureUse& use, bool map) : use_(use), map_(map) {}
+  BumpMap(const TextureUse& use, bool map) : use_(use), map_(map) {}
 
   TextureUse use_;
   bool map_;

@@ -5,7 +5,7 @@
 
 namespace nocturne {
 
-struct From {
+struct LightSamplingContext {
   Vec3 position;
   /// Unit, on the side that the photon came from. Without `both_sides` nothing is drawn below its
   /// horizon, and the density there is zero.
