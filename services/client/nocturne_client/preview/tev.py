@@ -9,7 +9,7 @@ import socket
 import struct
 from collections.abc import Sequence
 from types import TracebackType
-from typing import Self
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,9 @@ import numpy.typing as npt
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.preview.colour import linear_srgb
 from nocturne_client.tiles import Tile
+
+if TYPE_CHECKING:
+    from typing import Self
 
 DEFAULT_PORT = 14158
 _CREATE = 4
@@ -41,7 +44,7 @@ class Tev:
             ) from error
         self._name = ""
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "Self":
         return self
 
     def __exit__(
