@@ -21,8 +21,6 @@ from nocturne_client.models import Render, Webhook, Worker
 from nocturne_client.scene_files import SceneOnDisk, digest, read_scene
 
 if TYPE_CHECKING:
-    from typing import Self
-
     from nocturne_client.tiles import TileAnswer
 
 DEFAULT_URL = "http://127.0.0.1:7070"
@@ -72,7 +70,7 @@ class Client:
         except httpx.InvalidURL as error:
             raise NocturneClientError(f"{self.url!r} is not an address: {error}") from error
 
-    def __enter__(self) -> "Self":
+    def __enter__(self) -> "Client":
         return self
 
     def __exit__(

@@ -9,7 +9,6 @@ import socket
 import struct
 from collections.abc import Sequence
 from types import TracebackType
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -17,9 +16,6 @@ import numpy.typing as npt
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.preview.colour import linear_srgb
 from nocturne_client.tiles import Tile
-
-if TYPE_CHECKING:
-    from typing import Self
 
 DEFAULT_PORT = 14158
 _CREATE = 4
@@ -44,7 +40,7 @@ class Tev:
             ) from error
         self._name = ""
 
-    def __enter__(self) -> "Self":
+    def __enter__(self) -> "Tev":
         return self
 
     def __exit__(
