@@ -63,8 +63,8 @@ dist: proto web  ## Python wheels of scene, client and service, in build/dist
 	$(PYTHON) -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir build/dist ./scene ./services/client ./services/api
 	@ls build/dist
 
-containers:  ## Container images on a real Docker Engine: compose up, faults, the same bits (half an hour the first time)
-	deploy/containers-check.sh
+containers: build  ## Images on a real Docker Engine: compose up, all parts killed, the same bits (half an hour at first)
+	pytest -m containers -s tests/containers
 
 demo: build  ## Start the service, render the Cornell box, show where the image and the page are
 	@deploy/demo.sh
@@ -93,7 +93,7 @@ format:  ## Put code into the agreed form
 
 # Half of the time they wait, so there are twice as many processes as processors.
 unit: build  ## Tests of single parts: C++, Python, page
-	pytest -m "not system and not soak and not references and not peers" $(PROCESSES) 4
+	pytest -m "not system and not soak and not references and not peers and not containers" $(PROCESSES) 4
 	ctest --test-dir build/release --parallel 2 --output-on-failure --no-tests=error
 	npm --prefix services/web run --silent test
 

@@ -155,8 +155,10 @@ def test_tokens_are_made_anew_for_a_new_data_folder_only(tmp_path: Path) -> None
         pairs = [f"{scope}={tmp_path / scope}" for scope in ("worker", "read")]
         path = f"{Path(sys.executable).parent}:{os.defpath}"
         environment = {**os.environ, "PATH": path}
-        script = [DEPLOY / "secrets" / "make-tokens.sh", tmp_path / data, *pairs]
-        subprocess.run(script, check=True, capture_output=True, env=environment)
+        script = str(DEPLOY / "secrets" / "make-tokens.sh")
+        subprocess.run(
+            [script, str(tmp_path / data), *pairs], check=True, capture_output=True, env=environment
+        )
         return (tmp_path / "worker").read_text()
 
     first = make("data")

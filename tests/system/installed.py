@@ -64,9 +64,14 @@ class Installed:
 
     def python(self, code: str) -> str:
         """What a program prints."""
-        program = [self.folder / "bin" / "python", "-c", code]
+        program = str(self.folder / "bin" / "python")
         done = subprocess.run(
-            program, env=self.environment, cwd=self.folder, capture_output=True, text=True, check=False
+            [program, "-c", code],
+            env=self.environment,
+            cwd=self.folder,
+            capture_output=True,
+            text=True,
+            check=False,
         )
         assert done.returncode == 0, done.stderr
         return done.stdout.strip()
