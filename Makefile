@@ -19,7 +19,7 @@ STAMPS := build/stamps
 # Neighbours in a file stay together, for what they share, until a process has nothing left to do.
 PROCESSES := --dist worksteal --numprocesses
 
-.PHONY: help packages venv proto web worker build demo stop test check check-types check-page check-form format unit system screenshots soak fuzz references peers stability preflights sanitize bench lock docs clean
+.PHONY: help packages venv proto web worker build dist containers demo stop test check check-types check-page check-form format unit system screenshots soak fuzz references peers stability preflights sanitize bench lock docs clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -27,7 +27,8 @@ help:  ## This list
 packages:  ## Install the Debian packages that are missing
 	@deploy/install-debian-packages.sh build test service
 
-$(STAMPS)/venv: requirements.lock pyproject.toml | packages
+PROJECTS := pyproject.toml hatch_build.py scene/pyproject.toml services/client/pyproject.toml services/api/pyproject.toml
+$(STAMPS)/venv: requirements.lock $(PROJECTS) | packages
 	test -x $(PYTHON) || $(SYSTEM_PYTHON) -m venv .venv
 	$(PYTHON) -m pip install --quiet --no-deps --require-hashes -r requirements.lock
 	mkdir -p build/python $(STAMPS)
@@ -56,6 +57,15 @@ worker: build/release/build.ninja  ## The C++ programs and their tests
 
 build: proto web worker  ## Everything
 
+# The scene language, the client, and the service with the contracts and the page inside.
+dist: proto web  ## Python wheels of scene, client and service, in build/dist
+	rm -rf build/dist
+	$(PYTHON) -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir build/dist ./scene ./services/client ./services/api
+	@ls build/dist
+
+containers: build  ## Images on a real Docker Engine: compose up, all parts killed, the same bits (half an hour at first)
+	pytest -m containers -s tests/containers
+
 demo: build  ## Start the service, render the Cornell box, show where the image and the page are
 	@deploy/demo.sh
 
@@ -83,7 +93,7 @@ format:  ## Put code into the agreed form
 
 # Half of the time they wait, so there are twice as many processes as processors.
 unit: build  ## Tests of single parts: C++, Python, page
-	pytest -m "not system and not soak and not references and not peers" $(PROCESSES) 4
+	pytest -m "not system and not soak and not references and not peers and not containers" $(PROCESSES) 4
 	ctest --test-dir build/release --parallel 2 --output-on-failure --no-tests=error
 	npm --prefix services/web run --silent test
 

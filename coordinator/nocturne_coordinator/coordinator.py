@@ -10,7 +10,7 @@ import sqlite3
 import threading
 import time
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.errors import NotFound
@@ -110,10 +110,14 @@ class Coordinator:
         self._next_mirror = 0.0
         self._next_finish = 0.0
 
-    def run(self, stop: threading.Event) -> None:
-        """Works until `stop`; then commits what is merged. OwnershipLost if another has the folder."""
+    def run(self, stop: threading.Event, turned: Callable[[], None] = lambda: None) -> None:
+        """Works until `stop`; then commits what is merged. OwnershipLost if another has the folder.
+
+        `turned` is called in every turn of the loop, as a sign of life.
+        """
         while not stop.is_set():
             begun = time.monotonic()
+            turned()
             if not self._round(begun):
                 stop.wait(_LOOK_SECONDS / 2)
             stop.wait(max(0.0, begun + self._shortest_round() - time.monotonic()))

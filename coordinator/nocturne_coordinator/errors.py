@@ -25,6 +25,10 @@ class Conflict(NocturneError):
     """The request id was used before, with other content."""
 
 
+class AmbiguousId(NocturneError):
+    """The beginning of an id that several have; says which."""
+
+
 class FilesGone(NocturneError):
     """Files of a scene were deleted with another render after it was compiled; compiling again may help."""
 

@@ -15,6 +15,9 @@ MAX_PAGE = 200
 DEFAULT_PAGE = 50
 """Renders in one answer: a page stays below 200 KiB."""
 
+IDS_SHOWN = 8
+"""Of renders whose ids begin as somebody asked: enough to see which character comes next."""
+
 MAX_ERROR_ASKED = 1.0
 """Relative: above it, nothing is known of an image."""
 

@@ -20,6 +20,7 @@ from nocturne_coordinator.dispatch.scheduler import MIN_OVERDUE
 from nocturne_coordinator.errors import AlreadyOwned, OwnershipLost, QueueTaken, UnusableFolder
 from nocturne_coordinator.log_lines import write_log_lines
 from nocturne_coordinator.queue.job_queue import JobQueue, QueueError, Session
+from nocturne_coordinator.sign_of_life import SignOfLife
 from nocturne_coordinator.store.checkpoint import CHECKPOINT_SECONDS, Checkpointer
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
@@ -114,6 +115,12 @@ def _parser() -> argparse.ArgumentParser:
         default=LEASE_SECONDS,
         help="with --shared, after how long without a sign of life others take renders (default %(default)s)",
     )
+    parser.add_argument(
+        "--alive",
+        type=Path,
+        metavar="FILE",
+        help="its time is set about every second while the coordinator works on the folder: for probes",
+    )
     parser.add_argument("--log-level", default="info", choices=["debug", "info", "warning", "error"])
     return parser
 
@@ -153,7 +160,7 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
         Coordinator(
             *(folder, ledger, queue, session),
             *(options.commit_seconds, auditor, options.overdue_seconds),
-        ).run(stop)
+        ).run(stop, SignOfLife(options.alive) if options.alive else lambda: None)
     finally:
         queue.close()
         ownership.release()

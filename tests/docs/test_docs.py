@@ -7,6 +7,7 @@ import tomllib
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from typing import Any
 from urllib.parse import unquote
 
 import pytest
@@ -82,10 +83,28 @@ def _without_code_name(page: str, names: list[str]) -> list[str]:
     return [name for name in names if f"`{name}`" not in page]
 
 
+# The development environment, and the packages that ship.
+_PROJECTS = (
+    "pyproject.toml",
+    "scene/pyproject.toml",
+    "services/client/pyproject.toml",
+    "services/api/pyproject.toml",
+)
+
+
+def _project(file: str) -> dict[str, Any]:
+    read: dict[str, Any] = tomllib.loads((ROOT / file).read_text(encoding="utf-8"))["project"]
+    return read
+
+
 def test_every_dependency_of_python_has_its_reason() -> None:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    required = [*project["dependencies"], *project["optional-dependencies"]["dev"]]
+    projects = [_project(file) for file in _PROJECTS]
+    required = [
+        *(name for project in projects for name in project.get("dependencies", ())),
+        *projects[0]["optional-dependencies"]["dev"],
+    ]
     names = [re.split(r"[\[<>=!~; ]", requirement)[0] for requirement in required]
+    names = [name for name in names if not name.startswith("nocturne-")]
     assert _without_code_name(_page("dependencies.md"), names) == []
 
 
@@ -104,7 +123,7 @@ def test_every_debian_package_has_its_reason() -> None:
 def test_dependencies_that_are_gone_have_no_row() -> None:
     rows = re.findall(r"^\| (`.+?) \|", _page("dependencies.md"), re.MULTILINE)
     named = {name for row in rows for name in re.findall(r"`([^`]+)`", row)}
-    sources = ("pyproject.toml", "services/web/package.json", "deploy/debian-packages.txt")
+    sources = (*_PROJECTS, "services/web/package.json", "deploy/debian-packages.txt")
     wanted = "\n".join((ROOT / source).read_text(encoding="utf-8") for source in sources)
     gone = [name for name in named if not re.search(rf"(?<![\w-]){re.escape(name)}(?![\w-])", wanted)]
     assert gone == []

@@ -14,6 +14,7 @@ import hashlib
 import json
 import secrets
 import sqlite3
+import sys
 import time
 from dataclasses import fields
 from pathlib import Path
@@ -27,7 +28,7 @@ from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.profiles import incompatible
 from nocturne_coordinator.dispatch.region import Region
 from nocturne_coordinator.dispatch.stopping import StopConditions, check_tile_samples
-from nocturne_coordinator.errors import Conflict, FilesGone, UnusableFolder, WrongState
+from nocturne_coordinator.errors import AmbiguousId, Conflict, FilesGone, UnusableFolder, WrongState
 from nocturne_coordinator.store.archive import Archive
 from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.events import note_worker
@@ -149,6 +150,22 @@ class DataFolder:
         if row is None:
             raise NotFound(f"there is no render {render_id!r}")
         return render_row(row)
+
+    def find_render(self, start: str) -> RenderRow:
+        """The render with this id, or the one whose id begins so. Raises NotFound, AmbiguousId."""
+        # No character of an id comes after the last that there is, so all that begin so lie below it.
+        rows = self.database.rows(
+            f"SELECT {RENDER_COLUMNS} FROM render WHERE id >= ? AND id < ? ORDER BY id LIMIT ?",  # noqa: S608
+            (start, start + chr(sys.maxunicode), limits.IDS_SHOWN + 1),
+        )
+        if not rows or not start:
+            raise NotFound(f"there is no render {start!r}")
+        # A whole id comes first of those that begin with it.
+        if len(rows) == 1 or rows[0]["id"] == start:
+            return render_row(rows[0])
+        shown = ", ".join(str(row["id"]) for row in rows[: limits.IDS_SHOWN])
+        more = ", and more" if len(rows) > limits.IDS_SHOWN else ""
+        raise AmbiguousId(f"more than one render has an id that begins with {start!r}: {shown}{more}")
 
     def list_renders(self, page_size: int, page_token: str) -> tuple[list[RenderRow], str]:
         """Newest first; the next page's token, empty on the last. A page size of 0 means 50, at most 200.

@@ -5,7 +5,7 @@ import sqlite3
 from dataclasses import dataclass
 
 import grpc
-from nocturne_coordinator.errors import Conflict, WrongState
+from nocturne_coordinator.errors import AmbiguousId, Conflict, WrongState
 from nocturne_coordinator.store.object_store import ObjectStoreUnavailable
 from nocturne_scene.errors import InputError, NocturneError, NotFound, Problem
 
@@ -71,6 +71,10 @@ TABLE: tuple[tuple[type[Exception], Kind], ...] = (
     (
         CantPreflight,
         Kind("CANT_PREFLIGHT", "No preflight can be made", 409, grpc.StatusCode.FAILED_PRECONDITION),
+    ),
+    (
+        AmbiguousId,
+        Kind("AMBIGUOUS_ID", "More than one id begins so", 409, grpc.StatusCode.FAILED_PRECONDITION),
     ),
     (Refused, Kind("REFUSED", "Refused", 403, grpc.StatusCode.PERMISSION_DENIED)),
     (

@@ -13,12 +13,10 @@ from nocturne_scene.errors import NocturneError
 
 from nocturne_api.addresses import AddressError
 from nocturne_api.compiling.pool import CompileLimits
+from nocturne_api.rest.page import built_page
 from nocturne_api.service import Settings, open_service
 
 _log = logging.getLogger("nocturne_api")
-
-# services/api/nocturne_api/main.py -> services/web/dist
-_WEB = Path(__file__).resolve().parents[2] / "web" / "dist"
 
 
 def main() -> None:
@@ -44,7 +42,7 @@ def _settings() -> Settings:
     parser.add_argument("--port", type=int, default=7070, help="REST and page (default: %(default)s)")
     parser.add_argument("--grpc-port", type=int, default=7071, help="gRPC (default: %(default)s)")
     parser.add_argument("--grpc-unix", type=Path, metavar="PATH", help="gRPC on a Unix socket as well")
-    parser.add_argument("--web", type=Path, default=_WEB, help="folder of the built page")
+    parser.add_argument("--web", type=Path, default=built_page(), help="folder of the built page")
     parser.add_argument(
         "--insecure-any-address",
         dest="any_address",

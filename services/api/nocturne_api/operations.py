@@ -160,9 +160,12 @@ class Operations:
             return await preflight_in_child(request, self._folder.blobs, self._compile_limits)
 
     async def get_render(self, render_id: str) -> RenderView:
-        """One render; raises NotFound."""
+        """The render with this id, or whose id alone begins so; raises NotFound, AmbiguousId.
+
+        All operations on a render take the beginning of its id, but for deleting.
+        """
         CALLER.get().need("read")
-        return RenderView.of(await self._in_database(self._folder.get_render, render_id))
+        return RenderView.of(await self._in_database(self._folder.find_render, render_id))
 
     async def list_renders(self, page_size: int = 0, page_token: str = "") -> PageView:
         """One page of renders, newest first; a size of 0 means 50, at most 200 come. Raises InputError."""
@@ -172,55 +175,58 @@ class Operations:
 
     async def cancel_render(self, render_id: str, request_id: str = "") -> RenderView:
         """Stops a render. That is one-way, so repeating the call is safe with or without a request id."""
-        async with self._changing("cancel", render_id, request_id):
+        async with self._changing("cancel", render_id, request_id) as whole_id:
             if request_id:
                 raise_if(request_id_problems(request_id))
-            return RenderView.of(await self._in_database(self._folder.request_cancel, render_id))
+            return RenderView.of(await self._in_database(self._folder.request_cancel, whole_id))
 
     async def delete_render(self, render_id: str, request_id: str = "") -> None:
         """Forgets a render that has ended, with its images and whatever files no other render uses.
 
+        By its whole id: asked twice, the beginning of an id could mean two renders, one after the other.
         Raises NotFound, also the second time, and WrongState for one that has not ended.
         """
-        async with self._changing("delete", render_id, request_id):
+        async with self._changing("delete", render_id, request_id) as whole_id:
+            if whole_id != render_id:
+                raise NotFound(f"there is no render {render_id!r}; deleting takes the whole id")
             await asyncio.to_thread(delete_render, self._folder, render_id)
             await self._sweeper.sweep()
 
     async def pause_render(self, render_id: str) -> RenderView:
         """No more work until it is resumed; what is merged stays. Raises NotFound, WrongState."""
-        async with self._changing("pause", render_id):
-            return RenderView.of(await self._in_database(self._folder.request_pause, render_id))
+        async with self._changing("pause", render_id) as whole_id:
+            return RenderView.of(await self._in_database(self._folder.request_pause, whole_id))
 
     async def resume_render(self, render_id: str) -> RenderView:
         """Goes on with a paused render, or traces the failed tiles of a degraded one again. NotFound,
         WrongState."""
-        async with self._changing("resume", render_id):
-            return RenderView.of(await self._in_database(self._folder.request_resume, render_id))
+        async with self._changing("resume", render_id) as whole_id:
+            return RenderView.of(await self._in_database(self._folder.request_resume, whole_id))
 
     async def set_priority(self, render_id: str, priority: int) -> RenderView:
         """The render's weight among those of its owner, 1 to 1000. Raises NotFound, InputError."""
-        async with self._changing("priority", render_id):
-            return RenderView.of(await self._in_database(self._folder.request_priority, render_id, priority))
+        async with self._changing("priority", render_id) as whole_id:
+            return RenderView.of(await self._in_database(self._folder.request_priority, whole_id, priority))
 
     async def look_first(self, render_id: str, region: Region | None) -> RenderView:
         """Which part of the film gets its samples first, None for all alike; the image stays the same bits.
 
         Raises NotFound, InputError.
         """
-        async with self._changing("look first", render_id):
-            return RenderView.of(await self._in_database(self._folder.request_look_first, render_id, region))
+        async with self._changing("look first", render_id) as whole_id:
+            return RenderView.of(await self._in_database(self._folder.request_look_first, whole_id, region))
 
     async def extend_render(self, render_id: str, samples: int, stop: Mapping[str, Any]) -> RenderView:
         """More samples, 0 for as many as before, and conditions instead of those before.
 
         Raises NotFound, InputError, WrongState.
         """
-        async with self._changing("extend", render_id):
-            before = await self._in_database(self._folder.get_render, render_id)
+        async with self._changing("extend", render_id) as whole_id:
+            before = await self._in_database(self._folder.get_render, whole_id)
             checked = checked_stop(stop, before.stop)
             wanted = samples or before.samples
             return RenderView.of(
-                await self._in_database(self._folder.request_extension, render_id, wanted, checked)
+                await self._in_database(self._folder.request_extension, whole_id, wanted, checked)
             )
 
     async def replay_render(self, render_id: str, request_id: str) -> RenderView:
@@ -229,22 +235,23 @@ class Operations:
             CALLER.get().need("submit")
             raise_if(request_id_problems(request_id))
             owner = CALLER.get().name
+            whole_id = (await self._in_database(self._folder.find_render, render_id)).id
             return RenderView.of(
-                await self._in_database(self._folder.create_replay, render_id, request_id, owner)
+                await self._in_database(self._folder.create_replay, whole_id, request_id, owner)
             )
 
     async def explain(self, render_id: str) -> ExplanationView:
         """What the render waits for, in one sentence; raises NotFound."""
-        CALLER.get().need("read")
-        situation = await self._in_database(situation_of, self._folder, render_id)
+        whole_id = (await self.get_render(render_id)).id
+        situation = await self._in_database(situation_of, self._folder, whole_id)
         return ExplanationView(sentence=sentence(situation, time.time()))
 
     async def watch_render(self, render_id: str, last_sequence: int = -1) -> AsyncGenerator[RenderView, None]:
         """The render now and after every change, until it has ended; leaves out states to `last_sequence`."""
-        CALLER.get().need("read")
-        with self._watchers.watching(frozenset({render_id})) as watcher:
-            watcher.already_has(render_id, last_sequence)
-            render = await self.get_render(render_id)
+        whole_id = (await self.get_render(render_id)).id
+        with self._watchers.watching(frozenset({whole_id})) as watcher:
+            watcher.already_has(whole_id, last_sequence)
+            render = await self.get_render(whole_id)
             watcher.offer(render)
             if render.has_ended and render.sequence <= last_sequence:
                 return
@@ -253,9 +260,9 @@ class Operations:
 
     async def watch_some(self, render_ids: frozenset[str]) -> AsyncGenerator[RenderView, None]:
         """These renders now and after every change, also after their ends. Raises NotFound."""
-        CALLER.get().need("read")
-        with self._watchers.watching(render_ids) as watcher:
-            for render_id in sorted(render_ids):
+        whole_ids = frozenset([(await self.get_render(render_id)).id for render_id in render_ids])
+        with self._watchers.watching(whole_ids) as watcher:
+            for render_id in sorted(whole_ids):
                 watcher.offer(await self.get_render(render_id))
             async for state in states(watcher):
                 yield state
@@ -272,7 +279,7 @@ class Operations:
     async def convergence(self, render_id: str) -> ConvergenceView:
         """The error estimate at every preview so far."""
         render = await self.get_render(render_id)
-        history = await self._in_database(self._folder.error_history, render_id)
+        history = await self._in_database(self._folder.error_history, render.id)
         return ConvergenceView(
             points=[
                 ConvergencePoint(
@@ -292,7 +299,7 @@ class Operations:
     async def tiles(self, render_id: str, since: Cursor) -> Tiles:
         """What of the image changed since; raises NotFound."""
         render = await self.get_render(render_id)
-        return await self._tile_answers.get(render_id, since, render.sequence)
+        return await self._tile_answers.get(render.id, since, render.sequence)
 
     async def changed_tiles(self, render_id: str, since: int) -> list[tuple[int, int]]:
         """First and last indices of the tiles with a revision above `since`."""
@@ -342,8 +349,8 @@ class Operations:
 
     async def at_work(self, render_id: str) -> AtWorkView:
         """Which tiles of a render are being traced, and by whom; raises NotFound."""
-        await self.get_render(render_id)
-        found = await self._in_database(self._folder.at_work, render_id)
+        render = await self.get_render(render_id)
+        found = await self._in_database(self._folder.at_work, render.id)
         return AtWorkView(tiles=[TileAtWork(tile=tile, worker=worker) for tile, worker in found])
 
     async def release_worker(self, worker_id: str) -> None:
@@ -446,12 +453,13 @@ class Operations:
     # Inside
 
     @asynccontextmanager
-    async def _changing(self, what: str, render_id: str, request_id: str = "") -> AsyncIterator[None]:
-        """For a call that changes a render: the caller's own, unless it may change all."""
-        async with self._recorded(what, render_id, request_id):
-            render = await self._in_database(self._folder.get_render, render_id)
+    async def _changing(self, what: str, render_id: str, request_id: str = "") -> AsyncIterator[str]:
+        """For a call that changes a render, the caller's own unless it may change all; gives the whole id."""
+        async with self._recorded(what, render_id, request_id) as record:
+            render = await self._in_database(self._folder.find_render, render_id)
+            record.render_id = render.id
             CALLER.get().need_own(render.owner)
-            yield
+            yield render.id
 
     @asynccontextmanager
     async def _recorded(
@@ -491,10 +499,10 @@ class Operations:
 
     async def _open_image(self, render_id: str, path_of: Callable[[str], Path], what: str) -> OpenFile:
         render = await self.get_render(render_id)
-        path = path_of(render_id)
+        path = path_of(render.id)
         opened = await open_file(path)
         if opened is None and self._archiver is not None:
-            await self._archiver.fetch(render_id, path)
+            await self._archiver.fetch(render.id, path)
             opened = await open_file(path)
         if opened is None:
             raise NotFound(

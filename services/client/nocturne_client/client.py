@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Literal, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 from urllib.parse import quote
 
 import httpx
@@ -19,7 +19,9 @@ from nocturne_client.errors import NocturneClientError, NotReachedError, Problem
 from nocturne_client.events import data_of
 from nocturne_client.models import Render, Webhook, Worker
 from nocturne_client.scene_files import SceneOnDisk, digest, read_scene
-from nocturne_client.tiles import TileAnswer, decode_tiles
+
+if TYPE_CHECKING:
+    from nocturne_client.tiles import TileAnswer
 
 DEFAULT_URL = "http://127.0.0.1:7070"
 ImageKind = Literal["exr", "png"]
@@ -68,7 +70,7 @@ class Client:
         except httpx.InvalidURL as error:
             raise NocturneClientError(f"{self.url!r} is not an address: {error}") from error
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "Client":
         return self
 
     def __exit__(
@@ -189,8 +191,13 @@ class Client:
         """The workers heard of in the last ten seconds."""
         return [Worker.from_json(each) for each in self._json("GET", "/v1/workers")["workers"]]
 
-    def tiles(self, render_id: str, since: str = "") -> TileAnswer:
-        """What of the image changed since an earlier answer's cursor, as floats; about 4 MiB at once."""
+    def tiles(self, render_id: str, since: str = "") -> "TileAnswer":
+        """What of the image changed since an earlier answer's cursor, as floats; about 4 MiB at once.
+
+        Needs numpy: the extra `pixels` of this package.
+        """
+        from nocturne_client.tiles import decode_tiles
+
         call = partial(self._call, "GET", f"/v1/renders/{_part(render_id)}/tiles", params={"since": since})
         return decode_tiles(self._retrying(call).content)
 

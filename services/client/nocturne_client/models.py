@@ -3,7 +3,7 @@
 import time
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields
-from typing import Any, Self
+from typing import Any
 
 _FINAL = frozenset({"SUCCEEDED", "STOPPED_EARLY", "DEGRADED", "FAILED", "CANCELLED"})
 
@@ -38,7 +38,7 @@ class Progress:
     """In all; 0 unknown."""
 
     @classmethod
-    def from_json(cls, value: Mapping[str, Any]) -> Self:
+    def from_json(cls, value: Mapping[str, Any]) -> "Progress":
         """From the service's JSON; fields of later versions are left out."""
         return cls(**_known(cls, value))
 
@@ -56,7 +56,7 @@ class Stop:
     """Unix time."""
 
     @classmethod
-    def from_json(cls, value: Mapping[str, Any]) -> Self:
+    def from_json(cls, value: Mapping[str, Any]) -> "Stop":
         """From the service's JSON; fields of later versions are left out."""
         return cls(**_known(cls, value))
 
@@ -102,7 +102,7 @@ class Render:
         return None if end <= 0.0 else max(0.0, end - time.time())
 
     @classmethod
-    def from_json(cls, value: Mapping[str, Any]) -> Self:
+    def from_json(cls, value: Mapping[str, Any]) -> "Render":
         """From the service's JSON; fields of later versions are left out."""
         parts = {"progress": Progress.from_json(value["progress"]), "stop": Stop.from_json(value["stop"])}
         return cls(**{**_known(cls, value), **parts})
@@ -126,7 +126,7 @@ class Worker:
     """Why it gets no jobs though it is not in quarantine; empty: it gets them."""
 
     @classmethod
-    def from_json(cls, value: Mapping[str, Any]) -> Self:
+    def from_json(cls, value: Mapping[str, Any]) -> "Worker":
         """From the service's JSON; fields of later versions are left out."""
         return cls(**_known(cls, value))
 
@@ -145,7 +145,7 @@ class Webhook:
     """What messages are signed with; known only when it is made."""
 
     @classmethod
-    def from_json(cls, value: Mapping[str, Any]) -> Self:
+    def from_json(cls, value: Mapping[str, Any]) -> "Webhook":
         """From the service's JSON; fields of later versions are left out."""
         return cls(**_known(cls, value))
 

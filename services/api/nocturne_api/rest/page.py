@@ -6,10 +6,18 @@ from starlette.exceptions import HTTPException
 from starlette.responses import FileResponse, PlainTextResponse, Response
 from starlette.types import Receive, Scope, Send
 
+_PACKAGED = Path(__file__).resolve().parents[1] / "page"
+# services/api/nocturne_api/rest/page.py -> services/web/dist
+_IN_CHECKOUT = Path(__file__).resolve().parents[3] / "web" / "dist"
 _NOT_BUILT = "The page is not built; run `make web`, or start with --web FOLDER. The API works: see /docs.\n"
 # Vite puts a hash of the content into the names of files below assets/.
 _FOREVER = "public, max-age=31536000, immutable"
 _ASK_FIRST = "no-cache"
+
+
+def built_page() -> Path:
+    """The folder of the page: in the installed package, else in the checkout, where it may not be built."""
+    return _PACKAGED if _PACKAGED.is_dir() else _IN_CHECKOUT
 
 
 class Page:

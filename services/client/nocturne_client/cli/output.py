@@ -2,6 +2,7 @@
 
 import json
 import time
+from collections.abc import Sequence
 from dataclasses import asdict
 from enum import IntEnum
 from typing import Annotated, Any
@@ -16,6 +17,8 @@ from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Render, Worker
 
 CONSOLE = Console(highlight=False)
+# Of up to eight columns beside the ids, which wrap: five characters each.
+_OTHER_COLUMNS_WIDTH = 40
 ERRORS = Console(stderr=True, highlight=False)
 
 Url = Annotated[
@@ -103,7 +106,8 @@ def print_workers(workers: list[Worker], as_json: bool) -> None:
             print_json(asdict(worker))
         return
     table = Table(
-        *("id", "engine", "class", "threads", "photons/s", "jobs", "up", "gets no jobs because"),
+        Column("id", no_wrap=True),
+        *("engine", "class", "threads", "photons/s", "jobs", "up", "gets no jobs because"),
         box=None,
         pad_edge=False,
     )
@@ -118,7 +122,7 @@ def print_workers(workers: list[Worker], as_json: bool) -> None:
             duration(time.time() - worker.started),
             escape(f"Quarantine: {worker.quarantine}" if worker.quarantine else worker.incompatible),
         )
-    CONSOLE.print(table if workers else "no worker was heard of in the last ten seconds")
+    _print_table(table, [worker.id for worker in workers], "no worker was heard of in the last ten seconds")
 
 
 def print_renders(renders: list[Render], as_json: bool) -> None:
@@ -127,7 +131,8 @@ def print_renders(renders: list[Render], as_json: bool) -> None:
         for render in renders:
             print_json(asdict(render))
         return
-    table = Table("id", "name", "state", "film", "merged", "error", "left", "age", box=None, pad_edge=False)
+    columns = ("name", "state", "film", "merged", "error", "left", "age")
+    table = Table(Column("id", no_wrap=True), *columns, box=None, pad_edge=False)
     for render in renders:
         error = render.progress.relative_error
         table.add_row(
@@ -140,7 +145,19 @@ def print_renders(renders: list[Render], as_json: bool) -> None:
             "" if render.has_ended or render.seconds_left is None else duration(render.seconds_left),
             duration(time.time() - render.created),
         )
-    CONSOLE.print(table if renders else "no renders yet; start one with `nocturne submit SCENE`")
+    _print_table(
+        table, [render.id for render in renders], "no renders yet; start one with `nocturne submit SCENE`"
+    )
+
+
+def _print_table(table: Table, ids: Sequence[str], nothing: str) -> None:
+    """A table whose first column has these ids, whole however narrow the terminal: they are typed again."""
+    if not ids:
+        CONSOLE.print(nothing)
+        return
+    needed = max(len(each) for each in ids) + _OTHER_COLUMNS_WIDTH
+    # Lines that are too long for the terminal go on in its next one.
+    Console(highlight=False, width=max(CONSOLE.width, needed)).print(table)
 
 
 def duration(seconds: float) -> str:
