@@ -6,10 +6,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from nocturne_coordinator.dispatch.records import RenderCommit, TileRow, Totals
 from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.errors import Conflict, OwnershipLost, UnusableFolder
 from nocturne_coordinator.store.data_folder import DataFolder, NewRender
-from nocturne_coordinator.store.ledger import Ledger, RenderCommit, TileRow, Totals
+from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.errors import InputError, NotFound

@@ -7,16 +7,13 @@ from typing import Any
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
+from nocturne_coordinator.dispatch.error_estimate import Spread, relative_error, spread_of, variance_of_mean
 from nocturne_coordinator.dispatch.merge import Counts, Sums
 from nocturne_coordinator.output.images import (
     FINAL_COMPRESSION,
     LIVE_COMPRESSION,
     Provenance,
-    Spread,
-    relative_error,
-    spread_of,
     tone_map,
-    variance_of_mean,
     write_image,
     write_preview,
     write_thumbnail,

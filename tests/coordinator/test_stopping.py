@@ -14,6 +14,7 @@ from nocturne_coordinator.dispatch.audit import Auditor
 from nocturne_coordinator.dispatch.failure_policy import FailurePolicy
 from nocturne_coordinator.dispatch.forecast import UNKNOWN, Measured, forecast
 from nocturne_coordinator.dispatch.merge import Sums
+from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
@@ -25,8 +26,6 @@ from nocturne_coordinator.dispatch.stopping import (
     stop_conditions,
 )
 from nocturne_coordinator.output.images import manifest_of, manifest_text
-from nocturne_coordinator.store.ledger import OpenRender, TileRow, Totals
-from nocturne_coordinator.store.rows import RenderState
 from nocturne_scene.errors import InputError
 from nocturne_scene.ranges import extended_schedule, make_schedule
 

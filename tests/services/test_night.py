@@ -27,8 +27,8 @@ from nocturne_api.status_reason import Situation, sentence
 from nocturne_client import Client
 from nocturne_client.cli.app import app
 from nocturne_client.cli.stops import Stops, with_zone
+from nocturne_coordinator.dispatch.records import RenderState, WorkerRow
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.rows import RenderState, WorkerRow
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError

@@ -12,9 +12,10 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
+from nocturne_coordinator.dispatch.records import RenderCommit, TileRow, Totals
 from nocturne_coordinator.output.images import Provenance, write_image
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.ledger import Ledger, RenderCommit, TileRow, Totals
+from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
 
 WIDTH, HEIGHT, TILE = 40, 30, 32

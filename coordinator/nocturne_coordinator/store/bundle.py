@@ -9,8 +9,8 @@ from google.protobuf.json_format import MessageToJson
 from nocturne_scene.ranges import SampleRange
 
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
+from nocturne_coordinator.dispatch.records import FailedTile
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.ledger import FailedTile
 
 _README = """\
 Tile {tile}, samples {first} to {end} of render {render} failed on: {workers}.
