@@ -2,15 +2,16 @@
 
 import shutil
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import numpy as np
 
-from nocturne_scene.errors import InputError
+from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.formats.gltf.read import import_gltf
 from nocturne_scene.formats.mitsuba.read import import_mitsuba
 from nocturne_scene.formats.pbrt.read import import_pbrt
+from nocturne_scene.formats.reading.environments import light_up
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.options import Imported, ImportOptions
 from nocturne_scene.formats.reading.scene_writer import DOCUMENT, SceneWriter
@@ -27,11 +28,24 @@ FORMATS: dict[str, Importer] = {
 """Importers by the end of a file's name."""
 
 
+# Problems told at once.
+_SHOWN = 50
+
+
+class Incomplete(InputError):
+    """A scene was written that lacks something, to be edited; without that it can't be trusted or rendered."""
+
+    def __init__(self, problems: Iterable[Problem], imported: Imported) -> None:
+        super().__init__(problems)
+        self.imported = imported
+
+
 def import_scene(file: Path, folder: Path, options: ImportOptions) -> Imported:
     """Make `folder`, which must not exist or be empty, with the scene that `file` describes.
 
-    Raises InputError: the file is wrong, or (without `allow_missing`) something in it has no equal here; then
-    nothing is left behind.
+    Raises Incomplete: the folder is there, but (without `allow_missing`) something in the file has no equal
+    here, or the document is one that can't be rendered. Raises InputError for a file that can't be imported at
+    all; then nothing is left behind.
     """
     importer = next((found for end, found in FORMATS.items() if file.name.lower().endswith(end)), None)
     if importer is None:
@@ -52,15 +66,29 @@ def import_scene(file: Path, folder: Path, options: ImportOptions) -> Imported:
         writer.document |= {"name": file.stem, "note": ""}
         # What overflows is infinite, and refused where it is written.
         with np.errstate(all="ignore"):
-            importer(file, writer, findings, options)
-        if not options.allow_missing:
-            findings.refuse_losses()
+            _read(importer, file, writer, findings, options)
         _describe(writer, findings)
-        writer.finish()
+        problems = list(writer.finish())
         if folder.exists():
             folder.rmdir()
         shutil.move(writer.folder, folder)
-    return Imported(folder / DOCUMENT, writer.film, findings.notes, findings.losses)
+    imported = Imported(folder / DOCUMENT, writer.film, findings.notes, findings.losses)
+    if findings.losses and not options.allow_missing:
+        problems = [*findings.losses, *problems]
+    if problems:
+        raise Incomplete(problems[:_SHOWN], imported)
+    return imported
+
+
+def _read(
+    importer: Importer, file: Path, writer: SceneWriter, findings: Findings, options: ImportOptions
+) -> None:
+    try:
+        importer(file, writer, findings, options)
+        light_up(writer, findings, options.light)
+    except InputError as error:
+        # What was lost before is why, more often than not.
+        raise InputError([*findings.losses, *error.problems][:_SHOWN]) from None
 
 
 def _describe(writer: SceneWriter, findings: Findings) -> None:

@@ -1,9 +1,9 @@
 """What an import changed, and what it could not carry over."""
 
-from nocturne_scene.errors import InputError, Problem
+from collections.abc import Iterator
+from contextlib import contextmanager
 
-# Problems told at once.
-_SHOWN = 50
+from nocturne_scene.errors import InputError, Problem
 
 
 class Findings:
@@ -31,7 +31,10 @@ class Findings:
         """Each once, in the order in which they were met."""
         return list(self._lost)
 
-    def refuse_losses(self) -> None:
-        """Raise InputError with what was lost, if anything was."""
-        if self._lost:
-            raise InputError(self.losses[:_SHOWN])
+    @contextmanager
+    def leaving_out(self) -> Iterator[None]:
+        """Go on without a part of the scene that can't be imported: its errors become losses."""
+        try:
+            yield
+        except InputError as error:
+            self._lost |= dict.fromkeys(error.problems)
