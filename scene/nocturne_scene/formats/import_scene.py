@@ -1,5 +1,6 @@
 """Any format in, a folder with a scene document and its files out."""
 
+import hashlib
 import shutil
 import tempfile
 from collections.abc import Callable, Iterable
@@ -12,7 +13,7 @@ from nocturne_scene.formats.gltf.read import import_gltf
 from nocturne_scene.formats.mitsuba.read import import_mitsuba
 from nocturne_scene.formats.pbrt.read import import_pbrt
 from nocturne_scene.formats.reading.environments import light_up
-from nocturne_scene.formats.reading.findings import Findings
+from nocturne_scene.formats.reading.findings import SHOWN, Findings
 from nocturne_scene.formats.reading.options import Imported, ImportOptions
 from nocturne_scene.formats.reading.scene_writer import DOCUMENT, SceneWriter
 
@@ -28,8 +29,8 @@ FORMATS: dict[str, Importer] = {
 """Importers by the end of a file's name."""
 
 
-# Problems told at once.
-_SHOWN = 50
+# Beside a document that lacks something: its digest.
+_DRAFT = ".incomplete"
 
 
 class Incomplete(InputError):
@@ -55,7 +56,7 @@ def import_scene(file: Path, folder: Path, options: ImportOptions) -> Imported:
     root = options.root or file.parent
     if not file.resolve().is_relative_to(root.resolve()):
         raise InputError.at(str(file), f"lies outside of {root}")
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+    if folder.exists() and not _may_be_replaced(folder):
         raise InputError.at(str(folder), "exists and is not an empty folder")
     if not folder.absolute().parent.is_dir():
         raise InputError.at(str(folder.absolute().parent), "no such folder")
@@ -69,15 +70,33 @@ def import_scene(file: Path, folder: Path, options: ImportOptions) -> Imported:
             _read(importer, file, writer, findings, options)
         _describe(writer, findings)
         problems = list(writer.finish())
+        if findings.losses and not options.allow_missing:
+            problems = [*findings.losses, *problems]
+        if problems:
+            (writer.folder / _DRAFT).write_text(_digest(writer.folder))
         if folder.exists():
-            folder.rmdir()
+            shutil.rmtree(folder)
         shutil.move(writer.folder, folder)
     imported = Imported(folder / DOCUMENT, writer.film, findings.notes, findings.losses)
-    if findings.losses and not options.allow_missing:
-        problems = [*findings.losses, *problems]
     if problems:
-        raise Incomplete(problems[:_SHOWN], imported)
+        raise Incomplete(problems[:SHOWN], imported)
     return imported
+
+
+def _may_be_replaced(folder: Path) -> bool:
+    """Whether a folder is empty, or what an incomplete import left there and nobody has edited."""
+    if not folder.is_dir() or folder.is_symlink():
+        return False
+    if not any(folder.iterdir()):
+        return True
+    try:
+        return (folder / _DRAFT).read_text() == _digest(folder)
+    except (OSError, UnicodeDecodeError):
+        return False
+
+
+def _digest(folder: Path) -> str:
+    return hashlib.sha256((folder / DOCUMENT).read_bytes()).hexdigest()
 
 
 def _read(
@@ -88,7 +107,7 @@ def _read(
         light_up(writer, findings, options.light)
     except InputError as error:
         # What was lost before is why, more often than not.
-        raise InputError([*findings.losses, *error.problems][:_SHOWN]) from None
+        raise InputError([*findings.losses, *error.problems][:SHOWN]) from None
 
 
 def _describe(writer: SceneWriter, findings: Findings) -> None:

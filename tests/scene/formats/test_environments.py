@@ -88,3 +88,17 @@ def test_what_is_left_is_there_to_be_edited(tmp_path: Path) -> None:
     document = json.loads(caught.value.imported.document.read_text())
     assert "sheen" in document["note"]
     assert len(document["surfaces"]) == 1
+
+
+def test_a_draft_is_replaced_unless_it_was_edited(tmp_path: Path) -> None:
+    scene = tree()
+    scene["materials"][0]["extensions"] = {"KHR_materials_sheen": {}}
+    file, out = tmp_path / "a.gltf", tmp_path / "out"
+    file.write_text(json.dumps(scene))
+    with pytest.raises(Incomplete):
+        import_scene(file, out, ImportOptions())
+    with pytest.raises(Incomplete):
+        import_scene(file, out, ImportOptions())
+    (out / "scene.json").write_text((out / "scene.json").read_text() + " ")
+    with pytest.raises(InputError, match="not an empty folder"):
+        import_scene(file, out, ImportOptions(allow_missing=True))

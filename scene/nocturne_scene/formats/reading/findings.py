@@ -5,6 +5,9 @@ from contextlib import contextmanager
 
 from nocturne_scene.errors import InputError, Problem
 
+SHOWN = 50
+"""Problems told at once."""
+
 
 class Findings:
     """Collects notes and losses. Nothing that a file says is dropped without one of the two."""
@@ -30,6 +33,11 @@ class Findings:
     def losses(self) -> list[Problem]:
         """Each once, in the order in which they were met."""
         return list(self._lost)
+
+    def refuse_losses(self) -> None:
+        """Raise InputError with what was lost, if anything was."""
+        if self._lost:
+            raise InputError(self.losses[:SHOWN])
 
     @contextmanager
     def leaving_out(self) -> Iterator[None]:
