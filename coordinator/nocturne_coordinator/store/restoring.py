@@ -18,6 +18,7 @@ import numpy as np
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.replacing import replacing
 
 from nocturne_coordinator.dispatch.planned_render import PlannedRender, RefusedResult, check_sums
 from nocturne_coordinator.errors import AlreadyOwned, CantRestore
@@ -111,10 +112,9 @@ def _take_newest(place: Path, database: Path, damage: list[str]) -> Path:
             damage.extend(f"checkpoint {path}: {each}" for each in wrong)
             continue
         _fail_tile(database)
-        temporary = database.with_name(".nocturne.db.new")
-        shutil.copyfile(path, temporary)
-        _make_anew(temporary)
-        temporary.replace(database)
+        with replacing(database, durable=True) as unfinished:
+            shutil.copyfile(path, unfinished)
+            _make_anew(unfinished)
         return path
     raise CantRestore("; ".join([*damage, f"there is no whole checkpoint in {place}"]))
 
