@@ -208,6 +208,12 @@ def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.stack([channel[name] for name in "XYZ"], axis=-1), channel["Y.stderr"], channel["n"]
 
 
+def read_rgb(path: Path) -> np.ndarray:
+    """What viewers show."""
+    channel = _read_channels(path)
+    return np.stack([channel[name] for name in "RGB"], axis=-1)
+
+
 def read_manifest(path: Path) -> str:
     """Samples of each tile, as the file tells them; empty where it does not."""
     image: Any = oiio.ImageInput.open(str(path))
@@ -221,7 +227,7 @@ def read_further_responses(path: Path) -> dict[str, np.ndarray]:
     return {
         name: channel
         for name, channel in _read_channels(path).items()
-        if name not in ("X", "Y", "Z", "Y.stderr", "n")
+        if name not in ("X", "Y", "Z", "Y.stderr", "n", "R", "G", "B")
     }
 
 

@@ -387,6 +387,7 @@ async def test_tokens_open_what_their_scopes_say(
             answer = await rest.post(f"/v1/renders/{mine['id']}:pause", headers=bearer(secret))
             assert answer.status_code == status
         assert (await rest.get("/v1/workers", headers=bearer(secrets["worker"]))).status_code == 403
+        assert (await rest.get("/v1/events", headers=bearer(secrets["worker"]))).status_code == 403
         scene = f"/v1/assets/{mine['scene_sha256']}"
         assert (await rest.head(scene, headers=bearer(secrets["worker"]))).status_code == 200
         assert (
