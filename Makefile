@@ -92,7 +92,7 @@ system: build  ## Tests of the whole: service, workers, browser, images
 	pytest -m "system and not soak" tests/web
 	pytest -m "system and not soak" --ignore tests/web $(PROCESSES) 2
 
-screenshots: build  ## Pictures of the page for docs/page.md, by its test
+screenshots: build  ## Pictures of the page for docs/how-to/page.md, by its test
 	NOCTURNE_SCREENSHOTS=$(CURDIR)/docs/images/page pytest tests/web
 
 soak: build  ## Random faults for SOAK_SECONDS (default 600), and all that takes minutes (a quarter of an hour more)
@@ -110,10 +110,10 @@ peers: build  ## Exported scenes rendered by another renderer, which is installe
 	$(PYTHON) -m bench.peer.install
 	pytest -m peers -s
 
-stability: build  ## Torture cases by every method; writes docs/stability.md (some ten minutes)
+stability: build  ## Torture cases by every method; writes docs/explanation/stability.md (some ten minutes)
 	$(PYTHON) -m tests.stability
 
-preflights: build  ## What the scenes of the repository need for 2 %; writes the table of docs/planning.md (half an hour)
+preflights: build  ## What the scenes of the repository need for 2 %; writes the table of docs/how-to/preflight.md (half an hour)
 	$(PYTHON) -m bench.preflights
 
 sanitize: packages  ## C++ tests under the address and undefined-behaviour sanitizers
@@ -127,8 +127,8 @@ bench: build  ## Speed figures, each a line of JSON; charts and latest results i
 	$(PYTHON) -m bench.suite $(if $(filter full,$(BENCH)),--full)
 
 docs: proto  ## Pages that are generated from the code
-	$(PYTHON) -m nocturne_scene.document.reference > docs/scene.md
-	$(PYTHON) -m nocturne_scene.document.reference --schema > docs/scene.schema.json
+	$(PYTHON) -m nocturne_scene.document.reference > docs/reference/scene.md
+	$(PYTHON) -m nocturne_scene.document.reference --schema > docs/reference/scene.schema.json
 
 # What miepython, which only tests use, asks for and does not need, with what that asks for. So locks are installed with
 # --no-deps. Two of those are wanted by what is only for testing.

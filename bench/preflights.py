@@ -1,5 +1,5 @@
 """What the scenes of the repository need: `nocturne preflight` over all of them, as the table of
-docs/planning.md.
+docs/how-to/preflight.md.
 
 `python -m bench.preflights [--budget SECONDS] [SCENE ...]`: a scene is a folder of examples; by default, all
 are.
@@ -18,7 +18,7 @@ from nocturne_scene.simplify.simplification import assets_of
 from bench.programs import run
 
 SCENES = CHECKOUT / "examples"
-PAGE = CHECKOUT / "docs" / "planning.md"
+PAGE = CHECKOUT / "docs" / "how-to" / "preflight.md"
 RESULTS = CHECKOUT / "bench" / "results" / "preflights.json"
 
 _BEGIN, _END = "<!-- table: made by `make preflights` -->\n", "<!-- end of table -->"

@@ -86,23 +86,23 @@ def test_every_dependency_of_python_has_its_reason() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     required = [*project["dependencies"], *project["optional-dependencies"]["dev"]]
     names = [re.split(r"[\[<>=!~; ]", requirement)[0] for requirement in required]
-    assert _without_code_name(_page("dependencies.md"), names) == []
+    assert _without_code_name(_page("reference/dependencies.md"), names) == []
 
 
 def test_every_dependency_of_the_page_has_its_reason() -> None:
     package = json.loads((ROOT / "services" / "web" / "package.json").read_text(encoding="utf-8"))
     names = [*package["dependencies"], *package["devDependencies"]]
-    assert _without_code_name(_page("dependencies.md"), names) == []
+    assert _without_code_name(_page("reference/dependencies.md"), names) == []
 
 
 def test_every_debian_package_has_its_reason() -> None:
     lines = (ROOT / "deploy" / "debian-packages.txt").read_text(encoding="utf-8").splitlines()
     names = [line.split()[0] for line in lines if line.strip() and not line.startswith("#")]
-    assert _without_code_name(_page("dependencies.md"), names) == []
+    assert _without_code_name(_page("reference/dependencies.md"), names) == []
 
 
 def test_dependencies_that_are_gone_have_no_row() -> None:
-    rows = re.findall(r"^\| (`.+?) \|", _page("dependencies.md"), re.MULTILINE)
+    rows = re.findall(r"^\| (`.+?) \|", _page("reference/dependencies.md"), re.MULTILINE)
     named = {name for row in rows for name in re.findall(r"`([^`]+)`", row)}
     sources = ("pyproject.toml", "services/web/package.json", "deploy/debian-packages.txt")
     wanted = "\n".join((ROOT / source).read_text(encoding="utf-8") for source in sources)
