@@ -3,6 +3,8 @@
 import json
 import os
 import re
+import subprocess
+import sys
 import tomllib
 from collections.abc import Iterator
 from functools import cache
@@ -112,10 +114,29 @@ def test_dependencies_that_are_gone_have_no_row() -> None:
 
 def test_decisions_are_numbered_and_dated() -> None:
     numbers = []
-    for decision in sorted((ROOT / "docs" / "decisions").glob("*.md")):
+    for decision in sorted((ROOT / "docs" / "decisions").glob("[0-9]*.md")):
         title, _, date = decision.read_text(encoding="utf-8").split("\n")[:3]
         number = decision.name[:4]
         assert title.startswith(f"# {number}: "), decision.name
         assert re.match(r"\d{4}-\d\d-\d\d\b", date), decision.name
         numbers.append(number)
     assert len(numbers) == len(set(numbers)) > 0
+
+
+def test_the_commands_page_is_current() -> None:
+    """Make it again with `make docs`."""
+    command = [sys.executable, "-m", "typer", "nocturne_client.cli.app", "utils", "docs"]
+    named = [*command, "--name", "nocturne", "--title", "All commands and options"]
+    made = subprocess.run(named, capture_output=True, text=True, check=True).stdout
+    assert made == _page("reference/commands.md")
+
+
+def test_the_architecture_says_where_twelve_changes_go() -> None:
+    """That the files are there is told by test_names.py."""
+    table = _page("architecture.md").partition("## Twelve changes")[2]
+    rows = re.findall(r"^\| \*\*an? ([^*]+)\*\* \| ([^|]+) \| ([^|]+) \|$", table, re.MULTILINE)
+    assert [name for name, _, _ in rows] == [
+        *("BSDF", "light", "sensor", "Mitsuba plugin", "API field", "stop condition"),
+        *("fault row", "chart", "command", "response curve", "metric", "Redis key"),
+    ]
+    assert all("`" in change and "`" in tests for _, change, tests in rows)
