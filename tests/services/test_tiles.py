@@ -55,8 +55,8 @@ def sums_of(samples: int, width: int) -> npt.NDArray[np.float64]:
 
 
 def decode(content: bytes) -> tuple[tuple[int, ...], dict[int, tuple[tuple[int, ...], npt.NDArray[Any]]]]:
-    """Header without its magic; by tile (samples, invalid_samples, revision) and pixels. By docs/api.md
-    alone."""
+    """Header without its magic; by tile (samples, invalid samples, revision) and pixels. By
+    docs/reference/api.md alone."""
     assert content[:4] == b"NXY1"
     header = struct.unpack_from("<7I", content, 4)
     offset, tiles = 32, {}
