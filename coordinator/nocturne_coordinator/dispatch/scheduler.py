@@ -6,7 +6,7 @@ and what is in flight.
 """
 
 from collections import deque
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence, Set
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from statistics import median
@@ -318,6 +318,50 @@ class Scheduler:
     def wants(self, key: JobKey) -> bool:
         """Whether a job found on the stream is worth tracing: open, and not out already."""
         return self._is_open(key) and key not in self._outstanding
+
+    def render_ids(self) -> Set[str]:
+        """The running renders."""
+        return self._queues.keys()
+
+    def problem_of(
+        self,
+        render_id: str,
+        merged: Sequence[int],
+        closed: Sequence[bool],
+        waiting: Sequence[Collection[int]],
+    ) -> str:
+        """What is wrong with the places of a render's ranges, empty if nothing is; for tests.
+
+        Of each tile: ranges merged, whether it gets no more, and the ranges that wait for earlier ones.
+        """
+        queue = self._queues[render_id]
+        if self._held != sum(len(each.held) for each in self._queues.values()):
+            return "the number of ranges that wait"
+        ready, again = (
+            {(tile, index) for _, index, tile in queue.ready},
+            {(tile, index) for index, tile in queue.again},
+        )
+        for tile, done in enumerate(queue.completed):
+            if done != (queue.ranges if closed[tile] else merged[tile]):
+                return f"tile {tile} has {merged[tile]} ranges, the scheduler says {done}"
+            held = {index for index, of in queue.held if of == tile}
+            if held != set(waiting[tile]):
+                return f"tile {tile}: ranges {sorted(waiting[tile])} wait, the scheduler says {sorted(held)}"
+            out = {key.range_index for key in self._outstanding if key[:2] == (render_id, tile)}
+            if out & held or any(not done <= index < queue.ranges for index in out):
+                return (
+                    f"tile {tile}: ranges {sorted(out)} are published, {sorted(held)} wait, {done} are done"
+                )
+            follows = queue.following[tile]
+            comes = tile in queue.blocked or (tile, follows) in ready
+            lost = [
+                index
+                for index in range(done, min(follows, queue.ranges))
+                if index not in out and index not in held and (tile, index) not in again
+            ]
+            if lost or (done < queue.ranges and follows < queue.ranges and not comes):
+                return f"tile {tile}: ranges {lost or follows} are nowhere"
+        return ""
 
     # --- inside ---
 
