@@ -76,6 +76,7 @@ class MemoryQueue(JobQueue):
         """Whether a call of the coordinator happens and its answer is lost."""
         self._numbers = 0
         self.most = 0
+        """Jobs on the stream."""
 
     def flush(self) -> None:
         """FLUSHALL, or a restart without files."""

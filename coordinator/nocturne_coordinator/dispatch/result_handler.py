@@ -163,6 +163,10 @@ class ResultHandler:
             self._give_back(key, outcome)
         else:
             outcome.withdrawn.extend(self._state.scheduler.received(key, now))
+        waiting = render.film.tiles[key.tile_index].waiting.get(key.range_index)
+        if verdict is Verdict.DUPLICATE and waiting is not None and waiting.entry == offered.entry:
+            # The stream is read again from its start, and this very entry is still to be merged.
+            return
         if verdict is Verdict.DUPLICATE:
             self._compare(render, key, offered.worker, partial, outcome)
         elif verdict is not Verdict.TOO_EARLY:

@@ -337,10 +337,7 @@ class Scheduler:
         queue = self._queues[render_id]
         if self._held != sum(len(each.held) for each in self._queues.values()):
             return "the number of ranges that wait"
-        ready, again = (
-            {(tile, index) for _, index, tile in queue.ready},
-            {(tile, index) for index, tile in queue.again},
-        )
+        ready = [(index, tile) for _, index, tile in queue.ready]
         for tile, done in enumerate(queue.completed):
             if done != (queue.ranges if closed[tile] else merged[tile]):
                 return f"tile {tile} has {merged[tile]} ranges, the scheduler says {done}"
@@ -352,15 +349,14 @@ class Scheduler:
                 return (
                     f"tile {tile}: ranges {sorted(out)} are published, {sorted(held)} wait, {done} are done"
                 )
-            follows = queue.following[tile]
-            comes = tile in queue.blocked or (tile, follows) in ready
-            lost = [
-                index
-                for index in range(done, min(follows, queue.ranges))
-                if index not in out and index not in held and (tile, index) not in again
-            ]
-            if lost or (done < queue.ranges and follows < queue.ranges and not comes):
-                return f"tile {tile}: ranges {lost or follows} are nowhere"
+            # From here on each comes by itself; what lies before must be somewhere.
+            comes = min((index for index, of in ready if of == tile), default=queue.ranges)
+            if tile in queue.blocked:
+                comes = min(comes, queue.following[tile])
+            somewhere = out | held | {index for index, of in queue.again if of == tile}
+            lost = [index for index in range(done, min(comes, queue.ranges)) if index not in somewhere]
+            if lost:
+                return f"tile {tile}: ranges {lost} are nowhere"
         return ""
 
     # --- inside ---
