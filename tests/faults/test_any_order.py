@@ -3,7 +3,7 @@
 After every event the core's state is validated: open, published, waiting and merged ranges are the planned
 ones, none is in two places, counts are those of the ranges, what is in flight is bounded. Committed samples
 never go back, and their sums are at any time those of the first ranges in order, bit for bit. In the end,
-with all mended, every render succeeds. """
+with all mended, every render succeeds."""
 
 from hypothesis import settings
 from hypothesis import strategies as st

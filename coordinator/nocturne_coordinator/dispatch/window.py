@@ -23,7 +23,7 @@ from nocturne_coordinator.dispatch.state import State
 from nocturne_coordinator.errors import QueueError
 
 _OVERDUE_SECONDS = 5.0
-"""Between two looks for jobs that are overdue."""
+"""Between two looks for jobs that are overdue, or less, where they are so sooner."""
 
 _AUDIT_PART = 8
 """One audit for so many places of the window, at most, in one round."""
@@ -127,7 +127,7 @@ class Window:
         return entries
 
     def _return_overdue(self, at: Moment) -> Steps[None]:
-        self._next_overdue = at.now + _OVERDUE_SECONDS
+        self._next_overdue = at.now + min(_OVERDUE_SECONDS, self._state.settings.overdue_seconds)
         scheduler, auditor = self._state.scheduler, self._state.auditor
         entries = []
         for key in scheduler.overdue(at.now):
