@@ -65,7 +65,7 @@ class Coordinator:
         self._next_mirror = 0.0
 
     def run(self, turned: Callable[[], None] = lambda: None) -> None:
-        """Works until the clock says stop; then commits what is merged. OwnershipLost: another has the folder.
+        """Works until the clock says stop; then commits what is merged. OwnershipLost: it is another's.
 
         `turned` is called in every turn of the loop, as a sign of life.
         """

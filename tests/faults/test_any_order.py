@@ -20,7 +20,7 @@ from nocturne_coordinator.dispatch.state import Settings
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_scene.ranges import extended_schedule
 
-from tests.coordinator.simulated_worker import Shuffled, unaltered
+from tests.coordinator.simulated_worker import Alter, Shuffled, unaltered
 from tests.coordinator.world import World
 from tests.faults.test_lies import Flooder, Forger
 from tests.fuzzing import tried
@@ -55,10 +55,8 @@ class Night(RuleBasedStateMachine):
     @precondition(lambda self: len(self.world.workers) < MAX_WORKERS)
     @rule(kind=st.sampled_from(["honest", "slow", "shuffled", "flooder", "forger"]), seed=st.integers(0, 9))
     def worker_comes(self, kind: str, seed: int) -> None:
-        alter = {"shuffled": Shuffled(seed), "flooder": Flooder(seed), "forger": Forger()}.get(
-            kind, unaltered
-        )
-        self.world.worker(alter, delay=5.0 if kind == "slow" else 0.02)
+        alters: dict[str, Alter] = {"shuffled": Shuffled(seed), "flooder": Flooder(seed), "forger": Forger()}
+        self.world.worker(alters.get(kind, unaltered), delay=5.0 if kind == "slow" else 0.02)
 
     @precondition(lambda self: self.world.workers)
     @rule(which=st.integers(0, MAX_WORKERS), how=st.sampled_from(["killed", "told to leave", "stopped"]))
