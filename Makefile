@@ -110,7 +110,7 @@ soak: build  ## Random faults for SOAK_SECONDS (default 600), and all that takes
 
 fuzz: build  ## Any calls, messages, scenes and bytes, many times more than in the tests (about 20 minutes)
 	NOCTURNE_FUZZ_EXAMPLES=300 pytest tests/services/test_any_calls.py tests/scene/formats/test_any_scene.py \
-	  tests/coordinator/test_intake.py
+	  tests/coordinator/test_result_handler.py tests/faults/test_any_order.py
 	NOCTURNE_FUZZ_TRIES=1000 NOCTURNE_FUZZ_SEED=$$RANDOM pytest tests/system/test_any_bytes.py
 
 references: build  ## Other renderers' scenes against their own reference images (minutes)

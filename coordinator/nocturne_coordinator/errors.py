@@ -13,6 +13,8 @@ NocturneError
 +-- UnusableFolder  the folder was written by another version, or is damaged
 +-- CantRestore     there is nothing whole to restore from
 +-- UnusableQueue   Redis is set up in a way that loses messages
++-- FolderTrouble   the data folder could not be read or written just now; it is tried again
++-- QueueError      Redis could not be reached, or refused; it is tried again
 """
 
 from pathlib import Path
@@ -72,3 +74,11 @@ class CantRestore(NocturneError):
 
 class UnusableQueue(NocturneError):
     """Redis is set up in a way that loses messages."""
+
+
+class FolderTrouble(NocturneError):
+    """The data folder could not be read or written just now; what was to be done is tried again."""
+
+
+class QueueError(NocturneError):
+    """Redis could not be reached, or refused; nothing is known of what it did."""

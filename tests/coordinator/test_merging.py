@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.audit import Auditor
-from nocturne_coordinator.dispatch.failure_policy import FailurePolicy
 from nocturne_coordinator.dispatch.merge import RangeSums, TileState, Verdict
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import MIN_OVERDUE, OVERDUE_FACTOR, JobKey, Scheduler
+from nocturne_coordinator.dispatch.state import Settings, State
 from nocturne_scene.ranges import make_schedule
 
 from tests.coordinator.simulated_worker import simulated_result, simulated_sums
@@ -64,10 +64,12 @@ class Session:
         self.render = RunningRender(row, tiles or [])
         self.scheduler = Scheduler()
         self.scheduler.add("r", len(schedule.range_ends), self.render.merged_ranges)
-        self.intake = ResultHandler({"r": self.render}, self.scheduler, Auditor(0.0, 0.0), FailurePolicy())
+        state = State(Settings(), self.scheduler, Auditor(0.0, 0.0), {"r": self.render})
+        self.intake = ResultHandler(state)
         self.stream: dict[JobKey, bytes] = {}
         self.entries = 0
         self.failed: dict[str, str] = {}
+        self.lines: list[str] = []
 
     def fill(self, window: int) -> None:
         for key in self.scheduler.take(window - self.scheduler.in_flight):
@@ -79,10 +81,11 @@ class Session:
         assert self.scheduler.in_flight <= window + len(self.render.film.tiles)
 
     def deliver(self, data: bytes) -> list[bytes]:
-        outcome = self.intake.take(b"0-1", data, 1.0)
+        outcome = self.intake.take(b"0-1", data, 1.0, 0.5)
         gone = set(outcome.withdrawn)
         self.stream = {key: entry for key, entry in self.stream.items() if entry not in gone}
         self.failed |= outcome.failed
+        self.lines += [line.message for line in outcome.lines]
         return outcome.settled
 
     def result(self, key: JobKey) -> job_pb2.JobResult:

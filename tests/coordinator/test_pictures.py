@@ -55,30 +55,11 @@ def test_a_folder_that_goes_with_its_render_is_no_trouble(
 
     monkeypatch.setattr("nocturne_coordinator.output.previews.write_preview", taken_away)
     with pytest.raises(LeaseLost):
-        pictures.refresh([deleted])
+        pictures.write_preview(deleted)
 
     def without_room(path: Path, *_: object) -> None:
         raise OSError(errno.ENOSPC, "no space left", path)
 
     monkeypatch.setattr("nocturne_coordinator.output.previews.write_preview", without_room)
     with pytest.raises(OSError, match="no space left"):
-        pictures.refresh([kept])
-
-
-def test_images_that_are_due_together_are_written_one_by_one(folder: DataFolder) -> None:
-    ledger = Ledger(folder.database, Ownership(folder.root, folder.database))
-    pictures = Previews(folder, ledger)
-    renders = [_running(folder, ledger, number) for number in (1, 3, 2)]
-
-    def refreshed() -> list[bool]:
-        pictures.refresh(renders)
-        for render in renders:
-            # As if new samples had come.
-            render.pictured_photons = 0
-        return [folder.image_path(render.id).is_file() for render in renders]
-
-    # Who waits longest comes first; previews are not held up.
-    assert refreshed() == [False, True, False]
-    assert all(folder.preview_path(render.id).is_file() for render in renders)
-    assert refreshed() == [False, True, True]
-    assert refreshed() == [True, True, True]
+        pictures.write_preview(kept)

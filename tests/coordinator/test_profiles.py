@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.audit import Auditor
-from nocturne_coordinator.dispatch.failure_policy import FailurePolicy
 from nocturne_coordinator.dispatch.profiles import (
     REDONE_SECONDS,
     incompatible,
@@ -20,6 +19,7 @@ from nocturne_coordinator.dispatch.records import UNKNOWN_CLASS, OpenRender, Ren
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
+from nocturne_coordinator.dispatch.state import Settings, State
 from nocturne_coordinator.store.data_folder import DataFolder, NewRender, WorkerRow
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
@@ -90,24 +90,26 @@ def test_an_odd_result_touches_nothing() -> None:
     render = RunningRender(row, [])
     scheduler, auditor = Scheduler(), Auditor(1.0, 1.0)
     scheduler.add("r", len(schedule.range_ends), [0])
-    intake = ResultHandler({"r": render}, scheduler, auditor, FailurePolicy(), live=lambda _: {"w", "odd"})
+    state = State(Settings(), scheduler, auditor, {"r": render})
+    state.fleet.seen((worker("w", A), worker("odd", A)))
+    intake = ResultHandler(state)
     (key, *_) = scheduler.take(1)
     scheduler.published(key, b"1-1", 0.0)
     job = render.planned.job(0, render.planned.ranges[0])
     result = simulated_result(job, "odd")
     result.floating_point_profile = B
-    outcome = intake.take(b"2-1", result.SerializeToString(), 0.0)
+    outcome = intake.take(b"2-1", result.SerializeToString(), 0.0, 0.5)
     assert (outcome.settled, outcome.withdrawn) == ([b"2-1"], [b"1-1"])
     assert render.merged_ranges == [0]
     # Also not as an audit, which would find a liar where there is none.
     scheduler.published(key, b"1-2", 0.0)
     result.floating_point_profile, result.worker_id = A, "w"
-    intake.take(b"2-2", result.SerializeToString(), 0.0)
+    intake.take(b"2-2", result.SerializeToString(), 0.0, 0.5)
     assert render.merged_ranges == [1]
     assert auditor.is_open(JobKey("r", 0, 0))
     odd = simulated_result(job, "odd")
     odd.floating_point_profile, odd.partial.rays = B, odd.partial.rays + 1
-    assert intake.take(b"2-3", odd.SerializeToString(), 0.0).quarantined == {}
+    assert intake.take(b"2-3", odd.SerializeToString(), 0.0, 0.5).quarantined == {}
     assert auditor.mismatches == 0
 
 

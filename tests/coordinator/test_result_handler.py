@@ -89,7 +89,7 @@ def test_an_impossible_result_changes_nothing_and_its_range_comes_again(spoil: S
     assert session.render.totals.ranges == 1
 
 
-def test_what_is_refused_is_named_in_the_log(caplog: pytest.LogCaptureFixture) -> None:
+def test_what_is_refused_is_named_in_the_log() -> None:
     session = Session(samples=20)
     session.fill(6)
     key = next(iter(session.stream))
@@ -97,7 +97,7 @@ def test_what_is_refused_is_named_in_the_log(caplog: pytest.LogCaptureFixture) -
     result.worker_id = "w1"
     SPOILT["NaN"](result)
     session.deliver(result.SerializeToString())
-    refused, failed = [record.getMessage() for record in caplog.records]
+    refused, failed = session.lines
     assert "render=r worker=w1: " in refused
     assert failed.startswith(f"render=r tile={key.tile_index} range={key.range_index} failed at worker=w1: ")
 

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.audit import Auditor
-from nocturne_coordinator.dispatch.failure_policy import FailurePolicy
 from nocturne_coordinator.dispatch.forecast import UNKNOWN, Measured, forecast
 from nocturne_coordinator.dispatch.merge import Sums
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
+from nocturne_coordinator.dispatch.state import Settings, State
 from nocturne_coordinator.dispatch.stopping import (
     MIN_SAMPLES,
     StopConditions,
@@ -186,7 +186,8 @@ class Adaptive:
         self.scheduler = Scheduler()
         horizon = [self.render.film.horizon(index) for index in range(6)]
         self.scheduler.add("r", len(schedule.range_ends), self.render.merged_ranges, horizon=horizon)
-        self.intake = ResultHandler({"r": self.render}, self.scheduler, Auditor(0.0, 0.0), FailurePolicy())
+        state = State(Settings(), self.scheduler, Auditor(0.0, 0.0), {"r": self.render})
+        self.intake = ResultHandler(state)
         self.stream: dict[bytes, JobKey] = {}
         self.entries = 0
         self.traced = 0
@@ -209,7 +210,7 @@ class Adaptive:
         return result
 
     def deliver(self, result: bytes) -> None:
-        for gone in self.intake.take(b"0-1", result, 1.0).withdrawn:
+        for gone in self.intake.take(b"0-1", result, 1.0, 0.5).withdrawn:
             self.stream.pop(gone, None)
 
     def committed(self) -> list[TileRow]:

@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 from nocturne.v1 import job_pb2
+from nocturne_coordinator.dispatch import state as core_state
 from nocturne_coordinator.dispatch.audit import Auditor
-from nocturne_coordinator.dispatch.failure_policy import FailurePolicy
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
@@ -148,7 +148,7 @@ class Cores:
             render = self._work.render_at(committed)
             scheduler = Scheduler()
             scheduler.add("r", self._work.ranges, render.merged_ranges)
-            # As `Dispatcher._adopt`.
+            # As `Window.adopt`.
             wanted = [index for index in found if scheduler.wants(self._work.keys[index])]
             for index in wanted:
                 scheduler.published(self._work.keys[index], b"%d" % index, 0.0)
@@ -177,8 +177,8 @@ class Cores:
         if event not in self._known:
             core = self.all[number]
             render, scheduler = core.copied()
-            intake = ResultHandler({"r": render}, scheduler, Auditor(0.0, 0.0), FailurePolicy())
-            outcome = intake.take(b"%d" % index, self._work.results[index], 1.0)
+            state = core_state.State(core_state.Settings(), scheduler, Auditor(0.0, 0.0), {"r": render})
+            outcome = ResultHandler(state).take(b"%d" % index, self._work.results[index], 1.0, 0.5)
             self._known[event] = Reaction(
                 self._number(Core(render, scheduler, core.saved)),
                 withdrawn=tuple(map(int, outcome.withdrawn)),

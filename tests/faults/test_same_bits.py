@@ -134,7 +134,7 @@ def test_all_faults_in_a_random_order(services: Services, traced_alone: Image) -
     assert differing_values(image, traced_alone) == {}
 
 
-@pytest.mark.parametrize("order", ["reversed", "random"])
+@pytest.mark.parametrize("order", [pytest.param("reversed", marks=pytest.mark.soak), "random"])
 def test_jobs_dispatched_in_another_order(order: str, services: Services, traced_alone: Image) -> None:
     """S2: whatever is on the stream is taken from its end, or in a random order."""
     service, chance = services(2), random.Random(5)
@@ -201,7 +201,9 @@ def _folder_that_can_not_be_written(_: Program, cache: Path) -> Mend:
     return cache.unlink
 
 
-@pytest.mark.parametrize("trouble", [_full_disk, _folder_that_can_not_be_written])
+@pytest.mark.parametrize(
+    "trouble", [_full_disk, pytest.param(_folder_that_can_not_be_written, marks=pytest.mark.soak)]
+)
 def test_a_worker_that_can_not_keep_the_scene(
     trouble: Callable[[Program, Path], Mend],
     services: Services,

@@ -5,7 +5,6 @@ tells: who agrees with another is right.
 """
 
 import hashlib
-import random
 from collections import Counter
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
@@ -55,11 +54,7 @@ class Finding:
 class Auditor:
     """The jobs that wait for a second opinion."""
 
-    def __init__(
-        self, share: float = SHARE, new_share: float = NEW_SHARE, chance: random.Random | None = None
-    ) -> None:
-        # Not to be foreseen by a worker that lies only where nobody looks.
-        self._chance = chance or random.SystemRandom()
+    def __init__(self, share: float = SHARE, new_share: float = NEW_SHARE) -> None:
         self._share = share
         self._new_share = new_share
         self._results: Counter[str] = Counter()
@@ -70,12 +65,20 @@ class Auditor:
         self.given_up = 0
 
     def accepted(
-        self, key: JobKey, worker: str, partial: job_pb2.Partial, live: Callable[[], Collection[str]]
+        self,
+        key: JobKey,
+        worker: str,
+        partial: job_pb2.Partial,
+        live: Callable[[], Collection[str]],
+        draw: float,
     ) -> None:
-        """A result was taken; perhaps it is to be audited. Nobody is audited while nobody else works."""
+        """A result was taken; perhaps it is to be audited. Nobody is audited while nobody else works.
+
+        `draw`: at random in [0, 1), not to be foreseen by a worker that lies only where nobody looks.
+        """
         self._results[worker] += 1
         share = self._new_share if self._results[worker] <= NEW_RESULTS else self._share
-        if self._chance.random() >= share or len(self._open) >= MAX_AUDITS:
+        if draw >= share or len(self._open) >= MAX_AUDITS:
             return
         others = live()
         if len(others) - (worker in others) < 1:

@@ -1,25 +1,20 @@
-"""What comes in on the results stream: checked, merged, audited or refused. No I/O; raises for no input."""
+"""What comes in on the results stream: checked, merged, audited or refused. Pure; raises for no input."""
 
-import logging
-from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 
-from nocturne_coordinator.crash_points import crash_point
-from nocturne_coordinator.dispatch.audit import Auditor
-from nocturne_coordinator.dispatch.failure_policy import FailurePolicy
 from nocturne_coordinator.dispatch.failure_policy import Verdict as PoisonedJob
+from nocturne_coordinator.dispatch.instructions import DEBUG, ERROR, WARNING, Log
 from nocturne_coordinator.dispatch.merge import RangeSums, Verdict
 from nocturne_coordinator.dispatch.planned_render import RefusedResult, check_partial
 from nocturne_coordinator.dispatch.profiles import profile_of, refusal_of
 from nocturne_coordinator.dispatch.records import FailedTile
 from nocturne_coordinator.dispatch.running_render import RunningRender
-from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
+from nocturne_coordinator.dispatch.scheduler import JobKey
+from nocturne_coordinator.dispatch.state import State
 from nocturne_coordinator.limits import MAX_FAILED_TILES, MAX_REASON
-
-_log = logging.getLogger(__name__)
 
 _MAX_NAME = 128
 
@@ -42,65 +37,63 @@ class Outcome:
     """Workers whose results are not taken any more, and why."""
     liars: set[str] = field(default_factory=set)
     """Those of them whose earlier results are not to be trusted either."""
+    unknown_render: str = ""
+    """Not running here: whether the result is of use to another coordinator is to be asked."""
+    lines: list[Log] = field(default_factory=list)
+    """For the log."""
 
 
 class ResultHandler:
     """Takes results into the films of the running renders."""
 
-    def __init__(
-        self,
-        renders: dict[str, RunningRender],
-        scheduler: Scheduler,
-        auditor: Auditor,
-        faults: FailurePolicy,
-        is_open: Callable[[str], bool] = lambda _: False,
-        live: Callable[[str], Collection[str]] = lambda _: (),
-        threads: Callable[[], Mapping[str, int]] = dict,
-    ) -> None:
-        """Shares all with the coordinator. `is_open`: whether a render is some other coordinator's, or will
-        be. `live`: workers of a floating-point profile that take jobs; `threads`: of all that could, by
-        class."""
-        self._is_open = is_open
-        self._live = live
-        self._threads = threads
-        self._renders = renders
-        self._scheduler = scheduler
-        self._auditor = auditor
-        self._failure_policy = faults
-        self.quarantined: Collection[str] = ()
+    def __init__(self, state: State) -> None:
+        self._state = state
         self.refused = 0
         """Results that were not what a worker of ours sends."""
+        self.merged = 0
+        """Ranges merged since the start."""
 
-    def take(self, entry: bytes, data: bytes, now: float) -> Outcome:
-        """One entry of the results stream; an early one is settled when it is merged."""
+    def take(self, entry: bytes, data: bytes, now: float, draw: float) -> Outcome:
+        """One entry of the results stream; an early one is settled when it is merged. `draw`: see
+        ResultCame."""
         outcome = Outcome()
         try:
             result = job_pb2.JobResult.FromString(data)
         except DecodeError:
             self._refuse(entry, "it is no JobResult", outcome)
             return outcome
-        render = self._renders.get(result.job.render_id)
+        render = self._state.renders.get(result.job.render_id)
         if render is None:
-            if not self._is_open(result.job.render_id):
-                # Ended or cancelled a moment ago, most likely.
-                _log.debug("render=%s is not running; result dropped", result.job.render_id)
-                outcome.settled.append(entry)
+            outcome.unknown_render = result.job.render_id[:_MAX_NAME]
+            outcome.lines.append(Log(DEBUG, f"render={outcome.unknown_render} is not running here"))
+            outcome.settled.append(entry)
             return outcome
         outcome.render_id = render.id
-        self._take_for(render, entry, result, now, outcome)
+        self._take_for(render, entry, result, now, draw, outcome)
         return outcome
 
     def lost_worker(self, key: JobKey, worker: str) -> Outcome:
         """A worker's process ended without a word while it had a job."""
         outcome = Outcome(render_id=key.render_id)
-        if key.render_id in self._renders:
+        if key.render_id in self._state.renders:
             self._fail(
-                self._renders[key.render_id], key, worker, f"worker {worker} died of it", outcome, died=True
+                self._state.renders[key.render_id],
+                key,
+                worker,
+                f"worker {worker} died of it",
+                outcome,
+                died=True,
             )
         return outcome
 
     def _take_for(
-        self, render: RunningRender, entry: bytes, result: job_pb2.JobResult, now: float, outcome: Outcome
+        self,
+        render: RunningRender,
+        entry: bytes,
+        result: job_pb2.JobResult,
+        now: float,
+        draw: float,
+        outcome: Outcome,
     ) -> None:
         worker = result.worker_id[:_MAX_NAME]
         try:
@@ -109,12 +102,14 @@ class ResultHandler:
             self._refuse_of(render, entry, f"worker={worker}: {refusal}", outcome)
             return
         key = JobKey(render.id, result.job.tile_index, planned.index)
-        if worker in self.quarantined:
+        if worker in self._state.fleet.quarantined:
             self._refuse_of(render, entry, f"worker={worker} is in quarantine", outcome)
             self._give_back(key, outcome)
             return
         floating_point_profile = profile_of(result.floating_point_profile)
-        if reason := refusal_of(render.floating_point_profile, floating_point_profile, self._threads()):
+        if reason := refusal_of(
+            render.floating_point_profile, floating_point_profile, self._state.fleet.threads_by_profile
+        ):
             self._refuse_of(render, entry, f"worker={worker} has {reason}", outcome)
             self._give_back(key, outcome)
             return
@@ -151,7 +146,7 @@ class ResultHandler:
             entry,
             worker,
         )
-        self._merge(render, key, offered, now, outcome, partial)
+        self._merge(render, key, offered, now, draw, outcome, partial)
 
     def _merge(
         self,
@@ -159,27 +154,35 @@ class ResultHandler:
         key: JobKey,
         offered: RangeSums,
         now: float,
+        draw: float,
         outcome: Outcome,
         partial: job_pb2.Partial,
     ) -> None:
-        crash_point("received")
         verdict, released, surplus = render.offer(key.tile_index, offered, now)
         if verdict is Verdict.TOO_EARLY:
             self._give_back(key, outcome)
         else:
-            outcome.withdrawn.extend(self._scheduler.received(key, now))
+            outcome.withdrawn.extend(self._state.scheduler.received(key, now))
+        waiting = render.film.tiles[key.tile_index].waiting.get(key.range_index)
+        if verdict is Verdict.DUPLICATE and waiting is not None and waiting.entry == offered.entry:
+            # The stream is read again from its start, and this very entry is still to be merged.
+            return
         if verdict is Verdict.DUPLICATE:
             self._compare(render, key, offered.worker, partial, outcome)
         elif verdict is not Verdict.TOO_EARLY:
-            self._auditor.accepted(
-                key, offered.worker, partial, lambda: self._live(render.floating_point_profile)
+            self._state.auditor.accepted(
+                key,
+                offered.worker,
+                partial,
+                lambda: self._state.fleet.live(render.floating_point_profile),
+                draw,
             )
-            for guilty in self._failure_policy.succeeded(key, offered.worker):
+            for guilty in self._state.failure_policy.succeeded(key, offered.worker):
                 outcome.quarantined[guilty] = "It failed at three jobs that other workers could do."
         if verdict in (Verdict.TOO_EARLY, Verdict.DUPLICATE):
             outcome.settled.append(offered.entry)
         if released:
-            crash_point("merged")
+            self.merged += len(released)
             outcome.settled.extend(each.entry for each in (*released, *surplus))
             self._update_scheduler(render, key.tile_index, released[-1].index + 1, outcome)
 
@@ -187,15 +190,15 @@ class ResultHandler:
         self, render: RunningRender, tile_index: int, merged: int, outcome: Outcome
     ) -> None:
         if render.film.tiles[tile_index].closed:
-            outcome.withdrawn.extend(self._scheduler.finish_tile(render.id, tile_index))
+            outcome.withdrawn.extend(self._state.scheduler.finish_tile(render.id, tile_index))
         else:
-            self._scheduler.expect(render.id, tile_index, render.film.horizon(tile_index))
-            self._scheduler.completed(render.id, tile_index, merged)
+            self._state.scheduler.expect(render.id, tile_index, render.film.horizon(tile_index))
+            self._state.scheduler.completed(render.id, tile_index, merged)
 
     def _compare(
         self, render: RunningRender, key: JobKey, worker: str, partial: job_pb2.Partial, outcome: Outcome
     ) -> None:
-        finding = self._auditor.again(key, worker, partial)
+        finding = self._state.auditor.again(key, worker, partial)
         outcome.withdrawn.extend(finding.withdrawn)
         if finding.agreed:
             render.count_audited()
@@ -213,13 +216,13 @@ class ResultHandler:
         outcome: Outcome,
         died: bool = False,
     ) -> None:
-        if not self._scheduler.is_outstanding(key):
+        if not self._state.scheduler.is_outstanding(key):
             # It was done elsewhere meanwhile; or it was an audit, which somebody else has to do.
-            outcome.withdrawn.extend(self._auditor.returned(key))
+            outcome.withdrawn.extend(self._state.auditor.returned(key))
             return
-        _log.warning("%s failed at worker=%s: %s", key, worker, reason)
-        verdict = self._failure_policy.failed(
-            key, worker, reason, self._live(render.floating_point_profile), died
+        outcome.lines.append(Log(WARNING, f"{key} failed at worker={worker}: {reason}"))
+        verdict = self._state.failure_policy.failed(
+            key, worker, reason, self._state.fleet.live(render.floating_point_profile), died
         )
         if verdict is None:
             self._give_back(key, outcome)
@@ -230,9 +233,10 @@ class ResultHandler:
         planned = render.planned.ranges[key.range_index]
         failed = FailedTile(key.tile_index, planned.first, planned.end, verdict.reason, verdict.workers)
         outcome.settled.extend(each.entry for each in render.fail_tile(failed))
-        outcome.withdrawn.extend(self._scheduler.finish_tile(render.id, key.tile_index))
+        outcome.withdrawn.extend(self._state.scheduler.finish_tile(render.id, key.tile_index))
         outcome.failed_tiles.append((render.id, failed))
-        _log.error("render=%s tile=%d failed: %s", render.id, key.tile_index, verdict.reason)
+        line = f"render={render.id} tile={key.tile_index} failed: {verdict.reason}"
+        outcome.lines.append(Log(ERROR, line))
         if len(render.failed_tiles) >= min(MAX_FAILED_TILES, render.planned.grid.count):
             outcome.failed[render.id] = verdict.reason
 
@@ -242,9 +246,10 @@ class ResultHandler:
 
     def _refuse(self, entry: bytes, reason: str, outcome: Outcome) -> None:
         self.refused += 1
-        _log.warning("result %s refused (%d so far): %s", entry.decode(), self.refused, reason)
+        line = f"result {entry.decode()} refused ({self.refused} so far): {reason}"
+        outcome.lines.append(Log(WARNING, line))
         outcome.settled.append(entry)
 
     def _give_back(self, key: JobKey, outcome: Outcome) -> None:
-        outcome.withdrawn.extend(self._scheduler.returned(key))
-        outcome.withdrawn.extend(self._auditor.returned(key))
+        outcome.withdrawn.extend(self._state.scheduler.returned(key))
+        outcome.withdrawn.extend(self._state.auditor.returned(key))

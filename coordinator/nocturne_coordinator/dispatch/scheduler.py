@@ -6,12 +6,13 @@ and what is in flight.
 """
 
 from collections import deque
-from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterable, Sequence, Set
+from dataclasses import dataclass
 from heapq import heappop, heappush
 from statistics import median
 from typing import NamedTuple
 
+from nocturne_coordinator.dispatch.range_queue import FairShare, RangeQueue
 from nocturne_coordinator.limits import DEFAULT_PRIORITY, RANGES_AHEAD
 
 MIN_OVERDUE = 60.0
@@ -50,54 +51,14 @@ class Published:
     at: float
 
 
-@dataclass(slots=True)
-class _FairShare:
-    """One of those who share the workers: work given so far, divided by the weight."""
-
-    weight: float
-    virtual_time: float = 0.0
-
-
-@dataclass(slots=True)
-class _Queue:
-    """The open ranges of one render."""
-
-    ranges: int
-    completed: list[int]
-    """Per tile, ranges completed."""
-    following: list[int]
-    """Per tile, the range to publish next; those below it were published once."""
-    horizon: list[int]
-    """Per tile, the ranges that it is expected to need."""
-    ready: list[tuple[bool, int, int]]
-    """Heap of (may wait, range to publish next, tile): earlier ranges first, so the whole frame is first."""
-    owner: str
-    share: _FairShare
-    cost: Callable[[int], float]
-    """Of a range by its index, in any unit that all renders have in common."""
-    again: list[tuple[int, int]] = field(default_factory=list)
-    """Heap of (range, tile) to publish once more."""
-    held: set[tuple[int, int]] = field(default_factory=set)
-    blocked: set[int] = field(default_factory=set)
-    """Tiles that are not in `ready`, because RANGES_AHEAD of their ranges are in flight, or all they should
-    need."""
-    first: frozenset[int] = frozenset()
-    """Tiles that somebody wants to see first; empty: all are alike."""
-
-    def make_ready(self, range_index: int, tile: int) -> None:
-        """Every tile's first range goes before all others: there is always a whole frame."""
-        may_wait = bool(self.first) and range_index > 0 and tile not in self.first
-        heappush(self.ready, (may_wait, range_index, tile))
-
-
 class Scheduler:
     """The open work of all running renders."""
 
     def __init__(self, shortest_overdue: float = MIN_OVERDUE) -> None:
         """`shortest_overdue`: seconds that a job is out, at least, before it is overdue."""
         self._shortest_overdue = shortest_overdue
-        self._queues: dict[str, _Queue] = {}
-        self._owners: dict[str, _FairShare] = {}
+        self._queues: dict[str, RangeQueue] = {}
+        self._owners: dict[str, FairShare] = {}
         self._outstanding: dict[JobKey, Published] = {}
         self._held = 0
         self._times: deque[float] = deque(maxlen=_REMEMBERED_TIMES)
@@ -124,17 +85,17 @@ class Scheduler:
         """
         ready = [(False, done, tile) for tile, done in enumerate(completed) if done < ranges]
         ready.sort()
-        share = self._owners.setdefault(owner, _FairShare(owner_weight, _least(self._owners.values())))
+        share = self._owners.setdefault(owner, FairShare(owner_weight, _least(self._owners.values())))
         share.weight = owner_weight
         beside = [queue.share for queue in self._queues.values() if queue.owner == owner]
-        self._queues[render_id] = _Queue(
+        self._queues[render_id] = RangeQueue(
             ranges,
             list(completed),
             list(completed),
             list(horizon) or [ranges] * len(completed),
             ready,
             owner,
-            _FairShare(priority, _least(beside)),
+            FairShare(priority, _least(beside)),
             cost,
         )
 
@@ -284,7 +245,7 @@ class Scheduler:
         }
         return sorted(key for key in found if self.wants(key))
 
-    def _passed(self, item: tuple[str, _Queue]) -> tuple[float, str, float]:
+    def _passed(self, item: tuple[str, RangeQueue]) -> tuple[float, str, float]:
         queue = item[1]
         return self._owners[queue.owner].virtual_time, queue.owner, queue.share.virtual_time
 
@@ -319,10 +280,43 @@ class Scheduler:
         """Whether a job found on the stream is worth tracing: open, and not out already."""
         return self._is_open(key) and key not in self._outstanding
 
+    def render_ids(self) -> Set[str]:
+        """The running renders."""
+        return self._queues.keys()
+
+    def problem_of(
+        self,
+        render_id: str,
+        merged: Sequence[int],
+        closed: Sequence[bool],
+        waiting: Sequence[Collection[int]],
+    ) -> str:
+        """What is wrong with the places of a render's ranges, empty if nothing is; for tests.
+
+        Of each tile: ranges merged, whether it gets no more, and the ranges that wait for earlier ones.
+        """
+        queue = self._queues[render_id]
+        if self._held != sum(len(each.held) for each in self._queues.values()):
+            return "the number of ranges that wait"
+        for tile, done in enumerate(queue.completed):
+            if done != (queue.ranges if closed[tile] else merged[tile]):
+                return f"tile {tile} has {merged[tile]} ranges, the scheduler says {done}"
+            held = {index for index, of in queue.held if of == tile}
+            if held != set(waiting[tile]):
+                return f"tile {tile}: ranges {sorted(waiting[tile])} wait, the scheduler says {sorted(held)}"
+            out = {key.range_index for key in self._outstanding if key[:2] == (render_id, tile)}
+            if out & held or any(not done <= index < queue.ranges for index in out):
+                return (
+                    f"tile {tile}: ranges {sorted(out)} are published, {sorted(held)} wait, {done} are done"
+                )
+            if lost := queue.nowhere(tile, out | held):
+                return f"tile {tile}: ranges {lost} are nowhere"
+        return ""
+
     # --- inside ---
 
     @staticmethod
-    def _unblock(queue: _Queue, tile_index: int) -> None:
+    def _unblock(queue: RangeQueue, tile_index: int) -> None:
         if tile_index in queue.blocked:
             queue.blocked.remove(tile_index)
             queue.make_ready(queue.following[tile_index], tile_index)
@@ -358,6 +352,6 @@ class Scheduler:
         return None
 
 
-def _least(shares: Iterable[_FairShare]) -> float:
+def _least(shares: Iterable[FairShare]) -> float:
     """Where who comes new begins: neither behind the others nor ahead of them."""
     return min((share.virtual_time for share in shares), default=0.0)

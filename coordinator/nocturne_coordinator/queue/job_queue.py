@@ -10,12 +10,11 @@ from functools import wraps
 from typing import Any, ParamSpec, TypeVar, cast
 
 import redis
-from nocturne_scene.errors import NocturneError
 from redis.backoff import NoBackoff
 from redis.retry import Retry
 
 from nocturne_coordinator.dispatch.liveness import Holder
-from nocturne_coordinator.errors import OwnershipLost, QueueTaken, UnusableQueue
+from nocturne_coordinator.errors import OwnershipLost, QueueError, QueueTaken, UnusableQueue
 from nocturne_coordinator.queue import keys
 
 Entry = tuple[bytes, bytes]
@@ -45,10 +44,6 @@ _CHUNK = 500
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
-
-
-class QueueError(NocturneError):
-    """Redis could not be reached, or refused."""
 
 
 @dataclass(frozen=True, slots=True)
