@@ -34,7 +34,7 @@ _DRAFT = ".incomplete"
 
 
 class Incomplete(InputError):
-    """A scene was written that lacks something, to be edited; without that it can't be trusted or rendered."""
+    """A scene was written that lacks something: it is there to be edited."""
 
     def __init__(self, problems: Iterable[Problem], imported: Imported) -> None:
         super().__init__(problems)
@@ -45,8 +45,8 @@ def import_scene(file: Path, folder: Path, options: ImportOptions) -> Imported:
     """Make `folder`, which must not exist or be empty, with the scene that `file` describes.
 
     Raises Incomplete: the folder is there, but (without `allow_missing`) something in the file has no equal
-    here, or the document is one that can't be rendered. Raises InputError for a file that can't be imported at
-    all; then nothing is left behind.
+    here, or the document is one that can't be rendered. Raises InputError for a file that can't be imported
+    at all; then nothing is left behind.
     """
     importer = next((found for end, found in FORMATS.items() if file.name.lower().endswith(end)), None)
     if importer is None:

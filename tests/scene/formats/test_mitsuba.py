@@ -65,8 +65,8 @@ def test_a_pinhole_sees_the_same_wherever_it_is_focused(tmp_path: Path) -> None:
 
 
 def test_a_metal_of_three_numbers(tmp_path: Path) -> None:
-    metal = '<bsdf type="conductor"><rgb name="eta" value="0.2 0.92 1.1"/><rgb name="k" value="3.9 2.4 2.1"/></bsdf>'
-    found = kernel(tmp_path, metal)["front"]
+    parts = '<rgb name="eta" value="0.2 0.92 1.1"/><rgb name="k" value="3.9 2.4 2.1"/>'
+    found = kernel(tmp_path, f'<bsdf type="conductor">{parts}</bsdf>')["front"]
     assert dict(found["index"]["n"]["table"])[650.0] < 0.5
     assert dict(found["index"]["k"]["table"])[650.0] > 3.5
 

@@ -60,28 +60,56 @@ class Container:
         kind, component = accessor.get("type"), accessor.get("componentType")
         if kind not in types or component not in _COMPONENTS:
             raise InputError.at(self.at(place), f"expected {' or '.join(types)} of a known component type")
-        if "sparse" in accessor or "bufferView" not in accessor:
-            raise InputError.at(self.at(place), "sparse accessors have no equal")
         count, width = self.count(accessor, "count", place), _WIDTHS[kind]
         if count * width > _MAX_NUMBERS:
             raise InputError.at(self.at(place), f"{count} values are too many")
-        item = np.dtype(_COMPONENTS[component])
-        row = item.itemsize * width
-        view, stride = self._view(accessor["bufferView"], place)
-        stride = stride or row
-        start = self.count(accessor, "byteOffset", place, 0)
-        if stride < row or (count and start + stride * (count - 1) + row > len(view)):
-            raise InputError.at(self.at(place), "reaches beyond its buffer view")
-        rows = (
-            np.ndarray((count, width), item, view, start, (stride, item.itemsize))
-            if count
-            else np.zeros((0, width))
-        )
-        values = np.asarray(rows, dtype=np.float64)
+        if "bufferView" in accessor:
+            values = self._rows(accessor, component, count, width, place)
+        elif "sparse" in accessor:
+            values = np.zeros((count, width))
+        else:
+            raise InputError.at(self.at(place), "has no values: they are compressed, or missing")
+        if "sparse" in accessor:
+            values = self._replaced(values, accessor["sparse"], component, place)
         if accessor.get("normalized") and component in _LARGEST:
             values = np.maximum(values / _LARGEST[component], -1.0)
         if not np.all(np.isfinite(values)):
             raise InputError.at(self.at(place), "holds values that are not finite")
+        return values
+
+    def _rows(self, entry: Json, component: int, count: int, width: int, place: str) -> NDArray[np.float64]:
+        """Values in a buffer view, as an accessor or a part of one says."""
+        item = np.dtype(_COMPONENTS[component])
+        row = item.itemsize * width
+        view, stride = self._view(entry.get("bufferView"), place)
+        stride = stride or row
+        start = self.count(entry, "byteOffset", place, 0)
+        if stride < row or (count and start + stride * (count - 1) + row > len(view)):
+            raise InputError.at(self.at(place), "reaches beyond its buffer view")
+        if not count:
+            return np.zeros((0, width))
+        return np.array(
+            np.ndarray((count, width), item, view, start, (stride, item.itemsize)), dtype=np.float64
+        )
+
+    def _replaced(
+        self, values: NDArray[np.float64], sparse: Json, component: int, place: str
+    ) -> NDArray[np.float64]:
+        """The values of an accessor with those that its sparse part replaces."""
+        place = f"{place}.sparse"
+        if not isinstance(sparse, dict):
+            raise InputError.at(self.at(place), "expected an object")
+        parts = [sparse.get(name) for name in ("indices", "values")]
+        kind = parts[0].get("componentType") if isinstance(parts[0], dict) else None
+        if kind not in _COMPONENTS or not isinstance(parts[1], dict):
+            raise InputError.at(self.at(place), 'expected "indices" and "values"')
+        count = self.count(sparse, "count", place)
+        if count > len(values):
+            raise InputError.at(self.at(place), "replaces more values than there are")
+        where = self._rows(parts[0], kind, count, 1, place).ravel().astype(np.int64)
+        if count and not 0 <= where.min() <= where.max() < len(values):
+            raise InputError.at(self.at(place), "replaces values that are not there")
+        values[where] = self._rows(parts[1], component, count, values.shape[1], place)
         return values
 
     def image(self, index: Json, place: str) -> tuple[bytes, str]:
@@ -117,6 +145,11 @@ class Container:
         buffer = self.item("buffers", index, place)
         if index not in self._buffers:
             uri = buffer.get("uri")
+            if uri is None and any("meshopt" in name for name in value(buffer, "extensions", {})):
+                raise InputError.at(
+                    self.at(f"buffers[{index}]"),
+                    "no equal: it is compressed by meshopt, which can't be read; decompress the file first",
+                )
             content = self.chunk if uri is None and index == 0 else self._uri(uri, f"buffers[{index}]")
             self._buffers[index] = content
         return self._buffers[index]
