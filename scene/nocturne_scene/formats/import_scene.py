@@ -29,6 +29,9 @@ FORMATS: dict[str, Importer] = {
 """Importers by the end of a file's name."""
 
 
+# Parts of a document of which one at least is in every scene.
+_SEEN = ("surfaces", "instances", "unbounded_media", "atmosphere")
+
 # Beside a document that lacks something: its digest.
 _DRAFT = ".incomplete"
 
@@ -70,7 +73,7 @@ def import_scene(file: Path, folder: Path, options: ImportOptions) -> Imported:
             _read(importer, file, writer, findings, options)
         _describe(writer, findings)
         problems = list(writer.finish())
-        if findings.losses and not options.allow_missing:
+        if findings.losses and (problems or not options.allow_missing):
             problems = [*findings.losses, *problems]
         if problems:
             (writer.folder / _DRAFT).write_text(_digest(writer.folder))
@@ -104,6 +107,8 @@ def _read(
 ) -> None:
     try:
         importer(file, writer, findings, options)
+        if findings.losses and not any(writer.document.get(kind) for kind in _SEEN):
+            raise InputError.at("", "nothing is left of the scene")
         light_up(writer, findings, options.light)
     except InputError as error:
         # What was lost before is why, more often than not.

@@ -59,8 +59,8 @@ def light_up(writer: SceneWriter, findings: Findings, wanted: str | None) -> Non
 def overcast_sky() -> Pixels:
     """The CIE's overcast sky over grey ground: at height h (1 + 2 sin h) / 3 of its zenith.
 
-    P. Moon and D. Spencer, Illuminating Engineering 37, 1942. A zenith of luminance L gives 7 pi / 9 L, here pi
-    lx.
+    P. Moon and D. Spencer, Illuminating Engineering 37, 1942. A zenith of luminance L gives 7 pi / 9 L,
+    here pi lx.
     """
     # The mean of sin h over a row, by height.
     edges = np.cos(np.pi * np.arange(_ROWS + 1) / _ROWS)

@@ -41,7 +41,7 @@ class Pictures:
         if matrix is None:
             self.findings.lost(
                 self.container.at(place),
-                "no equal of textures on one material whose coordinates are of several sets, or turned otherwise",
+                "no equal of textures on one material with coordinates of several sets, or turned otherwise",
             )
             matrix = np.eye(3)
         matrix = np.diag([1 / (1 + each) for each in mirrored] + [1.0]) @ matrix
@@ -77,7 +77,7 @@ class Pictures:
         for name in _SOURCES:
             source = value(value(value(texture, "extensions", {}), name, {}), "source", source)
         self.container.item("images", source, place)
-        return texture, int(source)
+        return texture, int(source or 0)
 
     def _asset(self, reference: Json, source: int, mirrored: bool, place: str) -> str:
         if mirrored:

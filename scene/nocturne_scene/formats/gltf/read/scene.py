@@ -88,11 +88,12 @@ class _Reader:
     def _instances(self, index: int, entry: Json, matrix: Matrix, place: str) -> None:
         """Copies of a node's mesh: instances of one group, or meshes where one is stretched or mirrored."""
         copies = self._copies(entry, matrix, place)
-        factors = [transforms.similarity(each) for each in copies]
-        if any(
-            factor is None or transforms.is_mirrored(each)
-            for factor, each in zip(factors, copies, strict=True)
-        ):
+        factors = [
+            factor
+            for factor, each in ((transforms.similarity(each), each) for each in copies)
+            if factor is not None and not transforms.is_mirrored(each)
+        ]
+        if len(factors) < len(copies):
             for each in copies:
                 self._mesh(index, entry, each, None)
             return

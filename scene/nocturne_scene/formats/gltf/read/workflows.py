@@ -116,7 +116,7 @@ def _resized(pixels: Pixels, rows: int, columns: int) -> Pixels:
     """The nearest pixels of another number of rows and columns."""
     row = (np.arange(rows) * pixels.shape[0]) // rows
     column = (np.arange(columns) * pixels.shape[1]) // columns
-    return pixels[row][:, column]
+    return np.asarray(pixels[row][:, column])
 
 
 def is_lit(entry: Json) -> bool:

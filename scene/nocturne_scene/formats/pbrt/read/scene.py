@@ -19,6 +19,8 @@ from nocturne_scene.formats.reading.scene_files import SceneFiles
 from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
 from nocturne_scene.formats.reading.transforms import Matrix
 
+# Directives of former versions.
+_OLD = ("WorldEnd", "SurfaceIntegrator", "VolumeIntegrator", "Renderer", "Volume")
 _MAX_DEPTH = 64
 _MAX_INCLUDES = 16
 # Directives of a scene, those of included files each time.
@@ -63,7 +65,9 @@ class _Reader:
             if token.kind != "word" or (
                 token.text not in _DIRECTIVES and token.text not in ("Include", "Import")
             ):
-                raise InputError.at(token.place, f'no directive "{token.text[:40]}"')
+                old = " of pbrt-v4: the file is of pbrt-v3 or before; `pbrt --upgrade` rewrites it"
+                hint = old if token.text in _OLD else ""
+                raise InputError.at(token.place, f'no directive "{token.text[:40]}"{hint}')
             if token.text in ("Include", "Import"):
                 name = stream.string(token.place)
                 self.read(self.context.file(name, token.place), (*opened, file))

@@ -201,6 +201,25 @@ def _scaled(context: Context, parameters: Parameters) -> Json:
             parameters.place, "no equal of the product of two textures; the second is left out"
         )
         return value
+    return reflectance_times(value, factor)
+
+
+def reflectance_times(value: Json, factor: float) -> Json:
+    """A reflectance times a number."""
+    if factor == 1.0:
+        return value
     if isinstance(value, dict) and "rgb" in value:
         return colours.reflectance([factor * part for part in value["rgb"]])
     return colours.scaled(value, factor)
+
+
+def largest(value: Json) -> float:
+    """The largest value of a reflectance; of a picture that of a white one."""
+    if isinstance(value, float | int):
+        return float(value)
+    if "rgb" in value:
+        return float(max(value["rgb"]))
+    if "table" in value:
+        return float(max(each for _, each in value["table"]))
+    inner = value.get("spectrum", 1.0)
+    return largest(inner)
