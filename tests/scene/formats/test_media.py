@@ -323,7 +323,7 @@ def test_a_grid_that_is_written_fills_its_box(tmp_path: Path) -> None:
 def test_an_even_volume_is_there_in_its_box_only(tmp_path: Path, degrees: float) -> None:
     """Mitsuba fills the box along the axes around it.
 
-    A ball of radius 1 with a turned box of 0.9 x 0.7 x 1.3 let through 93.78 % there (3.9.1, an even sky, 32 x
+    A ball of radius 1 with a turned box of 0.9 x 0.7 x 1.3 let through 93.78 % there (3.9.1, even sky, 32 x
     32 pixels of 256 samples) and 93.80 % here.
     """
     placing = f'<scale x="0.9" y="0.7" z="1.3"/><rotate y="1" angle="{degrees}"/><translate x="-0.4"/>'

@@ -304,3 +304,19 @@ def test_a_coat_over_metal_is_named_and_the_metal_is_there(tmp_path: Path) -> No
 def test_files_of_former_versions_are_named_as_such(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="pbrt --upgrade"):
         imported(tmp_path, 'Shape "sphere"\nWorldEnd')
+
+
+def test_textured_leaves_are_as_they_are(tmp_path: Path) -> None:
+    texture = 'Texture "t" "spectrum" "checkerboard"\n'
+    both = '"texture reflectance" "t" "texture transmittance" "t"'
+    document, _ = imported(tmp_path, texture + f'Material "diffusetransmission" {both}\nShape "sphere"')
+    [kernel] = document["kernels"].values()
+    assert kernel["reflectance"] == kernel["transmittance"]
+
+
+def test_what_is_broken_is_left_out_and_the_rest_is_there(tmp_path: Path) -> None:
+    broken = 'Shape "plymesh" "string filename" "none.ply"\nMaterial "conductor" "rgb eta" [-1 1 1] "rgb k" [1 1 1]'
+    document, found = imported(tmp_path, broken + '\nShape "sphere"', allow_missing=True)
+    [surface] = document["surfaces"]
+    assert document["kernels"][surface["kernel"]] == {"type": "lambertian", "reflectance": 0.5}
+    assert [each.message for each in found.missing] == ['no file "none.ply"', "n and k are not negative"]

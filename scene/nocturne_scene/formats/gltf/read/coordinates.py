@@ -53,7 +53,8 @@ def map_of(container: Container, reference: Json, place: str) -> Matrix:
 
 def is_straight(matrix: Matrix) -> bool:
     """Whether a map only scales and shifts."""
-    return max(abs(matrix[0, 1]), abs(matrix[1, 0])) <= _STRAIGHT * max(1.0, float(np.abs(matrix).max()))
+    across = max(abs(float(matrix[0, 1])), abs(float(matrix[1, 0])))
+    return across <= _STRAIGHT * max(1.0, float(np.abs(matrix).max()))
 
 
 def relative_map(container: Container, reference: Json, frame: Frame, place: str) -> Matrix | None:

@@ -67,7 +67,7 @@ class Pictures:
 
     def baked(self, use: Json, pixels: Pixels, name: str) -> Json:
         """A texture of linear pixels in place of a use's own."""
-        asset = self.writer.picture(name, pixels)
+        asset = self.writer.picture(name, pixels, narrow=True)
         return {**use, "texture": {**use["texture"], "asset": asset, "encoding": "linear"}}
 
     def _texture(self, reference: Json, place: str) -> tuple[Json, int]:

@@ -113,7 +113,7 @@ def _corners(indices: NDArray[np.int64], mode: int, shown: str) -> NDArray[np.in
             raise InputError.at(shown, f"no mode {str(mode)[:20]}; expected 0 to 6")
     # Strips are joined by triangles that are none.
     a, b, c = found.T
-    return found[(a != b) & (b != c) & (c != a)]
+    return np.asarray(found[(a != b) & (b != c) & (c != a)])
 
 
 def _coordinates(

@@ -72,14 +72,17 @@ def _diffuse_transmission(context: Context, parameters: Parameters) -> Json:
     parts = [
         spectra.reflectance(context, parameters, name, 0.25) for name in ("reflectance", "transmittance")
     ]
-    largest = [spectra.largest(each) for each in parts]
-    if scale * sum(largest) > 1:
-        # More light than comes: where both are pictures nobody knows before they are looked at.
+    # Of pictures it is not known how much light they reflect: the scene's maker has seen to it.
+    most = (
+        sum(spectra.largest(each) for each in parts)
+        if all("texture" not in str(each) for each in parts)
+        else 1.0
+    )
+    if scale * most > 1 + 1e-6:
         context.findings.lost(
-            parameters.place,
-            "it sends back and lets through more light than comes; taken as much darker as needed",
+            parameters.place, "it sends back and lets through more light than comes; made as much darker"
         )
-        scale = 1 / sum(largest)
+        scale = 1 / most
     reflectance, transmittance = (spectra.reflectance_times(each, scale) for each in parts)
     return {"type": "diffuse_transmitter", "reflectance": reflectance, "transmittance": transmittance}
 

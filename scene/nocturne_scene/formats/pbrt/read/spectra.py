@@ -214,12 +214,7 @@ def reflectance_times(value: Json, factor: float) -> Json:
 
 
 def largest(value: Json) -> float:
-    """The largest value of a reflectance; of a picture that of a white one."""
+    """The largest value of a number, a colour or a table."""
     if isinstance(value, float | int):
         return float(value)
-    if "rgb" in value:
-        return float(max(value["rgb"]))
-    if "table" in value:
-        return float(max(each for _, each in value["table"]))
-    inner = value.get("spectrum", 1.0)
-    return largest(inner)
+    return float(max(value["rgb"]) if "rgb" in value else max(each for _, each in value["table"]))
