@@ -15,6 +15,8 @@ from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
+from nocturne_scene.formats.import_scene import FORMATS
+
 from tests.corpus.trying import FAILED, LOSSY, REFUSED, STRICT, Outcome, tried
 
 _SOURCES = Path(__file__).with_name("sources.toml")
@@ -45,18 +47,13 @@ def git_folder(mirrors: Path, repository: str) -> Path | None:
 
 def chosen(names: list[str], source: dict[str, Any]) -> list[str]:
     """The scenes among the files of a repository."""
-    without = source.get("without", [])
     return sorted(
         name
         for name in names
-        if any(Path(name).match(_anywhere(pattern)) or fnmatch(name, pattern) for pattern in source["files"])
-        and name.lower().endswith((".xml", ".pbrt", ".pbrt.gz", ".gltf", ".glb"))
-        and not any(fnmatch(name, pattern) for pattern in without)
+        if any(fnmatch(name, pattern) for pattern in source["files"])
+        and name.lower().endswith(tuple(FORMATS))
+        and not any(fnmatch(name, pattern) for pattern in source.get("without", ()))
     )
-
-
-def _anywhere(pattern: str) -> str:
-    return pattern.replace("**/", "")
 
 
 def attempts(mirrors: Path, only: str, *, compiles: bool) -> Iterator[Tried]:

@@ -315,7 +315,8 @@ def test_textured_leaves_are_as_they_are(tmp_path: Path) -> None:
 
 
 def test_what_is_broken_is_left_out_and_the_rest_is_there(tmp_path: Path) -> None:
-    broken = 'Shape "plymesh" "string filename" "none.ply"\nMaterial "conductor" "rgb eta" [-1 1 1] "rgb k" [1 1 1]'
+    broken = 'Shape "plymesh" "string filename" "none.ply"\n'
+    broken += 'Material "conductor" "rgb eta" [-1 1 1] "rgb k" [1 1 1]'
     document, found = imported(tmp_path, broken + '\nShape "sphere"', allow_missing=True)
     [surface] = document["surfaces"]
     assert document["kernels"][surface["kernel"]] == {"type": "lambertian", "reflectance": 0.5}
