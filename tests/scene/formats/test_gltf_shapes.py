@@ -215,7 +215,7 @@ def test_a_skin_follows_its_joints(tmp_path: Path) -> None:
     model.tree["skins"] = [{"joints": [1, 2], "inverseBindMatrices": matrices}]
 
     def upper(p: Any) -> NDArray[np.float64]:
-        return np.add(p, np.array([0.0, 2.0, 0.0]))
+        return np.array(p) + np.array([0.0, 2.0, 0.0])
 
     def fore(p: Any) -> NDArray[np.float64]:
         x, y, z = np.asarray(p) - [1, 0, 0]
@@ -274,3 +274,14 @@ def test_one_colour_at_all_vertices_is_a_factor(tmp_path: Path) -> None:
     [kernel] = document["kernels"].values()
     k = kernel["index"]["k"]
     assert k**2 / (4 + k**2) == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("entries", ["buffers", "bufferViews"])
+def test_buffers_that_are_compressed_are_named_as_such(tmp_path: Path, entries: str) -> None:
+    model = Model()
+    model.mesh([0, 1, 2])
+    tree = dict(model.tree) | {"buffers": [{"byteLength": len(model.content)}]}
+    tree[entries][0]["extensions"] = {"EXT_meshopt_compression": {"buffer": 1}}
+    (tmp_path / "a.gltf").write_text(json.dumps(tree))
+    with pytest.raises(InputError, match="compressed by meshopt"):
+        import_scene(tmp_path / "a.gltf", tmp_path / "out", ImportOptions())

@@ -135,17 +135,17 @@ class Container:
     def _view(self, index: Json, place: str) -> tuple[memoryview, int]:
         view = self.item("bufferViews", index, place)
         place = f"bufferViews[{index}]"
-        content = self._buffer(view.get("buffer"), place)
+        content = self._buffer(view.get("buffer"), place, view)
         start, length = self.count(view, "byteOffset", place, 0), self.count(view, "byteLength", place)
         if start + length > len(content):
             raise InputError.at(self.at(place), "reaches beyond its buffer")
         return memoryview(content)[start : start + length], self.count(view, "byteStride", place, 0)
 
-    def _buffer(self, index: Json, place: str) -> bytes:
+    def _buffer(self, index: Json, place: str, user: Json) -> bytes:
         buffer = self.item("buffers", index, place)
         if index not in self._buffers:
             uri = buffer.get("uri")
-            if uri is None and any("meshopt" in name for name in value(buffer, "extensions", {})):
+            if uri is None and (index != 0 or not self.chunk) and _by_meshopt(buffer, user):
                 raise InputError.at(
                     self.at(f"buffers[{index}]"),
                     "no equal: it is compressed by meshopt, which can't be read; decompress the file first",
@@ -201,6 +201,11 @@ def _glb(content: bytes, shown: str) -> tuple[bytes, bytes]:
     if kind != 0x004E4942 or 8 + size > len(rest):
         raise InputError.at(shown, "its binary chunk is damaged")
     return text, rest[8 : 8 + size]
+
+
+def _by_meshopt(*entries: Json) -> bool:
+    """Whether a buffer, or the view of it, is there in compressed form only."""
+    return any("meshopt" in name for entry in entries for name in value(entry, "extensions", {}))
 
 
 def value(entry: Json, key: str, default: Json) -> Json:
