@@ -321,3 +321,10 @@ def test_what_is_broken_is_left_out_and_the_rest_is_there(tmp_path: Path) -> Non
     [surface] = document["surfaces"]
     assert document["kernels"][surface["kernel"]] == {"type": "lambertian", "reflectance": 0.5}
     assert [each.message for each in found.missing] == ['no file "none.ply"', "n and k are not negative"]
+
+
+def test_glass_of_three_numbers(tmp_path: Path) -> None:
+    body = 'Material "dielectric" "rgb eta" [1.5 1.5 1.5]\nShape "sphere"'
+    document, _ = imported(tmp_path, body)
+    [kernel] = document["kernels"].values()
+    assert kernel["index"] == 1.5

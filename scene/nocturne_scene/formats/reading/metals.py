@@ -11,7 +11,7 @@ from nocturne_scene.formats.reading.scene_writer import Json
 _MOST = 0.999
 
 FROM_RGB = (
-    "three numbers for n or k became a smooth spectrum, twice the largest times a reflectance, as pbrt does"
+    "three numbers for an index became a smooth spectrum, twice the largest times a reflectance, as pbrt does"
 )
 """A note for indices of which only RGB is known."""
 

@@ -6,7 +6,7 @@ from nocturne_scene.errors import InputError
 from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.parameters import Parameter, Parameters
 from nocturne_scene.formats.pbrt.read.tokens import read_text
-from nocturne_scene.formats.reading import colours
+from nocturne_scene.formats.reading import colours, metals
 from nocturne_scene.formats.reading.scene_writer import Json
 
 # Glasses and metals of pbrt's that are ours too, by the name of the spectrum.
@@ -82,6 +82,12 @@ def index(context: Context, parameters: Parameters, name: str, default: Json) ->
         return default
     if found.type == "float":
         return found.numbers(1)[0]
+    if found.type == "rgb":
+        values = found.numbers(3)
+        if not min(values) >= 1:
+            raise InputError.at(found.place, "an index of refraction is 1 or more")
+        context.findings.note(found.place, metals.FROM_RGB)
+        return metals.part_of_rgb(values)
     if found.values and found.values[0] in GLASSES:
         return GLASSES[found.word()]
     return spectrum(context, found)
