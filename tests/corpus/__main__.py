@@ -1,4 +1,4 @@
-"""python -m tests.corpus MIRRORS -o PAGE.md: import and compile what there is of the corpus, and write how it went.
+"""python -m tests.corpus MIRRORS -o PAGE.md: import what there is of the corpus, and write how it went.
 
 MIRRORS holds clones of the repositories in sources.toml, with or without a work tree, as `owner/name` or
 `owner+name`; those that are not there are left out. Files are read from their newest commit.
@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
+
+from nocturne_scene.formats.import_scene import FORMATS
 
 from tests.corpus.trying import FAILED, LOSSY, REFUSED, STRICT, Outcome, tried
 
@@ -45,21 +47,16 @@ def git_folder(mirrors: Path, repository: str) -> Path | None:
 
 def chosen(names: list[str], source: dict[str, Any]) -> list[str]:
     """The scenes among the files of a repository."""
-    without = source.get("without", [])
     return sorted(
         name
         for name in names
-        if any(Path(name).match(_anywhere(pattern)) or fnmatch(name, pattern) for pattern in source["files"])
-        and name.lower().endswith((".xml", ".pbrt", ".pbrt.gz", ".gltf", ".glb"))
-        and not any(fnmatch(name, pattern) for pattern in without)
+        if any(fnmatch(name, pattern) for pattern in source["files"])
+        and name.lower().endswith(tuple(FORMATS))
+        and not any(fnmatch(name, pattern) for pattern in source.get("without", ()))
     )
 
 
-def _anywhere(pattern: str) -> str:
-    return pattern.replace("**/", "")
-
-
-def attempts(mirrors: Path, only: str) -> Iterator[Tried]:
+def attempts(mirrors: Path, only: str, *, compiles: bool) -> Iterator[Tried]:
     """Try every file that is there."""
     for source in tomllib.loads(_SOURCES.read_text())["source"]:
         git = git_folder(mirrors, source["repository"])
@@ -71,16 +68,17 @@ def attempts(mirrors: Path, only: str) -> Iterator[Tried]:
             capture_output=True,
             text=True,
         )
-        objects = {name: digest for digest, _, name in (line.partition(" ") for line in listed.stdout.splitlines())}
+        objects = {
+            name: digest for digest, _, name in (line.partition(" ") for line in listed.stdout.splitlines())
+        }
         scenes = chosen(list(objects), source)
         tops = tuple(pattern.split("*")[0].rpartition("/")[0] + "/" for pattern in source["files"])
         tops += tuple(source.get("beside", ()))
         with tempfile.TemporaryDirectory() as kept:
             _write(git, {name: objects[name] for name in objects if name.startswith(tops)}, Path(kept))
             for name in scenes:
-                yield Tried(
-                    source["format"], source["repository"], name, tried(Path(kept) / name, Path(kept))
-                )
+                outcome = tried(Path(kept) / name, Path(kept), compiles=compiles)
+                yield Tried(source["format"], source["repository"], name, outcome)
 
 
 def _write(git: Path, objects: dict[str, str], folder: Path) -> None:
@@ -136,8 +134,11 @@ def main() -> None:
     parser.add_argument("mirrors", type=Path, help="Folder with clones of the repositories.")
     parser.add_argument("--output", "-o", type=Path, required=True, help="The page to write.")
     parser.add_argument("--format", default="", help="Only formats whose name holds this.")
+    parser.add_argument(
+        "--import-only", action="store_true", help="Don't compile, which takes most of the time."
+    )
     arguments = parser.parse_args()
-    found = list(attempts(arguments.mirrors, arguments.format))
+    found = list(attempts(arguments.mirrors, arguments.format, compiles=not arguments.import_only))
     if not found:
         parser.error(f"{arguments.mirrors} holds none of the repositories in {_SOURCES.name}")
     arguments.output.write_text(page(found), encoding="utf-8")

@@ -31,19 +31,19 @@ class Outcome:
     megabytes: int = 0
 
 
-def tried(file: Path, root: Path) -> Outcome:
-    """Import and compile a file; with losses where it has parts without an equal."""
-    strict = _in_a_process(file, root, allow_missing=False)
+def tried(file: Path, root: Path, *, compiles: bool) -> Outcome:
+    """Import a file, and compile it if asked; with losses where it has parts without an equal."""
+    strict = _in_a_process(file, root, allow_missing=False, compiles=compiles)
     if strict.kind == STRICT or strict.kind == FAILED:
         return strict
-    lossy = _in_a_process(file, root, allow_missing=True)
-    return lossy if lossy.kind in (STRICT, FAILED) and lossy.reasons else strict
+    lossy = _in_a_process(file, root, allow_missing=True, compiles=compiles)
+    return lossy if lossy.kind in (LOSSY, FAILED) else strict
 
 
-def _in_a_process(file: Path, root: Path, *, allow_missing: bool) -> Outcome:
+def _in_a_process(file: Path, root: Path, *, allow_missing: bool, compiles: bool) -> Outcome:
     context = multiprocessing.get_context("fork")
     ours, theirs = context.Pipe(duplex=False)
-    process = context.Process(target=_work, args=(theirs, file, root, allow_missing))
+    process = context.Process(target=_work, args=(theirs, file, root, allow_missing, compiles))
     process.start()
     theirs.close()
     try:
@@ -55,20 +55,21 @@ def _in_a_process(file: Path, root: Path, *, allow_missing: bool) -> Outcome:
     return found
 
 
-def _work(sender: Connection, file: Path, root: Path, allow_missing: bool) -> None:
+def _work(sender: Connection, file: Path, root: Path, allow_missing: bool, compiles: bool) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
     started = time.monotonic()
-    kind, reasons = _outcome(file, root, allow_missing)
+    kind, reasons = _outcome(file, root, allow_missing, compiles)
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
     sender.send(Outcome(kind, reasons, time.monotonic() - started, memory))
 
 
-def _outcome(file: Path, root: Path, allow_missing: bool) -> tuple[str, tuple[str, ...]]:
+def _outcome(file: Path, root: Path, allow_missing: bool, compiles: bool) -> tuple[str, tuple[str, ...]]:
     try:
         with tempfile.TemporaryDirectory() as kept:
             out = Path(kept) / "scene"
             imported = import_scene(file, out, ImportOptions(root, allow_missing=allow_missing))
-            compile_to(imported.document, Path(kept) / "compiled", 64, 64, 1)
+            if compiles:
+                compile_to(imported.document, Path(kept) / "compiled", 64, 64, 1)
     except InputError as error:
         return REFUSED, tuple(each.message for each in error.problems)
     except Exception as error:  # whatever it is, it is counted

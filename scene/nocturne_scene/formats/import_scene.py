@@ -29,12 +29,15 @@ FORMATS: dict[str, Importer] = {
 """Importers by the end of a file's name."""
 
 
+# Parts of a document of which one at least is in every scene.
+_SEEN = ("surfaces", "instances", "unbounded_media", "atmosphere")
+
 # Beside a document that lacks something: its digest.
 _DRAFT = ".incomplete"
 
 
 class Incomplete(InputError):
-    """A scene was written that lacks something, to be edited; without that it can't be trusted or rendered."""
+    """A scene was written that lacks something: it is there to be edited."""
 
     def __init__(self, problems: Iterable[Problem], imported: Imported) -> None:
         super().__init__(problems)
@@ -45,8 +48,8 @@ def import_scene(file: Path, folder: Path, options: ImportOptions) -> Imported:
     """Make `folder`, which must not exist or be empty, with the scene that `file` describes.
 
     Raises Incomplete: the folder is there, but (without `allow_missing`) something in the file has no equal
-    here, or the document is one that can't be rendered. Raises InputError for a file that can't be imported at
-    all; then nothing is left behind.
+    here, or the document is one that can't be rendered. Raises InputError for a file that can't be imported
+    at all; then nothing is left behind.
     """
     importer = next((found for end, found in FORMATS.items() if file.name.lower().endswith(end)), None)
     if importer is None:
@@ -70,7 +73,7 @@ def import_scene(file: Path, folder: Path, options: ImportOptions) -> Imported:
             _read(importer, file, writer, findings, options)
         _describe(writer, findings)
         problems = list(writer.finish())
-        if findings.losses and not options.allow_missing:
+        if findings.losses and (problems or not options.allow_missing):
             problems = [*findings.losses, *problems]
         if problems:
             (writer.folder / _DRAFT).write_text(_digest(writer.folder))
@@ -104,6 +107,8 @@ def _read(
 ) -> None:
     try:
         importer(file, writer, findings, options)
+        if findings.losses and not any(writer.document.get(kind) for kind in _SEEN):
+            raise InputError.at("", "nothing is left of the scene")
         light_up(writer, findings, options.light)
     except InputError as error:
         # What was lost before is why, more often than not.

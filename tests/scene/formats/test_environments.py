@@ -46,7 +46,9 @@ def test_the_studio_lights_what_faces_the_camera_as_much() -> None:
     assert irradiance(studio(), np.array([1.0, 0, 0])) == pytest.approx(np.pi, rel=1e-3)
     # The key light is to the left of someone who stands at the camera and looks at the model: on the model's
     # right, which for someone who stands there and looks at the camera is the right.
-    assert irradiance(studio(), np.array([0.7, 0.7, 0])) > 1.3 * irradiance(studio(), np.array([0.7, -0.7, 0]))
+    assert irradiance(studio(), np.array([0.7, 0.7, 0])) > 1.3 * irradiance(
+        studio(), np.array([0.7, -0.7, 0])
+    )
 
 
 def test_a_model_without_light_gets_the_sky_and_says_so(tmp_path: Path) -> None:

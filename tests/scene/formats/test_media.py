@@ -317,3 +317,35 @@ def test_a_grid_that_is_written_fills_its_box(tmp_path: Path) -> None:
         tuple(size if row == column else size / 2 if column == 3 else 0 for column in range(4))
         for row in range(3)
     )
+
+
+@pytest.mark.parametrize("degrees", [0.0, 25.0])
+def test_an_even_volume_is_there_in_its_box_only(tmp_path: Path, degrees: float) -> None:
+    """Mitsuba fills the box along the axes around it.
+
+    A ball of radius 1 with a turned box of 0.9 x 0.7 x 1.3 let through 93.78 % there (3.9.1, even sky, 32 x
+    32 pixels of 256 samples) and 93.80 % here.
+    """
+    placing = f'<scale x="0.9" y="0.7" z="1.3"/><rotate y="1" angle="{degrees}"/><translate x="-0.4"/>'
+    volume = f"""<volume name="sigma_t" type="constvolume"><spectrum name="value" value="2"/>
+    <transform name="to_world">{placing}</transform></volume>"""
+    medium = f'<medium id="m" type="heterogeneous"><float name="albedo" value="0"/>{volume}</medium>'
+    document = mitsuba(tmp_path, CAMERA + medium + BALL.format(bsdf="null", side="interior"))
+    found = document["media"]["m"]
+    assert found["absorption"] == 2
+    points, density = placed(tmp_path / "out", found["density"])
+    assert set(density) <= {0.0, 1.0}
+    inside = points[density == 1.0]
+    sine, cosine = np.sin(np.radians(degrees)), np.cos(np.radians(degrees))
+    low = np.array([-0.4, 0.0, -0.9 * sine])
+    size = np.array([0.9 * cosine + 1.3 * sine, 0.7, 0.9 * sine + 1.3 * cosine])
+    # From middle to middle of voxels, whose size is the same along each edge.
+    voxel = np.cbrt(np.prod(size) / len(inside))
+    assert inside.min(axis=0) - voxel / 2 == pytest.approx(low, abs=5e-3)
+    assert inside.max(axis=0) + voxel / 2 == pytest.approx(low + size, abs=5e-3)
+
+
+def test_a_number_of_a_heterogeneous_medium_is_there_in_the_unit_cube(tmp_path: Path) -> None:
+    medium = '<medium id="m" type="heterogeneous"><float name="sigma_t" value="2"/></medium>'
+    document = mitsuba(tmp_path, CAMERA + medium + BALL.format(bsdf="null", side="interior"))
+    assert document["media"]["m"]["density"]["translate"] == [0, 0, 0]

@@ -10,7 +10,8 @@ import pytest
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.import_scene import import_scene
 from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT, white
-from nocturne_scene.formats.reading.coats import rough_coat, smooth_coat
+from nocturne_scene.formats.reading.coats import base_under, rough_coat, smooth_coat
+from nocturne_scene.formats.reading.fresnel import reflectance_of
 from nocturne_scene.formats.reading.options import Imported, ImportOptions
 from nocturne_scene.meshes.files import load_mesh
 
@@ -65,8 +66,8 @@ def test_a_pinhole_sees_the_same_wherever_it_is_focused(tmp_path: Path) -> None:
 
 
 def test_a_metal_of_three_numbers(tmp_path: Path) -> None:
-    metal = '<bsdf type="conductor"><rgb name="eta" value="0.2 0.92 1.1"/><rgb name="k" value="3.9 2.4 2.1"/></bsdf>'
-    found = kernel(tmp_path, metal)["front"]
+    parts = '<rgb name="eta" value="0.2 0.92 1.1"/><rgb name="k" value="3.9 2.4 2.1"/>'
+    found = kernel(tmp_path, f'<bsdf type="conductor">{parts}</bsdf>')["front"]
     assert dict(found["index"]["n"]["table"])[650.0] < 0.5
     assert dict(found["index"]["k"]["table"])[650.0] > 3.5
 
@@ -366,3 +367,64 @@ def test_mistakes_are_told_with_their_line(tmp_path: Path, body: str, said: str)
         imported(tmp_path, body)
     assert said in str(raised.value)
     assert "a.xml:8" in raised.value.problems[0].place
+
+
+def test_plastic_that_polarises_loses_what_the_coat_sends_back(tmp_path: Path) -> None:
+    """T(wi) T(wo) R / pi, as measured of Mitsuba 3.9.1's (no specular part): degrees of wi and wo, value."""
+    reflectance = '<spectrum name="diffuse_reflectance" value="0.5"/>'
+    found = kernel(tmp_path, f'<bsdf type="pplastic">{reflectance}</bsdf>')["front"]
+    index, inside = found["index"], smooth_coat(found["index"]).inside
+    base = found["reflectance"] / (1 - found["reflectance"] * inside) / index**2
+    for first, second, expected in (
+        (0, 0, 0.147083),
+        (0, 60, 0.139620),
+        (45, 60, 0.138151),
+        (30, 80, 0.093808),
+    ):
+        through = [1 - reflectance_of(np.cos(np.radians(each)), index) for each in (first, second)]
+        assert np.prod(through) * base / np.pi == pytest.approx(expected, rel=1e-4)
+
+
+def test_a_textured_base_saturates_no_more_than_an_even_one(tmp_path: Path) -> None:
+    (tmp_path / "in").mkdir()
+    write_exr(tmp_path / "in" / "t.exr", np.array([[[0.2, 0.5, 0.9], [1.0, 0.0, 0.5]]]))
+    texture = (
+        '<texture name="diffuse_reflectance" type="bitmap"><string name="filename" value="t.exr"/></texture>'
+    )
+    found = kernel(tmp_path, f'<bsdf type="plastic">{texture}</bsdf>')["front"]
+    document = json.loads((tmp_path / "out" / "scene.json").read_text())
+    asset = document["textures"][found["reflectance"]["texture"]]["asset"]
+    under = np.asarray(oiio.ImageBuf(str(tmp_path / "out" / asset)).get_pixels(oiio.FLOAT))
+    # What one of the same reflectance everywhere becomes.
+    coat = smooth_coat(found["index"])
+    expected = [base_under(coat, each, linear=True) for each in (0.2, 0.5, 0.9, 1.0, 0.0, 0.5)]
+    assert under.ravel() == pytest.approx(expected, abs=1e-6)
+
+
+def test_an_emitter_of_the_scene_is_that_of_shapes_that_refer_to_it(tmp_path: Path) -> None:
+    emitter = '<emitter type="area" id="e"><spectrum name="radiance" value="2"/></emitter>'
+    document, _ = imported(tmp_path, emitter + '<shape type="sphere"><ref id="e"/></shape>')
+    assert document["surfaces"][0]["luminaire"] == {"radiance": 2}
+
+
+def test_an_area_emitter_without_a_shape_is_told_what_it_lacks(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="belongs into a shape"):
+        imported(tmp_path, SPHERE + '<emitter type="area"/>')
+
+
+def test_folders_of_included_files_may_be_those_of_the_scene(tmp_path: Path) -> None:
+    """<path> is looked for beside its own file first, and then beside those that include it."""
+    (tmp_path / "in" / "parts").mkdir(parents=True)
+    (tmp_path / "in" / "meshes").mkdir()
+    (tmp_path / "in" / "meshes" / "t.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    part = '<path value="meshes"/><shape type="obj"><string name="filename" value="t.obj"/></shape>'
+    (tmp_path / "in" / "parts" / "p.xml").write_text(f'<scene version="3.0.0">{part}</scene>')
+    document, _ = imported(tmp_path, '<include filename="parts/p.xml"/>')
+    assert len(document["surfaces"]) == 1
+
+
+def test_what_is_broken_is_left_out_and_the_rest_is_there(tmp_path: Path) -> None:
+    broken = '<shape type="obj"><string name="filename" value="none.obj"/></shape>'
+    document, found = imported(tmp_path, broken + SPHERE, allow_missing=True)
+    assert len(document["surfaces"]) == 1
+    assert 'no file "none.obj"' in str(found.missing[0])

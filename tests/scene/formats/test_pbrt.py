@@ -256,3 +256,75 @@ def test_a_metal_of_three_numbers(tmp_path: Path) -> None:
     assert 3.5 < table[650.0] < 4.5
     assert 1.8 < table[450.0] < 2.4
     assert any("as pbrt does" in note for note in found.notes)
+
+
+def test_a_window_of_the_screen_narrows_the_field(tmp_path: Path) -> None:
+    """The window's shorter half over 1 is that part of the tangent."""
+    head = HEAD.replace('"float fov" 45', '"float fov" 45 "float screenwindow" [-1 1 -0.5 0.5]')
+    document, _ = imported(tmp_path, 'Shape "sphere"', head)
+    half = np.radians(document["sensor"]["vertical_field_of_view_degrees"] / 2)
+    assert np.tan(half) == pytest.approx(np.tan(np.radians(22.5)) / 2)
+
+
+def test_a_window_off_the_middle_has_no_equal(tmp_path: Path) -> None:
+    head = HEAD.replace('"float fov" 45', '"float fov" 45 "float screenwindow" [0 2 -0.5 0.5]')
+    with pytest.raises(InputError, match="screenwindow"):
+        imported(tmp_path, 'Shape "sphere"', head)
+
+
+def test_a_leaf_is_scaled_and_holds_no_more_light_than_comes(tmp_path: Path) -> None:
+    def leaf(folder: str, scale: float, **options: Any) -> Any:
+        (tmp_path / folder).mkdir()
+        colours = '"rgb reflectance" [0.4 0.2 0.1] "rgb transmittance" [0.2 0.1 0.1]'
+        material = f'Material "diffusetransmission" {colours} "float scale" {scale}'
+        document, _ = imported(tmp_path / folder, material + '\nShape "sphere"', **options)
+        [kernel] = document["kernels"].values()
+        return kernel
+
+    found = leaf("half", 0.5)
+    assert found["reflectance"]["rgb"] == pytest.approx([0.2, 0.1, 0.05])
+    assert found["transmittance"]["rgb"] == pytest.approx([0.1, 0.05, 0.05])
+    with pytest.raises(InputError, match="more light than comes"):
+        leaf("double", 2.0)
+    held = leaf("held", 2.0, allow_missing=True)
+    assert held["reflectance"]["rgb"][0] + held["transmittance"]["rgb"][0] == pytest.approx(1.0)
+
+
+def test_a_coat_over_metal_is_named_and_the_metal_is_there(tmp_path: Path) -> None:
+    body = (
+        'Material "coatedconductor" "spectrum conductor.eta" "metal-Au-eta" "float conductor.roughness" 0.25'
+    )
+    with pytest.raises(InputError, match="a coat over metal"):
+        imported(tmp_path, body + '\nShape "sphere"')
+    document, _ = imported(tmp_path, body + '\nShape "sphere"', allow_missing=True)
+    [kernel] = document["kernels"].values()
+    assert kernel == {"type": "conductor", "index": "Au", "roughness": 0.5}
+
+
+def test_files_of_former_versions_are_named_as_such(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="pbrt --upgrade"):
+        imported(tmp_path, 'Shape "sphere"\nWorldEnd')
+
+
+def test_textured_leaves_are_as_they_are(tmp_path: Path) -> None:
+    texture = 'Texture "t" "spectrum" "checkerboard"\n'
+    both = '"texture reflectance" "t" "texture transmittance" "t"'
+    document, _ = imported(tmp_path, texture + f'Material "diffusetransmission" {both}\nShape "sphere"')
+    [kernel] = document["kernels"].values()
+    assert kernel["reflectance"] == kernel["transmittance"]
+
+
+def test_what_is_broken_is_left_out_and_the_rest_is_there(tmp_path: Path) -> None:
+    broken = 'Shape "plymesh" "string filename" "none.ply"\n'
+    broken += 'Material "conductor" "rgb eta" [-1 1 1] "rgb k" [1 1 1]'
+    document, found = imported(tmp_path, broken + '\nShape "sphere"', allow_missing=True)
+    [surface] = document["surfaces"]
+    assert document["kernels"][surface["kernel"]] == {"type": "lambertian", "reflectance": 0.5}
+    assert [each.message for each in found.missing] == ['no file "none.ply"', "n and k are not negative"]
+
+
+def test_glass_of_three_numbers(tmp_path: Path) -> None:
+    body = 'Material "dielectric" "rgb eta" [1.5 1.5 1.5]\nShape "sphere"'
+    document, _ = imported(tmp_path, body)
+    [kernel] = document["kernels"].values()
+    assert kernel["index"] == 1.5

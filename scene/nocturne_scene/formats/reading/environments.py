@@ -1,7 +1,7 @@
 """Light for models that have none: an overcast sky, a studio, or a picture of all directions.
 
-All three are environments in which a white surface that faces the light has about 1 cd/m2, as glTF's viewers show
-models: an emissive factor of 1 is 1 cd/m2 there, too.
+In the first two a white surface that faces the light has 1 cd/m2, as glTF's viewers show models: an emissive
+factor of 1 is 1 cd/m2 there, too.
 """
 
 import math
@@ -57,8 +57,10 @@ def light_up(writer: SceneWriter, findings: Findings, wanted: str | None) -> Non
 
 
 def overcast_sky() -> Pixels:
-    """The CIE's overcast sky, (1 + 2 sin h) / 3 of its zenith (P. Moon and D. Spencer, Illuminating Engineering 37,
-    1942), over grey ground. Its illuminance is pi lx: a zenith of luminance L gives 7 pi / 9 L.
+    """The CIE's overcast sky over grey ground: at height h (1 + 2 sin h) / 3 of its zenith.
+
+    P. Moon and D. Spencer, Illuminating Engineering 37, 1942. A zenith of luminance L gives 7 pi / 9 L,
+    here pi lx.
     """
     # The mean of sin h over a row, by height.
     edges = np.cos(np.pi * np.arange(_ROWS + 1) / _ROWS)
@@ -68,7 +70,10 @@ def overcast_sky() -> Pixels:
 
 
 def studio() -> Pixels:
-    """Three soft boxes in a dark room; a surface that faces the camera gets pi lx. The middle is behind the camera."""
+    """Three soft boxes in a dark room; a surface that faces the camera gets pi lx.
+
+    The picture's middle is behind the camera.
+    """
     rows = 4 * _ROWS
     up = 90 - (np.arange(rows) + 0.5) * 180 / rows
     right = (np.arange(2 * rows) + 0.5) * 180 / rows - 180
@@ -84,7 +89,10 @@ def studio() -> Pixels:
 
 
 def _has_light(document: dict[str, Any]) -> bool:
-    surfaces = [*document.get("surfaces", ()), *(each for group in document.get("groups", {}).values() for each in group)]
+    surfaces = [
+        *document.get("surfaces", ()),
+        *(each for group in document.get("groups", {}).values() for each in group),
+    ]
     glowing = any("temperature" in medium for medium in document.get("media", {}).values())
     return (
         glowing

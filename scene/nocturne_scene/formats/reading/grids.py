@@ -20,6 +20,10 @@ NAME = "density"
 _MAX_VOXELS = 2**24
 _FINEST = 8
 
+# Cubes along the shortest edge of an even box, and by which part of an edge its faces may be off.
+_CUBES_ALONG = 64
+_OFF_ALTOGETHER = 5e-3
+
 # By which part of a voxel the faces of a grid may be off.
 _OFF = 1e-3
 
@@ -64,6 +68,8 @@ def density(writer: SceneWriter, grid: Grid, factor: float, place: str) -> Json:
 def cubes(edges: Values, grid: Grid) -> tuple[tuple[int, ...] | None, float]:
     """How many cubes along each edge, and their size: the finest that fit and are few enough."""
     counts = np.array(grid.values.shape)
+    if np.all(counts == 1):
+        return _one_cell(edges)
     finest = _FINEST if grid.interpolated else 1
     axis = int(np.argmin(edges / counts))
     found: tuple[tuple[int, ...] | None, float] = (None, 0.0)
@@ -78,6 +84,18 @@ def cubes(edges: Values, grid: Grid) -> tuple[tuple[int, ...] | None, float]:
             if finer >= finest:
                 break
     return found
+
+
+def _one_cell(edges: Values) -> tuple[tuple[int, ...] | None, float]:
+    """The same for an even box: the fewest cubes whose faces are off by the least part of an edge."""
+    best: tuple[float, tuple[int, ...] | None, float] = (_OFF_ALTOGETHER, None, 0.0)
+    for finer in range(1, _CUBES_ALONG + 1):
+        voxel = float(edges.min()) / finer
+        wanted = np.maximum(1, np.round(edges / voxel)).astype(int)
+        off = float(np.max(np.abs(wanted * voxel / edges - 1)))
+        if np.prod(wanted.astype(float)) <= _MAX_VOXELS and off < best[0] - 1e-9:
+            best = (off, tuple(int(count) for count in wanted), voxel)
+    return best[1], best[2]
 
 
 def sampled(grid: Grid, counts: tuple[int, ...]) -> Values:

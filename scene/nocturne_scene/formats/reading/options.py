@@ -21,7 +21,9 @@ class ImportOptions:
     light_degrees: float = 0.1
     """Angular diameter of a lamp at infinity without a size; at least 0.01."""
     light: str | None = None
-    """`sky`, `studio` or the file of a picture, for a scene without a sky; None: the sky where nothing emits."""
+    """`sky`, `studio` or a picture's file, for a scene without a sky; None: the sky where nothing emits."""
+    time: float | None = None
+    """Seconds into the scene's animation; None: everything as at rest."""
     allow_missing: bool = False
     """Write the scene although something in it has no equal here."""
 

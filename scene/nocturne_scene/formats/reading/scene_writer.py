@@ -64,12 +64,15 @@ class SceneWriter:
         self.file(name, shapes.ply(mesh))
         return {"type": "mesh", "asset": name, "smooth": mesh.normals is not None}
 
-    def picture(self, wanted: str, pixels: NDArray[np.float64]) -> str:
-        """Write an EXR of shape (height, width, 1 or 3), float, and return its name."""
+    def picture(self, wanted: str, pixels: NDArray[np.float64], *, narrow: bool = False) -> str:
+        """Write an EXR of shape (height, width, 1 or 3) and return its name.
+
+        `narrow`: in 16-bit floats, as compiled textures of 8-bit pictures are, too.
+        """
         name = f"textures/{self._unused(wanted, 'textures.files')}.exr"
         path = self._path(name)
         height, width, channels = pixels.shape
-        spec = oiio.ImageSpec(width, height, channels, oiio.FLOAT)
+        spec = oiio.ImageSpec(width, height, channels, oiio.HALF if narrow else oiio.FLOAT)
         spec.attribute("compression", "zip")
         output = oiio.ImageOutput.create(str(path))
         if output is None or not output.open(str(path), spec):

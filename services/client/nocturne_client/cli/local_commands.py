@@ -92,7 +92,9 @@ def compile_scene(
 
 
 def import_scene(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Mitsuba 3 (.xml), pbrt-v4 (.pbrt), glTF (.gltf, .glb).")],
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="Mitsuba 3 (.xml), pbrt-v4 (.pbrt), glTF (.gltf, .glb).")
+    ],
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="DIR", help="New folder for scene.json and its files.")
     ],
@@ -118,8 +120,11 @@ def import_scene(
         typer.Option(
             "--light",
             metavar="sky|studio|FILE",
-            help="A sky for a scene that has none; FILE: an HDR or EXR picture. Default: sky where nothing emits.",
+            help="Light around a scene; FILE: an HDR or EXR picture. Default: sky where nothing emits.",
         ),
+    ] = None,
+    time: Annotated[
+        float | None, typer.Option("--time", help="Seconds into an animation. Default: everything at rest.")
     ] = None,
     allow_missing: Annotated[
         bool,
@@ -134,7 +139,7 @@ def import_scene(
         if not equals or not name:
             raise typer.BadParameter(f"expected NAME=VALUE, found {name}", param_hint="--define")
     values = {name: value for name, _, value in pairs}
-    chosen = options(root, values, light_radius, light_degrees, light, allow_missing)
+    chosen = options(root, values, light_radius, light_degrees, light, time, allow_missing)
     imported = import_to(file, output, chosen)
     for line in report(imported):
         ERRORS.print(line, markup=False, soft_wrap=True)

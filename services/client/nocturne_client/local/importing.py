@@ -16,10 +16,11 @@ def options(
     light_radius: float | None,
     light_degrees: float,
     light: str | None,
+    time: float | None,
     allow_missing: bool,
 ) -> ImportOptions:
     """What was asked for."""
-    return ImportOptions(root, parameters, light_radius, light_degrees, light, allow_missing)
+    return ImportOptions(root, parameters, light_radius, light_degrees, light, time, allow_missing)
 
 
 def import_to(file: Path, folder: Path, options: ImportOptions) -> Imported:

@@ -60,28 +60,56 @@ class Container:
         kind, component = accessor.get("type"), accessor.get("componentType")
         if kind not in types or component not in _COMPONENTS:
             raise InputError.at(self.at(place), f"expected {' or '.join(types)} of a known component type")
-        if "sparse" in accessor or "bufferView" not in accessor:
-            raise InputError.at(self.at(place), "sparse accessors have no equal")
         count, width = self.count(accessor, "count", place), _WIDTHS[kind]
         if count * width > _MAX_NUMBERS:
             raise InputError.at(self.at(place), f"{count} values are too many")
-        item = np.dtype(_COMPONENTS[component])
-        row = item.itemsize * width
-        view, stride = self._view(accessor["bufferView"], place)
-        stride = stride or row
-        start = self.count(accessor, "byteOffset", place, 0)
-        if stride < row or (count and start + stride * (count - 1) + row > len(view)):
-            raise InputError.at(self.at(place), "reaches beyond its buffer view")
-        rows = (
-            np.ndarray((count, width), item, view, start, (stride, item.itemsize))
-            if count
-            else np.zeros((0, width))
-        )
-        values = np.asarray(rows, dtype=np.float64)
+        if "bufferView" in accessor:
+            values = self._rows(accessor, component, count, width, place)
+        elif "sparse" in accessor:
+            values = np.zeros((count, width))
+        else:
+            raise InputError.at(self.at(place), "has no values: they are compressed, or missing")
+        if "sparse" in accessor:
+            values = self._replaced(values, accessor["sparse"], component, place)
         if accessor.get("normalized") and component in _LARGEST:
             values = np.maximum(values / _LARGEST[component], -1.0)
         if not np.all(np.isfinite(values)):
             raise InputError.at(self.at(place), "holds values that are not finite")
+        return values
+
+    def _rows(self, entry: Json, component: int, count: int, width: int, place: str) -> NDArray[np.float64]:
+        """Values in a buffer view, as an accessor or a part of one says."""
+        item = np.dtype(_COMPONENTS[component])
+        row = item.itemsize * width
+        view, stride = self._view(entry.get("bufferView"), place)
+        stride = stride or row
+        start = self.count(entry, "byteOffset", place, 0)
+        if stride < row or (count and start + stride * (count - 1) + row > len(view)):
+            raise InputError.at(self.at(place), "reaches beyond its buffer view")
+        if not count:
+            return np.zeros((0, width))
+        return np.array(
+            np.ndarray((count, width), item, view, start, (stride, item.itemsize)), dtype=np.float64
+        )
+
+    def _replaced(
+        self, values: NDArray[np.float64], sparse: Json, component: int, place: str
+    ) -> NDArray[np.float64]:
+        """The values of an accessor with those that its sparse part replaces."""
+        place = f"{place}.sparse"
+        if not isinstance(sparse, dict):
+            raise InputError.at(self.at(place), "expected an object")
+        parts = [sparse.get(name) for name in ("indices", "values")]
+        kind = parts[0].get("componentType") if isinstance(parts[0], dict) else None
+        if kind not in _COMPONENTS or not isinstance(parts[1], dict):
+            raise InputError.at(self.at(place), 'expected "indices" and "values"')
+        count = self.count(sparse, "count", place)
+        if count > len(values):
+            raise InputError.at(self.at(place), "replaces more values than there are")
+        where = self._rows(parts[0], kind, count, 1, place).ravel().astype(np.int64)
+        if count and not 0 <= where.min() <= where.max() < len(values):
+            raise InputError.at(self.at(place), "replaces values that are not there")
+        values[where] = self._rows(parts[1], component, count, values.shape[1], place)
         return values
 
     def image(self, index: Json, place: str) -> tuple[bytes, str]:
@@ -107,16 +135,21 @@ class Container:
     def _view(self, index: Json, place: str) -> tuple[memoryview, int]:
         view = self.item("bufferViews", index, place)
         place = f"bufferViews[{index}]"
-        content = self._buffer(view.get("buffer"), place)
+        content = self._buffer(view.get("buffer"), place, view)
         start, length = self.count(view, "byteOffset", place, 0), self.count(view, "byteLength", place)
         if start + length > len(content):
             raise InputError.at(self.at(place), "reaches beyond its buffer")
         return memoryview(content)[start : start + length], self.count(view, "byteStride", place, 0)
 
-    def _buffer(self, index: Json, place: str) -> bytes:
+    def _buffer(self, index: Json, place: str, user: Json) -> bytes:
         buffer = self.item("buffers", index, place)
         if index not in self._buffers:
             uri = buffer.get("uri")
+            if uri is None and (index != 0 or not self.chunk) and _by_meshopt(buffer, user):
+                raise InputError.at(
+                    self.at(f"buffers[{index}]"),
+                    "no equal: it is compressed by meshopt, which can't be read; decompress the file first",
+                )
             content = self.chunk if uri is None and index == 0 else self._uri(uri, f"buffers[{index}]")
             self._buffers[index] = content
         return self._buffers[index]
@@ -168,6 +201,11 @@ def _glb(content: bytes, shown: str) -> tuple[bytes, bytes]:
     if kind != 0x004E4942 or 8 + size > len(rest):
         raise InputError.at(shown, "its binary chunk is damaged")
     return text, rest[8 : 8 + size]
+
+
+def _by_meshopt(*entries: Json) -> bool:
+    """Whether a buffer, or the view of it, is there in compressed form only."""
+    return any("meshopt" in name for entry in entries for name in value(entry, "extensions", {}))
 
 
 def value(entry: Json, key: str, default: Json) -> Json:

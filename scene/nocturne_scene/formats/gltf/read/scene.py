@@ -1,31 +1,44 @@
 """A whole scene of glTF: its nodes, and the meshes, cameras and lamps on them."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.formats.gltf.read.container import Container, Json, floats, number, open_container, value
-from nocturne_scene.formats.gltf.read.materials import Materials
+from nocturne_scene.formats.gltf.read.container import (
+    Container,
+    Json,
+    floats,
+    number,
+    open_container,
+    unused_extensions,
+    value,
+)
+from nocturne_scene.formats.gltf.read.materials import KNOWN, Materials
+from nocturne_scene.formats.gltf.read.pictures import Pictures
+from nocturne_scene.formats.gltf.read.poses import Poses, poses_at
+from nocturne_scene.formats.gltf.read.primitives import Primitive, Skin, read_primitive
 from nocturne_scene.formats.reading import colours, lamps, shapes, transforms
+from nocturne_scene.formats.reading.baking import bake
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.formats.reading.scene_writer import SceneWriter
 from nocturne_scene.formats.reading.transforms import Matrix
-from nocturne_scene.meshes.headers import UnusableMeshError, check_counts
-from nocturne_scene.meshes.triangles import Triangles, check_indices
+from nocturne_scene.meshes.triangles import Triangles
 
 _KNOWN = (
+    *KNOWN,
+    "EXT_mesh_gpu_instancing",
+    "EXT_texture_webp",
     "KHR_lights_punctual",
+    "KHR_materials_variants",
+    "KHR_mesh_quantization",
     "KHR_texture_transform",
-    "KHR_materials_transmission",
-    "KHR_materials_ior",
-    "KHR_materials_volume",
-    "KHR_materials_dispersion",
-    "KHR_materials_emissive_strength",
 )
+# Of nodes.
+_OF_NODES = ("KHR_lights_punctual", "EXT_mesh_gpu_instancing")
 _MAX_DEPTH = 64
 # Nodes visited; a tree has each once.
 _MAX_NODES = 100_000
@@ -38,95 +51,149 @@ class _Reader:
     findings: Findings
     options: ImportOptions
     materials: Materials
+    poses: Poses
     lowest: np.ndarray
     highest: np.ndarray
-    lights: list[tuple[int, Matrix]]
-    cameras: list[tuple[int, Matrix]]
-    visited: int = 0
+    nodes: list[tuple[int, Matrix]] = field(default_factory=list)
+    cameras: list[tuple[int, Matrix]] = field(default_factory=list)
 
     def node(self, index: Json, outer: Matrix, above: tuple[Json, ...]) -> None:
-        """A node and all below it."""
-        self.visited += 1
-        if index in above or len(above) >= _MAX_DEPTH or self.visited > _MAX_NODES:
+        """Place a node and all below it."""
+        if index in above or len(above) >= _MAX_DEPTH or len(self.nodes) >= _MAX_NODES:
             raise InputError.at(
                 self.container.at(f"nodes[{index}]"), "nodes are nested too deep, or in themselves"
             )
         entry = self.container.item("nodes", index, "a scene")
-        place = f"nodes[{index}]"
-        matrix = outer @ self._matrix(entry, place)
-        if "mesh" in entry:
-            self._mesh(entry["mesh"], matrix)
+        matrix = outer @ self.poses.matrix(index, entry, f"nodes[{index}]")
+        self.nodes.append((index, matrix))
         if "camera" in entry:
             self.cameras.append((entry["camera"], matrix))
-        if "skin" in entry or "weights" in entry:
-            self.findings.lost(self.container.at(place), "no equal of skins and morphing; as at rest")
-        light = value(value(value(entry, "extensions", {}), "KHR_lights_punctual", {}), "light", None)
-        if light is not None:
-            self.lights.append((light, matrix))
         for child in value(entry, "children", []):
             self.node(child, matrix, (*above, index))
 
-    def _matrix(self, entry: Json, place: str) -> Matrix:
-        if "matrix" in entry:
-            identity = transforms.IDENTITY.ravel().tolist()
-            return np.array(floats(self.container, entry, "matrix", identity, place)).reshape(4, 4).T
-        x, y, z, w = floats(self.container, entry, "rotation", [0.0, 0.0, 0.0, 1.0], place)
-        turn = transforms.IDENTITY
-        if math.hypot(x, y, z) > 0:
-            turn = transforms.rotation([x, y, z], math.degrees(2 * math.atan2(math.hypot(x, y, z), w)))
-        shift = transforms.translation(floats(self.container, entry, "translation", [0.0] * 3, place))
-        return np.asarray(
-            shift @ turn @ transforms.scaling(floats(self.container, entry, "scale", [1.0] * 3, place))
-        )
+    def add_meshes(self) -> None:
+        """The meshes of all nodes."""
+        for index, matrix in self.nodes:
+            entry = self.container.item("nodes", index, "a scene")
+            unused_extensions(entry, _OF_NODES, self.findings, self.container.at(f"nodes[{index}]"))
+            if "mesh" not in entry:
+                continue
+            skin = self._skin(entry["skin"], f"nodes[{index}]") if "skin" in entry else None
+            if "EXT_mesh_gpu_instancing" in value(entry, "extensions", {}):
+                self._instances(index, entry, matrix, f"nodes[{index}]")
+            else:
+                # Of a mesh with a skin only the joints say where it is.
+                self._mesh(index, entry, transforms.IDENTITY if skin else matrix, skin)
 
-    def _mesh(self, index: Json, matrix: Matrix) -> None:
-        mesh = self.container.item("meshes", index, "a node")
+    def _instances(self, index: int, entry: Json, matrix: Matrix, place: str) -> None:
+        """Copies of a node's mesh: instances of one group, or meshes where one is stretched or mirrored."""
+        copies = self._copies(entry, matrix, place)
+        factors = [
+            factor
+            for factor, each in ((transforms.similarity(each), each) for each in copies)
+            if factor is not None and not transforms.is_mirrored(each)
+        ]
+        if len(factors) < len(copies):
+            for each in copies:
+                self._mesh(index, entry, each, None)
+            return
+        before = len(self.writer.document.get("surfaces", []))
+        lowest, highest = self.lowest, self.highest
+        self.lowest, self.highest = np.full(3, np.inf), np.full(3, -np.inf)
+        self._mesh(index, entry, transforms.IDENTITY, None)
+        members = self.writer.document.get("surfaces", [])[before:]
+        if not members:
+            self.lowest, self.highest = lowest, highest
+            return
+        del self.writer.document["surfaces"][before:]
+        group = self.writer.name("groups", str(entry.get("name") or "copies"), members)
+        ends = np.stack(np.meshgrid(*np.stack([self.lowest, self.highest], 1)), -1).reshape(-1, 3)
+        for factor, each in zip(factors, copies, strict=True):
+            instance: Json = {"group": group, "translate": each[:3, 3].tolist(), "scale": factor}
+            turn = transforms.rotation_of(each[:3, :3] / factor)
+            if turn is not None:
+                instance["rotate"] = {"axis": turn[0], "degrees": turn[1]}
+            self.writer.add("instances", instance)
+            placed = ends @ each[:3, :3].T + each[:3, 3]
+            lowest, highest = np.minimum(lowest, placed.min(axis=0)), np.maximum(highest, placed.max(axis=0))
+        self.lowest, self.highest = lowest, highest
+
+    def _copies(self, entry: Json, matrix: Matrix, place: str) -> list[Matrix]:
+        """Where EXT_mesh_gpu_instancing puts a node's mesh."""
+        extension = value(entry["extensions"], "EXT_mesh_gpu_instancing", {})
+        given = {
+            name: self.container.numbers(index, place, "VEC3", "VEC4")
+            for name, index in value(extension, "attributes", {}).items()
+            if name in ("TRANSLATION", "ROTATION", "SCALE")
+        }
+        counts = {len(each) for each in given.values()}
+        if len(counts) != 1 or max(counts) > _MAX_NODES:
+            raise InputError.at(self.container.at(place), "its copies have different counts, or are too many")
+        names = {"TRANSLATION": "translation", "ROTATION": "rotation", "SCALE": "scale"}
+        rows = (
+            {names[name]: each[row].tolist() for name, each in given.items()} for row in range(counts.pop())
+        )
+        return [np.asarray(matrix @ self.poses.matrix(-1, row, place)) for row in rows]
+
+    def _skin(self, index: Json, place: str) -> Skin:
+        entry = self.container.item("skins", index, place)
+        place = f"skins[{index}]"
+        joints, where = value(entry, "joints", []), dict(self.nodes)
+        if not joints or any(joint not in where for joint in joints):
+            raise InputError.at(self.container.at(place), "has joints that are no nodes of the scene")
+        matrices = np.stack([where[joint] for joint in joints])
+        if "inverseBindMatrices" in entry:
+            bound = self.container.numbers(entry["inverseBindMatrices"], place, "MAT4")
+            if len(bound) < len(joints):
+                raise InputError.at(self.container.at(place), "has fewer matrices than joints")
+            # By columns.
+            matrices = matrices @ bound[: len(joints)].reshape(-1, 4, 4).transpose(0, 2, 1)
+        return Skin(matrices)
+
+    def _mesh(self, node: int, entry: Json, matrix: Matrix, skin: Skin | None) -> None:
+        mesh = self.container.item("meshes", entry["mesh"], "a node")
         primitives = value(mesh, "primitives", [])
         for number_, primitive in enumerate(primitives if isinstance(primitives, list) else []):
-            place = f"meshes[{index}].primitives[{number_}]"
-            name = str(mesh.get("name") or f"mesh-{index}")
-            triangles = self._triangles(primitive, place)
-            if triangles is None:
-                continue
-            placed = shapes.transformed(triangles, matrix)
-            self.lowest = np.minimum(self.lowest, placed.vertices.min(axis=0))
-            self.highest = np.maximum(self.highest, placed.vertices.max(axis=0))
-            surface = self.materials.surface(value(primitive, "material", None))
-            self.writer.add("surfaces", {"name": name, **surface, "shape": self.writer.mesh(name, placed)})
+            place = f"meshes[{entry['mesh']}].primitives[{number_}]"
+            targets = value(primitive, "targets", [])
+            weights = self.poses.weights(node, entry, mesh, len(targets), f"nodes[{node}]") if targets else []
+            with self.findings.leaving_out():
+                self._primitive(
+                    primitive, str(mesh.get("name") or f"mesh-{entry['mesh']}"), weights, matrix, skin, place
+                )
 
-    def _triangles(self, primitive: Json, place: str) -> Triangles | None:
-        shown = self.container.at(place)
-        if value(primitive, "mode", 4) != 4:
-            self.findings.lost(shown, "no equal of points, lines, strips and fans")
-            return None
-        if "targets" in primitive or value(primitive, "extensions", {}):
-            self.findings.lost(shown, "no equal of morph targets and compressed or varied primitives")
-        attributes = value(primitive, "attributes", {})
-        points = self.container.numbers(value(attributes, "POSITION", None), place, "VEC3")
-        if "COLOR_0" in attributes:
-            self.findings.lost(shown, "no equal of colours at vertices")
-        normals = coordinates = None
-        if "NORMAL" in attributes:
-            normals = self.container.numbers(attributes["NORMAL"], place, "VEC3")
-        if "TEXCOORD_0" in attributes:
-            coordinates = self.container.numbers(attributes["TEXCOORD_0"], place, "VEC2")
-            coordinates = np.stack([coordinates[:, 0], 1 - coordinates[:, 1]], 1)
-        if "indices" in primitive:
-            indices = self.container.numbers(primitive["indices"], place, "SCALAR").astype(np.int64).ravel()
-        else:
-            indices = np.arange(len(points))
-        if any(each is not None and len(each) != len(points) for each in (normals, coordinates)):
-            raise InputError.at(shown, "its attributes have different counts")
-        if len(points) == 0 or len(indices) % 3:
-            raise InputError.at(shown, "has no whole triangles")
-        try:
-            check_counts(len(points), len(indices) // 3)
-            check_indices(len(points), indices.reshape(-1, 3))
-        except UnusableMeshError as error:
-            raise InputError.at(shown, str(error)) from None
-        if coordinates is None:
-            coordinates = np.zeros((len(points), 2))
-        return Triangles(points, indices.reshape(-1, 3), normals, coordinates)
+    def _primitive(
+        self, primitive: Json, name: str, weights: list[float], matrix: Matrix, skin: Skin | None, place: str
+    ) -> None:
+        material = value(primitive, "material", None)
+        frame = self.materials.frame(material)
+        coordinates = frame.number, frame.matrix
+        found = read_primitive(self.container, self.findings, primitive, weights, skin, coordinates, place)
+        if found is None:
+            return
+        triangles, tint = self._tinted(found, material, place)
+        placed = shapes.transformed(triangles, matrix)
+        surface = self.materials.surface(material, tint)
+        shape = self.writer.mesh(name, placed)
+        self.lowest = np.minimum(self.lowest, placed.vertices.min(axis=0))
+        self.highest = np.maximum(self.highest, placed.vertices.max(axis=0))
+        self.writer.add("surfaces", {"name": name, **surface, "shape": shape})
+
+    def _tinted(
+        self, primitive: Primitive, material: Json, place: str
+    ) -> tuple[Triangles, np.ndarray | None]:
+        """Triangles, and their colours as one of all or as a picture on coordinates of its own."""
+        colours_ = primitive.colours
+        if colours_ is None or np.all(colours_ == colours_[0]):
+            return primitive.triangles, None if colours_ is None else colours_[0]
+        if self.materials.is_textured(material):
+            self.findings.lost(
+                self.container.at(place),
+                "no equal of colours at vertices together with textures; their mean is taken",
+            )
+            return primitive.triangles, colours_.mean(axis=0)
+        triangles, picture = bake(primitive.triangles, colours_[primitive.triangles.indices], place)
+        return triangles, np.clip(picture, 0.0, 1.0)
 
     def camera(self) -> Json:
         """The first camera of the scene; without one, one that sees everything."""
@@ -222,16 +289,24 @@ def import_gltf(file: Path, writer: SceneWriter, findings: Findings, options: Im
             findings.lost(
                 container.shown, f"no equal of the extension {str(name)[:80]}, which the file requires"
             )
-    if value(tree, "animations", []):
-        findings.note(container.shown, "animations are left out: everything is as at rest")
-    materials = Materials(container, writer, findings)
+    if "KHR_materials_variants" in value(tree, "extensions", {}):
+        findings.note(
+            container.shown, "of a material's variants the one that a file shows by itself is taken"
+        )
+    materials = Materials(container, writer, findings, Pictures(container, writer, findings))
     bounds = np.full(3, np.inf), np.full(3, -np.inf)
-    reader = _Reader(container, writer, findings, options, materials, *bounds, [], [])
+    poses = poses_at(container, findings, options.time)
+    reader = _Reader(container, writer, findings, options, materials, poses, *bounds)
     scene = container.item("scenes", value(tree, "scene", 0), "the file")
     for index in value(scene, "nodes", []):
         reader.node(index, transforms.IDENTITY, ())
-    for light, matrix in reader.lights:
-        reader.add_light(light, matrix)
-    if not writer.document.get("surfaces"):
+    reader.add_meshes()
+    for index, matrix in reader.nodes:
+        extensions = value(container.item("nodes", index, "a scene"), "extensions", {})
+        light = value(value(extensions, "KHR_lights_punctual", {}), "light", None)
+        if light is not None:
+            with findings.leaving_out():
+                reader.add_light(light, matrix)
+    if not writer.document.get("surfaces") and not writer.document.get("instances"):
         raise InputError.at(container.shown, "the scene has no surface that can be imported")
     writer.document["sensor"] = reader.camera()

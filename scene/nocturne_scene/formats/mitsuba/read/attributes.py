@@ -1,24 +1,16 @@
-"""Values that a mesh has at its vertices or faces, as a texture with coordinates made for it.
-
-Each triangle gets a block of 2 x 2 texels that holds the plane through the values at its corners, which lie
-on the centres of three of them: bilinear interpolation is then exactly linear over the triangle.
-"""
+"""Values that a mesh has at its vertices or faces, as a texture with coordinates made for it."""
 
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read.textures import ATTRIBUTE
-from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
+from nocturne_scene.formats.reading.scene_writer import Json
 from nocturne_scene.meshes.files import load_ply_columns
 from nocturne_scene.meshes.triangles import Triangles
 
 _Array = NDArray[np.float64]
-_BLOCK = 2
-# Texels along an edge.
-_MAX_EDGE = 16384
 
 
 def wanted(value: Json) -> set[str]:
@@ -37,44 +29,6 @@ def renamed(value: Json, attribute: str, texture: str) -> Json:
     if isinstance(value, list):
         return [renamed(inner, attribute, texture) for inner in value]
     return texture if value == ATTRIBUTE + attribute else value
-
-
-def bake(writer: SceneWriter, mesh: Triangles, corners: _Array, name: str) -> tuple[Triangles, str]:
-    """Return a mesh with coordinates of its own, and the name of the texture for them.
-
-    `corners`: the attribute at the corners of each triangle, shape (triangles, 3, 1 or 3).
-    """
-    count, channels = len(corners), corners.shape[2]
-    columns = int(np.ceil(np.sqrt(count)))
-    rows = -(-count // columns)
-    if columns * _BLOCK > _MAX_EDGE:
-        raise InputError.at("", f"the attribute {name} has more triangles than a texture can hold")
-    # Values at texel (i, j) of a block, corners at (0, 0), (1, 0), (0, 1).
-    across, down = np.meshgrid(np.arange(_BLOCK), np.arange(_BLOCK))
-    a, b, c = (corners[:, corner, None, None, :] for corner in range(3))
-    blocks = a + across[..., None] * (b - a) + down[..., None] * (c - a)
-    padded = np.zeros((rows * columns, _BLOCK, _BLOCK, channels))
-    padded[:count] = blocks
-    picture = padded.reshape(rows, columns, _BLOCK, _BLOCK, channels).swapaxes(1, 2)
-    height, width = rows * _BLOCK, columns * _BLOCK
-    asset = writer.picture(name, picture.reshape(height, width, channels))
-    texture = writer.name(
-        "textures", name, {"asset": asset, "encoding": "linear", "wrap": "clamp", "sharp": True}
-    )
-    row, column = np.divmod(np.arange(count), columns)
-    texels = np.array([[0.5, 0.5], [1.5, 0.5], [0.5, 1.5]])
-    x = (column[:, None] * _BLOCK + texels[:, 0]) / width
-    y = (row[:, None] * _BLOCK + texels[:, 1]) / height
-    corner = mesh.indices.ravel()
-    return (
-        Triangles(
-            mesh.vertices[corner],
-            np.arange(3 * count).reshape(-1, 3),
-            None if mesh.normals is None else mesh.normals[corner],
-            np.stack([x.ravel(), 1 - y.ravel()], 1),
-        ),
-        texture,
-    )
 
 
 def read_ply(file: Path, attribute: str, mesh: Triangles) -> _Array | None:

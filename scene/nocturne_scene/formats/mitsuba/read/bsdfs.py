@@ -85,8 +85,10 @@ def bsdf(context: Context, element: Element) -> Bsdf:
         )
         return Bsdf({"type": "lambertian", "reflectance": 0.5})
     properties = context.properties(element)
-    found = _BSDFS[element.type](context, properties)
-    properties.finish()
+    found = Bsdf({"type": "lambertian", "reflectance": 0.5})
+    with context.findings.leaving_out():
+        found = _BSDFS[element.type](context, properties)
+        properties.finish()
     return found
 
 
@@ -237,10 +239,21 @@ def _coated(context: Context, properties: Properties, index: float, coat: Coat) 
     if not (isinstance(base, dict) and "texture" in base):
         base = base_under(coat, base, linear=linear)
     elif linear:
-        context.findings.lost(
-            properties.place, "a textured base under a coat needs nonlinear = true; taken as such"
+        base = textures.changed(
+            context, base, lambda pixels: coat.changed(pixels, linear=True), properties.place
         )
     return {"type": "coated_diffuse", "index": index, "reflectance": base}
+
+
+def _polarising_plastic(context: Context, properties: Properties) -> Bsdf:
+    """Of its diffuse part light that the coat sends back inside is lost: T(wi) T(wo) R / pi."""
+    index = _relative_index(context, properties, "polypropylene")
+    coat = smooth_coat(index)
+    # Ours is T(wi) T(wo) R' / (pi n^2 (1 - R' E)), so that R' / (1 - R' E) = n^2 R.
+    coat = Coat(coat.inside, 1 - index**-2)
+    roughness = _roughness(context, properties)
+    context.findings.note(properties.place, "polarisation is left out")
+    return Bsdf(front_only(_coated(context, properties, index, coat) | roughness))
 
 
 def _principled(context: Context, properties: Properties) -> Bsdf:
@@ -317,6 +330,7 @@ _BSDFS: dict[str, Callable[[Context, Properties], Bsdf]] = {
     "roughconductor": _rough_conductor,
     "plastic": _plastic,
     "roughplastic": _rough_plastic,
+    "pplastic": _polarising_plastic,
     "principled": _principled,
     "twosided": _two_sided,
     "mask": _mask,

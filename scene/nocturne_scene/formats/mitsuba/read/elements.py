@@ -155,8 +155,7 @@ class SceneTree:
                 case "default":
                     self._parameters.setdefault(element.need("name"), element.need("value"))
                 case "path":
-                    base = opened[-1].parent
-                    self.folders.insert(0, self.files.folder(element.need("value"), base, element.place))
+                    self.folders.insert(0, self._folder(element, opened))
                 case "include":
                     folders = [*self.folders, opened[-1].parent]
                     yield from self._read(
@@ -170,6 +169,14 @@ class SceneTree:
                     if element.id and element.tag != "ref":
                         self._remember(element.id, element)
                     yield element
+
+    def _folder(self, element: Element, opened: tuple[Path, ...]) -> Path:
+        """The folder of a <path>: beside its file, or else beside one that includes that."""
+        name = element.need("value")
+        for base in opened[::-1]:
+            if (base.parent / name.replace("\\", "/")).is_dir():
+                return self.files.folder(name, base.parent, element.place)
+        return self.files.folder(name, opened[-1].parent, element.place)
 
     def _remember(self, name: str, element: Element) -> None:
         if name in self.by_id and self.by_id[name] is not element:

@@ -27,9 +27,17 @@ _MAX_PIXELS = 2**23
 
 def add_emitter(context: Context, element: Element) -> None:
     """Put an emitter into the scene."""
+    if element.type == "area":
+        # One that shapes refer to is made where they do.
+        if not element.id:
+            context.findings.lost(
+                element.place, "an area emitter belongs into a shape, or has an id that shapes refer to"
+            )
+        return
     if element.type not in _EMITTERS:
         context.findings.lost(
-            element.place, f'no equal of the emitter "{element.type}"; there are area, {", ".join(_EMITTERS)}'
+            element.place,
+            f'no equal of the emitter "{element.type}"; there are {", ".join(_EMITTERS)}, and area on shapes',
         )
         return
     properties = context.properties(element)

@@ -12,7 +12,7 @@ from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read.context import Context
 from nocturne_scene.formats.mitsuba.read.elements import Element
 from nocturne_scene.formats.mitsuba.read.properties import Properties
-from nocturne_scene.formats.mitsuba.read.volumes import Volume, volume
+from nocturne_scene.formats.mitsuba.read.volumes import UNIT_CUBE, Volume, volume
 from nocturne_scene.formats.reading import colours, grids
 from nocturne_scene.formats.reading.scene_writer import Json
 
@@ -62,6 +62,11 @@ def _add(context: Context, element: Element) -> str:
     properties = context.properties(element)
     scale = properties.number("scale", 1.0)
     extinction = volume(context, properties, "sigma_t", 1.0)
+    if element.type == "homogeneous":
+        extinction = Volume(extinction.value)
+    elif extinction.grid is None:
+        # Of a heterogeneous medium a number, too, is there in the cube from 0 to 1 only.
+        extinction = Volume(extinction.value, UNIT_CUBE)
     albedo = volume(context, properties, "albedo", 0.75)
     phases = properties.take_all("phase")
     phase = _phase(context, phases[0]) if phases else None

@@ -23,7 +23,7 @@ _PARTS: dict[str, Callable[[Context, Element], None]] = {
     "emitter": add_emitter,
 }
 # Made where something refers to them.
-_REFERRED = ("bsdf", "medium", "texture", "spectrum", "rgb")
+_REFERRED = ("bsdf", "film", "medium", "rfilter", "rgb", "sampler", "spectrum", "texture")
 
 
 def import_mitsuba(file: Path, writer: SceneWriter, findings: Findings, options: ImportOptions) -> None:
@@ -36,6 +36,7 @@ def import_mitsuba(file: Path, writer: SceneWriter, findings: Findings, options:
     for tag, add in _PARTS.items():
         for element in tree.elements:
             if element.tag == tag:
-                add(context, element)
+                with findings.leaving_out():
+                    add(context, element)
     if "sensor" not in writer.document:
         raise InputError.at(tree.files.shown(file.resolve()), "the scene has no sensor that can be imported")

@@ -18,7 +18,7 @@ from nocturne_scene.formats.reading.transforms import Matrix
 _FILM_DIAGONAL = math.hypot(36.0, 24.0)
 
 _STRAIGHT = ("path", "volpath", "volpathmis", "prb", "prbvolpath", "prb_basic", "ptracer")
-_WRAPPERS = ("moment", "aov")
+_WRAPPERS = ("moment", "aov", "stokes")
 
 
 def add_sensor(context: Context, element: Element) -> None:
@@ -39,6 +39,8 @@ def add_sensor(context: Context, element: Element) -> None:
         context.writer.film.samples = inner.whole("sample_count", 16)
         inner.ignore("seed", "jitter")
         inner.finish()
+    for rfilter in properties.take_all("rfilter"):
+        context.findings.note(rfilter.place, "a filter belongs into the film; left out, as Mitsuba does")
     properties.without_effect("nothing is clipped", "near_clip", "far_clip")
     properties.ignore("srf")
     around_sensor(context, properties)
@@ -71,6 +73,7 @@ def _film(context: Context, element: Element) -> Film:
                 rfilter.place, f"a pixel is the mean over its area, instead of the filter {rfilter.type}"
             )
     properties.ignore("pixel_format", "component_format", "file_format", "banner", "compensate")
+    properties.ignore("high_quality_edges")
     properties.finish()
     return film
 
@@ -152,6 +155,10 @@ def add_integrator(context: Context, element: Element) -> None:
     properties = context.properties(element)
     inside = properties.take_all("integrator")
     if element.type in _WRAPPERS and len(inside) == 1:
+        if element.type == "stokes":
+            context.findings.note(
+                element.place, "polarisation is left out: images are those of its first part"
+            )
         properties.ignore("aovs")
         properties.finish()
         add_integrator(context, inside[0])

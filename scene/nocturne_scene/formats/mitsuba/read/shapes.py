@@ -17,6 +17,7 @@ from nocturne_scene.formats.mitsuba.read.properties import Properties
 from nocturne_scene.formats.mitsuba.read.serialized import read_serialized
 from nocturne_scene.formats.mitsuba.read.units import white
 from nocturne_scene.formats.reading import shapes, transforms
+from nocturne_scene.formats.reading.baking import LOOKUP, bake
 from nocturne_scene.formats.reading.scene_files import read_bytes
 from nocturne_scene.formats.reading.scene_writer import Json
 from nocturne_scene.formats.reading.transforms import IDENTITY, Matrix
@@ -157,7 +158,9 @@ def _mesh_file(context: Context, properties: Properties, to_world: Matrix, mater
         corners = attributes.read_ply(file, attribute, mesh) if kind == "ply" else None
         if corners is None:
             raise InputError.at(properties.place, f'the mesh has no attribute "{attribute}"')
-        mesh, texture = attributes.bake(context.writer, mesh, corners, attribute)
+        mesh, picture = bake(mesh, corners, attribute)
+        asset = context.writer.picture(attribute, picture)
+        texture = context.writer.name("textures", attribute, {"asset": asset, "encoding": "linear", **LOOKUP})
         material.surface = attributes.renamed(material.surface, attribute, texture)
         upwards = True
     if mesh.coordinates is not None and not upwards:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from numpy.typing import NDArray
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read import spectra
@@ -16,7 +17,10 @@ from nocturne_scene.formats.mitsuba.read.context import Context
 from nocturne_scene.formats.mitsuba.read.elements import Element
 from nocturne_scene.formats.mitsuba.read.properties import Properties, numbers, vector
 from nocturne_scene.formats.reading.scene_writer import Json
-from nocturne_scene.textures.environment_maps import UnusableImageError, opened
+from nocturne_scene.textures.environment_maps import UnusableImageError, check_size, opened
+from nocturne_scene.textures.image_files import MAX_EDGE, MAX_PIXELS, decoded
+
+Pixels = NDArray[np.float64]
 
 # The name of a texture that is yet to be made of a mesh's attribute: no name in a document has a colon.
 ATTRIBUTE = "attribute:"
@@ -120,6 +124,26 @@ _TEXTURES: dict[str, Callable[[Context, Element], Json]] = {
     "mesh_attribute": _mesh_attribute,
     "rawconstant": _raw_constant,
 }
+
+
+def changed(context: Context, use: Json, change: Callable[[Pixels], Pixels], place: str) -> Json:
+    """The use of a picture whose linear values are changed, texel by texel."""
+    if use["texture"].startswith(ATTRIBUTE):
+        context.findings.lost(place, "no equal of a mesh's attribute as the base under a coat")
+        return use
+    texture = context.writer.document["textures"][use["texture"]]
+    try:
+        with opened(context.writer.folder / texture["asset"]) as picture:
+            check_size(picture.spec(), MAX_PIXELS, MAX_EDGE)
+            pixels = np.atleast_3d(np.asarray(picture.read_image(oiio.FLOAT), dtype=np.float64))
+    except UnusableImageError as error:
+        raise InputError.at(place, str(error)) from None
+    pixels = pixels[..., : 3 if pixels.shape[2] >= 3 else 1]
+    if texture["encoding"] == "sRGB":
+        pixels = decoded(pixels).astype(np.float64)
+    asset = context.writer.picture("base", change(pixels))
+    name = context.writer.name("textures", "base", texture | {"asset": asset, "encoding": "linear"})
+    return use | {"texture": name}
 
 
 def texture(context: Context, element: Element) -> Json:

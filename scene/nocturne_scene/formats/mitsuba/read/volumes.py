@@ -35,6 +35,10 @@ class Volume:
     grid: Grid | None = None
 
 
+UNIT_CUBE = Grid(np.ones((1, 1, 1)), False, np.eye(4))
+"""Where a volume is that has no `to_world`."""
+
+
 def volume(context: Context, properties: Properties, name: str, default: float) -> Volume:
     """Return a parameter that may vary in space."""
     element = properties.take(name)
@@ -46,8 +50,10 @@ def volume(context: Context, properties: Properties, name: str, default: float) 
     match element.type:
         case "constvolume":
             value = inner.take("value")
-            found = Volume(1.0 if value is None else spectra.coefficient(context, value))
-            inner.ignore("to_world")
+            to_world = inner.transform("to_world")
+            # Mitsuba's media are where the volume of their extinction is.
+            box = _even(to_world) if name == "sigma_t" else None
+            found = Volume(1.0 if value is None else spectra.coefficient(context, value), box)
         case "gridvolume":
             found = Volume(1.0, _grid(context, inner))
         case _:
@@ -55,6 +61,15 @@ def volume(context: Context, properties: Properties, name: str, default: float) 
             return Volume(1.0)
     inner.finish()
     return found
+
+
+def _even(to_world: Matrix) -> Grid:
+    """The box along the axes around the cube from 0 to 1, turned or not: what Mitsuba fills evenly."""
+    reach = to_world[:3, :3]
+    low = to_world[:3, 3] + np.minimum(reach, 0).sum(axis=1)
+    size = np.abs(reach).sum(axis=1)
+    box = transforms.translation(low.tolist()) @ transforms.scaling(size.tolist())
+    return Grid(np.ones((1, 1, 1)), False, box)
 
 
 def _grid(context: Context, properties: Properties) -> Grid:

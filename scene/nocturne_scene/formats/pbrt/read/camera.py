@@ -31,14 +31,14 @@ def add_camera(context: Context, kind: str, parameters: Parameters) -> None:
         "up": up.tolist(),
     }
     parameters.ignore("shutteropen", "shutterclose")
-    for name in ("frameaspectratio", "screenwindow"):
-        if parameters.take(name) is not None:
-            context.findings.lost(parameters.place, f'no equal of the camera\'s "{name}"')
+    if parameters.take("frameaspectratio") is not None:
+        context.findings.lost(parameters.place, 'no equal of the camera\'s "frameaspectratio"')
+    window = parameters.numbers("screenwindow", 4)
     match kind:
         case "perspective":
-            sensor |= _perspective(context, parameters)
+            sensor |= _perspective(context, parameters, window)
         case "orthographic":
-            size = float(np.linalg.norm(matrix[:3, 1]))
+            size = float(np.linalg.norm(matrix[:3, 1])) * _half_height(context, parameters.place, window)
             context.later.append(lambda: _set_height(context, sensor, size))
             sensor |= {"type": "orthographic", "height": 2 * size}
         case _:
@@ -51,7 +51,30 @@ def add_camera(context: Context, kind: str, parameters: Parameters) -> None:
     context.writer.document["sensor"] = sensor
 
 
-def _perspective(context: Context, parameters: Parameters) -> Json:
+def _half_height(context: Context, place: str, window: list[float] | None) -> float:
+    """Of the `screenwindow`, over that of the default, 1 for the shorter side."""
+    if window is None:
+        return 1.0
+    left, right, bottom, top = window
+
+    def check() -> None:
+        film = context.writer.film
+        middle = abs(left + right) <= 1e-3 * (right - left) and abs(bottom + top) <= 1e-3 * (top - bottom)
+        if (
+            not middle
+            or abs((right - left) * film.height - (top - bottom) * film.width) > film.width * top * 1e-2
+        ):
+            context.findings.lost(
+                place, 'no equal of a "screenwindow" that is off the middle or has other sides than the film'
+            )
+
+    if not (right > left and top > bottom):
+        raise InputError.at(place, '"screenwindow" is left, right, bottom, top')
+    context.later.append(check)
+    return min(right - left, top - bottom) / 2
+
+
+def _perspective(context: Context, parameters: Parameters, window: list[float] | None) -> Json:
     field = float(parameters.number("fov", 90.0))
     if not 0 < field < 180:
         raise InputError.at(
@@ -62,10 +85,12 @@ def _perspective(context: Context, parameters: Parameters) -> Json:
     if lens > 0:
         sensor |= {"type": "thin_lens", "lens_radius": lens, "focus_distance": focus}
 
+    part = _half_height(context, parameters.place, window)
+
     def upright() -> None:
         # The field of view is that of the shorter side.
         film = context.writer.film
-        half = math.tan(math.radians(field) / 2) * max(1.0, film.height / film.width)
+        half = math.tan(math.radians(field) / 2) * part * max(1.0, film.height / film.width)
         angle = math.degrees(2 * math.atan(half))
         context.writer.document["sensor"]["vertical_field_of_view_degrees"] = angle
 

@@ -68,13 +68,23 @@ def _diffuse(context: Context, parameters: Parameters) -> Json:
 
 
 def _diffuse_transmission(context: Context, parameters: Parameters) -> Json:
-    if parameters.number("scale", 1.0) != 1.0:
-        context.findings.lost(parameters.place, 'no equal of "scale" other than 1')
-    return {
-        "type": "diffuse_transmitter",
-        "reflectance": spectra.reflectance(context, parameters, "reflectance", 0.25),
-        "transmittance": spectra.reflectance(context, parameters, "transmittance", 0.25),
-    }
+    scale = float(parameters.number("scale", 1.0))
+    parts = [
+        spectra.reflectance(context, parameters, name, 0.25) for name in ("reflectance", "transmittance")
+    ]
+    # Of pictures it is not known how much light they reflect: the scene's maker has seen to it.
+    most = (
+        sum(spectra.largest(each) for each in parts)
+        if all("texture" not in str(each) for each in parts)
+        else 1.0
+    )
+    if scale * most > 1 + 1e-6:
+        context.findings.lost(
+            parameters.place, "it sends back and lets through more light than comes; made as much darker"
+        )
+        scale = 1 / most
+    reflectance, transmittance = (spectra.reflectance_times(each, scale) for each in parts)
+    return {"type": "diffuse_transmitter", "reflectance": reflectance, "transmittance": transmittance}
 
 
 def _coated_diffuse(context: Context, parameters: Parameters) -> Json:
@@ -93,7 +103,31 @@ def _coated_diffuse(context: Context, parameters: Parameters) -> Json:
     }
 
 
+def _coated_conductor(context: Context, parameters: Parameters) -> Json:
+    """The metal alone."""
+    context.findings.lost(parameters.place, "no equal of a coat over metal; the metal is taken without it")
+    coat = (
+        "roughness",
+        "uroughness",
+        "vroughness",
+        "eta",
+        "thickness",
+        "maxdepth",
+        "nsamples",
+        "g",
+        "albedo",
+    )
+    parameters.ignore(*(f"interface.{name}" for name in coat), *coat)
+    return _metal(context, parameters, "conductor.")
+
+
 def _conductor(context: Context, parameters: Parameters) -> Json:
+    return _metal(context, parameters, "")
+
+
+def _metal(context: Context, parameters: Parameters, prefix: str) -> Json:
+    """A metal whose parameters begin with a prefix."""
+    parameters.rename(prefix)
     roughness = _roughness(context, parameters, 0.0)
     reflectance = parameters.take("reflectance")
     if reflectance is not None:
@@ -164,6 +198,7 @@ _MATERIALS: dict[str, Callable[[Context, Parameters], Json]] = {
     "diffuse": _diffuse,
     "diffusetransmission": _diffuse_transmission,
     "coateddiffuse": _coated_diffuse,
+    "coatedconductor": _coated_conductor,
     "conductor": _conductor,
     "dielectric": _dielectric,
     "thindielectric": _thin_dielectric,

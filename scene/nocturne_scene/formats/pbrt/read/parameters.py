@@ -153,6 +153,10 @@ class Parameters:
         found = self.take(name)
         return None if found is None else found.numbers(*counts)
 
+    def rename(self, prefix: str) -> None:
+        """Leave out a prefix where names have it."""
+        self._named = {name.removeprefix(prefix): each for name, each in self._named.items()}
+
     def ignore(self, *names: str) -> None:
         """Take parameters that don't change what an image converges to."""
         for name in names:

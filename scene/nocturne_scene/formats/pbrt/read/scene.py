@@ -19,6 +19,8 @@ from nocturne_scene.formats.reading.scene_files import SceneFiles
 from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
 from nocturne_scene.formats.reading.transforms import Matrix
 
+# Directives of former versions.
+_OLD = ("WorldEnd", "SurfaceIntegrator", "VolumeIntegrator", "Renderer", "Volume")
 _MAX_DEPTH = 64
 _MAX_INCLUDES = 16
 # Directives of a scene, those of included files each time.
@@ -63,7 +65,9 @@ class _Reader:
             if token.kind != "word" or (
                 token.text not in _DIRECTIVES and token.text not in ("Include", "Import")
             ):
-                raise InputError.at(token.place, f'no directive "{token.text[:40]}"')
+                old = " of pbrt-v4: the file is of pbrt-v3 or before; `pbrt --upgrade` rewrites it"
+                hint = old if token.text in _OLD else ""
+                raise InputError.at(token.place, f'no directive "{token.text[:40]}"{hint}')
             if token.text in ("Include", "Import"):
                 name = stream.string(token.place)
                 self.read(self.context.file(name, token.place), (*opened, file))
@@ -214,9 +218,12 @@ def _made(context: Context, recorded: list[_Shape], outer: Matrix) -> list[Json]
     found = []
     for shape in recorded:
         context.state = shape.state
-        found.append(
-            surface(context, shape.kind, context.parameters(f"shape {shape.kind}", shape.place, shape.given))
-        )
+        with context.findings.leaving_out():
+            found.append(
+                surface(
+                    context, shape.kind, context.parameters(f"shape {shape.kind}", shape.place, shape.given)
+                )
+            )
     context.state, context.outer = state, kept
     return [each for each in found if each is not None]
 
@@ -230,14 +237,22 @@ def _shape(reader: _Reader, stream: Stream, place: str) -> None:
     if reader.recording is not None:
         reader.objects[reader.recording].append(_Shape(kind, given, place, replace(context.state)))
         return
-    found = surface(context, kind, context.parameters(f"shape {kind}", place, given))
-    if found is not None:
-        context.writer.add("surfaces", found)
+    with context.findings.leaving_out():
+        found = surface(context, kind, context.parameters(f"shape {kind}", place, given))
+        if found is not None:
+            context.writer.add("surfaces", found)
+
+
+def _kernel(reader: _Reader, kind: str, parameters: Parameters) -> tuple[Json, Json]:
+    """Of a material; grey in place of one that is wrong."""
+    with reader.context.findings.leaving_out():
+        return materials.material(reader.context, kind, parameters)
+    return {"type": "lambertian", "reflectance": 0.5}, {}
 
 
 def _material(reader: _Reader, stream: Stream, place: str) -> None:
     kind, parameters = reader.plugin("material", stream, place)
-    kernel, relief = materials.material(reader.context, kind, parameters)
+    kernel, relief = _kernel(reader, kind, parameters)
     # Written once, however many shapes follow.
     reader.context.state.material = reader.context.writer.name("kernels", kind or "interface", kernel)
     reader.context.state.relief = relief
@@ -247,7 +262,7 @@ def _make_material(reader: _Reader, stream: Stream, place: str) -> None:
     name = stream.string(place)
     parameters = reader.context.parameters(f"material {name}", place, stream.parameters(place))
     kind = parameters.word("type", "")
-    kernel, relief = materials.material(reader.context, kind, parameters)
+    kernel, relief = _kernel(reader, kind, parameters)
     reader.context.materials[name] = (reader.context.writer.name("kernels", name, kernel), relief)
 
 
@@ -262,12 +277,15 @@ def _named_material(reader: _Reader, stream: Stream, place: str) -> None:
 def _texture(reader: _Reader, stream: Stream, place: str) -> None:
     name, kind = stream.string(place), stream.string(place)
     plugin, parameters = reader.plugin("texture", stream, place)
-    spectra.add_texture(reader.context, name, kind, plugin, parameters)
+    reader.context.textures[name] = 0.5
+    with reader.context.findings.leaving_out():
+        spectra.add_texture(reader.context, name, kind, plugin, parameters)
 
 
 def _light(reader: _Reader, stream: Stream, place: str) -> None:
     kind, parameters = reader.plugin("light", stream, place)
-    lights.add_light(reader.context, kind, parameters)
+    with reader.context.findings.leaving_out():
+        lights.add_light(reader.context, kind, parameters)
 
 
 def _area_light(reader: _Reader, stream: Stream, place: str) -> None:
@@ -279,7 +297,8 @@ def _area_light(reader: _Reader, stream: Stream, place: str) -> None:
 def _make_medium(reader: _Reader, stream: Stream, place: str) -> None:
     name = stream.string(place)
     parameters = reader.context.parameters(f"medium {name}", place, stream.parameters(place))
-    media.add_medium(reader.context, name, parameters)
+    with reader.context.findings.leaving_out():
+        media.add_medium(reader.context, name, parameters)
 
 
 def _medium_interface(reader: _Reader, stream: Stream, place: str) -> None:
@@ -384,4 +403,5 @@ def import_pbrt(file: Path, writer: SceneWriter, findings: Findings, options: Im
     if reader.saved:
         raise InputError.at(files.shown(file.resolve()), "the file ends inside of attributes")
     for add in context.later:
-        add()
+        with findings.leaving_out():
+            add()

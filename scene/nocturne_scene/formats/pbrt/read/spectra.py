@@ -6,7 +6,7 @@ from nocturne_scene.errors import InputError
 from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.parameters import Parameter, Parameters
 from nocturne_scene.formats.pbrt.read.tokens import read_text
-from nocturne_scene.formats.reading import colours
+from nocturne_scene.formats.reading import colours, metals
 from nocturne_scene.formats.reading.scene_writer import Json
 
 # Glasses and metals of pbrt's that are ours too, by the name of the spectrum.
@@ -82,6 +82,12 @@ def index(context: Context, parameters: Parameters, name: str, default: Json) ->
         return default
     if found.type == "float":
         return found.numbers(1)[0]
+    if found.type == "rgb":
+        values = found.numbers(3)
+        if not min(values) >= 1:
+            raise InputError.at(found.place, "an index of refraction is 1 or more")
+        context.findings.note(found.place, metals.FROM_RGB)
+        return metals.part_of_rgb(values)
     if found.values and found.values[0] in GLASSES:
         return GLASSES[found.word()]
     return spectrum(context, found)
@@ -201,6 +207,20 @@ def _scaled(context: Context, parameters: Parameters) -> Json:
             parameters.place, "no equal of the product of two textures; the second is left out"
         )
         return value
+    return reflectance_times(value, factor)
+
+
+def reflectance_times(value: Json, factor: float) -> Json:
+    """A reflectance times a number."""
+    if factor == 1.0:
+        return value
     if isinstance(value, dict) and "rgb" in value:
         return colours.reflectance([factor * part for part in value["rgb"]])
     return colours.scaled(value, factor)
+
+
+def largest(value: Json) -> float:
+    """The largest value of a number, a colour or a table."""
+    if isinstance(value, float | int):
+        return float(value)
+    return float(max(value["rgb"]) if "rgb" in value else max(each for _, each in value["table"]))
