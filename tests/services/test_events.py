@@ -1,4 +1,4 @@
-"""Watching through both doors."""
+"""Watching through both endpoints."""
 
 import asyncio
 import json

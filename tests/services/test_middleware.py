@@ -70,7 +70,7 @@ async def test_reference_and_openapi(rest: httpx.AsyncClient) -> None:
     assert "Stops a render" in page.text
 
 
-async def test_health_at_both_doors(
+async def test_health_at_both_endpoints(
     rest: httpx.AsyncClient, channel: grpc.aio.Channel, tmp_path: Path
 ) -> None:
     assert (await rest.get("/readyz")).text == "ready\n"
