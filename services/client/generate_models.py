@@ -12,6 +12,8 @@ from typing import Any
 _SOURCE = Path(__file__).parents[2] / "docs" / "openapi.json"
 # What the client gives to its callers, with all that these consist of.
 _WANTED = ("Render", "Explanation", "Worker", "Webhook", "NewWebhook", "PreflightReport")
+# Documents, which callers know as dictionaries.
+_PLAIN = ("SceneDocument",)
 _WIDTH = 110
 _HEAD = '''"""The service's answers as values. Made from docs/openapi.json by generate_models.py."""
 
@@ -37,7 +39,7 @@ def _with_parts(schemas: dict[str, Any]) -> list[str]:
     def visit(name: str) -> None:
         for used in _references(schemas[name]):
             visit(used)
-        if name not in found:
+        if name not in found and name not in _PLAIN:
             found.append(name)
 
     for name in _WANTED:
@@ -88,7 +90,8 @@ def _documented(text: str, indent: str) -> str:
 
 def _type(schema: dict[str, Any]) -> str:
     if "$ref" in schema:
-        return _name(schema["$ref"])
+        name = _name(schema["$ref"])
+        return _TYPES["object"] if name in _PLAIN else name
     if "anyOf" in schema:
         return " | ".join(_type(each) for each in schema["anyOf"])
     if schema["type"] == "null":

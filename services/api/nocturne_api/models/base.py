@@ -35,4 +35,4 @@ class SchemaOf:
 
     def __get_pydantic_json_schema__(self, _: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         del handler
-        return {MODEL_KEY: self.model}
+        return {MODEL_KEY: self.model.__name__}

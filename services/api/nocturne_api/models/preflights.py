@@ -1,7 +1,5 @@
 """Preflights: what a scene needs for a target error, and what each of its parts changes and costs."""
 
-from typing import Any
-
 from pydantic import ConfigDict, Field
 
 from nocturne_api.limits import PREFLIGHT_BUDGET_S
@@ -75,4 +73,4 @@ class PreflightReport(Answer):
     chosen: PreflightModel = Field(description="The cheapest that stays within the target.")
     saving: float = Field(description="How many times faster than the full model it gets there.")
     without_effect: list[str] = Field(description="Parts that change nothing of what is traced.")
-    document: dict[str, Any] = Field(description="The scene document of the chosen model.")
+    document: Scene = Field(description="The scene document of the chosen model.")

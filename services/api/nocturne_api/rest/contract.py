@@ -8,6 +8,7 @@ from nocturne_scene.errors import InputError
 from pydantic import BaseModel
 
 from nocturne_api.errors import INTERNAL, TABLE, Forbidden, Kind, Refused, TooMany, Unauthenticated
+from nocturne_api.models.events import TilesEvent
 from nocturne_api.models.problems import ProblemDetails
 from nocturne_api.models.renders import SceneDocument, StopRequest
 
@@ -15,7 +16,7 @@ PROBLEM_MEDIA_TYPE = "application/problem+json"
 
 Responses = dict[int | str, dict[str, Any]]
 
-DESCRIBED: list[type[BaseModel]] = [ProblemDetails, SceneDocument, StopRequest]
+DESCRIBED: list[type[BaseModel]] = [ProblemDetails, SceneDocument, StopRequest, TilesEvent]
 """Models that FastAPI does not see, because their bodies are read within bounds, or written in pieces."""
 
 PROBLEMS: dict[str, dict[str, Any]] = {}

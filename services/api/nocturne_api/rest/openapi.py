@@ -14,7 +14,7 @@ from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
 from nocturne_api.models.base import MODEL_KEY, RequestBody
-from nocturne_api.rest.contract import DESCRIBED, PROBLEMS, reference_to
+from nocturne_api.rest.contract import DESCRIBED, PROBLEMS
 
 _ABOUT = (
     "Renders scenes into spectral images in absolute units, with error bars.\n\n"
@@ -78,8 +78,8 @@ def _tidy(part: Any) -> None:
         return
     if isinstance(part.get("title"), str):
         del part["title"]
-    if model := part.pop(MODEL_KEY, None):
-        part.update(reference_to(model))
+    if name := part.pop(MODEL_KEY, None):
+        part["$ref"] = f"#/components/schemas/{name}"
     for name, value in part.items():
         if name not in ("example", "examples", "default"):
             _tidy(value)
