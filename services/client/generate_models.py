@@ -1,4 +1,4 @@
-"""Writes the Python client's models from docs/openapi.json, so that the two cannot differ.
+"""Writes the Python client's models from docs/reference/openapi.json, so that the two cannot differ.
 
 python services/client/generate_models.py > services/client/nocturne_client/contract.py
 """
@@ -9,13 +9,13 @@ import textwrap
 from pathlib import Path
 from typing import Any
 
-_SOURCE = Path(__file__).parents[2] / "docs" / "openapi.json"
+_SOURCE = Path(__file__).parents[2] / "docs" / "reference" / "openapi.json"
 # What the client gives to its callers, with all that these consist of.
 _WANTED = ("Render", "Explanation", "Worker", "Webhook", "NewWebhook", "PreflightReport")
 # Documents, which callers know as dictionaries.
 _PLAIN = ("SceneDocument",)
 _WIDTH = 110
-_HEAD = '''"""The service's answers as values. Made from docs/openapi.json by generate_models.py."""
+_HEAD = '''"""The service's answers as values. Made from docs/reference/openapi.json by generate_models.py."""
 
 from dataclasses import dataclass
 from typing import Any, Literal'''

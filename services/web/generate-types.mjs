@@ -1,15 +1,15 @@
 /**
- * Writes src/service/openapi.d.ts: the types of docs/openapi.json, with scenes typed by docs/scene.schema.json.
+ * Writes src/service/openapi.d.ts: the types of docs/reference/openapi.json, with scenes typed by docs/reference/scene.schema.json.
  * `npm run check` makes it anew each time and it is never committed, so the page cannot be checked against old types.
  */
 import { readFile, writeFile } from "node:fs/promises";
 import openapiTS, { astToString } from "openapi-typescript";
 
-const docs = new URL("../../docs/", import.meta.url);
+const docs = new URL("../../docs/reference/", import.meta.url);
 const readJson = async (name) => JSON.parse(await readFile(new URL(name, docs), "utf8"));
 
 const description = await readJson("openapi.json");
-const { $defs, $schema: _, ...scene } = JSON.parse(
+const { $defs, ...scene } = JSON.parse(
   JSON.stringify(await readJson("scene.schema.json")).replaceAll("#/$defs/", "#/components/schemas/Scene."),
 );
 const { schemas } = description.components;

@@ -14,7 +14,7 @@ export default defineConfig({
     modulePreload: { polyfill: false },
     // Swagger UI, which only the API reference loads, is 1.5 MB.
     chunkSizeWarningLimit: 2000,
-    rollupOptions: { input: [file("index.html"), file("reference.html")] },
+    rolldownOptions: { input: [file("index.html"), file("reference.html")] },
   },
   server: { proxy: { "/v1": service, "/openapi.json": service } },
 });

@@ -62,6 +62,7 @@ def web(tmp_path: Path) -> Path:
     folder = tmp_path / "web"
     (folder / "assets").mkdir(parents=True)
     (folder / "index.html").write_text("<!doctype html><title>page</title>")
+    (folder / "reference.html").write_text("<!doctype html><title>reference</title>")
     (folder / "assets" / "index-abc123.js").write_text("export {}")
     (tmp_path / "secret.txt").write_text("not for the web")
     return folder

@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+import re
 from datetime import UTC, datetime
 from pathlib import Path
 from types import ModuleType
@@ -12,12 +13,14 @@ from google.protobuf.descriptor import Descriptor, FieldDescriptor
 from nocturne.v1 import asset_service_pb2, render_service_pb2
 from nocturne_api.models import assets, preflights, problems, renders, session, webhooks, workers
 from nocturne_api.models.base import Answer, RequestBody
+from nocturne_api.rest import routes_page
 from nocturne_api.rest.app import described_app
 from nocturne_coordinator.dispatch.stopping import stop_conditions
 from nocturne_scene.document.read import check_document
 
 ROOT = Path(__file__).parents[2]
-DESCRIPTION: dict[str, Any] = json.loads((ROOT / "docs" / "openapi.json").read_text(encoding="utf-8"))
+REFERENCE = ROOT / "docs" / "reference"
+DESCRIPTION: dict[str, Any] = json.loads((REFERENCE / "openapi.json").read_text(encoding="utf-8"))
 SCHEMAS: dict[str, Any] = DESCRIPTION["components"]["schemas"]
 OPERATIONS = {
     (method, path): operation
@@ -29,6 +32,27 @@ OPERATIONS = {
 def test_the_committed_description_is_that_of_the_service() -> None:
     """`make contract` writes it."""
     assert json.loads(json.dumps(described_app().openapi())) == DESCRIPTION
+
+
+def test_the_page_of_routes_is_that_of_the_description() -> None:
+    """`make contract` writes it."""
+    assert routes_page.page(described_app().openapi()) == (REFERENCE / "routes.md").read_text(
+        encoding="utf-8"
+    )
+
+
+def test_the_tables_of_the_api_page_name_routes_and_methods() -> None:
+    """Rows of the page begin with routes, in which `...` is a render's address and ID any id."""
+    page = (REFERENCE / "api.md").read_text(encoding="utf-8")
+    found = set()
+    for method, path in re.findall(r"`(GET|POST|PUT|DELETE) ([^`\s?]+)", page):
+        whole = re.sub(r"^\.\.\.", "/v1/renders/{id}", path).replace("/ID", "/{id}")
+        found.add((method.lower(), re.sub(r"\{\w+\}", "{}", whole)))
+    known = {(method, re.sub(r"\{\w+\}", "{}", path)) for method, path in OPERATIONS}
+    assert len(found) > 15
+    assert not found - known
+    methods = {method for _, method in re.findall(r"^\| (`[A-Z]+ .*?) \| `(\w+)`", page, re.MULTILINE)}
+    assert methods <= set(_ROUTES)
 
 
 def _generator() -> ModuleType:
@@ -218,7 +242,8 @@ def test_every_route_declares_its_answers(method: str, path: str) -> None:
     (success,) = [status for status in answers if status.startswith("2")]
     if success != "204" and method != "head":
         contents = answers[success]["content"]
-        assert all(content["schema"] for content in contents.values())
+        # A stream describes each of its items.
+        assert all(content.get("schema") or content.get("itemSchema") for content in contents.values())
     if path.startswith("/v1"):
         assert {"401", "403", "422", "429", "500", "503"} <= answers.keys()
     for status, answer in answers.items():

@@ -289,6 +289,18 @@ const checks = {
     await look(page, "speed");
   },
 
+  async "the API's reference shows schemas and examples, and loads nothing from elsewhere"({ page }) {
+    const foreign = [];
+    page.on("request", (request) => { if (!request.url().startsWith(given.url) && !request.url().startsWith("data:")) foreign.push(request.url()); });
+    await page.goto(at("docs"));
+    const operation = page.locator("#operations-renders-create_render");
+    await operation.getByText("Submits a scene").click();
+    await operation.getByText('"vertical_field_of_view_degrees"').first().waitFor();
+    await operation.getByText("CONFLICT").first().waitFor();
+    assert.deepEqual(foreign, []);
+    page.removeAllListeners("request");
+  },
+
   async "a render that does not exist is explained"({ page }) {
     await page.goto(at("#/renders/no-such-render"));
     await page.getByRole("alert").getByText("cannot be shown").waitFor();

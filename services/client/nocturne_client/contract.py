@@ -1,4 +1,4 @@
-"""The service's answers as values. Made from docs/openapi.json by generate_models.py."""
+"""The service's answers as values. Made from docs/reference/openapi.json by generate_models.py."""
 
 from dataclasses import dataclass
 from typing import Any, Literal

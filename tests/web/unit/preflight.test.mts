@@ -18,7 +18,7 @@ const preflight = (without: string[], heavy: boolean): PreflightReport => ({
   chosen: model(without),
   saving: 3.14,
   without_effect: [],
-  document: {},
+  document: { nocturne: 1, sensor: { type: "pinhole", position: [0, 0, 4], look_at: [0, 0, 0], up: [0, 1, 0], vertical_field_of_view_degrees: 40 } },
 });
 
 test("what is enough is named, with what it saves", () => {

@@ -203,7 +203,7 @@ class StopRequest(RequestBody):
 
 
 class SceneDocument(RequestBody):
-    """A scene, by the JSON Schema at /scene.schema.json (docs/scene.md); assets by `sha256:...`.
+    """A scene, by the JSON Schema at /scene.schema.json (docs/reference/scene.md); assets by `sha256:...`.
 
     The schema of `scene` in requests. The scene language's own rules check it, with all problems at once.
     """

@@ -17,7 +17,10 @@ router = APIRouter(prefix="/v1/renders", tags=["images"])
 _OF_ONE = errors(NotFound, AmbiguousId)
 _PNG = {**answers("image/png", "The picture.", conditional=True), **_OF_ONE}
 _EXR = {**answers("image/x-exr", "The image.", conditional=True), **_OF_ONE}
-_TILES = {**answers(MEDIA_TYPE, "The tiles, little-endian (docs/api.md).", conditional=True), **_OF_ONE}
+_TILES = {
+    **answers(MEDIA_TYPE, "The tiles, little-endian (docs/reference/api.md).", conditional=True),
+    **_OF_ONE,
+}
 
 
 @router.get("/{render_id}/preview.png", response_class=Response, responses=_PNG)

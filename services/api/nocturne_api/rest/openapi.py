@@ -1,7 +1,7 @@
 """The OpenAPI document, made from the routes and the models. `python -m nocturne_api.rest.openapi` prints it.
 
-docs/openapi.json is that document as committed; the page's types and the Python client's models are made
-from the file, so neither needs this package.
+docs/reference/openapi.json is that document as committed; the page's types and the Python client's models
+are made from the file, so neither needs this package.
 """
 
 import json
@@ -62,6 +62,7 @@ def document(app: FastAPI) -> dict[str, Any]:
     components["responses"] = dict(sorted(PROBLEMS.items()))
     components["securitySchemes"] = {"token": {"type": "http", "scheme": "bearer"}}
     for operation in (each for methods in found["paths"].values() for each in methods.values()):
+        operation["summary"] = operation["description"].partition(".\n")[0].partition(". ")[0].rstrip(".")
         operation["responses"] = dict(sorted(operation["responses"].items()))
     found["security"] = [{"token": []}, {}]
     _tidy([found["paths"], components])
@@ -86,7 +87,7 @@ def _tidy(part: Any) -> None:
 
 
 def main() -> None:
-    """Prints the document as docs/openapi.json has it."""
+    """Prints the document as docs/reference/openapi.json has it."""
     from nocturne_api.rest.app import described_app
 
     json.dump(described_app().openapi(), sys.stdout, indent=2, ensure_ascii=False)

@@ -92,7 +92,9 @@ def compile_scene(
 
 
 def import_scene(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Mitsuba 3 (.xml), pbrt-v4 (.pbrt), glTF (.gltf, .glb).")],
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="Mitsuba 3 (.xml), pbrt-v4 (.pbrt), glTF (.gltf, .glb).")
+    ],
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="DIR", help="New folder for scene.json and its files.")
     ],
@@ -118,7 +120,7 @@ def import_scene(
         typer.Option(
             "--light",
             metavar="sky|studio|FILE",
-            help="A sky for a scene that has none; FILE: an HDR or EXR picture. Default: sky where nothing emits.",
+            help="A sky for a scene without one; FILE: HDR or EXR. Default: sky where nothing emits.",
         ),
     ] = None,
     allow_missing: Annotated[

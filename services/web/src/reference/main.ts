@@ -7,7 +7,7 @@ SwaggerUI({
   dom_id: "#reference",
   url: "/openapi.json",
   deepLinking: true,
-  defaultModelRendering: "model",
+  defaultModelRendering: "example",
   docExpansion: "list",
   // Its badge asks validator.swagger.io.
   validatorUrl: null,

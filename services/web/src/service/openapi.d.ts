@@ -319,7 +319,7 @@ export interface paths {
          * Get Tiles
          * @description Tiles whose samples changed since an earlier answer, as floats; about 4 MiB at once.
          *
-         *     The layout is in docs/api.md. 304 where If-None-Match is `since` and nothing changed.
+         *     The layout is in docs/reference/api.md. 304 where If-None-Match is `since` and nothing changed.
          */
         get: operations["get_tiles"];
         put?: never;
@@ -2969,7 +2969,7 @@ export interface components {
          * Measured
          * @description A measured, isotropic reflection: a MERL file, or a spectral table in the half-angle frame.
          *
-         *     The table's layout: docs/measured-brdf.md.
+         *     The table's layout: docs/how-to/measured-brdf.md.
          */
         "Scene.Measured": {
             /**
@@ -5127,7 +5127,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description The tiles, little-endian (docs/api.md). */
+            /** @description The tiles, little-endian (docs/reference/api.md). */
             200: {
                 headers: {
                     /** @description Changes when the content does. */
@@ -5233,7 +5233,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "text/event-stream": string;
+                    "text/event-stream": unknown;
                 };
             };
             /** @description UNAUTHENTICATED: A known token is needed. */
@@ -5268,7 +5268,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "text/event-stream": string;
+                    "text/event-stream": unknown;
                 };
             };
             /** @description UNAUTHENTICATED: A known token is needed. */
