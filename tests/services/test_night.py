@@ -139,9 +139,7 @@ async def test_replay_needs_samples(
     render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
     answer = await rest.post(f"/v1/renders/{render_id}:replay", json={"request_id": "again"})
     assert answer.json()["reason"] == "WRONG_STATE"
-    folder.database.execute(
-        "INSERT INTO tile (render_id, tile_index, samples, sums) VALUES (?, 1, 8, x'00')", (render_id,)
-    )
+    folder.database.execute("INSERT INTO tile VALUES (?, 1, 8, x'00', 1, 0)", (render_id,))
     replay = (await rest.post(f"/v1/renders/{render_id}:replay", json={"request_id": "again"})).json()
     assert folder.database.row("SELECT stop FROM render WHERE id = ?", (replay["id"],))["stop"] == (  # type: ignore[index]
         '{"tile_samples":[0,8]}'
