@@ -19,7 +19,7 @@ STAMPS := build/stamps
 # Neighbours in a file stay together, for what they share, until a process has nothing left to do.
 PROCESSES := --dist worksteal --numprocesses
 
-.PHONY: help packages venv proto web worker build dist containers demo stop test check check-types check-page check-form format unit system screenshots soak fuzz references peers stability preflights sanitize bench lock docs gallery clean
+.PHONY: help packages venv proto web worker build dist containers demo stop test check check-types check-page check-form format unit system screenshots soak fuzz references peers stability preflights sanitize bench lock contract docs gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -136,7 +136,14 @@ bench: build  ## Speed figures, each a line of JSON; charts and latest results i
 	$(PYTHON) -m bench
 	$(PYTHON) -m bench.suite $(if $(filter full,$(BENCH)),--full)
 
-docs: proto  ## Pages that are generated from the code, and the documentation site in build/docs-site
+contract: proto  ## The API's description, its page of routes and the Python client's models, from the REST models
+	$(PYTHON) -m nocturne_api.rest.openapi > build/openapi.json
+	mv build/openapi.json docs/reference/openapi.json
+	$(PYTHON) -m nocturne_api.rest.routes_page > docs/reference/routes.md
+	$(PYTHON) services/client/generate_models.py > build/contract.py
+	mv build/contract.py services/client/nocturne_client/contract.py
+
+docs: contract  ## Pages that are generated from the code, and the documentation site in build/docs-site
 	$(PYTHON) -m nocturne_scene.document.reference > docs/reference/scene.md
 	$(PYTHON) -m nocturne_scene.document.reference --schema > docs/reference/scene.schema.json
 	$(PYTHON) -m typer nocturne_client.cli.app utils docs --name nocturne --title "All commands and options" \

@@ -15,7 +15,7 @@ import kubernetes_validate
 import pytest
 import yaml
 from nocturne_api import main as api_main
-from nocturne_api.metrics import metrics_text
+from nocturne_api.operations.prometheus import metrics_text
 from nocturne_client.local.programs import need_program
 from nocturne_coordinator import main as coordinator_main
 from nocturne_coordinator.store.data_folder import DataFolder

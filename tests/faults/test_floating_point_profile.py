@@ -7,7 +7,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne.v1 import job_pb2
-from nocturne_api.status_reason import sentence, situation_of
+from nocturne_api.operations.status_reason import sentence, situation_of
 from nocturne_coordinator.dispatch.profiles import REDONE_SECONDS
 from nocturne_coordinator.queue import keys
 

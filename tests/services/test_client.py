@@ -1,6 +1,7 @@
 """The Python client and the command line against a real API."""
 
 import asyncio
+import copy
 import json
 import struct
 from collections.abc import Callable
@@ -9,6 +10,7 @@ from typing import Any
 
 import httpx
 import pytest
+from nocturne_api.models import examples
 from nocturne_api.service import Service
 from nocturne_client import Client, NocturneClientError, NotReachedError, Render
 from nocturne_client.cli.app import app
@@ -250,29 +252,4 @@ def test_exit_statuses_are_what_the_help_says() -> None:
 
 
 def _render(state: str, sequence: int) -> dict[str, Any]:
-    numbers = (
-        "ranges_done",
-        "ranges_planned",
-        "photons",
-        "rays",
-        "invalid_samples",
-        "mean_samples",
-        "relative_error",
-        "tiles_done",
-        "tiles",
-        "tiles_failed",
-        "audited",
-        "refused",
-        "predicted_end",
-        "predicted_cpu_seconds",
-    )
-    stop = ("relative_error", "tile_relative_error", "wall_seconds", "cpu_seconds", "until_time")
-    return {
-        **dict.fromkeys(("id", "name", "reason", "scene_sha256", "owner"), ""),
-        "priority": 100,
-        "stop": {**dict.fromkeys(stop, 0.0), "until": ""},
-        **dict.fromkeys(("width", "height", "samples", "created", "started", "ended"), 1),
-        "state": state,
-        "sequence": sequence,
-        "progress": dict.fromkeys((*numbers, "photons_per_second", "cpu_seconds"), 0),
-    }
+    return {**copy.deepcopy(examples.RENDER), "state": state, "sequence": sequence}

@@ -22,7 +22,7 @@ from nocturne_coordinator.store.removal import blobs_of_scene, delete_render, sw
 from typer.testing import CliRunner
 
 from tests.services import coordinator_acts
-from tests.services.doors import rest_client, running
+from tests.services.endpoints import rest_client, running
 
 Stub = render_service_pb2_grpc.RenderServiceStub
 

@@ -1,4 +1,4 @@
-"""Watching through both doors."""
+"""Watching through both endpoints."""
 
 import asyncio
 import json
@@ -134,7 +134,7 @@ async def test_a_silent_stream_is_kept_alive(
 async def test_a_stream_that_is_left_makes_room(
     body: dict[str, Any], rest: httpx.AsyncClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("nocturne_api.watching.WATCHERS", 1)
+    monkeypatch.setattr("nocturne_api.operations.watchers.WATCHERS", 1)
     await _create(rest, body)
 
     async def second_line() -> str:

@@ -34,7 +34,7 @@ async def renders(
     return made
 
 
-async def test_the_beginning_is_enough_at_both_doors(
+async def test_the_beginning_is_enough_at_both_endpoints(
     renders: list[str], rest: httpx.AsyncClient, channel: grpc.aio.Channel
 ) -> None:
     assert (await rest.get("/v1/renders/r-7")).json()["id"] == renders[2]
@@ -43,7 +43,7 @@ async def test_the_beginning_is_enough_at_both_doors(
     paused = (await rest.post("/v1/renders/r-aaab:pause")).json()
     assert (paused["id"], paused["state"]) == (renders[1], "PAUSED")
     assert (await rest.get("/v1/renders/r-aaab/convergence")).json() == {"points": []}
-    assert (await rest.get("/v1/renders/r-aaab/at-work")).status_code == 200
+    assert (await rest.get("/v1/renders/r-aaab/tiles-in-progress")).status_code == 200
     assert (await rest.get("/v1/renders/r-aaab/explanation")).json()["sentence"]
 
 

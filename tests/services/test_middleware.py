@@ -63,14 +63,18 @@ async def test_a_page_that_is_not_built_says_so(rest: httpx.AsyncClient, web: Pa
     assert "not built" in (await rest.get("/")).text
 
 
-async def test_reference_and_openapi(rest: httpx.AsyncClient) -> None:
+async def test_reference_and_openapi(rest: httpx.AsyncClient, web: Path) -> None:
     paths = (await rest.get("/openapi.json")).json()["paths"]
     assert "/v1/renders/{render_id}:cancel" in paths
+    assert (await rest.get("/scene.schema.json")).json()["title"] == "SceneDocument"
+    # What the viewer does with them, tests/web shows in a browser.
     page = await rest.get("/docs")
-    assert "Stops a render" in page.text
+    assert (page.status_code, page.text) == (200, (web / "reference.html").read_text())
+    (web / "reference.html").unlink()
+    assert "not built" in (await rest.get("/docs")).text
 
 
-async def test_health_at_both_doors(
+async def test_health_at_both_endpoints(
     rest: httpx.AsyncClient, channel: grpc.aio.Channel, tmp_path: Path
 ) -> None:
     assert (await rest.get("/readyz")).text == "ready\n"

@@ -1,4 +1,4 @@
-"""What keeps a night going, at both doors and the command line: conditions, pauses, extensions, tokens,
+"""What keeps a night going, at both endpoints and the command line: conditions, pauses, extensions, tokens,
 reasons."""
 
 import copy
@@ -22,8 +22,8 @@ from nocturne_api.addresses import AddressError, check_host
 from nocturne_api.compiling.pool import CompileLimits, compile_in_child
 from nocturne_api.errors import TooMany, Unauthenticated
 from nocturne_api.limits import CALLS_AT_ONCE, CALLS_PER_SECOND
+from nocturne_api.operations.status_reason import Situation, sentence
 from nocturne_api.service import Service, Settings, open_service
-from nocturne_api.status_reason import Situation, sentence
 from nocturne_client import Client
 from nocturne_client.cli.app import app
 from nocturne_client.cli.stops import Stops, with_zone
@@ -36,7 +36,7 @@ from prometheus_client.parser import text_string_to_metric_families
 from typer.testing import CliRunner
 
 from tests.services import coordinator_acts
-from tests.services.doors import grpc_channel, rest_client
+from tests.services.endpoints import grpc_channel, rest_client
 
 Stub = render_service_pb2_grpc.RenderServiceStub
 
@@ -50,7 +50,7 @@ STOP: dict[str, Any] = {
 }
 
 
-async def test_stop_conditions_come_back_at_both_doors(
+async def test_stop_conditions_come_back_at_both_endpoints(
     body: dict[str, Any], rest: httpx.AsyncClient, channel: grpc.aio.Channel
 ) -> None:
     stop = {**STOP, "until": "07:00 Europe/Berlin"}
@@ -62,7 +62,7 @@ async def test_stop_conditions_come_back_at_both_doors(
     assert render["priority"] == 300
     message = await Stub(channel).GetRender(pb.GetRenderRequest(id=render["id"]))
     assert {name: getattr(message.stop, name) for name in stop} == stop
-    # The same words are the same request, whenever they are repeated, at either door.
+    # The same words are the same request, whenever they are repeated, at either endpoint.
     again = await Stub(channel).CreateRender(
         pb.CreateRenderRequest(
             scene_json=json.dumps(body["scene"]),
@@ -139,9 +139,7 @@ async def test_replay_needs_samples(
     render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
     answer = await rest.post(f"/v1/renders/{render_id}:replay", json={"request_id": "again"})
     assert answer.json()["reason"] == "WRONG_STATE"
-    folder.database.execute(
-        "INSERT INTO tile (render_id, tile_index, samples, sums) VALUES (?, 1, 8, x'00')", (render_id,)
-    )
+    folder.database.execute("INSERT INTO tile VALUES (?, 1, 8, x'00', 1, 0)", (render_id,))
     replay = (await rest.post(f"/v1/renders/{render_id}:replay", json={"request_id": "again"})).json()
     assert folder.database.row("SELECT stop FROM render WHERE id = ?", (replay["id"],))["stop"] == (  # type: ignore[index]
         '{"tile_samples":[0,8]}'
@@ -286,7 +284,7 @@ async def test_why_tells_the_first_thing_in_the_way(
         ({"running": 0}, "about to start"),
         ({"render": running}, "in 10 minutes"),
         ({"render": {**running, "tiles_done": 2}}, "audits"),
-        ({"render": {**running, "photons_per_second": 0.0}}, "none of its own came back"),
+        ({"render": {**running, "photons_per_second": 0.0}}, "No result came back"),
     ):
         assert words in sentence(situation(folder, **changes), 1000.0)
 

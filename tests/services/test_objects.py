@@ -20,7 +20,7 @@ from nocturne_scene.blobs import BlobStore
 from nocturne_scene.errors import InputError, NotFound
 
 from tests.services import coordinator_acts
-from tests.services.doors import rest_client
+from tests.services.endpoints import rest_client
 from tests.system.free_ports import free_port_pair
 
 DATA = b"a scene that is a scene is a scene" * 1000

@@ -1,4 +1,4 @@
-"""Preflights at both doors: small renders in a child process, which nothing else waits for."""
+"""Preflights at both endpoints: small renders in a child process, which nothing else waits for."""
 
 import asyncio
 import json
@@ -12,6 +12,7 @@ from nocturne.v1 import render_service_pb2, render_service_pb2_grpc
 from nocturne_api.preflight import pool as pool
 from nocturne_api.service import Service
 from nocturne_client import Client
+from nocturne_client.models import PreflightReport
 
 
 @pytest.fixture
@@ -24,7 +25,7 @@ def preflight_body(scene: dict[str, Any]) -> dict[str, Any]:
     return {"scene": scene, "width": 24, "height": 16, "error": 0.1, "budget_seconds": 2.0}
 
 
-async def test_both_doors_tell_what_a_scene_needs(
+async def test_both_endpoints_tell_what_a_scene_needs(
     rest: httpx.AsyncClient, channel: grpc.aio.Channel, preflight_body: dict[str, Any]
 ) -> None:
     answer = await rest.post("/v1/preflights", json=preflight_body, timeout=300)
@@ -115,10 +116,10 @@ async def test_the_client_runs_a_preflight(
     scene = tmp_path / "scene.json"
     scene.write_text(json.dumps(preflight_body["scene"]))
 
-    def preflight() -> dict[str, Any]:
+    def preflight() -> PreflightReport:
         with Client(f"http://127.0.0.1:{service.port}") as client:
             return client.preflight(scene, 24, 16, 0.1, 1.0)
 
     report = await asyncio.to_thread(preflight)
-    assert report["error"] == 0.1
-    assert report["film"] == [24, 16]
+    assert report.error == 0.1
+    assert report.film == [24, 16]

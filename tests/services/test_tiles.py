@@ -118,7 +118,7 @@ async def test_large_answers_come_in_parts(
     committer: Committer,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("nocturne_api.tiles.TILES_ANSWER_BYTES", 16 * TILE * TILE)
+    monkeypatch.setattr("nocturne_api.files.tiles.TILES_ANSWER_BYTES", 16 * TILE * TILE)
     render_id = await _created(rest, body)
     committer.commit(render_id, {0: (4, sums_of(4, TILE), 0), 1: (4, sums_of(4, WIDTH - TILE), 0)})
     found, since, more = [], "", 1

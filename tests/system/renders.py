@@ -86,10 +86,10 @@ class FollowedRender:
         """Neither totals nor previews."""
         assert len(self._seen) > 1
         _check_grows([render.sequence for render in self._seen])
-        _check_grows([render.progress.photons for render in self._seen])
+        _check_grows([render.progress.samples_merged for render in self._seen])
         _check_grows([render.progress.ranges_done for render in self._seen])
         answer = httpx.get(f"{self._service.url}/v1/renders/{self.id}/convergence", trust_env=False)
-        _check_grows([point["photons"] for point in answer.json()["points"]])
+        _check_grows([point["samples"] for point in answer.json()["points"]])
 
     def _look(self) -> None:
         with Client(self._service.url) as client:

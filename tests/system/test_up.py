@@ -60,7 +60,7 @@ def test_cancel(running_service: Up) -> None:
         _nocturne(running_service, "watch", render_id, status=1)
         render = client.get(render_id)
         assert (render.state, render.reason) == ("CANCELLED", "Cancelled by request.")
-        assert 0 < render.progress.photons < 40 * 30 * 2**24
+        assert 0 < render.progress.samples_merged < 40 * 30 * 2**24
 
 
 def test_the_page_is_served(running_service: Up) -> None:

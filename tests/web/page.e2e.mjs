@@ -119,8 +119,8 @@ const checks = {
 
   async "the chart has points, on both axes, and both images can be had"({ page }) {
     await page.locator("figure:not([data-points='0']) .uplot").waitFor();
-    await page.getByRole("radio", { name: "Photons" }).check();
-    await page.locator(".u-legend").getByText("Photons").waitFor();
+    await page.getByRole("radio", { name: "Samples per pixel" }).check();
+    await page.locator(".u-legend").getByText("Samples per pixel").waitFor();
     for (const [name, magic] of [["Download EXR", [0x76, 0x2f, 0x31, 0x01]], ["Download PNG", [0x89, 0x50, 0x4e, 0x47]]]) {
       const address = await page.getByRole("link", { name }).getAttribute("href");
       const response = await fetch(new URL(address, given.url));
@@ -170,7 +170,7 @@ const checks = {
     await page.getByLabel("Width, pixels").fill("12");
     await page.getByLabel("Height, pixels").fill("12");
     await page.getByLabel("Stop at a relative error of, %").fill("20");
-    await page.getByRole("button", { name: "What does it need?" }).click();
+    await page.getByRole("button", { name: "Preflight" }).click();
     const cells = (part) => page.locator(".preflight tr").filter({ has: page.getByText(part, { exact: true }) }).locator("td").allTextContents();
     await page.getByText(/^Enough for 20 %: without medium "fog"/).waitFor({ timeout: 120_000 });
     const [, , , cost, verdict] = await cells('without medium "fog"');
@@ -287,6 +287,18 @@ const checks = {
     await page.getByRole("link", { name: "Speed" }).click();
     await page.locator(".events tbody tr").first().waitFor();
     await look(page, "speed");
+  },
+
+  async "the API's reference shows schemas and examples, and loads nothing from elsewhere"({ page }) {
+    const foreign = [];
+    page.on("request", (request) => { if (!request.url().startsWith(given.url) && !request.url().startsWith("data:")) foreign.push(request.url()); });
+    await page.goto(at("docs"));
+    const operation = page.locator("#operations-renders-create_render");
+    await operation.getByText("Submits a scene").click();
+    await operation.getByText('"vertical_field_of_view_degrees"').first().waitFor();
+    await operation.getByText("CONFLICT").first().waitFor();
+    assert.deepEqual(foreign, []);
+    page.removeAllListeners("request");
   },
 
   async "a render that does not exist is explained"({ page }) {

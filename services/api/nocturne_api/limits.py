@@ -4,7 +4,7 @@ from nocturne_scene.limits import MAX_SCENE_BYTES
 
 MEBIBYTE = 1024 * 1024
 
-# A create request at the REST door: mostly the scene document, so the same bound.
+# A create request in REST: mostly the scene document, so the same bound.
 CREATE_BODY_BYTES = MAX_SCENE_BYTES
 # gRPC holds a message in memory before any of our code sees it, so its limit is close to the document's.
 GRPC_MESSAGE_BYTES = 9 * MEBIBYTE
@@ -58,8 +58,8 @@ LINGER_S = 2.0
 PROBLEMS_PER_ANSWER = 20
 PROBLEM_CHARACTERS = 300
 
-# Connections to the REST door; further ones get 503 at once. Watchers hold one each, pages a few.
+# Connections to the REST endpoint; further ones get 503 at once. Watchers hold one each, pages a few.
 REST_CONNECTIONS = 2000
 
-# Calls in progress at the gRPC door, watchers included; further ones get RESOURCE_EXHAUSTED at once.
+# Calls in progress at the gRPC endpoint, watchers included; further ones get RESOURCE_EXHAUSTED at once.
 GRPC_CALLS = 1000

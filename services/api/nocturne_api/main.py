@@ -38,7 +38,7 @@ def _settings() -> Settings:
         prog="nocturne-api", description="REST, gRPC and the web page on one data folder."
     )
     parser.add_argument("--data", type=Path, required=True, help="data folder, shared with the coordinator")
-    parser.add_argument("--host", default="127.0.0.1", help="address of both doors (default: %(default)s)")
+    parser.add_argument("--host", default="127.0.0.1", help="address of REST and gRPC (default: %(default)s)")
     parser.add_argument("--port", type=int, default=7070, help="REST and page (default: %(default)s)")
     parser.add_argument("--grpc-port", type=int, default=7071, help="gRPC (default: %(default)s)")
     parser.add_argument("--grpc-unix", type=Path, metavar="PATH", help="gRPC on a Unix socket as well")
@@ -52,7 +52,7 @@ def _settings() -> Settings:
     parser.add_argument(
         "--auth", action="store_true", help="callers need a token, made by `nocturne token create`"
     )
-    parser.add_argument("--tls-certificate", type=Path, metavar="PEM", help="for both doors")
+    parser.add_argument("--tls-certificate", type=Path, metavar="PEM", help="for REST and gRPC")
     parser.add_argument("--tls-key", type=Path, metavar="PEM")
     parser.add_argument(
         "--compile-memory-bytes",

@@ -1,1 +1,1 @@
-"""The gRPC door: servicers over the operations."""
+"""The gRPC endpoint: both services of the contract over the operations."""

@@ -11,7 +11,7 @@ from nocturne_scene.errors import InputError
 
 from nocturne_api.grpc.failures import Answering
 from nocturne_api.grpc.messages import asset_message
-from nocturne_api.operations import Operations
+from nocturne_api.operations.operations import Operations
 
 Context = grpc.aio.ServicerContext[Any, Any]
 
@@ -26,21 +26,21 @@ class AssetService(asset_service_pb2_grpc.AssetServiceServicer):
         self, request: pb.BatchMissingRequest, context: Context
     ) -> pb.BatchMissingResponse:
         async with Answering(context):
-            return pb.BatchMissingResponse(sha256=await self._operations.missing_assets(list(request.sha256)))
+            return pb.BatchMissingResponse(sha256=await self._operations.assets.missing(list(request.sha256)))
 
     async def Upload(self, requests: AsyncIterator[pb.UploadRequest], context: Context) -> pb.Asset:  # noqa: N802
         async with Answering(context):
             first = await anext(requests, None)
             if first is None or first.WhichOneof("part") != "asset":
                 raise InputError.at("asset", "the first message must say digest and size")
-            stored = await self._operations.store_asset(
+            stored = await self._operations.assets.store(
                 first.asset.sha256, first.asset.size_bytes, _data(requests)
             )
             return asset_message(stored)
 
     async def Fetch(self, request: pb.FetchRequest, context: Context) -> AsyncIterator[pb.Chunk]:  # noqa: N802
         async with Answering(context):
-            opened = await self._operations.open_asset(request.sha256)
+            opened = await self._operations.assets.open(request.sha256)
             total_bytes = opened.size_bytes
             if total_bytes == 0:
                 yield pb.Chunk()

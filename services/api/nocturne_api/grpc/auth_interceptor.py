@@ -1,5 +1,5 @@
-"""Stands before every gRPC call: what can't be read, and who calls. What the caller may do, the operations
-decide."""
+"""Authenticates every gRPC call, and refuses messages that can't be read. The operations decide what the
+caller may do."""
 
 from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import Any, TypeAlias
@@ -14,15 +14,15 @@ from nocturne_api.grpc.failures import Answering
 Context = grpc.aio.ServicerContext[Any, Any]
 Handler: TypeAlias = "grpc.RpcMethodHandler[Any, Any]"
 
-# Anybody may ask whether the service lives.
+# Health checks need no token.
 _OPEN = "/grpc.health.v1.Health/"
 
 _UNREADABLE = object()
 """In the place of a message that is none. gRPC would answer UNKNOWN, and log it as an error of ours."""
 
 
-class Gate(grpc.aio.ServerInterceptor):
-    """Lets callers with a token in, and all who come by the Unix socket, whose folder guards it."""
+class AuthInterceptor(grpc.aio.ServerInterceptor):
+    """Admits callers with a token, and all by the Unix socket, which its folder's permissions protect."""
 
     def __init__(self, identify: Callable[[str], Awaitable[Caller]] | None) -> None:
         """`identify` gives who has a secret; without it, anybody may do anything."""

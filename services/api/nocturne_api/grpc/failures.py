@@ -1,4 +1,4 @@
-"""Every error of the gRPC door: a status, a message, and the same problem details as at the REST door."""
+"""Every error of the gRPC endpoint: a status, a message, and the same problem details as in REST."""
 
 import json
 from types import TracebackType

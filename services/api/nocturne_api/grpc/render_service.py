@@ -1,7 +1,6 @@
 """nocturne.v1.RenderService over the operations."""
 
 import asyncio
-import json
 from collections.abc import AsyncIterator
 from contextlib import aclosing
 from typing import Any
@@ -21,9 +20,9 @@ from nocturne_api.grpc.messages import (
     webhook_message,
     worker_message,
 )
-from nocturne_api.operations import Operations
+from nocturne_api.operations.operations import Operations
+from nocturne_api.operations.submission import CreateRequest
 from nocturne_api.preflight.pool import PreflightSpec
-from nocturne_api.submission import CreateRequest
 
 Context = grpc.aio.ServicerContext[Any, Any]
 
@@ -36,7 +35,7 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
 
     async def CreateRender(self, request: pb.CreateRenderRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
-            created = await self._operations.create_render(
+            created = await self._operations.renders.create(
                 CreateRequest(
                     request_id=request.request_id,
                     name=request.name,
@@ -56,79 +55,79 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
         async with Answering(context):
             scene = await asyncio.to_thread(decode_json, request.scene_json)
             asked = PreflightSpec(scene, request.width, request.height, request.error, request.budget_seconds)
-            report = await self._operations.preflight(asked)
-            return pb.PreflightResponse(report_json=json.dumps(report).encode())
+            report = await self._operations.preflights.run(asked)
+            return pb.PreflightResponse(report_json=report.model_dump_json().encode())
 
     async def GetRender(self, request: pb.GetRenderRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
-            return render_message(await self._operations.get_render(request.id))
+            return render_message(await self._operations.renders.get(request.id))
 
     async def ListRenders(  # noqa: N802
         self, request: pb.ListRendersRequest, context: Context
     ) -> pb.ListRendersResponse:
         async with Answering(context):
-            page = await self._operations.list_renders(request.page_size, request.page_token)
+            page = await self._operations.renders.list(request.page_size, request.page_token)
             renders = [render_message(view) for view in page.renders]
             return pb.ListRendersResponse(renders=renders, next_page_token=page.next_page_token)
 
     async def CancelRender(self, request: pb.CancelRenderRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
-            return render_message(await self._operations.cancel_render(request.id, request.request_id))
+            return render_message(await self._operations.controls.cancel(request.id, request.request_id))
 
     async def DeleteRender(  # noqa: N802
         self, request: pb.DeleteRenderRequest, context: Context
     ) -> pb.DeleteRenderResponse:
         async with Answering(context):
-            await self._operations.delete_render(request.id, request.request_id)
+            await self._operations.renders.delete(request.id, request.request_id)
             return pb.DeleteRenderResponse()
 
     async def PauseRender(self, request: pb.PauseRenderRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
-            return render_message(await self._operations.pause_render(request.id))
+            return render_message(await self._operations.controls.pause(request.id))
 
     async def ResumeRender(self, request: pb.ResumeRenderRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
-            return render_message(await self._operations.resume_render(request.id))
+            return render_message(await self._operations.controls.resume(request.id))
 
     async def ExtendRender(self, request: pb.ExtendRenderRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
             stop = asked_stop(request.stop)
-            return render_message(await self._operations.extend_render(request.id, request.samples, stop))
+            return render_message(await self._operations.controls.extend(request.id, request.samples, stop))
 
     async def SetPriority(self, request: pb.SetPriorityRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
-            return render_message(await self._operations.set_priority(request.id, request.priority))
+            return render_message(await self._operations.controls.set_priority(request.id, request.priority))
 
     async def LookFirst(self, request: pb.LookFirstRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
             asked = request.region
             region = Region(asked.x, asked.y, asked.width, asked.height)
             wanted = region if request.HasField("region") else None
-            return render_message(await self._operations.look_first(request.id, wanted))
+            return render_message(await self._operations.controls.look_first(request.id, wanted))
 
     async def ReplayRender(self, request: pb.ReplayRenderRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
-            return render_message(await self._operations.replay_render(request.id, request.request_id))
+            return render_message(await self._operations.renders.replay(request.id, request.request_id))
 
     async def ExplainRender(  # noqa: N802
         self, request: pb.ExplainRenderRequest, context: Context
     ) -> pb.ExplainRenderResponse:
         async with Answering(context):
-            explained = await self._operations.explain(request.id)
+            explained = await self._operations.renders.explain(request.id)
             return pb.ExplainRenderResponse(sentence=explained.sentence)
 
     async def GetConvergence(  # noqa: N802
         self, request: pb.GetConvergenceRequest, context: Context
     ) -> pb.GetConvergenceResponse:
         async with Answering(context):
-            return convergence_message(await self._operations.convergence(request.id))
+            return convergence_message(await self._operations.renders.convergence(request.id))
 
     async def WatchRenders(  # noqa: N802
         self,
         request: pb.WatchRendersRequest,  # noqa: ARG002 - it is empty
         context: Context,
     ) -> AsyncIterator[pb.Render]:
-        async with Answering(context), aclosing(self._operations.watch_all()) as states:
+        async with Answering(context), aclosing(self._operations.streams.newest()) as states:
             async for state in states:
                 yield render_message(state)
 
@@ -136,13 +135,13 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
         self, request: pb.ReleaseWorkerRequest, context: Context
     ) -> pb.ReleaseWorkerResponse:
         async with Answering(context):
-            await self._operations.release_worker(request.id)
+            await self._operations.workers.release(request.id)
             return pb.ReleaseWorkerResponse()
 
     async def WatchRender(  # noqa: N802
         self, request: pb.WatchRenderRequest, context: Context
     ) -> AsyncIterator[pb.Render]:
-        async with Answering(context), aclosing(self._operations.watch_render(request.id)) as states:
+        async with Answering(context), aclosing(self._operations.streams.one(request.id)) as states:
             async for state in states:
                 yield render_message(state)
 
@@ -150,8 +149,8 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
         self, request: pb.FetchImageRequest, context: Context
     ) -> AsyncIterator[pb.ImageChunk]:
         openers = {
-            pb.IMAGE_KIND_PREVIEW: self._operations.open_preview,
-            pb.IMAGE_KIND_EXR: self._operations.open_image,
+            pb.IMAGE_KIND_PREVIEW: self._operations.images.open_preview,
+            pb.IMAGE_KIND_EXR: self._operations.images.open_exr,
         }
         async with Answering(context):
             if request.kind not in openers:
@@ -169,12 +168,12 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
         context: Context,
     ) -> pb.ListWorkersResponse:
         async with Answering(context):
-            workers = await self._operations.workers()
-            return pb.ListWorkersResponse(workers=[worker_message(view) for view in workers])
+            found = await self._operations.workers.list()
+            return pb.ListWorkersResponse(workers=[worker_message(view) for view in found.workers])
 
     async def CreateWebhook(self, request: pb.CreateWebhookRequest, context: Context) -> pb.Webhook:  # noqa: N802
         async with Answering(context):
-            return webhook_message(await self._operations.create_webhook(request.url))
+            return webhook_message(await self._operations.webhooks.create(request.url))
 
     async def ListWebhooks(  # noqa: N802
         self,
@@ -182,12 +181,12 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
         context: Context,
     ) -> pb.ListWebhooksResponse:
         async with Answering(context):
-            webhooks = await self._operations.list_webhooks()
-            return pb.ListWebhooksResponse(webhooks=[webhook_message(view) for view in webhooks])
+            found = await self._operations.webhooks.list()
+            return pb.ListWebhooksResponse(webhooks=[webhook_message(view) for view in found.webhooks])
 
     async def DeleteWebhook(  # noqa: N802
         self, request: pb.DeleteWebhookRequest, context: Context
     ) -> pb.DeleteWebhookResponse:
         async with Answering(context):
-            await self._operations.delete_webhook(request.id)
+            await self._operations.webhooks.delete(request.id)
             return pb.DeleteWebhookResponse()

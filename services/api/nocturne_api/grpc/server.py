@@ -1,4 +1,4 @@
-"""Puts the gRPC door together: both services, health and reflection."""
+"""Puts the gRPC endpoint together: both services, health and reflection."""
 
 import grpc
 from grpc_health.v1 import health, health_pb2, health_pb2_grpc
@@ -12,9 +12,9 @@ from nocturne.v1 import (
 
 from nocturne_api import limits
 from nocturne_api.grpc.asset_service import AssetService
-from nocturne_api.grpc.auth_interceptor import Gate
+from nocturne_api.grpc.auth_interceptor import AuthInterceptor
 from nocturne_api.grpc.render_service import RenderService
-from nocturne_api.operations import Operations
+from nocturne_api.operations.operations import Operations
 
 _OPTIONS = (
     ("grpc.max_receive_message_length", limits.GRPC_MESSAGE_BYTES),
@@ -27,14 +27,14 @@ _SERVICES = (
 )
 
 
-class GrpcDoor:
-    """A gRPC server over `operations` that tells its health."""
+class GrpcEndpoint:
+    """A gRPC server over `operations` that reports its health."""
 
     def __init__(self, operations: Operations, authenticate: bool = False) -> None:
         self.server = grpc.aio.server(
             options=_OPTIONS,
             maximum_concurrent_rpcs=limits.GRPC_CALLS,
-            interceptors=[Gate(operations.identify if authenticate else None)],
+            interceptors=[AuthInterceptor(operations.tokens.identify if authenticate else None)],
         )
         self._health = health.aio.HealthServicer()
         render_service_pb2_grpc.add_RenderServiceServicer_to_server(RenderService(operations), self.server)
@@ -50,6 +50,6 @@ class GrpcDoor:
             await self._health.set(name, health_pb2.HealthCheckResponse.SERVING)
 
     async def stop(self, grace_s: float) -> None:
-        """Says so to health watchers, gives running calls `grace_s` seconds, ends."""
+        """Reports NOT_SERVING, gives running calls `grace_s` seconds, and ends."""
         await self._health.enter_graceful_shutdown()
         await self.server.stop(grace_s)

@@ -13,12 +13,13 @@ from nocturne_scene.errors import InputError, NocturneError
 
 from nocturne_api.access import CALLER
 from nocturne_api.limits import RENDERS_PER_STREAM
+from nocturne_api.models.events import TilesEvent
+from nocturne_api.models.renders import Render
 from nocturne_api.rest.access import Service
-from nocturne_api.views import RenderView
 
 router = APIRouter(prefix="/v1", tags=["events"])
 
-States = AsyncGenerator[RenderView, None]
+States = AsyncGenerator[Render, None]
 
 _BEGUN = ServerSentEvent(comment="watching")
 """Sent at once: some proxies hold an answer back until it has a body."""
@@ -28,10 +29,10 @@ async def _states_of_one(
     render_id: str, operations: Service, response: Response, last_event_id: Annotated[str, Header()] = ""
 ) -> AsyncIterator[States]:
     known = int(last_event_id) if last_event_id.isascii() and last_event_id.isdecimal() else -1
-    render = await operations.get_render(render_id)
+    render = await operations.renders.get(render_id)
     if render.has_ended and render.sequence <= known:
         response.status_code = 204
-    async with aclosing(operations.watch_render(render_id, known)) as states:
+    async with aclosing(operations.streams.one(render_id, known)) as states:
         yield states
 
 
@@ -62,9 +63,9 @@ async def _states_of_many(
     if len(render or ()) > RENDERS_PER_STREAM:
         raise InputError.at("query.render", f"at most {RENDERS_PER_STREAM} in one stream")
     for render_id in render or ():
-        await operations.get_render(render_id)
+        await operations.renders.get(render_id)
     async with aclosing(
-        operations.watch_some(frozenset(render)) if render else operations.watch_all()
+        operations.streams.some(frozenset(render)) if render else operations.streams.newest()
     ) as states:
         yield states
 
@@ -87,10 +88,10 @@ async def all_events(
             yield ServerSentEvent(event="render", data=state)
             if not render:
                 continue
-            tiles = await operations.changed_tiles(state.id, sequences.get(state.id, 0))
+            tiles = await operations.images.changed_tiles(state.id, sequences.get(state.id, 0))
             sequences[state.id] = state.sequence
             if tiles:
-                data = {"render": state.id, "revision": state.sequence, "tiles": tiles}
+                data = TilesEvent(render=state.id, revision=state.sequence, tiles=tiles)
                 yield ServerSentEvent(event="tiles", data=data)
     except NocturneError as error:
         yield _too_late(error)

@@ -1,4 +1,4 @@
-"""What stands before every request: who may ask, and which headers every answer carries."""
+"""Security middleware: who may ask, and which headers every answer carries."""
 
 from collections.abc import Awaitable, Callable
 from urllib.parse import urlsplit
@@ -41,7 +41,7 @@ _HEADERS = {
 }
 
 
-class Guards:
+class SecurityMiddleware:
     """Refuses what a foreign web page made its visitor's browser send; adds security headers to all answers.
 
     `loopback_only`: the service is bound to this machine, so any Host but a loopback name is DNS rebinding.
@@ -68,7 +68,7 @@ class Guards:
 
         refusal = self._refusal(scope["method"], Headers(scope=scope))
         app = response_of(failure_of(Refused(refusal))) if refusal else self._app
-        if app is self._app and self._identify is not None and _is_guarded(scope["path"]):
+        if app is self._app and self._identify is not None and _needs_token(scope["path"]):
             try:
                 caller = await self._identify(_secret(Headers(scope=scope)))
                 self._pace.take(caller.name)
@@ -108,9 +108,9 @@ def _challenge(headers: Headers) -> dict[str, str]:
     return challenge
 
 
-def _is_guarded(path: str) -> bool:
-    """All but the page's own files and what orchestrators ask; the page's data are guarded."""
-    return path.startswith("/v1") or path in ("/metrics", "/openapi.json", "/docs")
+def _needs_token(path: str) -> bool:
+    """All but the page's own files and the probes of orchestrators."""
+    return path.startswith("/v1") or path in ("/metrics", "/openapi.json", "/scene.schema.json", "/docs")
 
 
 def _name(host: str) -> str:

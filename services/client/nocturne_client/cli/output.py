@@ -63,7 +63,7 @@ def print_render(render: Render, as_json: bool) -> None:
         ("name", render.name),
         ("state", f"{render.state} {render.reason}".strip()),
         ("film", f"{render.width} x {render.height}, {render.samples} samples per pixel"),
-        ("merged", f"{render.fraction:.1%}, {progress.photons:,} photons, {progress.rays:,} rays"),
+        ("merged", f"{render.fraction:.1%}, {progress.samples_merged:,} samples, {progress.rays:,} rays"),
         ("relative error", f"{progress.relative_error:.3%}" if progress.relative_error else "not known yet"),
         ("invalid samples", f"{progress.invalid_samples:,}"),
         ("processor time", f"{progress.cpu_seconds:,.1f} s"),
@@ -107,7 +107,7 @@ def print_workers(workers: list[Worker], as_json: bool) -> None:
         return
     table = Table(
         Column("id", no_wrap=True),
-        *("engine", "class", "threads", "photons/s", "jobs", "up", "gets no jobs because"),
+        *("engine", "profile", "threads", "rays/s", "jobs", "up", "gets no jobs because"),
         box=None,
         pad_edge=False,
     )
@@ -117,7 +117,7 @@ def print_workers(workers: list[Worker], as_json: bool) -> None:
             f"{worker.engine}",
             escape(worker.floating_point_profile),
             f"{worker.threads}",
-            f"{worker.photons_per_second:,.0f}",
+            f"{worker.rays_per_second:,.0f}",
             f"{worker.jobs_done:,}",
             duration(time.time() - worker.started),
             escape(f"Quarantine: {worker.quarantine}" if worker.quarantine else worker.incompatible),

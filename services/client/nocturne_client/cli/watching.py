@@ -84,7 +84,8 @@ def about(render: Render) -> str:
     if progress.relative_error:
         parts.append(f"error {progress.relative_error:.2%}")
     if not render.has_ended:
-        parts.append(f"{progress.photons_per_second:,.0f} photons/s")
+        parts.append(f"{progress.samples_per_second:,.0f} samples/s")
+        parts.append(f"{progress.rays_per_second:,.0f} rays/s")
         if render.seconds_left is not None:
             parts.append(f"{duration(render.seconds_left)} left")
         elif render.state in ("QUEUED", "PAUSED"):

@@ -21,7 +21,13 @@ def table(needs: Needs) -> Table:
     """All models with one part less."""
     target, pixels = needs.request.error, needs.pixels
     found = Table(
-        "", "mean luminance", "local", "time a sample", f"time to {target:g}", box=None, pad_edge=False
+        "",
+        "mean luminance",
+        "relative RMSE",
+        "time a sample",
+        f"time to {target:g}",
+        box=None,
+        pad_edge=False,
     )
     full = _time(needs.full.seconds_for(target, pixels))
     found.add_row("the full model", "", "", "", full)
@@ -50,7 +56,7 @@ def summary(needs: Needs) -> list[str]:
         lines.append(f"makes no difference to what is traced: {'; '.join(needs.without_effect)}")
     if needs.rare:
         lines.append(
-            "rare photons carry the noise, so neither intervals nor times are to be trusted, and nothing is "
+            "rare samples carry the noise, so neither intervals nor times are to be trusted, and nothing is "
             "chosen; a larger --budget may show enough of them"
         )
         return lines

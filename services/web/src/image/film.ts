@@ -1,12 +1,8 @@
 /** An image that grows, tile by tile, and what can be read off it. No I/O. */
+import type { Region } from "../service/types.ts";
 import type { Tile } from "./tiles.ts";
 
-export interface Region {
-  x: number;
-  y: number;
-  width: number;
-  height: number;
-}
+export type { Region };
 
 /** Means over the pixels of a region that have samples. */
 export interface Reading {

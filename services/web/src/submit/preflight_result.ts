@@ -1,11 +1,11 @@
 /** What a scene needs: the service's report as a table, and the scene that is enough. */
 import { element } from "../dom.ts";
 import { formatDuration } from "../format.ts";
-import type { Interval, Preflight, PreflightModel } from "../service/types.ts";
+import type { Interval, PreflightReport, PreflightModel } from "../service/types.ts";
 
 /** The table, and a button that takes the simpler scene where there is one. */
-export function preflightResult(preflight: Preflight, onTake: () => void): HTMLElement[] {
-  const heads = ["Without", "Mean luminance", "Local", "Time a sample", "Verdict", "Time to the target"];
+export function preflightResult(preflight: PreflightReport, onTake: () => void): HTMLElement[] {
+  const heads = ["Without", "Mean luminance", "Relative RMSE", "Time a sample", "Verdict", "Time to the target"];
   const row = (cells: string[], tag: "td" | "th"): HTMLElement => element("tr", {}, ...cells.map((cell) => element(tag, {}, cell)));
   const rows = preflight.models.map((model) => row(cellsOf(model), "td"));
   const table = element("table", {}, element("thead", {}, row(heads, "th")), element("tbody", {}, ...rows));
@@ -19,8 +19,8 @@ export function preflightResult(preflight: Preflight, onTake: () => void): HTMLE
 }
 
 /** What follows, for people. */
-export function sentence(preflight: Preflight): string {
-  if (preflight.pilot.heavy_tails) return "Rare photons carry the noise, so nothing here is to be trusted, and nothing is chosen.";
+export function sentence(preflight: PreflightReport): string {
+  if (preflight.pilot.heavy_tails) return "Rare samples carry the noise, so nothing here is to be trusted, and nothing is chosen.";
   const target = `${Number((100 * preflight.error).toPrecision(3))} %`;
   const time = preflight.chosen.cpu_seconds === null ? "–" : formatDuration(preflight.chosen.cpu_seconds);
   const cost = `${(preflight.chosen.samples ?? 0).toLocaleString("en")} samples, ${time} of one processor.`;

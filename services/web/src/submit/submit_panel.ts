@@ -1,8 +1,8 @@
 /** Submitting a scene: drop a folder or an archive, say what is wanted, send. */
 import { announce, element, setText } from "../dom.ts";
 import { renderRoute } from "../router.ts";
-import { createRender, missingAssets, preflight, type Problem, ServiceError, storeAsset } from "../service/client.ts";
-import type { NewRender, Preflight } from "../service/types.ts";
+import { createRender, missingAssets, preflight, ServiceError, storeAsset } from "../service/client.ts";
+import type { CreateRenderRequest, PreflightReport, Problem } from "../service/types.ts";
 import { filesDropped, filesOf } from "./dropped.ts";
 import { type Asked, submitForm } from "./form.ts";
 import { preflightResult } from "./preflight_result.ts";
@@ -55,7 +55,7 @@ export function submitPanel(): { node: HTMLElement; close: () => void } {
     form.busy(false);
   };
   const send = (wanted: Scene, asked: Asked): Promise<void> => working(async () => {
-    const request: NewRender = { request_id: asked.requestId, scene: wanted.document, ...asked.request };
+    const request: CreateRenderRequest = { request_id: asked.requestId, scene: wanted.document, ...asked.request };
     await upload(wanted, status);
     setText(status, "Submitting…");
     const render = await createRender(request);
@@ -71,18 +71,18 @@ export function submitPanel(): { node: HTMLElement; close: () => void } {
   return { node, close: takeDrops(node, (files) => void take(files)) };
 }
 
-async function preflightOf(wanted: Scene, { request }: Asked, status: HTMLElement): Promise<Preflight> {
+async function preflightOf(wanted: Scene, { request }: Asked, status: HTMLElement): Promise<PreflightReport> {
   const { width, height, stop } = request;
   await upload(wanted, status);
   setText(status, "Rendering it small, with and without each part; this takes minutes…");
-  const error = typeof stop.relative_error === "number" ? stop.relative_error : usualError;
+  const error = stop.relative_error ?? usualError;
   const found = await preflight({ scene: wanted.document, width, height, error });
   setText(status, `${wanted.path} is checked`);
   return found;
 }
 
 /** The scene that is enough; its files are there already. */
-function simpler(scene: Scene, preflight: Preflight, status: HTMLElement): Scene {
+function simpler(scene: Scene, preflight: PreflightReport, status: HTMLElement): Scene {
   setText(status, `${scene.path}, simplified: ${preflight.chosen.without.join(", ")}`);
   return { ...scene, document: preflight.document };
 }

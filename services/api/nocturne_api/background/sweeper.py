@@ -7,7 +7,7 @@ from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.object_store import ObjectStoreUnavailable
 from nocturne_coordinator.store.removal import sweep
 
-from nocturne_api.background import Background
+from nocturne_api.background.task import Background
 
 _log = logging.getLogger(__name__)
 

@@ -14,7 +14,7 @@ from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.object_store import ObjectStore, ObjectStoreUnavailable
 from nocturne_scene.errors import NotFound
 
-from nocturne_api.background import Background
+from nocturne_api.background.task import Background
 
 _log = logging.getLogger(__name__)
 

@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 
 from nocturne_api.errors import Overloaded
 from nocturne_api.limits import WATCH_INTERVAL_S, WATCHERS
-from nocturne_api.views import RenderView
+from nocturne_api.models.renders import Render
 
 _log = logging.getLogger(__name__)
 
@@ -22,12 +22,12 @@ class Watcher:
     def __init__(self, render_ids: frozenset[str] | None) -> None:
         """`render_ids`: None for the newest, whichever they are."""
         self.render_ids = render_ids
-        self._newest: dict[str, RenderView] = {}
+        self._newest: dict[str, Render] = {}
         self._sent: dict[str, int] = {}
         self._awake = asyncio.Event()
         self._closed = False
 
-    def offer(self, render: RenderView) -> None:
+    def offer(self, render: Render) -> None:
         """Takes a state, unless this watcher has seen it or one after it."""
         if render.sequence > self._sent.get(render.id, -1):
             self._newest[render.id] = render
@@ -42,7 +42,7 @@ class Watcher:
         self._closed = True
         self._awake.set()
 
-    async def next(self) -> RenderView | None:
+    async def next(self) -> Render | None:
         """The next state, waiting for one; None when the stream is over."""
         while not self._newest:
             if self._closed:
@@ -70,8 +70,8 @@ class Watchers:
     def __init__(
         self,
         change_counter: Callable[[], Awaitable[int]],
-        get_one: Callable[[str], Awaitable[RenderView | None]],
-        newest: Callable[[], Awaitable[list[RenderView]]],
+        get_one: Callable[[str], Awaitable[Render | None]],
+        newest: Callable[[], Awaitable[list[Render]]],
     ) -> None:
         self._change_counter = change_counter
         self._get_one = get_one
@@ -142,7 +142,7 @@ class Watchers:
             watcher.forget_except(render.id for render in renders)
 
 
-async def states(watcher: Watcher, to_the_end: bool = False) -> AsyncIterator[RenderView]:
+async def states(watcher: Watcher, to_the_end: bool = False) -> AsyncIterator[Render]:
     """The states of one watcher until the stream is over; `to_the_end`: or until a render has ended."""
     while (render := await watcher.next()) is not None:
         yield render

@@ -98,7 +98,10 @@ def _running(situation: Situation, now: float) -> str:
         return "All samples are there; it waits for audits, or for its images to be written."
     if render.photons_per_second <= 0.0:
         out = int(situation.meters.get("jobs_published", 0))
-        return f"{out} jobs are with {threads} worker threads, and none of its own came back lately."
+        return (
+            f"No result came back in the last minutes: {threads} worker threads are busy with the {out} jobs "
+            "published before, its own among them or behind them."
+        )
     end = "" if not render.predicted_end else f" It should end {_when(render.predicted_end, now)}."
     kept = len(situation.incompatible)
     others = f" {kept} workers get no jobs; `nocturne workers` says why." if kept else ""

@@ -17,8 +17,8 @@ from nocturne_coordinator.store.webhooks import WebhookMessage, Webhooks
 from nocturne_scene.errors import InputError
 from standardwebhooks import Webhook as Signer
 
-from nocturne_api.background import Background
-from nocturne_api.webhook_targets import TargetRefused, TargetRules
+from nocturne_api.background.task import Background
+from nocturne_api.webhooks.targets import TargetRefused, TargetRules
 
 _log = logging.getLogger(__name__)
 

@@ -1,4 +1,4 @@
-"""Starts a real API and opens its doors."""
+"""Starts a real API and opens clients of its endpoints."""
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -20,10 +20,10 @@ async def running(folder: Path, web: Path) -> AsyncIterator[Service]:
 
 
 def rest_client(service: Service) -> httpx.AsyncClient:
-    """A client of the REST door."""
+    """A client of the REST endpoint."""
     return httpx.AsyncClient(base_url=f"http://127.0.0.1:{service.port}", timeout=20, trust_env=False)
 
 
 def grpc_channel(service: Service) -> grpc.aio.Channel:
-    """A channel to the gRPC door."""
+    """A channel to the gRPC endpoint."""
     return grpc.aio.insecure_channel(f"127.0.0.1:{service.grpc_port}")

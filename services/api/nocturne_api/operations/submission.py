@@ -136,5 +136,5 @@ class _Problems:
 
 
 def _canonical(scene: Any) -> str:
-    """The document in one spelling, so that a repeated request is known at either door."""
+    """The document in one spelling, so that a repeated request is known by either transport."""
     return json.dumps(scene, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
