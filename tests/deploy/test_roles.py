@@ -7,8 +7,9 @@ from typing import Any
 
 import pytest
 import redis
+from nocturne_coordinator.errors import QueueError
 from nocturne_coordinator.queue import keys
-from nocturne_coordinator.queue.job_queue import JobQueue, QueueError, Session
+from nocturne_coordinator.queue.job_queue import JobQueue, Session
 from redis.exceptions import AuthenticationError, NoPermissionError
 
 from tests.coordinator.service import wait_until

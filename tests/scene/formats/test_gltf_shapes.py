@@ -215,7 +215,7 @@ def test_a_skin_follows_its_joints(tmp_path: Path) -> None:
     model.tree["skins"] = [{"joints": [1, 2], "inverseBindMatrices": matrices}]
 
     def upper(p: Any) -> NDArray[np.float64]:
-        return np.array(p) + np.array([0.0, 2.0, 0.0])
+        return np.asarray(p, dtype=np.float64) + np.array([0.0, 2.0, 0.0])
 
     def fore(p: Any) -> NDArray[np.float64]:
         x, y, z = np.asarray(p) - [1, 0, 0]
