@@ -144,7 +144,7 @@ docs: proto  ## Pages that are generated from the code, and the documentation si
 	$(PYTHON) -m examples.gallery --page
 	$(PYTHON) -m sphinx --fail-on-warning --keep-going --quiet -c docs -d build/docs-doctrees . build/docs-site
 
-gallery: build  ## Pictures of all examples and their costs, for docs/gallery.md (half an hour)
+gallery: build  ## Pictures of examples whose entry in examples/gallery.toml is new, and docs/gallery.md (minutes)
 	$(PYTHON) -m examples.gallery
 
 # What miepython, which only tests use, asks for and does not need, with what that asks for. So locks are installed with

@@ -36,9 +36,3 @@ def test_the_gallery_is_made_of_what_is_kept() -> None:
     """Make it again with `python -m examples.gallery --page`."""
     assert set(json.loads(FIGURES.read_text())["pictures"]) == {picture.scene for picture in PICTURES}
     assert PAGE.read_text(encoding="utf-8") == page()
-
-
-def test_kept_figures_are_of_the_films_in_the_table() -> None:
-    figures = json.loads(FIGURES.read_text())["pictures"]
-    kept = {scene: (each["width"], each["height"], each["samples"]) for scene, each in figures.items()}
-    assert kept == {each.scene: (each.width, each.height, each.samples) for each in PICTURES}
