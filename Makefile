@@ -19,7 +19,7 @@ STAMPS := build/stamps
 # Neighbours in a file stay together, for what they share, until a process has nothing left to do.
 PROCESSES := --dist worksteal --numprocesses
 
-.PHONY: help packages venv proto web worker build dist containers demo stop test check check-types check-page check-form format unit system screenshots soak fuzz references peers stability preflights sanitize bench lock docs clean
+.PHONY: help packages venv proto web worker build dist containers demo stop test check check-types check-page check-form format unit system screenshots soak fuzz references peers stability preflights sanitize bench lock docs gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -102,7 +102,7 @@ system: build  ## Tests of the whole: service, workers, browser, images
 	pytest -m "system and not soak" tests/web
 	pytest -m "system and not soak" --ignore tests/web $(PROCESSES) 2
 
-screenshots: build  ## Pictures of the page for docs/page.md, by its test
+screenshots: build  ## Pictures of the page for docs/how-to/page.md, by its test
 	NOCTURNE_SCREENSHOTS=$(CURDIR)/docs/images/page pytest tests/web
 
 soak: build  ## Random faults for SOAK_SECONDS (default 600), and all that takes minutes (a quarter of an hour more)
@@ -120,10 +120,10 @@ peers: build  ## Exported scenes rendered by another renderer, which is installe
 	$(PYTHON) -m bench.peer.install
 	pytest -m peers -s
 
-stability: build  ## Torture cases by every method; writes docs/stability.md (some ten minutes)
+stability: build  ## Torture cases by every method; writes docs/explanation/stability.md (some ten minutes)
 	$(PYTHON) -m tests.stability
 
-preflights: build  ## What the scenes of the repository need for 2 %; writes the table of docs/planning.md (half an hour)
+preflights: build  ## What the examples need for 2 %, into bench/results (half an hour)
 	$(PYTHON) -m bench.preflights
 
 sanitize: packages  ## C++ tests under the address and undefined-behaviour sanitizers
@@ -136,9 +136,16 @@ bench: build  ## Speed figures, each a line of JSON; charts and latest results i
 	$(PYTHON) -m bench
 	$(PYTHON) -m bench.suite $(if $(filter full,$(BENCH)),--full)
 
-docs: proto  ## Pages that are generated from the code
-	$(PYTHON) -m nocturne_scene.document.reference > docs/scene.md
-	$(PYTHON) -m nocturne_scene.document.reference --schema > docs/scene.schema.json
+docs: proto  ## Pages that are generated from the code, and the documentation site in build/docs-site
+	$(PYTHON) -m nocturne_scene.document.reference > docs/reference/scene.md
+	$(PYTHON) -m nocturne_scene.document.reference --schema > docs/reference/scene.schema.json
+	$(PYTHON) -m typer nocturne_client.cli.app utils docs --name nocturne --title "All commands and options" \
+	  > docs/reference/commands.md
+	$(PYTHON) -m examples.gallery --page
+	$(PYTHON) -m sphinx --fail-on-warning --keep-going --quiet -c docs -d build/docs-doctrees . build/docs-site
+
+gallery: build  ## Pictures of all examples and their costs, for docs/gallery.md (half an hour)
+	$(PYTHON) -m examples.gallery
 
 COMPILE := build/lock/bin/pip-compile --quiet --generate-hashes --no-reuse-hashes --no-header --strip-extras \
   --no-emit-index-url --no-emit-find-links --no-annotate --allow-unsafe

@@ -1,8 +1,8 @@
 """`python -m bench.fleet REDIS WORKERS JOB_S [LEASE_S KILLED_S]`: workers that do all but trace.
 
-Each follows docs/queue.md with a consumer, a status every two seconds and renewed claims of its own. What a
-job takes is waited for; its sums are the same for all jobs of as many samples. Prints one line of JSON at
-SIGTERM.
+Each follows docs/explanation/queue.md with a consumer, a status every two seconds and renewed claims of its
+own. What a job takes is waited for; its sums are the same for all jobs of as many samples. Prints one line
+of JSON at SIGTERM.
 """
 
 import json

@@ -1,5 +1,6 @@
-"""What the scenes of the repository need: `nocturne preflight` over all of them, as the table of
-docs/planning.md.
+"""Which parts of the examples matter for an error of 2 %: `nocturne preflight` over all of them.
+
+Keeps what was found as JSON and as a table in bench/results.
 
 `python -m bench.preflights [--budget SECONDS] [SCENE ...]`: a scene is a folder of examples; by default, all
 are.
@@ -18,10 +19,8 @@ from nocturne_scene.simplify.simplification import assets_of
 from bench.programs import run
 
 SCENES = CHECKOUT / "examples"
-PAGE = CHECKOUT / "docs" / "planning.md"
 RESULTS = CHECKOUT / "bench" / "results" / "preflights.json"
-
-_BEGIN, _END = "<!-- table: made by `make preflights` -->\n", "<!-- end of table -->"
+TABLE = RESULTS.with_suffix(".md")
 
 _TARGET = "2%"
 
@@ -29,7 +28,7 @@ Found = dict[str, Any]
 
 
 def main() -> None:
-    """Plans scenes, keeps what was found in bench/results and writes the table."""
+    """Run preflights, keep what was found and write the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--budget", type=float, default=120.0)
     parser.add_argument("scenes", nargs="*")
@@ -41,9 +40,7 @@ def main() -> None:
         _make_files(SCENES / name)
         preflights[name] = _preflight(SCENES / name / "scene.json", arguments.budget)
         RESULTS.write_text(json.dumps(preflights, indent=1, sort_keys=True) + "\n")
-    before, _, rest = PAGE.read_text().partition(_BEGIN)
-    after = rest.partition(_END)[2]
-    PAGE.write_text(before + _BEGIN + "\n" + _table(preflights) + "\n" + _END + after)
+    TABLE.write_text("# What the examples need for 2 %\n\n" + _table(preflights))
 
 
 def _make_files(folder: Path) -> None:

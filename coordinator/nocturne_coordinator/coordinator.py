@@ -21,6 +21,7 @@ from nocturne_coordinator.crash_points import crash_point
 from nocturne_coordinator.dispatch.audit import MAX_WAIT, Auditor
 from nocturne_coordinator.dispatch.failure_policy import FailurePolicy
 from nocturne_coordinator.dispatch.profiles import should_start_anew, usual_profile
+from nocturne_coordinator.dispatch.records import OpenRender, RenderState, WorkerRow
 from nocturne_coordinator.dispatch.result_handler import Outcome, ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import MIN_OVERDUE, Scheduler
@@ -30,8 +31,7 @@ from nocturne_coordinator.output.previews import Previews
 from nocturne_coordinator.queue.job_queue import JobQueue, Session
 from nocturne_coordinator.store.bundle import write_bundle
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.ledger import Ledger, OpenRender
-from nocturne_coordinator.store.rows import RenderState, WorkerRow
+from nocturne_coordinator.store.ledger import Ledger
 
 _log = logging.getLogger(__name__)
 

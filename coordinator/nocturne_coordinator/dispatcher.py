@@ -14,11 +14,11 @@ from nocturne_coordinator.dispatch.audit import Auditor
 from nocturne_coordinator.dispatch.liveness import Liveness, Sign
 from nocturne_coordinator.dispatch.planned_render import RefusedResult, render_of
 from nocturne_coordinator.dispatch.profiles import incompatible, threads_by_profile
+from nocturne_coordinator.dispatch.records import WorkerRow
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
 from nocturne_coordinator.queue.job_queue import FIRST, Entry, JobQueue, QueueError, Session
 from nocturne_coordinator.queue.worker_status import worker_row
-from nocturne_coordinator.store.rows import WorkerRow
 
 _log = logging.getLogger(__name__)
 

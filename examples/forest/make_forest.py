@@ -317,4 +317,4 @@ def scene(places: list[Document]) -> Document:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else "."))
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent)

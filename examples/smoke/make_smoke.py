@@ -110,4 +110,4 @@ def _without_divergence(velocity: Field) -> Field:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else "."))
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent)

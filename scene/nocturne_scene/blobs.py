@@ -4,9 +4,7 @@ With an object store, what is stored is there before it is said to be, and what 
 """
 
 import hashlib
-import os
 import re
-import tempfile
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -15,6 +13,7 @@ from typing import BinaryIO, Protocol
 
 from nocturne_scene.errors import InputError, NotFound
 from nocturne_scene.limits import MAX_ASSET_BYTES
+from nocturne_scene.replacing import replacing
 
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 _PIECE_BYTES = 2**20
@@ -143,22 +142,14 @@ class BlobStore:
         place = self._place(sha256)
         if not 0 <= size_bytes <= MAX_ASSET_BYTES:
             raise InputError.at("asset", f"has {size_bytes} bytes; expected 0 to {MAX_ASSET_BYTES}")
-        descriptor, name = tempfile.mkstemp(dir=self._incoming)
-        temporary = Path(name)
-        try:
-            with os.fdopen(descriptor, "wb") as file:
+        with replacing(place, durable=True, folder=self._incoming) as unfinished:
+            with unfinished.open("wb") as file:
                 writer = BlobWriter(file, size_bytes)
                 yield writer
                 writer.verify(sha256)
-                file.flush()
-                os.fsync(file.fileno())
             if self.remote is not None:
-                self.remote.put(_object_name(sha256), temporary)
-            temporary.chmod(0o644)
+                self.remote.put(_object_name(sha256), unfinished)
             place.parent.mkdir(exist_ok=True)
-            temporary.replace(place)
-        finally:
-            temporary.unlink(missing_ok=True)
 
     def put(self, data: bytes) -> str:
         """Stores bytes made here; gives their digest."""
@@ -187,11 +178,8 @@ class BlobStore:
         """Notes what took long to find out and can be found out again."""
         place = self._note_place(about)
         place.parent.mkdir(exist_ok=True)
-        descriptor, name = tempfile.mkstemp(dir=self._incoming)
-        with os.fdopen(descriptor, "w") as file:
-            file.write(text)
-        Path(name).chmod(0o644)
-        Path(name).replace(place)
+        with replacing(place, folder=self._incoming) as unfinished:
+            unfinished.write_text(text)
 
     def _fetched(self, sha256: str, place: Path) -> bool:
         """Whether the blob was in the object store, and is here now."""

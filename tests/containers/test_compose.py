@@ -23,7 +23,7 @@ from tests.system.waiting import wait_for
 pytestmark = pytest.mark.containers
 
 WORKERS = 3
-# With a third of a processor for each worker a minute and more on any machine: enough is left for the last fault.
+# With a third of a processor for each worker a minute and more on any machine: enough for all faults.
 _SIZE = (200, 150, 2048)
 _UP_S = 600.0
 _RENDER_S = 3600.0

@@ -13,10 +13,11 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import redis
 from nocturne.v1 import job_pb2
+from nocturne_coordinator.dispatch.error_estimate import variance_of_mean
 from nocturne_coordinator.dispatch.merge import Counts, Sums
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
-from nocturne_coordinator.output.images import mean_further_responses, mean_xyz, variance_of_mean
+from nocturne_coordinator.output.images import mean_further_responses, mean_xyz
 from nocturne_coordinator.store.data_folder import DataFolder, NewRender, RenderRow
 from nocturne_scene.ranges import make_schedule
 
@@ -207,6 +208,12 @@ def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.stack([channel[name] for name in "XYZ"], axis=-1), channel["Y.stderr"], channel["n"]
 
 
+def read_rgb(path: Path) -> np.ndarray:
+    """What viewers show."""
+    channel = _read_channels(path)
+    return np.stack([channel[name] for name in "RGB"], axis=-1)
+
+
 def read_manifest(path: Path) -> str:
     """Samples of each tile, as the file tells them; empty where it does not."""
     image: Any = oiio.ImageInput.open(str(path))
@@ -220,7 +227,7 @@ def read_further_responses(path: Path) -> dict[str, np.ndarray]:
     return {
         name: channel
         for name, channel in _read_channels(path).items()
-        if name not in ("X", "Y", "Z", "Y.stderr", "n")
+        if name not in ("X", "Y", "Z", "Y.stderr", "n", "R", "G", "B")
     }
 
 

@@ -53,7 +53,7 @@ def unaltered(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
 
 
 class SimulatedWorker(threading.Thread):
-    """Follows the protocol of docs/queue.md in a thread; reconnects for ever, as a real one does."""
+    """Follows the protocol of docs/explanation/queue.md in a thread; reconnects for ever, as workers do."""
 
     def __init__(
         self,

@@ -3,9 +3,8 @@
 import random
 
 from nocturne_coordinator.dispatch.failure_policy import FailurePolicy
-from nocturne_coordinator.dispatch.liveness import Liveness, Sign
+from nocturne_coordinator.dispatch.liveness import Holder, Liveness, Sign
 from nocturne_coordinator.dispatch.scheduler import JobKey
-from nocturne_coordinator.queue.job_queue import Holder
 
 KEY = JobKey("r", 3, 1)
 ENTRIES = {b"1-0": KEY}

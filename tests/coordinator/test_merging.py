@@ -11,11 +11,10 @@ from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.audit import Auditor
 from nocturne_coordinator.dispatch.failure_policy import FailurePolicy
 from nocturne_coordinator.dispatch.merge import RangeSums, TileState, Verdict
+from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import MIN_OVERDUE, OVERDUE_FACTOR, JobKey, Scheduler
-from nocturne_coordinator.store.ledger import OpenRender, TileRow, Totals
-from nocturne_coordinator.store.rows import RenderState
 from nocturne_scene.ranges import make_schedule
 
 from tests.coordinator.simulated_worker import simulated_result, simulated_sums

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.main import EXIT_ALREADY_OWNED, EXIT_OWNERSHIP_LOST
-from nocturne_coordinator.output.images import manifest_of
 from nocturne_coordinator.queue import keys
 
 from tests.coordinator.service import (
@@ -20,6 +19,7 @@ from tests.coordinator.service import (
     wait_until,
 )
 from tests.coordinator.simulated_worker import SimulatedWorker
+from tests.pictures import samples_of
 
 SOME_DELAY = 0.02
 """Seconds per job."""
@@ -59,7 +59,7 @@ def test_a_time_stops_a_render_and_its_manifest_replays_it(service: Service) -> 
     assert until.until <= row.ended < until.until + 3.0
     check_committed(service, row)
     manifest = service.folder.manifest(render.id)
-    assert manifest_of(read_manifest(service.folder.image_path(render.id))) == list(manifest)
+    assert samples_of(read_manifest(service.folder.image_path(render.id))) == list(manifest)
 
     replay = service.folder.create_replay(render.id, "replay")
     assert service.folder.create_replay(render.id, "replay").id == replay.id

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from nocturne_coordinator.dispatch.records import RenderCommit, TileRow, Totals
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.errors import LeaseLost
 from nocturne_coordinator.output.previews import Previews
 from nocturne_coordinator.store.data_folder import DataFolder, NewRender
-from nocturne_coordinator.store.ledger import Ledger, RenderCommit, TileRow, Totals
+from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
 from nocturne_coordinator.store.removal import delete_render
 from nocturne_scene.ranges import make_schedule

@@ -16,13 +16,13 @@ from nocturne_coordinator.dispatch.profiles import (
     threads_by_profile,
     usual_profile,
 )
+from nocturne_coordinator.dispatch.records import UNKNOWN_CLASS, OpenRender, RenderState, Totals
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
 from nocturne_coordinator.store.data_folder import DataFolder, NewRender, WorkerRow
-from nocturne_coordinator.store.ledger import Ledger, OpenRender, Totals
+from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
-from nocturne_coordinator.store.rows import UNKNOWN_CLASS, RenderState
 from nocturne_scene.ranges import make_schedule
 
 from tests.coordinator.simulated_worker import simulated_result

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 from nocturne_coordinator.errors import AlreadyOwned, CantRestore
 from nocturne_coordinator.main import EXIT_UNUSABLE
-from nocturne_coordinator.output.images import manifest_of
 from nocturne_coordinator.store.checkpoint import Checkpointer, checkpoints
 from nocturne_coordinator.store.restoring import damage_of, restore
 from nocturne_scene.blobs import BlobStore
@@ -24,6 +23,7 @@ from tests.coordinator.service import (
     wait_until,
 )
 from tests.coordinator.simulated_worker import SimulatedWorker
+from tests.pictures import samples_of
 
 OFTEN = ("--checkpoint-seconds", "0.1")
 SOME_DELAY = 0.05
@@ -77,7 +77,7 @@ def test_a_lost_machine_is_replaced_by_a_checkpoint_elsewhere(tmp_path: Path) ->
     render = half_way(lost, (*OFTEN, "--checkpoints", str(safe)))
     # It must not end while a checkpoint is made, however busy the machine is.
     lost.stop_workers()
-    wait_until(lambda: bool(checkpoints(safe)) and any(manifest_of(checkpoints(safe)[0].renders[render])))
+    wait_until(lambda: bool(checkpoints(safe)) and any(samples_of(checkpoints(safe)[0].renders[render])))
     lost.close()
     lost.server.kill()
     shutil.rmtree(places[0])

@@ -8,13 +8,20 @@ import time
 from pathlib import Path
 
 import pytest
+from nocturne_coordinator.dispatch.records import (
+    ErrorPoint,
+    OpenRender,
+    RenderCommit,
+    RenderState,
+    TileRow,
+    Totals,
+)
 from nocturne_coordinator.errors import AlreadyOwned, LeaseLost
 from nocturne_coordinator.main import EXIT_ALREADY_OWNED
 from nocturne_coordinator.queue import keys
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.ledger import Ledger, OpenRender, RenderCommit, TileRow, Totals
+from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
-from nocturne_coordinator.store.rows import ErrorPoint, RenderState
 
 from tests.coordinator.service import Service, check_complete, wait_until
 from tests.coordinator.simulated_worker import SimulatedWorker

@@ -14,6 +14,7 @@ from nocturne_coordinator.dispatch.audit import Auditor
 from nocturne_coordinator.dispatch.failure_policy import FailurePolicy
 from nocturne_coordinator.dispatch.forecast import UNKNOWN, Measured, forecast
 from nocturne_coordinator.dispatch.merge import Sums
+from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
@@ -24,11 +25,11 @@ from nocturne_coordinator.dispatch.stopping import (
     samples_needed,
     stop_conditions,
 )
-from nocturne_coordinator.output.images import manifest_of, manifest_text
-from nocturne_coordinator.store.ledger import OpenRender, TileRow, Totals
-from nocturne_coordinator.store.rows import RenderState
+from nocturne_coordinator.output.images import manifest_text
 from nocturne_scene.errors import InputError
 from nocturne_scene.ranges import extended_schedule, make_schedule
+
+from tests.pictures import samples_of
 
 EVENING = datetime(2026, 11, 21, 18, 0, tzinfo=UTC)
 
@@ -91,9 +92,8 @@ def test_conditions_come_back_from_json() -> None:
 
 def test_a_manifest_comes_back_from_its_text() -> None:
     for samples in ([4], [4, 4, 4], [8, 4, 4, 0, 0, 0, 8], list(range(9))):
-        assert manifest_of(manifest_text(samples)) == samples
-    with pytest.raises(ValueError, match="more tiles"):
-        manifest_of("4x99999999999")
+        assert samples_of(manifest_text(samples)) == samples
+    assert manifest_text([64, 64, 64, 128, 64]) == "64x3 128 64"
 
 
 def test_an_error_falls_as_one_over_the_root() -> None:

@@ -19,7 +19,6 @@ from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.errors import UnusableFolder, WrongState
 from nocturne_coordinator.main import EXIT_ALREADY_OWNED, EXIT_UNUSABLE
-from nocturne_coordinator.output.images import manifest_of
 from nocturne_coordinator.queue import keys
 from nocturne_coordinator.store.checkpoint import checkpoints
 from nocturne_coordinator.store.data_folder import DataFolder
@@ -36,6 +35,7 @@ from tests.faults.survival import (
     half_done,
     note,
 )
+from tests.pictures import samples_of
 
 
 @pytest.mark.parametrize(
@@ -181,7 +181,7 @@ def test_a_damaged_database_is_replaced_by_the_newest_whole_checkpoint(service: 
     assert any("damaged" in each for each in found.damage)
     assert (service.data / "damaged-1" / "nocturne.db").is_file()
     service.reopen()
-    assert list(service.folder.manifest(render)) == manifest_of(before.renders[render])
+    assert list(service.folder.manifest(render)) == samples_of(before.renders[render])
     service.start()
     check_survived(service, render)
     # Once more: nothing to do.

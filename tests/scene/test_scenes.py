@@ -83,6 +83,25 @@ def test_every_scene_uses_all_that_it_holds(name: str, blobs: BlobStore) -> None
     assert output.dropped == []
 
 
+def test_the_camera_sees_the_lamps_of_the_mixtures_in_every_plate() -> None:
+    document = read("mixtures")
+    eye = np.array(document["sensor"]["position"], dtype=float)
+    shapes = {each["name"]: each["shape"] for each in document["surfaces"]}
+    largest = shapes["lamp of 0.9 m"]
+    for number in (1, 2, 3, 4):
+        shape = shapes[f"plate {number}"]
+        corner, u, v = (np.array(shape[name], dtype=float) for name in ("corner", "edge_u", "edge_v"))
+        middle = corner + (u + v) / 2
+        normal = np.cross(u, v)
+        normal /= np.linalg.norm(normal)
+        to_eye = (eye - middle) / np.linalg.norm(eye - middle)
+        mirrored = 2 * (normal @ to_eye) * normal - to_eye
+        # Along the plates nothing changes: what counts is how far the ray passes from the lamp in y and z.
+        offset = (np.array(largest["centre"]) - middle)[1:]
+        ray = mirrored[1:] / np.linalg.norm(mirrored[1:])
+        assert abs(offset[0] * ray[1] - offset[1] * ray[0]) < largest["radius"]
+
+
 def test_the_prism_is_at_minimum_deviation(compiled: Compile) -> None:
     scene = compiled(read("prism"))
     interior = scene.interiors[scene.surfaces[0].interior]

@@ -121,7 +121,7 @@ def test_a_table_that_fits_no_grid_is_close_to_what_was_written() -> None:
     message = spectra.reflectance(table(knots))
     fine = np.arange(400.0, 500.0, 0.001)
     error = np.abs(spectra.evaluate(message, fine) - np.interp(fine, *np.array(knots).T))
-    assert error.max() <= 0.025 * (1 / 50.033 + 1 / 49.967)  # as docs/scene.md promises
+    assert error.max() <= 0.025 * (1 / 50.033 + 1 / 49.967)  # as docs/reference/scene.md promises
 
 
 def test_what_nobody_sees_is_cut_off() -> None:

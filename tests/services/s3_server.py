@@ -1,8 +1,8 @@
 """A server that speaks as much of S3 as our object store says: one bucket, objects in memory.
 
 Put, get, head, delete and list, by Amazon S3's API reference. A digest that comes with an object is checked,
-and calls that nobody signed are refused. Signatures themselves are not checked: the library that makes them is
-not ours to test.
+and calls that nobody signed are refused. Signatures themselves are not checked: the library that makes them
+is not ours to test.
 """
 
 import base64

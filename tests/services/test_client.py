@@ -186,6 +186,19 @@ def test_every_file_of_a_scene_is_named_by_digest(scene: dict[str, Any], tmp_pat
     assert found.document["sensor"]["responses"] == {"asset": "white"}
 
 
+def test_a_scene_without_its_files_says_which_program_makes_them(
+    scene: dict[str, Any], tmp_path: Path
+) -> None:
+    scene["environment"] = {"asset": "sky.exr"}
+    (tmp_path / "scene.json").write_text(json.dumps(scene))
+    with pytest.raises(NocturneClientError, match=r"files are missing$"):
+        read_scene(tmp_path / "scene.json")
+    (tmp_path / "make_sky.py").touch()
+    for missing in ("scene.json", "forest.json"):
+        with pytest.raises(NocturneClientError, match=rf"{missing}: .*make_sky\.py`$"):
+            read_scene(tmp_path / missing)
+
+
 @pytest.mark.parametrize("text", ["", "{", "[]", "[" * 100_000])
 def test_documents_that_are_no_scene(text: str, tmp_path: Path) -> None:
     (tmp_path / "scene.json").write_text(text)

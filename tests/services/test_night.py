@@ -27,8 +27,8 @@ from nocturne_api.status_reason import Situation, sentence
 from nocturne_client import Client
 from nocturne_client.cli.app import app
 from nocturne_client.cli.stops import Stops, with_zone
+from nocturne_coordinator.dispatch.records import RenderState, WorkerRow
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.rows import RenderState, WorkerRow
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError
@@ -387,6 +387,7 @@ async def test_tokens_open_what_their_scopes_say(
             answer = await rest.post(f"/v1/renders/{mine['id']}:pause", headers=bearer(secret))
             assert answer.status_code == status
         assert (await rest.get("/v1/workers", headers=bearer(secrets["worker"]))).status_code == 403
+        assert (await rest.get("/v1/events", headers=bearer(secrets["worker"]))).status_code == 403
         scene = f"/v1/assets/{mine['scene_sha256']}"
         assert (await rest.head(scene, headers=bearer(secrets["worker"]))).status_code == 200
         assert (

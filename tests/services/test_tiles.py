@@ -12,9 +12,10 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
+from nocturne_coordinator.dispatch.records import RenderCommit, TileRow, Totals
 from nocturne_coordinator.output.images import Provenance, write_image
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.ledger import Ledger, RenderCommit, TileRow, Totals
+from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
 
 WIDTH, HEIGHT, TILE = 40, 30, 32
@@ -54,8 +55,8 @@ def sums_of(samples: int, width: int) -> npt.NDArray[np.float64]:
 
 
 def decode(content: bytes) -> tuple[tuple[int, ...], dict[int, tuple[tuple[int, ...], npt.NDArray[Any]]]]:
-    """Header without its magic; by tile (samples, invalid_samples, revision) and pixels. By docs/api.md
-    alone."""
+    """Header without its magic; by tile (samples, invalid samples, revision) and pixels. By
+    docs/reference/api.md alone."""
     assert content[:4] == b"NXY1"
     header = struct.unpack_from("<7I", content, 4)
     offset, tiles = 32, {}

@@ -5,10 +5,10 @@ from bisect import bisect_left
 
 import numpy as np
 
+from nocturne_coordinator.dispatch.error_estimate import relative_error
 from nocturne_coordinator.dispatch.merge import Counts, Offered, RangeSums, Sums, TileState
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions, error_is_met, samples_needed
-from nocturne_coordinator.output.images import relative_error
 
 
 class Film:

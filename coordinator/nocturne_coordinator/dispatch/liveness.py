@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from nocturne_coordinator.dispatch.scheduler import JobKey
-from nocturne_coordinator.queue.job_queue import Holder
 
 _RENEWED_MS = 6000
 """A status that had less left when it was last seen was not renewed any more; of ten seconds, renewed every
@@ -23,6 +22,14 @@ class Sign:
 
     started: float
     left_ms: int
+
+
+@dataclass(frozen=True, slots=True)
+class Holder:
+    """A job that a worker has: the entry, and who."""
+
+    entry: bytes
+    worker: str
 
 
 @dataclass(slots=True)

@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterable, Mapping
 
 from nocturne.v1 import job_pb2
 
-from nocturne_coordinator.store.rows import UNKNOWN_CLASS, WorkerRow
+from nocturne_coordinator.dispatch.records import UNKNOWN_CLASS, WorkerRow
 
 _DIGEST = re.compile(r"[0-9a-f]{16}")
 

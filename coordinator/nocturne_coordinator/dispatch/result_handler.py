@@ -14,10 +14,10 @@ from nocturne_coordinator.dispatch.failure_policy import Verdict as PoisonedJob
 from nocturne_coordinator.dispatch.merge import RangeSums, Verdict
 from nocturne_coordinator.dispatch.planned_render import RefusedResult, check_partial
 from nocturne_coordinator.dispatch.profiles import profile_of, refusal_of
+from nocturne_coordinator.dispatch.records import FailedTile
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
 from nocturne_coordinator.limits import MAX_FAILED_TILES, MAX_REASON
-from nocturne_coordinator.store.ledger import FailedTile
 
 _log = logging.getLogger(__name__)
 

@@ -1,20 +1,25 @@
 """A render that the coordinator works on: its film, and what of it is not committed yet. No I/O."""
 
-import json
 from collections import deque
 from collections.abc import Iterable
 from typing import cast
 
 from nocturne.v1 import job_pb2
 
+from nocturne_coordinator.dispatch.error_estimate import spread_of
 from nocturne_coordinator.dispatch.film import Film
 from nocturne_coordinator.dispatch.forecast import Forecast, Measured, forecast
 from nocturne_coordinator.dispatch.merge import Offered, RangeSums
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
+from nocturne_coordinator.dispatch.records import (
+    ErrorPoint,
+    FailedTile,
+    OpenRender,
+    RenderCommit,
+    RenderState,
+    TileRow,
+)
 from nocturne_coordinator.dispatch.stopping import error_is_met
-from nocturne_coordinator.output.images import Provenance, manifest_text, spread_of
-from nocturne_coordinator.store.ledger import FailedTile, OpenRender, RenderCommit, TileRow
-from nocturne_coordinator.store.rows import ErrorPoint, RenderState
 
 _RATE_SECONDS = 10.0
 """Over which photons per second are counted: many jobs, yet soon 0 when the workers are gone."""
@@ -254,29 +259,3 @@ class RunningRender:
         if in_history:
             self._history_photons = point.photons * _HISTORY_STEP
         return point, in_history
-
-    def provenance(self) -> Provenance:
-        samples = self.film.manifest()
-        whole = all(each == self.planned.schedule.range_ends[-1] for each in samples)
-        return Provenance(
-            self.planned.scene.hex(),
-            schedule_json(self.planned.schedule),
-            self.planned.engine,
-            "" if whole else manifest_text(samples),
-            self.floating_point_profile,
-        )
-
-
-def schedule_json(schedule: job_pb2.RangeSchedule) -> str:
-    """The schedule in proto3 JSON, one line, in one spelling for ever: it is part of canonical files."""
-    content: dict[str, int | list[int] | list[str]] = {
-        "width": schedule.width,
-        "height": schedule.height,
-        "tileSize": schedule.tile_size,
-        "rangeEnds": list(schedule.range_ends),
-    }
-    if schedule.further_responses:
-        content["furtherResponses"] = list(schedule.further_responses)
-    if schedule.photons_per_sample:
-        content["photonsPerSample"] = schedule.photons_per_sample
-    return json.dumps(content, separators=(",", ":"))

@@ -1,8 +1,8 @@
 """Which jobs to publish next. Pure: events in, instructions out, no I/O, no clock.
 
 A range of a tile is planned, published, held (its result is here and waits for an earlier range) or
-completed;
-docs/queue.md has the table. Kept here: for each running render how far each tile is, and what is in flight.
+completed; docs/explanation/queue.md has the table. Kept here: for each running render how far each tile is,
+and what is in flight.
 """
 
 from collections import deque

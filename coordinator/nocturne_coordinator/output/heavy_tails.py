@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nocturne_coordinator.dispatch.error_estimate import Pixels, variance_of_mean
 from nocturne_coordinator.dispatch.merge import Counts, Sums
-from nocturne_coordinator.output.images import Pixels, variance_of_mean
 
 HEAVY = 0.45
 """Unevenness from which on 95 % intervals hold the truth in less than some 90 of 100 cases.

@@ -3,22 +3,20 @@
 Files hold nothing but content (no date, no host, no program version), so that equal images are equal files.
 """
 
-import os
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import OpenEXR
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
-from nocturne_scene.limits import MAX_FILM_PIXELS
 from nocturne_scene.ranges import XYZ_SUMS
 
+from nocturne_coordinator.dispatch.error_estimate import Pixels, variance_of_mean
 from nocturne_coordinator.dispatch.merge import Counts, Sums
-
-Pixels = npt.NDArray[np.float64]
 
 # IEC 61966-2-1: XYZ of white D65 to linear sRGB; transposed, for rows of pixels.
 _XYZ_TO_SRGB = np.array(
@@ -29,6 +27,9 @@ _XYZ_TO_SRGB = np.array(
     ],
     dtype=np.float32,
 ).T
+
+# The primaries and the white of IEC 61966-2-1: x and y of red, green, blue, white.
+_SRGB_CHROMATICITIES = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 
 _MIDDLE_GREY = 0.18
 _WHITE_QUANTILE = 0.995
@@ -65,18 +66,6 @@ def manifest_text(samples: Sequence[int]) -> str:
     return " ".join(f"{value}x{length}" if length > 1 else f"{value}" for value, length in runs)
 
 
-def manifest_of(text: str) -> list[int]:
-    """What `manifest_text` was made of; ValueError for another text."""
-    samples: list[int] = []
-    for run in text.split():
-        value, _, length = run.partition("x")
-        count = int(length or 1)
-        if count > MAX_FILM_PIXELS:
-            raise ValueError(f"{run}: more tiles than any film has")
-        samples.extend([int(value)] * count)
-    return samples
-
-
 def mean_xyz(sums: Sums, counts: Counts) -> Pixels:
     """Shape (height, width, 3); Y in cd/m2; 0 where there are no samples."""
     return sums[..., :3] / np.maximum(counts, 1)[..., None]
@@ -85,62 +74,6 @@ def mean_xyz(sums: Sums, counts: Counts) -> Pixels:
 def mean_further_responses(sums: Sums, counts: Counts) -> Pixels:
     """Shape (height, width, further responses); 0 where there are no samples."""
     return sums[..., XYZ_SUMS:] / np.maximum(counts, 1)[..., None]
-
-
-def variance_of_mean(sums: Sums, counts: Counts) -> Pixels:
-    """Estimated variance of each pixel's mean Y, shape (height, width); 0 below two samples."""
-    n = np.maximum(counts, 2).astype(np.float64)
-    y = sums[..., 1]
-    variance: Pixels = np.maximum(0.0, (sums[..., 3] - y * y / n) / (n * (n - 1.0)))
-    variance[counts < 2] = 0.0
-    return variance
-
-
-def relative_error(sums: Sums, counts: Counts) -> float:
-    """Root mean square over pixels of Y's standard error relative to Y; 0 where unknown.
-
-    Each pixel's variance is divided by Y^2 + 0.01 M^2, M the image's mean Y: a lamp in the picture does not
-    drown the error of what it lights, and black pixels do not make it infinite.
-    """
-    variances = _relative_variances(sums, counts)
-    return 0.0 if variances is None else float(np.sqrt(np.mean(variances)))
-
-
-def _relative_variances(sums: Sums, counts: Counts) -> Pixels | None:
-    """What `relative_error` takes the mean of, shape (height, width); None where it is unknown."""
-    y = sums[..., 1] / np.maximum(counts, 1)
-    mean = float(np.mean(y))
-    if mean <= 0.0 or int(counts.min()) < 2:
-        return None
-    variances: Pixels = variance_of_mean(sums, counts) / (y * y + 0.01 * mean * mean)
-    return variances
-
-
-@dataclass(frozen=True, slots=True)
-class Spread:
-    """An image's relative error, and how its square is spread over the pixels; all 0 where unknown."""
-
-    relative_error: float = 0.0
-    worst_share: float = 0.0
-    """Part of it that the worst 1 % of the pixels have, 0 to 1; about 0.03 where noise is even."""
-    effective_pixels: float = 0.0
-    """How many pixels carry it: (sum v)^2 / sum v^2, as Kish's effective sample size; all, where they are
-    equal. Where few do, the error is itself known badly: with 1/sqrt of them, relatively."""
-
-
-def spread_of(sums: Sums, counts: Counts) -> Spread:
-    """The error and how it is spread; the error is that of `relative_error`."""
-    variances = _relative_variances(sums, counts)
-    total = 0.0 if variances is None else float(np.sum(variances))
-    if variances is None or total <= 0.0:
-        return Spread()
-    flat = variances.ravel()
-    worst = max(1, flat.size // 100)
-    return Spread(
-        relative_error=float(np.sqrt(total / flat.size)),
-        worst_share=float(np.sum(np.partition(flat, flat.size - worst)[flat.size - worst :])) / total,
-        effective_pixels=total * total / float(np.dot(flat, flat)),
-    )
 
 
 def tone_map(sums: Sums, counts: Counts) -> npt.NDArray[np.uint8]:
@@ -179,17 +112,17 @@ _SRGB_BYTES = _srgb_curve(np.linspace(0.0, 1.0, _SRGB_STEPS + 1))
 
 
 def write_preview(path: Path, sums: Sums, counts: Counts, compression: int) -> None:
-    """Replaces a tone-mapped PNG, at once."""
+    """Writes a tone-mapped PNG."""
     pixels = tone_map(sums, counts)
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, "uint8")
     spec.attribute("png:compressionLevel", compression)
     if compression == LIVE_COMPRESSION:
         spec.attribute("png:filter", _PNG_FILTER_NONE)
-    _write(path, spec, pixels)
+    _write_png(path, spec, pixels)
 
 
 def write_thumbnail(path: Path, sums: Sums, counts: Counts) -> None:
-    """Replaces a tone-mapped PNG of at most THUMBNAIL_EDGE pixels a side, each the mean of a square."""
+    """Writes a tone-mapped PNG of at most THUMBNAIL_EDGE pixels a side, each the mean of a square."""
     size = -(-max(counts.shape) // THUMBNAIL_EDGE)
     height, width = (max(1, edge // size) for edge in counts.shape)
     rows, columns = min(size, counts.shape[0]), min(size, counts.shape[1])
@@ -205,50 +138,52 @@ def write_thumbnail(path: Path, sums: Sums, counts: Counts) -> None:
 def write_image(
     path: Path, sums: Sums, counts: Counts, provenance: Provenance, further_responses: Sequence[str] = ()
 ) -> None:
-    """Replaces the EXR, at once: channels X, Y, Z, Y.stderr (float), n (uint), further responses (float)."""
-    height, width = counts.shape
-    names = ("X", "Y", "Z", "Y.stderr", "n", *further_responses)
-    spec = oiio.ImageSpec(width, height, len(names), "float")
-    spec.channelnames = names
-    spec.channelformats = tuple("uint" if name == "n" else "float" for name in names)
-    spec.attribute("compression", "zip")
-    # Left to itself, OpenImageIO writes the time of day.
-    spec.attribute("DateTime", "")
-    spec.attribute("chromaticities", "float[8]", (1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0 / 3.0, 1.0 / 3.0))
-    spec.attribute("whiteLuminance", 1.0)
-    spec.attribute("nocturne:scene", provenance.scene_sha256)
-    spec.attribute("nocturne:schedule", provenance.schedule_json)
-    spec.attribute("nocturne:engine", provenance.engine)
-    spec.attribute("nocturne:floatingPointProfile", provenance.floating_point_profile)
+    """Writes an EXR: X, Y, Z, Y.stderr and further responses as float, n as uint; R, G, B for viewers."""
+    header = {
+        "compression": OpenEXR.ZIP_COMPRESSION,
+        "type": OpenEXR.scanlineimage,
+        # Of R, G, B; X, Y, Z are CIE XYZ itself. A luminance of 1 is 1 cd/m2.
+        "chromaticities": _SRGB_CHROMATICITIES,
+        "whiteLuminance": 1.0,
+        "nocturne:scene": provenance.scene_sha256,
+        "nocturne:schedule": provenance.schedule_json,
+        "nocturne:engine": provenance.engine,
+        "nocturne:floatingPointProfile": provenance.floating_point_profile,
+    }
     if provenance.manifest:
-        spec.attribute("nocturne:tileSamples", provenance.manifest)
-    _write(path, spec, _exr_channels(sums, counts))
-
-
-def _exr_channels(sums: Sums, counts: Counts) -> Pixels:
-    channels = np.empty((*counts.shape, sums.shape[-1] + 1))
-    channels[..., :3] = mean_xyz(sums, counts)
-    channels[..., 3] = np.sqrt(variance_of_mean(sums, counts))
-    # OpenImageIO takes one type for all channels and maps 1.0 to the largest uint, in 24 bits of mantissa:
-    # exact up to 2^24 samples, and for every multiple of 4096, which all longer ranges but a last one end on.
-    channels[..., 4] = counts / float(2**32 - 1)
-    channels[..., 5:] = mean_further_responses(sums, counts)
-    return channels
-
-
-def _write(path: Path, spec: oiio.ImageSpec, pixels: npt.NDArray[np.generic]) -> None:
+        header["nocturne:tileSamples"] = provenance.manifest
     path.parent.mkdir(parents=True, exist_ok=True)
-    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=path.suffix)
-    os.close(descriptor)
-    temporary = Path(name)
     try:
-        output = oiio.ImageOutput.create(name)
-        if output is None:
-            raise OSError(f"can't write {path}: {oiio.geterror()}")
-        written = output.open(name, spec) and output.write_image(pixels) and output.close()
-        if not written:
-            raise OSError(f"can't write {path}: {output.geterror()}")
-        temporary.chmod(0o644)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+        with OpenEXR.File(header, _exr_channels(sums, counts, further_responses)) as file:
+            file.write(str(path))
+    except RuntimeError as trouble:
+        raise OSError(f"can't write {path}: {trouble}") from trouble
+
+
+def _exr_channels(
+    sums: Sums, counts: Counts, further_responses: Sequence[str]
+) -> dict[str, npt.NDArray[Any]]:
+    xyz = mean_xyz(sums, counts).astype(np.float32)
+    further = mean_further_responses(sums, counts).astype(np.float32)
+    error = np.sqrt(variance_of_mean(sums, counts)).astype(np.float32)
+    channels = {
+        **_planes("XYZ", xyz),
+        **_planes(further_responses, further),
+        "Y.stderr": error,
+        "n": np.ascontiguousarray(counts, dtype=np.uint32),
+    }
+    # A sensor may have responses with these names: they say more than what only viewers need.
+    return channels if channels.keys() & set("RGB") else {**channels, **_planes("RGB", xyz @ _XYZ_TO_SRGB)}
+
+
+def _planes(names: Sequence[str], pixels: npt.NDArray[np.float32]) -> dict[str, npt.NDArray[Any]]:
+    return {name: np.ascontiguousarray(pixels[..., index]) for index, name in enumerate(names)}
+
+
+def _write_png(path: Path, spec: oiio.ImageSpec, pixels: npt.NDArray[np.uint8]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    output = oiio.ImageOutput.create("png")
+    if output is None:
+        raise OSError(f"can't write {path}: {oiio.geterror()}")
+    if not (output.open(str(path), spec) and output.write_image(pixels) and output.close()):
+        raise OSError(f"can't write {path}: {output.geterror()}")

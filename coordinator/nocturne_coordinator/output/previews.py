@@ -1,11 +1,13 @@
 """Previews and images in the data folder, never more often than they are worth."""
 
+import json
 import logging
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from nocturne.v1 import job_pb2
 from nocturne_scene.errors import NotFound
 
 from nocturne_coordinator.dispatch.running_render import RunningRender
@@ -13,6 +15,8 @@ from nocturne_coordinator.errors import LeaseLost
 from nocturne_coordinator.output.images import (
     FINAL_COMPRESSION,
     LIVE_COMPRESSION,
+    Provenance,
+    manifest_text,
     write_image,
     write_preview,
     write_thumbnail,
@@ -102,7 +106,7 @@ class Previews:
     def _image(self, render: RunningRender) -> None:
         names = render.planned.schedule.further_responses
         with self._in_place(render, self._folder.image_path) as path:
-            write_image(path, render.film.sums, render.film.counts, render.provenance(), names)
+            write_image(path, render.film.sums, render.film.counts, provenance_of(render), names)
 
     @contextmanager
     def _in_place(self, render: RunningRender, place_of: Callable[[str], Path]) -> Iterator[Path]:
@@ -129,6 +133,34 @@ class Previews:
             raise
         finally:
             written.unlink(missing_ok=True)
+
+
+def provenance_of(render: RunningRender) -> Provenance:
+    """What the render's image says of itself."""
+    samples = render.film.manifest()
+    whole = all(each == render.planned.schedule.range_ends[-1] for each in samples)
+    return Provenance(
+        render.planned.scene.hex(),
+        schedule_json(render.planned.schedule),
+        render.planned.engine,
+        "" if whole else manifest_text(samples),
+        render.floating_point_profile,
+    )
+
+
+def schedule_json(schedule: job_pb2.RangeSchedule) -> str:
+    """The schedule in proto3 JSON, one line, in one spelling for ever: it is part of canonical files."""
+    content: dict[str, int | list[int] | list[str]] = {
+        "width": schedule.width,
+        "height": schedule.height,
+        "tileSize": schedule.tile_size,
+        "rangeEnds": list(schedule.range_ends),
+    }
+    if schedule.further_responses:
+        content["furtherResponses"] = list(schedule.further_responses)
+    if schedule.photons_per_sample:
+        content["photonsPerSample"] = schedule.photons_per_sample
+    return json.dumps(content, separators=(",", ":"))
 
 
 def _time_of(work: Callable[[], None]) -> float:

@@ -14,6 +14,7 @@ from nocturne_scene.errors import NocturneError
 from redis.backoff import NoBackoff
 from redis.retry import Retry
 
+from nocturne_coordinator.dispatch.liveness import Holder
 from nocturne_coordinator.errors import OwnershipLost, QueueTaken, UnusableQueue
 from nocturne_coordinator.queue import keys
 
@@ -81,14 +82,6 @@ class Session:
         # The folder has one owner at a time, so a lease of an earlier epoch is that of a run that is over.
         if int(epoch) > self.epoch:
             raise OwnershipLost("a later coordinator of this data folder has the lease on Redis")
-
-
-@dataclass(frozen=True, slots=True)
-class Holder:
-    """A job that a worker has: the entry, and who."""
-
-    entry: bytes
-    worker: str
 
 
 def _worker_of(consumer: bytes) -> str:

@@ -6,7 +6,7 @@ from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 
 from nocturne_coordinator.dispatch.profiles import profile_of
-from nocturne_coordinator.store.rows import WorkerRow
+from nocturne_coordinator.dispatch.records import WorkerRow
 
 _LARGEST = 2**63 - 1
 _MAX_ID = 128

@@ -1,16 +1,16 @@
 """What somebody needs to see a failure again: one file for each tile that failed."""
 
 import json
-import tempfile
 import zipfile
 from pathlib import Path
 
 from google.protobuf.json_format import MessageToJson
 from nocturne_scene.ranges import SampleRange
+from nocturne_scene.replacing import replacing
 
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
+from nocturne_coordinator.dispatch.records import FailedTile
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.ledger import FailedTile
 
 _README = """\
 Tile {tile}, samples {first} to {end} of render {render} failed on: {workers}.
@@ -42,22 +42,17 @@ def write_bundle(folder: DataFolder, render: PlannedRender, failed: FailedTile) 
         workers=", ".join(failed.workers),
         reason=failed.reason,
     )
-    with tempfile.NamedTemporaryFile(dir=target.parent, prefix=".", suffix=".zip", delete=False) as file:
-        temporary = Path(file.name)
-        try:
-            with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as bundle:
-                bundle.writestr("README.txt", words)
-                bundle.writestr("job.json", MessageToJson(job))
-                bundle.writestr("job.pb", job.SerializeToString(deterministic=True))
-                bundle.writestr("schedule.pb", render.schedule.SerializeToString(deterministic=True))
-                bundle.writestr("failure.json", json.dumps(failure))
-                bundle.writestr("scene.json", folder.scene_document(render.id))
-                scene = render.scene.hex()
-                if folder.blobs.has(scene):
-                    bundle.write(folder.blobs.path(scene), "scene.pb")
-            temporary.chmod(0o644)
-            temporary.replace(target)
-        except BaseException:
-            temporary.unlink(missing_ok=True)
-            raise
+    with (
+        replacing(target) as unfinished,
+        zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as bundle,
+    ):
+        bundle.writestr("README.txt", words)
+        bundle.writestr("job.json", MessageToJson(job))
+        bundle.writestr("job.pb", job.SerializeToString(deterministic=True))
+        bundle.writestr("schedule.pb", render.schedule.SerializeToString(deterministic=True))
+        bundle.writestr("failure.json", json.dumps(failure))
+        bundle.writestr("scene.json", folder.scene_document(render.id))
+        scene = render.scene.hex()
+        if folder.blobs.has(scene):
+            bundle.write(folder.blobs.path(scene), "scene.pb")
     return target

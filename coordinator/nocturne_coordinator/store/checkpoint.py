@@ -11,7 +11,6 @@ The last two are kept: should one be damaged, there is one before it. `restoring
 import hashlib
 import json
 import logging
-import os
 import sqlite3
 import threading
 import time
@@ -22,6 +21,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.replacing import UNFINISHED, replacing
 
 from nocturne_coordinator.output.images import manifest_text
 
@@ -70,7 +70,7 @@ class Checkpoint:
 def checkpoints(place: Path) -> list[Checkpoint]:
     """All that are complete, newest first; what can't be read is left out."""
     found = []
-    for manifest in place.glob("*.json"):
+    for manifest in place.glob("[0-9]*.json"):
         try:
             found.append(Checkpoint.read(manifest))
         except (OSError, ValueError) as trouble:
@@ -119,24 +119,19 @@ class Checkpointer:
     def _copy(self, source: sqlite3.Connection) -> Checkpoint:
         before = checkpoints(self._place)
         number = before[0].number + 1 if before else 1
-        temporary = self._place / f".{number:06}.new"
-        for left in self._place.glob(".*.new*"):
+        for left in self._place.glob(f"{UNFINISHED}*"):
             left.unlink()
-        try:
-            with closing(sqlite3.connect(temporary)) as target:
+        database = self._place / f"{number:06}.db"
+        with replacing(database, durable=True) as unfinished:
+            with closing(sqlite3.connect(unfinished)) as target:
                 # All pages in one step: one moment of the database, whoever writes meanwhile.
                 source.backup(target, pages=-1)
                 # One file, without a log beside it.
                 target.execute("PRAGMA journal_mode = DELETE")
                 renders = dict(_manifests(target))
-            made = Checkpoint(number, time.time(), _sha256(temporary), temporary.stat().st_size, renders)
-            _flush(temporary)
-            temporary.replace(made.database(self._place))
-            temporary.write_text(json.dumps(asdict(made), indent=1) + "\n", encoding="utf-8")
-            _flush(temporary)
-            temporary.replace(made.database(self._place).with_suffix(".json"))
-        finally:
-            temporary.unlink(missing_ok=True)
+            made = Checkpoint(number, time.time(), _sha256(unfinished), unfinished.stat().st_size, renders)
+        with replacing(database.with_suffix(".json"), durable=True) as unfinished:
+            unfinished.write_text(json.dumps(asdict(made), indent=1) + "\n", encoding="utf-8")
         return made
 
     def _copy_blobs(self) -> None:
@@ -179,9 +174,3 @@ def _sha256(path: Path) -> str:
         while piece := file.read(_PIECE_BYTES):
             digest.update(piece)
     return digest.hexdigest()
-
-
-def _flush(path: Path) -> None:
-    """To the disk itself."""
-    with path.open("rb") as file:
-        os.fsync(file.fileno())

@@ -26,6 +26,7 @@ from nocturne_scene.ranges import TileGrid, extended_schedule
 
 from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.profiles import incompatible
+from nocturne_coordinator.dispatch.records import ErrorPoint, RenderState, WorkerRow
 from nocturne_coordinator.dispatch.region import Region
 from nocturne_coordinator.dispatch.stopping import StopConditions, check_tile_samples
 from nocturne_coordinator.errors import AmbiguousId, Conflict, FilesGone, UnusableFolder, WrongState
@@ -35,14 +36,11 @@ from nocturne_coordinator.store.events import note_worker
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_coordinator.store.removals import Removals
 from nocturne_coordinator.store.rows import (
-    ErrorPoint,
     NewRender,
     RatePoint,
     RenderRow,
-    RenderState,
     TileChange,
     WorkerEvent,
-    WorkerRow,
 )
 from nocturne_coordinator.store.tokens import Tokens
 from nocturne_coordinator.store.webhooks import Webhooks

@@ -2,22 +2,28 @@
 
 import json
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.ranges import TileGrid
 
-from nocturne_coordinator.dispatch.forecast import UNKNOWN, Forecast
+from nocturne_coordinator.dispatch.records import (
+    ErrorPoint,
+    FailedTile,
+    OpenRender,
+    RenderCommit,
+    RenderState,
+    TileRow,
+    Totals,
+    WorkerRow,
+)
 from nocturne_coordinator.dispatch.region import Region
-from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
+from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.errors import LeaseLost
-from nocturne_coordinator.limits import DEFAULT_PRIORITY
 from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.events import note_worker
 from nocturne_coordinator.store.ownership import Ownership
-from nocturne_coordinator.store.rows import ErrorPoint, RenderState, WorkerRow
 
 _LARGEST = 2**63 - 1
 _OPEN_COLUMNS = """id, state, scene_sha256, engine, schedule, photons, rays, invalid_samples, cpu_seconds,
@@ -28,89 +34,6 @@ audited,
     coalesce((SELECT coordinator.number FROM lease JOIN coordinator ON coordinator.number = lease.coordinator
               WHERE lease.render_id = render.id
                   AND coordinator.until >= (julianday('now') - 2440587.5) * 86400.0), 0) AS holder"""
-
-
-@dataclass(frozen=True, slots=True)
-class OpenRender:
-    """What the coordinator needs to know of a render to work on it."""
-
-    id: str
-    state: RenderState
-    schedule: job_pb2.RangeSchedule
-    scene_sha256: str
-    engine: int
-    totals: "Totals"
-    stop: StopConditions = EVERYTHING
-    priority: int = DEFAULT_PRIORITY
-    owner: str = ""
-    owner_weight: int = DEFAULT_PRIORITY
-    ran_seconds: float = 0.0
-    failed_tiles: tuple["FailedTile", ...] = ()
-    holder: int = 0
-    """Number of the coordinator that works on it; 0: none that gives signs of life."""
-    fence: int = 0
-    """Grows with every holder; who does not know the newest may not write."""
-    look_first: Region | None = None
-    floating_point_profile: str = ""
-    """How all its workers round; empty before the first result."""
-
-    def asks_the_same(self, other: "OpenRender") -> bool:
-        """Whether schedule and conditions are those of another state of this render."""
-        return (self.schedule, self.stop) == (other.schedule, other.stop)
-
-
-@dataclass(frozen=True, slots=True)
-class FailedTile:
-    """A range that failed on several workers; its tile gets no more samples."""
-
-    tile_index: int
-    first_sample: int
-    end_sample: int
-    reason: str
-    workers: tuple[str, ...]
-
-
-@dataclass(slots=True)
-class Totals:
-    """What is counted of a render's merged ranges."""
-
-    ranges: int = 0
-    photons: int = 0
-    rays: int = 0
-    invalid_samples: int = 0
-    cpu_seconds: float = 0.0
-    audited: int = 0
-    refused: int = 0
-
-
-@dataclass(frozen=True, slots=True)
-class TileRow:
-    """A tile's merged samples, and their sums as float64, little endian."""
-
-    tile_index: int
-    samples: int
-    sums: bytes
-    invalid_samples: int = 0
-    """Photons left out of them."""
-
-
-@dataclass(frozen=True, slots=True)
-class RenderCommit:
-    """A render's dirty tiles and its totals with them: absolute numbers, doing it twice changes nothing."""
-
-    render_id: str
-    fence: int
-    tiles: list[TileRow]
-    totals: Totals
-    photons_per_second: float
-    ran_seconds: float = 0.0
-    tiles_done: int = 0
-    forecast: Forecast = UNKNOWN
-    contributors: Mapping[int, Iterable[str]] = field(default_factory=dict)
-    """By tile, the workers whose work is new in its sums."""
-    failed_tiles: Iterable[FailedTile] = ()
-    """All of the render's."""
-    floating_point_profile: str = ""
 
 
 _RATE_STEP_SECONDS = 60.0

@@ -7,7 +7,6 @@ AWS_ENDPOINT_URL and so on, from the environment.
 
 import hashlib
 import os
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from datetime import timedelta
@@ -16,6 +15,7 @@ from urllib.parse import urlsplit
 
 import obstore
 from nocturne_scene.errors import InputError, NocturneError, NotFound
+from nocturne_scene.replacing import replacing
 from obstore.exceptions import BaseError
 from obstore.store import LocalStore, S3Store
 
@@ -62,18 +62,11 @@ class ObjectStore:
         Raises NotFound, ObjectStoreUnavailable, and ObjectDamaged unless it has this digest and no more
         bytes.
         """
-        descriptor, temporary = tempfile.mkstemp(dir=file.parent, prefix=".object-")
-        try:
-            with os.fdopen(descriptor, "wb") as out:
+        with replacing(file, durable=True) as unfinished:
+            with unfinished.open("wb") as out:
                 found = self._copy(name, out.write, most_bytes)
-                out.flush()
-                os.fsync(out.fileno())
             if found != sha256:
                 raise ObjectDamaged(f"{name} has SHA-256 {found} in the object store")
-            Path(temporary).chmod(0o644)
-            Path(temporary).replace(file)
-        finally:
-            Path(temporary).unlink(missing_ok=True)
 
     def delete(self, name: str) -> None:
         """There is no such object any more. Raises ObjectStoreUnavailable."""

@@ -5,21 +5,12 @@ from collections.abc import Sequence
 
 from nocturne_coordinator.store.database import Database
 
-# Apart from the other tables and their schema's number: who does not know this one can leave it out.
-_SCHEMA = """CREATE TABLE IF NOT EXISTS removal (
-    render_id TEXT PRIMARY KEY,
-    -- JSON: digests of the files that it used, perhaps with others.
-    files TEXT NOT NULL
-) STRICT"""
-
 
 class Removals:
     """What is still to be removed from a data folder. For many processes."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
-        if not database.row("SELECT 1 FROM sqlite_master WHERE name = 'removal'"):
-            database.execute(_SCHEMA)
 
     def note(self, render_id: str, files: Sequence[str]) -> None:
         """To be called in the transaction that deletes the render's rows."""

@@ -18,11 +18,12 @@ import numpy as np
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.replacing import replacing
 
 from nocturne_coordinator.dispatch.planned_render import PlannedRender, RefusedResult, check_sums
 from nocturne_coordinator.errors import AlreadyOwned, CantRestore
 from nocturne_coordinator.store.checkpoint import checkpoints
-from nocturne_coordinator.store.database import SCHEMA_NUMBER
+from nocturne_coordinator.store.migrate import newest_schema, schema_of
 
 
 @dataclass(slots=True)
@@ -74,9 +75,9 @@ def damage_of(database: Path) -> list[str]:
         with closing(sqlite3.connect(database)) as connection:
             connection.row_factory = sqlite3.Row
             found = [row[0] for row in connection.execute("PRAGMA integrity_check(5)") if row[0] != "ok"]
-            number = connection.execute("PRAGMA user_version").fetchone()[0]
-            if not found and not 0 < number <= SCHEMA_NUMBER:
-                found = [f"it has schema {number}; this program knows up to {SCHEMA_NUMBER}"]
+            number = schema_of(connection)
+            if not found and not 0 < number <= newest_schema():
+                found = [f"it has schema {number}; this program knows up to {newest_schema()}"]
             return found or list(_damaged_tiles(connection))
     except sqlite3.Error as damage:
         return [f"{database}: {damage}"]
@@ -111,10 +112,9 @@ def _take_newest(place: Path, database: Path, damage: list[str]) -> Path:
             damage.extend(f"checkpoint {path}: {each}" for each in wrong)
             continue
         _fail_tile(database)
-        temporary = database.with_name(".nocturne.db.new")
-        shutil.copyfile(path, temporary)
-        _make_anew(temporary)
-        temporary.replace(database)
+        with replacing(database, durable=True) as unfinished:
+            shutil.copyfile(path, unfinished)
+            _make_anew(unfinished)
         return path
     raise CantRestore("; ".join([*damage, f"there is no whole checkpoint in {place}"]))
 

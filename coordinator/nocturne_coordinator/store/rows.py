@@ -1,39 +1,12 @@
 """What is read from and written to the data folder, as values."""
 
 from dataclasses import dataclass
-from enum import StrEnum
 
 from nocturne.v1 import job_pb2
 
+from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_coordinator.limits import DEFAULT_PRIORITY
-
-UNKNOWN_CLASS = "unknown"
-"""Floating-point profile of workers that don't tell theirs."""
-
-
-class RenderState(StrEnum):
-    """Where a render stands; from SUCCEEDED on it has ended, though it may be extended."""
-
-    QUEUED = "QUEUED"
-    RUNNING = "RUNNING"
-    PAUSED = "PAUSED"
-    SUCCEEDED = "SUCCEEDED"
-    STOPPED_EARLY = "STOPPED_EARLY"
-    """By a time: the image lists the samples that each tile has."""
-    DEGRADED = "DEGRADED"
-    """Complete but for tiles that failed."""
-    FAILED = "FAILED"
-    CANCELLED = "CANCELLED"
-
-    @property
-    def ended(self) -> bool:
-        return self not in (RenderState.QUEUED, RenderState.RUNNING, RenderState.PAUSED)
-
-    @property
-    def has_image(self) -> bool:
-        """Ended with an image that holds all that was asked for, or could be had."""
-        return self in (RenderState.SUCCEEDED, RenderState.STOPPED_EARLY, RenderState.DEGRADED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,35 +86,6 @@ class RenderRow:
     def mean_samples(self) -> float:
         """Mean over pixels of samples merged."""
         return self.photons / (self.width * self.height * self.photons_per_sample)
-
-
-@dataclass(frozen=True, slots=True)
-class WorkerRow:
-    """A worker as it last described itself; `seen` and `started` in unix seconds."""
-
-    id: str
-    engine: int
-    threads: int
-    photons: int
-    rays: int
-    photons_per_second: float
-    jobs_done: int
-    started: float
-    seen: float
-    floating_point_profile: str = UNKNOWN_CLASS
-
-
-@dataclass(frozen=True, slots=True)
-class ErrorPoint:
-    """The error of a render at one moment; samples is the mean over pixels."""
-
-    unix_time: float
-    photons: int
-    samples: float
-    relative_error: float
-    worst_share: float = 0.0
-    effective_pixels: float = 0.0
-    """See images.Spread."""
 
 
 @dataclass(frozen=True, slots=True)

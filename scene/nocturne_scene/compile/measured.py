@@ -1,4 +1,4 @@
-"""Measured reflections as the table that the tracer reads: docs/measured-brdf.md."""
+"""Measured reflections as the table that the tracer reads: docs/how-to/measured-brdf.md."""
 
 import math
 import struct

@@ -118,7 +118,7 @@ class Phong(Node):
 class Measured(Node):
     """A measured, isotropic reflection: a MERL file, or a spectral table in the half-angle frame.
 
-    The table's layout: docs/measured-brdf.md.
+    The table's layout: docs/how-to/measured-brdf.md.
     """
 
     type: Literal["measured"]

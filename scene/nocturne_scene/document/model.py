@@ -1,4 +1,4 @@
-"""The scene document as one schema. Its descriptions are the reference: docs/scene.md is made from them.
+"""The scene document as one schema. docs/reference/scene.md is made from its descriptions.
 
 Lengths are metres, angles degrees, wavelengths nanometres, radiance W m-2 sr-1 nm-1. The parts are in
 *_model.py.

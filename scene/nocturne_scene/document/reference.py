@@ -1,7 +1,7 @@
 """Writes the reference of the scene document from its schema, so that the two cannot differ.
 
-python -m nocturne_scene.document.reference > docs/scene.md
-python -m nocturne_scene.document.reference --schema > docs/scene.schema.json
+python -m nocturne_scene.document.reference > docs/reference/scene.md
+python -m nocturne_scene.document.reference --schema > docs/reference/scene.schema.json
 """
 
 import inspect
@@ -147,7 +147,8 @@ JSON Schema: [scene.schema.json](scene.schema.json).
 
 A document is compiled to what it uses: spectra, kernels and media that nothing refers to, triangles without
 an area, surfaces that all light passes, luminaires without visible light and motions that move nothing are
-left out, and the compiler says so. How to put media into a scene, with an example: [media.md](media.md).
+left out, and the compiler says so. How to put media into a scene, with an example:
+[media.md](../how-to/media.md).
 
 ```json
 {EXAMPLE}```

@@ -8,7 +8,6 @@ What was computed is kept in the user's cache folder, named by all that it depen
 
 import hashlib
 import math
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.fft import dct
 
 from nocturne_scene.document import bounds
+from nocturne_scene.replacing import replacing
 from nocturne_scene.spectra.published import FIRST, LAST, Floats
 
 Complexes = NDArray[np.complex128]
@@ -104,9 +104,8 @@ def _kept(distribution: Distribution, index: tuple[float, ...]) -> Scattering:
         made = _compute(distribution, index)
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
-        unfinished = place.with_suffix(f".{os.getpid()}.npz")
-        np.savez(unfinished, cross_section=made.cross_section, cosines=made.cosines, phase=made.phase)
-        unfinished.replace(place)
+        with replacing(place) as unfinished:
+            np.savez(unfinished, cross_section=made.cross_section, cosines=made.cosines, phase=made.phase)
     except OSError:
         pass  # nowhere to keep it: computed again next time
     return made

@@ -35,8 +35,6 @@ RECORDED_CHARACTERS = 128
 WATCHERS = 256
 # How often a change in the data folder is looked for while anybody watches, seconds.
 WATCH_INTERVAL_S = 0.2
-# Proxies drop connections that are silent for half a minute or so.
-KEEP_ALIVE_S = 15.0
 
 # Bytes per read when an image or a blob is sent: below gRPC's default message limit of 4 MiB.
 CHUNK_BYTES = 256 * 1024

@@ -1,4 +1,4 @@
-"""Committed tiles as the service sends them, decoded: docs/api.md, "Tiles"."""
+"""Committed tiles as the service sends them, decoded: docs/reference/api.md, "Tiles"."""
 
 import struct
 from collections.abc import Sequence

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from nocturne_scene.errors import InputError
-from nocturne_scene.formats.import_scene import import_scene
+from nocturne_scene.formats.import_scene import Incomplete, import_scene
 from nocturne_scene.formats.reading.options import ImportOptions
 
 from tests.fuzzing import tried
@@ -72,6 +72,8 @@ def try_import(name: str, contents: dict[str, bytes], *, allow_missing: bool) ->
         expected = ["in", "out"]
         try:
             import_scene(folder / name, Path(kept) / "out", ImportOptions(allow_missing=allow_missing))
+        except Incomplete as error:
+            assert error.imported.document.is_file()
         except InputError:
             expected = ["in"]
         assert time.process_time() - started < _SECONDS

@@ -245,3 +245,14 @@ def test_a_skys_picture_is_a_square(tmp_path: Path) -> None:
     assert buffer.write(str(tmp_path / "in" / "sky.exr"))
     with pytest.raises(InputError, match="64 x 32 pixels; expected a square"):
         imported(tmp_path, "", head=f"{HEAD}{SKY}")
+
+
+def test_a_metal_of_three_numbers(tmp_path: Path) -> None:
+    """Twice the largest times a reflectance: the numbers come out as the spectrum's colour."""
+    body = 'Material "conductor" "rgb eta" [0.2 0.92 1.1] "rgb k" [3.9 2.4 2.1]\nShape "sphere"'
+    document, found = imported(tmp_path, body)
+    [kernel] = document["kernels"].values()
+    table = dict(kernel["index"]["k"]["table"])
+    assert 3.5 < table[650.0] < 4.5
+    assert 1.8 < table[450.0] < 2.4
+    assert any("as pbrt does" in note for note in found.notes)

@@ -1,9 +1,12 @@
 """What an import changed, and what it could not carry over."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from nocturne_scene.errors import InputError, Problem
 
-# Problems told at once.
-_SHOWN = 50
+SHOWN = 50
+"""Problems told at once."""
 
 
 class Findings:
@@ -34,4 +37,12 @@ class Findings:
     def refuse_losses(self) -> None:
         """Raise InputError with what was lost, if anything was."""
         if self._lost:
-            raise InputError(self.losses[:_SHOWN])
+            raise InputError(self.losses[:SHOWN])
+
+    @contextmanager
+    def leaving_out(self) -> Iterator[None]:
+        """Go on without a part of the scene that can't be imported: its errors become losses."""
+        try:
+            yield
+        except InputError as error:
+            self._lost |= dict.fromkeys(error.problems)

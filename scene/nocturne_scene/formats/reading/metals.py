@@ -1,5 +1,7 @@
 """Metals of which only a colour is known."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from nocturne_scene.formats.reading import colours
@@ -7,6 +9,19 @@ from nocturne_scene.formats.reading.scene_writer import Json
 
 # What reflects all has no index.
 _MOST = 0.999
+
+FROM_RGB = "three numbers for n or k became a smooth spectrum, twice the largest times a reflectance, as pbrt does"
+"""A note for indices of which only RGB is known."""
+
+
+def part_of_rgb(rgb: Sequence[float]) -> Json:
+    """n or k of three numbers, not negative, as pbrt-v4 takes them: `colours.coefficient`.
+
+    Mitsuba 3 does so in its RGB variants, by channel; its spectral ones (3.9.1) hold both at 1, so that all metals
+    look alike. It is no measured metal: copper of n = (0.200, 0.924, 1.102) and k = (3.912, 2.452, 2.142) has the colour
+    (0.98, 0.62, 0.51) at normal incidence, Fresnel's equations by channel give (0.95, 0.62, 0.51).
+    """
+    return colours.coefficient(rgb)
 
 
 def of_colour(reflectance: Json) -> Json:

@@ -20,6 +20,8 @@ class ImportOptions:
     """Metres, of a lamp without a size; None: a thousandth of the scene's diagonal."""
     light_degrees: float = 0.1
     """Angular diameter of a lamp at infinity without a size; at least 0.01."""
+    light: str | None = None
+    """`sky`, `studio` or the file of a picture, for a scene without a sky; None: the sky where nothing emits."""
     allow_missing: bool = False
     """Write the scene although something in it has no equal here."""
 

@@ -12,7 +12,7 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from numpy.typing import NDArray
 
 from nocturne_scene.document.read import check_document
-from nocturne_scene.errors import InputError
+from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.formats.reading import shapes
 from nocturne_scene.meshes.triangles import Triangles
 
@@ -105,12 +105,19 @@ class SceneWriter:
         self._path(name)
         return name
 
-    def finish(self) -> Path:
-        """Check the document and write it. Raises InputError."""
-        check_document(self.document)
-        path = self.folder / DOCUMENT
-        path.write_text(json.dumps(self.document, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-        return path
+    def finish(self) -> tuple[Problem, ...]:
+        """Write the document and return what is wrong with it. Raises InputError for one that is no JSON."""
+        problems: tuple[Problem, ...] = ()
+        try:
+            check_document(self.document)
+        except InputError as error:
+            problems = error.problems
+        try:
+            text = json.dumps(self.document, indent=1, ensure_ascii=False, allow_nan=False)
+        except ValueError:
+            raise InputError(problems) from None
+        (self.folder / DOCUMENT).write_text(text + "\n", encoding="utf-8")
+        return problems
 
     def _path(self, name: str) -> Path:
         path = self.folder / name

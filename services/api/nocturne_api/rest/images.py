@@ -33,7 +33,7 @@ async def tiles(
 ) -> Response:
     """Tiles whose samples changed since an earlier answer, as floats; about 4 MiB at once.
 
-    The layout is in docs/api.md. 304 where If-None-Match is `since` and nothing changed.
+    The layout is in docs/reference/api.md. 304 where If-None-Match is `since` and nothing changed.
     """
     found = await operations.tiles(render_id, Cursor.of(since))
     headers = {"ETag": f'"{found.end}"', "Cache-Control": "no-store"}

@@ -92,7 +92,7 @@ def compile_scene(
 
 
 def import_scene(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Mitsuba 3 XML, by the name's end.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Mitsuba 3 (.xml), pbrt-v4 (.pbrt), glTF (.gltf, .glb).")],
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="DIR", help="New folder for scene.json and its files.")
     ],
@@ -113,6 +113,14 @@ def import_scene(
         float,
         typer.Option("--light-degrees", min=0.01, max=180, help="Size of distant lamps that have none."),
     ] = 0.1,
+    light: Annotated[
+        str | None,
+        typer.Option(
+            "--light",
+            metavar="sky|studio|FILE",
+            help="A sky for a scene that has none; FILE: an HDR or EXR picture. Default: sky where nothing emits.",
+        ),
+    ] = None,
     allow_missing: Annotated[
         bool,
         typer.Option("--allow-missing", help="Import the rest of a scene that has parts without an equal."),
@@ -126,7 +134,7 @@ def import_scene(
         if not equals or not name:
             raise typer.BadParameter(f"expected NAME=VALUE, found {name}", param_hint="--define")
     values = {name: value for name, _, value in pairs}
-    chosen = options(root, values, light_radius, light_degrees, allow_missing)
+    chosen = options(root, values, light_radius, light_degrees, light, allow_missing)
     imported = import_to(file, output, chosen)
     for line in report(imported):
         ERRORS.print(line, markup=False, soft_wrap=True)

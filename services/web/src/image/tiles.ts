@@ -1,4 +1,4 @@
-/** Answers with tiles: the layout in docs/api.md, "Tiles". Pure. */
+/** Answers with tiles: the layout in docs/reference/api.md, "Tiles". Pure. */
 
 export interface Tile {
   index: number;

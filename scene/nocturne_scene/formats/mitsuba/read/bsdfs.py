@@ -13,6 +13,7 @@ from nocturne_scene.formats.mitsuba.read.context import Context
 from nocturne_scene.formats.mitsuba.read.elements import Element
 from nocturne_scene.formats.mitsuba.read.principled import principled
 from nocturne_scene.formats.mitsuba.read.properties import Properties, numbers
+from nocturne_scene.formats.reading import metals
 from nocturne_scene.formats.reading.coats import Coat, base_under, rough_coat, smooth_coat
 from nocturne_scene.formats.reading.scene_writer import Json
 
@@ -171,7 +172,18 @@ def _metal(context: Context, properties: Properties) -> Json:
         # A perfect mirror, of which Mitsuba says eta = 0 and k = 1: the nearest that can be written.
         context.findings.note(properties.place, "a perfect mirror became a metal that reflects 99.8 %")
         return {"n": 0.001, "k": 1.0}
-    return {"n": _held(spectra.reflectance(context, eta)), "k": _held(spectra.reflectance(context, k))}
+    return {"n": _part(context, eta), "k": _part(context, k)}
+
+
+def _part(context: Context, element: Element) -> Json:
+    """n or k."""
+    if element.tag != "rgb":
+        return _held(spectra.reflectance(context, element))
+    values = spectra.rgb(element)
+    if min(values) < 0:
+        raise InputError.at(element.place, "n and k are not negative")
+    context.findings.note(element.place, metals.FROM_RGB)
+    return metals.part_of_rgb(values)
 
 
 def _held(spectrum: Json) -> Json:

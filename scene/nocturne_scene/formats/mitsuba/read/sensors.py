@@ -51,6 +51,8 @@ def add_sensor(context: Context, element: Element) -> None:
         "up": _unit(to_world[:3, 1]).tolist(),
         **_SENSORS[element.type](context, properties, to_world),
     }
+    # Cameras without a lens read it, and see the same whatever it is.
+    properties.ignore("focus_distance")
     properties.finish()
 
 

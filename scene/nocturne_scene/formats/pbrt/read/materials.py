@@ -6,7 +6,8 @@ from collections.abc import Callable
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.pbrt.read import spectra
 from nocturne_scene.formats.pbrt.read.context import Context
-from nocturne_scene.formats.pbrt.read.parameters import Parameters
+from nocturne_scene.formats.pbrt.read.parameters import Parameter, Parameters
+from nocturne_scene.formats.reading import metals
 from nocturne_scene.formats.reading.scene_writer import Json
 
 
@@ -112,11 +113,22 @@ def _conductor(context: Context, parameters: Parameters) -> Json:
         elif eta is None or k is None:
             raise InputError.at(parameters.place, "a conductor needs eta and k, or reflectance")
         else:
-            index = {
-                name: each.numbers(1)[0] if each.type == "float" else spectra.spectrum(context, each)
-                for name, each in (("n", eta), ("k", k))
-            }
+            index = {name: _part(context, each) for name, each in (("n", eta), ("k", k))}
     return {"type": "conductor", "index": index, **roughness}
+
+
+def _part(context: Context, found: Parameter) -> Json:
+    """n or k."""
+    match found.type:
+        case "float":
+            return found.numbers(1)[0]
+        case "rgb":
+            values = found.numbers(3)
+            if min(values) < 0:
+                raise InputError.at(found.place, "n and k are not negative")
+            context.findings.note(found.place, metals.FROM_RGB)
+            return metals.part_of_rgb(values)
+    return spectra.spectrum(context, found)
 
 
 def _dielectric(context: Context, parameters: Parameters) -> Json:
