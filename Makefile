@@ -154,18 +154,13 @@ docs: contract  ## Pages that are generated from the code, and the documentation
 gallery: build  ## Pictures of examples whose entry in examples/gallery.toml is new, and docs/gallery.md (minutes)
 	$(PYTHON) -m examples.gallery
 
-# What miepython, which only tests use, asks for and does not need, with what that asks for. So locks are installed with
-# --no-deps. Two of those are wanted by what is only for testing.
-UNWANTED := contourpy cycler fonttools kiwisolver llvmlite matplotlib numba pillow pyparsing tzdata
-UNWANTED_AT_RUN_TIME := $(UNWANTED) python-dateutil six
 COMPILE := build/lock/bin/pip-compile --quiet --generate-hashes --no-reuse-hashes --no-header --strip-extras \
-  --no-emit-index-url --no-emit-find-links --no-annotate
+  --no-emit-index-url --no-emit-find-links --no-annotate --allow-unsafe
 
-lock:  ## Pin the newest versions that pyproject.toml allows
+lock:  ## Pin the newest versions that the packages allow
 	$(SYSTEM_PYTHON) -m venv build/lock && build/lock/bin/pip install --quiet pip-tools
-	$(COMPILE) --upgrade $(addprefix --unsafe-package ,$(UNWANTED)) --extra dev --output-file requirements.lock pyproject.toml
-	$(COMPILE) --constraint requirements.lock $(addprefix --unsafe-package ,$(UNWANTED_AT_RUN_TIME)) \
-	  --output-file requirements-runtime.lock pyproject.toml
+	$(COMPILE) --upgrade --extra dev --output-file requirements.lock pyproject.toml
+	$(COMPILE) --constraint requirements.lock --output-file requirements-runtime.lock pyproject.toml
 
 clean:  ## Remove everything that was built
 	rm -rf build .venv services/web/dist services/web/node_modules

@@ -23,8 +23,8 @@ from tests.system.waiting import wait_for
 pytestmark = pytest.mark.containers
 
 WORKERS = 3
-# Some minutes on two cores: enough is left to do when the last part is killed.
-_SIZE = (200, 150, 4096)
+# With a third of a processor for each worker a minute and more on any machine: enough for all faults.
+_SIZE = (200, 150, 2048)
 _UP_S = 600.0
 _RENDER_S = 3600.0
 
@@ -73,6 +73,7 @@ def stack() -> Iterator[Stack]:
             "NOCTURNE_PORT": str(port),
             "NOCTURNE_GRPC_PORT": str(port + 1),
             "NOCTURNE_THREADS": "1",
+            "NOCTURNE_WORKER_CPUS": "0.3",
         }
         found.compose("down", "--volumes")
         _timed("build", lambda: found.compose("build"))

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import miepython
 import numpy as np
 import platformdirs
 import pytest
@@ -51,17 +50,72 @@ def test_distributions_are_normalised(distribution: mie.Distribution) -> None:
     assert 1e2 * 1e-6 * distribution.density(radii * 1e-6) == pytest.approx(published, rel=1e-3)
 
 
-@pytest.mark.parametrize("index", [1.0003, 1.33, 1.5, 3.0])
-def test_coefficients_are_those_of_another_program(index: float) -> None:
-    """miepython, for sizes from below the wavelength to the largest droplets that are accepted."""
-    sizes = np.array([0.05, 0.7, 1.0, 3.3, 12.0, 47.1, 128.6, 333.0, bounds.DROPLET_SIZE])
-    for found, which in zip(mie.coefficients(index, sizes), (0, 1), strict=True):
-        for row, size in zip(found, sizes, strict=True):
-            published = miepython.coefficients(complex(index), size)[which]
-            count = min(len(published), len(row))
-            assert row[:count] == pytest.approx(published[:count], abs=1e-8 * np.abs(published).max())
-            # Orders that one of the two leaves out.
-            assert np.abs(row[count:]).max(initial=0.0) < 1e-6
+def efficiency_and_mean_cosine(index: float, size: float) -> tuple[float, float]:
+    """Of one sphere: C. F. Bohren and D. R. Huffman 1983, equations 4.61 and the one after 4.62."""
+    a, b = (rows[0] for rows in mie.coefficients(index, np.array([size])))
+    n = np.arange(1, len(a) + 1)
+    efficiency = 2 / size**2 * np.sum((2 * n + 1) * (np.abs(a) ** 2 + np.abs(b) ** 2))
+    neighbours = (n * (n + 2) / (n + 1))[:-1] * (a[:-1] * a[1:].conj() + b[:-1] * b[1:].conj())
+    pairs = (2 * n + 1) / (n * (n + 1)) * a * b.conj()
+    return float(efficiency), float(4 / size**2 * (neighbours.sum() + pairs.sum()).real / efficiency)
+
+
+# W. J. Wiscombe, Mie Scattering Calculations, NCAR Technical Note TN-140+STR, 1979: its test output.
+_WISCOMBE = [
+    (0.75, 10.0, 2.232265, 0.896473),
+    (0.75, 1000.0, 1.997908, 0.844944),
+    (1.5, 10.0, 2.881999, 0.742913),
+    (1.5, 100.0, 2.094388, 0.818246),
+    (1.5, 1000.0, 2.013945, 0.827882),
+]
+
+
+@pytest.mark.parametrize(("index", "size", "efficiency", "cosine"), _WISCOMBE)
+def test_spheres_have_their_published_efficiency(
+    index: float, size: float, efficiency: float, cosine: float
+) -> None:
+    """Up to the largest droplets that are accepted."""
+    assert size <= bounds.DROPLET_SIZE
+    assert efficiency_and_mean_cosine(index, size) == pytest.approx((efficiency, cosine), abs=1e-6)
+
+
+# Bohren and Huffman 1983, appendix A: index 1.55, radius 0.525 um, wavelength 0.6328 um; each 9 degrees.
+_BOHREN_HUFFMAN = [
+    *(1.0, 0.785390, 0.356897, 0.0766119, 0.0355355, 0.0701845, 0.0574313, 0.0219660, 0.0125959, 0.0173750),
+    *(0.0124601, 0.00679093, 0.00954239, 0.00863419, 0.00227421, 0.00543998, 0.0160243, 0.0188852),
+    *(0.0195254, 0.0301676, 0.0383189),
+]
+
+
+def test_a_sphere_scatters_into_directions_as_published() -> None:
+    size = 2 * np.pi * 0.525 / 0.6328
+    assert efficiency_and_mean_cosine(1.55, size)[0] == pytest.approx(3.10543, abs=5e-6)
+    found = intensity(1.55, np.array([size]), np.cos(np.radians(9.0 * np.arange(21))))[0]
+    assert found / found[0] == pytest.approx(np.array(_BOHREN_HUFFMAN), rel=2e-5)
+
+
+def intensity(index: float, sizes: Floats, cosines: Floats) -> Floats:
+    """S11 of spheres, a row for each size: Bohren and Huffman, equations 4.47, 4.74 and 4.77."""
+    a, b = mie.coefficients(index, sizes)
+    before, pi = np.zeros_like(cosines), np.ones_like(cosines)
+    s1, s2 = np.zeros((2, len(sizes), len(cosines)), dtype=complex)
+    for n in range(1, a.shape[1] + 1):
+        tau = n * cosines * pi - (n + 1) * before
+        weight = (2 * n + 1) / (n * (n + 1))
+        electric, magnetic = weight * a[:, n - 1, None], weight * b[:, n - 1, None]
+        s1 += electric * pi + magnetic * tau
+        s2 += electric * tau + magnetic * pi
+        before, pi = pi, ((2 * n + 1) * cosines * pi - (n + 1) * before) / n
+    return np.asarray(0.5 * (np.abs(s1) ** 2 + np.abs(s2) ** 2))
+
+
+@pytest.mark.parametrize("size", [50.0, 333.0, bounds.DROPLET_SIZE])
+def test_soft_spheres_take_light_by_the_phase_they_delay(size: float) -> None:
+    """H. C. van de Hulst 1957, section 11.22: anomalous diffraction, exact as the index goes to 1."""
+    index = 1.0003
+    delay = 2 * size * (index - 1)
+    expected = 2 - 4 / delay * np.sin(delay) + 4 / delay**2 * (1 - np.cos(delay))
+    assert efficiency_and_mean_cosine(index, size)[0] == pytest.approx(expected, rel=5e-3)
 
 
 def test_haze_has_its_published_extinction() -> None:
@@ -105,10 +159,8 @@ def test_the_forward_peak_is_resolved() -> None:
     radii = np.linspace(0.5e-6, 20e-6, 1000)
     which = 1
     wave = 2 * np.pi / (mie.WAVELENGTHS[which] * 1e-9)
-    total = np.zeros(len(angles))
-    for radius, weight in zip(radii, CLOUD_C1.density(radii) * (radii[1] - radii[0]), strict=True):
-        s1, s2 = miepython.S1_S2(complex(WATER[which]), wave * radius, np.cos(angles), norm="wiscombe")
-        total += weight * 0.5 * (np.abs(s1) ** 2 + np.abs(s2) ** 2) / wave**2
+    weights = CLOUD_C1.density(radii) * (radii[1] - radii[0])
+    total = weights @ intensity(WATER[which], wave * radii, np.cos(angles)) / wave**2
     table = np.interp(np.cos(angles), found.cosines, found.phase[which])
     truth = total / found.cross_section[which]
     assert table[:-2] == pytest.approx(truth[:-2], rel=0.02)

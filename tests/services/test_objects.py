@@ -2,14 +2,11 @@
 
 import asyncio
 import hashlib
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import httpx
 import obstore
 import pytest
 from nocturne_api.compiling import pool as compiling
@@ -21,43 +18,15 @@ from nocturne_scene.errors import InputError, NotFound
 
 from tests.services import coordinator_acts
 from tests.services.endpoints import rest_client
-from tests.system.free_ports import free_port_pair
+from tests.services.s3_server import S3Server
 
 DATA = b"a scene that is a scene is a scene" * 1000
 SHA256 = hashlib.sha256(DATA).hexdigest()
 
 
-class S3Server:
-    """moto's server: buckets and objects by HTTP, in memory."""
-
-    def __init__(self) -> None:
-        port = free_port_pair()
-        self.url = f"http://127.0.0.1:{port}"
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "moto.server", "-H", "127.0.0.1", "-p", str(port)],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        deadline = time.monotonic() + 60
-        while not self._answers():
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
-        assert httpx.put(f"{self.url}/night", trust_env=False).status_code == 200
-
-    def _answers(self) -> bool:
-        try:
-            return httpx.get(f"{self.url}/moto-api/", trust_env=False).status_code == 200
-        except httpx.TransportError:
-            return False
-
-    def kill(self) -> None:
-        self._process.kill()
-        self._process.wait()
-
-
 @pytest.fixture
 def s3(monkeypatch: pytest.MonkeyPatch) -> Iterator[S3Server]:
-    server = S3Server()
+    server = S3Server("night", "someone")
     for name, value in {
         "AWS_ENDPOINT_URL": server.url,
         "AWS_ACCESS_KEY_ID": "someone",
@@ -68,7 +37,7 @@ def s3(monkeypatch: pytest.MonkeyPatch) -> Iterator[S3Server]:
     # What compiles has the environment that it was started with.
     compiling.stop()
     yield server
-    server.kill()
+    server.stop()
     compiling.stop()
 
 
@@ -124,7 +93,7 @@ def test_blobs_come_back_from_the_object_store(objects: ObjectStore, tmp_path: P
 
 def test_a_blob_that_can_not_be_put_there_is_not_said_to_be_here(s3: S3Server, tmp_path: Path) -> None:
     blobs = BlobStore(tmp_path / "blobs", ObjectStore("s3://night/x"))
-    s3.kill()
+    s3.stop()
     with pytest.raises(ObjectStoreUnavailable), blobs.writer(SHA256, len(DATA)) as writer:
         writer.write(DATA)
     assert not BlobStore(tmp_path / "blobs").has(SHA256)
@@ -190,7 +159,7 @@ async def test_an_object_store_that_is_away_is_said_to_be(
     service = await open_service(settings)
     await service.start()
     try:
-        s3.kill()
+        s3.stop()
         async with rest_client(service) as rest:
             for answer in (
                 await rest.put(f"/v1/assets/{SHA256}", content=DATA),

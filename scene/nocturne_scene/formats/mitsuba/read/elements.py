@@ -4,11 +4,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
-from xml.etree.ElementTree import ParseError, TreeBuilder
-
-from defusedxml import DefusedXmlException
-from defusedxml.ElementTree import DefusedXMLParser
+from xml.parsers.expat import ExpatError, ParserCreate, XMLParserType
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.reading.scene_files import TEXT_BYTES, SceneFiles, read_bytes
@@ -52,51 +48,51 @@ class Element:
         return self.attributes[attribute]
 
 
-class _LinedBuilder(TreeBuilder):
-    """Builds elements and remembers their lines."""
+class _Builder:
+    """Builds elements of what the parser tells, and remembers their lines."""
 
-    def __init__(self, shown: str) -> None:
-        super().__init__()
-        self.shown = shown
-        self.parser: Any = None
+    def __init__(self, parser: XMLParserType, shown: str) -> None:
         self.root: Element | None = None
+        self._shown = shown
+        self._parser = parser
         self._open: list[Element] = []
+        parser.StartElementHandler = self._start
+        parser.EndElementHandler = self._end
+        parser.CharacterDataHandler = self._text
+        # Entities are declared in a document type, and nowhere else: without one, none grows or names a file.
+        parser.StartDoctypeDeclHandler = self._refuse
 
-    def start(self, tag: str, attributes: dict[str, str]) -> None:  # type: ignore[override]
+    def _start(self, tag: str, attributes: dict[str, str]) -> None:
         if len(self._open) >= _MAX_DEPTH:
             raise InputError.at(self._place(), f"elements are nested more than {_MAX_DEPTH} deep")
-        element = Element(tag, dict(attributes), self._place())
+        element = Element(tag, attributes, self._place())
         if self._open:
             self._open[-1].children.append(element)
-        elif self.root is None:
+        else:
             self.root = element
         self._open.append(element)
 
-    def end(self, tag: str) -> None:  # type: ignore[override]
-        del tag
+    def _end(self, _: str) -> None:
         self._open.pop()
 
-    def data(self, data: str) -> None:
-        if data.strip():
-            raise InputError.at(self._place(), f'text "{data.strip()[:40]}" between elements')
+    def _text(self, text: str) -> None:
+        if text.strip():
+            raise InputError.at(self._place(), f'text "{text.strip()[:40]}" between elements')
+
+    def _refuse(self, *_: object) -> None:
+        raise InputError.at(self._shown, "declares a document type or entities, which scenes have no need of")
 
     def _place(self) -> str:
-        return f"{self.shown}:{self.parser.parser.CurrentLineNumber}"
+        return f"{self._shown}:{self._parser.CurrentLineNumber}"
 
 
 def parse_xml(content: bytes, shown: str) -> Element:
     """Return the root of a file. Raises InputError for what is no XML or may be harmful."""
-    builder = _LinedBuilder(shown)
-    parser = DefusedXMLParser(target=builder, forbid_dtd=True)
-    builder.parser = parser
+    parser = ParserCreate()
+    builder = _Builder(parser, shown)
     try:
-        parser.feed(content)
-        parser.close()
-    except DefusedXmlException:
-        raise InputError.at(
-            shown, "declares a document type or entities, which scenes have no need of"
-        ) from None
-    except ParseError as error:
+        parser.Parse(content, True)
+    except ExpatError as error:
         raise InputError.at(shown, f"is no XML: {str(error)[:200]}") from None
     except (ValueError, LookupError) as error:
         raise InputError.at(shown, f"has an encoding that can't be read: {str(error)[:200]}") from None
