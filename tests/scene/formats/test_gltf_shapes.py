@@ -215,7 +215,7 @@ def test_a_skin_follows_its_joints(tmp_path: Path) -> None:
     model.tree["skins"] = [{"joints": [1, 2], "inverseBindMatrices": matrices}]
 
     def upper(p: Any) -> NDArray[np.float64]:
-        raised: NDArray[np.float64] = np.asarray(p, dtype=np.float64) + [0.0, 2.0, 0.0]
+        raised: NDArray[np.float64] = np.asarray(p, dtype=np.float64) + np.array([0.0, 2.0, 0.0])
         return raised
 
     def fore(p: Any) -> NDArray[np.float64]:
