@@ -41,7 +41,9 @@ def tried(file: Path, root: Path, *, compiles: bool) -> Outcome:
 
 
 def _in_a_process(file: Path, root: Path, *, allow_missing: bool, compiles: bool) -> Outcome:
-    context = multiprocessing.get_context("fork")
+    # Not a fork of this process: the threads of its image library would be missing in it.
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([__name__])
     ours, theirs = context.Pipe(duplex=False)
     process = context.Process(target=_work, args=(theirs, file, root, allow_missing, compiles))
     process.start()
