@@ -17,6 +17,7 @@ import hashlib
 import json
 import logging
 from collections.abc import Mapping
+from contextlib import suppress
 from enum import Enum
 from pathlib import Path
 from typing import IO, Any
@@ -58,7 +59,9 @@ class EventLog:
 
     def close(self) -> None:
         if self._file is not None:
-            self._file.close()
+            # What is still to be written may not fit on a full disk.
+            with suppress(OSError):
+                self._file.close()
             self._file = None
 
     def recorded(self, event: events.Event, steps: Steps[None]) -> Steps[None]:

@@ -176,7 +176,7 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
             checkpointer = Checkpointer(data, place, options.checkpoint_seconds)
             threading.Thread(target=checkpointer.run, args=(stop,), daemon=True).start()
         if options.event_log:
-            event_log = EventLog(options.event_log, settings, ledger.quarantined())
+            event_log = _open_event_log(options.event_log, settings, ledger)
         previews = Previews(folder, ledger)
         Coordinator(folder, ledger, previews, queue, session, settings, Clock(stop), event_log).run(
             SignOfLife(options.alive) if options.alive else lambda: None
@@ -196,6 +196,13 @@ def _open(data: Path, shared: bool, lease_seconds: float) -> tuple[DataFolder, O
     except (OSError, sqlite3.Error) as trouble:
         folder.close()
         raise UnusableFolder.because(data, trouble) from trouble
+
+
+def _open_event_log(path: Path, settings: Settings, ledger: Ledger) -> EventLog:
+    try:
+        return EventLog(path, settings, ledger.quarantined())
+    except OSError as trouble:
+        raise UnusableFolder.because(path.parent, trouble) from trouble
 
 
 def _take_lease(queue: JobQueue, session: Session, stop: threading.Event) -> None:

@@ -17,6 +17,7 @@ from nocturne_coordinator.dispatch.region import Region
 from nocturne_coordinator.dispatch.state import Settings
 from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.event_log import EventLog, decoded, encoded
+from nocturne_coordinator.main import EXIT_UNUSABLE
 from nocturne_scene.ranges import make_schedule
 
 from tests.coordinator.service import Service, check_complete
@@ -111,6 +112,24 @@ def test_the_one_before_is_kept_and_nobody_else_reads_it(tmp_path: Path) -> None
     assert sorted(path.name for path in tmp_path.iterdir()) == ["events", "events.1"]
     assert '"number":1' in (tmp_path / "events.1").read_text()
     assert (tmp_path / "events").stat().st_mode & 0o077 == 0
+
+
+def test_a_disk_that_is_full_ends_it_and_nothing_else(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    writer = EventLog(tmp_path / "events", Settings(), {})
+    writer.close()
+    writer._file = Path("/dev/full").open("w")  # noqa: SIM115 - closed with the log
+    nothing: list[Instruction] = []
+    with caplog.at_level(logging.ERROR):
+        for _ in range(10):
+            list(writer.recorded(Tick(AT), (each for each in nothing)))
+    assert "the event log ends here" in caplog.text
+    writer.close()
+
+
+def test_a_log_that_can_not_be_written_is_said_at_the_start(service: Service, tmp_path: Path) -> None:
+    assert service.start("", "--event-log", str(tmp_path / "gone" / "events")).wait(15) == EXIT_UNUSABLE
 
 
 def test_a_real_coordinators_log_is_replayed(
