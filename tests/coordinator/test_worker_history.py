@@ -25,10 +25,10 @@ def ledger(folder: DataFolder) -> Iterator[Ledger]:
 
 
 def _worker(name: str, rate: float = 5.0) -> WorkerRow:
-    return WorkerRow(name, 1, 2, 0, 0, rate, 0, 0.0, 0.0)
+    return WorkerRow(name, 1, 2, 10, 20, rate / 2, 0, 0.0, 0.0)
 
 
-def test_who_came_and_went(folder: DataFolder, ledger: Ledger) -> None:
+def test_worker_events(folder: DataFolder, ledger: Ledger) -> None:
     new = NewRender("q", "", "5c" * 32, "{}", 32, 32, 8, make_schedule(32, 32, 8))
     render = folder.create_render(new).id
     ledger.mirror_workers([_worker("a"), _worker("b")], [(render, 3, "b"), ("deleted", 1, "a")], 1.0)
@@ -54,7 +54,7 @@ def test_rates_are_kept_by_the_minute_for_two_days(folder: DataFolder, ledger: L
     for second in (0.0, 30.0, 61.0, 100.0, 130.0, 61.0 + 2 * 86400.0):
         ledger.mirror_workers([_worker("a", second), _worker("b", 1.0)], [], second)
     _, rates = folder.worker_history(1)
-    assert [(rate.unix_time, rate.threads, rate.photons_per_second) for rate in rates] == [
+    assert [(rate.unix_time, rate.threads, rate.rays_per_second) for rate in rates] == [
         (61.0, 4, 62.0),
         (130.0, 4, 131.0),
         (61.0 + 2 * 86400.0, 4, 62.0 + 2 * 86400.0),

@@ -57,6 +57,11 @@ class WorkerRow:
     seen: float
     floating_point_profile: str = UNKNOWN_CLASS
 
+    @property
+    def rays_per_second(self) -> float:
+        """Its rate in rays, by the rays that its photons took so far."""
+        return self.photons_per_second * self.rays / self.photons if self.photons else 0.0
+
 
 @dataclass(frozen=True, slots=True)
 class ErrorPoint:

@@ -448,7 +448,7 @@ class Ledger:
         last = self._database.row("SELECT max(unix_time) AS time FROM rate_point")
         if last is not None and last["time"] is not None and now - last["time"] < _RATE_STEP_SECONDS:
             return
-        rate = sum(worker.photons_per_second for worker in workers)
+        rate = sum(worker.rays_per_second for worker in workers)
         threads = sum(worker.threads for worker in workers)
         self._database.execute("INSERT OR REPLACE INTO rate_point VALUES (?, ?, ?)", (now, threads, rate))
         self._database.execute("DELETE FROM rate_point WHERE unix_time < ?", (now - _RATES_KEPT_SECONDS,))

@@ -114,4 +114,4 @@ class RatePoint:
 
     unix_time: float
     threads: int
-    photons_per_second: float
+    rays_per_second: float

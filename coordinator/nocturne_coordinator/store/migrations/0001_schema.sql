@@ -133,7 +133,7 @@ CREATE TABLE worker_event (
 CREATE TABLE rate_point (
     unix_time REAL PRIMARY KEY,
     threads INTEGER NOT NULL,
-    photons_per_second REAL NOT NULL
+    rays_per_second REAL NOT NULL
 ) STRICT;
 
 -- Workers whose results are not taken any more.

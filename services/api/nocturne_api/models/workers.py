@@ -31,11 +31,10 @@ class Worker(Answer):
     @classmethod
     def of(cls, row: WorkerRow, quarantine: str, incompatible: str) -> Self:
         """The public side of a row of the data folder."""
-        other = {"quarantine", "incompatible", "rays_per_second"}
+        other = {"quarantine", "incompatible"}
         return cls(
             quarantine=quarantine,
             incompatible=incompatible,
-            rays_per_second=row.photons_per_second * row.rays / row.photons if row.photons else 0.0,
             **{name: getattr(row, name) for name in cls.model_fields.keys() - other},
         )
 
@@ -60,7 +59,7 @@ class RatePoint(Answer):
 
     unix_time: float
     threads: int
-    photons_per_second: float = Field(description="Samples times the wavelengths of each, a second.")
+    rays_per_second: float
 
 
 class WorkerHistory(Answer):

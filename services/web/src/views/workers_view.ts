@@ -63,22 +63,22 @@ function rates({ rates: points }: WorkerHistory, container: HTMLElement): uPlot 
       axes: [axis, { ...axis, size: 64, values: format }, { ...axis, scale: "threads", side: right, grid: { show: false } }],
       series: [
         {},
-        { label: "Samples × wavelengths/s", stroke: styles.getPropertyValue("--accent").trim(), width: 2, value: (_, value: number | null) => (value === null ? "–" : formatCount(value)) },
+        { label: "Rays/s", stroke: styles.getPropertyValue("--accent").trim(), width: 2, value: (_, value: number | null) => (value === null ? "–" : formatCount(value)) },
         { label: "Threads", scale: "threads", stroke: styles.getPropertyValue("--cancelled").trim(), width: 1, dash: [4, 3] },
       ],
     },
-    [points.map((point) => point.unix_time), points.map((point) => point.photons_per_second), points.map((point) => point.threads)],
+    [points.map((point) => point.unix_time), points.map((point) => point.rays_per_second), points.map((point) => point.threads)],
     container,
   );
 }
 
 /** How much of what the threads can do was done: the mean rate per thread over the best there was. */
 function efficiencyText({ rates: points }: WorkerHistory): string {
-  const perThread = points.filter(({ threads }) => threads > 0).map(({ threads, photons_per_second }) => photons_per_second / threads);
+  const perThread = points.filter(({ threads }) => threads > 0).map(({ threads, rays_per_second }) => rays_per_second / threads);
   const best = Math.max(0, ...perThread);
   if (perThread.length < 2 || best === 0) return "A point for each minute; there are too few yet.";
   const mean = perThread.reduce((sum, value) => sum + value, 0) / perThread.length;
-  return `${formatCount(mean)} samples × wavelengths/s per thread on the mean, ${((100 * mean) / best).toFixed(0)} % of the best minute. Idle time counts, and scenes differ.`;
+  return `${formatCount(mean)} rays/s per thread on the mean, ${((100 * mean) / best).toFixed(0)} % of the best minute. Idle time counts, and scenes differ.`;
 }
 
 function eventsTable({ events }: WorkerHistory): HTMLElement {
