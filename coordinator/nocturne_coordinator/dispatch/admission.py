@@ -182,6 +182,8 @@ class Admission:
             cost=render.cost,
         )
         if row.fence > 1:
+            # Its results are read again, those too that were to be deleted when it was let go.
+            self._state.settled.pop(row.id, None)
             yield TakeUpStreams(row.id)
         self._look_first(row)
         done, planned = render.totals.ranges, len(render.planned.ranges) * render.planned.grid.count
