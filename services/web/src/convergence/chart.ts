@@ -106,7 +106,7 @@ function options(drawing: Drawing, abscissa: Abscissa, width: number): uPlot.Opt
       { ...axis, size: 58, values: labels(tickPercent) },
     ],
     series: [
-      { label: abscissa === "time" ? "Time" : "Photons", value: (_, x: number | null) => text(x, formatX) },
+      { label: abscissa === "time" ? "Time" : "Samples per pixel", value: (_, x: number | null) => text(x, formatX) },
       ...drawing.lines.map((line) => series(line, colour(line.colour))),
     ],
     bands: bands(drawing, colour("--accent")),
