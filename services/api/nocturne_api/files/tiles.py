@@ -17,7 +17,7 @@ import numpy as np
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.error_estimate import variance_of_mean
 from nocturne_coordinator.output.images import mean_xyz
-from nocturne_coordinator.store.data_folder import TileChange
+from nocturne_coordinator.store.rows import TileChange
 from nocturne_scene.errors import InputError
 from nocturne_scene.ranges import XYZ_SUMS, TileGrid
 
