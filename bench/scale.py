@@ -16,7 +16,8 @@ import redis
 from nocturne.v1 import job_pb2
 from nocturne_client.local.programs import need_program
 from nocturne_coordinator.queue import keys
-from nocturne_coordinator.store.data_folder import DataFolder, NewRender
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.rows import NewRender
 from nocturne_scene.ranges import make_schedule
 
 from bench.programs import kept_waiting_s, running_cpu_s
@@ -49,7 +50,7 @@ class Farm:
 
     def merged_cpu_s(self) -> float:
         """Processor seconds of all ranges that are merged and committed."""
-        return self.folder.spent()[1]
+        return self.folder.renders.spent()[1]
 
     def waiting_cpu_s(self) -> float:
         """The same of ranges whose results wait for earlier ones."""
@@ -113,7 +114,7 @@ def _watched(here: Farm, settle_s: float, seconds: float) -> Figures:
     lags, redis_bytes = [], 0
     while time.monotonic() < began + seconds:
         time.sleep(_LOOK_S)
-        lags.append(here.folder.meters()["result_seconds"])
+        lags.append(here.folder.meters.read()["result_seconds"])
         redis_bytes = max(redis_bytes, int(here.client.info("memory")["used_memory"]))
     took, merged = time.monotonic() - began, here.merged() - merged
     used = running_cpu_s(here.coordinator.pid) - cpu
@@ -153,7 +154,7 @@ def farm(*options: str) -> Iterator[Farm]:
             schedule = make_schedule(EDGE, EDGE, 2**20)
             for number in range(RENDERS):
                 new = NewRender(f"{number}", "", "5c" * 32, "{}", EDGE, EDGE, 2**20, schedule)
-                folder.create_render(new)
+                folder.renders.create(new)
             while not socket.exists():
                 time.sleep(0.05)
             words: list[str | Path] = [

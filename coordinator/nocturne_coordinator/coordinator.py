@@ -54,7 +54,7 @@ class Coordinator:
         self._clock = clock
         self._event_log = event_log
         self.core = Core(settings)
-        self.core.state.fleet.quarantined = ledger.quarantined()
+        self.core.state.fleet.quarantined = ledger.workers.quarantined()
         self._dispatcher = Dispatcher(queue, session, self.tell, clock)
         self._executor = Executor(ledger, previews, self._dispatcher, self.core.state.renders, clock)
         self._coordinators = 1
@@ -75,7 +75,7 @@ class Coordinator:
         self.tell(Stopping(self._clock.moment()))
         self._dispatcher.leave()
         try:
-            self._ledger.resign()
+            self._ledger.leases.resign()
         except (sqlite3.Error, OSError) as trouble:
             _log.info("the leases on renders run out by themselves: %s", trouble)
         _log.info("stopped; %d renders wait to be resumed", len(self.core.state.renders))
@@ -125,14 +125,14 @@ class Coordinator:
         self._next_look = at.now + _LOOK_SECONDS
         try:
             if at.now >= self._next_mirror:
-                self._next_mirror = at.now + min(_MIRROR_SECONDS, self._ledger.lease_seconds / 5)
+                self._next_mirror = at.now + min(_MIRROR_SECONDS, self._ledger.leases.lease_seconds / 5)
                 self._mirror_workers()
             changes = self._folder.change_counter()
             if changes == self._seen_changes and at.now < self._next_follow and not self._executor.wants_look:
                 return
             self._next_follow = at.now + _FOLLOW_SECONDS
             self._executor.wants_look = False
-            rows, quarantined = tuple(self._ledger.open_renders()), self._ledger.quarantined()
+            rows, quarantined = tuple(self._ledger.renders.all()), self._ledger.workers.quarantined()
             self.tell(RendersSeen(self._clock.moment(), rows, quarantined, self._coordinators))
             if not self._executor.wants_look:
                 self._executor.show_ended()
@@ -146,7 +146,7 @@ class Coordinator:
     def _mirror_workers(self) -> None:
         """Renews our lease on renders, and shows in the folder who works."""
         unix = self._clock.moment().unix
-        coordinators = self._ledger.renew(unix)
+        coordinators = self._ledger.leases.renew(unix)
         if coordinators != self._coordinators:
             _log.info("%d coordinators work on the folder", coordinators)
             self._coordinators = coordinators
@@ -154,7 +154,7 @@ class Coordinator:
         fleet = self.core.state.fleet
         if (fleet.workers or self._dispatcher.in_step) and fleet.workers is not self._mirrored:
             at_work = [(key.render_id, key.tile_index, worker) for key, worker in fleet.liveness.at_work]
-            self._ledger.mirror_workers(list(fleet.workers), at_work, unix)
+            self._ledger.workers.mirror(list(fleet.workers), at_work, unix)
             self._mirrored = fleet.workers
         self._ledger.write_meters(self._meters(unix))
         self._dispatcher.longest_wait = 0.0

@@ -1,13 +1,15 @@
-"""Every exception that this package raises on purpose.
+"""Every exception that leaves this package; `RefusedResult` is caught inside it.
 
 NocturneError, InputError and NotFound are of `nocturne_scene.errors`.
 
 NocturneError
 +-- Conflict        a request id was used before with other content
++-- AmbiguousId     several renders have ids that begin so
 +-- FilesGone       files of a scene were deleted after it was compiled
 +-- WrongState      the render is in a state in which that can't be done
 +-- AlreadyOwned    another coordinator works on the data folder
 +-- QueueTaken      Redis serves the coordinator of another data folder
++-- QueueError      Redis can't be reached, or refuses
 +-- OwnershipLost   another coordinator took the data folder over; nothing may be committed any more
 +-- LeaseLost       another coordinator has the render, or its sums were changed; nothing of it may be written
 +-- UnusableFolder  the folder was written by another version, or is damaged
@@ -15,6 +17,8 @@ NocturneError
 +-- UnusableQueue   Redis is set up in a way that loses messages
 +-- FolderTrouble   the data folder could not be read or written just now; it is tried again
 +-- QueueError      Redis could not be reached, or refused; it is tried again
++-- ObjectStoreUnavailable  the object store can't be reached, or refuses
+    +-- ObjectDamaged       what it gives is not what was put there
 """
 
 from pathlib import Path
@@ -82,3 +86,11 @@ class FolderTrouble(NocturneError):
 
 class QueueError(NocturneError):
     """Redis could not be reached, or refused; nothing is known of what it did."""
+
+
+class ObjectStoreUnavailable(NocturneError):
+    """The object store can't be reached, or refuses; the same may succeed later."""
+
+
+class ObjectDamaged(ObjectStoreUnavailable):
+    """What the object store gives is not what was put there."""

@@ -74,27 +74,27 @@ class Executor:
         ledger = self._ledger
         match instruction:
             case do.ReadRenders():
-                return ledger.open_renders()
+                return ledger.renders.all()
             case do.TakeRender():
-                return ledger.take(instruction.render_id)
+                return ledger.renders.take(instruction.render_id)
             case do.StartRender():
                 unix = self._clock.moment().unix
-                return ledger.start(instruction.render_id, instruction.fence, unix)
+                return ledger.commits.start(instruction.render_id, instruction.fence, unix)
             case do.ReadTiles():
-                return ledger.tiles(instruction.render_id)
+                return ledger.renders.tiles(instruction.render_id)
             case do.Commit():
                 return self._commit(instruction)
             case do.EndRender():
                 unix = self._clock.moment().unix
-                return ledger.end(instruction.render, instruction.state, instruction.reason, unix)
+                return ledger.commits.end(instruction.render, instruction.state, instruction.reason, unix)
             case do.StartAnew():
-                ledger.start_anew(instruction.render_id, instruction.fence)
+                ledger.commits.start_anew(instruction.render_id, instruction.fence)
             case do.Quarantine():
-                ledger.quarantine(instruction.worker, instruction.reason, self._clock.moment().unix)
-                return ledger.distrust(instruction.worker) if instruction.lied else []
+                ledger.workers.quarantine(instruction.worker, instruction.reason, self._clock.moment().unix)
+                return ledger.workers.distrust(instruction.worker) if instruction.lied else []
             case do.RecordError():
                 point, in_history = instruction.point, instruction.in_history
-                ledger.record_preview(instruction.render_id, instruction.fence, point, in_history)
+                ledger.commits.record_preview(instruction.render_id, instruction.fence, point, in_history)
                 return self._clock.moment()
             case do.WritePreview():
                 self._previews.write_preview(self._renders[instruction.render_id], instruction.final)
@@ -111,20 +111,20 @@ class Executor:
         lost = []
         if instruction.commits:
             crash_point("before-commit")
-            lost = self._ledger.commit(list(instruction.commits))
+            lost = self._ledger.commits.commit(list(instruction.commits))
             crash_point("after-commit")
-        lost += [each for each in self._ledger.lost(instruction.fences) if each not in lost]
+        lost += [each for each in self._ledger.leases.lost(instruction.fences) if each not in lost]
         return CommitDone(self._clock.moment(), tuple(lost))
 
     def _is_open(self, render_id: str) -> bool:
         try:
-            return self._ledger.is_open(render_id)
+            return self._ledger.renders.is_open(render_id)
         except sqlite3.Error:
             return True
 
     def _let_go(self, instruction: do.LetGo) -> None:
         try:
-            self._ledger.let_go(instruction.render_id, instruction.fence)
+            self._ledger.leases.let_go(instruction.render_id, instruction.fence)
         except (sqlite3.Error, OSError) as trouble:
             _log.info("render=%s: the lease runs out by itself: %s", instruction.render_id, trouble)
 

@@ -200,7 +200,7 @@ def _open(data: Path, shared: bool, lease_seconds: float) -> tuple[DataFolder, O
 
 def _open_event_log(path: Path, settings: Settings, ledger: Ledger) -> EventLog:
     try:
-        return EventLog(path, settings, ledger.quarantined())
+        return EventLog(path, settings, ledger.workers.quarantined())
     except OSError as trouble:
         raise UnusableFolder.because(path.parent, trouble) from trouble
 

@@ -1,8 +1,10 @@
-"""Every exception that this package raises on purpose.
+"""Every exception that leaves this package. Readers of files have others, which become problems with a place.
 
 NocturneError
 +-- InputError      what the user gave is wrong; each problem names its place
+    +-- Incomplete  (`formats.import_scene`) a scene was imported, and something in it has no equal here
 +-- NotFound        there is no such file, or render
++-- PilotFailed     the small renders of a preflight can't be made, or have nothing to compare
 """
 
 from collections.abc import Iterable
@@ -41,3 +43,7 @@ class InputError(NocturneError):
 
 class NotFound(NocturneError):
     """There is no such render or blob."""
+
+
+class PilotFailed(NocturneError):
+    """The pilot of a preflight can't be run, or has nothing to compare."""

@@ -18,7 +18,7 @@ from tests.system.images import Image
 
 pytestmark = pytest.mark.system
 
-_EDGE = 32
+_EDGE = 24
 
 
 def _independent(seed: int, **tracing: Any) -> Document:

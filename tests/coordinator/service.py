@@ -18,7 +18,8 @@ from nocturne_coordinator.dispatch.merge import Counts, Sums
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_coordinator.output.images import mean_further_responses, mean_xyz
-from nocturne_coordinator.store.data_folder import DataFolder, NewRender, RenderRow
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.rows import NewRender, RenderRow
 from nocturne_scene.ranges import make_schedule
 
 from tests.coordinator.simulated_worker import SimulatedWorker, simulated_sums
@@ -132,12 +133,12 @@ class Service:
         stop: StopConditions = EVERYTHING,
     ) -> RenderRow:
         schedule = make_schedule(width, height, samples, further_responses)
-        return self.folder.create_render(
+        return self.folder.renders.create(
             NewRender(request_id, "a test", SCENE, "{}", width, height, samples, schedule, stop)
         )
 
     def row(self, render_id: str) -> RenderRow:
-        return self.folder.get_render(render_id)
+        return self.folder.renders.get(render_id)
 
     def wait_for_end(self, render_id: str) -> RenderRow:
         wait_until(lambda: self.row(render_id).image_final)
@@ -146,7 +147,9 @@ class Service:
 
 def expected_film(folder: DataFolder, render_id: str, samples: dict[int, int]) -> tuple[Sums, Counts]:
     """What tracing alone, tile by tile and range by range, gives; `samples` merged per tile."""
-    planned = PlannedRender(render_id, folder.schedule(render_id), bytes.fromhex(SCENE), job_pb2.ENGINE_1)
+    planned = PlannedRender(
+        render_id, folder.renders.schedule(render_id), bytes.fromhex(SCENE), job_pb2.ENGINE_1
+    )
     film = np.zeros((planned.schedule.height, planned.schedule.width, planned.sums_per_pixel))
     counts = np.zeros(film.shape[:2], dtype=np.uint32)
     for index, end in samples.items():
@@ -171,7 +174,9 @@ def check_committed(service: Service, row: RenderRow, redone: bool = False) -> N
     """
     samples = committed_samples(service.folder, row.id)
     film, counts = expected_film(service.folder, row.id, samples)
-    planned = PlannedRender(row.id, service.folder.schedule(row.id), bytes.fromhex(SCENE), job_pb2.ENGINE_1)
+    planned = PlannedRender(
+        row.id, service.folder.renders.schedule(row.id), bytes.fromhex(SCENE), job_pb2.ENGINE_1
+    )
     for tile_row in service.folder.database.rows("SELECT * FROM tile WHERE render_id = ?", (row.id,)):
         tile = planned.grid.tile(tile_row["tile_index"])
         area = np.s_[tile.y : tile.y + tile.height, tile.x : tile.x + tile.width]

@@ -8,9 +8,10 @@ from pathlib import Path
 import pytest
 from nocturne_coordinator.dispatch.records import RenderCommit, TileRow, Totals
 from nocturne_coordinator.errors import Conflict, OwnershipLost, UnusableFolder
-from nocturne_coordinator.store.data_folder import DataFolder, NewRender
+from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
+from nocturne_coordinator.store.rows import NewRender
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.errors import InputError, NotFound
 from nocturne_scene.ranges import make_schedule
@@ -26,28 +27,28 @@ def new_render(request_id: str = "a") -> NewRender:
 
 
 def test_a_request_makes_one_render(folder: DataFolder) -> None:
-    render = folder.create_render(new_render())
-    assert folder.create_render(new_render()) == render
+    render = folder.renders.create(new_render())
+    assert folder.renders.create(new_render()) == render
     assert render.state == "QUEUED"
     assert (render.ranges_planned, render.sequence) == (4 * 4, 1)
     with pytest.raises(Conflict):
-        folder.create_render(replace(new_render(), samples=21))
-    assert len(folder.list_renders(0, "")[0]) == 1
+        folder.renders.create(replace(new_render(), samples=21))
+    assert len(folder.renders.page(0, "")[0]) == 1
 
 
 @pytest.mark.parametrize("request_id", ["", "x" * 129])
 def test_a_bad_request_id_leaves_nothing(folder: DataFolder, request_id: str) -> None:
     with pytest.raises(InputError, match=r"\$\.request_id"):
-        folder.create_render(new_render(request_id))
-    assert folder.list_renders(0, "") == ([], "")
+        folder.renders.create(new_render(request_id))
+    assert folder.renders.page(0, "") == ([], "")
 
 
 def test_pages_are_newest_first_and_complete(folder: DataFolder) -> None:
-    made = [folder.create_render(new_render(str(number))).id for number in range(7)]
+    made = [folder.renders.create(new_render(str(number))).id for number in range(7)]
     seen: list[str] = []
     token = ""
     for _ in range(3):
-        page, token = folder.list_renders(3, token)
+        page, token = folder.renders.page(3, token)
         seen += [row.id for row in page]
     assert (seen, token) == (made[::-1], "")
 
@@ -55,11 +56,11 @@ def test_pages_are_newest_first_and_complete(folder: DataFolder) -> None:
 @pytest.mark.parametrize("token", ["?", "AAAA", "AAAAAAAAAAA=", "_" * 400, "é"])
 def test_a_page_token_of_ones_own_is_refused(folder: DataFolder, token: str) -> None:
     with pytest.raises(InputError, match="page_token"):
-        folder.list_renders(3, token)
+        folder.renders.page(3, token)
 
 
 def test_what_is_not_there_is_not_found(folder: DataFolder) -> None:
-    for ask in (folder.get_render, folder.request_cancel, folder.image_path, folder.error_history):
+    for ask in (folder.renders.get, folder.requests.cancel, folder.image_path, folder.renders.error_history):
         with pytest.raises(NotFound):
             ask("../etc")
 
@@ -68,20 +69,20 @@ def test_other_processes_changes_are_seen(folder: DataFolder) -> None:
     other = DataFolder(folder.root)
     before = folder.change_counter()
     assert folder.change_counter() == before
-    render = other.create_render(new_render())
+    render = other.renders.create(new_render())
     after = folder.change_counter()
     assert after > before
-    folder.request_cancel(render.id)
+    folder.requests.cancel(render.id)
     assert folder.change_counter() > after
     other.close()
 
 
 def test_cancel_is_final_and_seen_once(folder: DataFolder) -> None:
-    render = folder.create_render(new_render())
-    cancelled = folder.request_cancel(render.id)
+    render = folder.renders.create(new_render())
+    cancelled = folder.requests.cancel(render.id)
     assert cancelled.state == "CANCELLED"
     assert cancelled.sequence == render.sequence + 1
-    assert folder.request_cancel(render.id) == cancelled
+    assert folder.requests.cancel(render.id) == cancelled
 
 
 def commit_of(render_id: str, samples: int, fence: int = 1) -> RenderCommit:
@@ -91,34 +92,34 @@ def commit_of(render_id: str, samples: int, fence: int = 1) -> RenderCommit:
 
 def take(ledger: Ledger, render_id: str) -> int:
     """Takes and starts a render; its fence."""
-    row = ledger.take(render_id)
+    row = ledger.renders.take(render_id)
     assert row is not None
-    ledger.start(render_id, row.fence, 1.0)
+    ledger.commits.start(render_id, row.fence, 1.0)
     return row.fence
 
 
 def test_a_commit_to_an_ended_render_is_dropped(folder: DataFolder) -> None:
     ledger = Ledger(folder.database, Ownership(folder.root, folder.database))
-    render = folder.create_render(new_render())
+    render = folder.renders.create(new_render())
     assert take(ledger, render.id) == 1
-    assert ledger.commit([commit_of(render.id, 4)]) == []
-    folder.request_cancel(render.id)
-    ledger.commit([commit_of(render.id, 8)])
-    assert [tile.samples for tile in ledger.tiles(render.id)] == [4]
-    assert folder.get_render(render.id).photons == 4 * 1024
-    assert [row.id for row in ledger.ended_without_image()] == [render.id]
+    assert ledger.commits.commit([commit_of(render.id, 4)]) == []
+    folder.requests.cancel(render.id)
+    ledger.commits.commit([commit_of(render.id, 8)])
+    assert [tile.samples for tile in ledger.renders.tiles(render.id)] == [4]
+    assert folder.renders.get(render.id).photons == 4 * 1024
+    assert [row.id for row in ledger.renders.ended_without_image()] == [render.id]
 
 
 def test_a_replaced_owner_can_not_commit(folder: DataFolder) -> None:
     ownership = Ownership(folder.root, folder.database)
     ledger = Ledger(folder.database, ownership)
-    render = folder.create_render(new_render())
+    render = folder.renders.create(new_render())
     take(ledger, render.id)
     ownership.release()
     Ownership(folder.root, folder.database)
     with pytest.raises(OwnershipLost):
-        ledger.commit([commit_of(render.id, 4)])
-    assert folder.get_render(render.id).photons == 0
+        ledger.commits.commit([commit_of(render.id, 4)])
+    assert folder.renders.get(render.id).photons == 0
 
 
 def test_a_folder_of_another_version_is_refused(folder: DataFolder) -> None:

@@ -38,8 +38,8 @@ def test_two_renders_share_the_workers(service: Service) -> None:
         check_complete(service, render.id)
     with service.server.client() as client:
         wait_until(lambda: client.xlen(keys.RESULTS) == 0 and client.xlen(keys.JOBS) == 0)
-    assert service.folder.error_history(renders[0].id)
-    wait_until(lambda: len(service.folder.workers()) == 2)
+    assert service.folder.renders.error_history(renders[0].id)
+    wait_until(lambda: len(service.folder.workers.alive()) == 2)
     assert service.stop() == 0
 
 
@@ -48,7 +48,7 @@ def test_two_renders_share_the_workers(service: Service) -> None:
 
 def test_a_time_stops_a_render_and_its_manifest_replays_it(service: Service) -> None:
     service.start()
-    wait_until(lambda: service.folder.meters().get("redis_in_step") == 1.0)
+    wait_until(lambda: service.folder.meters.read().get("redis_in_step") == 1.0)
     until = StopConditions(until=time.time() + 1.0, until_text="in a second")
     render = service.create(samples=4000, stop=until)
     service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
@@ -58,11 +58,11 @@ def test_a_time_stops_a_render_and_its_manifest_replays_it(service: Service) -> 
     # A round of the loop and a commit, and room for a busy machine.
     assert until.until <= row.ended < until.until + 3.0
     check_committed(service, row)
-    manifest = service.folder.manifest(render.id)
+    manifest = service.folder.tiles.manifest(render.id)
     assert samples_of(read_manifest(service.folder.image_path(render.id))) == list(manifest)
 
-    replay = service.folder.create_replay(render.id, "replay")
-    assert service.folder.create_replay(render.id, "replay").id == replay.id
+    replay = service.folder.requests.replay(render.id, "replay")
+    assert service.folder.requests.replay(render.id, "replay").id == replay.id
     service.work(SimulatedWorker(service.server.url))
     assert service.wait_for_end(replay.id).state == "SUCCEEDED"
     original, copy = (service.folder.image_path(each).read_bytes() for each in (render.id, replay.id))
@@ -108,7 +108,7 @@ def test_the_error_of_tiles_stops_them_alike_for_any_workers(tmp_path: Path) -> 
             assert row.tiles_done == row.tiles == 6
             assert row.predicted_end == 0.0
             check_committed(service, row)
-            manifests.append(service.folder.manifest(render.id))
+            manifests.append(service.folder.tiles.manifest(render.id))
             images.append(service.folder.image_path(render.id).read_bytes())
         finally:
             service.close()
@@ -127,7 +127,7 @@ def test_a_forecast_is_made(service: Service) -> None:
     row = service.row(render.id)
     assert row.predicted_end > time.time()
     assert row.predicted_cpu_seconds > row.cpu_seconds > 0.0
-    service.folder.request_cancel(render.id)
+    service.folder.requests.cancel(render.id)
 
 
 def test_a_paused_render_goes_on_where_it_was(service: Service) -> None:
@@ -135,7 +135,7 @@ def test_a_paused_render_goes_on_where_it_was(service: Service) -> None:
     render = service.create(samples=100)
     service.work(SimulatedWorker(service.server.url, delay=0.05))
     some_done(service, render.id)
-    assert service.folder.request_pause(render.id).state == "PAUSED"
+    assert service.folder.requests.pause(render.id).state == "PAUSED"
     row = service.wait_for_end(render.id)
     assert row.state == "PAUSED"
     check_committed(service, row)
@@ -143,7 +143,7 @@ def test_a_paused_render_goes_on_where_it_was(service: Service) -> None:
         wait_until(lambda: client.xlen(keys.JOBS) == 0)
     time.sleep(0.3)
     assert service.row(render.id).photons == row.photons
-    assert service.folder.request_resume(render.id).state in ("QUEUED", "RUNNING")
+    assert service.folder.requests.resume(render.id).state in ("QUEUED", "RUNNING")
     wait_until(lambda: service.row(render.id).state == "SUCCEEDED")
     check_complete(service, render.id)
     assert service.row(render.id).cpu_seconds < 1.3 * 0.001 * row.ranges_planned
@@ -156,10 +156,10 @@ def test_an_extended_render_traces_only_what_is_new(service: Service, samples: i
     worker = service.work(SimulatedWorker(service.server.url))
     check_complete(service, render.id)
     done = worker.jobs_done
-    service.folder.request_extension(render.id, 200, StopConditions())
+    service.folder.requests.extend(render.id, 200, StopConditions())
     wait_until(lambda: service.row(render.id).state == "SUCCEEDED")
     check_complete(service, render.id)
-    ends = service.folder.schedule(render.id).range_ends
+    ends = service.folder.renders.schedule(render.id).range_ends
     new = 6 * sum(end > samples for end in ends)
     # With a single worker there are no audits; a copy of a slow job may be done twice.
     assert new <= worker.jobs_done - done <= new + 2
@@ -175,7 +175,7 @@ def test_a_running_render_can_be_extended(service: Service) -> None:
     render = service.create(samples=64)
     service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
     some_done(service, render.id)
-    assert service.folder.request_extension(render.id, 128, StopConditions()).state == "RUNNING"
+    assert service.folder.requests.extend(render.id, 128, StopConditions()).state == "RUNNING"
     check_complete(service, render.id)
     assert service.row(render.id).samples == 128
 
@@ -201,7 +201,7 @@ def test_two_data_folders_can_not_share_a_redis(service: Service, tmp_path: Path
     finally:
         other.close()
     assert service.row(render.id).state == "RUNNING"
-    service.folder.request_cancel(render.id)
+    service.folder.requests.cancel(render.id)
     # Stopped in order, it leaves the lease to the next.
     assert service.stop() == 0
     third = Service(tmp_path / "third", service.server)
@@ -214,7 +214,7 @@ def test_two_data_folders_can_not_share_a_redis(service: Service, tmp_path: Path
 
 def test_a_later_coordinator_of_the_folder_takes_the_lease(service: Service) -> None:
     first = service.start()
-    wait_until(lambda: service.folder.meters().get("redis_in_step") == 1.0)
+    wait_until(lambda: service.folder.meters.read().get("redis_in_step") == 1.0)
     with service.server.client() as client:
         held = client.get(keys.SESSION)
         assert isinstance(held, bytes)

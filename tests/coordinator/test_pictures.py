@@ -10,10 +10,11 @@ from nocturne_coordinator.dispatch.records import RenderCommit, TileRow, Totals
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.errors import LeaseLost
 from nocturne_coordinator.output.previews import Previews
-from nocturne_coordinator.store.data_folder import DataFolder, NewRender
+from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
 from nocturne_coordinator.store.removal import delete_render
+from nocturne_coordinator.store.rows import NewRender
 from nocturne_scene.ranges import make_schedule
 
 _EDGE, _SAMPLES = 32, 4
@@ -29,14 +30,14 @@ def folder(tmp_path: Path) -> Iterator[DataFolder]:
 def _running(folder: DataFolder, ledger: Ledger, number: int) -> RunningRender:
     """A render of one tile, with its first samples committed, whose image is due."""
     schedule = make_schedule(_EDGE, _EDGE, 64)
-    row = folder.create_render(NewRender(f"{number}", "", "5c" * 32, "{}", _EDGE, _EDGE, 64, schedule))
-    taken = ledger.take(row.id)
+    row = folder.renders.create(NewRender(f"{number}", "", "5c" * 32, "{}", _EDGE, _EDGE, 64, schedule))
+    taken = ledger.renders.take(row.id)
     assert taken is not None
-    assert ledger.start(row.id, taken.fence, time.time())
+    assert ledger.commits.start(row.id, taken.fence, time.time())
     tile = TileRow(0, _SAMPLES, bytes(_EDGE * _EDGE * 32))
     totals = Totals(1, _SAMPLES * _EDGE * _EDGE, 5, 0, 0.5)
-    assert ledger.commit([RenderCommit(row.id, taken.fence, [tile], totals, 10.0)]) == []
-    render = RunningRender(taken, ledger.tiles(row.id))
+    assert ledger.commits.commit([RenderCommit(row.id, taken.fence, [tile], totals, 10.0)]) == []
+    render = RunningRender(taken, ledger.renders.tiles(row.id))
     render.next_image = time.monotonic() - number
     return render
 
@@ -49,7 +50,7 @@ def test_a_folder_that_goes_with_its_render_is_no_trouble(
     kept, deleted = (_running(folder, ledger, number) for number in (1, 2))
 
     def taken_away(path: Path, *_: object) -> None:
-        folder.request_cancel(deleted.id)
+        folder.requests.cancel(deleted.id)
         delete_render(folder, deleted.id)
         raise FileNotFoundError(path)
 

@@ -15,14 +15,15 @@ from nocturne_coordinator.dispatch.profiles import (
     threads_by_profile,
     usual_profile,
 )
-from nocturne_coordinator.dispatch.records import UNKNOWN_CLASS, OpenRender, RenderState, Totals
+from nocturne_coordinator.dispatch.records import UNKNOWN_CLASS, OpenRender, RenderState, Totals, WorkerRow
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
 from nocturne_coordinator.dispatch.state import Settings, State
-from nocturne_coordinator.store.data_folder import DataFolder, NewRender, WorkerRow
+from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
+from nocturne_coordinator.store.rows import NewRender
 from nocturne_scene.ranges import make_schedule
 
 from tests.coordinator.simulated_worker import simulated_result
@@ -124,18 +125,18 @@ def test_a_render_started_anew_has_nothing_but_its_cost(tmp_path: Path) -> None:
     folder = DataFolder(tmp_path)
     schedule = make_schedule(32, 32, 8)
     new = NewRender("q", "", "5c" * 32, "{}", 32, 32, 8, schedule, floating_point_profile=B)
-    render_id = folder.create_render(new).id
+    render_id = folder.renders.create(new).id
     ownership = Ownership(tmp_path, folder.database)
     try:
         ledger = Ledger(folder.database, ownership)
-        taken = ledger.take(render_id)
+        taken = ledger.renders.take(render_id)
         assert taken is not None
-        assert ledger.start(render_id, taken.fence, 1.0)
-        ledger.start_anew(render_id, taken.fence)
-        assert folder.get_render(render_id).floating_point_profile == ""
+        assert ledger.commits.start(render_id, taken.fence, 1.0)
+        ledger.commits.start_anew(render_id, taken.fence)
+        assert folder.renders.get(render_id).floating_point_profile == ""
         # Who had it in memory has lost it.
-        assert ledger.lost({render_id: taken.fence}) == [render_id]
-        again = ledger.take(render_id)
+        assert ledger.leases.lost({render_id: taken.fence}) == [render_id]
+        again = ledger.renders.take(render_id)
         assert again is not None
         assert replace(again, fence=0) == replace(
             taken, fence=0, floating_point_profile="", state=RenderState.RUNNING

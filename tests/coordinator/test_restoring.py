@@ -155,7 +155,7 @@ def test_what_is_whole_is_never_replaced(service: Service, tmp_path: Path) -> No
 
 def check_committed_now(service: Service, render: str) -> None:
     """By the sums alone: the image is that of a moment before."""
-    service.folder.request_cancel(render)
+    service.folder.requests.cancel(render)
     service.start()
     check_committed(service, service.wait_for_end(render))
 

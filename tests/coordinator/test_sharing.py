@@ -48,7 +48,7 @@ class Pen:
         self.ledger = Ledger(folder.database, self.ownership)
 
     def take(self, render_id: str) -> OpenRender:
-        taken = self.ledger.take(render_id)
+        taken = self.ledger.renders.take(render_id)
         assert taken is not None
         return taken
 
@@ -62,34 +62,34 @@ def test_who_lost_a_render_can_write_nothing_of_it(service: Service) -> None:
     folder, render = service.folder, service.create()
     slow, quick = Pen(folder), Pen(folder)
     held = slow.take(render.id)
-    assert quick.ledger.take(render.id) is None
-    assert slow.ledger.start(render.id, held.fence, 1.0)
-    assert slow.ledger.commit([commit_of(held, 4)]) == []
+    assert quick.ledger.renders.take(render.id) is None
+    assert slow.ledger.commits.start(render.id, held.fence, 1.0)
+    assert slow.ledger.commits.commit([commit_of(held, 4)]) == []
     # Its lease runs out.
-    folder.database.execute("UPDATE coordinator SET until = 1 WHERE number = ?", (slow.ledger.number,))
+    folder.database.execute("UPDATE coordinator SET until = 1 WHERE number = ?", (slow.ledger.leases.number,))
     taken = quick.take(render.id)
     assert taken.fence == held.fence + 1
     assert taken.totals.photons == 4 * 1024
-    assert quick.ledger.commit([commit_of(taken, 8)]) == []
+    assert quick.ledger.commits.commit([commit_of(taken, 8)]) == []
     before = dict(_rows(folder))
 
-    assert slow.ledger.lost({render.id: held.fence}) == [render.id]
-    assert quick.ledger.lost({render.id: taken.fence}) == []
-    assert slow.ledger.commit([commit_of(held, 4)]) == [render.id]
+    assert slow.ledger.leases.lost({render.id: held.fence}) == [render.id]
+    assert quick.ledger.leases.lost({render.id: taken.fence}) == []
+    assert slow.ledger.commits.commit([commit_of(held, 4)]) == [render.id]
     for attempt in (
-        lambda: slow.ledger.start(render.id, held.fence, 2.0),
-        lambda: slow.ledger.end(held, RenderState.FAILED, "", 2.0),
-        lambda: slow.ledger.images_written(render.id, held.fence),
-        lambda: slow.ledger.record_preview(render.id, held.fence, ErrorPoint(1.0, 1, 1.0, 0.5), True),
+        lambda: slow.ledger.commits.start(render.id, held.fence, 2.0),
+        lambda: slow.ledger.commits.end(held, RenderState.FAILED, "", 2.0),
+        lambda: slow.ledger.commits.images_written(render.id, held.fence),
+        lambda: slow.ledger.commits.record_preview(render.id, held.fence, ErrorPoint(1.0, 1, 1.0, 0.5), True),
     ):
         with pytest.raises(LeaseLost, match=render.id):
             attempt()
-    slow.ledger.let_go(render.id, held.fence)
+    slow.ledger.leases.let_go(render.id, held.fence)
     assert dict(_rows(folder)) == before
     # A sign of life later, it is one of two again; the render stays where it is.
-    assert slow.ledger.renew(time.time()) == 2
-    assert slow.ledger.take(render.id) is None
-    quick.ledger.resign()
+    assert slow.ledger.leases.renew(time.time()) == 2
+    assert slow.ledger.renders.take(render.id) is None
+    quick.ledger.leases.resign()
     assert slow.take(render.id).fence == taken.fence + 1
 
 
@@ -104,11 +104,11 @@ def _rows(folder: DataFolder) -> list[tuple[str, object]]:
 def test_tiles_that_are_thrown_away_are_lost_to_who_has_them(service: Service) -> None:
     render, pen, other = service.create(), Pen(service.folder), Pen(service.folder)
     held = pen.take(render.id)
-    pen.ledger.start(render.id, held.fence, 1.0)
+    pen.ledger.commits.start(render.id, held.fence, 1.0)
     service.folder.database.execute("INSERT INTO contribution VALUES (?, 0, 'liar')", (render.id,))
-    assert pen.ledger.commit([commit_of(held, 4)]) == []
-    assert other.ledger.distrust("liar") == [render.id]
-    assert pen.ledger.commit([commit_of(held, 8)]) == [render.id]
+    assert pen.ledger.commits.commit([commit_of(held, 4)]) == []
+    assert other.ledger.workers.distrust("liar") == [render.id]
+    assert pen.ledger.commits.commit([commit_of(held, 8)]) == [render.id]
     assert pen.take(render.id).fence > held.fence
 
 

@@ -68,7 +68,7 @@ class World:
         settings = replace(self.settings, number=self._runs)
         log = None
         if self._event_log is not None:
-            log = EventLog(self._event_log, settings, ledger.quarantined())
+            log = EventLog(self._event_log, settings, ledger.workers.quarantined())
             self._logs.append(log)
         session = Session("folder", 1, f"run {self._runs}")
         coordinator = CheckedCoordinator(

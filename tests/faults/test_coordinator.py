@@ -177,7 +177,7 @@ def test_a_damaged_database_is_replaced_by_the_newest_whole_checkpoint(service: 
     assert any("damaged" in each for each in found.damage)
     assert (service.data / "damaged-1" / "nocturne.db").is_file()
     service.reopen()
-    assert list(service.folder.manifest(render)) == samples_of(before.renders[render])
+    assert list(service.folder.tiles.manifest(render)) == samples_of(before.renders[render])
     service.start()
     check_survived(service, render)
     # Once more: nothing to do.
@@ -308,11 +308,11 @@ def test_changes_at_random_times_leave_the_bits(service: Service) -> None:
     chance = np.random.default_rng(5)
     for _ in range(5):
         time.sleep(float(chance.uniform(0.0, 0.2)))
-        service.folder.request_pause(render.id)
-        service.folder.request_priority(render.id, int(chance.integers(1, 1000)))
+        service.folder.requests.pause(render.id)
+        service.folder.requests.set_priority(render.id, int(chance.integers(1, 1000)))
         time.sleep(float(chance.uniform(0.0, 0.2)))
-        service.folder.request_resume(render.id)
-    service.folder.request_extension(render.id, 150, StopConditions())
+        service.folder.requests.resume(render.id)
+    service.folder.requests.extend(render.id, 150, StopConditions())
     check_survived(service, render.id)
 
 
@@ -323,7 +323,7 @@ def test_an_extension_at_the_last_moment_is_not_lost(service: Service) -> None:
         render = service.create(samples=8, request_id=f"{number}")
         worker = service.work(SimulatedWorker(service.server.url))
         wait_until(lambda render=render: service.row(render.id).ranges_done >= 6)  # type: ignore[misc]
-        service.folder.request_extension(render.id, 16, StopConditions())
+        service.folder.requests.extend(render.id, 16, StopConditions())
         wait_until(lambda render=render: service.row(render.id).photons == 70 * 40 * 16)  # type: ignore[misc]
         check_survived(service, render.id)
         worker.stop()
@@ -335,7 +335,7 @@ def test_cancel_keeps_what_was_merged(service: Service) -> None:
     render = service.create(samples=100)
     service.work(SimulatedWorker(service.server.url, delay=0.05))
     wait_until(lambda: half_done(service, render.id))
-    assert service.folder.request_cancel(render.id).state == "CANCELLED"
+    assert service.folder.requests.cancel(render.id).state == "CANCELLED"
     row = service.wait_for_end(render.id)
     assert 0 < row.ranges_done < row.ranges_planned
     check_committed(service, row)
@@ -350,9 +350,9 @@ def test_cancel_while_no_coordinator_runs(service: Service) -> None:
     service.work(SimulatedWorker(service.server.url, delay=0.05))
     wait_until(lambda: half_done(service, render.id))
     service.stop(signal.SIGKILL)
-    service.folder.request_cancel(render.id)
+    service.folder.requests.cancel(render.id)
     queued = service.create(request_id="queued")
-    service.folder.request_cancel(queued.id)
+    service.folder.requests.cancel(queued.id)
     service.start()
     row = service.wait_for_end(render.id)
     assert row.state == "CANCELLED"

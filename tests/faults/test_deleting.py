@@ -16,7 +16,7 @@ from tests.faults.survival import OVERDUE_SOON, SOME_DELAY, check_nothing_left
 
 
 def cancel_and_delete(folder: DataFolder, render_id: str) -> None:
-    folder.request_cancel(render_id)
+    folder.requests.cancel(render_id)
     delete_render(folder, render_id)
     sweep(folder)
 
@@ -138,7 +138,7 @@ def test_a_late_result_of_a_deleted_render_is_dropped(service: Service) -> None:
         for result in (*late, simulated_result(late[0].job)):
             client.xadd(keys.RESULTS, {keys.RESULT_FIELD: result.SerializeToString()})
     check_forgotten(service, render.id)
-    assert service.folder.workers_in_quarantine() == {}
-    assert service.folder.meters()["results_refused"] == 0.0
+    assert service.folder.workers.in_quarantine() == {}
+    assert service.folder.meters.read()["results_refused"] == 0.0
     other = service.create(request_id="b", samples=20)
     check_complete(service, other.id)

@@ -63,17 +63,17 @@ def test_a_fleet_of_two_classes_uses_one(service: Service, work: Callable[..., s
     service.start()
     honest = {work(MOST), work(MOST)}
     odd = work(ODD, rounds_otherwise)
-    wait_until(lambda: len(service.folder.workers()) == 3)
+    wait_until(lambda: len(service.folder.workers.alive()) == 3)
     render = service.create(samples=2000)
-    wait_until(lambda: bool(service.folder.incompatible_workers()))
-    assert service.folder.incompatible_workers() == {
+    wait_until(lambda: bool(service.folder.workers.incompatible()))
+    assert service.folder.workers.incompatible() == {
         odd: f"It rounds otherwise: floating-point profile {ODD}; the open renders have {MOST}."
     }
     # Whoever takes a job learns whose it is.
     wait_until(lambda: MOST in classes_of_jobs(service))
     check_survived(service, render.id)
     assert contributors(service) <= honest
-    assert service.folder.workers_in_quarantine() == {}
+    assert service.folder.workers.in_quarantine() == {}
     row = service.row(render.id)
     assert (row.floating_point_profile, row.tiles_failed) == (MOST, 0)
     assert class_in_image(service, render.id) == MOST
@@ -95,7 +95,7 @@ def test_long_work_waits_for_its_class(service: Service, work: Callable[..., str
     long = service.create(samples=2000)
     wait_until(lambda: service.row(long.id).ranges_done >= 6)
     first.stop()
-    wait_until(lambda: service.folder.workers() == [], 20.0)
+    wait_until(lambda: service.folder.workers.alive() == [], 20.0)
     before = service.row(long.id).ranges_done
     # Created before its workers come, or these would have to wait until they are told that they are of use.
     other = service.create(request_id="b", samples=100)
@@ -107,7 +107,7 @@ def test_long_work_waits_for_its_class(service: Service, work: Callable[..., str
     )
     assert service.row(long.id).ranges_done == before
     # Replays need that class as well, from their start.
-    replay = service.folder.create_replay(long.id, "c")
+    replay = service.folder.requests.replay(long.id, "c")
     assert replay.floating_point_profile == ODD
     work(ODD)
     check_survived(service, long.id)

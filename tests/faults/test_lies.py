@@ -32,7 +32,7 @@ def test_a_liar_is_found_and_its_work_done_again(service: Service) -> None:
         service.work(SimulatedWorker(service.server.url, delay=0.005))
     render = service.create(samples=100)
     check_survived(service, render.id, redone=True)
-    assert list(service.folder.workers_in_quarantine()) == [liar.name]
+    assert list(service.folder.workers.in_quarantine()) == [liar.name]
     # The image that was called final is made again.
     wait_until(lambda: service.row(before.id).state == "SUCCEEDED" and service.row(before.id).image_final)
     check_survived(service, before.id, redone=True)
@@ -46,7 +46,7 @@ def test_honest_workers_agree(service: Service) -> None:
         service.work(SimulatedWorker(service.server.url))
     check_survived(service, render.id)
     assert service.row(render.id).audited > 0
-    assert service.folder.workers_in_quarantine() == {}
+    assert service.folder.workers.in_quarantine() == {}
 
 
 class Forger:

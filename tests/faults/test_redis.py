@@ -17,7 +17,7 @@ def test_redis_killed_and_restarted_empty(service: Service) -> None:
     service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
     wait_until(lambda: half_done(service, render.id))
     service.server.kill()
-    wait_until(lambda: service.folder.meters().get("redis_in_step") == 0.0)
+    wait_until(lambda: service.folder.meters.read().get("redis_in_step") == 0.0)
     service.server.start()
     check_resumes(service, render.id, "D1")
     check_survived(service, render.id)
@@ -66,7 +66,7 @@ def test_redis_out_of_memory(service: Service) -> None:
         client.config_set("maxmemory", 1)
         service.start()
         render = service.create(samples=20)
-        wait_until(lambda: service.folder.meters().get("redis_in_step") == 0.0)
+        wait_until(lambda: service.folder.meters.read().get("redis_in_step") == 0.0)
         assert service.row(render.id).ranges_done == 0
         client.config_set("maxmemory", 0)
     service.work(SimulatedWorker(service.server.url))

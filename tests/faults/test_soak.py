@@ -134,16 +134,16 @@ class Storm:
 
     def it_is_paused_for_a_while(self) -> None:
         with suppress(WrongState):
-            self._service.folder.request_pause(self.render_id)
+            self._service.folder.requests.pause(self.render_id)
             time.sleep(self._chance.uniform(0.0, 0.5))
-            self._service.folder.request_resume(self.render_id)
+            self._service.folder.requests.resume(self.render_id)
 
     def it_is_asked_for_otherwise(self) -> None:
         """More samples, another priority."""
         row = self._service.row(self.render_id)
         with suppress(WrongState):
-            self._service.folder.request_priority(row.id, self._chance.randint(1, 1000))
-            self._service.folder.request_extension(row.id, row.samples + 10, StopConditions())
+            self._service.folder.requests.set_priority(row.id, self._chance.randint(1, 1000))
+            self._service.folder.requests.extend(row.id, row.samples + 10, StopConditions())
 
     def all(self) -> list[Callable[[], None]]:
         return [

@@ -88,7 +88,7 @@ def test_a_range_that_keeps_failing_degrades_the_render(service: Service, worker
     assert samples == dict.fromkeys(range(6), 100) | {1: 8}
     assert row.tiles_failed == 1
     check_committed(service, row)
-    assert service.folder.workers_in_quarantine() == {}
+    assert service.folder.workers.in_quarantine() == {}
     with zipfile.ZipFile(service.folder.bundle_path(render.id, 1)) as bundle:
         job = job_pb2.Job.FromString(bundle.read("job.pb"))
         assert (job.render_id, job.tile_index, job.first_sample) == (render.id, 1, 8)
@@ -112,7 +112,7 @@ def test_a_degraded_render_can_be_tried_again(service: Service) -> None:
     service.work(SimulatedWorker(service.server.url, failing))
     assert service.wait_for_end(render.id).state == "DEGRADED"
     broken.clear()
-    service.folder.request_resume(render.id)
+    service.folder.requests.resume(render.id)
     wait_until(lambda: service.row(render.id).state == "SUCCEEDED")
     check_survived(service, render.id)
 
@@ -129,7 +129,7 @@ def test_a_scene_that_nobody_can_trace_fails_the_render_and_no_worker(service: S
         service.work(SimulatedWorker(service.server.url, failing))
     row = service.wait_for_end(render.id)
     assert (row.state, row.reason) == ("FAILED", "The scene has no sensor.")
-    assert service.folder.workers_in_quarantine() == {}
+    assert service.folder.workers.in_quarantine() == {}
 
 
 def test_a_worker_that_fails_jobs_which_others_can_do_is_quarantined(service: Service) -> None:
@@ -144,11 +144,11 @@ def test_a_worker_that_fails_jobs_which_others_can_do_is_quarantined(service: Se
     for _ in range(2):
         service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
     check_survived(service, render.id)
-    assert list(service.folder.workers_in_quarantine()) == [bad.name]
+    assert list(service.folder.workers.in_quarantine()) == [bad.name]
     with service.server.client() as client:
         wait_until(lambda: bool(client.exists(keys.QUARANTINE_PREFIX + bad.name)))
-    service.folder.release_worker(bad.name)
-    assert service.folder.workers_in_quarantine() == {}
+    service.folder.workers.release(bad.name)
+    assert service.folder.workers.in_quarantine() == {}
 
 
 def test_a_slow_worker_does_not_hold_up_the_end(service: Service) -> None:
@@ -181,7 +181,7 @@ def test_all_workers_are_gone_for_long_and_come_back(service: Service) -> None:
     wait_until(lambda: half_done(service, render.id))
     gone.set()
     wait_until(lambda: not any(worker.is_alive() for worker in first))
-    wait_until(lambda: service.folder.workers() == [], 20.0)
+    wait_until(lambda: service.folder.workers.alive() == [], 20.0)
     row = service.row(render.id)
     assert row.state == "RUNNING"
     assert row.ranges_done < row.ranges_planned
@@ -189,7 +189,7 @@ def test_all_workers_are_gone_for_long_and_come_back(service: Service) -> None:
         service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
     check_resumes(service, render.id, "W6")
     check_survived(service, render.id)
-    assert service.folder.workers_in_quarantine() == {}
+    assert service.folder.workers.in_quarantine() == {}
 
 
 def test_a_third_of_the_fleet_is_restarted_again_and_again(service: Service) -> None:
@@ -217,7 +217,7 @@ def test_a_third_of_the_fleet_is_restarted_again_and_again(service: Service) -> 
         time.sleep(0.5)
         check_resumes(service, render.id, "W7")
     check_survived(service, render.id)
-    assert service.folder.workers_in_quarantine() == {}
+    assert service.folder.workers.in_quarantine() == {}
     assert service.row(render.id).tiles_failed == 0
 
 
@@ -235,6 +235,6 @@ def test_a_worker_of_another_engine_does_nothing(service: Service) -> None:
     other = service.work(SimulatedWorker(service.server.url, refusing))
     honest = [service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY)).name for _ in range(2)]
     check_survived(service, render.id)
-    assert list(service.folder.workers_in_quarantine()) == [other.name]
+    assert list(service.folder.workers.in_quarantine()) == [other.name]
     rows = service.folder.database.rows("SELECT DISTINCT worker_id FROM contribution")
     assert {row["worker_id"] for row in rows} <= set(honest)

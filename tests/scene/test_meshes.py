@@ -134,7 +134,7 @@ def test_parts_of_gltf_are_merged_where_their_nodes_put_them(tmp_path: Path) -> 
         (bytes(80) + b"\xff\xff\xff\xff", "stl", "promises 4294967295 triangles"),
         (b"abc", "stl", "not an STL file"),
         (b"[" * 100_000, "gltf", "not a glTF file"),
-        (b"glTF", "glb", "not a GLB file"),
+        (b"glTF", "glb", "no GLB file"),
         (glb()[:12] + b"\xff\xff\xff\x7f" + glb()[16:], "glb", "JSON has 2147483647 bytes"),
     ],
 )

@@ -19,6 +19,7 @@ from nocturne_coordinator.errors import FilesGone, WrongState
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_coordinator.store.removal import blobs_of_scene, delete_render, sweep
+from nocturne_coordinator.store.renders import Renders
 from typer.testing import CliRunner
 
 from tests.services import coordinator_acts
@@ -102,7 +103,7 @@ async def test_nothing_is_left(
     assert mentions(folder, render_id) == {"call"}
     assert files_of(folder) == set()
     assert not (folder.root / "images" / render_id).exists()
-    call = folder.calls(1)[0]
+    call = folder.calls.last(1)[0]
     assert (call["what"], call["render_id"], call["outcome"]) == ("delete", render_id, "done")
     for gone in (await rest.delete(f"/v1/renders/{render_id}"), await rest.get(f"/v1/renders/{render_id}")):
         assert (gone.status_code, gone.json()["reason"]) == (404, "NOT_FOUND")
@@ -111,7 +112,7 @@ async def test_nothing_is_left(
     assert caught.value.code() == grpc.StatusCode.NOT_FOUND
     again = await ended(rest, folder, body, "a")
     await Stub(channel).DeleteRender(pb.DeleteRenderRequest(id=again, request_id="tidy"))
-    assert folder.calls(1)[0]["request_id"] == "tidy"
+    assert folder.calls.last(1)[0]["request_id"] == "tidy"
     assert files_of(folder) == set()
 
 
@@ -144,7 +145,7 @@ async def test_what_others_use_stays(
     other = await ended(rest, folder, body, "c")
     lonely = b"uploaded for a render to come"
     await rest.put(f"/v1/assets/{hashlib.sha256(lonely).hexdigest()}", content=lonely)
-    scene = folder.get_render(first).scene_sha256
+    scene = folder.renders.get(first).scene_sha256
     packed = set(blobs_of_scene(folder.blobs, scene)) - {scene}
     assert len(packed) == 1
     await rest.delete(f"/v1/renders/{first}")
@@ -189,10 +190,10 @@ async def test_a_scene_whose_files_went_meanwhile_is_compiled_again(
         "triangles": [[0, 1, 2]],
     }
     first = await ended(rest, folder, body, "a")
-    create = DataFolder.create_render
+    create = Renders.create
     refused: list[FilesGone] = []
 
-    def late(self: DataFolder, new: Any) -> Any:
+    def late(self: Renders, new: Any) -> Any:
         if not refused:
             delete_render(folder, first)
             sweep(folder)
@@ -202,7 +203,7 @@ async def test_a_scene_whose_files_went_meanwhile_is_compiled_again(
             refused.append(gone)
             raise
 
-    monkeypatch.setattr(DataFolder, "create_render", late)
+    monkeypatch.setattr(Renders, "create", late)
     answer = await rest.post("/v1/renders", json={**body, "request_id": "b"})
     assert answer.status_code == 201, answer.text
     assert len(refused) == 1
@@ -242,13 +243,13 @@ async def test_the_object_store_forgets_it_too(tmp_path: Path, body: dict[str, A
 
 def test_a_render_that_goes_on_meanwhile_is_not_deleted(tmp_path: Path) -> None:
     """Extended between the look and the transaction."""
-    from nocturne_coordinator.store.data_folder import NewRender
+    from nocturne_coordinator.store.rows import NewRender
     from nocturne_scene.ranges import make_schedule
 
     folder = DataFolder(tmp_path)
     try:
         new = NewRender("q", "", "5c" * 32, "{}", 32, 32, 8, make_schedule(32, 32, 8))
-        render_id = folder.create_render(new).id
+        render_id = folder.renders.create(new).id
         with pytest.raises(WrongState):
             delete_render(folder, render_id)
         assert folder.removals.open() == []

@@ -243,7 +243,7 @@ def test_a_clock_on_the_wall_gets_its_zone(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def situation(folder: DataFolder, **changes: Any) -> Situation:
-    row = replace(folder.list_renders(1, "")[0][0], **changes.pop("render", {}))
+    row = replace(folder.renders.page(1, "")[0][0], **changes.pop("render", {}))
     values: dict[str, Any] = {
         "render": row,
         "meters": {"coordinator_seen": 1000.0, "redis_in_step": 1.0, "worker_threads": 4.0},
@@ -397,7 +397,7 @@ async def test_tokens_open_what_their_scopes_say(
             assert answer.status_code == status
         tokens.revoke("submit")
         assert (await rest.get("/v1/renders", headers=bearer(secrets["submit"]))).status_code == 401
-    outcomes = [(call["who"], call["what"], call["outcome"]) for call in folder_of_guarded.calls(20)]
+    outcomes = [(call["who"], call["what"], call["outcome"]) for call in folder_of_guarded.calls.last(20)]
     assert ("other", "pause", "FORBIDDEN") in outcomes
     assert ("other", "delete", "FORBIDDEN") in outcomes
     assert ("submit", "pause", "done") in outcomes

@@ -11,8 +11,9 @@ import obstore
 import pytest
 from nocturne_api.compiling import pool as compiling
 from nocturne_api.service import Settings, open_service
+from nocturne_coordinator.errors import ObjectDamaged, ObjectStoreUnavailable
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.object_store import ObjectDamaged, ObjectStore, ObjectStoreUnavailable
+from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.errors import InputError, NotFound
 

@@ -71,7 +71,7 @@ async def test_every_change_in_rest_is_recorded(
     method: str, path: str, body: dict[str, Any], rest: httpx.AsyncClient, folder: DataFolder
 ) -> None:
     render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
-    before = folder.calls(1)[0]["number"]
+    before = folder.calls.last(1)[0]["number"]
     content, what = _CALLS[method, path]
     address = path.format(render_id=render_id, sha256=_SHA256, worker_id="w-1", webhook_id="wh-1")
     if isinstance(content, bytes):
@@ -79,7 +79,7 @@ async def test_every_change_in_rest_is_recorded(
     else:
         json = {**body, "request_id": "another"} if content == "body" else content
         answer = await rest.request(method, address, json=json)
-    call = folder.calls(1)[0]
+    call = folder.calls.last(1)[0]
     assert call["number"] == before + 1  # type: ignore[operator]
     assert call["what"] == what
     expected = "done" if answer.status_code < 300 else answer.json()["reason"]
@@ -119,7 +119,7 @@ async def test_every_change_in_grpc_is_recorded(
         call = getattr(stub, method)(request)
     with pytest.raises(grpc.aio.AioRpcError):
         await call
-    recorded = folder.calls(2)
+    recorded = folder.calls.last(2)
     assert len(recorded) == 1
     assert recorded[0]["outcome"] in ("NOT_FOUND", "INVALID_INPUT")
 
@@ -138,12 +138,12 @@ async def test_who_may_not_is_recorded_by_name(tmp_path: Path, body: dict[str, A
                 json = body if content == "body" else content
                 sent = {"content": json} if isinstance(json, bytes) else {"json": json}
                 answer = await rest.request(method, address, headers=headers, **sent)
-                call = folder.calls(1)[0]
+                call = folder.calls.last(1)[0]
                 assert (call["who"], call["what"]) == ("reader", what)
                 # Of what is not there, nobody is told whether they might.
                 assert answer.json()["reason"] in ("FORBIDDEN", "NOT_FOUND")
                 assert call["outcome"] == answer.json()["reason"]
-        assert len(folder.calls(100)) == len(_CALLS)
+        assert len(folder.calls.last(100)) == len(_CALLS)
     finally:
         folder.close()
         await service.stop()

@@ -35,9 +35,9 @@ class Committer:
             TileRow(index, n, sums.tobytes(), invalid_samples)
             for index, (n, sums, invalid_samples) in tiles.items()
         ]
-        held = self.ledger.take(render_id)
+        held = self.ledger.renders.take(render_id)
         assert held is not None
-        self.ledger.commit([RenderCommit(render_id, held.fence, rows, Totals(photons=1), 0.0)])
+        self.ledger.commits.commit([RenderCommit(render_id, held.fence, rows, Totals(photons=1), 0.0)])
 
 
 @pytest.fixture

@@ -112,7 +112,7 @@ def test_ctrl_c_stops_all_and_the_next_start_goes_on(tmp_path: Path, traced_alon
 def _committed_ranges(data: Path, render_id: str) -> int:
     """As the data folder has it, without a service."""
     with closing(DataFolder(data)) as folder:
-        return folder.get_render(render_id).ranges_done
+        return folder.renders.get(render_id).ranges_done
 
 
 def test_no_child_outlives_a_killed_parent(tmp_path: Path) -> None:

@@ -10,7 +10,6 @@ the more die, the more it takes.
 """
 
 import math
-from collections import Counter
 from collections.abc import Collection
 from dataclasses import dataclass, field
 
@@ -49,8 +48,6 @@ class FailurePolicy:
         self._deaths_in_a_row: dict[str, set[JobKey]] = {}
         self._deaths = 0
         self._done = 0
-        self.by_worker: Counter[str] = Counter()
-        """Failures and refused results of each worker, for people to see."""
 
     def failed(
         self, key: JobKey, worker: str, reason: str, live: Collection[str], died: bool = False
@@ -60,7 +57,6 @@ class FailurePolicy:
         `live`: who works now. Where these are too few, it is enough that all of them failed, and that it was
         tried as often.
         """
-        self.by_worker[worker] += 1
         failures = self._failures.setdefault(key, _Failures())
         failures.reasons[worker] = reason
         failures.times += 1

@@ -44,12 +44,12 @@ class Previews:
 
     def finish_ended(self, unix_time: float) -> None:
         """Final images of renders that were cancelled or failed, from what was committed."""
-        for waiting in self._ledger.ended_without_image():
-            row = self._ledger.take(waiting.id)
+        for waiting in self._ledger.renders.ended_without_image():
+            row = self._ledger.renders.take(waiting.id)
             if row is None:
                 continue
             try:
-                render = RunningRender(row, self._ledger.tiles(row.id))
+                render = RunningRender(row, self._ledger.renders.tiles(row.id))
             except ValueError as error:
                 _log.error("render=%s has no image: %s", row.id, error)
             else:
@@ -58,9 +58,9 @@ class Previews:
                     self.write_preview(render, final=True)
                     self.write_thumbnail(render)
                     point, in_history = render.error_point(unix_time)
-                    self._ledger.record_preview(row.id, row.fence, point, in_history)
-            self._ledger.images_written(row.id, row.fence)
-            self._ledger.let_go(row.id, row.fence)
+                    self._ledger.commits.record_preview(row.id, row.fence, point, in_history)
+            self._ledger.commits.images_written(row.id, row.fence)
+            self._ledger.leases.let_go(row.id, row.fence)
 
     def write_preview(self, render: RunningRender, final: bool = False) -> None:
         compression = FINAL_COMPRESSION if final else LIVE_COMPRESSION
@@ -89,9 +89,9 @@ class Previews:
                 yield written
             except OSError:
                 # The folder of a render goes when it is deleted: that is no trouble of ours.
-                with self._ledger.holding(render.id, render.row.fence):
+                with self._ledger.leases.holding(render.id, render.row.fence):
                     raise
-            with self._ledger.holding(render.id, render.row.fence):
+            with self._ledger.leases.holding(render.id, render.row.fence):
                 written.replace(path)
         except LeaseLost:
             written.unlink(missing_ok=True)

@@ -51,7 +51,7 @@ def write_bundle(folder: DataFolder, render: PlannedRender, failed: FailedTile) 
         bundle.writestr("job.pb", job.SerializeToString(deterministic=True))
         bundle.writestr("schedule.pb", render.schedule.SerializeToString(deterministic=True))
         bundle.writestr("failure.json", json.dumps(failure))
-        bundle.writestr("scene.json", folder.scene_document(render.id))
+        bundle.writestr("scene.json", folder.renders.scene_document(render.id))
         scene = render.scene.hex()
         if folder.blobs.has(scene):
             bundle.write(folder.blobs.path(scene), "scene.pb")

@@ -14,22 +14,16 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import obstore
-from nocturne_scene.errors import InputError, NocturneError, NotFound
+from nocturne_scene.errors import InputError, NotFound
 from nocturne_scene.replacing import replacing
 from obstore.exceptions import BaseError
 from obstore.store import LocalStore, S3Store
 
+from nocturne_coordinator.errors import ObjectDamaged, ObjectStoreUnavailable
+
 _PIECE_BYTES = 8 * 2**20
 _TRIES = 4
 _PATIENCE = timedelta(seconds=20)
-
-
-class ObjectStoreUnavailable(NocturneError):
-    """The object store can't be reached, or refuses; the same may succeed later."""
-
-
-class ObjectDamaged(ObjectStoreUnavailable):
-    """What the object store gives is not what was put there."""
 
 
 class ObjectStore:

@@ -43,14 +43,14 @@ def delete_render(folder: DataFolder, render_id: str) -> None:
 
     Raises NotFound, and WrongState for one that has not ended.
     """
-    render = folder.get_render(render_id)
+    render = folder.renders.get(render_id)
     try:
         of_scene = blobs_of_scene(folder.blobs, render.scene_sha256)
     except NotFound:
         of_scene = ()
-    files = sorted({*of_scene, *_ASSET.findall(folder.scene_document(render_id))})
+    files = sorted({*of_scene, *_ASSET.findall(folder.renders.scene_document(render_id))})
     with folder.database.transaction():
-        state = folder.get_render(render_id).state
+        state = folder.renders.get(render_id).state
         if not state.ended:
             raise WrongState(f"{render_id} is {state}; cancel it before it is deleted")
         folder.removals.note(render_id, files)

@@ -30,26 +30,27 @@ class Picture:
     """Per pixel, shape (height, width), if the file has them."""
 
 
-def read_picture(file: Path) -> Picture:
-    """Read channels X, Y, Z or else R, G, B (linear sRGB). Raises InputError."""
+def read_picture(file: Path, max_pixels: int = _MAX_PIXELS) -> Picture:
+    """Read channels X, Y, Z or else R, G, B (linear sRGB), or Y alone for all three. Raises InputError."""
     picture = oiio.ImageInput.open(str(file))
     if picture is None:
         raise InputError.at(str(file), f"no image that can be read: {oiio.geterror()[:200]}")
     try:
         spec = picture.spec()
         names = list(spec.channelnames)
-        if not (0 < spec.width * spec.height <= _MAX_PIXELS and spec.nchannels <= _MAX_CHANNELS):
+        if not (0 < spec.width * spec.height <= max_pixels and spec.nchannels <= _MAX_CHANNELS):
             raise InputError.at(str(file), f"{spec.width} x {spec.height} pixels are too many")
-        colour = next((each for each in ("XYZ", "RGB") if all(name in names for name in each)), None)
+        colour = next((each for each in ("XYZ", "RGB", "YYY") if all(name in names for name in each)), None)
         if colour is None:
-            raise InputError.at(
-                str(file), f"expected channels X, Y, Z or R, G, B; found {', '.join(names)[:200]}"
-            )
+            found = ", ".join(names)[:200]
+            raise InputError.at(str(file), f"expected channels X, Y, Z or R, G, B or Y; found {found}")
         wanted = [*colour, *(name for name in ("Y.stderr", "n") if name in names)]
         channels = {}
         for name in wanted:
             index = names.index(name)
-            values = picture.read_image(0, 0, index, index + 1, oiio.FLOAT)
+            # Asked for floats, OpenImageIO takes the largest uint for 1.
+            kind = oiio.UINT if spec.channelformat(index) == oiio.TypeUInt else oiio.FLOAT
+            values = picture.read_image(0, 0, index, index + 1, kind)
             if values is None:
                 raise InputError.at(str(file), f"can't be read: {picture.geterror()[:200]}")
             channels[name] = np.asarray(values, dtype=np.float64)[..., 0]
@@ -58,7 +59,7 @@ def read_picture(file: Path) -> Picture:
     pixels = np.stack([channels[name] for name in colour], axis=-1)
     if not np.all(np.isfinite(pixels)):
         raise InputError.at(str(file), "holds values that are not finite")
-    xyz = pixels if colour == "XYZ" else pixels @ _RGB_TO_XYZ
+    xyz = pixels @ _RGB_TO_XYZ if colour == "RGB" else pixels
     return Picture(xyz, channels.get("Y.stderr"), channels.get("n"))
 
 

@@ -63,9 +63,6 @@ BLEND_PARTS = 8
 # Of a Phong lobe: a half width of 0.07 degrees.
 PHONG_EXPONENT = 1e6
 
-# 1/m. Light fades within a micrometre.
-ABSORPTION = 1e6
-
 # Priorities of interiors: 32-bit numbers in the compiled scene, of which far fewer are needed.
 PRIORITY = 1_000_000
 

@@ -10,6 +10,7 @@ from typing import Any, BinaryIO
 
 from nocturne_scene import limits
 from nocturne_scene.document.fields import MeshFormat
+from nocturne_scene.meshes import glb
 
 _HEADER_BYTES = 64 * 1024  # more than any PLY header with a comment or two
 _PLY_TYPE_BYTES = {
@@ -20,7 +21,6 @@ _PLY_TYPE_BYTES = {
 }
 _STL_HEADER_BYTES = 84
 _STL_TRIANGLE_BYTES = 50
-_GLB_HEADER_BYTES = 20
 _GLTF_JSON_BYTES = 64 * 2**20
 _CHUNK_BYTES = 2**20
 _OBJ_LINE_BYTES = 8  # "v 0 0 0\n", the shortest line that makes a vertex
@@ -138,10 +138,10 @@ def _check_gltf(file: BinaryIO, size: int) -> None:
 
 
 def _check_glb(file: BinaryIO, size: int) -> None:
-    head = file.read(_GLB_HEADER_BYTES)
-    if len(head) < _GLB_HEADER_BYTES or head[:4] != b"glTF" or head[16:20] != b"JSON":
-        raise UnusableMeshError("not a GLB file")
-    (json_bytes,) = struct.unpack("<I", head[12:16])
+    try:
+        json_bytes = glb.json_length(file.read(glb.HEADER_BYTES))
+    except ValueError as error:
+        raise UnusableMeshError(str(error)) from None
     if json_bytes > min(size, _GLTF_JSON_BYTES):
         raise UnusableMeshError(
             f"the GLB file's JSON has {json_bytes} bytes; at most {_GLTF_JSON_BYTES} are accepted"

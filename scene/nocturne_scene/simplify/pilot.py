@@ -13,7 +13,7 @@ from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compare.images import read_picture
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import check_document
-from nocturne_scene.errors import NocturneError
+from nocturne_scene.errors import PilotFailed
 from nocturne_scene.programs import find_program
 from nocturne_scene.scene_ranges import schedule_of
 from nocturne_scene.simplify.choosing import Model
@@ -37,10 +37,6 @@ class Shot:
     """Luminance, shape (height, width)."""
     cpu_s: float
     """Of tracing alone."""
-
-
-class PilotFailed(NocturneError):
-    """The pilot can't be run, or has nothing to compare."""
 
 
 class Pilot:

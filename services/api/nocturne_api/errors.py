@@ -5,8 +5,7 @@ import sqlite3
 from dataclasses import dataclass
 
 import grpc
-from nocturne_coordinator.errors import AmbiguousId, Conflict, WrongState
-from nocturne_coordinator.store.object_store import ObjectStoreUnavailable
+from nocturne_coordinator.errors import AmbiguousId, Conflict, ObjectStoreUnavailable, WrongState
 from nocturne_scene.errors import InputError, NocturneError, NotFound, Problem
 
 from nocturne_api.limits import PROBLEM_CHARACTERS, PROBLEMS_PER_ANSWER

@@ -23,6 +23,14 @@ PREFLIGHT_BUDGET_S = 120.0
 # Beside its renders a preflight compiles, and the machine does other things: then it is ended.
 PREFLIGHT_WALL_S = 900.0
 
+# Pictures that the page brings to compare with: each in a child process, of a film's size at most.
+PICTURE_BYTES = 512 * MEBIBYTE
+PICTURE_PIXELS = 2**24
+# Seven channels in double precision are 0.9 GiB, and OpenImageIO's own copies; shared libraries count, too.
+PICTURE_MEMORY_BYTES = 4096 * MEBIBYTE
+PICTURE_WALL_S = 60.0
+PICTURES_AT_ONCE = 2
+
 # Calls of one caller, with authentication: the page makes a few a second, a farm's scripts some more.
 CALLS_PER_SECOND = 100.0
 CALLS_AT_ONCE = 1000.0

@@ -18,7 +18,8 @@ from nocturne_client.local.programs import CHECKOUT
 from nocturne_scene.formats.export_scene import Exported
 from nocturne_scene.formats.mitsuba.write import volumes
 from nocturne_scene.formats.writing import skies
-from nocturne_scene.formats.writing.compiled import Film, table_of
+from nocturne_scene.formats.writing.compiled import Film
+from nocturne_scene.formats.writing.tables import table_of
 from nocturne_scene.media import grid_files
 
 LAMP = {

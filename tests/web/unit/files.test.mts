@@ -1,10 +1,9 @@
-/** Archives, scenes and images that people bring; the fixtures were written by Python's zipfile and by OpenImageIO. */
+/** Archives and scenes that people bring; the fixture was written by Python's zipfile. */
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { readExr } from "../../../services/web/src/image/exr.ts";
 import { documentPath, partsWithPaths, readScene, resolved } from "../../../services/web/src/submit/scene_files.ts";
 import { readZip } from "../../../services/web/src/submit/zip.ts";
-import { archive, half, piz, xyz } from "./files.ts";
+import { archive } from "./files.ts";
 
 function bytes(base64: string): ArrayBuffer {
   return Uint8Array.from(Buffer.from(base64, "base64")).buffer;
@@ -55,27 +54,4 @@ test("paths stay inside, names of responses are not files", () => {
   assert.equal(resolved("box/", "/etc/passwd"), "");
   assert.equal(resolved("box/", "a/../../b"), "");
   assert.deepEqual([...partsWithPaths({ sensor: { responses: { asset: "no" } }, texture: { asset: "sha256:00" } })], []);
-});
-
-test("an EXR with ZIP in two blocks, X, Y, Z and an error", async () => {
-  const film = await readExr(bytes(xyz), 16);
-  assert.deepEqual([film.width, film.height, film.tiles.size], [20, 18, 4]);
-  for (const [x, y] of [[0, 0], [19, 0], [3, 17], [19, 17]] as const) {
-    const at = x + 100 * y;
-    assert.deepEqual([...(film.pixel(x, y)?.values ?? [])], [at, 10000 + at, 20000 + at, 30000 + at]);
-  }
-});
-
-test("an EXR of half floats without compression: R, G, B become XYZ of linear sRGB", async () => {
-  const film = await readExr(bytes(half), 32);
-  const [r, g, b] = [2 / 32, 1 + 2 / 32, 2 + 2 / 32];
-  // Y by IEC 61966-2-1.
-  const Y = film.pixel(2, 1)?.values[1] ?? 0;
-  assert.ok(Math.abs(Y - (0.2126 * r + 0.7152 * g + 0.0722 * b)) < 2e-4, `${Y}`);
-});
-
-test("EXR files that cannot be read say why", async () => {
-  await assert.rejects(readExr(bytes(piz), 32), /ZIP/);
-  await assert.rejects(readExr(new ArrayBuffer(20), 32), /no OpenEXR/);
-  await assert.rejects(readExr(bytes(xyz).slice(0, 600), 32));
 });

@@ -67,8 +67,8 @@ CREATE TABLE tile (
     samples INTEGER NOT NULL,
     sums BLOB NOT NULL,
     -- A commit gives its tiles the render's sequence as their revision: what is above one changed since it.
-    revision INTEGER NOT NULL,
-    invalid_samples INTEGER NOT NULL,
+    revision INTEGER NOT NULL DEFAULT 0,
+    invalid_samples INTEGER NOT NULL DEFAULT 0,
     PRIMARY KEY (render_id, tile_index)
 ) STRICT;
 CREATE INDEX tile_by_revision ON tile (render_id, revision, tile_index);

@@ -57,7 +57,10 @@ def facing_their_normals(mesh: Triangles) -> Triangles:
 
 
 def ply(mesh: Triangles) -> bytes:
-    """A binary PLY file; positions in single precision, as the tracer keeps them."""
+    """A binary PLY file, all in single precision, as the tracer keeps it.
+
+    By hand, because trimesh writes texture coordinates in double precision.
+    """
     columns = ["x", "y", "z"]
     values = [mesh.vertices]
     if mesh.normals is not None:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 Matrix = NDArray[np.float64]
 
@@ -59,47 +60,9 @@ def is_mirrored(matrix: Matrix) -> bool:
 
 def rotation_of(linear: Matrix) -> tuple[list[float], float] | None:
     """Axis and degrees of a 3 x 3 rotation; None if it is the identity."""
-    # The quaternion's largest component is found first, so that half turns are exact too.
-    trace = float(np.trace(linear))
-    diagonal = np.diag(linear)
-    squares = np.array([1 + trace, *(1 + 2 * diagonal - trace)]) / 4
-    largest = int(np.argmax(squares))
-    w, x, y, z = (0.0, 0.0, 0.0, 0.0)
-    q = math.sqrt(max(0.0, float(squares[largest])))
-    m = linear
-    match largest:
-        case 0:
-            w, x, y, z = (
-                q,
-                (m[2, 1] - m[1, 2]) / (4 * q),
-                (m[0, 2] - m[2, 0]) / (4 * q),
-                (m[1, 0] - m[0, 1]) / (4 * q),
-            )
-        case 1:
-            w, x, y, z = (
-                (m[2, 1] - m[1, 2]) / (4 * q),
-                q,
-                (m[0, 1] + m[1, 0]) / (4 * q),
-                (m[0, 2] + m[2, 0]) / (4 * q),
-            )
-        case 2:
-            w, x, y, z = (
-                (m[0, 2] - m[2, 0]) / (4 * q),
-                (m[0, 1] + m[1, 0]) / (4 * q),
-                q,
-                (m[1, 2] + m[2, 1]) / (4 * q),
-            )
-        case _:
-            w, x, y, z = (
-                (m[1, 0] - m[0, 1]) / (4 * q),
-                (m[0, 2] + m[2, 0]) / (4 * q),
-                (m[1, 2] + m[2, 1]) / (4 * q),
-                q,
-            )
-    sine = math.sqrt(x * x + y * y + z * z)
-    if sine < 1e-12:
-        return None
-    return [float(x / sine), float(y / sine), float(z / sine)], math.degrees(2 * math.atan2(sine, w))
+    turn = Rotation.from_matrix(linear).as_rotvec()
+    angle = float(np.linalg.norm(turn))
+    return None if angle < 1e-12 else ((turn / angle).tolist(), math.degrees(angle))
 
 
 def look_at(origin: Sequence[float], target: Sequence[float], up: Sequence[float]) -> Matrix:

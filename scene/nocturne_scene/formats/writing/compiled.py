@@ -10,17 +10,15 @@ from dataclasses import dataclass
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne.v1 import scene_pb2
-from numpy.typing import NDArray
 
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.unseen import met_surfaces
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.formats.reading.findings import Findings
+from nocturne_scene.formats.writing.inside import crossings
+from nocturne_scene.formats.writing.tables import Array, Table, table_of
 from nocturne_scene.meshes.triangles import Triangles
 from nocturne_scene.spectra import tables as spectra
-from nocturne_scene.spectra.published import FIRST, LAST, visible_wavelengths
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -30,38 +28,6 @@ class Film:
     width: int
     height: int
     samples: int
-
-
-@dataclass(frozen=True)
-class Table:
-    """A function of wavelength: straight lines between knots in nm, zero beyond; or one value everywhere."""
-
-    values: Array
-    wavelengths: Array | None = None
-
-    @property
-    def constant(self) -> float | None:
-        """The value, if it is the same everywhere."""
-        return float(self.values[0]) if self.wavelengths is None else None
-
-    @property
-    def is_black(self) -> bool:
-        """Whether it is zero everywhere."""
-        return not np.any(self.values)
-
-    def at(self, wavelengths: Array) -> Array:
-        """Values at wavelengths, nm."""
-        if self.wavelengths is None:
-            return np.full(wavelengths.shape, self.values[0])
-        found: Array = np.interp(wavelengths, self.wavelengths, self.values, left=0.0, right=0.0)
-        return found
-
-    @classmethod
-    def visible(cls, values: Array) -> "Table":
-        """A table by whole nm; one value where all are the same."""
-        if np.all(values == values[0]):
-            return cls(values[:1])
-        return cls(values, visible_wavelengths())
 
 
 @dataclass(frozen=True)
@@ -247,7 +213,7 @@ class Compiled:
         if mesh is None:
             centre, radius = self.sphere(surface.sphere, place)
             return bool(np.linalg.norm(point - centre) < radius)
-        return _crossings(mesh, point) % 2 == 1
+        return crossings(mesh, point) % 2 == 1
 
     def around_sensor(self, everywhere: Body) -> tuple[Body | None, str]:
         """What the sensor stands in, and where that is described."""
@@ -312,31 +278,6 @@ class Compiled:
             self.findings.lost("$.sensor.observer", "other observers than that of 1931 can't be exported")
 
 
-def table_of(message: scene_pb2.Spectrum) -> Table:
-    """A spectrum as knots from FIRST to LAST; its lines are triangles among them."""
-    values = np.array(message.values, dtype=np.float64)
-    if len(values) == 1 and not message.lines:
-        return Table(values)
-    knots = message.first_nm + message.step_nm * np.arange(len(values))
-    if len(values) == 1:
-        knots, values = np.array([FIRST, LAST]), np.repeat(values, 2)
-    elif not message.zero_outside:
-        knots = np.concatenate([[min(FIRST, knots[0] - 1)], knots, [max(LAST, knots[-1] + 1)]])
-        values = np.concatenate([values[:1], values, values[-1:]])
-    if message.lines:
-        bends = [line.centre_nm + side * line.width_nm for line in message.lines for side in (-1.0, 0.0, 1.0)]
-        grid = np.union1d(knots, np.clip(bends, FIRST, LAST))
-        values = np.interp(grid, knots, values, left=0.0, right=0.0)
-        for line in message.lines:
-            values += (
-                line.power
-                / line.width_nm
-                * np.maximum(0.0, 1 - np.abs(grid - line.centre_nm) / line.width_nm)
-            )
-        knots = grid
-    return Table(values, np.asarray(knots, dtype=np.float64))
-
-
 def array(vector: scene_pb2.Vector) -> Array:
     """Three numbers."""
     return np.array([vector.x, vector.y, vector.z])
@@ -359,22 +300,3 @@ def _ends(mesh: scene_pb2.Mesh) -> list[int]:
     steps = max(1, mesh.time_steps)
     parts = [3 * steps, 3 * steps * mesh.normals, 2 * mesh.texture_coordinates]
     return [int(end) * mesh.vertex_count for end in np.cumsum([part for part in parts if part])]
-
-
-# No edge of a scene made by people points this way.
-_ASKEW = np.array([0.4802871, 0.6120413, 0.6282357])
-
-
-def _crossings(mesh: Triangles, point: Array) -> int:
-    """How many triangles a ray from a point meets (T. Moeller and B. Trumbore 1997)."""
-    a, b, c = (mesh.vertices[mesh.indices[:, corner]] for corner in range(3))
-    across = np.cross(_ASKEW, c - a)
-    determinant = np.einsum("ij,ij->i", b - a, across)
-    hit = determinant != 0
-    inverse = np.divide(1.0, determinant, out=np.zeros_like(determinant), where=hit)
-    offset = point - a
-    u = np.einsum("ij,ij->i", offset, across) * inverse
-    turned = np.cross(offset, b - a)
-    v = turned @ _ASKEW * inverse
-    t = np.einsum("ij,ij->i", c - a, turned) * inverse
-    return int(np.sum(hit & (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 0)))

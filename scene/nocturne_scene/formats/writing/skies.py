@@ -6,7 +6,7 @@ import numpy as np
 
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.formats.pbrt.read import squares
-from nocturne_scene.formats.writing.compiled import Array
+from nocturne_scene.formats.writing.tables import Array
 from nocturne_scene.textures.environment_maps import equal_area_rows, read_whole
 
 # Pixels of the picture that is made: the more, the narrower are the seams between texels.

@@ -9,9 +9,10 @@ from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from pathlib import Path
 
+from nocturne_coordinator.errors import ObjectStoreUnavailable
 from nocturne_coordinator.store.archive import Archived
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.object_store import ObjectStore, ObjectStoreUnavailable
+from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_scene.errors import NotFound
 
 from nocturne_api.background.task import Background

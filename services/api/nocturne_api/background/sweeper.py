@@ -3,8 +3,8 @@
 import asyncio
 import logging
 
+from nocturne_coordinator.errors import ObjectStoreUnavailable
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.object_store import ObjectStoreUnavailable
 from nocturne_coordinator.store.removal import sweep
 
 from nocturne_api.background.task import Background

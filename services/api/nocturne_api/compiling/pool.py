@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Client
 from typing import Any
 
-from nocturne_coordinator.store.object_store import ObjectStoreUnavailable
+from nocturne_coordinator.errors import ObjectStoreUnavailable
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.errors import InputError

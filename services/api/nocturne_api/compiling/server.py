@@ -15,7 +15,8 @@ import traceback
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from nocturne_coordinator.store.object_store import ObjectStore, ObjectStoreUnavailable
+from nocturne_coordinator.errors import ObjectStoreUnavailable
+from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import check_document

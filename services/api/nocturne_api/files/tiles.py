@@ -17,7 +17,8 @@ import numpy as np
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.error_estimate import variance_of_mean
 from nocturne_coordinator.output.images import mean_xyz
-from nocturne_coordinator.store.data_folder import TileChange
+from nocturne_coordinator.store.rows import TileChange
+from nocturne_scene.compare.images import Picture
 from nocturne_scene.errors import InputError
 from nocturne_scene.ranges import XYZ_SUMS, TileGrid
 
@@ -83,6 +84,22 @@ def encode(
         parts.append(struct.pack("<4I", change.tile_index, change.samples, invalid_samples, change.revision))
         parts.append(_pixels(sums, (tile.height, tile.width, per_pixel), change.samples))
     return Tiles(b"".join(parts), end)
+
+
+def encode_picture(picture: Picture, edge: int) -> bytes:
+    """An image file as an answer with all of its tiles, of revision 0; of 1 sample where it tells none."""
+    height, width, _ = picture.xyz.shape
+    pixels = np.zeros((height, width, 4), dtype="<f4")
+    pixels[..., :3] = picture.xyz
+    if picture.y_error is not None:
+        pixels[..., 3] = picture.y_error
+    samples = np.ones((height, width)) if picture.samples is None else picture.samples
+    corners = [(y, x) for y in range(0, height, edge) for x in range(0, width, edge)]
+    parts = [_MAGIC, struct.pack("<7I", width, height, edge, len(corners), False, 0, len(corners) - 1)]
+    for index, (y, x) in enumerate(corners):
+        parts.append(struct.pack("<4I", index, min(max(int(samples[y, x]), 0), _LARGEST), 0, 0))
+        parts.append(pixels[y : y + edge, x : x + edge].tobytes())
+    return b"".join(parts)
 
 
 def _pixels(sums: bytes, shape: tuple[int, int, int], samples: int) -> bytes:

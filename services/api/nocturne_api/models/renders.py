@@ -3,7 +3,8 @@
 from typing import Annotated, Any, Self
 
 from nocturne_coordinator.dispatch import region, stopping
-from nocturne_coordinator.store.data_folder import RenderRow, RenderState
+from nocturne_coordinator.dispatch.records import RenderState
+from nocturne_coordinator.store.rows import RenderRow
 from pydantic import ConfigDict, Field
 
 from nocturne_api.models import examples

@@ -2,7 +2,7 @@
 
 from typing import Self
 
-from nocturne_coordinator.store.data_folder import WorkerRow
+from nocturne_coordinator.dispatch.records import WorkerRow
 from pydantic import ConfigDict, Field
 
 from nocturne_api.models import examples

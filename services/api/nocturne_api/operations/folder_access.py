@@ -58,7 +58,7 @@ class FolderAccess:
     async def changing(self, what: str, render_id: str, request_id: str = "") -> AsyncIterator[str]:
         """For a call that changes a render, the caller's own unless it may change all; gives the whole id."""
         async with self.recorded(what, render_id, request_id) as record:
-            render = await self.in_database(self.folder.find_render, render_id)
+            render = await self.in_database(self.folder.renders.find, render_id)
             record.render_id = render.id
             CALLER.get().need_own(render.owner)
             yield render.id
@@ -75,7 +75,7 @@ class FolderAccess:
             raise
         finally:
             await self.in_database(
-                self.folder.record_call,
+                self.folder.calls.record,
                 CALLER.get().name,
                 what,
                 record.render_id[: limits.RECORDED_CHARACTERS],

@@ -47,15 +47,15 @@ class Images:
         """First and last indices of the tiles with a revision above `since`."""
         CALLER.get().need("read")
         changes = await self._access.in_database(
-            self._folder.changed_tiles, render_id, (since, MAX_RANGES), MAX_RANGES
+            self._folder.tiles.changed, render_id, (since, MAX_RANGES), MAX_RANGES
         )
         return runs([change.tile_index for change in changes])
 
     async def _read_tiles(self, render_id: str, since: Cursor) -> Tiles:
-        schedule = await self._access.in_database(self._folder.schedule, render_id)
+        schedule = await self._access.in_database(self._folder.renders.schedule, render_id)
         most = tiles_per_answer(schedule)
         place = (since.revision, since.tile_index)
-        found = await self._access.in_database(self._folder.tile_sums, render_id, place, most + 1)
+        found = await self._access.in_database(self._folder.tiles.sums, render_id, place, most + 1)
         return await asyncio.to_thread(encode, schedule, since, found[:most], len(found) > most)
 
     async def _open(self, render_id: str, path_of: Callable[[str], Path], what: str) -> OpenFile:

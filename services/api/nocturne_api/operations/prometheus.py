@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator
 
-from nocturne_coordinator.store.data_folder import DataFolder, RenderState
+from nocturne_coordinator.dispatch.records import RenderState
+from nocturne_coordinator.store.data_folder import DataFolder
 from prometheus_client import CollectorRegistry, generate_latest
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
 
@@ -30,7 +31,7 @@ class _Collector:
         self._folder = folder
 
     def collect(self) -> Iterator[Metric]:
-        meters = self._folder.meters()
+        meters = self._folder.meters.read()
         for name, about in _METERS.items():
             yield GaugeMetricFamily(f"nocturne_{name}", about, value=meters.get(name, 0.0))
         for name, about in _COUNTS.items():
@@ -40,20 +41,20 @@ class _Collector:
 
     def _renders(self) -> Iterator[Metric]:
         states = GaugeMetricFamily("nocturne_renders", "Renders by state.", labels=["state"])
-        counted = self._folder.count_by_state()
+        counted = self._folder.renders.count_by_state()
         for state in RenderState:
             states.add_metric([state.value], counted.get(state.value, 0))
         yield states
         backlog = "Ranges of queued and running renders that are not merged: what to scale workers by."
-        yield GaugeMetricFamily("nocturne_backlog_ranges", backlog, value=self._folder.backlog())
-        photons, cpu_seconds = self._folder.spent()
+        yield GaugeMetricFamily("nocturne_backlog_ranges", backlog, value=self._folder.renders.backlog())
+        photons, cpu_seconds = self._folder.renders.spent()
         yield CounterMetricFamily("nocturne_photons", "Photons merged, of all renders.", value=photons)
         yield CounterMetricFamily(
             "nocturne_cpu_seconds", "Processor time of workers, of all renders.", value=cpu_seconds
         )
 
     def _workers(self) -> Iterator[Metric]:
-        workers, quarantined = self._folder.workers(), self._folder.workers_in_quarantine()
+        workers, quarantined = self._folder.workers.alive(), self._folder.workers.in_quarantine()
         yield GaugeMetricFamily("nocturne_workers", "Workers heard of lately.", value=len(workers))
         yield GaugeMetricFamily(
             "nocturne_workers_in_quarantine", "Workers whose results are not taken.", value=len(quarantined)

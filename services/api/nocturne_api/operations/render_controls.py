@@ -22,12 +22,12 @@ class RenderControls:
         async with self._access.changing("cancel", render_id, request_id) as whole_id:
             if request_id:
                 raise_if(request_id_problems(request_id))
-            return Render.of(await self._access.in_database(self._folder.request_cancel, whole_id))
+            return Render.of(await self._access.in_database(self._folder.requests.cancel, whole_id))
 
     async def pause(self, render_id: str) -> Render:
         """No more work until it is resumed; what is merged stays. Raises NotFound, WrongState."""
         async with self._access.changing("pause", render_id) as whole_id:
-            return Render.of(await self._access.in_database(self._folder.request_pause, whole_id))
+            return Render.of(await self._access.in_database(self._folder.requests.pause, whole_id))
 
     async def resume(self, render_id: str) -> Render:
         """Goes on with a paused render, or traces the failed tiles of a degraded one again.
@@ -35,13 +35,13 @@ class RenderControls:
         Raises NotFound, WrongState.
         """
         async with self._access.changing("resume", render_id) as whole_id:
-            return Render.of(await self._access.in_database(self._folder.request_resume, whole_id))
+            return Render.of(await self._access.in_database(self._folder.requests.resume, whole_id))
 
     async def set_priority(self, render_id: str, priority: int) -> Render:
         """The render's weight among those of its owner, 1 to 1000. Raises NotFound, InputError."""
         async with self._access.changing("priority", render_id) as whole_id:
             return Render.of(
-                await self._access.in_database(self._folder.request_priority, whole_id, priority)
+                await self._access.in_database(self._folder.requests.set_priority, whole_id, priority)
             )
 
     async def look_first(self, render_id: str, region: Region | None) -> Render:
@@ -51,7 +51,7 @@ class RenderControls:
         """
         async with self._access.changing("look first", render_id) as whole_id:
             return Render.of(
-                await self._access.in_database(self._folder.request_look_first, whole_id, region)
+                await self._access.in_database(self._folder.requests.look_first, whole_id, region)
             )
 
     async def extend(self, render_id: str, samples: int, stop: Mapping[str, Any]) -> Render:
@@ -60,9 +60,9 @@ class RenderControls:
         Raises NotFound, InputError, WrongState.
         """
         async with self._access.changing("extend", render_id) as whole_id:
-            before = await self._access.in_database(self._folder.get_render, whole_id)
+            before = await self._access.in_database(self._folder.renders.get, whole_id)
             checked = checked_stop(stop, before.stop)
             wanted = samples or before.samples
             return Render.of(
-                await self._access.in_database(self._folder.request_extension, whole_id, wanted, checked)
+                await self._access.in_database(self._folder.requests.extend, whole_id, wanted, checked)
             )

@@ -6,8 +6,8 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 
 from nocturne_coordinator.errors import FilesGone
-from nocturne_coordinator.store.data_folder import RenderRow
 from nocturne_coordinator.store.removal import delete_render
+from nocturne_coordinator.store.rows import RenderRow
 from nocturne_scene.errors import NotFound
 
 from nocturne_api import limits
@@ -55,13 +55,13 @@ class Renders:
     async def get(self, render_id: str) -> Render:
         """The render with this id, or whose id alone begins so; raises NotFound, AmbiguousId."""
         CALLER.get().need("read")
-        return Render.of(await self._access.in_database(self._access.folder.find_render, render_id))
+        return Render.of(await self._access.in_database(self._access.folder.renders.find, render_id))
 
     async def list(self, page_size: int = 0, page_token: str = "") -> RenderPage:
         """One page of renders, newest first; a size of 0 means 50, at most 200 come. Raises InputError."""
         CALLER.get().need("read")
         rows, next_token = await self._access.in_database(
-            self._access.folder.list_renders, page_size, page_token
+            self._access.folder.renders.page, page_size, page_token
         )
         return RenderPage(renders=[Render.of(row) for row in rows], next_page_token=next_token)
 
@@ -84,9 +84,9 @@ class Renders:
             CALLER.get().need("submit")
             raise_if(request_id_problems(request_id))
             owner = CALLER.get().name
-            whole_id = (await access.in_database(access.folder.find_render, render_id)).id
+            whole_id = (await access.in_database(access.folder.renders.find, render_id)).id
             return Render.of(
-                await access.in_database(access.folder.create_replay, whole_id, request_id, owner)
+                await access.in_database(access.folder.requests.replay, whole_id, request_id, owner)
             )
 
     async def explain(self, render_id: str) -> Explanation:
@@ -98,7 +98,7 @@ class Renders:
     async def convergence(self, render_id: str) -> Convergence:
         """The error estimate at every preview so far; raises NotFound."""
         render = await self.get(render_id)
-        history = await self._access.in_database(self._access.folder.error_history, render.id)
+        history = await self._access.in_database(self._access.folder.renders.error_history, render.id)
         points = [
             ConvergencePoint(
                 time_s=max(0.0, point.unix_time - (render.started or render.created)),
@@ -114,7 +114,7 @@ class Renders:
     async def tiles_in_progress(self, render_id: str) -> TilesInProgress:
         """Which tiles of a render are being traced, and by whom; raises NotFound."""
         render = await self.get(render_id)
-        found = await self._access.in_database(self._access.folder.at_work, render.id)
+        found = await self._access.in_database(self._access.folder.tiles.at_work, render.id)
         return TilesInProgress(tiles=[TileInProgress(tile=tile, worker=worker) for tile, worker in found])
 
     async def _compiled_and_created(self, request: CreateRequest, owner: str) -> RenderRow:
@@ -123,7 +123,7 @@ class Renders:
             new = await asyncio.to_thread(compiled, request, folder, owner, self._compile_limits)
             # Files that were deleted in between are made again, or found missing by the compiler.
             with suppress(FilesGone):
-                return await self._access.in_database(folder.create_render, new)
+                return await self._access.in_database(folder.renders.create, new)
 
     @asynccontextmanager
     async def _compile_slot(self) -> AsyncIterator[None]:

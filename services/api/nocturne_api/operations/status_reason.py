@@ -5,8 +5,10 @@ from dataclasses import dataclass
 
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.profiles import threads_by_profile
+from nocturne_coordinator.dispatch.records import RenderState, WorkerRow
 from nocturne_coordinator.limits import MAX_RUNNING, WORKER_SECONDS
-from nocturne_coordinator.store.data_folder import DataFolder, RenderRow, RenderState, WorkerRow
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.rows import RenderRow
 
 
 @dataclass(frozen=True)
@@ -26,12 +28,12 @@ class Situation:
 def situation_of(folder: DataFolder, render_id: str) -> Situation:
     """What the data folder knows; raises NotFound."""
     return Situation(
-        render=folder.get_render(render_id),
-        meters=folder.meters(),
-        workers=folder.workers(),
-        quarantined=folder.workers_in_quarantine(),
-        running=folder.count_running(),
-        incompatible=folder.incompatible_workers(),
+        render=folder.renders.get(render_id),
+        meters=folder.meters.read(),
+        workers=folder.workers.alive(),
+        quarantined=folder.workers.in_quarantine(),
+        running=folder.renders.count_running(),
+        incompatible=folder.workers.incompatible(),
     )
 
 

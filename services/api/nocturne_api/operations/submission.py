@@ -9,8 +9,10 @@ from typing import Any, TypeVar
 
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions, stop_conditions
 from nocturne_coordinator.limits import DEFAULT_PRIORITY, MAX_NAME, MAX_REQUEST_ID
-from nocturne_coordinator.store.data_folder import DataFolder, NewRender, check_priority
+from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.removal import blobs_of_scene
+from nocturne_coordinator.store.renders import check_priority
+from nocturne_coordinator.store.rows import NewRender
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.ranges import make_schedule
@@ -53,7 +55,7 @@ def compiled(
     schedule = found.collect(lambda: make_schedule(*film))
     document = found.collect(lambda: check_document(request.scene))
     # A request id used before decides without the scene, so a conflict leaves no blobs behind.
-    before = folder.find_request(request.request_id) if not found.problems else None
+    before = folder.renders.find_request(request.request_id) if not found.problems else None
     stop = found.collect(lambda: checked_stop(request.stop, before.stop if before else EVERYTHING))
     priority = request.priority or DEFAULT_PRIORITY
     found.collect(lambda: check_priority(priority))
@@ -69,7 +71,7 @@ def compiled(
     else:
         files = ()
         scene_sha256 = before.scene_sha256
-        schedule = folder.schedule(before.id)
+        schedule = folder.renders.schedule(before.id)
     return NewRender(
         request_id=request.request_id,
         name=request.name,

@@ -18,7 +18,7 @@ class Workers:
         CALLER.get().need("read")
         folder = self._folder
         rows, quarantined, incompatible = await self._access.in_database(
-            lambda: (folder.workers(), folder.workers_in_quarantine(), folder.incompatible_workers())
+            lambda: (folder.workers.alive(), folder.workers.in_quarantine(), folder.workers.incompatible())
         )
         return WorkerList(
             workers=[
@@ -29,11 +29,11 @@ class Workers:
     async def history(self) -> WorkerHistory:
         """Worker events of late, and the rate of all workers by the minute."""
         CALLER.get().need("read")
-        events, rates = await self._access.in_database(self._folder.worker_history, limits.EVENTS_SHOWN)
+        events, rates = await self._access.in_database(self._folder.workers.history, limits.EVENTS_SHOWN)
         return WorkerHistory.model_validate({"events": events, "rates": rates})
 
     async def release(self, worker_id: str) -> None:
         """Takes the results of a worker in quarantine again; raises NotFound."""
         async with self._access.recorded(f"release {worker_id[:80]}"):
             CALLER.get().need("admin")
-            await self._access.in_database(self._folder.release_worker, worker_id)
+            await self._access.in_database(self._folder.workers.release, worker_id)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from nocturne_coordinator.store.object_store import ObjectStoreUnavailable
+from nocturne_coordinator.errors import ObjectStoreUnavailable
 from nocturne_scene.errors import InputError
 from pydantic import BaseModel
 

@@ -1,6 +1,6 @@
 /** An image that grows, tile by tile, and what can be read off it. No I/O. */
 import type { Region } from "../service/types.ts";
-import type { Tile } from "./tiles.ts";
+import type { Tile, TileAnswer } from "./tiles.ts";
 
 export type { Region };
 
@@ -111,4 +111,11 @@ export function clipped(region: Region, film: { width: number; height: number })
     width: Math.max(1, Math.min(region.x + region.width, film.width) - x),
     height: Math.max(1, Math.min(region.y + region.height, film.height) - y),
   };
+}
+
+/** The film of an answer that has all of its tiles. */
+export function filmOf({ width, height, tileSize, tiles }: TileAnswer): Film {
+  const film = new Film(width, height, tileSize);
+  for (const tile of tiles) film.put(tile);
+  return film;
 }

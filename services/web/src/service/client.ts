@@ -1,5 +1,7 @@
 /** The REST calls that the page makes. Every failure is an Error whose message can be shown. */
 import { observeDate } from "./clock.ts";
+import { type Film, filmOf } from "../image/film.ts";
+import { decodeTiles } from "../image/tiles.ts";
 import type { operations } from "./openapi.d.ts";
 import type {
   Answer,
@@ -89,6 +91,13 @@ export async function createRender(request: CreateRenderRequest): Promise<Render
 /** What a scene needs for a relative error; takes minutes. */
 export async function preflight(request: PreflightRequest): Promise<PreflightReport> {
   return getJson<"preflight">("/v1/preflights", { method: "POST", body: JSON.stringify(request) });
+}
+
+/** An OpenEXR file from disk as a film, in tiles of this edge; the service reads all that OpenImageIO can. */
+export async function readPicture(file: Blob, tileSize: number): Promise<Film> {
+  const response = await fetch(`/v1/pictures?tile_size=${tileSize}`, { method: "POST", body: file });
+  if (!response.ok) throw await failureOf(response);
+  return filmOf(decodeTiles(await response.arrayBuffer()));
 }
 
 /** Signs in with a token, which the service keeps in a cookie. */

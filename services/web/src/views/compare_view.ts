@@ -2,11 +2,10 @@
 import { ConvergenceChart } from "../convergence/chart.ts";
 import { together, usable } from "../convergence/points.ts";
 import { element, setText } from "../dom.ts";
-import { readExr } from "../image/exr.ts";
 import type { Film } from "../image/film.ts";
 import { FilmSource } from "../image/film_source.ts";
 import { compareRoute, renderRoute } from "../router.ts";
-import { getConvergence, tilesAddress } from "../service/client.ts";
+import { getConvergence, readPicture, tilesAddress } from "../service/client.ts";
 import type { Renders } from "../service/renders.ts";
 import type { Render } from "../service/types.ts";
 import { type RenderImage, renderImage } from "../viewer/render_image.ts";
@@ -36,10 +35,10 @@ export function compareView(first: string, second: string | undefined, renders: 
   const choice = chooser(first, second, renders, async (file) => {
     try {
       setText(problem, "");
-      other = await readExr(await file.arrayBuffer(), image.viewer?.films.first?.tileSize ?? 32);
+      other = await readPicture(file, image.viewer?.films.first?.tileSize ?? 32);
       bothThere();
     } catch (error) {
-      setText(problem, error instanceof RangeError ? "The EXR file is cut short." : error instanceof Error ? error.message : String(error));
+      setText(problem, error instanceof Error ? error.message : String(error));
     }
   });
   const node = element("div", { class: "compare" }, element("p", { class: "back" }, element("a", { href: renderRoute(first) }, "← The render")), heading, choice.node, problem, image.node, chart.node);

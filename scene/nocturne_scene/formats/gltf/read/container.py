@@ -3,7 +3,6 @@
 import base64
 import binascii
 import json
-import struct
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ from nocturne_scene.errors import InputError
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.scene_files import TEXT_BYTES, SceneFiles, read_bytes
 from nocturne_scene.limits import MAX_ASSET_BYTES
+from nocturne_scene.meshes import glb
 
 Json = Any
 
@@ -189,18 +189,10 @@ def open_container(file: Path, root: Path) -> Container:
 
 
 def _glb(content: bytes, shown: str) -> tuple[bytes, bytes]:
-    if len(content) < 20 or content[:4] != b"glTF":
-        raise InputError.at(shown, "is no GLB")
-    version, _, length, kind = struct.unpack_from("<IIII", content, 4)
-    if version != 2 or kind != 0x4E4F534A or 20 + length > len(content):
-        raise InputError.at(shown, "is no GLB of version 2, or is cut short")
-    text, rest = content[20 : 20 + length], content[20 + length :]
-    if len(rest) < 8:
-        return text, b""
-    size, kind = struct.unpack_from("<II", rest)
-    if kind != 0x004E4942 or 8 + size > len(rest):
-        raise InputError.at(shown, "its binary chunk is damaged")
-    return text, rest[8 : 8 + size]
+    try:
+        return glb.parts(content)
+    except ValueError as error:
+        raise InputError.at(shown, str(error)) from None
 
 
 def _by_meshopt(*entries: Json) -> bool:

@@ -7,7 +7,8 @@ import numpy as np
 
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.scene_writer import SceneWriter
-from nocturne_scene.formats.writing.compiled import Array, Compiled
+from nocturne_scene.formats.writing.compiled import Compiled
+from nocturne_scene.formats.writing.tables import Array
 
 
 @dataclass

@@ -5,7 +5,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import numpy as np
 
-from nocturne_scene.formats.writing.compiled import Array, Table
+from nocturne_scene.formats.writing.tables import Array, Table
 
 __all__ = ["Element", "matrix", "parameter", "plugin", "reference", "spectrum", "write"]
 

@@ -9,7 +9,8 @@ from nocturne.v1 import scene_pb2
 from nocturne_scene.formats.mitsuba.write.context import Context
 from nocturne_scene.formats.mitsuba.write.elements import matrix, parameter, plugin, reference, spectrum
 from nocturne_scene.formats.writing.blends import Part, halves, parts_of
-from nocturne_scene.formats.writing.compiled import Body, Table, one_alpha
+from nocturne_scene.formats.writing.compiled import Body, one_alpha
+from nocturne_scene.formats.writing.tables import Table
 
 # Materials that Mitsuba has for both sides of a surface at once.
 _THROUGH = ("dielectric", "thin_pane", "passage")

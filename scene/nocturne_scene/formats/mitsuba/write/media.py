@@ -8,7 +8,8 @@ from nocturne.v1 import scene_pb2
 from nocturne_scene.formats.mitsuba.write.context import Context
 from nocturne_scene.formats.mitsuba.write.elements import parameter, plugin, reference, spectrum
 from nocturne_scene.formats.mitsuba.write.volumes import density
-from nocturne_scene.formats.writing.compiled import Array, Body, Medium, Table
+from nocturne_scene.formats.writing.compiled import Body, Medium
+from nocturne_scene.formats.writing.tables import Array, Table
 from nocturne_scene.spectra.published import visible_wavelengths
 
 # By which part of the light, either way, what is scattered evenly may depend on wavelength. Rayleigh's

@@ -15,7 +15,8 @@ from nocturne_scene.formats.mitsuba.write.media import medium
 from nocturne_scene.formats.mitsuba.write.shapes import add_surfaces
 from nocturne_scene.formats.reading.scene_writer import SceneWriter
 from nocturne_scene.formats.writing import skies
-from nocturne_scene.formats.writing.compiled import Body, Compiled, Film, Table, array
+from nocturne_scene.formats.writing.compiled import Body, Compiled, Film, array
+from nocturne_scene.formats.writing.tables import Table
 from nocturne_scene.spectra.published import visible_wavelengths
 
 # Its rays start this far, and as much of their coordinates, from where they left a surface: 1500 times the

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from nocturne_scene.formats.writing.compiled import Array, Table
+from nocturne_scene.formats.writing.tables import Array, Table
 from nocturne_scene.spectra.published import FIRST, LAST, observer, visible_wavelengths
 
 # Of K_m, lm/W: the definition of the candela in the SI (2019).

@@ -18,7 +18,8 @@ from nocturne_scene.formats.pbrt.write.directives import (
     whole,
 )
 from nocturne_scene.formats.writing.blends import Part, halves, parts_of
-from nocturne_scene.formats.writing.compiled import Array, Body, Table
+from nocturne_scene.formats.writing.compiled import Body
+from nocturne_scene.formats.writing.tables import Array, Table
 
 # Reflections between a coat and its base that are followed: the rest is below rounding.
 _MAX_BOUNCES = 1000

@@ -5,7 +5,8 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_scene.formats.pbrt.write.context import Context
 from nocturne_scene.formats.pbrt.write.directives import directive, quoted, real, spectrum, text
-from nocturne_scene.formats.writing.compiled import Body, Medium, Table
+from nocturne_scene.formats.writing.compiled import Body, Medium
+from nocturne_scene.formats.writing.tables import Table
 from nocturne_scene.spectra.published import visible_wavelengths
 
 

@@ -20,7 +20,8 @@ from nocturne_scene.formats.pbrt.write.media import medium
 from nocturne_scene.formats.pbrt.write.shapes import add_surfaces
 from nocturne_scene.formats.reading.scene_writer import SceneWriter
 from nocturne_scene.formats.writing import skies
-from nocturne_scene.formats.writing.compiled import Array, Body, Compiled, Film, array
+from nocturne_scene.formats.writing.compiled import Body, Compiled, Film, array
+from nocturne_scene.formats.writing.tables import Array
 
 _ABOUT = "# For pbrt-v4. Its image's Y is the luminance in cd/m2."
 

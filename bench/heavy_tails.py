@@ -8,7 +8,6 @@ nearly the same, so their variances should be nearly the same, and with heavy ta
 from dataclasses import dataclass
 
 import numpy as np
-
 from nocturne_coordinator.dispatch.error_estimate import Pixels, variance_of_mean
 from nocturne_coordinator.dispatch.merge import Counts, Sums
 

@@ -1,0 +1,118 @@
+"""Renders as coordinators read them, and taking them over."""
+
+import json
+import sqlite3
+from collections.abc import Iterator
+
+from nocturne.v1 import job_pb2
+
+from nocturne_coordinator.dispatch.records import FailedTile, OpenRender, RenderState, TileRow, Totals
+from nocturne_coordinator.dispatch.region import Region
+from nocturne_coordinator.dispatch.stopping import StopConditions
+from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.leases import Leases
+
+_COLUMNS = """id, state, scene_sha256, engine, schedule, photons, rays, invalid_samples, cpu_seconds,
+    audited, refused, stop, priority, owner, ran_seconds, look_first, floating_point_profile,
+    coalesce((SELECT weight FROM token WHERE token.name = render.owner), 100) AS owner_weight,
+    coalesce((SELECT fence FROM lease WHERE lease.render_id = render.id), 0) AS fence,
+    coalesce((SELECT coordinator.number FROM lease JOIN coordinator ON coordinator.number = lease.coordinator
+              WHERE lease.render_id = render.id
+                  AND coordinator.until >= (julianday('now') - 2440587.5) * 86400.0), 0) AS holder"""
+
+
+class OpenRenders:
+    """The renders of a data folder that a coordinator works on, or could."""
+
+    def __init__(self, database: Database, leases: Leases) -> None:
+        self._database = database
+        self._leases = leases
+
+    def all(self) -> list[OpenRender]:
+        """All that are to be worked on: by priority, then oldest first."""
+        rows = self._database.rows(
+            f"""SELECT {_COLUMNS} FROM render WHERE state IN ('QUEUED', 'RUNNING')
+                ORDER BY priority DESC, number"""  # noqa: S608
+        )
+        return [self._open_render(row) for row in rows]
+
+    def ended_without_image(self) -> list[OpenRender]:
+        """Those that ended, or pause, while their images do not show all that was committed."""
+        rows = self._database.rows(
+            f"""SELECT {_COLUMNS} FROM render
+                WHERE image_final = 0 AND state NOT IN ('QUEUED', 'RUNNING') ORDER BY number"""  # noqa: S608
+        )
+        return [self._open_render(row) for row in rows]
+
+    def is_open(self, render_id: str) -> bool:
+        """Whether some coordinator works on the render, or is to."""
+        return (
+            self._database.row(
+                "SELECT 1 FROM render WHERE id = ? AND state IN ('QUEUED', 'RUNNING')", (render_id,)
+            )
+            is not None
+        )
+
+    def take(self, render_id: str) -> OpenRender | None:
+        """The render as it is now, with a new fence: ours from here on. None if another one works on it."""
+        with self._leases.owned():
+            row = self._database.row(f"SELECT {_COLUMNS} FROM render WHERE id = ?", (render_id,))  # noqa: S608
+            if row is None or row["holder"] not in (0, self._leases.number):
+                return None
+            self._leases.take(render_id)
+            row = self._database.row(f"SELECT {_COLUMNS} FROM render WHERE id = ?", (render_id,))  # noqa: S608
+            assert row is not None  # noqa: S101 - it was there in the same transaction
+            return self._open_render(row)
+
+    def tiles(self, render_id: str) -> Iterator[TileRow]:
+        """The committed tiles, one after the other: all at once may be gigabytes."""
+        indices = self._database.rows(
+            "SELECT tile_index FROM tile WHERE render_id = ? ORDER BY tile_index", (render_id,)
+        )
+        for index in indices:
+            row = self._database.row(
+                """SELECT tile_index, samples, sums, invalid_samples FROM tile
+                   WHERE render_id = ? AND tile_index = ?""",
+                (render_id, index["tile_index"]),
+            )
+            if row is not None:
+                yield TileRow(**dict(row))
+
+    def _open_render(self, row: sqlite3.Row) -> OpenRender:
+        failed = self._database.rows(
+            "SELECT * FROM failed_tile WHERE render_id = ? ORDER BY tile_index", (row["id"],)
+        )
+        return OpenRender(
+            id=row["id"],
+            state=RenderState(row["state"]),
+            schedule=job_pb2.RangeSchedule.FromString(row["schedule"]),
+            scene_sha256=row["scene_sha256"],
+            engine=row["engine"],
+            totals=Totals(
+                photons=row["photons"],
+                rays=row["rays"],
+                invalid_samples=row["invalid_samples"],
+                cpu_seconds=row["cpu_seconds"],
+                audited=row["audited"],
+                refused=row["refused"],
+            ),
+            stop=StopConditions.from_json(row["stop"]),
+            priority=row["priority"],
+            owner=row["owner"],
+            owner_weight=row["owner_weight"],
+            ran_seconds=row["ran_seconds"],
+            holder=row["holder"],
+            fence=row["fence"],
+            look_first=Region.from_json(row["look_first"]) if row["look_first"] else None,
+            floating_point_profile=row["floating_point_profile"],
+            failed_tiles=tuple(
+                FailedTile(
+                    each["tile_index"],
+                    each["first_sample"],
+                    each["end_sample"],
+                    each["reason"],
+                    tuple(json.loads(each["workers"])),
+                )
+                for each in failed
+            ),
+        )

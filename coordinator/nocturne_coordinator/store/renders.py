@@ -1,0 +1,236 @@
+"""Renders: making them, finding them, and what was asked for."""
+
+import base64
+import hashlib
+import json
+import secrets
+import sqlite3
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import fields
+from pathlib import Path
+
+from nocturne.v1 import job_pb2
+from nocturne_scene.errors import InputError, NotFound, Problem
+from nocturne_scene.ranges import TileGrid
+
+from nocturne_coordinator import limits
+from nocturne_coordinator.dispatch.records import ErrorPoint, RenderState
+from nocturne_coordinator.dispatch.stopping import StopConditions, check_tile_samples
+from nocturne_coordinator.errors import AmbiguousId, Conflict, FilesGone
+from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.rows import NewRender, RenderRow
+
+_COLUMNS = ", ".join(field.name for field in fields(RenderRow))
+
+# SQLite integers are signed 64 bits.
+_NEWEST = 2**63 - 1
+
+
+class Renders:
+    """The renders of a data folder."""
+
+    def __init__(self, database: Database, blob_here: Callable[[str], Path | None]) -> None:
+        """`blob_here` gives the file of a blob, None where it is not on this machine."""
+        self._database = database
+        self._blob_here = blob_here
+
+    def create(self, new: NewRender) -> RenderRow:
+        """Queues a render; the same request again gives the render made before.
+
+        Raises InputError for a bad request id or name, Conflict if the id was used with other content,
+        FilesGone if a file of the scene is not there any more.
+        """
+        _check_texts(new)
+        digest = _request_digest(new)
+        with self._database.transaction():
+            before = self._database.row(
+                "SELECT id, request_digest FROM render WHERE request_id = ?", (new.request_id,)
+            )
+            if before is None:
+                return self.get(self._insert(new, digest))
+            if before["request_digest"] != digest:
+                raise Conflict(f"request_id {new.request_id!r} was used before with other content")
+            return self.get(before["id"])
+
+    def _insert(self, new: NewRender, digest: str) -> str:
+        render_id = _new_id()
+        tiles = TileGrid.of(new.schedule).count
+        if any(self._blob_here(sha256) is None for sha256 in new.files):
+            raise FilesGone("files of the scene were deleted with another render")
+        if new.stop.tile_samples:
+            check_tile_samples(new.stop.tile_samples, tiles, new.schedule.range_ends)
+        self._database.execute(
+            """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
+                   photons_per_sample, scene_sha256, engine, created, ranges_planned, schedule,
+                   scene_document, stop, priority, owner, tiles, floating_point_profile)
+               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
+            (
+                render_id,
+                new.request_id,
+                digest,
+                new.name,
+                new.width,
+                new.height,
+                new.samples,
+                max(1, new.schedule.photons_per_sample),
+                new.scene_sha256,
+                int(job_pb2.ENGINE_CURRENT),
+                time.time(),
+                tiles * len(new.schedule.range_ends),
+                new.schedule.SerializeToString(deterministic=True),
+                new.scene_document,
+                new.stop.to_json(),
+                new.priority,
+                new.owner,
+                tiles,
+                new.floating_point_profile,
+            ),
+        )
+        return render_id
+
+    def find_request(self, request_id: str) -> RenderRow | None:
+        """The render that this request id made, if there is one."""
+        row = self._database.row(f"SELECT {_COLUMNS} FROM render WHERE request_id = ?", (request_id,))  # noqa: S608
+        return None if row is None else _render_row(row)
+
+    def get(self, render_id: str) -> RenderRow:
+        """Raises NotFound."""
+        row = self._database.row(f"SELECT {_COLUMNS} FROM render WHERE id = ?", (render_id,))  # noqa: S608
+        if row is None:
+            raise NotFound(f"there is no render {render_id!r}")
+        return _render_row(row)
+
+    def find(self, start: str) -> RenderRow:
+        """The render with this id, or the one whose id begins so. Raises NotFound, AmbiguousId."""
+        # No character of an id comes after the last that there is, so all that begin so lie below it.
+        rows = self._database.rows(
+            f"SELECT {_COLUMNS} FROM render WHERE id >= ? AND id < ? ORDER BY id LIMIT ?",  # noqa: S608
+            (start, start + chr(sys.maxunicode), limits.IDS_SHOWN + 1),
+        )
+        if not rows or not start:
+            raise NotFound(f"there is no render {start!r}")
+        # A whole id comes first of those that begin with it.
+        if len(rows) == 1 or rows[0]["id"] == start:
+            return _render_row(rows[0])
+        shown = ", ".join(str(row["id"]) for row in rows[: limits.IDS_SHOWN])
+        more = ", and more" if len(rows) > limits.IDS_SHOWN else ""
+        raise AmbiguousId(f"more than one render has an id that begins with {start!r}: {shown}{more}")
+
+    def page(self, page_size: int, page_token: str) -> tuple[list[RenderRow], str]:
+        """Newest first; the next page's token, empty on the last. A page size of 0 means 50, at most 200.
+
+        Raises InputError for a page token that was not given out, or a negative size.
+        """
+        if page_size < 0:
+            raise InputError.at("page_size", f"is {page_size}; expected 0 to {limits.MAX_PAGE}")
+        size = min(page_size or limits.DEFAULT_PAGE, limits.MAX_PAGE)
+        rows = self._database.rows(
+            f"SELECT number, {_COLUMNS} FROM render WHERE number < ? ORDER BY number DESC LIMIT ?",  # noqa: S608
+            (_decode_page_token(page_token), size + 1),
+        )
+        token = _encode_page_token(rows[size - 1]["number"]) if len(rows) > size else ""
+        return [_render_row(row) for row in rows[:size]], token
+
+    def scene_document(self, render_id: str) -> str:
+        """The JSON that was submitted; raises NotFound."""
+        row = self._database.row("SELECT scene_document FROM render WHERE id = ?", (render_id,))
+        if row is None:
+            raise NotFound(f"there is no render {render_id!r}")
+        return str(row["scene_document"])
+
+    def schedule(self, render_id: str) -> job_pb2.RangeSchedule:
+        """Raises NotFound."""
+        row = self._database.row("SELECT schedule FROM render WHERE id = ?", (render_id,))
+        if row is None:
+            raise NotFound(f"there is no render {render_id!r}")
+        return job_pb2.RangeSchedule.FromString(row["schedule"])
+
+    def error_history(self, render_id: str) -> list[ErrorPoint]:
+        """One point per preview, oldest first; raises NotFound."""
+        self.get(render_id)
+        rows = self._database.rows(
+            """SELECT unix_time, photons, samples, relative_error, worst_share, effective_pixels
+               FROM error_point WHERE render_id = ? ORDER BY unix_time""",
+            (render_id,),
+        )
+        return [ErrorPoint(**dict(row)) for row in rows]
+
+    def count_by_state(self) -> dict[str, int]:
+        """How many renders there are in each state that any is in."""
+        rows = self._database.rows("SELECT state, count(*) AS renders FROM render GROUP BY state")
+        return {row["state"]: row["renders"] for row in rows}
+
+    def count_running(self) -> int:
+        """Renders that are being worked on."""
+        row = self._database.row("SELECT count(*) AS running FROM render WHERE state = 'RUNNING'")
+        return 0 if row is None else int(row["running"])
+
+    def backlog(self) -> int:
+        """Ranges of queued and running renders that are not merged."""
+        row = self._database.row(
+            "SELECT sum(ranges_planned - ranges_done) AS open FROM render "
+            "WHERE state IN ('QUEUED', 'RUNNING')"
+        )
+        return int(row["open"] or 0) if row is not None else 0
+
+    def spent(self) -> tuple[int, float]:
+        """Photons merged and processor seconds, of all renders."""
+        row = self._database.row("SELECT sum(photons) AS photons, sum(cpu_seconds) AS cpu FROM render")
+        return (int(row["photons"] or 0), float(row["cpu"] or 0.0)) if row is not None else (0, 0.0)
+
+
+def _render_row(row: sqlite3.Row) -> RenderRow:
+    """From a row with _COLUMNS."""
+    values = {field.name: row[field.name] for field in fields(RenderRow)}
+    values["state"] = RenderState(values["state"])
+    values["image_final"] = bool(values["image_final"])
+    values["stop"] = StopConditions.from_json(values["stop"])
+    return RenderRow(**values)
+
+
+def _new_id() -> str:
+    """60 random bits in lower-case letters and digits: can be read aloud and stand in any URL or path."""
+    return "r-" + base64.b32encode(secrets.token_bytes(8)).decode().lower()[:12]
+
+
+def _request_digest(new: NewRender) -> str:
+    content: list[object] = [new.name, new.scene_document, new.width, new.height, new.samples]
+    if new.stop.request() or new.priority != limits.DEFAULT_PRIORITY:
+        content += [new.stop.request(), new.priority]
+    return hashlib.sha256(json.dumps(content).encode()).hexdigest()
+
+
+def _check_texts(new: NewRender) -> None:
+    problems = []
+    if not 1 <= len(new.request_id) <= limits.MAX_REQUEST_ID:
+        problems.append(Problem("$.request_id", f"expected 1 to {limits.MAX_REQUEST_ID} characters"))
+    if len(new.name) > limits.MAX_NAME:
+        problems.append(Problem("$.name", f"expected at most {limits.MAX_NAME} characters"))
+    if problems:
+        raise InputError(problems)
+    check_priority(new.priority)
+
+
+def check_priority(priority: int) -> None:
+    """Raises InputError for one that can't be."""
+    if not 1 <= priority <= limits.MAX_PRIORITY:
+        raise InputError.at("$.priority", f"is {priority}; expected 1 to {limits.MAX_PRIORITY}")
+
+
+def _encode_page_token(number: int) -> str:
+    return base64.urlsafe_b64encode(number.to_bytes(8, "big")).decode()
+
+
+def _decode_page_token(token: str) -> int:
+    """The render number that the page starts below."""
+    if not token:
+        return _NEWEST
+    try:
+        number = int.from_bytes(base64.b64decode(token, altchars=b"-_", validate=True), "big")
+    except ValueError:
+        number = 0
+    if not 0 < number <= _NEWEST:
+        raise InputError.at("page_token", "was not given out by this service")
+    return number

@@ -1,0 +1,58 @@
+"""The committed tiles of renders, as those who watch them read them."""
+
+from nocturne_scene.errors import NotFound
+
+from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.rows import TileChange
+
+
+class Tiles:
+    """The tiles of a data folder."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def changed(self, render_id: str, since: tuple[int, int], limit: int) -> list[TileChange]:
+        """Tiles whose (revision, index) is above `since`, in that order, at most `limit`.
+
+        Asking again with the last one's gives the rest: a tile that changes meanwhile comes once more, later.
+        """
+        rows = self._database.rows(
+            """SELECT tile_index, revision, samples, invalid_samples FROM tile
+               WHERE render_id = ? AND (revision, tile_index) > (?, ?)
+               ORDER BY revision, tile_index LIMIT ?""",
+            (render_id, *since, limit),
+        )
+        return [TileChange(**dict(row)) for row in rows]
+
+    def sums(self, render_id: str, since: tuple[int, int], limit: int) -> list[tuple[TileChange, bytes]]:
+        """The same tiles with their sums, float64, little endian, row by row."""
+        rows = self._database.rows(
+            """SELECT tile_index, revision, samples, invalid_samples, sums FROM tile
+               WHERE render_id = ? AND (revision, tile_index) > (?, ?)
+               ORDER BY revision, tile_index LIMIT ?""",
+            (render_id, *since, limit),
+        )
+        return [
+            (
+                TileChange(row["tile_index"], row["revision"], row["samples"], row["invalid_samples"]),
+                row["sums"],
+            )
+            for row in rows
+        ]
+
+    def manifest(self, render_id: str) -> tuple[int, ...]:
+        """Committed samples of each tile, row by row; raises NotFound."""
+        render = self._database.row("SELECT tiles FROM render WHERE id = ?", (render_id,))
+        if render is None:
+            raise NotFound(f"there is no render {render_id!r}")
+        rows = self._database.rows("SELECT tile_index, samples FROM tile WHERE render_id = ?", (render_id,))
+        samples = {row["tile_index"]: row["samples"] for row in rows}
+        return tuple(samples.get(index, 0) for index in range(render["tiles"]))
+
+    def at_work(self, render_id: str) -> list[tuple[int, str]]:
+        """Tiles of a render that are being traced, and by whom."""
+        rows = self._database.rows(
+            "SELECT tile_index, worker_id FROM at_work WHERE render_id = ? ORDER BY tile_index", (render_id,)
+        )
+        return [(row["tile_index"], row["worker_id"]) for row in rows]

@@ -1,0 +1,139 @@
+"""What coordinators write of workers: who is there, who does what, and whose work is not trusted."""
+
+from nocturne.v1 import job_pb2
+from nocturne_scene.ranges import TileGrid
+
+from nocturne_coordinator.dispatch.records import RenderState, WorkerRow
+from nocturne_coordinator.dispatch.stopping import StopConditions
+from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.events import note_worker
+from nocturne_coordinator.store.leases import Leases
+
+_RATE_STEP_SECONDS = 60.0
+_RATES_KEPT_SECONDS = 2 * 86400.0
+"""Two nights of what all workers did, minute by minute: 2880 rows."""
+
+
+class WorkerRecords:
+    """A coordinator's writes about the workers of a data folder."""
+
+    def __init__(self, database: Database, leases: Leases) -> None:
+        self._database = database
+        self._leases = leases
+
+    def quarantined(self) -> dict[str, str]:
+        """Workers whose results are not taken, and why."""
+        rows = self._database.rows("SELECT worker_id, reason FROM quarantine")
+        return {row["worker_id"]: row["reason"] for row in rows}
+
+    def quarantine(self, worker_id: str, reason: str, now: float) -> None:
+        """Takes no more results of a worker, until somebody releases it."""
+        with self._leases.owned():
+            if self._database.execute(
+                "INSERT OR IGNORE INTO quarantine VALUES (?, ?, ?)", (worker_id, reason, now)
+            ):
+                note_worker(self._database, now, worker_id, "quarantined", reason)
+
+    def distrust(self, worker_id: str) -> list[str]:
+        """Throws away all tiles with work of a worker; gives their renders.
+
+        A render that had ended is worked on again, until each tile has the samples that it had. Whoever has
+        one of them in memory has lost it.
+        """
+        with self._leases.owned():
+            rows = self._database.rows(
+                """SELECT DISTINCT render_id, state FROM contribution JOIN render ON render.id = render_id
+                   WHERE worker_id = ?""",
+                (worker_id,),
+            )
+            for row in rows:
+                if RenderState(row["state"]).ended:
+                    self._reopen(row["render_id"], worker_id)
+                self._database.execute(
+                    """DELETE FROM tile WHERE render_id = ? AND tile_index IN
+                       (SELECT tile_index FROM contribution WHERE render_id = ? AND worker_id = ?)""",
+                    (row["render_id"], row["render_id"], worker_id),
+                )
+                self._database.execute(
+                    """DELETE FROM contribution WHERE render_id = ? AND tile_index NOT IN
+                       (SELECT tile_index FROM tile WHERE render_id = ?)""",
+                    (row["render_id"], row["render_id"]),
+                )
+                self._database.execute(
+                    "UPDATE render SET image_final = 0, sequence = sequence + 1 WHERE id = ?",
+                    (row["render_id"],),
+                )
+                self._database.execute(
+                    "UPDATE lease SET fence = fence + 1 WHERE render_id = ?", (row["render_id"],)
+                )
+        return [row["render_id"] for row in rows]
+
+    def _reopen(self, render_id: str, worker_id: str) -> None:
+        tiles = self._database.rows("SELECT tile_index, samples FROM tile WHERE render_id = ?", (render_id,))
+        schedule = self._database.row("SELECT schedule FROM render WHERE id = ?", (render_id,))
+        assert schedule is not None  # noqa: S101 - it has tiles
+        samples = [0] * TileGrid.of(job_pb2.RangeSchedule.FromString(schedule["schedule"])).count
+        for tile in tiles:
+            samples[tile["tile_index"]] = tile["samples"]
+        self._database.execute(
+            """UPDATE render SET state = 'QUEUED', reason = ?, ended = 0, image_final = 0, stop = ?
+               WHERE id = ? AND state NOT IN ('FAILED', 'CANCELLED')""",
+            (
+                f"Work of {worker_id}, found faulty later, is done again.",
+                StopConditions(tile_samples=tuple(samples)).to_json(),
+                render_id,
+            ),
+        )
+
+    def mirror(self, workers: list[WorkerRow], at_work: list[tuple[str, int, str]], now: float) -> None:
+        """Replaces the list of workers by who lives now, and who has which tile of our renders in hand.
+
+        Keeps who came and went, and about once a minute what all of them together did.
+        """
+        with self._leases.owned():
+            before = {row["id"] for row in self._database.rows("SELECT id FROM worker")}
+            alive = {worker.id for worker in workers}
+            for worker in sorted(alive - before):
+                note_worker(self._database, now, worker, "joined", "")
+            for worker in sorted(before - alive):
+                note_worker(self._database, now, worker, "left", "")
+            self._keep_rate(workers, now)
+            self._database.execute(
+                """DELETE FROM at_work
+                   WHERE coordinator = ? OR coordinator NOT IN (SELECT number FROM coordinator)""",
+                (self._leases.number,),
+            )
+            self._database.execute_many(
+                # A worker may still have a job of a render that was deleted.
+                """INSERT OR IGNORE INTO at_work SELECT ?1, ?2, ?3, ?4
+                   WHERE EXISTS (SELECT 1 FROM render WHERE id = ?2)""",
+                [(self._leases.number, *each) for each in at_work],
+            )
+            self._database.execute("DELETE FROM worker")
+            self._database.execute_many(
+                "INSERT OR REPLACE INTO worker VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                [
+                    (
+                        w.id,
+                        w.engine,
+                        w.threads,
+                        w.photons,
+                        w.rays,
+                        w.photons_per_second,
+                        w.jobs_done,
+                        w.started,
+                        w.seen,
+                        w.floating_point_profile,
+                    )
+                    for w in workers
+                ],
+            )
+
+    def _keep_rate(self, workers: list[WorkerRow], now: float) -> None:
+        last = self._database.row("SELECT max(unix_time) AS time FROM rate_point")
+        if last is not None and last["time"] is not None and now - last["time"] < _RATE_STEP_SECONDS:
+            return
+        rate = sum(worker.rays_per_second for worker in workers)
+        threads = sum(worker.threads for worker in workers)
+        self._database.execute("INSERT OR REPLACE INTO rate_point VALUES (?, ?, ?)", (now, threads, rate))
+        self._database.execute("DELETE FROM rate_point WHERE unix_time < ?", (now - _RATES_KEPT_SECONDS,))

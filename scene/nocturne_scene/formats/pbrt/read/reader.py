@@ -1,0 +1,79 @@
+"""Following the directives of a pbrt scene through its files, and the state that they change."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from nocturne_scene.errors import InputError
+from nocturne_scene.formats.pbrt.read.context import Context, State
+from nocturne_scene.formats.pbrt.read.parameters import Parameter, Parameters, Stream
+from nocturne_scene.formats.pbrt.read.tokens import read_text, tokens
+from nocturne_scene.formats.reading.transforms import Matrix
+
+# Directives of former versions.
+_OLD = ("WorldEnd", "SurfaceIntegrator", "VolumeIntegrator", "Renderer", "Volume")
+_MAX_INCLUDES = 16
+# Directives of a scene, those of included files each time.
+_MAX_DIRECTIVES = 1_000_000
+
+
+@dataclass
+class RecordedShape:
+    """A shape of an object, to be made where instances need it."""
+
+    kind: str
+    given: list[Parameter]
+    place: str
+    state: State
+
+
+@dataclass
+class Reader:
+    """Follows the directives of one scene, each by its function in `directives`."""
+
+    context: Context
+    directives: "Mapping[str, Directive]"
+    saved: list[State] = field(default_factory=list)
+    objects: dict[str, list[RecordedShape]] = field(default_factory=dict)
+    groups: dict[str, str] = field(default_factory=dict)
+    recording: str | None = None
+    in_world: bool = False
+    count: int = 0
+
+    def read(self, file: Path, opened: tuple[Path, ...]) -> None:
+        """All directives of a file and of those that it includes."""
+        shown = self.context.files.shown(file)
+        if file in opened:
+            raise InputError.at(shown, "includes itself")
+        if len(opened) >= _MAX_INCLUDES:
+            raise InputError.at(shown, f"files are included more than {_MAX_INCLUDES} deep")
+        stream = Stream(tokens(read_text(file, shown), shown))
+        while stream.ahead is not None:
+            token = stream.take(shown)
+            self.count += 1
+            if self.count > _MAX_DIRECTIVES:
+                raise InputError.at(token.place, f"more than {_MAX_DIRECTIVES:,} directives")
+            if token.kind != "word" or (
+                token.text not in self.directives and token.text not in ("Include", "Import")
+            ):
+                old = " of pbrt-v4: the file is of pbrt-v3 or before; `pbrt --upgrade` rewrites it"
+                hint = old if token.text in _OLD else ""
+                raise InputError.at(token.place, f'no directive "{token.text[:40]}"{hint}')
+            if token.text in ("Include", "Import"):
+                name = stream.string(token.place)
+                self.read(self.context.file(name, token.place), (*opened, file))
+            else:
+                self.directives[token.text](self, stream, token.place)
+
+    def apply(self, matrix: Matrix) -> None:
+        """Coordinates of what follows are inside of those of now."""
+        self.context.state.transform = self.context.state.transform @ matrix
+
+    def plugin(self, target: str, stream: Stream, place: str) -> tuple[str, Parameters]:
+        """A plugin's name and its parameters, the defaults of `Attribute` first."""
+        kind = stream.string(place)
+        given = [*self.context.state.defaults.get(target, []), *stream.parameters(place)]
+        return kind, self.context.parameters(f"{target} {kind}".strip(), place, given)
+
+
+Directive = Callable[[Reader, Stream, str], None]

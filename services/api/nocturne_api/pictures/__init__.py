@@ -1,0 +1,1 @@
+"""Image files from elsewhere, as tiles for viewers."""

@@ -1,0 +1,53 @@
+"""OpenEXR files of ours and of others, as images in XYZ."""
+
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+import pytest
+from nocturne_scene.compare.images import read_picture
+from nocturne_scene.errors import InputError
+
+
+def write(path: Path, compression: object = None, **channels: np.ndarray) -> Path:
+    header = {"type": OpenEXR.scanlineimage, "compression": compression or OpenEXR.ZIP_COMPRESSION}
+    with OpenEXR.File(header, channels) as file:
+        file.write(str(path))
+    return path
+
+
+def noise(seed: int) -> np.ndarray:
+    return np.random.default_rng(seed).random((37, 50)).astype(np.float32)
+
+
+@pytest.mark.parametrize(
+    "compression", [OpenEXR.NO_COMPRESSION, OpenEXR.PIZ_COMPRESSION, OpenEXR.ZIPS_COMPRESSION]
+)
+def test_any_compression(tmp_path: Path, compression: object) -> None:
+    planes = {name: noise(index) for index, name in enumerate("XYZ")}
+    found = read_picture(write(tmp_path / "a.exr", compression, **planes))
+    assert np.array_equal(found.xyz, np.stack([planes[name] for name in "XYZ"], axis=-1))
+    assert found.y_error is None
+    assert found.samples is None
+
+
+def test_counts_are_counts(tmp_path: Path) -> None:
+    counts = np.array([[0, 1, 10, 2**24 + 1, 2**32 - 1]], dtype=np.uint32)
+    y = np.ones(counts.shape, dtype=np.float32)
+    found = read_picture(write(tmp_path / "a.exr", Y=y, n=counts))
+    assert found.samples is not None
+    assert np.array_equal(found.samples, counts)
+    assert np.array_equal(found.xyz, np.stack([y, y, y], axis=-1))
+
+
+def test_xyz_goes_before_what_is_for_viewers(tmp_path: Path) -> None:
+    planes = {name: noise(index) for index, name in enumerate("XYZRGB")}
+    found = read_picture(write(tmp_path / "a.exr", **planes))
+    assert np.array_equal(found.xyz[..., 0], planes["X"])
+
+
+def test_a_picture_that_is_too_large_is_refused(tmp_path: Path) -> None:
+    file = write(tmp_path / "a.exr", Y=noise(1))
+    assert read_picture(file, 37 * 50).xyz.shape == (37, 50, 3)
+    with pytest.raises(InputError, match="too many"):
+        read_picture(file, 37 * 50 - 1)
