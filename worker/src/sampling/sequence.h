@@ -39,7 +39,8 @@ inline Uniform4 to_unit(__m128i fractions) {
   return u;
 }
 
-/// What the photons of one pixel share.
+/// What the photons of one pixel share. Not safe between threads: it remembers the scrambles of its
+/// first sets.
 class PixelSequence {
  public:
   /// How the numbers of one set are randomised: a shuffle of the sample index, and a scramble for
@@ -62,17 +63,25 @@ class PixelSequence {
     return std::bit_cast<__m128i>(philox4x32({sample, set, pixel_, 0u}, key_));
   }
 
-  Randomisation randomisation(std::uint32_t set) const {
-    const std::uint64_t first = hash_ + 3u * static_cast<std::uint64_t>(set);
-    return {
-        _mm_set_epi64x(static_cast<long long>(mix(first + 1u)), static_cast<long long>(mix(first))),
-        static_cast<std::uint32_t>(mix(first + 2u))};
+  /// Every photon asks for the same first sets of its way and of its branches, so these are kept.
+  Randomisation randomisation(std::uint32_t set) {
+    const std::uint32_t branch = set >> kBranchBits, own = set & ((1u << kBranchBits) - 1u);
+    if (own >= kRemembered || branch >= kBranches) return make(set);
+    const std::uint32_t slot = branch * kRemembered + own;
+    if (((known_ >> slot) & 1u) == 0) {
+      remembered_[slot] = make(set);
+      known_ |= 1u << slot;
+    }
+    return remembered_[slot];
   }
 
   /// The sets of branch k of a photon are those from k << kBranchBits on.
   static constexpr std::uint32_t kBranchBits = 24;
 
  private:
+  // Photons with more vertices are few, and so are those that branch twice.
+  static constexpr std::uint32_t kRemembered = 8, kBranches = 2;
+
   /// SplitMix64's finaliser (Steele, Lea and Flood, OOPSLA 2014).
   static std::uint64_t mix(std::uint64_t x) {
     x += 0x9E3779B97F4A7C15u;
@@ -81,24 +90,33 @@ class PixelSequence {
     return x ^ (x >> 31);
   }
 
+  Randomisation make(std::uint32_t set) const {
+    const std::uint64_t first = hash_ + 3u * static_cast<std::uint64_t>(set);
+    return {
+        _mm_set_epi64x(static_cast<long long>(mix(first + 1u)), static_cast<long long>(mix(first))),
+        static_cast<std::uint32_t>(mix(first + 2u))};
+  }
+
   SequenceKind kind_;
   std::array<std::uint32_t, 2> key_;
   std::uint32_t pixel_;
+  std::uint32_t known_ = 0;
   std::uint64_t hash_;
+  std::array<Randomisation, kBranches * kRemembered> remembered_;
 };
 
 class PhotonSequence {
  public:
-  PhotonSequence(const PixelSequence& pixel, std::uint32_t sample)
-      : pixel_(pixel), reversed_sample_(reverse_bits(sample)) {}
+  PhotonSequence(PixelSequence& pixel, std::uint32_t sample)
+      : pixel_(&pixel), reversed_sample_(reverse_bits(sample)) {}
 
   /// The next four dimensions.
   Uniform4 next() {
     const std::uint32_t set = set_++;
-    if (pixel_.kind() == SequenceKind::kIndependent) {
-      return to_unit(pixel_.independent(reverse_bits(reversed_sample_), set));
+    if (pixel_->kind() == SequenceKind::kIndependent) {
+      return to_unit(pixel_->independent(reverse_bits(reversed_sample_), set));
     }
-    const auto randomisation = pixel_.randomisation(set);
+    const auto randomisation = pixel_->randomisation(set);
     const __m128i point = sobol4(nested_hash(reversed_sample_, randomisation.shuffle));
     return to_unit(reverse_bits(nested_hash(point, randomisation.scrambles)));
   }
@@ -112,7 +130,7 @@ class PhotonSequence {
   }
 
  private:
-  PixelSequence pixel_;
+  PixelSequence* pixel_;
   std::uint32_t reversed_sample_, set_ = 0;
 };
 

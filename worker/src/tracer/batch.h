@@ -11,14 +11,16 @@
 
 namespace nocturne {
 
-/// Samples to be traced together: enough of the same work for every stage, and what is kept of each
-/// stays near the processor. Where vertices split, a sample becomes many groups.
-inline std::uint32_t batch_size(const TracingOptions& options) {
-  constexpr std::uint32_t kGroups = 1024;
-  if (options.estimator != nocturne::Estimator::kSplit) return kGroups;
+/// Groups that are traced together unless a test wants it otherwise: enough of the same work for
+/// every stage, and what is kept of each stays near the processor.
+inline constexpr std::uint32_t kBatchGroups = 1024;
+
+/// Samples in a batch of so many groups. Where vertices split, a sample becomes many of them.
+inline std::uint32_t samples_in_batch(const TracingOptions& options, std::uint32_t groups) {
+  if (options.estimator != nocturne::Estimator::kSplit) return groups;
   std::uint32_t branches = 1;
   for (std::uint32_t i = 0; i < options.split_vertices; ++i) branches *= 3;
-  return std::max(1u, kGroups / branches);
+  return std::max(1u, groups / branches);
 }
 
 /// What all groups of one sample have in common.
@@ -45,6 +47,14 @@ struct Encounter {
   std::uint32_t contacts = kNoContacts;
 
   static constexpr std::uint32_t kNoContacts = ~0u;
+};
+
+/// What light adds to a sample if the way to it is free.
+template <int N>
+struct ShadowRay {
+  TimedRay way;
+  std::uint32_t sample;
+  Spectral<N> light;
 };
 
 /// A forward photon on its way to the camera.
@@ -105,6 +115,8 @@ struct Batch {
   std::vector<std::optional<Hit>> hits;
   std::vector<Encounter> encounters;
   std::vector<Contacts> contacts;
+  std::vector<ShadowRay<N>> shadow_rays;
+  std::vector<std::uint8_t> blocked;
   std::vector<CameraRay<N>> camera_rays;
   std::uint64_t rays = 0;
 };

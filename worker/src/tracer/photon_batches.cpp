@@ -28,23 +28,26 @@ Start<N> emit(const Scene& scene, float time, const Spectral<N>& wavelengths_nm,
 }  // namespace
 
 template <int N, class Estimator, bool Media>
-PhotonBatches<N, Estimator, Media>::PhotonBatches(const Scene& scene, Film film)
+PhotonBatches<N, Estimator, Media>::PhotonBatches(const Scene& scene, Film film, std::uint32_t most)
     : scene_(scene),
       scale_(1.0 / (film.width * film.height)),
       estimator_(scene, film),
-      batch_(scene, estimator_) {}
+      batch_(scene, estimator_) {
+  sequences_.reserve(most);  // groups point to them
+}
 
 template <int N, class Estimator, bool Media>
 void PhotonBatches<N, Estimator, Media>::trace(std::span<const PhotonIndex> photons,
                                                TileSums& counts) {
   batch_.clear();
   wavelengths_.clear();
+  sequences_.clear();
   estimator_.splats().clear();
   // With both directions, other numbers than those of photons from the pixels.
   const std::uint32_t other = scene_.options.direction == Direction::kBoth ? ~0u : 0u;
   for (const PhotonIndex& photon : photons) {
-    PhotonSequence sequence({scene_.options.sequence, scene_.options.seed, photon.number ^ other},
-                            photon.sample);
+    sequences_.emplace_back(scene_.options.sequence, scene_.options.seed, photon.number ^ other);
+    PhotonSequence sequence(sequences_.back(), photon.sample);
     const Uniform4 u = sequence.next();
     wavelengths_.push_back(scene_.wavelengths.template sample<N>(u[2]));
     const auto from = emit<N>(scene_, u[3], wavelengths_.back().nm, sequence);

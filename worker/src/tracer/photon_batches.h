@@ -21,9 +21,10 @@ struct PhotonIndex {
 template <int N, class Estimator, bool Media>
 class PhotonBatches {
  public:
-  PhotonBatches(const Scene& scene, Film film);
+  /// Traces up to `most` photons at once.
+  PhotonBatches(const Scene& scene, Film film, std::uint32_t most);
 
-  /// Traces up to batch_size photons, and adds rays to `counts`.
+  /// Adds rays to `counts`.
   void trace(std::span<const PhotonIndex> photons, TileSums& counts);
 
   /// What they brought: by photon (index in `photons`), then as it was counted.
@@ -38,6 +39,7 @@ class PhotonBatches {
   Estimator estimator_;
   Batch<N, Estimator, Media> batch_;
   std::vector<WavelengthSamples<N>> wavelengths_;
+  std::vector<PixelSequence> sequences_;
 };
 
 }  // namespace nocturne

@@ -6,18 +6,26 @@
 namespace nocturne {
 
 template <int N, bool Media>
-PixelBatches<N, Media>::PixelBatches(const Scene& scene, Film film)
-    : scene_(scene), film_(film), estimator_(scene), batch_(scene, estimator_) {}
+PixelBatches<N, Media>::PixelBatches(const Scene& scene, Film film, std::uint32_t most)
+    : scene_(scene), film_(film), estimator_(scene), batch_(scene, estimator_) {
+  sequences_.reserve(most);  // groups point to them
+}
 
 template <int N, bool Media>
 void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums& counts,
                                    double* values) {
   batch_.clear();
   samples_.clear();
+  sequences_.clear();
   estimator_.reset(samples.size());
+  std::uint32_t last = ~0u;
   for (const PixelIndex& at : samples) {
-    PhotonSequence sequence(
-        {scene_.options.sequence, scene_.options.seed, at.y * film_.width + at.x}, at.sample);
+    const std::uint32_t pixel = at.y * film_.width + at.x;
+    if (pixel != last) {
+      sequences_.emplace_back(scene_.options.sequence, scene_.options.seed, pixel);
+      last = pixel;
+    }
+    PhotonSequence sequence(sequences_.back(), at.sample);
     samples_.push_back(sample_pixel<N>(scene_, film_, at.x, at.y, sequence));
     start(batch_, samples_.back().start, sequence);
   }

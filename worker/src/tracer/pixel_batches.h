@@ -21,9 +21,10 @@ struct PixelIndex {
 template <int N, bool Media>
 class PixelBatches {
  public:
-  PixelBatches(const Scene& scene, Film film);
+  /// Traces up to `most` samples at once.
+  PixelBatches(const Scene& scene, Film film, std::uint32_t most);
 
-  /// Traces up to batch_size samples. Adds what sample i measures to the channels from
+  /// Adds what sample i measures to the channels from
   /// values[i * counts.channels] on, Y^2 left out, and rays and invalid samples to `counts`.
   void trace(std::span<const PixelIndex> samples, TileSums& counts, double* values);
 
@@ -33,6 +34,8 @@ class PixelBatches {
   RadianceEstimator<N> estimator_;
   Batch<N, RadianceEstimator<N>, Media> batch_;
   std::vector<PixelSample<N>> samples_;
+  /// Of the pixels of the batch; samples of one pixel come one after the other.
+  std::vector<PixelSequence> sequences_;
 };
 
 }  // namespace nocturne

@@ -25,8 +25,7 @@ void trace_batch(Batch<N, Estimator, Media>& batch) {
     if constexpr (Media) fly(batch);  // media before it: which are met, what passes
     count(batch);                     // light that is met, with its MIS weight
     scatter(batch);                   // kernels: next event estimation, roulette, directions
-    if constexpr (Batch<N, Estimator, Media>::kToCamera)
-      connect(batch);  // forward photons to the camera
+    connect(batch);                   // to lights and to the camera, where the way is free
     batch.groups.swap(batch.next);
     batch.next.clear();
   }

@@ -36,7 +36,7 @@ TileSums trace_alone(const Scene& scene, Film film, const TileRange& range, cons
   double* pixel = tile.sums.data();
   for (std::uint32_t y = range.y; y < range.y + range.height; ++y) {
     for (std::uint32_t x = range.x; x < range.x + range.width; ++x, pixel += tile.channels) {
-      const PixelSequence numbers(scene.options.sequence, scene.options.seed, y * film.width + x);
+      PixelSequence numbers(scene.options.sequence, scene.options.seed, y * film.width + x);
       for (std::uint32_t sample = range.first_sample; sample < range.end_sample; ++sample) {
         PhotonSequence sequence(numbers, sample);
         const auto from = sample_pixel<1>(scene, film, x, y, sequence);
@@ -53,9 +53,10 @@ TileSums trace_alone(const Scene& scene, Film film, const TileRange& range, cons
 }
 
 template <int N, bool Media>
-TileSums trace_photons(const Scene& scene, Film film, const TileRange& range) {
+TileSums trace_photons(const Scene& scene, Film film, const TileRange& range,
+                       std::uint32_t groups) {
   if (scene.options.direction == Direction::kAdjoint) {
-    return trace_pixels<N, Media>(scene, film, range);
+    return trace_pixels<N, Media>(scene, film, range, groups);
   }
   if (range.width != film.width || range.height != film.height) {
     throw std::invalid_argument("a tile with forward photons that is not the whole film");
@@ -64,17 +65,19 @@ TileSums trace_photons(const Scene& scene, Film film, const TileRange& range) {
     return whole_film.trace(range.first_sample, range.end_sample);
   };
   return scene.options.direction == Direction::kForward
-             ? trace(WholeFilm<N, SensorEstimator<N>, Media>(scene, film))
-             : trace(WholeFilm<N, CameraEstimator<N>, Media>(scene, film));
+             ? trace(WholeFilm<N, SensorEstimator<N>, Media>(scene, film, groups))
+             : trace(WholeFilm<N, CameraEstimator<N>, Media>(scene, film, groups));
 }
 
 template <int N>
-TileSums trace_in_groups(const Scene& scene, Film film, const TileRange& range) {
-  return scene.media.empty() ? trace_photons<N, false>(scene, film, range)
-                             : trace_photons<N, true>(scene, film, range);
+TileSums trace_in_groups(const Scene& scene, Film film, const TileRange& range,
+                         std::uint32_t groups) {
+  return scene.media.empty() ? trace_photons<N, false>(scene, film, range, groups)
+                             : trace_photons<N, true>(scene, film, range, groups);
 }
 
-TileSums trace_any(const Scene& scene, Film film, const TileRange& range, Method method) {
+TileSums trace_any(const Scene& scene, Film film, const TileRange& range, Method method,
+                   std::uint32_t groups) {
   if (method.kind == Method::kRayMarching) {
     return trace_alone(scene, film, range, [&](const auto& s, const auto& start, const auto& u) {
       return baselines::march_ray(s, start, u, method.steps);
@@ -86,19 +89,20 @@ TileSums trace_any(const Scene& scene, Film film, const TileRange& range, Method
   }
   switch (scene.options.group) {
     case 4:
-      return trace_in_groups<4>(scene, film, range);
+      return trace_in_groups<4>(scene, film, range, groups);
     case 8:
-      return trace_in_groups<8>(scene, film, range);
+      return trace_in_groups<8>(scene, film, range, groups);
     default:
-      return trace_in_groups<1>(scene, film, range);
+      return trace_in_groups<1>(scene, film, range, groups);
   }
 }
 
 }  // namespace
 
-TileSums trace_tile(const Scene& scene, Film film, const TileRange& range, Method method) {
+TileSums trace_tile(const Scene& scene, Film film, const TileRange& range, Method method,
+                    std::uint32_t batch_groups) {
   const FlushDenormals flush;
-  TileSums tile = trace_any(scene, film, range, method);
+  TileSums tile = trace_any(scene, film, range, method, batch_groups);
   const std::uint32_t together = method.kind != Method::kAdjointPhotons ? 1 : scene.options.group;
   tile.photons = static_cast<std::uint64_t>(range.width) * range.height *
                  (range.end_sample - range.first_sample) * together;

@@ -31,7 +31,13 @@ class RadianceEstimator {
 
   /// No photon towards lights could have counted it.
   void glows(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
-    add(group, group.weight * scene_.medium(hit.surface).source(hit.position, sample.wavelengths));
+    add(group.sample,
+        group.weight * scene_.medium(hit.surface).source(hit.position, sample.wavelengths));
+  }
+
+  void add(std::uint32_t sample, const Spectral<N>& found) {
+    std::array<double, N>& sum = radiance_[sample];
+    for (std::size_t i = 0; i < N; ++i) sum[i] += static_cast<double>(found[i]);
   }
 
   /// What each photon of a sample found: an estimate of spectral radiance at its wavelength, W m-2
@@ -56,12 +62,7 @@ class RadianceEstimator {
       found *= each([&](float kernel) { return (by_kernel ? kernel : 1.0f) / (kernel + towards); },
                     group.mis.kernel_pdf);
     }
-    add(group, found);
-  }
-
-  void add(const Group<N>& group, const Spectral<N>& found) {
-    std::array<double, N>& sum = radiance_[group.sample];
-    for (std::size_t i = 0; i < N; ++i) sum[i] += static_cast<double>(found[i]);
+    add(group.sample, found);
   }
 
   const Scene& scene_;

@@ -1,4 +1,5 @@
-// Stage: photons from luminaires are connected to the camera; whatever is in between stops them.
+// Stage: connections between what is known at both ends. Photons from luminaires are connected to
+// the camera, and vertices of adjoint photons to lights, unless something is in between.
 #pragma once
 
 #include "tracer/stages/count.h"
@@ -59,10 +60,31 @@ bool follow_to_camera(Batch& batch, CameraRay<N>& to_camera) {
   return true;
 }
 
+template <class Batch>
+void connect_to_lights(Batch& batch) {
+  batch.rays += batch.shadow_rays.size();
+  batch.timed_rays.clear();
+  for (const auto& shadow : batch.shadow_rays) batch.timed_rays.push_back(shadow.way);
+  batch.blocked.resize(batch.shadow_rays.size());
+  batch.scene.geometry.occluded(batch.timed_rays, batch.blocked);
+  for (std::size_t i = 0; i < batch.shadow_rays.size(); ++i) {
+    if (batch.blocked[i] == 0) {
+      batch.estimator.add(batch.shadow_rays[i].sample, batch.shadow_rays[i].light);
+    }
+  }
+  batch.shadow_rays.clear();
+}
+
 template <int N, class Estimator, bool Media>
 void connect(Batch<N, Estimator, Media>& batch) {
+  if constexpr (Batch<N, Estimator, Media>::kAdjoint) {
+    connect_to_lights(batch);
+    return;
+  }
   for (CameraRay<N>& to_camera : batch.camera_rays) {
-    while (follow_to_camera(batch, to_camera)) {
+    if constexpr (Batch<N, Estimator, Media>::kToCamera) {
+      while (follow_to_camera(batch, to_camera)) {
+      }
     }
   }
   batch.camera_rays.clear();

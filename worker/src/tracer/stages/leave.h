@@ -16,16 +16,14 @@ bool near_camera(const Batch& batch, const Group<N>& group, const Vertex<N>& ver
 template <class Batch, int N>
 bool keep_in_partition(const Batch& batch, Group<N>& group, const Vertex<N>& vertex, Vec3 wi,
                        bool delta) {
-  const bool first = batch.kAdjoint && group.depth == 1;
+  const bool first = Batch::kAdjoint && group.depth == 1;
   const Interaction latest{.specular_like = batch.scene.specular_like[vertex.kernel],
                            .delta = delta,
                            .straight = delta && wi == -vertex.wo,
                            .near_camera = first && near_camera(batch, group, vertex)};
   if constexpr (Batch::kAdjoint) {
     group.ends = after_adjoint(group.ends, latest, first);
-    // Whatever light such a photon meets next is not its own.
-    return !(group.mis.technique == MisTechnique::kLights && latest.specular_like &&
-             group.ends.diffuse_like_at_camera);
+    return true;
   } else {
     group.ends = after_forward(group.ends, latest);
     return forward_goes_on(group.ends, latest);

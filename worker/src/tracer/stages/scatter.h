@@ -90,14 +90,15 @@ void scatter_forward(Batch& batch, Group<N>& group, const Encounter& met, const 
 template <int N, class Estimator, bool Media>
 void scatter(Batch<N, Estimator, Media>& batch) {
   const Scene& scene = batch.scene;
+  const Contacts none;
   for (std::size_t i = 0; i < batch.groups.size(); ++i) {
     const Encounter& met = batch.encounters[i];
     if (met.ended) continue;
     Group<N>& group = batch.groups[i];
     const Hit& hit = *batch.hits[i];
     const BatchSample<N>& sample = batch.sample_of(group);
-    const Contacts contacts =
-        met.contacts == Encounter::kNoContacts ? Contacts() : batch.contacts[met.contacts];
+    const Contacts& contacts =
+        met.contacts == Encounter::kNoContacts ? none : batch.contacts[met.contacts];
     const auto vertex = make_vertex(scene, hit, contacts, group, sample.wavelengths, sample.time,
                                     Estimator::kTransport);
     if (!vertex) {
