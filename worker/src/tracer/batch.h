@@ -13,7 +13,7 @@ namespace nocturne {
 
 /// Groups that are traced together unless a test wants it otherwise: enough of the same work for
 /// every stage, and what is kept of each stays near the processor.
-inline constexpr std::uint32_t kBatchGroups = 1024;
+inline constexpr std::uint32_t kBatchGroups = 512;
 
 /// Samples in a batch of so many groups. Where vertices split, a sample becomes many of them.
 inline std::uint32_t samples_in_batch(const TracingOptions& options, std::uint32_t groups) {
