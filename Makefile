@@ -19,7 +19,7 @@ STAMPS := build/stamps
 # Neighbours in a file stay together, for what they share, until a process has nothing left to do.
 PROCESSES := --dist worksteal --numprocesses
 
-.PHONY: help packages venv proto web worker build demo stop test check check-types check-page check-form format unit system screenshots soak fuzz references peers stability plans sanitize bench lock docs clean
+.PHONY: help packages venv proto web worker build dist containers demo stop test check check-types check-page check-form format unit system screenshots soak fuzz references peers stability preflights sanitize bench lock contract docs gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -27,7 +27,8 @@ help:  ## This list
 packages:  ## Install the Debian packages that are missing
 	@deploy/install-debian-packages.sh build test service
 
-$(STAMPS)/venv: requirements.lock pyproject.toml | packages
+PROJECTS := pyproject.toml hatch_build.py scene/pyproject.toml services/client/pyproject.toml services/api/pyproject.toml
+$(STAMPS)/venv: requirements.lock $(PROJECTS) | packages
 	test -x $(PYTHON) || $(SYSTEM_PYTHON) -m venv .venv
 	$(PYTHON) -m pip install --quiet --no-deps --require-hashes -r requirements.lock
 	mkdir -p build/python $(STAMPS)
@@ -56,6 +57,15 @@ worker: build/release/build.ninja  ## The C++ programs and their tests
 
 build: proto web worker  ## Everything
 
+# The scene language, the client, and the service with the contracts and the page inside.
+dist: proto web  ## Python wheels of scene, client and service, in build/dist
+	rm -rf build/dist
+	$(PYTHON) -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir build/dist ./scene ./services/client ./services/api
+	@ls build/dist
+
+containers: build  ## Images on a real Docker Engine: compose up, all parts killed, the same bits (half an hour at first)
+	pytest -m containers -s tests/containers
+
 demo: build  ## Start the service, render the Cornell box, show where the image and the page are
 	@deploy/demo.sh
 
@@ -83,7 +93,7 @@ format:  ## Put code into the agreed form
 
 # Half of the time they wait, so there are twice as many processes as processors.
 unit: build  ## Tests of single parts: C++, Python, page
-	pytest -m "not system and not soak and not references and not peers" $(PROCESSES) 4
+	pytest -m "not system and not soak and not references and not peers and not containers" $(PROCESSES) 4
 	ctest --test-dir build/release --parallel 2 --output-on-failure --no-tests=error
 	npm --prefix services/web run --silent test
 
@@ -92,15 +102,15 @@ system: build  ## Tests of the whole: service, workers, browser, images
 	pytest -m "system and not soak" tests/web
 	pytest -m "system and not soak" --ignore tests/web $(PROCESSES) 2
 
-screenshots: build  ## Pictures of the page for docs/page.md, by its test
+screenshots: build  ## Pictures of the page for docs/how-to/page.md, by its test
 	NOCTURNE_SCREENSHOTS=$(CURDIR)/docs/images/page pytest tests/web
 
 soak: build  ## Random faults for SOAK_SECONDS (default 600), and all that takes minutes (a quarter of an hour more)
 	pytest -m soak
 
 fuzz: build  ## Any calls, messages, scenes and bytes, many times more than in the tests (about 20 minutes)
-	NOCTURNE_FUZZ_EXAMPLES=300 pytest tests/services/test_any_calls.py tests/coordinator/importing/test_any_scene.py \
-	  tests/coordinator/test_intake.py
+	NOCTURNE_FUZZ_EXAMPLES=300 pytest tests/services/test_any_calls.py tests/scene/formats/test_any_scene.py \
+	  tests/coordinator/test_result_handler.py tests/faults/test_any_order.py
 	NOCTURNE_FUZZ_TRIES=1000 NOCTURNE_FUZZ_SEED=$$RANDOM pytest tests/system/test_any_bytes.py
 
 references: build  ## Other renderers' scenes against their own reference images (minutes)
@@ -110,11 +120,11 @@ peers: build  ## Exported scenes rendered by another renderer, which is installe
 	$(PYTHON) -m bench.peer.install
 	pytest -m peers -s
 
-stability: build  ## Torture cases by every method; writes docs/stability.md (some ten minutes)
+stability: build  ## Torture cases by every method; writes docs/explanation/stability.md (some ten minutes)
 	$(PYTHON) -m tests.stability
 
-plans: build  ## What the scenes of the repository need for 2 %; writes the table of docs/planning.md (half an hour)
-	$(PYTHON) -m bench.plans
+preflights: build  ## What the examples need for 2 %, into bench/results (half an hour)
+	$(PYTHON) -m bench.preflights
 
 sanitize: packages  ## C++ tests under the address and undefined-behaviour sanitizers
 	cd worker && cmake --preset sanitize --log-level=WARNING
@@ -126,22 +136,31 @@ bench: build  ## Speed figures, each a line of JSON; charts and latest results i
 	$(PYTHON) -m bench
 	$(PYTHON) -m bench.suite $(if $(filter full,$(BENCH)),--full)
 
-docs: proto  ## Pages that are generated from the code
-	$(PYTHON) -m nocturne_coordinator.scene.reference > docs/scene.md
-	$(PYTHON) -m nocturne_coordinator.scene.reference --schema > docs/scene.schema.json
+contract: proto  ## The API's description, its page of routes and the Python client's models, from the REST models
+	$(PYTHON) -m nocturne_api.rest.openapi > build/openapi.json
+	mv build/openapi.json docs/reference/openapi.json
+	$(PYTHON) -m nocturne_api.rest.routes_page > docs/reference/routes.md
+	$(PYTHON) services/client/generate_models.py > build/contract.py
+	mv build/contract.py services/client/nocturne_client/contract.py
 
-# What miepython, which only tests use, asks for and does not need, with what that asks for. So locks are installed with
-# --no-deps. Two of those are wanted by what is only for testing.
-UNWANTED := contourpy cycler fonttools kiwisolver llvmlite matplotlib numba pillow pyparsing tzdata
-UNWANTED_AT_RUN_TIME := $(UNWANTED) python-dateutil six
+docs: contract  ## Pages that are generated from the code, and the documentation site in build/docs-site
+	$(PYTHON) -m nocturne_scene.document.reference > docs/reference/scene.md
+	$(PYTHON) -m nocturne_scene.document.reference --schema > docs/reference/scene.schema.json
+	$(PYTHON) -m typer nocturne_client.cli.app utils docs --name nocturne --title "All commands and options" \
+	  > docs/reference/commands.md
+	$(PYTHON) -m examples.gallery --page
+	$(PYTHON) -m sphinx --fail-on-warning --keep-going --quiet -c docs -d build/docs-doctrees . build/docs-site
+
+gallery: build  ## Pictures of examples whose entry in examples/gallery.toml is new, and docs/gallery.md (minutes)
+	$(PYTHON) -m examples.gallery
+
 COMPILE := build/lock/bin/pip-compile --quiet --generate-hashes --no-reuse-hashes --no-header --strip-extras \
-  --no-emit-index-url --no-emit-find-links --no-annotate
+  --no-emit-index-url --no-emit-find-links --no-annotate --allow-unsafe
 
-lock:  ## Pin the newest versions that pyproject.toml allows
+lock:  ## Pin the newest versions that the packages allow
 	$(SYSTEM_PYTHON) -m venv build/lock && build/lock/bin/pip install --quiet pip-tools
-	$(COMPILE) --upgrade $(addprefix --unsafe-package ,$(UNWANTED)) --extra dev --output-file requirements.lock pyproject.toml
-	$(COMPILE) --constraint requirements.lock $(addprefix --unsafe-package ,$(UNWANTED_AT_RUN_TIME)) \
-	  --output-file requirements-runtime.lock pyproject.toml
+	$(COMPILE) --upgrade --extra dev --output-file requirements.lock pyproject.toml
+	$(COMPILE) --constraint requirements.lock --output-file requirements-runtime.lock pyproject.toml
 
 clean:  ## Remove everything that was built
 	rm -rf build .venv services/web/dist services/web/node_modules

@@ -115,7 +115,7 @@ def rows(figures: Figures) -> list[Row]:
 
 
 def _measure(figure: _Figure, size: _Size) -> list[Figures]:
-    document: Document = json.loads((CHECKOUT / "scenes" / figure.scene / "scene.json").read_text())
+    document: Document = json.loads((CHECKOUT / "examples" / figure.scene / "scene.json").read_text())
     document["kernels"] |= figure.kernels
     with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
 

@@ -52,12 +52,12 @@ def _wasted(seconds: float, killed_s: float) -> Figures:
         # All that is sent is committed.
         time.sleep(5.0)
         merged, waiting = service.merged_cpu_s(), service.waiting_cpu_s()
-        aside = service.set_aside()
+        aside = service.failed_tiles()
     return {
         "died": said["died"],
         "worked_s": significant(said["worked_s"]),
         "merged_s": significant(merged),
         "waiting_s": significant(waiting),
         "wasted": significant(1.0 - (merged + waiting) / said["worked_s"]),
-        "set_aside": aside,
+        "failed_tiles": aside,
     }

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from nocturne_coordinator.tails import HEAVY, tails
+from nocturne_coordinator.output.heavy_tails import HEAVY, tails
 
 from bench.peer.contenders import Film, Ours
 from bench.programs import Channel

@@ -1,8 +1,8 @@
 """`python -m bench.fleet REDIS WORKERS JOB_S [LEASE_S KILLED_S]`: workers that do all but trace.
 
-Each follows docs/queue.md with a consumer, a status every two seconds and renewed claims of its own. What a
-job takes is waited for; its sums are the same for all jobs of as many samples. Prints one line of JSON at
-SIGTERM.
+Each follows docs/explanation/queue.md with a consumer, a status every two seconds and renewed claims of its
+own. What a job takes is waited for; its sums are the same for all jobs of as many samples. Prints one line
+of JSON at SIGTERM.
 """
 
 import json
@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 import redis
 from nocturne.v1 import job_pb2
-from nocturne_coordinator import keys
-from nocturne_coordinator.merge import XYZ_SUMS
+from nocturne_coordinator.queue import keys
+from nocturne_scene.ranges import XYZ_SUMS
 
 _STATUS_S = 2.0
 _LEASE_S = 10.0

@@ -24,7 +24,7 @@ from bench.report import Figures, Row, significant
 from bench.running_service import running_service
 
 WORKERS = 2
-MOST_OF_GRID = 1.2
+MAX_OF_GRID = 1.2
 """A worker's memory over the grid's: bounds may take an eighth, the program itself has some 35 MB."""
 _SIZES = {False: (512, 512, 480), True: (128, 128, 120)}
 """Voxels, of 4 bytes: 500 MB."""
@@ -98,7 +98,7 @@ def rows(figures: Figures) -> list[Row]:
     return [
         Row(f"seconds, with a file of {figures['file_bytes'] / 1e6:.0f} MB", times),
         Row(f"most memory of each process, MB, with a grid of {grid / 1e6:.0f} MB", memory),
-        Row("memory of a worker process / grid", f"{worker / grid:.3g}", f"at most {MOST_OF_GRID}"),
+        Row("memory of a worker process / grid", f"{worker / grid:.3g}", f"at most {MAX_OF_GRID}"),
         Row(f"cache that {WORKERS} workers share / grid", f"{figures['cache_bytes'] / grid:.3g}", "1"),
     ]
 
@@ -147,7 +147,7 @@ def _steps(client: Client, scene: Path) -> dict[str, float]:
         for render in client.watch(render_id):
             if first is None and render.progress.ranges_done > 0:
                 first = time.monotonic()
-        if render.state != "SUCCEEDED" or render.progress.rejected > 0 or first is None:
+        if render.state != "SUCCEEDED" or render.progress.invalid_samples > 0 or first is None:
             raise NocturneClientError(f"the render is {render.state}: {render.reason}")
         seconds[f"{what}submit"] = submitted - start
         seconds[f"{what}first result after submit"] = first - submitted

@@ -28,7 +28,7 @@ from bench.report import Figures, Row, results_folder, significant
 from bench.scenes import Document, compile_film
 
 SCENES = ("fog", "smoke", "sky")
-_SMOKE = CHECKOUT / "scenes" / "smoke"
+_SMOKE = CHECKOUT / "examples" / "smoke"
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def rows(figures: Figures) -> list[Row]:
 
 
 def _document(name: str) -> Document:
-    document: Document = json.loads((CHECKOUT / "scenes" / name / "scene.json").read_text())
+    document: Document = json.loads((CHECKOUT / "examples" / name / "scene.json").read_text())
     return document
 
 

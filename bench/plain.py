@@ -69,7 +69,7 @@ def _count(valgrind: str, program: Path, compiled: CompiledFolder) -> int:
     """Instructions of a run."""
     with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
         words = [valgrind, "--tool=callgrind", f"--callgrind-out-file={folder}/profile", program]
-        words += [compiled.scene, "--plan", compiled.plan, "--blobs", compiled.blobs]
+        words += [compiled.scene, "--schedule", compiled.schedule, "--blobs", compiled.blobs]
         words += ["-o", f"{folder}/image.exr", "--threads", "1", "--quiet"]
         done = subprocess.run(list(map(str, words)), capture_output=True, text=True, check=False)
     counted = re.search(r"Collected : (\d+)", done.stderr)

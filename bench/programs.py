@@ -64,7 +64,7 @@ def trace_to(
     program: Path | None = None,
 ) -> None:
     """The same into a file that is kept."""
-    files = [compiled.scene, "--plan", compiled.plan, "--blobs", compiled.blobs, "-o", image]
+    files = [compiled.scene, "--schedule", compiled.schedule, "--blobs", compiled.blobs, "-o", image]
     more = [*options, "--threads", threads or os.cpu_count() or 1, "--quiet"]
     run([program or need_program("nocturne-trace"), *files, *more])
 

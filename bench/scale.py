@@ -15,9 +15,9 @@ from typing import Any
 import redis
 from nocturne.v1 import job_pb2
 from nocturne_client.local.programs import need_program
-from nocturne_coordinator import keys
-from nocturne_coordinator.data_folder import DataFolder, NewRender
-from nocturne_coordinator.plan import make_plan
+from nocturne_coordinator.queue import keys
+from nocturne_coordinator.store.data_folder import DataFolder, NewRender
+from nocturne_scene.ranges import make_schedule
 
 from bench.programs import kept_waiting_s, running_cpu_s
 from bench.report import Figures, Row, significant
@@ -60,9 +60,9 @@ class Farm:
             waiting[place] = result.partial.cpu_seconds
         return sum(waiting.values())
 
-    def set_aside(self) -> int:
+    def failed_tiles(self) -> int:
         """Tiles that get no more samples, because a range failed on several workers."""
-        return len(self.folder.database.rows("SELECT * FROM set_aside"))
+        return len(self.folder.database.rows("SELECT * FROM failed_tile"))
 
 
 def run(quick: bool) -> Figures:
@@ -150,9 +150,9 @@ def farm(*options: str) -> Iterator[Farm]:
         folder = DataFolder(Path(place) / "data")
         coordinator = None
         try:
-            plan = make_plan(EDGE, EDGE, 2**20)
+            schedule = make_schedule(EDGE, EDGE, 2**20)
             for number in range(RENDERS):
-                new = NewRender(f"{number}", "", "5c" * 32, "{}", EDGE, EDGE, 2**20, plan)
+                new = NewRender(f"{number}", "", "5c" * 32, "{}", EDGE, EDGE, 2**20, schedule)
                 folder.create_render(new)
             while not socket.exists():
                 time.sleep(0.05)

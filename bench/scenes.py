@@ -11,8 +11,8 @@ from nocturne_client.local.programs import CHECKOUT
 
 from bench.programs import run
 
-CORNELL = CHECKOUT / "scenes" / "cornell" / "scene.json"
-BUMPY_SPHERES = CHECKOUT / "scenes" / "bumpy_spheres" / "scene.json"
+CORNELL = CHECKOUT / "examples" / "cornell" / "scene.json"
+BUMPY_SPHERES = CHECKOUT / "examples" / "bumpy_spheres" / "scene.json"
 
 Document = dict[str, Any]
 
@@ -59,8 +59,8 @@ def furnace(albedo: float) -> Document:
 
 
 def example(name: str, folder: Path) -> Document:
-    """A scene of scenes/; files that it names are made in `folder`, by the script beside it."""
-    place = CHECKOUT / "scenes" / name
+    """A scene of examples/; files that it names are made in `folder`, by the script beside it."""
+    place = CHECKOUT / "examples" / name
     folder.mkdir(parents=True, exist_ok=True)
     for script in place.glob("make_*.py"):
         run([sys.executable, script, folder])

@@ -1,4 +1,4 @@
-"""CPU and wall time of a render by the service against nocturne-trace with the same plan."""
+"""CPU and wall time of a render by the service against nocturne-trace with the same schedule."""
 
 import statistics
 import tempfile

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from nocturne_coordinator.needs.simplification import objects
-from nocturne_coordinator.scene.checks import CAMERAS, MET_BY_PHOTONS
+from nocturne_scene.document.checks import CAMERAS, MET_BY_PHOTONS
+from nocturne_scene.simplify.simplification import objects
 
 from bench.scenes import Document
 

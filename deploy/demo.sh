@@ -21,7 +21,7 @@ if ! ready; then
     ready || { echo "The service does not answer; see data/service.log" >&2; exit 1; }
 fi
 
-id=$(nocturne submit scenes/cornell/scene.json --width 512 --height 512 --samples 64 --json |
+id=$(nocturne submit examples/cornell/scene.json --width 512 --height 512 --samples 64 --json |
     python3 -c 'import json, sys; print(json.load(sys.stdin)["id"])')
 nocturne watch "$id"
 mkdir -p build/demo

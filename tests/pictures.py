@@ -1,4 +1,4 @@
-"""Writes small OpenEXR files."""
+"""Small OpenEXR files, and what one of ours says of itself."""
 
 from pathlib import Path
 
@@ -17,3 +17,12 @@ def write_exr(path: Path, values: npt.NDArray[np.floating], names: str = "XYZ") 
     output.write_image(np.ascontiguousarray(values, dtype=np.float32))
     output.close()
     return path
+
+
+def samples_of(manifest: str) -> list[int]:
+    """The samples of each tile, from the attribute `nocturne:tileSamples`: "64x3 128 64"."""
+    samples: list[int] = []
+    for run in manifest.split():
+        value, _, length = run.partition("x")
+        samples += [int(value)] * int(length or 1)
+    return samples

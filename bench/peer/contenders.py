@@ -14,9 +14,9 @@ from nocturne.v1 import scene_pb2
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import CompiledFolder
 from nocturne_client.local.exporting import export_to
-from nocturne_coordinator.exporting.compiled import Film as Exported
-from nocturne_coordinator.importing.mitsuba.units import CANDELAS_PER_UNIT
-from nocturne_coordinator.scene_plan import plan_of
+from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT
+from nocturne_scene.formats.writing.compiled import Film as Exported
+from nocturne_scene.scene_ranges import schedule_of
 
 from bench.peer.install import Installed
 from bench.programs import Channel, Traced, trace
@@ -76,11 +76,11 @@ class Ours:
     def traced(self, samples: int, seed: int) -> Traced:
         """The same with all that the image says."""
         folder = self._compiled.scene.parent
-        used = replace(self._compiled, scene=folder / "seeded.pb", plan=folder / "seeded-plan.pb")
+        used = replace(self._compiled, scene=folder / "seeded.pb", schedule=folder / "seeded-schedule.pb")
         self._scene.tracing.seed = seed
         used.scene.write_bytes(self._scene.SerializeToString(deterministic=True))
-        plan = plan_of(self._scene, self._film.width, self._film.height, samples)
-        used.plan.write_bytes(plan.SerializeToString(deterministic=True))
+        schedule = schedule_of(self._scene, self._film.width, self._film.height, samples)
+        used.schedule.write_bytes(schedule.SerializeToString(deterministic=True))
         return trace(used, self._threads, self._options)
 
 

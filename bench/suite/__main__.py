@@ -1,4 +1,4 @@
-"""`python -m bench.suite`: error against CPU time, scene by scene; docs/speed.md and docs/accuracy.md."""
+"""`python -m bench.suite`: error against CPU time, scene by scene; writes speed.md and accuracy.md."""
 
 import argparse
 import json

@@ -31,7 +31,7 @@ WHY = {
     "with. Both directions converge; each pixel beside the beam is lit by few photons.",
     "smoke": "no reason was looked for.",
     "sky": "Mitsuba has no panoramic camera, and the air of a planet can't be exported: its rays meet "
-    "spheres of 6,371 km too inexactly for shells of air ([compatibility.md](compatibility.md)).",
+    "spheres of 6,371 km too inexactly for shells of air ([compatibility](../reference/compatibility.md)).",
     "subsurface": "walks of very many collisions decide, and with photons in groups each of them is dearer.",
     "prism": "Mitsuba has no index of refraction that depends on wavelength, and no luminaire whose radiance "
     "depends on direction.",

@@ -1,4 +1,4 @@
-"""docs/speed.md and docs/accuracy.md, made of kept figures, and the charts."""
+"""docs/explanation/speed.md and docs/explanation/accuracy.md, made of kept figures, and the charts."""
 
 from nocturne_client.local.programs import CHECKOUT
 
@@ -67,7 +67,7 @@ In the sky one pixel holds the disc of the Sun, and most of the mean's error: z 
 
 def write_pages(figures: Figures) -> None:
     """Both pages and a chart for each scene."""
-    docs = CHECKOUT / "docs"
+    docs = CHECKOUT / "docs" / "explanation"
     (docs / "speed.md").write_text(speed(figures))
     (docs / "accuracy.md").write_text(accuracy(references()))
     for name, found in figures.items():
@@ -78,7 +78,7 @@ def speed(figures: Figures) -> str:
     """Aims, and a table of times for each scene."""
     lines = [_SPEED.format(target=TARGET, falling=NOT_FALLING), *_aims(figures)]
     for name, found in figures.items():
-        lines += [f"\n## {name.capitalize()}\n", f"![{name}](../bench/results/{_file(name)})\n"]
+        lines += [f"\n## {name.capitalize()}\n", f"![{name}](../../bench/results/{_file(name)})\n"]
         lines += [
             "| way | CPU s to 1 % | over the best | exponent | relMSE | without the worst | z |",
             "| --- | --- | --- | --- | --- | --- | --- |",
@@ -147,7 +147,7 @@ def accuracy(found: Figures) -> str:
             lines += ["", f"## {title}", "", str(bench.__doc__).strip(), ""]
             lines += _table(bench.rows(latest[key]))
     if "accumulation" in latest:
-        lines += ["", f"Chart: [accumulation](../bench/results/{accumulation.CHART})"]
+        lines += ["", f"Chart: [accumulation](../../bench/results/{accumulation.CHART})"]
     return "\n".join(lines) + "\n"
 
 

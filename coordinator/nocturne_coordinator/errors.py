@@ -1,8 +1,8 @@
 """Every exception that this package raises on purpose.
 
+NocturneError, InputError and NotFound are of `nocturne_scene.errors`.
+
 NocturneError
-+-- InputError      what the user gave is wrong; each problem names its place
-+-- NotFound        there is no such render or blob
 +-- Conflict        a request id was used before with other content
 +-- FilesGone       files of a scene were deleted after it was compiled
 +-- WrongState      the render is in a state in which that can't be done
@@ -13,50 +13,22 @@ NocturneError
 +-- UnusableFolder  the folder was written by another version, or is damaged
 +-- CantRestore     there is nothing whole to restore from
 +-- UnusableQueue   Redis is set up in a way that loses messages
++-- FolderTrouble   the data folder could not be read or written just now; it is tried again
++-- QueueError      Redis could not be reached, or refused; it is tried again
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
-
-class NocturneError(Exception):
-    """Base of all errors raised on purpose; `str()` is fit to be shown to a user."""
-
-
-@dataclass(frozen=True, slots=True)
-class Problem:
-    """One thing wrong with an input: where (`$.surfaces[3].kernel`), and what, with the valid choices."""
-
-    place: str
-    message: str
-
-    def __str__(self) -> str:
-        return f"{self.place}: {self.message}" if self.place else self.message
-
-
-class InputError(NocturneError):
-    """The input can't be used; holds at least one problem."""
-
-    def __init__(self, problems: Iterable[Problem]) -> None:
-        self.problems: tuple[Problem, ...] = tuple(problems)
-        if not self.problems:
-            raise ValueError("an InputError needs at least one problem")
-        super().__init__("; ".join(str(problem) for problem in self.problems))
-
-    @classmethod
-    def at(cls, place: str, message: str) -> "InputError":
-        """An error of one problem."""
-        return cls([Problem(place, message)])
-
-
-class NotFound(NocturneError):
-    """There is no such render or blob."""
+from nocturne_scene.errors import NocturneError
 
 
 class Conflict(NocturneError):
     """The request id was used before, with other content."""
+
+
+class AmbiguousId(NocturneError):
+    """The beginning of an id that several have; says which."""
 
 
 class FilesGone(NocturneError):
@@ -102,3 +74,11 @@ class CantRestore(NocturneError):
 
 class UnusableQueue(NocturneError):
     """Redis is set up in a way that loses messages."""
+
+
+class FolderTrouble(NocturneError):
+    """The data folder could not be read or written just now; what was to be done is tried again."""
+
+
+class QueueError(NocturneError):
+    """Redis could not be reached, or refused; nothing is known of what it did."""

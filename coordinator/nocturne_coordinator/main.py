@@ -12,16 +12,23 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from .audit import NEW_SHARE, SHARE, Auditor
-from .checkpoint import CHECKPOINT_SECONDS, Checkpointer
-from .coordinator import COMMIT_SECONDS, Coordinator
-from .data_folder import DataFolder
-from .errors import AlreadyOwned, NocturneError, OwnershipLost, QueueTaken, UnusableFolder
-from .job_queue import JobQueue, QueueError, Session
-from .log_lines import write_log_lines
-from .schedule import SHORTEST_OVERDUE
-from .store.ledger import Ledger
-from .store.ownership import LEASE_SECONDS, Ownership
+from nocturne_scene.errors import NocturneError
+
+from nocturne_coordinator.clock import Clock
+from nocturne_coordinator.coordinator import Coordinator
+from nocturne_coordinator.dispatch.audit import NEW_SHARE, SHARE
+from nocturne_coordinator.dispatch.scheduler import MIN_OVERDUE
+from nocturne_coordinator.dispatch.state import COMMIT_SECONDS, Settings
+from nocturne_coordinator.errors import AlreadyOwned, OwnershipLost, QueueError, QueueTaken, UnusableFolder
+from nocturne_coordinator.event_log import EventLog
+from nocturne_coordinator.log_lines import write_log_lines
+from nocturne_coordinator.output.previews import Previews
+from nocturne_coordinator.queue.job_queue import JobQueue, Session
+from nocturne_coordinator.sign_of_life import SignOfLife
+from nocturne_coordinator.store.checkpoint import CHECKPOINT_SECONDS, Checkpointer
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.ledger import Ledger
+from nocturne_coordinator.store.ownership import LEASE_SECONDS, Ownership
 
 EXIT_UNUSABLE = 2
 EXIT_ALREADY_OWNED = 3
@@ -73,7 +80,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--overdue-seconds",
         type=_seconds,
-        default=SHORTEST_OVERDUE,
+        default=MIN_OVERDUE,
         help="a job without a result is published again after that, or 20 times the usual time if that is "
         "longer (default %(default)s)",
     )
@@ -112,6 +119,19 @@ def _parser() -> argparse.ArgumentParser:
         default=LEASE_SECONDS,
         help="with --shared, after how long without a sign of life others take renders (default %(default)s)",
     )
+    parser.add_argument(
+        "--event-log",
+        type=Path,
+        metavar="FILE",
+        help="write down all that decides, at most 1 GiB, for `python -m nocturne_coordinator.replay FILE`; "
+        "the last one is kept as FILE.1",
+    )
+    parser.add_argument(
+        "--alive",
+        type=Path,
+        metavar="FILE",
+        help="its time is set about every second while the coordinator works on the folder: for probes",
+    )
     parser.add_argument("--log-level", default="info", choices=["debug", "info", "warning", "error"])
     return parser
 
@@ -135,6 +155,7 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
     folder, ownership = _open(data, options.shared, options.lease_seconds)
     queue = JobQueue(options.redis)
     session = Session(ownership.folder, ownership.epoch, secrets.token_hex(8), options.shared)
+    event_log: EventLog | None = None
     try:
         _check_queue(queue, stop)
         _take_lease(queue, session, stop)
@@ -142,17 +163,27 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
             "number %d works on %s, epoch %d, process started %.0f",
             *(ownership.number, data, ownership.epoch, time.time()),
         )
-        auditor = Auditor(options.audit_share, options.audit_share_new)
+        settings = Settings(
+            ownership.number,
+            options.commit_seconds,
+            options.overdue_seconds,
+            options.audit_share,
+            options.audit_share_new,
+        )
         ledger = Ledger(folder.database, ownership)
         if options.checkpoint_seconds > 0.0:
             place = options.checkpoints or data / "checkpoints"
             checkpointer = Checkpointer(data, place, options.checkpoint_seconds)
             threading.Thread(target=checkpointer.run, args=(stop,), daemon=True).start()
-        Coordinator(
-            *(folder, ledger, queue, session),
-            *(options.commit_seconds, auditor, options.overdue_seconds),
-        ).run(stop)
+        if options.event_log:
+            event_log = EventLog(options.event_log, settings, ledger.quarantined())
+        previews = Previews(folder, ledger)
+        Coordinator(folder, ledger, previews, queue, session, settings, Clock(stop), event_log).run(
+            SignOfLife(options.alive) if options.alive else lambda: None
+        )
     finally:
+        if event_log is not None:
+            event_log.close()
         queue.close()
         ownership.release()
         folder.close()

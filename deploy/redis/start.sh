@@ -1,7 +1,9 @@
 #!/bin/bash
 # Starts redis-server as the service needs it: no files, no eviction, a user for each role (users.acl beside this file).
 # Coordinators may read and write our keys; workers may take jobs, add results, say how they are, and see whether they are
-# in quarantine; anybody may ask what health checks ask. Nobody has scripts or administration.
+# in quarantine. Nobody has scripts or administration.
+# The user `default` is off, so a connection without a password can do nothing; that is also what Redis's protected mode
+# asks for before it answers other machines at all.
 # Passwords come from the environment. Further arguments are redis-server's.
 set -eu
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from tests.accuracy.scenes import BLACK, bowl, diffuse, disc, film, measured_scene, quad, sphere, surface
 from tests.accuracy.tracing import Document
 
-_SCENES = Path(__file__).parents[2] / "scenes"
+_SCENES = Path(__file__).parents[2] / "examples"
 
 _SF11 = {"type": "dielectric", "index": "N-SF11"}
 _SMOKED = _SF11 | {"absorption": 3.0}

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from nocturne.v1 import scene_pb2
 from nocturne_client.local.compiled import CompiledFolder, compile_to
-from nocturne_coordinator.scene_plan import plan_of
+from nocturne_scene.scene_ranges import schedule_of
 
 from tests.accuracy.agreement import ROUNDING, Values, student_bound
 from tests.accuracy.tracing import Document, run
@@ -113,10 +113,10 @@ class Measurement:
 
     def image(self, samples: int, seed: int = 0) -> Image:
         self._scene.tracing.seed = seed
-        plan = plan_of(self._scene, *self._size, samples)
-        used = replace(self._compiled, scene=self._folder / "scene.pb", plan=self._folder / "plan.pb")
+        plan = schedule_of(self._scene, *self._size, samples)
+        used = replace(self._compiled, scene=self._folder / "scene.pb", schedule=self._folder / "schedule.pb")
         used.scene.write_bytes(self._scene.SerializeToString(deterministic=True))
-        used.plan.write_bytes(plan.SerializeToString(deterministic=True))
+        used.schedule.write_bytes(plan.SerializeToString(deterministic=True))
         image, self.statistics = run(used, self._folder)
         return image
 
@@ -130,12 +130,12 @@ class Measurement:
 def image_by(
     direction: str, document: Document, pixels: tuple[int, int], samples: int, seed: int, folder: Path
 ) -> Image:
-    """By photons of a direction and independent numbers; none may be rejected. Makes the folder."""
+    """By photons of a direction and independent numbers; none may be invalid_samples. Makes the folder."""
     folder.mkdir()
     tracing = {**document.get("tracing", {}), "sequence": "independent", "direction": direction}
     measurement = Measurement({**document, "tracing": tracing}, folder, *pixels)
     image = measurement.image(samples, seed)
-    assert measurement.statistics["rejected"] == 0
+    assert measurement.statistics["invalid_samples"] == 0
     return image
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from tests.accuracy.meters import GREY
 from tests.accuracy.tracing import Document
 
-_CORNELL = Path(__file__).parents[2] / "scenes" / "cornell" / "scene.json"
+_CORNELL = Path(__file__).parents[2] / "examples" / "cornell" / "scene.json"
 
 
 def cornell(tracing: Document, **sensor: Any) -> Document:

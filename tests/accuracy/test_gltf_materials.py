@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from nocturne_coordinator.importing.fresnel import reflectance_of
-from nocturne_coordinator.importing.import_scene import import_scene
-from nocturne_coordinator.importing.options import ImportOptions
+from nocturne_scene.formats.import_scene import import_scene
+from nocturne_scene.formats.reading.fresnel import reflectance_of
+from nocturne_scene.formats.reading.options import ImportOptions
 from numpy.typing import NDArray
 
 from tests.accuracy.gltf_plate import gltf
@@ -152,7 +152,7 @@ def test_a_plate_reflects_as_specified(metallic: int, light: str, tmp_path: Path
     )
     error = float(np.sqrt(np.mean(image.y_error**2))) / EDGE
     told = f"{image.y.mean():.5g} +- {error:.2g}, kernels {ours:.5g}, specification {theirs:.5g}"
-    print(told)  # noqa: T201 - figures for docs/compatibility.md
+    print(told)  # noqa: T201 - figures for docs/reference/compatibility.md
     assert image.y.mean() == pytest.approx(ours, abs=4 * error + 2e-3 * ours), told
     assert error < 0.01 * ours
     assert image.y.mean() == pytest.approx(theirs, rel=APART), told

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from nocturne_coordinator.importing.import_scene import import_scene
-from nocturne_coordinator.importing.mitsuba.units import CANDELAS_PER_UNIT
-from nocturne_coordinator.importing.options import ImportOptions
+from nocturne_scene.formats.import_scene import import_scene
+from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT
+from nocturne_scene.formats.reading.options import ImportOptions
 
 from tests.accuracy.gltf_plate import gltf
 from tests.accuracy.tracing import trace

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from nocturne_coordinator.scene import published
+from nocturne_scene.spectra import published
 
 from tests.accuracy.scenes import furnace
 from tests.accuracy.tracing import Document, trace

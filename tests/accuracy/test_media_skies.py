@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from nocturne_coordinator.scene import rayleigh
-from nocturne_coordinator.scene.published import visible_wavelengths
+from nocturne_scene.media import rayleigh
+from nocturne_scene.spectra.published import visible_wavelengths
 
 from tests.accuracy.agreement import Values
 from tests.accuracy.media import EDGE, WIDTH, from_above, lit_slab, read, slab, sun

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from nocturne_client.local.photometry import write_photometry
-from nocturne_coordinator.scene import photometric_files
-from nocturne_coordinator.scene.photometric_files import Photometry
+from nocturne_scene.photometry import ies as photometric_files
+from nocturne_scene.photometry.ies import Photometry
 
 from tests.accuracy.agreement import sidak_bound
 from tests.accuracy.tracing import Document, trace

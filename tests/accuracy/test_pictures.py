@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
-from nocturne_coordinator.scene import rgb_spectra
+from nocturne_scene.spectra import rgb as rgb_spectra
 
 from tests.accuracy.scenes import quad, sphere
 from tests.accuracy.spectral_meters import NO_ROULETTE

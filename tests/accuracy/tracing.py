@@ -31,11 +31,11 @@ def write(document: Document, folder: Path) -> Path:
 
 
 def run(compiled: CompiledFolder, folder: Path, method: Method = "adjoint") -> tuple[Image, dict[str, Any]]:
-    """Traces into `folder`; the image, and what nocturne-trace counted: no photon was rejected."""
+    """Traces into `folder`; the image, and what nocturne-trace counted: no photon was invalid_samples."""
     output, file = folder / "image.exr", folder / "statistics.json"
     command: list[str | Path] = [need_program("nocturne-trace"), compiled.scene, "-o", output, "--quiet"]
-    command += ["--plan", compiled.plan, "--blobs", compiled.blobs, "--statistics", file]
+    command += ["--schedule", compiled.schedule, "--blobs", compiled.blobs, "--statistics", file]
     subprocess.run([*command, "--method", method], check=True)
     statistics: dict[str, Any] = json.loads(file.read_text())
-    assert statistics["rejected"] == 0
+    assert statistics["invalid_samples"] == 0
     return Image.read(output), statistics

@@ -13,12 +13,13 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import redis
 from nocturne.v1 import job_pb2
-from nocturne_coordinator.data_folder import DataFolder, NewRender, RenderRow
-from nocturne_coordinator.images import mean_further_responses, mean_xyz, variance_of_mean
-from nocturne_coordinator.merge import Counts, Sums
-from nocturne_coordinator.plan import make_plan
-from nocturne_coordinator.planned_render import PlannedRender
-from nocturne_coordinator.stopping import EVERYTHING, StopConditions
+from nocturne_coordinator.dispatch.error_estimate import variance_of_mean
+from nocturne_coordinator.dispatch.merge import Counts, Sums
+from nocturne_coordinator.dispatch.planned_render import PlannedRender
+from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
+from nocturne_coordinator.output.images import mean_further_responses, mean_xyz
+from nocturne_coordinator.store.data_folder import DataFolder, NewRender, RenderRow
+from nocturne_scene.ranges import make_schedule
 
 from tests.coordinator.simulated_worker import SimulatedWorker, simulated_sums
 
@@ -130,9 +131,9 @@ class Service:
         further_responses: Sequence[str] = (),
         stop: StopConditions = EVERYTHING,
     ) -> RenderRow:
-        plan = make_plan(width, height, samples, further_responses)
+        schedule = make_schedule(width, height, samples, further_responses)
         return self.folder.create_render(
-            NewRender(request_id, "a test", SCENE, "{}", width, height, samples, plan, stop)
+            NewRender(request_id, "a test", SCENE, "{}", width, height, samples, schedule, stop)
         )
 
     def row(self, render_id: str) -> RenderRow:
@@ -145,15 +146,15 @@ class Service:
 
 def expected_film(folder: DataFolder, render_id: str, samples: dict[int, int]) -> tuple[Sums, Counts]:
     """What tracing alone, tile by tile and range by range, gives; `samples` merged per tile."""
-    planned = PlannedRender(render_id, folder.plan(render_id), bytes.fromhex(SCENE), job_pb2.ENGINE_1)
-    film = np.zeros((planned.plan.height, planned.plan.width, planned.sums_per_pixel))
+    planned = PlannedRender(render_id, folder.schedule(render_id), bytes.fromhex(SCENE), job_pb2.ENGINE_1)
+    film = np.zeros((planned.schedule.height, planned.schedule.width, planned.sums_per_pixel))
     counts = np.zeros(film.shape[:2], dtype=np.uint32)
     for index, end in samples.items():
         for position in range(planned.ranges.merged_at(end)):
             job = planned.job(index, planned.ranges[position])
             tile = job.tile
             area = np.s_[tile.y : tile.y + tile.height, tile.x : tile.x + tile.width]
-            film[area] += simulated_sums(job, len(planned.plan.further_responses))
+            film[area] += simulated_sums(job, len(planned.schedule.further_responses))
             counts[area] = job.end_sample
     return film, counts
 
@@ -170,7 +171,7 @@ def check_committed(service: Service, row: RenderRow, redone: bool = False) -> N
     """
     samples = committed_samples(service.folder, row.id)
     film, counts = expected_film(service.folder, row.id, samples)
-    planned = PlannedRender(row.id, service.folder.plan(row.id), bytes.fromhex(SCENE), job_pb2.ENGINE_1)
+    planned = PlannedRender(row.id, service.folder.schedule(row.id), bytes.fromhex(SCENE), job_pb2.ENGINE_1)
     for tile_row in service.folder.database.rows("SELECT * FROM tile WHERE render_id = ?", (row.id,)):
         tile = planned.grid.tile(tile_row["tile_index"])
         area = np.s_[tile.y : tile.y + tile.height, tile.x : tile.x + tile.width]
@@ -184,8 +185,8 @@ def check_committed(service: Service, row: RenderRow, redone: bool = False) -> N
     assert np.array_equal(read_counts, counts)
     further = read_further_responses(service.folder.image_path(row.id))
     means = mean_further_responses(film, counts).astype(np.float32)
-    assert sorted(further) == sorted(planned.plan.further_responses)
-    for index, name in enumerate(planned.plan.further_responses):
+    assert sorted(further) == sorted(planned.schedule.further_responses)
+    for index, name in enumerate(planned.schedule.further_responses):
         assert np.array_equal(further[name], means[..., index])
 
 
@@ -207,6 +208,12 @@ def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.stack([channel[name] for name in "XYZ"], axis=-1), channel["Y.stderr"], channel["n"]
 
 
+def read_rgb(path: Path) -> np.ndarray:
+    """What viewers show."""
+    channel = _read_channels(path)
+    return np.stack([channel[name] for name in "RGB"], axis=-1)
+
+
 def read_manifest(path: Path) -> str:
     """Samples of each tile, as the file tells them; empty where it does not."""
     image: Any = oiio.ImageInput.open(str(path))
@@ -220,7 +227,7 @@ def read_further_responses(path: Path) -> dict[str, np.ndarray]:
     return {
         name: channel
         for name, channel in _read_channels(path).items()
-        if name not in ("X", "Y", "Z", "Y.stderr", "n")
+        if name not in ("X", "Y", "Z", "Y.stderr", "n", "R", "G", "B")
     }
 
 

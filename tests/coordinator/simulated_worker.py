@@ -12,8 +12,9 @@ import numpy as np
 import redis
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
-from nocturne_coordinator import keys
-from nocturne_coordinator.merge import XYZ_SUMS, Sums
+from nocturne_coordinator.dispatch.merge import Sums
+from nocturne_coordinator.queue import keys
+from nocturne_scene.ranges import XYZ_SUMS
 
 Alter = Callable[[job_pb2.JobResult], list[job_pb2.JobResult | bytes]]
 """What a worker sends instead of one result."""
@@ -41,7 +42,7 @@ def simulated_result(
             sums=simulated_sums(job, further_responses).astype("<f8").tobytes(),
             photons=photons,
             rays=3 * photons,
-            rejected=job.tile_index % 2,
+            invalid_samples=job.tile_index % 2,
             cpu_seconds=0.001,
         ),
     )
@@ -52,7 +53,7 @@ def unaltered(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
 
 
 class SimulatedWorker(threading.Thread):
-    """Follows the protocol of docs/queue.md in a thread; reconnects for ever, as a real one does."""
+    """Follows the protocol of docs/explanation/queue.md in a thread; reconnects for ever, as workers do."""
 
     def __init__(
         self,
@@ -63,12 +64,12 @@ class SimulatedWorker(threading.Thread):
         further_responses: int = 0,
         dies: Callable[[job_pb2.JobResult], bool] = lambda _: False,
         status_ms: int = 10_000,
-        numeric_class: str = "",
+        floating_point_profile: str = "",
     ) -> None:
         """`dies`: the process ends, without a word, at jobs for which it is true; `status_ms` later that
         shows.
 
-        `numeric_class` is told only: jobs of others are done as well, for the coordinator to refuse.
+        `floating_point_profile` is told only: jobs of others are done as well, for the coordinator to refuse.
         """
         super().__init__(daemon=True)
         self._further_responses = further_responses
@@ -78,7 +79,7 @@ class SimulatedWorker(threading.Thread):
         self._lease_ms = lease_ms
         self._dies = dies
         self._status_ms = status_ms
-        self._numeric_class = numeric_class
+        self._floating_point_profile = floating_point_profile
         self._since = time.time()
         self._stopping = threading.Event()
         self.name = f"worker-{os.urandom(4).hex()}"
@@ -102,7 +103,7 @@ class SimulatedWorker(threading.Thread):
             engine=job_pb2.ENGINE_CURRENT,
             threads=1,
             started=self._since,
-            numeric_class=self._numeric_class,
+            floating_point_profile=self._floating_point_profile,
         )
         self._client.set(keys.WORKER_PREFIX + self.name, status.SerializeToString(), px=self._status_ms)
         if self._client.exists(keys.QUARANTINE_PREFIX + self.name):
@@ -130,7 +131,7 @@ class SimulatedWorker(threading.Thread):
     def _work(self, entry: bytes, job: job_pb2.Job) -> None:
         self._stopping.wait(self._delay)
         result = simulated_result(job, self.name, self._further_responses)
-        result.numeric_class = self._numeric_class
+        result.floating_point_profile = self._floating_point_profile
         if self._dies(result):
             self._stopping.set()
             return

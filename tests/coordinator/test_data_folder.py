@@ -6,13 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from nocturne_coordinator.blobs import BlobStore
-from nocturne_coordinator.data_folder import DataFolder, NewRender
-from nocturne_coordinator.errors import Conflict, InputError, NotFound, OwnershipLost, UnusableFolder
-from nocturne_coordinator.plan import make_plan
-from nocturne_coordinator.stopping import StopConditions
-from nocturne_coordinator.store.ledger import Ledger, RenderCommit, TileRow, Totals
+from nocturne_coordinator.dispatch.records import RenderCommit, TileRow, Totals
+from nocturne_coordinator.errors import Conflict, OwnershipLost, UnusableFolder
+from nocturne_coordinator.store.data_folder import DataFolder, NewRender
+from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
+from nocturne_scene.blobs import BlobStore
+from nocturne_scene.errors import InputError, NotFound
+from nocturne_scene.ranges import make_schedule
 
 
 @pytest.fixture
@@ -21,7 +22,7 @@ def folder(tmp_path: Path) -> DataFolder:
 
 
 def new_render(request_id: str = "a") -> NewRender:
-    return NewRender(request_id, "name", "5c" * 32, '{"nocturne": 1}', 40, 33, 20, make_plan(40, 33, 20))
+    return NewRender(request_id, "name", "5c" * 32, '{"nocturne": 1}', 40, 33, 20, make_schedule(40, 33, 20))
 
 
 def test_a_request_makes_one_render(folder: DataFolder) -> None:
@@ -147,32 +148,3 @@ def test_a_blob_is_whole_or_not_there(tmp_path: Path) -> None:
 def test_a_digest_is_never_a_path(tmp_path: Path, sha256: str) -> None:
     with pytest.raises(InputError):
         BlobStore(tmp_path).path(sha256)
-
-
-@pytest.mark.parametrize("schema", [1, 2])
-def test_a_folder_of_a_schema_before_is_taken_over(tmp_path: Path, schema: int) -> None:
-    path = tmp_path / "nocturne.db"
-    old = sqlite3.connect(path)
-    old.executescript(Path(__file__).with_name("schema_2.sql").read_text())
-    plan = make_plan(64, 64, 20).SerializeToString()
-    old.execute(
-        """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
-               scene_sha256, engine, created, ranges_planned, plan, scene_document)
-           VALUES ('r-old', 'a', 'd', 'old', 'CANCELLED', 64, 64, 20, 's', 1, 5.0, 16, ?, '{}')""",
-        (plan,),
-    )
-    old.execute("INSERT INTO tile VALUES ('r-old', 3, 4, x'00')")
-    if schema == 1:
-        old.execute("ALTER TABLE render DROP COLUMN photons_per_sample")
-        old.execute("PRAGMA user_version = 1")
-    old.commit()
-    old.close()
-    folder = DataFolder(tmp_path)
-    row = folder.get_render("r-old")
-    assert (row.name, row.state, row.priority, row.photons_per_sample) == ("old", "CANCELLED", 100, 1)
-    assert row.stop == StopConditions()
-    assert folder.manifest("r-old") == (0, 0, 0, 4)
-    assert folder.request_extension("r-old", 40, StopConditions(relative_error=0.01)).state == "QUEUED"
-    assert folder.request_pause("r-old").state == "PAUSED"
-    assert Ownership(tmp_path, folder.database).folder != ""
-    folder.close()

@@ -5,24 +5,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import OpenEXR
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
-from nocturne_coordinator.images import (
+from nocturne_coordinator.dispatch.error_estimate import Spread, relative_error, spread_of, variance_of_mean
+from nocturne_coordinator.dispatch.merge import Counts, Sums
+from nocturne_coordinator.output.images import (
     FINAL_COMPRESSION,
     LIVE_COMPRESSION,
     Provenance,
-    Spread,
-    relative_error,
-    spread_of,
     tone_map,
-    variance_of_mean,
     write_image,
     write_preview,
     write_thumbnail,
 )
-from nocturne_coordinator.merge import Counts, Sums
 
-from tests.coordinator.service import read_exr, read_further_responses
+from tests.coordinator.service import read_exr, read_further_responses, read_rgb
 
 PROVENANCE = Provenance("5c" * 32, '{"width":9}', 1)
 
@@ -48,7 +46,7 @@ def test_one_sample_has_no_error_yet() -> None:
     assert relative_error(sums, counts) == 0.0
 
 
-@pytest.mark.parametrize("count", [0, 1, 2**24, 2**24 + 4096, 3 * 2**20 + 1, 2**31])
+@pytest.mark.parametrize("count", [0, 1, 2**24 + 1, 3 * 2**20 + 1, 2**31, 2**32 - 1])
 def test_exr_keeps_every_bit(tmp_path: Path, count: int) -> None:
     sums, counts = film()
     counts[2, 3] = count
@@ -83,14 +81,41 @@ def test_exr_has_a_channel_for_each_further_response(tmp_path: Path) -> None:
     assert np.array_equal(read_counts, counts)
 
 
+def test_exr_has_linear_srgb_for_viewers(tmp_path: Path) -> None:
+    sums, counts = film(1)
+    # White of IEC 61966-2-1 at 100 cd/m2, and its red primary at 1 cd/m2.
+    sums[0, 0, :3] = np.array([0.9505, 1.0, 1.0890]) * 100
+    sums[0, 1, :3] = [0.4124 / 0.2126, 1.0, 0.0193 / 0.2126]
+    write_image(tmp_path / "image.exr", sums, counts, PROVENANCE)
+    rgb = read_rgb(tmp_path / "image.exr")
+    # The standard gives its matrices to four digits.
+    assert rgb[0, 0] == pytest.approx([100] * 3, abs=0.02)
+    assert rgb[0, 1] == pytest.approx([1 / 0.2126, 0, 0], abs=0.002)
+
+
+def test_a_response_named_as_a_colour_is_itself(tmp_path: Path) -> None:
+    sums, counts = film(1)
+    further = np.full((7, 9, 1), 5.0)
+    write_image(tmp_path / "image.exr", np.concatenate([sums, further], axis=-1), counts, PROVENANCE, ("R",))
+    with OpenEXR.File(str(tmp_path / "image.exr"), separate_channels=True) as file:
+        assert sorted(file.channels()) == ["R", "X", "Y", "Y.stderr", "Z", "n"]
+        assert (file.channels()["R"].pixels == 5.0).all()
+
+
+def test_an_image_that_can_not_be_written_is_an_os_error(tmp_path: Path) -> None:
+    (tmp_path / "image.exr").mkdir()
+    with pytest.raises(OSError, match=r"image\.exr"):
+        write_image(tmp_path / "image.exr", *film(), PROVENANCE)
+
+
 def test_exr_says_what_it_is(tmp_path: Path) -> None:
     write_image(tmp_path / "image.exr", *film(), PROVENANCE)
     image: Any = oiio.ImageInput.open(str(tmp_path / "image.exr"))
     said = {attribute.name: attribute.value for attribute in image.spec().extra_attribs}
     image.close()
     assert said["whiteLuminance"] == 1.0
-    assert said["chromaticities"] == pytest.approx((1, 0, 0, 1, 0, 0, 1 / 3, 1 / 3))
-    assert (said["nocturne:scene"], said["nocturne:plan"]) == ("5c" * 32, '{"width":9}')
+    assert said["chromaticities"] == pytest.approx((0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290))
+    assert (said["nocturne:scene"], said["nocturne:schedule"]) == ("5c" * 32, '{"width":9}')
     assert said["nocturne:engine"] == 1
     assert "DateTime" not in said
 

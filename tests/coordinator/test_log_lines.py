@@ -8,7 +8,7 @@ _LINE = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ (DEBUG|INFO|WARNING|ERROR) 
 _PROGRAM = """
 import logging
 from nocturne_coordinator.log_lines import write_log_lines
-from nocturne_coordinator.schedule import JobKey
+from nocturne_coordinator.dispatch.scheduler import JobKey
 write_log_lines("info", "coordinator")
 logging.getLogger("any").info("%s failed at worker=%s: %s", JobKey("r", 3, 1), "w", "no scene")
 logging.getLogger("any").debug("nothing")

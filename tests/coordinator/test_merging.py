@@ -8,15 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import limits
-from nocturne_coordinator.audit import Auditor
-from nocturne_coordinator.faults import Faults
-from nocturne_coordinator.intake import Intake
-from nocturne_coordinator.merge import RangeSums, TileState, Verdict
-from nocturne_coordinator.plan import make_plan
-from nocturne_coordinator.running_render import RunningRender
-from nocturne_coordinator.schedule import OVERDUE_FACTOR, SHORTEST_OVERDUE, JobKey, Schedule
-from nocturne_coordinator.store.ledger import OpenRender, TileRow, Totals
-from nocturne_coordinator.store.rows import RenderState
+from nocturne_coordinator.dispatch.audit import Auditor
+from nocturne_coordinator.dispatch.merge import RangeSums, TileState, Verdict
+from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
+from nocturne_coordinator.dispatch.result_handler import ResultHandler
+from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.dispatch.scheduler import MIN_OVERDUE, OVERDUE_FACTOR, JobKey, Scheduler
+from nocturne_coordinator.dispatch.state import Settings, State
+from nocturne_scene.ranges import make_schedule
 
 from tests.coordinator.simulated_worker import simulated_result, simulated_sums
 
@@ -54,36 +53,39 @@ def test_a_tile_says_what_became_of_a_range() -> None:
 
 
 class Session:
-    """Renders, schedule and intake without I/O: the coordinator's core, and a stream that can be lost."""
+    """Renders, scheduler and intake without I/O: the coordinator's core, and a stream that can be lost."""
 
     def __init__(
         self, samples: int, tiles: list[TileRow] | None = None, further_responses: Sequence[str] = ()
     ) -> None:
         self._further_responses = len(further_responses)
-        plan = make_plan(70, 33, samples, further_responses)
-        row = OpenRender("r", RenderState.RUNNING, plan, "5c" * 32, job_pb2.ENGINE_CURRENT, Totals())
+        schedule = make_schedule(70, 33, samples, further_responses)
+        row = OpenRender("r", RenderState.RUNNING, schedule, "5c" * 32, job_pb2.ENGINE_CURRENT, Totals())
         self.render = RunningRender(row, tiles or [])
-        self.schedule = Schedule()
-        self.schedule.add("r", len(plan.range_ends), self.render.merged_ranges)
-        self.intake = Intake({"r": self.render}, self.schedule, Auditor(0.0, 0.0), Faults())
+        self.scheduler = Scheduler()
+        self.scheduler.add("r", len(schedule.range_ends), self.render.merged_ranges)
+        state = State(Settings(), self.scheduler, Auditor(0.0, 0.0), {"r": self.render})
+        self.intake = ResultHandler(state)
         self.stream: dict[JobKey, bytes] = {}
         self.entries = 0
         self.failed: dict[str, str] = {}
+        self.lines: list[str] = []
 
     def fill(self, window: int) -> None:
-        for key in self.schedule.take(window - self.schedule.in_flight):
+        for key in self.scheduler.take(window - self.scheduler.in_flight):
             assert key not in self.stream
             self.entries += 1
-            self.schedule.published(key, b"%d" % self.entries, 0.0)
+            self.scheduler.published(key, b"%d" % self.entries, 0.0)
             self.stream[key] = b"%d" % self.entries
         # One more for each tile, where all that is in flight waits for earlier ranges.
-        assert self.schedule.in_flight <= window + len(self.render.film.tiles)
+        assert self.scheduler.in_flight <= window + len(self.render.film.tiles)
 
     def deliver(self, data: bytes) -> list[bytes]:
-        outcome = self.intake.take(b"0-1", data, 1.0)
+        outcome = self.intake.take(b"0-1", data, 1.0, 0.5)
         gone = set(outcome.withdrawn)
         self.stream = {key: entry for key, entry in self.stream.items() if entry not in gone}
         self.failed |= outcome.failed
+        self.lines += [line.message for line in outcome.lines]
         return outcome.settled
 
     def result(self, key: JobKey) -> job_pb2.JobResult:
@@ -126,7 +128,7 @@ def test_any_faults_give_every_range_once(seed: int, samples: int, window: int, 
                 session.deliver(chance.choice(delivered))
             case "lose":
                 session.stream.clear()
-                session.schedule.lost()
+                session.scheduler.lost()
             case "restart":
                 film = session.render.film
                 tiles = [
@@ -142,7 +144,7 @@ def test_any_faults_give_every_range_once(seed: int, samples: int, window: int, 
 
 def test_the_whole_frame_comes_first() -> None:
     session = Session(samples=32)
-    taken = session.schedule.take(1000)
+    taken = session.scheduler.take(1000)
     assert [key.range_index for key in taken] == sorted(key.range_index for key in taken)
     # Four ranges are planned: all may be in flight, and no more than that.
     assert len(taken) == 6 * min(4, limits.RANGES_AHEAD)
@@ -159,49 +161,49 @@ def test_a_slow_tile_does_not_stop_the_others() -> None:
 
 
 def test_renders_take_turns() -> None:
-    schedule = Schedule()
-    schedule.add("a", 3, [0, 0])
-    schedule.add("b", 3, [0, 0])
-    assert [key.render_id for key in schedule.take(6)] == ["a", "b"] * 3
-    for key in schedule.take(1):
-        schedule.published(key, b"7-0", 0.0)
-        assert schedule.remove(key.render_id) == [b"7-0"]
-    assert schedule.in_flight == 0
+    scheduler = Scheduler()
+    scheduler.add("a", 3, [0, 0])
+    scheduler.add("b", 3, [0, 0])
+    assert [key.render_id for key in scheduler.take(6)] == ["a", "b"] * 3
+    for key in scheduler.take(1):
+        scheduler.published(key, b"7-0", 0.0)
+        assert scheduler.remove(key.render_id) == [b"7-0"]
+    assert scheduler.in_flight == 0
 
 
 def test_overdue_follows_the_typical_time() -> None:
-    schedule = Schedule()
-    schedule.add("a", 1, [0, 0])
-    first, second = schedule.take(2)
-    schedule.published(first, b"1-0", 0.0)
-    schedule.published(second, b"2-0", 0.0)
-    assert schedule.overdue(SHORTEST_OVERDUE - 1) == []
-    schedule.received(first, 10.0)
-    assert schedule.overdue(OVERDUE_FACTOR * 10.0 - 1) == []
-    assert schedule.overdue(OVERDUE_FACTOR * 10.0 + 1) == [second]
-    assert schedule.returned(second) == [b"2-0"]
-    assert schedule.take(5) == [second]
+    scheduler = Scheduler()
+    scheduler.add("a", 1, [0, 0])
+    first, second = scheduler.take(2)
+    scheduler.published(first, b"1-0", 0.0)
+    scheduler.published(second, b"2-0", 0.0)
+    assert scheduler.overdue(MIN_OVERDUE - 1) == []
+    scheduler.received(first, 10.0)
+    assert scheduler.overdue(OVERDUE_FACTOR * 10.0 - 1) == []
+    assert scheduler.overdue(OVERDUE_FACTOR * 10.0 + 1) == [second]
+    assert scheduler.returned(second) == [b"2-0"]
+    assert scheduler.take(5) == [second]
 
 
 def test_a_window_full_of_later_ranges_makes_room_for_the_first() -> None:
     """Found by the walk through all interleavings: what was merged and not committed is lost with the
     coordinator, and what Redis still has are later ranges of the same tiles, as many as the window holds."""
-    schedule = Schedule()
-    schedule.add("r", 10, [0, 0])
+    scheduler = Scheduler()
+    scheduler.add("r", 10, [0, 0])
     later = [JobKey("r", tile, index) for tile in range(2) for index in (1, 2, 3)]
     for key in later:
-        schedule.published(key, b"1", 0.0)
-    assert schedule.take(0) == []
+        scheduler.published(key, b"1", 0.0)
+    assert scheduler.take(0) == []
     for key in later:
-        schedule.received(key, 1.0)
-    assert schedule.in_flight == len(later)
+        scheduler.received(key, 1.0)
+    assert scheduler.in_flight == len(later)
     first = [JobKey("r", 0, 0), JobKey("r", 1, 0)]
-    assert schedule.take(0) == first
+    assert scheduler.take(0) == first
     for key in first:
-        schedule.published(key, b"2", 1.0)
-    assert schedule.take(0) == []
+        scheduler.published(key, b"2", 1.0)
+    assert scheduler.take(0) == []
     for tile in range(2):
-        schedule.received(JobKey("r", tile, 0), 2.0)
-        schedule.merged("r", tile, 4)
-    assert schedule.in_flight == 0
-    assert schedule.take(2) == [JobKey("r", 0, 4), JobKey("r", 1, 4)]
+        scheduler.received(JobKey("r", tile, 0), 2.0)
+        scheduler.completed("r", tile, 4)
+    assert scheduler.in_flight == 0
+    assert scheduler.take(2) == [JobKey("r", 0, 4), JobKey("r", 1, 4)]

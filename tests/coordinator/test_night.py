@@ -5,10 +5,9 @@ import time
 from pathlib import Path
 
 import pytest
-from nocturne_coordinator import keys
-from nocturne_coordinator.images import manifest_of
+from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.main import EXIT_ALREADY_OWNED, EXIT_OWNERSHIP_LOST
-from nocturne_coordinator.stopping import StopConditions
+from nocturne_coordinator.queue import keys
 
 from tests.coordinator.service import (
     RedisServer,
@@ -20,6 +19,7 @@ from tests.coordinator.service import (
     wait_until,
 )
 from tests.coordinator.simulated_worker import SimulatedWorker
+from tests.pictures import samples_of
 
 SOME_DELAY = 0.02
 """Seconds per job."""
@@ -59,7 +59,7 @@ def test_a_time_stops_a_render_and_its_manifest_replays_it(service: Service) -> 
     assert until.until <= row.ended < until.until + 3.0
     check_committed(service, row)
     manifest = service.folder.manifest(render.id)
-    assert manifest_of(read_manifest(service.folder.image_path(render.id))) == list(manifest)
+    assert samples_of(read_manifest(service.folder.image_path(render.id))) == list(manifest)
 
     replay = service.folder.create_replay(render.id, "replay")
     assert service.folder.create_replay(render.id, "replay").id == replay.id
@@ -159,7 +159,7 @@ def test_an_extended_render_traces_only_what_is_new(service: Service, samples: i
     service.folder.request_extension(render.id, 200, StopConditions())
     wait_until(lambda: service.row(render.id).state == "SUCCEEDED")
     check_complete(service, render.id)
-    ends = service.folder.plan(render.id).range_ends
+    ends = service.folder.schedule(render.id).range_ends
     new = 6 * sum(end > samples for end in ends)
     # With a single worker there are no audits; a copy of a slow job may be done twice.
     assert new <= worker.jobs_done - done <= new + 2

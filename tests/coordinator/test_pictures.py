@@ -6,14 +6,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from nocturne_coordinator.data_folder import DataFolder, NewRender
+from nocturne_coordinator.dispatch.records import RenderCommit, TileRow, Totals
+from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.errors import LeaseLost
-from nocturne_coordinator.pictures import Pictures
-from nocturne_coordinator.plan import make_plan
-from nocturne_coordinator.removal import delete_render
-from nocturne_coordinator.running_render import RunningRender
-from nocturne_coordinator.store.ledger import Ledger, RenderCommit, TileRow, Totals
+from nocturne_coordinator.output.previews import Previews
+from nocturne_coordinator.store.data_folder import DataFolder, NewRender
+from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
+from nocturne_coordinator.store.removal import delete_render
+from nocturne_scene.ranges import make_schedule
 
 _EDGE, _SAMPLES = 32, 4
 
@@ -27,8 +28,8 @@ def folder(tmp_path: Path) -> Iterator[DataFolder]:
 
 def _running(folder: DataFolder, ledger: Ledger, number: int) -> RunningRender:
     """A render of one tile, with its first samples committed, whose image is due."""
-    plan = make_plan(_EDGE, _EDGE, 64)
-    row = folder.create_render(NewRender(f"{number}", "", "5c" * 32, "{}", _EDGE, _EDGE, 64, plan))
+    schedule = make_schedule(_EDGE, _EDGE, 64)
+    row = folder.create_render(NewRender(f"{number}", "", "5c" * 32, "{}", _EDGE, _EDGE, 64, schedule))
     taken = ledger.take(row.id)
     assert taken is not None
     assert ledger.start(row.id, taken.fence, time.time())
@@ -44,7 +45,7 @@ def test_a_folder_that_goes_with_its_render_is_no_trouble(
     folder: DataFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ledger = Ledger(folder.database, Ownership(folder.root, folder.database))
-    pictures = Pictures(folder, ledger)
+    pictures = Previews(folder, ledger)
     kept, deleted = (_running(folder, ledger, number) for number in (1, 2))
 
     def taken_away(path: Path, *_: object) -> None:
@@ -52,32 +53,13 @@ def test_a_folder_that_goes_with_its_render_is_no_trouble(
         delete_render(folder, deleted.id)
         raise FileNotFoundError(path)
 
-    monkeypatch.setattr("nocturne_coordinator.pictures.write_preview", taken_away)
+    monkeypatch.setattr("nocturne_coordinator.output.previews.write_preview", taken_away)
     with pytest.raises(LeaseLost):
-        pictures.refresh([deleted])
+        pictures.write_preview(deleted)
 
     def without_room(path: Path, *_: object) -> None:
         raise OSError(errno.ENOSPC, "no space left", path)
 
-    monkeypatch.setattr("nocturne_coordinator.pictures.write_preview", without_room)
+    monkeypatch.setattr("nocturne_coordinator.output.previews.write_preview", without_room)
     with pytest.raises(OSError, match="no space left"):
-        pictures.refresh([kept])
-
-
-def test_images_that_are_due_together_are_written_one_by_one(folder: DataFolder) -> None:
-    ledger = Ledger(folder.database, Ownership(folder.root, folder.database))
-    pictures = Pictures(folder, ledger)
-    renders = [_running(folder, ledger, number) for number in (1, 3, 2)]
-
-    def refreshed() -> list[bool]:
-        pictures.refresh(renders)
-        for render in renders:
-            # As if new samples had come.
-            render.pictured_photons = 0
-        return [folder.image_path(render.id).is_file() for render in renders]
-
-    # Who waits longest comes first; previews are not held up.
-    assert refreshed() == [False, True, False]
-    assert all(folder.preview_path(render.id).is_file() for render in renders)
-    assert refreshed() == [False, True, True]
-    assert refreshed() == [True, True, True]
+        pictures.write_preview(kept)

@@ -7,12 +7,11 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from nocturne_coordinator.blobs import BlobStore
-from nocturne_coordinator.checkpoint import Checkpointer, checkpoints
 from nocturne_coordinator.errors import AlreadyOwned, CantRestore
-from nocturne_coordinator.images import manifest_of
 from nocturne_coordinator.main import EXIT_UNUSABLE
-from nocturne_coordinator.restoring import damage_of, restore
+from nocturne_coordinator.store.checkpoint import Checkpointer, checkpoints
+from nocturne_coordinator.store.restoring import damage_of, restore
+from nocturne_scene.blobs import BlobStore
 
 from tests.coordinator.service import (
     SCENE,
@@ -24,6 +23,7 @@ from tests.coordinator.service import (
     wait_until,
 )
 from tests.coordinator.simulated_worker import SimulatedWorker
+from tests.pictures import samples_of
 
 OFTEN = ("--checkpoint-seconds", "0.1")
 SOME_DELAY = 0.05
@@ -77,7 +77,7 @@ def test_a_lost_machine_is_replaced_by_a_checkpoint_elsewhere(tmp_path: Path) ->
     render = half_way(lost, (*OFTEN, "--checkpoints", str(safe)))
     # It must not end while a checkpoint is made, however busy the machine is.
     lost.stop_workers()
-    wait_until(lambda: bool(checkpoints(safe)) and any(manifest_of(checkpoints(safe)[0].renders[render])))
+    wait_until(lambda: bool(checkpoints(safe)) and any(samples_of(checkpoints(safe)[0].renders[render])))
     lost.close()
     lost.server.kill()
     shutil.rmtree(places[0])
@@ -178,7 +178,7 @@ def test_a_checkpoint_is_made_only_of_something_new(service: Service) -> None:
         ("UPDATE tile SET sums = zeroblob(8) WHERE tile_index = 1", "cannot reshape"),
         ("UPDATE tile SET sums = unhex_ff(length(sums)) WHERE tile_index = 1", "not finite"),
         ("UPDATE tile SET tile_index = 99 WHERE tile_index = 1", "tile 99 of 6"),
-        ("UPDATE render SET plan = x'ffff'", "render r-"),
+        ("UPDATE render SET schedule = x'ffff'", "render r-"),
     ],
 )
 def test_damage_that_sqlite_can_not_see_is_found(service: Service, statement: str, said: str) -> None:

@@ -10,25 +10,26 @@ from typing import Any
 import numpy as np
 import pytest
 from nocturne.v1 import job_pb2
-from nocturne_coordinator.audit import Auditor
-from nocturne_coordinator.errors import InputError
-from nocturne_coordinator.faults import Faults
-from nocturne_coordinator.forecast import UNKNOWN, Measured, forecast
-from nocturne_coordinator.images import manifest_of, manifest_text
-from nocturne_coordinator.intake import Intake
-from nocturne_coordinator.merge import Sums
-from nocturne_coordinator.plan import extended_plan, make_plan
-from nocturne_coordinator.running_render import RunningRender
-from nocturne_coordinator.schedule import JobKey, Schedule
-from nocturne_coordinator.stopping import (
-    MINIMUM_SAMPLES,
+from nocturne_coordinator.dispatch.audit import Auditor
+from nocturne_coordinator.dispatch.forecast import UNKNOWN, Measured, forecast
+from nocturne_coordinator.dispatch.merge import Sums
+from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
+from nocturne_coordinator.dispatch.result_handler import ResultHandler
+from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
+from nocturne_coordinator.dispatch.state import Settings, State
+from nocturne_coordinator.dispatch.stopping import (
+    MIN_SAMPLES,
     StopConditions,
     parse_until,
     samples_needed,
     stop_conditions,
 )
-from nocturne_coordinator.store.ledger import OpenRender, TileRow, Totals
-from nocturne_coordinator.store.rows import RenderState
+from nocturne_coordinator.output.images import manifest_text
+from nocturne_scene.errors import InputError
+from nocturne_scene.ranges import extended_schedule, make_schedule
+
+from tests.pictures import samples_of
 
 EVENING = datetime(2026, 11, 21, 18, 0, tzinfo=UTC)
 
@@ -91,15 +92,14 @@ def test_conditions_come_back_from_json() -> None:
 
 def test_a_manifest_comes_back_from_its_text() -> None:
     for samples in ([4], [4, 4, 4], [8, 4, 4, 0, 0, 0, 8], list(range(9))):
-        assert manifest_of(manifest_text(samples)) == samples
-    with pytest.raises(ValueError, match="more tiles"):
-        manifest_of("4x99999999999")
+        assert samples_of(manifest_text(samples)) == samples
+    assert manifest_text([64, 64, 64, 128, 64]) == "64x3 128 64"
 
 
 def test_an_error_falls_as_one_over_the_root() -> None:
     assert samples_needed(0.04, 100, 0.01) == pytest.approx(1600)
     assert samples_needed(0.0, 100, 0.01) == math.inf
-    assert samples_needed(1e-9, 100, 0.01) == MINIMUM_SAMPLES
+    assert samples_needed(1e-9, 100, 0.01) == MIN_SAMPLES
 
 
 def measured(**changes: float) -> Measured:
@@ -140,14 +140,14 @@ def test_nothing_is_foreseen_without_a_rate() -> None:
 
 
 def test_an_extended_plan_begins_with_the_old_one() -> None:
-    old = make_plan(70, 33, 50)
-    extended = extended_plan(old, 300)
+    old = make_schedule(70, 33, 50)
+    extended = extended_schedule(old, 300)
     assert list(extended.range_ends) == [4, 8, 16, 32, 50, 64, 128, 256, 300]
-    # Where the old one ends at a power of two, nothing tells the two plans apart.
-    assert extended_plan(make_plan(70, 33, 64, ["rod"]), 300) == make_plan(70, 33, 300, ["rod"])
-    assert extended_plan(old, 50) == old
+    # Where the old one ends at a power of two, nothing tells the two schedules apart.
+    assert extended_schedule(make_schedule(70, 33, 64, ["rod"]), 300) == make_schedule(70, 33, 300, ["rod"])
+    assert extended_schedule(old, 50) == old
     with pytest.raises(InputError):
-        extended_plan(old, 49)
+        extended_schedule(old, 49)
 
 
 # --- tiles that stop by their own error ---
@@ -178,21 +178,24 @@ class Adaptive:
     lost."""
 
     def __init__(self, stop: StopConditions, samples: int = 1024, tiles: list[TileRow] | None = None) -> None:
-        plan = make_plan(70, 33, samples)
-        row = OpenRender("r", RenderState.RUNNING, plan, "5c" * 32, job_pb2.ENGINE_CURRENT, Totals(), stop)
+        schedule = make_schedule(70, 33, samples)
+        row = OpenRender(
+            "r", RenderState.RUNNING, schedule, "5c" * 32, job_pb2.ENGINE_CURRENT, Totals(), stop
+        )
         self.render = RunningRender(row, tiles or [])
-        self.schedule = Schedule()
+        self.scheduler = Scheduler()
         horizon = [self.render.film.horizon(index) for index in range(6)]
-        self.schedule.add("r", len(plan.range_ends), self.render.merged_ranges, horizon=horizon)
-        self.intake = Intake({"r": self.render}, self.schedule, Auditor(0.0, 0.0), Faults())
+        self.scheduler.add("r", len(schedule.range_ends), self.render.merged_ranges, horizon=horizon)
+        state = State(Settings(), self.scheduler, Auditor(0.0, 0.0), {"r": self.render})
+        self.intake = ResultHandler(state)
         self.stream: dict[bytes, JobKey] = {}
         self.entries = 0
         self.traced = 0
 
     def fill(self, window: int) -> None:
-        for key in self.schedule.take(window - self.schedule.in_flight):
+        for key in self.scheduler.take(window - self.scheduler.in_flight):
             self.entries += 1
-            self.schedule.published(key, b"%d" % self.entries, 0.0)
+            self.scheduler.published(key, b"%d" % self.entries, 0.0)
             self.stream[b"%d" % self.entries] = key
 
     def finish(self, entry: bytes) -> bytes:
@@ -207,7 +210,7 @@ class Adaptive:
         return result
 
     def deliver(self, result: bytes) -> None:
-        for gone in self.intake.take(b"0-1", result, 1.0).withdrawn:
+        for gone in self.intake.take(b"0-1", result, 1.0, 0.5).withdrawn:
             self.stream.pop(gone, None)
 
     def committed(self) -> list[TileRow]:
@@ -234,7 +237,7 @@ def adaptive_run(seed: int, window: int, stop: StopConditions) -> Adaptive:
             session.deliver(chance.choice(results))
         if chance.random() < 0.03:
             session.stream.clear()
-            session.schedule.lost()
+            session.scheduler.lost()
         if chance.random() < 0.02:
             session = Adaptive(stop, tiles=session.committed())
     raise AssertionError("it never ends")
@@ -256,7 +259,7 @@ def test_adaptive_tiles_have_the_same_bits_whatever_happens(seed: int) -> None:
     stormy = adaptive_run(seed + 1, 24, stop)
     assert np.array_equal(stormy.render.film.sums, calm.render.film.sums)
     assert np.array_equal(stormy.render.film.counts, calm.render.film.counts)
-    assert stormy.schedule.in_flight == 0
+    assert stormy.scheduler.in_flight == 0
     for index, samples in enumerate(stormy.render.film.manifest()):
         tile = stormy.render.planned.grid.tile(index)
         assert np.array_equal(stormy.render.film.tiles[index].sums, in_order(tile, index, samples))
@@ -303,7 +306,7 @@ def test_the_image_error_and_times_end_a_render() -> None:
         row = OpenRender(
             "r",
             RenderState.RUNNING,
-            session.render.planned.plan,
+            session.render.planned.schedule,
             "5c" * 32,
             job_pb2.ENGINE_CURRENT,
             Totals(cpu_seconds=50.0),

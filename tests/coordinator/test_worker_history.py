@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from nocturne_coordinator.data_folder import DataFolder, NewRender, WorkerRow
-from nocturne_coordinator.plan import make_plan
+from nocturne_coordinator.store.data_folder import DataFolder, NewRender, WorkerRow
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
+from nocturne_scene.ranges import make_schedule
 
 
 @pytest.fixture
@@ -29,7 +29,7 @@ def _worker(name: str, rate: float = 5.0) -> WorkerRow:
 
 
 def test_who_came_and_went(folder: DataFolder, ledger: Ledger) -> None:
-    new = NewRender("q", "", "5c" * 32, "{}", 32, 32, 8, make_plan(32, 32, 8))
+    new = NewRender("q", "", "5c" * 32, "{}", 32, 32, 8, make_schedule(32, 32, 8))
     render = folder.create_render(new).id
     ledger.mirror_workers([_worker("a"), _worker("b")], [(render, 3, "b"), ("deleted", 1, "a")], 1.0)
     assert folder.at_work(render) == [(3, "b")]

@@ -1,9 +1,12 @@
 """The container images have what runs in them: read from the Dockerfile, compared with what is built."""
 
+import json
 import re
 import subprocess
+import tomllib
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -21,7 +24,7 @@ def instructions() -> Stages:
     for line in (line for line in text.splitlines() if line and not line.startswith("#")):
         if made := re.fullmatch(r"FROM (\S+) AS (\S+)", line):
             stages[made[2]] = [line]
-        else:
+        elif stages:
             next(reversed(stages.values())).append(line)
     return stages
 
@@ -76,7 +79,11 @@ def copied_from_programs(stage: str) -> set[str]:
 
 def test_images_have_the_programs_that_their_code_starts() -> None:
     started = set()
-    for path in [*ROOT.glob("coordinator/**/*.py"), *ROOT.glob("services/api/**/*.py")]:
+    for path in [
+        *ROOT.glob("scene/**/*.py"),
+        *ROOT.glob("coordinator/**/*.py"),
+        *ROOT.glob("services/api/**/*.py"),
+    ]:
         started |= set(re.findall(r'"(nocturne-(?:grid|trace|worker))"', path.read_text()))
     assert started == {"nocturne-grid", "nocturne-trace"}
     assert started <= copied_from_programs("api")
@@ -156,11 +163,11 @@ def test_what_is_copied_between_stages_is_of_an_earlier_one() -> None:
 
 
 _ENTRIES = {
-    "redis": "/opt/redis/start.sh",
-    "tunnel": "/opt/stunnel/start.sh",
-    "worker": "nocturne-worker",
-    "coordinator": "nocturne-coordinator",
-    "api": "nocturne-api",
+    "redis": ["with-secrets", "/opt/redis/start.sh"],
+    "tunnel": ["/opt/stunnel/start.sh"],
+    "worker": ["with-secrets", "nocturne-worker"],
+    "coordinator": ["with-secrets", "nocturne-coordinator"],
+    "api": ["with-secrets", "nocturne-api"],
 }
 
 
@@ -169,17 +176,85 @@ def test_images_run_without_root(image: str) -> None:
     users = [line for line in lineage(image) if line.startswith("USER ")]
     assert users[-1] == "USER 10001:10001"
     entry = [line for line in lineage(image) if line.startswith("ENTRYPOINT ")]
-    assert entry[-1] == f'ENTRYPOINT ["{_ENTRIES[image]}"]'
+    assert json.loads(entry[-1].removeprefix("ENTRYPOINT ")) == _ENTRIES[image]
 
 
-def test_compose_builds_targets_that_there_are() -> None:
-    compose = yaml.safe_load((ROOT / "docker-compose.yml").read_text())
-    built = {
-        name: service["build"]["target"]
-        for name, service in compose["services"].items()
-        if "build" in service
-    }
-    assert built == {name: name for name in ("redis", "coordinator", "api", "worker")}
-    for service in compose["services"].values():
+def compose() -> dict[str, Any]:
+    """The compose file."""
+    found: dict[str, Any] = yaml.safe_load((ROOT / "docker-compose.yml").read_text())
+    return found
+
+
+def version() -> str:
+    """The project's."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    return str(project["version"])
+
+
+def test_compose_builds_images_that_there_are() -> None:
+    for name, service in compose()["services"].items():
         if "build" in service:
+            target = service["build"]["target"]
+            assert target in STAGES, name
+            assert service["image"] == f"nocturne-{target}:{version()}", name
             assert (ROOT / service["build"]["dockerfile"]).is_file()
+
+
+def test_images_of_others_are_pinned_by_digest() -> None:
+    pinned = re.compile(r"[\w./-]+:[\w.-]+@sha256:[0-9a-f]{64}")
+    for name, service in compose()["services"].items():
+        assert "build" in service or pinned.fullmatch(service["image"]), name
+    dockerfile = (ROOT / "deploy" / "Dockerfile").read_text()
+    (base,) = re.findall(r"^ARG DEBIAN=(\S+)$", dockerfile, re.MULTILINE)
+    assert pinned.fullmatch(base)
+    arguments = [service["build"]["args"] for service in compose()["services"].values() if "build" in service]
+    assert all(each == {"DEBIAN": f"${{NOCTURNE_DEBIAN:-{base}}}"} for each in arguments)
+    assert set(re.findall(r"^FROM (\S+)", dockerfile, re.MULTILINE)) - set(STAGES) == {"${DEBIAN}"}
+
+
+def test_containers_of_compose_are_contained() -> None:
+    for name, service in compose()["services"].items():
+        assert service["read_only"] is True, name
+        assert service["cap_drop"] == ["ALL"], name
+        assert service["security_opt"] == ["no-new-privileges:true"], name
+        # A worker may use all processors by default, with the smallest share of them.
+        assert {"mem_limit", "cpus", "pids_limit"} <= service.keys(), name
+
+
+def _mounts() -> dict[str, set[str]]:
+    """By named volume: the services that mount it."""
+    found: dict[str, set[str]] = {}
+    for name, service in compose()["services"].items():
+        for volume in service.get("volumes", ()):
+            found.setdefault(volume.split(":")[0], set()).add(name)
+    return found
+
+
+def test_secrets_are_seen_by_their_role_only() -> None:
+    mounts = _mounts()
+    assert mounts["redis-coordinator"] == {"passwords", "redis", "coordinator"}
+    assert mounts["redis-worker"] == {"passwords", "redis", "worker"}
+    assert mounts["token-worker"] == {"tokens", "worker"}
+    assert mounts["token-admin"] == {"tokens", "api"}
+    assert mounts["token-read"] == {"tokens", "prometheus"}
+    for name, service in compose()["services"].items():
+        for variable, value in (service.get("environment") or {}).items():
+            is_secret = re.search("PASSWORD|TOKEN|SECRET", variable)
+            assert not is_secret or variable.endswith("_FILE"), f"{name}: {variable}={value}"
+
+
+def test_a_worker_meets_redis_and_the_api_only() -> None:
+    services, networks = compose()["services"], compose()["networks"]
+    reaches = set()
+    for network in services["worker"]["networks"]:
+        assert networks[network] == {"internal": True}
+        reaches |= {name for name, service in services.items() if network in service.get("networks", ())}
+    assert reaches == {"worker", "redis", "coordinator", "api"}
+    assert "coordinator" not in {
+        name for name, service in services.items() if "assets" in service.get("networks", ())
+    }
+    assert "--auth" in services["api"]["command"]
+    # The coordinator listens nowhere.
+    assert "ports" not in services["coordinator"]
+    # Each its own: what one worker writes, no other reads.
+    assert "/cache" in services["worker"]["volumes"]

@@ -15,12 +15,12 @@ import kubernetes_validate
 import pytest
 import yaml
 from nocturne_api import main as api_main
-from nocturne_api.metrics import metrics_text
+from nocturne_api.operations.prometheus import metrics_text
 from nocturne_client.local.programs import need_program
 from nocturne_coordinator import main as coordinator_main
-from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder
 
-from tests.deploy.test_images import STAGES
+from tests.deploy.test_images import STAGES, version
 
 ROOT = Path(__file__).parents[2]
 DEPLOY = ROOT / "deploy"
@@ -75,18 +75,18 @@ def _validate(documents: list[dict[str, Any]], version: str) -> None:
             kubernetes_validate.validate(document, version, strict=True)
 
 
-@pytest.mark.parametrize("version", VERSIONS)
-def test_the_base_is_by_kubernetes_schemas(version: str) -> None:
-    _validate(base(), version)
+@pytest.mark.parametrize("release", VERSIONS)
+def test_the_base_is_by_kubernetes_schemas(release: str) -> None:
+    _validate(base(), release)
 
 
 @needs_kubectl
-@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("release", VERSIONS)
 @pytest.mark.parametrize("name", OVERLAYS)
-def test_overlays_are_by_kubernetes_schemas(name: str, version: str) -> None:
+def test_overlays_are_by_kubernetes_schemas(name: str, release: str) -> None:
     documents = overlay(name)
     assert {"Deployment", "StatefulSet", "Service", "NetworkPolicy"} <= {each["kind"] for each in documents}
-    _validate(documents, version)
+    _validate(documents, release)
 
 
 def test_a_wrong_manifest_is_found() -> None:
@@ -109,7 +109,9 @@ def test_containers_are_contained() -> None:
             "capabilities": {"drop": ["ALL"]},
         }, name
         assert container["resources"]["limits"]["memory"], name
-        assert container["image"].removeprefix("nocturne-") in STAGES, name
+        image, _, tag = container["image"].removeprefix("nocturne-").partition(":")
+        assert image in STAGES, name
+        assert tag == version(), name
         places = {mount["name"] for mount in container["volumeMounts"]}
         claims = {"data"} if name.startswith("nocturne/") else set()
         assert places <= {volume["name"] for volume in spec["volumes"]} | claims, name
@@ -146,11 +148,24 @@ def test_workers_may_be_taken_away() -> None:
     assert [each["restartPolicy"] for each in worker["initContainers"]] == ["Always"]
 
 
+def test_every_part_is_looked_after() -> None:
+    for name, container, _ in containers(base()):
+        part = name.partition("/")[2]
+        if part != "tunnel":
+            assert "livenessProbe" in container, name
+    probe = {name: each for name, each, _ in containers(base())}["nocturne/coordinator"]["livenessProbe"]
+    arguments = _arguments("nocturne/coordinator")
+    # The probe looks at the file that the coordinator keeps fresh.
+    assert probe["exec"]["command"][:2] == ["is-fresh", arguments[arguments.index("--alive") + 1]]
+
+
 def test_services_find_their_pods_and_policies_too() -> None:
     labels = [template["metadata"]["labels"] for template in pods(base()).values()]
     for document in base():
         if document["kind"] == "Service":
             wanted = document["spec"]["selector"]
+        elif document["kind"] == "PodDisruptionBudget":
+            wanted = document["spec"]["selector"]["matchLabels"]
         elif document["kind"] == "NetworkPolicy":
             wanted = document["spec"]["podSelector"]["matchLabels"]
         else:
@@ -253,7 +268,7 @@ def test_compose_has_what_watches_it() -> None:
             source = volume.split(":")[0]
             if source.startswith("./"):
                 assert (ROOT / source).exists(), name
-            else:
+            elif source != volume:
                 assert source in compose["volumes"], name
         for port in service.get("ports", []):
             assert port.startswith("127.0.0.1:"), name

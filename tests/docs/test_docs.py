@@ -3,10 +3,13 @@
 import json
 import os
 import re
+import subprocess
+import sys
 import tomllib
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from typing import Any
 from urllib.parse import unquote
 
 import pytest
@@ -82,29 +85,47 @@ def _without_code_name(page: str, names: list[str]) -> list[str]:
     return [name for name in names if f"`{name}`" not in page]
 
 
+# The development environment, and the packages that ship.
+_PROJECTS = (
+    "pyproject.toml",
+    "scene/pyproject.toml",
+    "services/client/pyproject.toml",
+    "services/api/pyproject.toml",
+)
+
+
+def _project(file: str) -> dict[str, Any]:
+    read: dict[str, Any] = tomllib.loads((ROOT / file).read_text(encoding="utf-8"))["project"]
+    return read
+
+
 def test_every_dependency_of_python_has_its_reason() -> None:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    required = [*project["dependencies"], *project["optional-dependencies"]["dev"]]
+    projects = [_project(file) for file in _PROJECTS]
+    required = [
+        *(name for project in projects for name in project.get("dependencies", ())),
+        *projects[0]["optional-dependencies"]["dev"],
+    ]
     names = [re.split(r"[\[<>=!~; ]", requirement)[0] for requirement in required]
-    assert _without_code_name(_page("dependencies.md"), names) == []
+    names = [name for name in names if not name.startswith("nocturne-")]
+    assert _without_code_name(_page("reference/dependencies.md"), names) == []
 
 
 def test_every_dependency_of_the_page_has_its_reason() -> None:
     package = json.loads((ROOT / "services" / "web" / "package.json").read_text(encoding="utf-8"))
     names = [*package["dependencies"], *package["devDependencies"]]
-    assert _without_code_name(_page("dependencies.md"), names) == []
+    assert _without_code_name(_page("reference/dependencies.md"), names) == []
 
 
 def test_every_debian_package_has_its_reason() -> None:
     lines = (ROOT / "deploy" / "debian-packages.txt").read_text(encoding="utf-8").splitlines()
     names = [line.split()[0] for line in lines if line.strip() and not line.startswith("#")]
-    assert _without_code_name(_page("dependencies.md"), names) == []
+    assert _without_code_name(_page("reference/dependencies.md"), names) == []
 
 
 def test_dependencies_that_are_gone_have_no_row() -> None:
-    rows = re.findall(r"^\| (`.+?) \|", _page("dependencies.md"), re.MULTILINE)
+    rows = re.findall(r"^\| (`.+?) \|", _page("reference/dependencies.md"), re.MULTILINE)
     named = {name for row in rows for name in re.findall(r"`([^`]+)`", row)}
-    sources = ("pyproject.toml", "services/web/package.json", "deploy/debian-packages.txt")
+    sources = (*_PROJECTS, "services/web/package.json", "deploy/debian-packages.txt")
     wanted = "\n".join((ROOT / source).read_text(encoding="utf-8") for source in sources)
     gone = [name for name in named if not re.search(rf"(?<![\w-]){re.escape(name)}(?![\w-])", wanted)]
     assert gone == []
@@ -112,10 +133,29 @@ def test_dependencies_that_are_gone_have_no_row() -> None:
 
 def test_decisions_are_numbered_and_dated() -> None:
     numbers = []
-    for decision in sorted((ROOT / "docs" / "decisions").glob("*.md")):
+    for decision in sorted((ROOT / "docs" / "decisions").glob("[0-9]*.md")):
         title, _, date = decision.read_text(encoding="utf-8").split("\n")[:3]
         number = decision.name[:4]
         assert title.startswith(f"# {number}: "), decision.name
         assert re.match(r"\d{4}-\d\d-\d\d\b", date), decision.name
         numbers.append(number)
     assert len(numbers) == len(set(numbers)) > 0
+
+
+def test_the_commands_page_is_current() -> None:
+    """Make it again with `make docs`."""
+    command = [sys.executable, "-m", "typer", "nocturne_client.cli.app", "utils", "docs"]
+    named = [*command, "--name", "nocturne", "--title", "All commands and options"]
+    made = subprocess.run(named, capture_output=True, text=True, check=True).stdout
+    assert made == _page("reference/commands.md")
+
+
+def test_the_architecture_says_where_twelve_changes_go() -> None:
+    """That the files are there is told by test_names.py."""
+    table = _page("architecture.md").partition("## Twelve changes")[2]
+    rows = re.findall(r"^\| \*\*an? ([^*]+)\*\* \| ([^|]+) \| ([^|]+) \|$", table, re.MULTILINE)
+    assert [name for name, _, _ in rows] == [
+        *("BSDF", "light", "sensor", "Mitsuba plugin", "API field", "stop condition"),
+        *("fault row", "chart", "command", "response curve", "metric", "Redis key"),
+    ]
+    assert all("`" in change and "`" in tests for _, change, tests in rows)

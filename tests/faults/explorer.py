@@ -1,6 +1,6 @@
 """All states of one tile of two or three ranges, walked breadth first: coordinators, workers, streams.
 
-The coordinators are the real render, schedule and intake; what each of them does in a state is worked out
+The coordinators are the real render, scheduler and intake; what each of them does in a state is worked out
 once and remembered, so that a step of the whole costs microseconds. The rest is abstract, and allows more
 than there is: entries of both streams are taken in any order, any worker may take over any job at any time
 (its lease ran out), any coordinator the render (so did that). Workers are alike, and so are coordinators:
@@ -17,15 +17,14 @@ from typing import NamedTuple
 
 import numpy as np
 from nocturne.v1 import job_pb2
-from nocturne_coordinator.audit import Auditor
-from nocturne_coordinator.faults import Faults
-from nocturne_coordinator.intake import Intake
-from nocturne_coordinator.plan import make_plan
-from nocturne_coordinator.planned_render import PlannedRender
-from nocturne_coordinator.running_render import RunningRender
-from nocturne_coordinator.schedule import JobKey, Schedule
-from nocturne_coordinator.store.ledger import OpenRender, TileRow, Totals
-from nocturne_coordinator.store.rows import RenderState
+from nocturne_coordinator.dispatch import state as core_state
+from nocturne_coordinator.dispatch.audit import Auditor
+from nocturne_coordinator.dispatch.planned_render import PlannedRender
+from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
+from nocturne_coordinator.dispatch.result_handler import ResultHandler
+from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
+from nocturne_scene.ranges import make_schedule
 
 from tests.coordinator.simulated_worker import simulated_result, simulated_sums
 
@@ -50,11 +49,11 @@ class Work:
 
     def __init__(self, ranges: int) -> None:
         self.ranges = ranges
-        self.plan = make_plan(1, 1, _SAMPLES[ranges])
+        self.schedule = make_schedule(1, 1, _SAMPLES[ranges])
         self.row = OpenRender(
-            "r", RenderState.RUNNING, self.plan, "5c" * 32, job_pb2.ENGINE_CURRENT, Totals()
+            "r", RenderState.RUNNING, self.schedule, "5c" * 32, job_pb2.ENGINE_CURRENT, Totals()
         )
-        self.planned = PlannedRender("r", self.plan, b"\x5c" * 32, job_pb2.ENGINE_CURRENT)
+        self.planned = PlannedRender("r", self.schedule, b"\x5c" * 32, job_pb2.ENGINE_CURRENT)
         assert len(self.planned.ranges) == ranges
         jobs = [self.planned.job(0, self.planned.ranges[index]) for index in range(ranges)]
         self.results = [simulated_result(job).SerializeToString() for job in jobs]
@@ -64,7 +63,7 @@ class Work:
             self.prefixes.append(self.prefixes[-1] + simulated_sums(job))
 
     def samples(self, merged: int) -> int:
-        return self.plan.range_ends[merged - 1] if merged else 0
+        return self.schedule.range_ends[merged - 1] if merged else 0
 
     def render_at(self, committed: int) -> RunningRender:
         tiles = []
@@ -97,7 +96,7 @@ class Core:
     """
 
     render: RunningRender
-    schedule: Schedule
+    scheduler: Scheduler
     saved: int
     """Ranges that it knows to be committed."""
     merged: int = field(init=False)
@@ -107,21 +106,21 @@ class Core:
     def __post_init__(self) -> None:
         tile = self.render.film.tiles[0]
         object.__setattr__(self, "merged", tile.merged)
-        out = frozenset(key.range_index for key in self.schedule.entries().values())
+        out = frozenset(key.range_index for key in self.scheduler.entries().values())
         object.__setattr__(self, "out", out)
 
     def key(self) -> tuple[object, ...]:
-        queue = self.schedule._queues["r"]
+        queue = self.scheduler._queues["r"]
         return (
             *(self.merged, self.saved, tuple(sorted(self.render.film.tiles[0].waiting)), self.out),
             *(tuple(queue.following), tuple(sorted(queue.ready)), tuple(sorted(queue.again))),
             *(tuple(sorted(queue.held)), tuple(sorted(queue.blocked))),
         )
 
-    def copied(self) -> tuple[RunningRender, Schedule]:
+    def copied(self) -> tuple[RunningRender, Scheduler]:
         # What never changes is shared.
-        memo = {id(each): each for each in (self.render.planned, self.render.planned.plan)}
-        return copy.deepcopy((self.render, self.schedule), memo)
+        memo = {id(each): each for each in (self.render.planned, self.render.planned.schedule)}
+        return copy.deepcopy((self.render, self.scheduler), memo)
 
 
 class Reaction(NamedTuple):
@@ -147,14 +146,16 @@ class Cores:
         event = ("start", committed, found)
         if event not in self._known:
             render = self._work.render_at(committed)
-            schedule = Schedule()
-            schedule.add("r", self._work.ranges, render.merged_ranges)
-            # As `Traffic._adopt`.
-            wanted = [index for index in found if schedule.wants(self._work.keys[index])]
+            scheduler = Scheduler()
+            scheduler.add("r", self._work.ranges, render.merged_ranges)
+            # As `Window.adopt`.
+            wanted = [index for index in found if scheduler.wants(self._work.keys[index])]
             for index in wanted:
-                schedule.published(self._work.keys[index], b"%d" % index, 0.0)
+                scheduler.published(self._work.keys[index], b"%d" % index, 0.0)
             unwanted = tuple(index for index in found if index not in wanted)
-            self._known[event] = Reaction(self._number(Core(render, schedule, committed)), withdrawn=unwanted)
+            self._known[event] = Reaction(
+                self._number(Core(render, scheduler, committed)), withdrawn=unwanted
+            )
         return self._known[event]
 
     def publish(self, number: int) -> Reaction:
@@ -162,11 +163,11 @@ class Cores:
         event = ("publish", number)
         if event not in self._known:
             core = self.all[number]
-            render, schedule = core.copied()
-            keys = schedule.take(WINDOW - schedule.in_flight)
+            render, scheduler = core.copied()
+            keys = scheduler.take(WINDOW - scheduler.in_flight)
             for key in keys:
-                schedule.published(key, b"%d" % key.range_index, 0.0)
-            after = self._number(Core(render, schedule, core.saved)) if keys else number
+                scheduler.published(key, b"%d" % key.range_index, 0.0)
+            after = self._number(Core(render, scheduler, core.saved)) if keys else number
             self._known[event] = Reaction(after, published=tuple(key.range_index for key in keys))
         return self._known[event]
 
@@ -175,11 +176,11 @@ class Cores:
         event = ("receive", number, index)
         if event not in self._known:
             core = self.all[number]
-            render, schedule = core.copied()
-            intake = Intake({"r": render}, schedule, Auditor(0.0, 0.0), Faults())
-            outcome = intake.take(b"%d" % index, self._work.results[index], 1.0)
+            render, scheduler = core.copied()
+            state = core_state.State(core_state.Settings(), scheduler, Auditor(0.0, 0.0), {"r": render})
+            outcome = ResultHandler(state).take(b"%d" % index, self._work.results[index], 1.0, 0.5)
             self._known[event] = Reaction(
-                self._number(Core(render, schedule, core.saved)),
+                self._number(Core(render, scheduler, core.saved)),
                 withdrawn=tuple(map(int, outcome.withdrawn)),
                 settled=tuple(map(int, outcome.settled)),
             )
@@ -194,9 +195,9 @@ class Cores:
         event = ("lost", number)
         if event not in self._known:
             core = self.all[number]
-            render, schedule = core.copied()
-            schedule.lost()
-            self._known[event] = Reaction(self._number(Core(render, schedule, core.saved)))
+            render, scheduler = core.copied()
+            scheduler.lost()
+            self._known[event] = Reaction(self._number(Core(render, scheduler, core.saved)))
         return self._known[event].number
 
     def _number(self, core: Core) -> int:

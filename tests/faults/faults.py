@@ -2,7 +2,7 @@
 
 import time
 
-from nocturne_coordinator import keys
+from nocturne_coordinator.queue import keys
 
 from tests.system.program import Program
 from tests.system.renders import has_ended, is_in_mid_work

@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 import redis
-from nocturne_coordinator import keys
+from nocturne_coordinator.queue import keys
 
 from tests.coordinator.service import Service, check_complete, wait_until
 
@@ -28,7 +28,8 @@ def half_done(service: Service, render_id: str) -> bool:
 
 
 def check_survived(service: Service, *render_ids: str, redone: bool = False) -> None:
-    """Counts equal the plan, the image is that of a run without faults in every bit, Redis keeps nothing."""
+    """Counts equal the schedule, the image is that of a run without faults in every bit, Redis keeps
+    nothing."""
     for render_id in render_ids:
         check_complete(service, render_id, redone)
     check_nothing_left(service)
@@ -61,7 +62,7 @@ def check_resumes(service: Service, render_id: str, what: str, seconds: float = 
 
 
 def note(what: str, **figures: float) -> None:
-    """For docs/reliability.md: NOCTURNE_FIGURES names a file that gets a line of JSON."""
+    """For docs/explanation/reliability.md: NOCTURNE_FIGURES names a file that gets a line of JSON."""
     path = os.environ.get("NOCTURNE_FIGURES")
     if path:
         with Path(path).open("a") as file:

@@ -6,11 +6,11 @@ from itertools import cycle
 
 import numpy as np
 from nocturne.v1 import job_pb2
-from nocturne_coordinator import keys
+from nocturne_coordinator.queue import keys
 
 from tests.coordinator.service import Service, wait_until
 from tests.coordinator.simulated_worker import SimulatedWorker
-from tests.coordinator.test_intake import SPOILT
+from tests.coordinator.test_result_handler import SPOILT
 from tests.faults.survival import OVERDUE_SOON, SOME_DELAY, check_survived, half_done, note
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from nocturne_coordinator import keys
+from nocturne_coordinator.queue import keys
 
 from tests.faults.faults import (
     EVERY_FAULT,
@@ -134,7 +134,7 @@ def test_all_faults_in_a_random_order(services: Services, traced_alone: Image) -
     assert differing_values(image, traced_alone) == {}
 
 
-@pytest.mark.parametrize("order", ["reversed", "random"])
+@pytest.mark.parametrize("order", [pytest.param("reversed", marks=pytest.mark.soak), "random"])
 def test_jobs_dispatched_in_another_order(order: str, services: Services, traced_alone: Image) -> None:
     """S2: whatever is on the stream is taken from its end, or in a random order."""
     service, chance = services(2), random.Random(5)
@@ -158,22 +158,25 @@ _ROUNDS_OTHERWISE = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-AVX2"}
 
 
 def test_a_worker_that_rounds_otherwise(services: Services, traced_alone: Image) -> None:
-    """W8: it has another numeric class, and gets no jobs."""
+    """W8: it has another floating-point profile, and gets no jobs."""
     service = services(2)
     service.start_worker(environment=_ROUNDS_OTHERWISE)
     odd = next(reversed(service.workers))
     wait_for(lambda: len(service.client.workers()) == 3, "all workers to be seen")
     with followed_render(service) as render:
-        wait_for(lambda: any(each.shut_out for each in service.client.workers()), "a worker to be shut out")
-        classes = {each.id: each.numeric_class for each in service.client.workers()}
-        reasons = {each.id: each.shut_out for each in service.client.workers() if each.shut_out}
+        wait_for(
+            lambda: any(each.incompatible for each in service.client.workers()), "a worker to be incompatible"
+        )
+        classes = {each.id: each.floating_point_profile for each in service.client.workers()}
+        reasons = {each.id: each.incompatible for each in service.client.workers() if each.incompatible}
         image = render.finished_image()
-    others = {numeric_class for name, numeric_class in classes.items() if name != odd}
+    others = {floating_point_profile for name, floating_point_profile in classes.items() if name != odd}
     assert len(others) == 1
-    assert others == {service.client.get(render.id).numeric_class}
+    assert others == {service.client.get(render.id).floating_point_profile}
     assert classes[odd] not in others
     assert reasons == {
-        odd: f"It rounds otherwise: numeric class {classes[odd]}; the open renders have {others.pop()}."
+        odd: f"It rounds otherwise: floating-point profile {classes[odd]}; "
+        f"the open renders have {others.pop()}."
     }
     assert odd not in service.contributors(render.id)
     assert all(each.quarantine == "" for each in service.client.workers())
@@ -198,7 +201,9 @@ def _folder_that_can_not_be_written(_: Program, cache: Path) -> Mend:
     return cache.unlink
 
 
-@pytest.mark.parametrize("trouble", [_full_disk, _folder_that_can_not_be_written])
+@pytest.mark.parametrize(
+    "trouble", [_full_disk, pytest.param(_folder_that_can_not_be_written, marks=pytest.mark.soak)]
+)
 def test_a_worker_that_can_not_keep_the_scene(
     trouble: Callable[[Program, Path], Mend],
     services: Services,

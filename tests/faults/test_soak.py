@@ -1,5 +1,5 @@
-"""Faults in random composition, for as long as somebody likes: SOAK_SECONDS, 600 unless given; SOAK_SEED
-repeats a run."""
+"""FailurePolicy in random composition, for as long as somebody likes: SOAK_SECONDS, 600 unless given;
+SOAK_SEED repeats a run."""
 
 import os
 import random
@@ -12,9 +12,9 @@ from contextlib import suppress
 
 import pytest
 import redis
-from nocturne_coordinator import keys
+from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.errors import WrongState
-from nocturne_coordinator.stopping import StopConditions
+from nocturne_coordinator.queue import keys
 
 from tests.coordinator.service import Service, check_complete, wait_until
 from tests.coordinator.simulated_worker import Alter, Shuffled, SimulatedWorker, unaltered

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
-from nocturne_coordinator.scene.grid_files import create
+from nocturne_scene.media.grid_files import create
 
 Document = dict[str, Any]
 

@@ -8,11 +8,11 @@ import numpy as np
 from nocturne.v1 import scene_pb2
 from nocturne_client.local.compiled import compile_to
 from nocturne_client.local.programs import need_program
-from nocturne_coordinator.comparing.agreement import Estimate
-from nocturne_coordinator.comparing.pictures import read_picture
-from nocturne_coordinator.importing.import_scene import import_scene
-from nocturne_coordinator.importing.mitsuba.units import CANDELAS_PER_UNIT
-from nocturne_coordinator.importing.options import Imported, ImportOptions
+from nocturne_scene.compare.agreement import Estimate
+from nocturne_scene.compare.images import read_picture
+from nocturne_scene.formats.import_scene import import_scene
+from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT
+from nocturne_scene.formats.reading.options import Imported, ImportOptions
 
 FOLDER = Path(__file__).parents[3] / "shared" / "mitsuba_tests"
 SCENES = FOLDER / "tests" / "scenes"
@@ -81,7 +81,7 @@ class Batches:
             image = self.folder / "batch.exr"
             command: list[str | Path] = [need_program("nocturne-trace"), compiled.scene, "-o", image]
             subprocess.run(
-                [*command, "--quiet", "--plan", compiled.plan, "--blobs", compiled.blobs], check=True
+                [*command, "--quiet", "--schedule", compiled.schedule, "--blobs", compiled.blobs], check=True
             )
             frames.append(read_picture(image).xyz / CANDELAS_PER_UNIT)
         stack = np.stack(frames)

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from nocturne_client.local.exporting import export_to
 from nocturne_client.local.programs import CHECKOUT
-from nocturne_coordinator.comparing.agreement import Estimate, compare
-from nocturne_coordinator.exporting.compiled import Film as Pixels
-from nocturne_coordinator.importing.mitsuba.units import CANDELAS_PER_UNIT
-from nocturne_coordinator.importing.options import Imported
-from nocturne_coordinator.importing.scene_writer import Film
+from nocturne_scene.compare.agreement import Estimate, compare
+from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT
+from nocturne_scene.formats.reading.options import Imported
+from nocturne_scene.formats.reading.scene_writer import Film
+from nocturne_scene.formats.writing.compiled import Film as Pixels
 
 from bench.scenes import example
 from tests.mitsuba.export_scenes import SCENES
@@ -63,7 +63,7 @@ def check(document: Path, folder: Path, samples: tuple[int, int]) -> None:
         f"means {ratio}, z {verdict.mean_z.round(1)}, tiles {verdict.largest_tile:.2g}, "
         f"{verdict.share_explained:.2%} of pixels, Y {image.mean[..., 1].mean() * CANDELAS_PER_UNIT:.4g}"
     )
-    print(f"{document.parent.name}: {told}")  # noqa: T201 - figures for docs/compatibility.md
+    print(f"{document.parent.name}: {told}")  # noqa: T201 - figures for docs/reference/compatibility.md
     assert verdict.pixels_agree, told
     assert verdict.sums_agree, told
 

@@ -2,7 +2,7 @@
 
 False alarms: for the pixels far below 0.01 a scene, for the sums 0.018 (tiles 0.01, means of three channels
 0.008). Seeds are fixed, so a test passes always or never. What is expected to differ, and why, is also in
-docs/compatibility.md.
+docs/reference/compatibility.md.
 """
 
 from dataclasses import dataclass
@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from nocturne_coordinator.comparing.agreement import Difference, Estimate, compare
-from nocturne_coordinator.errors import InputError
+from nocturne_scene.compare.agreement import Difference, Estimate, compare
+from nocturne_scene.errors import InputError
 
 from tests.mitsuba.renders import FOLDER, Batches, Reference, import_test
 
@@ -77,7 +77,7 @@ def rendered(name: str, folder: Path) -> Rendered:
         guarded = reference.guard(image, BATCHES * samples)
         found = Rendered(compare(guarded, reference.estimate), compare(image, reference.estimate))
         _rendered[name] = found
-        print(f"{name}: {told(found)}")  # noqa: T201 - figures for docs/compatibility.md
+        print(f"{name}: {told(found)}")  # noqa: T201 - figures for docs/reference/compatibility.md
     return _rendered[name]
 
 

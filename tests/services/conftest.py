@@ -1,4 +1,4 @@
-"""A real API on a data folder of its own, both doors on free ports."""
+"""A real API on a data folder of its own, both endpoints on free ports."""
 
 import copy
 from collections.abc import AsyncIterator, Iterator
@@ -9,9 +9,9 @@ import grpc
 import httpx
 import pytest
 from nocturne_api.service import Service
-from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder
 
-from tests.services.doors import grpc_channel, rest_client, running
+from tests.services.endpoints import grpc_channel, rest_client, running
 
 SCENE: dict[str, Any] = {
     "nocturne": 1,
@@ -62,6 +62,7 @@ def web(tmp_path: Path) -> Path:
     folder = tmp_path / "web"
     (folder / "assets").mkdir(parents=True)
     (folder / "index.html").write_text("<!doctype html><title>page</title>")
+    (folder / "reference.html").write_text("<!doctype html><title>reference</title>")
     (folder / "assets" / "index-abc123.js").write_text("export {}")
     (tmp_path / "secret.txt").write_text("not for the web")
     return folder

@@ -1,6 +1,6 @@
 """What a coordinator does to a render, as far as the API can see it."""
 
-from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder
 
 
 def progress(folder: DataFolder, render_id: str, pixel_samples: int) -> None:

@@ -1,4 +1,4 @@
-"""Files by content through both doors: what does not match leaves nothing."""
+"""Files by content through both endpoints: what does not match leaves nothing."""
 
 import asyncio
 import hashlib

@@ -1,4 +1,4 @@
-"""Bad input gets the same clear answer at both doors and leaves nothing behind."""
+"""Bad input gets the same clear answer at both endpoints and leaves nothing behind."""
 
 import json
 from collections.abc import AsyncIterator, Callable
@@ -11,10 +11,10 @@ import pytest
 import pytest_asyncio
 from nocturne.v1 import render_service_pb2 as pb
 from nocturne.v1 import render_service_pb2_grpc
-from nocturne_api.rpc.failures import PROBLEM_KEY
+from nocturne_api.grpc.failures import PROBLEM_KEY
 from nocturne_api.service import Service
 
-from tests.services.doors import grpc_channel, rest_client, running
+from tests.services.endpoints import grpc_channel, rest_client, running
 
 # Nothing below leaves anything behind, which is what is tested: one service does for all.
 pytestmark = pytest.mark.asyncio(loop_scope="module")
@@ -113,7 +113,7 @@ CASES = [
 
 
 @pytest.mark.parametrize(("change", "place"), CASES, ids=[change.__name__.strip("_") for change, _ in CASES])
-async def test_both_doors_name_the_place(
+async def test_both_endpoints_name_the_place(
     change: Change,
     place: str,
     body: dict[str, Any],

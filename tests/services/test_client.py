@@ -1,6 +1,7 @@
 """The Python client and the command line against a real API."""
 
 import asyncio
+import copy
 import json
 import struct
 from collections.abc import Callable
@@ -9,12 +10,13 @@ from typing import Any
 
 import httpx
 import pytest
+from nocturne_api.models import examples
 from nocturne_api.service import Service
 from nocturne_client import Client, NocturneClientError, NotReachedError, Render
 from nocturne_client.cli.app import app
 from nocturne_client.cli.output import ExitStatus
 from nocturne_client.scene_files import read_scene
-from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder
 from typer.testing import CliRunner, Result
 
 from tests.services import coordinator_acts
@@ -186,6 +188,19 @@ def test_every_file_of_a_scene_is_named_by_digest(scene: dict[str, Any], tmp_pat
     assert found.document["sensor"]["responses"] == {"asset": "white"}
 
 
+def test_a_scene_without_its_files_says_which_program_makes_them(
+    scene: dict[str, Any], tmp_path: Path
+) -> None:
+    scene["environment"] = {"asset": "sky.exr"}
+    (tmp_path / "scene.json").write_text(json.dumps(scene))
+    with pytest.raises(NocturneClientError, match=r"files are missing$"):
+        read_scene(tmp_path / "scene.json")
+    (tmp_path / "make_sky.py").touch()
+    for missing in ("scene.json", "forest.json"):
+        with pytest.raises(NocturneClientError, match=rf"{missing}: .*make_sky\.py`$"):
+            read_scene(tmp_path / missing)
+
+
 @pytest.mark.parametrize("text", ["", "{", "[]", "[" * 100_000])
 def test_documents_that_are_no_scene(text: str, tmp_path: Path) -> None:
     (tmp_path / "scene.json").write_text(text)
@@ -237,29 +252,4 @@ def test_exit_statuses_are_what_the_help_says() -> None:
 
 
 def _render(state: str, sequence: int) -> dict[str, Any]:
-    numbers = (
-        "ranges_done",
-        "ranges_planned",
-        "photons",
-        "rays",
-        "rejected",
-        "mean_samples",
-        "relative_error",
-        "tiles_done",
-        "tiles",
-        "tiles_set_aside",
-        "audited",
-        "refused",
-        "predicted_end",
-        "predicted_cpu_seconds",
-    )
-    stop = ("relative_error", "tile_relative_error", "wall_seconds", "cpu_seconds", "until_time")
-    return {
-        **dict.fromkeys(("id", "name", "reason", "scene_sha256", "owner"), ""),
-        "priority": 100,
-        "stop": {**dict.fromkeys(stop, 0.0), "until": ""},
-        **dict.fromkeys(("width", "height", "samples", "created", "started", "ended"), 1),
-        "state": state,
-        "sequence": sequence,
-        "progress": dict.fromkeys((*numbers, "photons_per_second", "cpu_seconds"), 0),
-    }
+    return {**copy.deepcopy(examples.RENDER), "state": state, "sequence": sequence}

@@ -15,14 +15,14 @@ from nocturne.v1 import render_service_pb2_grpc
 from nocturne_api.service import Service, Settings, open_service
 from nocturne_client import Client
 from nocturne_client.cli.app import app
-from nocturne_coordinator.data_folder import DataFolder
 from nocturne_coordinator.errors import FilesGone, WrongState
-from nocturne_coordinator.objects import Objects
-from nocturne_coordinator.removal import blobs_of_scene, delete_render, sweep
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.object_store import ObjectStore
+from nocturne_coordinator.store.removal import blobs_of_scene, delete_render, sweep
 from typer.testing import CliRunner
 
 from tests.services import coordinator_acts
-from tests.services.doors import rest_client, running
+from tests.services.endpoints import rest_client, running
 
 Stub = render_service_pb2_grpc.RenderServiceStub
 
@@ -61,7 +61,7 @@ async def ended(rest: httpx.AsyncClient, folder: DataFolder, body: dict[str, Any
         "tile": "1, 8, x'00', 1, 0",
         "error_point": "1.0, 1, 1.0, 0.5, 0.1, 7.0",
         "contribution": "1, 'w'",
-        "set_aside": "1, 0, 4, 'no', '[]'",
+        "failed_tile": "1, 0, 4, 'no', '[]'",
         "lease": "1, 1",
     }.items():
         folder.database.execute(f"INSERT INTO {table} VALUES (?, {values})", (render_id,))  # noqa: S608
@@ -93,7 +93,7 @@ async def test_nothing_is_left(
     body: dict[str, Any], rest: httpx.AsyncClient, channel: grpc.aio.Channel, folder: DataFolder
 ) -> None:
     render_id = await ended(rest, folder, body, "a")
-    assert {"render", "tile", "error_point", "contribution", "set_aside", "lease", "at_work"} <= mentions(
+    assert {"render", "tile", "error_point", "contribution", "failed_tile", "lease", "at_work"} <= mentions(
         folder, render_id
     )
     assert len(files_of(folder)) == 5, "mesh, packed mesh, scene, preview, image"
@@ -212,7 +212,7 @@ async def test_a_scene_whose_files_went_meanwhile_is_compiled_again(
 
 
 async def test_the_object_store_forgets_it_too(tmp_path: Path, body: dict[str, Any]) -> None:
-    objects = Objects(f"file://{tmp_path}/objects")
+    objects = ObjectStore(f"file://{tmp_path}/objects")
     settings = Settings(data=tmp_path / "data", web=tmp_path, port=0, grpc_port=0, objects=objects.url)
     service = await open_service(settings)
     await service.start()
@@ -242,12 +242,12 @@ async def test_the_object_store_forgets_it_too(tmp_path: Path, body: dict[str, A
 
 def test_a_render_that_goes_on_meanwhile_is_not_deleted(tmp_path: Path) -> None:
     """Extended between the look and the transaction."""
-    from nocturne_coordinator.data_folder import NewRender
-    from nocturne_coordinator.plan import make_plan
+    from nocturne_coordinator.store.data_folder import NewRender
+    from nocturne_scene.ranges import make_schedule
 
     folder = DataFolder(tmp_path)
     try:
-        new = NewRender("q", "", "5c" * 32, "{}", 32, 32, 8, make_plan(32, 32, 8))
+        new = NewRender("q", "", "5c" * 32, "{}", 32, 32, 8, make_schedule(32, 32, 8))
         render_id = folder.create_render(new).id
         with pytest.raises(WrongState):
             delete_render(folder, render_id)

@@ -1,15 +1,17 @@
-"""Watching through both doors."""
+"""Watching through both endpoints."""
 
 import asyncio
 import json
+from collections.abc import AsyncIterator
 from typing import Any
 
 import grpc
 import httpx
+import pytest
 from nocturne.v1 import render_service_pb2 as pb
 from nocturne.v1 import render_service_pb2_grpc
 from nocturne_api.service import Service
-from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder
 
 from tests.services import coordinator_acts
 
@@ -113,3 +115,44 @@ async def test_stopping_ends_all_streams(
             await service.end_streams()
             rest_of_it = [line async for line in lines]
     assert any(render_id in line for line in rest_of_it)
+
+
+async def test_a_silent_stream_is_kept_alive(
+    body: dict[str, Any], rest: httpx.AsyncClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fastapi.routing._PING_INTERVAL", 0.05)
+    render_id = await _create(rest, body)
+    comments: list[str] = []
+    async with asyncio.timeout(10), rest.stream("GET", f"/v1/renders/{render_id}/events") as stream:
+        async for line in stream.aiter_lines():
+            comments += [line] if line.startswith(":") else []
+            if len(comments) == 4:
+                break
+    assert comments == [": watching", ": ping", ": ping", ": ping"]
+
+
+async def test_a_stream_that_is_left_makes_room(
+    body: dict[str, Any], rest: httpx.AsyncClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("nocturne_api.operations.watchers.WATCHERS", 1)
+    await _create(rest, body)
+
+    async def second_line() -> str:
+        async with rest.stream("GET", "/v1/events") as stream:
+            lines = [line async for line in _first(stream, 2)]
+        return lines[1]
+
+    async with asyncio.timeout(10):
+        for _ in range(3):
+            while await second_line() != "event: render":
+                pass  # The service has not noticed yet that the one before is gone.
+
+
+async def _first(stream: httpx.Response, number: int) -> AsyncIterator[str]:
+    """The first lines that are not empty."""
+    async for line in stream.aiter_lines():
+        if line:
+            yield line
+            number -= 1
+        if number == 0:
+            return

@@ -18,7 +18,7 @@ from nocturne_client.local import children, programs, up
 from nocturne_client.local.children import Child
 from nocturne_client.local.compiled import compile_to
 from nocturne_client.local.doctor import examine
-from nocturne_coordinator.blobs import BlobStore
+from nocturne_scene.blobs import BlobStore
 
 SLEEP = "/bin/sleep"
 
@@ -46,9 +46,9 @@ def test_a_child_that_dies_is_started_again_after_a_pause(
     child = Child("sleeper", [SLEEP, "60"], tmp_path / "log")
     child.start()
     first = child.pid
-    assert child.tend(said.append) is False
+    assert child.supervise(said.append) is False
     os.kill(first, signal.SIGKILL)
-    _wait(lambda: child.tend(said.append))
+    _wait(lambda: child.supervise(said.append))
     assert child.pid not in (0, first)
     assert ["SIGKILL" in text for text in said] == [True]
     child.stop(5)
@@ -113,7 +113,7 @@ def test_compile_writes_what_the_tracer_takes(scene: dict[str, Any], tmp_path: P
     path.write_text(json.dumps(scene))
     compiled = compile_to(path, tmp_path / "out", 64, 48, 32)
     assert BlobStore(compiled.blobs).path(compiled.scene_sha256).read_bytes() == compiled.scene.read_bytes()
-    assert compiled.plan.stat().st_size > 0
+    assert compiled.schedule.stat().st_size > 0
 
 
 def test_compile_says_what_it_left_out(

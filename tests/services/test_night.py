@@ -1,4 +1,4 @@
-"""What keeps a night going, at both doors and the command line: conditions, pauses, extensions, tokens,
+"""What keeps a night going, at both endpoints and the command line: conditions, pauses, extensions, tokens,
 reasons."""
 
 import copy
@@ -19,24 +19,24 @@ from nocturne.v1 import asset_service_pb2, asset_service_pb2_grpc, job_pb2, rend
 from nocturne.v1 import render_service_pb2 as pb
 from nocturne_api.access import Pace, secret_in
 from nocturne_api.addresses import AddressError, check_host
-from nocturne_api.compiling import CompileLimits, compile_in_child
+from nocturne_api.compiling.pool import CompileLimits, compile_in_child
 from nocturne_api.errors import TooMany, Unauthenticated
 from nocturne_api.limits import CALLS_AT_ONCE, CALLS_PER_SECOND
+from nocturne_api.operations.status_reason import Situation, sentence
 from nocturne_api.service import Service, Settings, open_service
-from nocturne_api.why import Situation, sentence
 from nocturne_client import Client
 from nocturne_client.cli.app import app
 from nocturne_client.cli.stops import Stops, with_zone
-from nocturne_coordinator.blobs import BlobStore
-from nocturne_coordinator.data_folder import DataFolder
-from nocturne_coordinator.errors import InputError
-from nocturne_coordinator.scene.document import check_document
-from nocturne_coordinator.store.rows import RenderState, WorkerRow
+from nocturne_coordinator.dispatch.records import RenderState, WorkerRow
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_scene.blobs import BlobStore
+from nocturne_scene.document.read import check_document
+from nocturne_scene.errors import InputError
 from prometheus_client.parser import text_string_to_metric_families
 from typer.testing import CliRunner
 
 from tests.services import coordinator_acts
-from tests.services.doors import grpc_channel, rest_client
+from tests.services.endpoints import grpc_channel, rest_client
 
 Stub = render_service_pb2_grpc.RenderServiceStub
 
@@ -50,7 +50,7 @@ STOP: dict[str, Any] = {
 }
 
 
-async def test_stop_conditions_come_back_at_both_doors(
+async def test_stop_conditions_come_back_at_both_endpoints(
     body: dict[str, Any], rest: httpx.AsyncClient, channel: grpc.aio.Channel
 ) -> None:
     stop = {**STOP, "until": "07:00 Europe/Berlin"}
@@ -62,7 +62,7 @@ async def test_stop_conditions_come_back_at_both_doors(
     assert render["priority"] == 300
     message = await Stub(channel).GetRender(pb.GetRenderRequest(id=render["id"]))
     assert {name: getattr(message.stop, name) for name in stop} == stop
-    # The same words are the same request, whenever they are repeated, at either door.
+    # The same words are the same request, whenever they are repeated, at either endpoint.
     again = await Stub(channel).CreateRender(
         pb.CreateRenderRequest(
             scene_json=json.dumps(body["scene"]),
@@ -139,9 +139,7 @@ async def test_replay_needs_samples(
     render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
     answer = await rest.post(f"/v1/renders/{render_id}:replay", json={"request_id": "again"})
     assert answer.json()["reason"] == "WRONG_STATE"
-    folder.database.execute(
-        "INSERT INTO tile (render_id, tile_index, samples, sums) VALUES (?, 1, 8, x'00')", (render_id,)
-    )
+    folder.database.execute("INSERT INTO tile VALUES (?, 1, 8, x'00', 1, 0)", (render_id,))
     replay = (await rest.post(f"/v1/renders/{render_id}:replay", json={"request_id": "again"})).json()
     assert folder.database.row("SELECT stop FROM render WHERE id = ?", (replay["id"],))["stop"] == (  # type: ignore[index]
         '{"tile_samples":[0,8]}'
@@ -202,11 +200,11 @@ async def test_the_command_line_does_it_all(
     assert (stop["wall_seconds"], stop["cpu_seconds"], stop["until"]) == (28800.0, 144000.0, "07:00Z")
     assert "relative error 1.000%" in await nocturne("get", render_id)
     assert json.loads(await nocturne("pause", render_id, "--json"))["state"] == "PAUSED"
-    assert "paused" in await nocturne("why", render_id)
+    assert "paused" in await nocturne("explain", render_id)
     assert json.loads(await nocturne("resume", render_id, "--json"))["state"] == "QUEUED"
     assert json.loads(await nocturne("priority", render_id, "250", "--json"))["priority"] == 250
     assert json.loads(await nocturne("extend", render_id, "--samples", "512", "--json"))["samples"] == 512
-    assert "No coordinator" in await nocturne("why", render_id)
+    assert "No coordinator" in await nocturne("explain", render_id)
     assert "no worker" in await nocturne("workers")
     folder.database.execute(
         "INSERT INTO worker VALUES ('w1', 2, 2, 10, 20, 5.5, 3, 1.0, unixepoch() + 0.0, 'a1')"
@@ -252,7 +250,7 @@ def situation(folder: DataFolder, **changes: Any) -> Situation:
         "workers": [_WORKER],
         "quarantined": {},
         "running": 1,
-        "shut_out": {},
+        "incompatible": {},
     }
     return Situation(**(values | changes))
 
@@ -261,7 +259,7 @@ async def test_why_tells_the_first_thing_in_the_way(
     body: dict[str, Any], rest: httpx.AsyncClient, channel: grpc.aio.Channel, folder: DataFolder
 ) -> None:
     render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
-    said = (await rest.get(f"/v1/renders/{render_id}/why")).json()["sentence"]
+    said = (await rest.get(f"/v1/renders/{render_id}/explanation")).json()["sentence"]
     assert said == (await Stub(channel).ExplainRender(pb.ExplainRenderRequest(id=render_id))).sentence
     good = {"coordinator_seen": 1000.0, "redis_in_step": 1.0, "worker_threads": 4.0}
     running = {"state": RenderState.RUNNING, "photons_per_second": 5.0, "predicted_end": 1600.0}
@@ -275,15 +273,18 @@ async def test_why_tells_the_first_thing_in_the_way(
         ({"quarantined": {"w": "lied"}}, "in quarantine"),
         ({"workers": [replace(_WORKER, engine=1)]}, f"engine 1, and it needs engine {_ENGINE}"),
         (
-            {"render": {"numeric_class": "a" * 16}, "workers": [replace(_WORKER, numeric_class="b" * 16)]},
-            f"numeric class {'a' * 16}, and those that are there have {'b' * 16}, which",
+            {
+                "render": {"floating_point_profile": "a" * 16},
+                "workers": [replace(_WORKER, floating_point_profile="b" * 16)],
+            },
+            f"floating-point profile {'a' * 16}. The workers that are there have {'b' * 16}, which",
         ),
-        ({"render": running, "shut_out": {"w": "It rounds otherwise."}}, "1 workers get no jobs"),
+        ({"render": running, "incompatible": {"w": "It rounds otherwise."}}, "1 workers get no jobs"),
         ({"running": 8}, "until one of 8 running renders ends"),
         ({"running": 0}, "about to start"),
         ({"render": running}, "in 10 minutes"),
         ({"render": {**running, "tiles_done": 2}}, "audits"),
-        ({"render": {**running, "photons_per_second": 0.0}}, "none of its own came back"),
+        ({"render": {**running, "photons_per_second": 0.0}}, "No result came back"),
     ):
         assert words in sentence(situation(folder, **changes), 1000.0)
 
@@ -329,7 +330,8 @@ def test_a_scene_that_takes_too_much_is_refused(scene: dict[str, Any], tmp_path:
 
 def test_a_compile_that_never_ends_is_ended() -> None:
     endless = (
-        "from nocturne_api.compile_server import bound; from nocturne_api.compiling import CompileLimits\n"
+        "from nocturne_api.compiling.server import bound\n"
+        "from nocturne_api.compiling.pool import CompileLimits\n"
         "bound(CompileLimits(cpu_seconds=1))\nwhile True: pass"
     )
     ended = subprocess.run([sys.executable, "-c", endless], timeout=60, check=False)
@@ -383,6 +385,7 @@ async def test_tokens_open_what_their_scopes_say(
             answer = await rest.post(f"/v1/renders/{mine['id']}:pause", headers=bearer(secret))
             assert answer.status_code == status
         assert (await rest.get("/v1/workers", headers=bearer(secrets["worker"]))).status_code == 403
+        assert (await rest.get("/v1/events", headers=bearer(secrets["worker"]))).status_code == 403
         scene = f"/v1/assets/{mine['scene_sha256']}"
         assert (await rest.head(scene, headers=bearer(secrets["worker"]))).status_code == 200
         assert (

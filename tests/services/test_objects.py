@@ -2,62 +2,31 @@
 
 import asyncio
 import hashlib
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import httpx
 import obstore
 import pytest
-from nocturne_api import compiling
+from nocturne_api.compiling import pool as compiling
 from nocturne_api.service import Settings, open_service
-from nocturne_coordinator.blobs import BlobStore
-from nocturne_coordinator.data_folder import DataFolder
-from nocturne_coordinator.errors import InputError, NotFound
-from nocturne_coordinator.objects import ObjectDamaged, Objects, ObjectsUnavailable
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.object_store import ObjectDamaged, ObjectStore, ObjectStoreUnavailable
+from nocturne_scene.blobs import BlobStore
+from nocturne_scene.errors import InputError, NotFound
 
 from tests.services import coordinator_acts
-from tests.services.doors import rest_client
-from tests.system.free_ports import free_port_pair
+from tests.services.endpoints import rest_client
+from tests.services.s3_server import S3Server
 
 DATA = b"a scene that is a scene is a scene" * 1000
 SHA256 = hashlib.sha256(DATA).hexdigest()
 
 
-class S3Server:
-    """moto's server: buckets and objects by HTTP, in memory."""
-
-    def __init__(self) -> None:
-        port = free_port_pair()
-        self.url = f"http://127.0.0.1:{port}"
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "moto.server", "-H", "127.0.0.1", "-p", str(port)],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        deadline = time.monotonic() + 60
-        while not self._answers():
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
-        assert httpx.put(f"{self.url}/night", trust_env=False).status_code == 200
-
-    def _answers(self) -> bool:
-        try:
-            return httpx.get(f"{self.url}/moto-api/", trust_env=False).status_code == 200
-        except httpx.TransportError:
-            return False
-
-    def kill(self) -> None:
-        self._process.kill()
-        self._process.wait()
-
-
 @pytest.fixture
 def s3(monkeypatch: pytest.MonkeyPatch) -> Iterator[S3Server]:
-    server = S3Server()
+    server = S3Server("night", "someone")
     for name, value in {
         "AWS_ENDPOINT_URL": server.url,
         "AWS_ACCESS_KEY_ID": "someone",
@@ -68,23 +37,23 @@ def s3(monkeypatch: pytest.MonkeyPatch) -> Iterator[S3Server]:
     # What compiles has the environment that it was started with.
     compiling.stop()
     yield server
-    server.kill()
+    server.stop()
     compiling.stop()
 
 
 @pytest.fixture(params=["file", "s3"])
-def objects(request: pytest.FixtureRequest, tmp_path: Path) -> Objects:
+def objects(request: pytest.FixtureRequest, tmp_path: Path) -> ObjectStore:
     if request.param == "s3":
         request.getfixturevalue("s3")
-        return Objects("s3://night/renders/of")
-    return Objects(f"file://{tmp_path}/objects")
+        return ObjectStore("s3://night/renders/of")
+    return ObjectStore(f"file://{tmp_path}/objects")
 
 
-def _damage(objects: Objects, name: str, data: bytes) -> None:
+def _damage(objects: ObjectStore, name: str, data: bytes) -> None:
     obstore.put(objects._store, name, data)
 
 
-def test_what_goes_in_comes_out(objects: Objects, tmp_path: Path) -> None:
+def test_what_goes_in_comes_out(objects: ObjectStore, tmp_path: Path) -> None:
     (tmp_path / "in").write_bytes(DATA)
     assert objects.size("a/b") is None
     with pytest.raises(NotFound):
@@ -96,7 +65,7 @@ def test_what_goes_in_comes_out(objects: Objects, tmp_path: Path) -> None:
     assert (tmp_path / "out").read_bytes() == DATA
 
 
-def test_damage_is_found_and_leaves_nothing(objects: Objects, tmp_path: Path) -> None:
+def test_damage_is_found_and_leaves_nothing(objects: ObjectStore, tmp_path: Path) -> None:
     (tmp_path / "here").mkdir()
     for damaged in (DATA[:-1] + b"x", DATA[:-1], b"", DATA + DATA):
         _damage(objects, "a/b", damaged)
@@ -105,7 +74,7 @@ def test_damage_is_found_and_leaves_nothing(objects: Objects, tmp_path: Path) ->
     assert list((tmp_path / "here").iterdir()) == []
 
 
-def test_blobs_come_back_from_the_object_store(objects: Objects, tmp_path: Path) -> None:
+def test_blobs_come_back_from_the_object_store(objects: ObjectStore, tmp_path: Path) -> None:
     first = BlobStore(tmp_path / "first", objects)
     assert first.put(DATA) == SHA256
     second = BlobStore(tmp_path / "second", objects)
@@ -123,9 +92,9 @@ def test_blobs_come_back_from_the_object_store(objects: Objects, tmp_path: Path)
 
 
 def test_a_blob_that_can_not_be_put_there_is_not_said_to_be_here(s3: S3Server, tmp_path: Path) -> None:
-    blobs = BlobStore(tmp_path / "blobs", Objects("s3://night/x"))
-    s3.kill()
-    with pytest.raises(ObjectsUnavailable), blobs.writer(SHA256, len(DATA)) as writer:
+    blobs = BlobStore(tmp_path / "blobs", ObjectStore("s3://night/x"))
+    s3.stop()
+    with pytest.raises(ObjectStoreUnavailable), blobs.writer(SHA256, len(DATA)) as writer:
         writer.write(DATA)
     assert not BlobStore(tmp_path / "blobs").has(SHA256)
 
@@ -135,11 +104,11 @@ def test_a_blob_that_can_not_be_put_there_is_not_said_to_be_here(s3: S3Server, t
 )
 def test_other_addresses_are_refused(url: str) -> None:
     with pytest.raises(InputError, match="expected s3://BUCKET/PREFIX"):
-        Objects(url)
+        ObjectStore(url)
 
 
 async def test_a_service_that_lost_its_files_has_them_still(
-    objects: Objects, tmp_path: Path, body: dict[str, Any]
+    objects: ObjectStore, tmp_path: Path, body: dict[str, Any]
 ) -> None:
     """Upload, compile, finish; then the data folder's files are gone: scene, mesh and images come back."""
     data = tmp_path / "data"
@@ -190,7 +159,7 @@ async def test_an_object_store_that_is_away_is_said_to_be(
     service = await open_service(settings)
     await service.start()
     try:
-        s3.kill()
+        s3.stop()
         async with rest_client(service) as rest:
             for answer in (
                 await rest.put(f"/v1/assets/{SHA256}", content=DATA),

@@ -7,8 +7,8 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.photometry import write_photometry
-from nocturne_coordinator.images import Provenance, write_image
-from nocturne_coordinator.scene import photometric_files
+from nocturne_coordinator.output.images import Provenance, write_image
+from nocturne_scene.photometry import ies as photometric_files
 
 
 def _image(folder: Path, width: int, height: int) -> Path:

@@ -13,8 +13,9 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.preview.colour import linear_srgb, shown
+from nocturne_client.preview.graphics import Graphics, graphics_of
 from nocturne_client.preview.sinks import reduced
-from nocturne_client.preview.terminal import Graphics, graphics_of, picture, png
+from nocturne_client.preview.terminal import picture, png
 from nocturne_client.preview.tev import CHANNELS, Tev
 from nocturne_client.tiles import Tile, decode_tiles
 

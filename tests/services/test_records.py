@@ -1,4 +1,4 @@
-"""Every call that changes something, or tried to, is recorded; what is too much is refused at each door."""
+"""Every call that changes something, or tried to, is recorded; too many are refused at each endpoint."""
 
 import asyncio
 import hashlib
@@ -16,20 +16,20 @@ from nocturne.v1 import render_service_pb2_grpc as render_grpc
 from nocturne_api import limits
 from nocturne_api.rest import app as rest_app
 from nocturne_api.service import Service, Settings, open_service
-from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder
 
-from tests.services.doors import grpc_channel, rest_client, running
+from tests.services.endpoints import grpc_channel, rest_client, running
 
 _READING_METHODS = {"GET", "HEAD", "OPTIONS"}
 # Asks which files are missing; a POST, because the question is long.
-# The page's cookie changes nothing that is kept, nor does a plan.
+# The page's cookie changes nothing that is kept, nor does a preflight.
 _READING = {
     ("POST", "/v1/assets:batchMissing"),
-    ("POST", "/v1/plans"),
+    ("POST", "/v1/preflights"),
     ("POST", "/v1/session"),
     ("DELETE", "/v1/session"),
 }
-_READING_CALLS = ("Get", "List", "Watch", "Fetch", "Explain", "BatchMissing", "Plan")
+_READING_CALLS = ("Get", "List", "Watch", "Fetch", "Explain", "BatchMissing", "Preflight")
 
 _DATA = b"a file"
 _SHA256 = hashlib.sha256(_DATA).hexdigest()
@@ -67,7 +67,7 @@ def test_the_table_has_every_route_that_changes_something() -> None:
 
 
 @pytest.mark.parametrize(("method", "path"), sorted(_CALLS))
-async def test_every_change_at_the_rest_door_is_recorded(
+async def test_every_change_in_rest_is_recorded(
     method: str, path: str, body: dict[str, Any], rest: httpx.AsyncClient, folder: DataFolder
 ) -> None:
     render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
@@ -101,7 +101,7 @@ _METHODS = [
 
 
 @pytest.mark.parametrize(("module", "service_name", "method"), _METHODS, ids=[name for *_, name in _METHODS])
-async def test_every_change_at_the_grpc_door_is_recorded(
+async def test_every_change_in_grpc_is_recorded(
     module: Any, service_name: str, method: str, channel: grpc.aio.Channel, folder: DataFolder
 ) -> None:
     """Of a render that there is not, which is an attempt too."""
@@ -176,7 +176,7 @@ async def test_too_many_connections_are_refused_and_it_recovers(small: Service) 
     pytest.fail("it did not recover")
 
 
-async def test_too_many_calls_at_the_grpc_door_are_refused_and_it_recovers(
+async def test_too_many_calls_in_grpc_are_refused_and_it_recovers(
     small: Service, body: dict[str, Any]
 ) -> None:
     async with rest_client(small) as rest:
@@ -203,7 +203,7 @@ async def test_too_many_calls_at_the_grpc_door_are_refused_and_it_recovers(
                     await asyncio.sleep(0.02)
 
 
-async def test_too_many_calls_of_one_token_are_refused_at_both_doors(
+async def test_too_many_calls_of_one_token_are_refused_at_both_endpoints(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("nocturne_api.access.CALLS_AT_ONCE", 5.0)
@@ -242,7 +242,7 @@ async def test_too_many_calls_of_one_token_are_refused_at_both_doors(
 async def test_too_many_watchers_are_refused(
     rest: httpx.AsyncClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("nocturne_api.watching.WATCHERS", 1)
+    monkeypatch.setattr("nocturne_api.operations.watchers.WATCHERS", 1)
     async with rest.stream("GET", "/v1/events") as first:
         assert first.status_code == 200
         # Kept: an iterator that nobody holds closes its stream, and then there is room for the second.

@@ -1,4 +1,4 @@
-"""Renders through both doors: create, get, list, cancel, images, convergence, workers."""
+"""Renders through both endpoints: create, get, list, cancel, images, convergence, workers."""
 
 import json
 from pathlib import Path
@@ -9,7 +9,7 @@ import httpx
 import pytest
 from nocturne.v1 import job_pb2, render_service_pb2_grpc
 from nocturne.v1 import render_service_pb2 as pb
-from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder
 
 from tests.services import coordinator_acts
 
@@ -21,7 +21,7 @@ def _message(body: dict[str, Any]) -> pb.CreateRenderRequest:
     return pb.CreateRenderRequest(scene_json=json.dumps(body["scene"], indent=1), **fields)
 
 
-async def test_two_doors_agree(
+async def test_two_endpoints_agree(
     body: dict[str, Any], rest: httpx.AsyncClient, channel: grpc.aio.Channel
 ) -> None:
     created = await rest.post("/v1/renders", json=body)
@@ -42,7 +42,7 @@ async def test_two_doors_agree(
     ]
 
 
-async def test_create_is_idempotent_across_doors(
+async def test_create_is_idempotent_across_endpoints(
     body: dict[str, Any], rest: httpx.AsyncClient, channel: grpc.aio.Channel
 ) -> None:
     first = (await rest.post("/v1/renders", json=body)).json()
@@ -99,7 +99,7 @@ async def test_cancel_twice_is_cancel_once(
     assert again.sequence == first["sequence"]
 
 
-async def test_preview_with_etag_at_both_doors(
+async def test_preview_with_etag_at_both_endpoints(
     body: dict[str, Any], rest: httpx.AsyncClient, channel: grpc.aio.Channel, folder: DataFolder
 ) -> None:
     render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
@@ -144,7 +144,6 @@ async def test_convergence(body: dict[str, Any], rest: httpx.AsyncClient, folder
     assert points == [
         {
             "time_s": pytest.approx(2.5),
-            "photons": 4800,
             "samples": 4.0,
             "relative_error": 0.125,
             "worst_share": 0.25,
@@ -163,13 +162,13 @@ async def test_workers(rest: httpx.AsyncClient, channel: grpc.aio.Channel, folde
         "id": "w1",
         "engine": 1,
         "threads": 2,
-        "photons_per_second": 5.5,
+        "rays_per_second": 11.0,
         "jobs_done": 3,
         "started": 1.0,
         "quarantine": "",
-        "numeric_class": "a1",
-        "shut_out": f"It has engine 1, and the service engine {int(job_pb2.ENGINE_CURRENT)}.",
+        "floating_point_profile": "a1",
+        "incompatible": f"It has engine 1, and the service engine {int(job_pb2.ENGINE_CURRENT)}.",
     }
     (message,) = (await Stub(channel).ListWorkers(pb.ListWorkersRequest())).workers
-    assert (message.id, message.jobs_done, message.numeric_class) == ("w1", 3, "a1")
-    assert message.shut_out == worker["shut_out"]
+    assert (message.id, message.jobs_done, message.floating_point_profile) == ("w1", 3, "a1")
+    assert message.incompatible == worker["incompatible"]

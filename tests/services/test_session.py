@@ -6,7 +6,7 @@ from pathlib import Path
 import httpx
 import pytest
 from nocturne_api.service import Settings, open_service
-from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder
 
 STRICT = {"httponly", "samesite=strict", "path=/v1"}
 

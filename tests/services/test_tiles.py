@@ -12,9 +12,10 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
-from nocturne_coordinator.data_folder import DataFolder
-from nocturne_coordinator.images import Provenance, write_image
-from nocturne_coordinator.store.ledger import Ledger, RenderCommit, TileRow, Totals
+from nocturne_coordinator.dispatch.records import RenderCommit, TileRow, Totals
+from nocturne_coordinator.output.images import Provenance, write_image
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
 
 WIDTH, HEIGHT, TILE = 40, 30, 32
@@ -29,8 +30,11 @@ class Committer:
         self.ledger = Ledger(folder.database, self.ownership)
 
     def commit(self, render_id: str, tiles: dict[int, tuple[int, npt.NDArray[np.float64], int]]) -> None:
-        """By tile: samples, sums and rejected photons."""
-        rows = [TileRow(index, n, sums.tobytes(), rejected) for index, (n, sums, rejected) in tiles.items()]
+        """By tile: samples, sums and invalid samples."""
+        rows = [
+            TileRow(index, n, sums.tobytes(), invalid_samples)
+            for index, (n, sums, invalid_samples) in tiles.items()
+        ]
         held = self.ledger.take(render_id)
         assert held is not None
         self.ledger.commit([RenderCommit(render_id, held.fence, rows, Totals(photons=1), 0.0)])
@@ -51,7 +55,8 @@ def sums_of(samples: int, width: int) -> npt.NDArray[np.float64]:
 
 
 def decode(content: bytes) -> tuple[tuple[int, ...], dict[int, tuple[tuple[int, ...], npt.NDArray[Any]]]]:
-    """Header without its magic; by tile (samples, rejected, revision) and pixels. By docs/api.md alone."""
+    """Header without its magic; by tile (samples, invalid samples, revision) and pixels. By
+    docs/reference/api.md alone."""
     assert content[:4] == b"NXY1"
     header = struct.unpack_from("<7I", content, 4)
     offset, tiles = 32, {}
@@ -113,7 +118,7 @@ async def test_large_answers_come_in_parts(
     committer: Committer,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("nocturne_api.tiles.TILES_ANSWER_BYTES", 16 * TILE * TILE)
+    monkeypatch.setattr("nocturne_api.files.tiles.TILES_ANSWER_BYTES", 16 * TILE * TILE)
     render_id = await _created(rest, body)
     committer.commit(render_id, {0: (4, sums_of(4, TILE), 0), 1: (4, sums_of(4, WIDTH - TILE), 0)})
     found, since, more = [], "", 1

@@ -17,13 +17,13 @@ import trustme
 from nocturne.v1 import render_service_pb2 as pb
 from nocturne.v1 import render_service_pb2_grpc
 from nocturne_api.service import Service, Settings, open_service
-from nocturne_api.webhook_sender import PAUSES_S, WebhookSender
-from nocturne_api.webhook_targets import TargetRefused, TargetRules
-from nocturne_coordinator.data_folder import DataFolder
-from nocturne_coordinator.errors import InputError
+from nocturne_api.webhooks.sender import PAUSES_S, WebhookSender
+from nocturne_api.webhooks.targets import TargetRefused, TargetRules
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_scene.errors import InputError
 from standardwebhooks import Webhook, WebhookVerificationError
 
-from tests.services.doors import grpc_channel, rest_client
+from tests.services.endpoints import grpc_channel, rest_client
 
 HOME = ipaddress.ip_network("127.0.0.1/32")
 
@@ -87,7 +87,7 @@ async def until(receiver: Receiver, count: int) -> None:
 def make_render(folder: DataFolder, render_id: str, owner: str = "") -> None:
     folder.database.execute(
         """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
-               scene_sha256, engine, created, ranges_planned, plan, scene_document, owner)
+               scene_sha256, engine, created, ranges_planned, schedule, scene_document, owner)
            VALUES (?, ?, '', 'night', 'RUNNING', 8, 8, 4, '', 3, 1.0, 1, x'', '{}', ?)""",
         (render_id, render_id, owner),
     )
@@ -169,7 +169,7 @@ async def test_ends_are_told_and_signed(
     assert not any("key=abc" in text for text in ours)
 
 
-async def test_both_doors_make_list_and_delete(service: Service) -> None:
+async def test_both_endpoints_make_list_and_delete(service: Service) -> None:
     async with rest_client(service) as rest, grpc_channel(service) as channel:
         stub = render_service_pb2_grpc.RenderServiceStub(channel)
         made = await stub.CreateWebhook(pb.CreateWebhookRequest(url="https://example.org/x"))

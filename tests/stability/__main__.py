@@ -1,4 +1,4 @@
-"""`python -m tests.stability`: the whole matrix, as docs/stability.md and bench/results/stability.json."""
+"""`python -m tests.stability`: the whole matrix, as stability.md and stability.json."""
 
 import argparse
 import sys
@@ -15,7 +15,7 @@ from tests.stability.measure import measure
 from tests.stability.page import Matrix, as_json, from_json, page
 from tests.stability.verdict import Verdict
 
-_PAGE = CHECKOUT / "docs" / "stability.md"
+_PAGE = CHECKOUT / "docs" / "explanation" / "stability.md"
 _MATRIX = CHECKOUT / "bench" / "results" / "stability.json"
 
 

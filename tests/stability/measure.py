@@ -80,7 +80,7 @@ def _trace(
 ) -> Verdict:
     output, statistics = folder / "image.exr", folder / "statistics.json"
     command: list[object] = [need_program("nocturne-trace"), compiled.scene, "-o", output, "--quiet"]
-    command += ["--plan", compiled.plan, "--blobs", compiled.blobs, "--statistics", statistics]
+    command += ["--schedule", compiled.schedule, "--blobs", compiled.blobs, "--statistics", statistics]
     command += ["--threads", threads, *method.options]
     before = _cpu_s()
     limit = ["prlimit", f"--cpu={TIME_LIMIT_S:.0f}", "--"]
@@ -92,9 +92,9 @@ def _trace(
         return Verdict(Word.FAILED, said=f"ended by signal {-done.returncode}", cpu_s=cpu_s)
     if done.returncode > 0:
         return Verdict(Word.REFUSED, said=done.stderr.strip()[-200:], cpu_s=cpu_s)
-    rejected = json.loads(statistics.read_text())["rejected"]
-    if rejected:
-        return Verdict(Word.FAILED, said=f"{rejected} photons were not finite", cpu_s=cpu_s)
+    invalid_samples = json.loads(statistics.read_text())["invalid_samples"]
+    if invalid_samples:
+        return Verdict(Word.FAILED, said=f"{invalid_samples} photons were not finite", cpu_s=cpu_s)
     image = Image.read(output)
     pixels, own_errors = (np.asarray(each / Y_PER_RADIANCE, np.float64) for each in (image.y, image.y_error))
     if not np.isfinite(pixels).all():

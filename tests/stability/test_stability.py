@@ -86,10 +86,10 @@ def test_judge() -> None:
 
 
 def test_kept_matrix_has_all_cases_and_its_page() -> None:
-    """docs/stability.md is what `make stability` makes of what it kept."""
+    """docs/explanation/stability.md is what `make stability` makes of what it kept."""
     matrix = from_json((CHECKOUT / "bench" / "results" / "stability.json").read_text())
     assert list(matrix) == list(_ALL)
-    assert (CHECKOUT / "docs" / "stability.md").read_text() == page(matrix)
+    assert (CHECKOUT / "docs" / "explanation" / "stability.md").read_text() == page(matrix)
 
 
 def test_one_that_could_not_see_a_fault_is_no_way_out() -> None:

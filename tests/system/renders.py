@@ -16,7 +16,7 @@ from tests.system.service_processes import ServiceProcesses
 from tests.system.waiting import LIMIT_S, wait_for
 
 ROOT = Path(__file__).parents[2]
-CORNELL = ROOT / "scenes" / "cornell" / "scene.json"
+CORNELL = ROOT / "examples" / "cornell" / "scene.json"
 
 # 12 tiles, 9 ranges each; the last two hold more than half of the four million photons, so much is left
 # to do when the first ranges are committed.
@@ -47,13 +47,13 @@ def wait_for_more_ranges(client: Client, render_id: str, ranges: int, seconds: f
 
 
 def finished_image(client: Client, render_id: str) -> Image:
-    """Waits for the end, checks counts against the plan; gives the service's image."""
+    """Waits for the end, checks counts against the schedule; gives the service's image."""
     wait_for(lambda: has_ended(client, render_id), "the render to end")
     render = client.get(render_id)
     assert (render.state, render.reason) == ("SUCCEEDED", "")
     assert render.progress.ranges_done == render.progress.ranges_planned == RANGES
     assert render.progress.mean_samples == SAMPLES
-    assert render.progress.rejected == 0
+    assert render.progress.invalid_samples == 0
     with tempfile.TemporaryDirectory() as folder:
         image = Image.read(client.download(render_id, "exr", Path(folder) / "image.exr"))
     assert image.samples.shape == (HEIGHT, WIDTH)
@@ -73,7 +73,7 @@ class FollowedRender:
         self._thread.start()
 
     def finished_image(self) -> Image:
-        """The service's image; checks counts against the plan, and that nothing is left in Redis."""
+        """The service's image; checks counts against the schedule, and that nothing is left in Redis."""
         image = finished_image(self._service.client, self.id)
         self._service.check_nothing_left()
         return image
@@ -86,10 +86,10 @@ class FollowedRender:
         """Neither totals nor previews."""
         assert len(self._seen) > 1
         _check_grows([render.sequence for render in self._seen])
-        _check_grows([render.progress.photons for render in self._seen])
+        _check_grows([render.progress.samples_merged for render in self._seen])
         _check_grows([render.progress.ranges_done for render in self._seen])
         answer = httpx.get(f"{self._service.url}/v1/renders/{self.id}/convergence", trust_env=False)
-        _check_grows([point["photons"] for point in answer.json()["points"]])
+        _check_grows([point["samples"] for point in answer.json()["points"]])
 
     def _look(self) -> None:
         with Client(self._service.url) as client:

@@ -11,7 +11,7 @@ import redis
 from nocturne.v1 import job_pb2
 from nocturne_client import Client
 from nocturne_client.local.programs import need_program
-from nocturne_coordinator import keys
+from nocturne_coordinator.queue import keys
 
 from tests.system.free_ports import free_port_pair
 from tests.system.program import Program

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from nocturne.v1 import job_pb2, scene_pb2
 from nocturne_client.local.programs import need_program
-from nocturne_coordinator.blobs import BlobStore
-from nocturne_coordinator.scene.compiler import compile_scene
-from nocturne_coordinator.scene.document import check_document
+from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile.compiler import compile_scene
+from nocturne_scene.document.read import check_document
 
 from tests.mutations import mutated
 
@@ -43,7 +43,7 @@ class Reader:
 
     def __init__(self, folder: Path, scene: str) -> None:
         self.folder = folder
-        document = check_document(json.loads((ROOT / "scenes" / scene / "scene.json").read_text()))
+        document = check_document(json.loads((ROOT / "examples" / scene / "scene.json").read_text()))
         blobs = BlobStore(folder / "blobs")
         sha256 = compile_scene(document, blobs).scene_sha256
         self.scene = scene_pb2.CompiledScene.FromString(blobs.path(sha256).read_bytes())

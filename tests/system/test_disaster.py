@@ -6,9 +6,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from nocturne_coordinator.checkpoint import checkpoints
-from nocturne_coordinator.images import manifest_of
+from nocturne_coordinator.store.checkpoint import checkpoints
 
+from tests.pictures import samples_of
 from tests.system.images import Image, differing_values
 from tests.system.renders import RANGES, finished_image, submit, wait_for_more_ranges
 from tests.system.service_processes import ServiceProcesses
@@ -51,4 +51,4 @@ def test_another_machine_goes_on_from_the_last_checkpoint(
 
 def _has_samples(safe: Path, render_id: str) -> bool:
     made = checkpoints(safe)
-    return bool(made) and any(manifest_of(made[0].renders.get(render_id, "")))
+    return bool(made) and any(samples_of(made[0].renders.get(render_id, "")))

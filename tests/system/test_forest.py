@@ -25,7 +25,7 @@ _LEAST = 20 << 20
 def test_a_thousand_trees_take_little_memory(tmp_path: Path) -> None:
     """The scene `forest` with a third of its trees and without smoke: instances of instances, 93 million
     triangles, of which a hundred thousand are stored."""
-    script = runpy.run_path(str(CHECKOUT / "scenes" / "forest" / "make_forest.py"))
+    script = runpy.run_path(str(CHECKOUT / "examples" / "forest" / "make_forest.py"))
     meshes = script["write_meshes"](tmp_path)
     document = script["scene"](script["tree_places"](1000))
     document["surfaces"] = [each for each in document["surfaces"] if each["name"] != "smoke"]
@@ -36,7 +36,7 @@ def test_a_thousand_trees_take_little_memory(tmp_path: Path) -> None:
     compiled = compile_to(tmp_path / "scene.json", tmp_path, 64, 36, 4)
     image = tmp_path / "image.exr"
     command: list[str | Path] = [need_program("nocturne-trace"), compiled.scene, "-o", image, "--quiet"]
-    command += ["--plan", compiled.plan, "--blobs", compiled.blobs]
+    command += ["--schedule", compiled.schedule, "--blobs", compiled.blobs]
     most = 0
     with subprocess.Popen(command) as process:
         while process.poll() is None:

@@ -12,7 +12,7 @@ import pytest
 import trustme
 from nocturne_client import Client
 from nocturne_client.local.programs import need_program
-from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder
 
 from tests.system.free_ports import free_port_pair
 from tests.system.images import Image, differing_values

@@ -18,8 +18,8 @@ def test_half_a_gigabyte_is_held_once_by_each_worker_and_never_by_the_service() 
     assert figures["cache_bytes"] < size + 1_000_000
     workers = [most[f"worker-{number}"] for number in range(1, grid.WORKERS + 1)]
     # Both have it: neither traced alone.
-    assert all(size < bytes_ < grid.MOST_OF_GRID * size for bytes_ in workers)
-    service = ("nocturne_api", "nocturne_api.compile_server", "nocturne_coordinator", "redis-server")
+    assert all(size < bytes_ < grid.MAX_OF_GRID * size for bytes_ in workers)
+    service = ("nocturne_api", "nocturne_api.compiling.server", "nocturne_coordinator", "redis-server")
     assert all(0 < most[name] < _API_BYTES for name in service)
     # As OpenVDB's tree and as NanoVDB's, side by side.
     assert most["nocturne-grid"] < 2.5 * size

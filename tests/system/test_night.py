@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from nocturne_coordinator.images import manifest_of
 
 from tests.coordinator.service import read_manifest
+from tests.pictures import samples_of
 from tests.system.images import Image, differing_values
 from tests.system.renders import CORNELL, HEIGHT, WIDTH
 from tests.system.service_processes import ServiceProcesses
@@ -43,7 +43,7 @@ def test_tiles_that_stop_at_their_own_error(service: ServiceProcesses, tmp_path:
         assert state == "SUCCEEDED"
         images.append(image)
     assert images[0] == images[1]
-    samples = manifest_of(read_manifest(path))
+    samples = samples_of(read_manifest(path))
     # 12 tiles, some of which are noisier than others.
     assert len(samples) == 12
     assert len(set(samples)) > 1

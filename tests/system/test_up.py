@@ -10,7 +10,7 @@ from typing import Any
 import httpx
 import pytest
 from nocturne_client import Client
-from nocturne_coordinator.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder
 
 from tests.system.images import Image, differing_values
 from tests.system.program import is_running
@@ -60,7 +60,7 @@ def test_cancel(running_service: Up) -> None:
         _nocturne(running_service, "watch", render_id, status=1)
         render = client.get(render_id)
         assert (render.state, render.reason) == ("CANCELLED", "Cancelled by request.")
-        assert 0 < render.progress.photons < 40 * 30 * 2**24
+        assert 0 < render.progress.samples_merged < 40 * 30 * 2**24
 
 
 def test_the_page_is_served(running_service: Up) -> None:

@@ -5,6 +5,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
 
@@ -20,10 +21,18 @@ NOCTURNE = Path(sys.executable).with_name("nocturne")
 class Up:
     """The whole service on free ports; its data folder outlives it. Use it as a context manager."""
 
-    def __init__(self, folder: Path, workers: int = 1, threads: int = 2, *words: str) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        workers: int = 1,
+        threads: int = 2,
+        *words: str,
+        nocturne: Path = NOCTURNE,
+        environment: Mapping[str, str] | None = None,
+    ) -> None:
         """`folder` holds data, temporary files and the log; its path must be short, for Unix sockets.
 
-        `words`: further options.
+        `words`: further options. `nocturne`: the command line; `environment` is added to ours.
         """
         self.data = folder / "data"
         self.temporary = folder / "tmp"
@@ -31,10 +40,10 @@ class Up:
         self._port = free_port_pair()
         self.url = f"http://127.0.0.1:{self._port}"
         self.grpc = f"127.0.0.1:{self._port + 1}"
-        command = [str(NOCTURNE), "up", "--data", str(self.data), "--port", str(self._port)]
+        command = [str(nocturne), "up", "--data", str(self.data), "--port", str(self._port)]
         fleet = ["--workers", str(workers), "--threads", str(threads)]
-        environment = {"TMPDIR": str(self.temporary)}
-        self.program = Program([*command, *fleet, *words], folder / "up.log", environment)
+        settings = {**(environment or {}), "TMPDIR": str(self.temporary)}
+        self.program = Program([*command, *fleet, *words], folder / "up.log", settings)
 
     def __enter__(self) -> Self:
         try:

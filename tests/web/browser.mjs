@@ -79,7 +79,7 @@ const looks = [
   { name: "phone", colorScheme: "dark", viewport: phone, rules: [] },
 ];
 
-/** Looks right to a machine: nothing wider than the window, no serious fault that axe knows. Keeps pictures for docs/page.md. */
+/** Looks right to a machine: nothing wider than the window, no serious fault that axe knows. Keeps pictures for docs/how-to/page.md. */
 export async function checkLooks(page, name, folder) {
   mkdirSync(folder, { recursive: true });
   for (const look of looks) {

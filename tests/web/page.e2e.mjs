@@ -119,8 +119,8 @@ const checks = {
 
   async "the chart has points, on both axes, and both images can be had"({ page }) {
     await page.locator("figure:not([data-points='0']) .uplot").waitFor();
-    await page.getByRole("radio", { name: "Photons" }).check();
-    await page.locator(".u-legend").getByText("Photons").waitFor();
+    await page.getByRole("radio", { name: "Samples per pixel" }).check();
+    await page.locator(".u-legend").getByText("Samples per pixel").waitFor();
     for (const [name, magic] of [["Download EXR", [0x76, 0x2f, 0x31, 0x01]], ["Download PNG", [0x89, 0x50, 0x4e, 0x47]]]) {
       const address = await page.getByRole("link", { name }).getAttribute("href");
       const response = await fetch(new URL(address, given.url));
@@ -164,20 +164,20 @@ const checks = {
     await page.locator(".problems code").getByText("$.scene.sensor").or(page.locator(".problems code").getByText("$.sensor")).first().waitFor();
   },
 
-  async "a scene is planned, and rendered without what it does not need"({ page }) {
+  async "a scene is found, and rendered without what it does not need"({ page }) {
     const file = { name: "scene.json", mimeType: "application/json", buffer: Buffer.from(JSON.stringify(evenLight)) };
     await page.getByLabel("choose a file").setInputFiles(file);
     await page.getByLabel("Width, pixels").fill("12");
     await page.getByLabel("Height, pixels").fill("12");
     await page.getByLabel("Stop at a relative error of, %").fill("20");
-    await page.getByRole("button", { name: "What does it need?" }).click();
-    const cells = (part) => page.locator(".plan tr").filter({ has: page.getByText(part, { exact: true }) }).locator("td").allTextContents();
+    await page.getByRole("button", { name: "Preflight" }).click();
+    const cells = (part) => page.locator(".preflight tr").filter({ has: page.getByText(part, { exact: true }) }).locator("td").allTextContents();
     await page.getByText(/^Enough for 20 %: without medium "fog"/).waitFor({ timeout: 120_000 });
     const [, , , cost, verdict] = await cells('without medium "fog"');
     assert.equal(verdict, "not needed");
     assert.ok(parseFloat(cost) < 50, `without all collisions a sample takes ${cost} of the time`);
     assert.equal((await cells("at most 2 interactions"))[4], "needed");
-    await look(page, "plan");
+    await look(page, "preflight");
     await page.getByRole("button", { name: "Take the simpler scene" }).click();
     await page.getByText(/^scene.json, simplified: without medium "fog"/).waitFor();
     const sent = page.waitForRequest((request) => request.method() === "POST" && request.url().endsWith("/v1/renders"));
@@ -287,6 +287,18 @@ const checks = {
     await page.getByRole("link", { name: "Speed" }).click();
     await page.locator(".events tbody tr").first().waitFor();
     await look(page, "speed");
+  },
+
+  async "the API's reference shows schemas and examples, and loads nothing from elsewhere"({ page }) {
+    const foreign = [];
+    page.on("request", (request) => { if (!request.url().startsWith(given.url) && !request.url().startsWith("data:")) foreign.push(request.url()); });
+    await page.goto(at("docs"));
+    const operation = page.locator("#operations-renders-create_render");
+    await operation.getByText("Submits a scene").click();
+    await operation.getByText('"vertical_field_of_view_degrees"').first().waitFor();
+    await operation.getByText("CONFLICT").first().waitFor();
+    assert.deepEqual(foreign, []);
+    page.removeAllListeners("request");
   },
 
   async "a render that does not exist is explained"({ page }) {

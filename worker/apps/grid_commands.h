@@ -15,11 +15,11 @@ nlohmann::json inspect_grids(const std::filesystem::path& vdb, const GridLimits&
 nlohmann::json convert_grid(const std::filesystem::path& vdb, const std::string& name,
                             const std::filesystem::path& output, const GridLimits& limits);
 
-/// All values of a grid in the worker's layout, as an array: docs/density-grids.md.
+/// All values of a grid in the worker's layout, as an array: docs/how-to/density-grids.md.
 nlohmann::json grid_values(const std::filesystem::path& nvdb, const std::filesystem::path& output,
                            const GridLimits& limits);
 
-/// From arrays: docs/density-grids.md.
+/// From arrays: docs/how-to/density-grids.md.
 nlohmann::json create_grids(const std::filesystem::path& input, const std::filesystem::path& output,
                             const GridLimits& limits);
 

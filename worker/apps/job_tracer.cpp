@@ -30,7 +30,7 @@ v1::Partial to_partial(const TileSums& tile, double cpu_seconds) {
                                  tile.sums.size() * sizeof(double));
   partial.set_photons(tile.photons);
   partial.set_rays(tile.rays);
-  partial.set_rejected(tile.invalid_samples);
+  partial.set_invalid_samples(tile.invalid_samples);
   partial.set_cpu_seconds(cpu_seconds);
   return partial;
 }

@@ -15,7 +15,7 @@
 #include "digest/sha256.h"
 #include "image/write_exr.h"
 #include "nocturne/v1/job.pb.h"
-#include "rounding/numeric_class.h"
+#include "rounding/floating_point_profile.h"
 #include "scene/load_scene.h"
 #include "textures/texture.h"
 #include "tracer/trace_film.h"
@@ -42,7 +42,7 @@ Message read_message(const std::string& path) {
   return message;
 }
 
-FilmPlan checked_plan(const v1::RenderPlan& plan) {
+FilmPlan checked_plan(const v1::RangeSchedule& plan) {
   // The same bounds as the service's: 16384 pixels an edge, 2^26 in all.
   const auto pixels = static_cast<std::uint64_t>(plan.width()) * plan.height();
   bool good = plan.width() > 0 && plan.width() <= 16384 && plan.height() > 0 &&
@@ -60,7 +60,8 @@ FilmPlan checked_plan(const v1::RenderPlan& plan) {
 }
 
 // The plan's names, which must be those of the scene's sensor.
-std::vector<std::string> checked_responses(const v1::RenderPlan& plan, const v1::Sensor& sensor) {
+std::vector<std::string> checked_responses(const v1::RangeSchedule& plan,
+                                           const v1::Sensor& sensor) {
   std::vector<std::string> names(plan.further_responses().begin(), plan.further_responses().end());
   const bool same = std::ranges::equal(
       names, sensor.further_responses(), {}, {},
@@ -70,7 +71,7 @@ std::vector<std::string> checked_responses(const v1::RenderPlan& plan, const v1:
 }
 
 // Names need no escapes: they are letters, digits, '.', '_' and '-'.
-std::string plan_json(const v1::RenderPlan& plan) {
+std::string schedule_json(const v1::RangeSchedule& plan) {
   std::string ends, responses;
   for (const std::uint32_t end : plan.range_ends()) {
     ends += (ends.empty() ? "" : ",") + std::to_string(end);
@@ -108,7 +109,7 @@ void write_statistics(const std::string& path, const TileSums& image, double cpu
   std::ofstream file(path);
   file.precision(17);
   file << "{\"photons\": " << image.photons << ", \"rays\": " << image.rays
-       << ", \"rejected\": " << image.invalid_samples << ", \"cpu_seconds\": " << cpu_seconds
+       << ", \"invalid_samples\": " << image.invalid_samples << ", \"cpu_seconds\": " << cpu_seconds
        << ", \"wall_seconds\": " << wall_seconds << "}\n";
   if (!file) throw std::runtime_error(path + ": can't be written");
 }
@@ -148,7 +149,7 @@ void run(const Options& options) {
   set_texture_memory(options.texture_bytes);
   if (!options.job.empty()) return run_job(options);
   const auto message = read_message<v1::CompiledScene>(options.scene);
-  const auto plan_message = read_message<v1::RenderPlan>(options.plan);
+  const auto plan_message = read_message<v1::RangeSchedule>(options.plan);
   const FilmPlan plan = checked_plan(plan_message);
   const auto further_responses = checked_responses(plan_message, message.sensor());
   const auto scene = load_scene(message, blobs_in(options.blobs));
@@ -163,14 +164,14 @@ void run(const Options& options) {
 
   write_exr(options.output, plan.film.width, plan.film.height, image.sums, further_responses,
             plan.range_ends.back(),
-            {sha256_of_file(options.scene), plan_json(plan_message), v1::ENGINE_CURRENT,
-             numeric_class()});
+            {sha256_of_file(options.scene), schedule_json(plan_message), v1::ENGINE_CURRENT,
+             floating_point_profile()});
   if (!options.statistics.empty()) {
     write_statistics(options.statistics, image, cpu, wall.count());
   }
   if (image.invalid_samples > 0) {
     std::cerr << "warning: " << image.invalid_samples << " of " << image.photons
-              << " photons were rejected (negative or not finite)\n";
+              << " samples were invalid (negative or not finite)\n";
   }
 }
 
@@ -183,13 +184,14 @@ int main(int argc, char** argv) {
       "Traces a compiled scene on this machine and writes an EXR (X, Y, Z in absolute units, "
       "Y.stderr, n, further "
       "responses).\n"
-      "`nocturne compile SCENE.json -o DIR` makes DIR/scene.pb, DIR/plan.pb and DIR/blobs.",
+      "`nocturne compile SCENE.json -o DIR` makes DIR/scene.pb, DIR/schedule.pb and DIR/blobs.",
       "nocturne-trace"};
   app.add_option("scene", options.scene, "Compiled scene (scene.pb)")
       ->required()
       ->check(CLI::ExistingFile);
   auto* what = app.add_option_group("what");
-  what->add_option("--plan", options.plan, "Render plan (plan.pb)")->check(CLI::ExistingFile);
+  what->add_option("--schedule", options.plan, "Range schedule (schedule.pb)")
+      ->check(CLI::ExistingFile);
   what->add_option("--job", options.job,
                    "One job instead of an image (job.pb, from the bundle of a tile that was set "
                    "aside); its sums are written as float64")

@@ -12,7 +12,7 @@
 #include "assets/asset_cache.h"
 #include "job_tracer.h"
 #include "log/log.h"
-#include "rounding/numeric_class.h"
+#include "rounding/floating_point_profile.h"
 #include "textures/texture.h"
 #include "worker_loop/worker.h"
 
@@ -116,16 +116,17 @@ int run(const Arguments& arguments) {
   nocturne::set_texture_memory(arguments.texture_bytes);
   nocturne::AssetCache assets(arguments.cache);
   nocturne::JobTracer tracer(assets);
-  const nocturne::WorkerOptions options{.redis = nocturne::redis_address(arguments.redis),
-                                        .id = arguments.id.empty() ? default_id() : arguments.id,
-                                        .numeric_class = nocturne::numeric_class(),
-                                        .threads = arguments.threads,
-                                        .lease = std::chrono::milliseconds(arguments.lease_ms)};
+  const nocturne::WorkerOptions options{
+      .redis = nocturne::redis_address(arguments.redis),
+      .id = arguments.id.empty() ? default_id() : arguments.id,
+      .floating_point_profile = nocturne::floating_point_profile(),
+      .threads = arguments.threads,
+      .lease = std::chrono::milliseconds(arguments.lease_ms)};
   nocturne::Worker worker(options, [&](const nocturne::v1::Job& job) { return tracer.trace(job); });
   const std::string name = "worker=" + options.id;
   log_line(LogLevel::kInfo, name + " threads=" + std::to_string(options.threads) +
-                                " numeric_class=" + options.numeric_class + " starts, Redis at " +
-                                options.redis.text());
+                                " floating_point_profile=" + options.floating_point_profile +
+                                " starts, Redis at " + options.redis.text());
   wait_for_signal();
   log_line(LogLevel::kInfo, name + " stops");
   if (worker.stop(std::chrono::seconds(arguments.grace_seconds))) return EXIT_SUCCESS;

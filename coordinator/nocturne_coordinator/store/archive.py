@@ -8,23 +8,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
-from .database import Database
-
-# Apart from the other tables and their schema's number: who does not know this one can leave it out.
-_SCHEMA = (
-    """CREATE TABLE IF NOT EXISTS archive (
-        render_id TEXT PRIMARY KEY REFERENCES render (id) ON DELETE CASCADE,
-        -- When the images are to be copied; NULL: they were.
-        due REAL,
-        -- JSON: what is in the object store, by file name.
-        files TEXT NOT NULL DEFAULT '{}'
-    ) STRICT""",
-    """CREATE TRIGGER IF NOT EXISTS archive_of_final_image AFTER UPDATE OF image_final ON render
-    WHEN NEW.image_final = 1 AND OLD.image_final = 0
-    BEGIN
-        INSERT INTO archive (render_id, due) VALUES (NEW.id, 0) ON CONFLICT (render_id) DO UPDATE SET due = 0;
-    END""",
-)
+from nocturne_coordinator.store.database import Database
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,10 +28,6 @@ class Archive:
 
     def __init__(self, database: Database) -> None:
         self._database = database
-        if not database.row("SELECT 1 FROM sqlite_master WHERE name = 'archive_of_final_image'"):
-            with database.transaction():
-                for statement in _SCHEMA:
-                    database.execute(statement)
 
     def take_due(self, lease_seconds: float) -> str | None:
         """A render whose images are to be copied now; nobody else gets it for `lease_seconds`."""

@@ -1,6 +1,6 @@
 """What happened to workers: who joined, left, was put in quarantine or let out again."""
 
-from .database import Database
+from nocturne_coordinator.store.database import Database
 
 _KEPT = 1000
 

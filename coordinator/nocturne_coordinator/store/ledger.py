@@ -2,115 +2,38 @@
 
 import json
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 
 from nocturne.v1 import job_pb2
+from nocturne_scene.ranges import TileGrid
 
+from nocturne_coordinator.dispatch.records import (
+    ErrorPoint,
+    FailedTile,
+    OpenRender,
+    RenderCommit,
+    RenderState,
+    TileRow,
+    Totals,
+    WorkerRow,
+)
+from nocturne_coordinator.dispatch.region import Region
+from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.errors import LeaseLost
-from nocturne_coordinator.forecast import UNKNOWN, Forecast
-from nocturne_coordinator.limits import DEFAULT_PRIORITY
-from nocturne_coordinator.plan import TileGrid
-from nocturne_coordinator.region import Region
-from nocturne_coordinator.stopping import EVERYTHING, StopConditions
-
-from .database import Database
-from .events import note_worker
-from .ownership import Ownership
-from .rows import ErrorPoint, RenderState, WorkerRow
+from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.events import note_worker
+from nocturne_coordinator.store.ownership import Ownership
 
 _LARGEST = 2**63 - 1
-_OPEN_COLUMNS = """id, state, scene_sha256, engine, plan, photons, rays, rejected, cpu_seconds, audited,
-    refused, stop, priority, owner, ran_seconds, look_first, numeric_class,
+_OPEN_COLUMNS = """id, state, scene_sha256, engine, schedule, photons, rays, invalid_samples, cpu_seconds,
+audited,
+    refused, stop, priority, owner, ran_seconds, look_first, floating_point_profile,
     coalesce((SELECT weight FROM token WHERE token.name = render.owner), 100) AS owner_weight,
     coalesce((SELECT fence FROM lease WHERE lease.render_id = render.id), 0) AS fence,
     coalesce((SELECT coordinator.number FROM lease JOIN coordinator ON coordinator.number = lease.coordinator
               WHERE lease.render_id = render.id
                   AND coordinator.until >= (julianday('now') - 2440587.5) * 86400.0), 0) AS holder"""
-
-
-@dataclass(frozen=True, slots=True)
-class OpenRender:
-    """What the coordinator needs to know of a render to work on it."""
-
-    id: str
-    state: RenderState
-    plan: job_pb2.RenderPlan
-    scene_sha256: str
-    engine: int
-    totals: "Totals"
-    stop: StopConditions = EVERYTHING
-    priority: int = DEFAULT_PRIORITY
-    owner: str = ""
-    owner_weight: int = DEFAULT_PRIORITY
-    ran_seconds: float = 0.0
-    set_aside: tuple["SetAside", ...] = ()
-    holder: int = 0
-    """Number of the coordinator that works on it; 0: none that gives signs of life."""
-    fence: int = 0
-    """Grows with every holder; who does not know the newest may not write."""
-    look_first: Region | None = None
-    numeric_class: str = ""
-    """How all its workers round; empty before the first result."""
-
-    def asks_the_same(self, other: "OpenRender") -> bool:
-        """Whether plan and conditions are those of another state of this render."""
-        return (self.plan, self.stop) == (other.plan, other.stop)
-
-
-@dataclass(frozen=True, slots=True)
-class SetAside:
-    """A range that failed on several workers; its tile gets no more samples."""
-
-    tile_index: int
-    first_sample: int
-    end_sample: int
-    reason: str
-    workers: tuple[str, ...]
-
-
-@dataclass(slots=True)
-class Totals:
-    """What is counted of a render's merged ranges."""
-
-    ranges: int = 0
-    photons: int = 0
-    rays: int = 0
-    rejected: int = 0
-    cpu_seconds: float = 0.0
-    audited: int = 0
-    refused: int = 0
-
-
-@dataclass(frozen=True, slots=True)
-class TileRow:
-    """A tile's merged samples, and their sums as float64, little endian."""
-
-    tile_index: int
-    samples: int
-    sums: bytes
-    rejected: int = 0
-    """Photons left out of them."""
-
-
-@dataclass(frozen=True, slots=True)
-class RenderCommit:
-    """A render's dirty tiles and its totals with them: absolute numbers, doing it twice changes nothing."""
-
-    render_id: str
-    fence: int
-    tiles: list[TileRow]
-    totals: Totals
-    photons_per_second: float
-    ran_seconds: float = 0.0
-    tiles_done: int = 0
-    forecast: Forecast = UNKNOWN
-    contributors: Mapping[int, Iterable[str]] = field(default_factory=dict)
-    """By tile, the workers whose work is new in its sums."""
-    set_aside: Iterable[SetAside] = ()
-    """All of the render's."""
-    numeric_class: str = ""
 
 
 _RATE_STEP_SECONDS = 60.0
@@ -155,7 +78,8 @@ class Ledger:
         )
         for index in indices:
             row = self._database.row(
-                "SELECT tile_index, samples, sums, rejected FROM tile WHERE render_id = ? AND tile_index = ?",
+                """SELECT tile_index, samples, sums, invalid_samples FROM tile
+                   WHERE render_id = ? AND tile_index = ?""",
                 (render_id, index["tile_index"]),
             )
             if row is not None:
@@ -267,32 +191,32 @@ class Ledger:
                     lost.append(commit.render_id)
                 elif self._write_totals(commit):
                     self._write_tiles(commit)
-                    self._write_set_aside(commit)
+                    self._write_failed_tiles(commit)
         return lost
 
     def _write_totals(self, commit: RenderCommit) -> bool:
         totals = commit.totals
         changed = self._database.execute(
-            """UPDATE render SET ranges_done = ?, photons = ?, rays = ?, rejected = ?, cpu_seconds = ?,
+            """UPDATE render SET ranges_done = ?, photons = ?, rays = ?, invalid_samples = ?, cpu_seconds = ?,
                    audited = ?, refused = ?, photons_per_second = iif(state = 'RUNNING', ?, 0), ran_seconds =
-                   ?, tiles_done = ?, tiles_set_aside = ?, predicted_end = ?, predicted_cpu_seconds = ?,
-                   numeric_class = ?, sequence = sequence + 1
+                   ?, tiles_done = ?, tiles_failed = ?, predicted_end = ?, predicted_cpu_seconds = ?,
+                   floating_point_profile = ?, sequence = sequence + 1
                WHERE id = ? AND state IN ('QUEUED', 'RUNNING', 'PAUSED')""",
             (
                 totals.ranges,
                 totals.photons,
                 min(totals.rays, _LARGEST),
-                totals.rejected,
+                totals.invalid_samples,
                 totals.cpu_seconds,
                 totals.audited,
                 totals.refused,
                 commit.photons_per_second,
                 commit.ran_seconds,
                 commit.tiles_done,
-                len(tuple(commit.set_aside)),
+                len(tuple(commit.failed_tiles)),
                 commit.forecast.end,
                 commit.forecast.cpu_seconds,
-                commit.numeric_class,
+                commit.floating_point_profile,
                 commit.render_id,
             ),
         )
@@ -300,12 +224,12 @@ class Ledger:
 
     def _write_tiles(self, commit: RenderCommit) -> None:
         self._database.execute_many(
-            """INSERT INTO tile (render_id, tile_index, samples, sums, rejected, revision)
+            """INSERT INTO tile (render_id, tile_index, samples, sums, invalid_samples, revision)
                VALUES (?1, ?2, ?3, ?4, ?5, (SELECT sequence FROM render WHERE id = ?1))
                ON CONFLICT DO UPDATE SET samples = excluded.samples, sums = excluded.sums,
-                   rejected = excluded.rejected, revision = excluded.revision""",
+                   invalid_samples = excluded.invalid_samples, revision = excluded.revision""",
             [
-                (commit.render_id, tile.tile_index, tile.samples, tile.sums, tile.rejected)
+                (commit.render_id, tile.tile_index, tile.samples, tile.sums, tile.invalid_samples)
                 for tile in commit.tiles
             ],
         )
@@ -318,9 +242,9 @@ class Ledger:
             ],
         )
 
-    def _write_set_aside(self, commit: RenderCommit) -> None:
+    def _write_failed_tiles(self, commit: RenderCommit) -> None:
         self._database.execute_many(
-            "INSERT OR REPLACE INTO set_aside VALUES (?, ?, ?, ?, ?, ?)",
+            "INSERT OR REPLACE INTO failed_tile VALUES (?, ?, ?, ?, ?, ?)",
             [
                 (
                     commit.render_id,
@@ -330,7 +254,7 @@ class Ledger:
                     each.reason,
                     json.dumps(each.workers),
                 )
-                for each in commit.set_aside
+                for each in commit.failed_tiles
             ],
         )
 
@@ -377,16 +301,18 @@ class Ledger:
         return [row["render_id"] for row in rows]
 
     def start_anew(self, render_id: str, fence: int) -> None:
-        """Throws away all samples of a render that runs, and its numeric class. LeaseLost if it is another's.
+        """Throws away all samples of a render that runs, and its floating-point profile. LeaseLost if it is
+        another's.
 
         What it has cost stays counted. Whoever has it in memory has lost it.
         """
         with self.holding(render_id, fence):
-            for table in ("tile", "contribution", "set_aside", "error_point"):
+            for table in ("tile", "contribution", "failed_tile", "error_point"):
                 self._database.execute(f"DELETE FROM {table} WHERE render_id = ?", (render_id,))  # noqa: S608
             self._database.execute(
-                """UPDATE render SET numeric_class = '', ranges_done = 0, photons = 0, rays = 0, rejected = 0,
-                       tiles_done = 0, tiles_set_aside = 0, relative_error = 0, sequence = sequence + 1
+                """UPDATE render SET floating_point_profile = '', ranges_done = 0, photons = 0, rays = 0,
+                invalid_samples = 0,
+                       tiles_done = 0, tiles_failed = 0, relative_error = 0, sequence = sequence + 1
                    WHERE id = ?""",
                 (render_id,),
             )
@@ -394,9 +320,9 @@ class Ledger:
 
     def _reopen(self, render_id: str, worker_id: str) -> None:
         tiles = self._database.rows("SELECT tile_index, samples FROM tile WHERE render_id = ?", (render_id,))
-        plan = self._database.row("SELECT plan FROM render WHERE id = ?", (render_id,))
-        assert plan is not None  # noqa: S101 - it has tiles
-        samples = [0] * TileGrid.of(job_pb2.RenderPlan.FromString(plan["plan"])).count
+        schedule = self._database.row("SELECT schedule FROM render WHERE id = ?", (render_id,))
+        assert schedule is not None  # noqa: S101 - it has tiles
+        samples = [0] * TileGrid.of(job_pb2.RangeSchedule.FromString(schedule["schedule"])).count
         for tile in tiles:
             samples[tile["tile_index"]] = tile["samples"]
         self._database.execute(
@@ -449,14 +375,14 @@ class Ledger:
                 """UPDATE render
                    SET state = ?, reason = ?, ended = ?, image_final = ?, photons_per_second = 0,
                        predicted_end = 0, predicted_cpu_seconds = cpu_seconds, sequence = sequence + 1
-                   WHERE id = ? AND state IN ('QUEUED', 'RUNNING') AND plan = ? AND stop = ?""",
+                   WHERE id = ? AND state IN ('QUEUED', 'RUNNING') AND schedule = ? AND stop = ?""",
                 (
                     state.value,
                     reason,
                     now,
                     state.has_image,
                     render.id,
-                    render.plan.SerializeToString(deterministic=True),
+                    render.schedule.SerializeToString(deterministic=True),
                     render.stop.to_json(),
                 ),
             )
@@ -509,7 +435,7 @@ class Ledger:
                         w.jobs_done,
                         w.started,
                         w.seen,
-                        w.numeric_class,
+                        w.floating_point_profile,
                     )
                     for w in workers
                 ],
@@ -534,19 +460,19 @@ class Ledger:
             yield
 
     def _open_render(self, row: sqlite3.Row) -> OpenRender:
-        aside = self._database.rows(
-            "SELECT * FROM set_aside WHERE render_id = ? ORDER BY tile_index", (row["id"],)
+        failed = self._database.rows(
+            "SELECT * FROM failed_tile WHERE render_id = ? ORDER BY tile_index", (row["id"],)
         )
         return OpenRender(
             id=row["id"],
             state=RenderState(row["state"]),
-            plan=job_pb2.RenderPlan.FromString(row["plan"]),
+            schedule=job_pb2.RangeSchedule.FromString(row["schedule"]),
             scene_sha256=row["scene_sha256"],
             engine=row["engine"],
             totals=Totals(
                 photons=row["photons"],
                 rays=row["rays"],
-                rejected=row["rejected"],
+                invalid_samples=row["invalid_samples"],
                 cpu_seconds=row["cpu_seconds"],
                 audited=row["audited"],
                 refused=row["refused"],
@@ -559,15 +485,15 @@ class Ledger:
             holder=row["holder"],
             fence=row["fence"],
             look_first=Region.from_json(row["look_first"]) if row["look_first"] else None,
-            numeric_class=row["numeric_class"],
-            set_aside=tuple(
-                SetAside(
+            floating_point_profile=row["floating_point_profile"],
+            failed_tiles=tuple(
+                FailedTile(
                     each["tile_index"],
                     each["first_sample"],
                     each["end_sample"],
                     each["reason"],
                     tuple(json.loads(each["workers"])),
                 )
-                for each in aside
+                for each in failed
             ),
         )

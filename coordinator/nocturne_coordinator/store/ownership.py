@@ -6,8 +6,7 @@ import time
 from pathlib import Path
 
 from nocturne_coordinator.errors import AlreadyOwned, OwnershipLost
-
-from .database import Database
+from nocturne_coordinator.store.database import Database
 
 LEASE_SECONDS = 10.0
 """How long a coordinator's renders are its own without a sign of life. After it, another may take them."""

@@ -3,14 +3,7 @@
 import json
 from collections.abc import Sequence
 
-from .database import Database
-
-# Apart from the other tables and their schema's number: who does not know this one can leave it out.
-_SCHEMA = """CREATE TABLE IF NOT EXISTS removal (
-    render_id TEXT PRIMARY KEY,
-    -- JSON: digests of the files that it used, perhaps with others.
-    files TEXT NOT NULL
-) STRICT"""
+from nocturne_coordinator.store.database import Database
 
 
 class Removals:
@@ -18,8 +11,6 @@ class Removals:
 
     def __init__(self, database: Database) -> None:
         self._database = database
-        if not database.row("SELECT 1 FROM sqlite_master WHERE name = 'removal'"):
-            database.execute(_SCHEMA)
 
     def note(self, render_id: str, files: Sequence[str]) -> None:
         """To be called in the transaction that deletes the render's rows."""

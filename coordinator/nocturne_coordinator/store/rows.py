@@ -1,39 +1,12 @@
 """What is read from and written to the data folder, as values."""
 
 from dataclasses import dataclass
-from enum import StrEnum
 
 from nocturne.v1 import job_pb2
 
+from nocturne_coordinator.dispatch.records import RenderState
+from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_coordinator.limits import DEFAULT_PRIORITY
-from nocturne_coordinator.stopping import EVERYTHING, StopConditions
-
-UNKNOWN_CLASS = "unknown"
-"""Numeric class of workers that don't tell theirs."""
-
-
-class RenderState(StrEnum):
-    """Where a render stands; from SUCCEEDED on it has ended, though it may be extended."""
-
-    QUEUED = "QUEUED"
-    RUNNING = "RUNNING"
-    PAUSED = "PAUSED"
-    SUCCEEDED = "SUCCEEDED"
-    STOPPED_EARLY = "STOPPED_EARLY"
-    """By a time: the image lists the samples that each tile has."""
-    DEGRADED = "DEGRADED"
-    """Complete but for tiles that were set aside."""
-    FAILED = "FAILED"
-    CANCELLED = "CANCELLED"
-
-    @property
-    def ended(self) -> bool:
-        return self not in (RenderState.QUEUED, RenderState.RUNNING, RenderState.PAUSED)
-
-    @property
-    def has_image(self) -> bool:
-        """Ended with an image that holds all that was asked for, or could be had."""
-        return self in (RenderState.SUCCEEDED, RenderState.STOPPED_EARLY, RenderState.DEGRADED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,12 +21,12 @@ class NewRender:
     width: int
     height: int
     samples: int
-    plan: job_pb2.RenderPlan
+    schedule: job_pb2.RangeSchedule
     stop: StopConditions = EVERYTHING
     priority: int = DEFAULT_PRIORITY
     owner: str = ""
     """Name of the token that asked for it; empty without authentication."""
-    numeric_class: str = ""
+    floating_point_profile: str = ""
     """How its workers must round; empty: as the first one does."""
     files: tuple[str, ...] = ()
     """Digests of the compiled scene's files, which must be there when the render is made."""
@@ -72,7 +45,7 @@ class RenderRow:
     samples: int
     photons_per_sample: int
     scene_sha256: str
-    numeric_class: str
+    floating_point_profile: str
     """How all its workers round; empty before the first result."""
     sequence: int
     created: float
@@ -82,7 +55,7 @@ class RenderRow:
     ranges_planned: int
     photons: int
     rays: int
-    rejected: int
+    invalid_samples: int
     relative_error: float
     worst_share: float
     effective_pixels: float
@@ -95,7 +68,7 @@ class RenderRow:
     tiles: int
     tiles_done: int
     """Tiles that need no more samples."""
-    tiles_set_aside: int
+    tiles_failed: int
     audited: int
     """Ranges that were traced again elsewhere and were the same."""
     refused: int
@@ -116,42 +89,13 @@ class RenderRow:
 
 
 @dataclass(frozen=True, slots=True)
-class WorkerRow:
-    """A worker as it last described itself; `seen` and `started` in unix seconds."""
-
-    id: str
-    engine: int
-    threads: int
-    photons: int
-    rays: int
-    photons_per_second: float
-    jobs_done: int
-    started: float
-    seen: float
-    numeric_class: str = UNKNOWN_CLASS
-
-
-@dataclass(frozen=True, slots=True)
-class ErrorPoint:
-    """The error of a render at one moment; samples is the mean over pixels."""
-
-    unix_time: float
-    photons: int
-    samples: float
-    relative_error: float
-    worst_share: float = 0.0
-    effective_pixels: float = 0.0
-    """See images.Spread."""
-
-
-@dataclass(frozen=True, slots=True)
 class TileChange:
     """A tile with committed samples, and the render's sequence when they were committed."""
 
     tile_index: int
     revision: int
     samples: int
-    rejected: int
+    invalid_samples: int
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,10 +6,11 @@ import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from nocturne_coordinator.errors import Conflict, InputError, NotFound
-from nocturne_coordinator.limits import DEFAULT_PRIORITY, MAXIMUM_NAME, MAXIMUM_PRIORITY
+from nocturne_scene.errors import InputError, NotFound
 
-from .database import Database
+from nocturne_coordinator.errors import Conflict
+from nocturne_coordinator.limits import DEFAULT_PRIORITY, MAX_NAME, MAX_PRIORITY
+from nocturne_coordinator.store.database import Database
 
 SCOPES = ("read", "submit", "worker", "admin")
 """read: see everything. submit: read, upload, and do anything to one's own renders. worker: fetch assets.
@@ -44,10 +45,10 @@ class Tokens:
         unknown = [scope for scope in wanted if scope not in SCOPES]
         if unknown or not wanted:
             raise InputError.at("scopes", f"expected some of {', '.join(SCOPES)}")
-        if not 1 <= len(name) <= MAXIMUM_NAME or not name.isprintable():
-            raise InputError.at("name", f"expected 1 to {MAXIMUM_NAME} printable characters")
-        if not 1 <= weight <= MAXIMUM_PRIORITY:
-            raise InputError.at("weight", f"is {weight}; expected 1 to {MAXIMUM_PRIORITY}")
+        if not 1 <= len(name) <= MAX_NAME or not name.isprintable():
+            raise InputError.at("name", f"expected 1 to {MAX_NAME} printable characters")
+        if not 1 <= weight <= MAX_PRIORITY:
+            raise InputError.at("weight", f"is {weight}; expected 1 to {MAX_PRIORITY}")
         secret = PREFIX + secrets.token_urlsafe(32)
         with self._database.transaction():
             if self._database.row("SELECT 1 FROM token WHERE name = ?", (name,)):

@@ -10,53 +10,15 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from nocturne_coordinator.errors import InputError, NotFound
+from nocturne_scene.errors import InputError, NotFound
 
-from .database import Database
+from nocturne_coordinator.store.database import Database
 
-TOLD_STATES = ("SUCCEEDED", "STOPPED_EARLY", "DEGRADED", "FAILED")
-"""Ends that somebody waits for; who cancels a render knows."""
-
-MOST_WEBHOOKS = 20
+MAX_WEBHOOKS = 20
 """Of one owner."""
 
 _KEEP_SECONDS = 7 * 86400.0
 _SECRET_BYTES = 32
-
-# These tables stand apart from the others and from their schema's number: who does not know them can leave
-# them out.
-_SCHEMA = (
-    """CREATE TABLE IF NOT EXISTS webhook (
-        id TEXT PRIMARY KEY,
-        owner TEXT NOT NULL,
-        url TEXT NOT NULL,
-        -- As it is, for messages are signed with it.
-        secret TEXT NOT NULL,
-        created REAL NOT NULL,
-        last_outcome TEXT NOT NULL DEFAULT ''
-    ) STRICT""",
-    """CREATE TABLE IF NOT EXISTS webhook_message (
-        number INTEGER PRIMARY KEY AUTOINCREMENT,
-        webhook_id TEXT NOT NULL REFERENCES webhook (id) ON DELETE CASCADE,
-        message_id TEXT NOT NULL,
-        render_id TEXT NOT NULL,
-        name TEXT NOT NULL,
-        state TEXT NOT NULL,
-        reason TEXT NOT NULL,
-        unix_time REAL NOT NULL,
-        attempts INTEGER NOT NULL DEFAULT 0,
-        -- When it is to be sent; NULL: it was, or never will be.
-        due REAL
-    ) STRICT""",
-    "CREATE INDEX IF NOT EXISTS webhook_message_due ON webhook_message (due) WHERE due IS NOT NULL",
-    f"""CREATE TRIGGER IF NOT EXISTS webhook_of_ended_render AFTER UPDATE OF state ON render
-    WHEN NEW.state IN {TOLD_STATES} AND OLD.state <> NEW.state
-    BEGIN
-        INSERT INTO webhook_message (webhook_id, message_id, render_id, name, state, reason, unix_time, due)
-        SELECT id, 'msg_' || lower(hex(randomblob(16))), NEW.id, NEW.name, NEW.state, NEW.reason, NEW.ended, 0
-        FROM webhook WHERE owner = NEW.owner;
-    END""",  # noqa: S608 - the states are our own
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,10 +55,6 @@ class Webhooks:
 
     def __init__(self, database: Database) -> None:
         self._database = database
-        if not database.row("SELECT 1 FROM sqlite_master WHERE name = 'webhook_of_ended_render'"):
-            with database.transaction():
-                for statement in _SCHEMA:
-                    database.execute(statement)
 
     def create(self, owner: str, url: str) -> tuple[Webhook, str]:
         """Makes one, and the secret that its messages are signed with, which can't be had again.
@@ -106,8 +64,8 @@ class Webhooks:
         secret = "whsec_" + base64.b64encode(secrets.token_bytes(_SECRET_BYTES)).decode()
         webhook = Webhook("wh-" + secrets.token_hex(8), owner, url, time.time(), "")
         with self._database.transaction():
-            if len(self.list(owner)) >= MOST_WEBHOOKS:
-                raise InputError.at("$.url", f"there are {MOST_WEBHOOKS} webhooks already; delete one first")
+            if len(self.list(owner)) >= MAX_WEBHOOKS:
+                raise InputError.at("$.url", f"there are {MAX_WEBHOOKS} webhooks already; delete one first")
             self._database.execute(
                 "INSERT INTO webhook (id, owner, url, secret, created) VALUES (?, ?, ?, ?, ?)",
                 (webhook.id, owner, url, secret, webhook.created),

@@ -1,1 +1,1 @@
-"""The API process: one set of operations behind two doors, REST and gRPC."""
+"""The API process: one set of operations behind two endpoints, REST and gRPC."""

@@ -1,4 +1,4 @@
-"""Who calls, and what that caller may do: one set of rules for both doors."""
+"""Who calls, and what that caller may do: one set of rules for REST and gRPC."""
 
 import base64
 import binascii
@@ -22,7 +22,7 @@ _IMPLIED: Mapping[str, frozenset[str]] = {
 
 @dataclass(frozen=True)
 class Caller:
-    """Somebody at a door."""
+    """Who makes a call."""
 
     name: str
     """Of the token; empty where there is no authentication."""
@@ -44,7 +44,7 @@ ANYBODY = Caller("", _IMPLIED["admin"])
 """Without authentication; only loopback and Unix sockets are served then."""
 
 CALLER: ContextVar[Caller] = ContextVar("caller", default=ANYBODY)
-"""Set by the doors for the call at hand."""
+"""Set by the middleware and the interceptor for the call at hand."""
 
 
 def caller_of(token: Token | None) -> Caller:

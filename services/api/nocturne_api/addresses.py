@@ -1,4 +1,4 @@
-"""Where the doors may listen: this machine only, unless somebody says otherwise in so many words."""
+"""Addresses that the endpoints may listen on: this machine only, unless another is asked for explicitly."""
 
 import ipaddress
 import socket

@@ -1,12 +1,13 @@
-"""Every error that a caller can meet, and what it is called at each door: one table for HTTP and gRPC."""
+"""Every error that a caller can meet, and what each transport calls it: one table for REST and gRPC."""
 
 import logging
 import sqlite3
 from dataclasses import dataclass
 
 import grpc
-from nocturne_coordinator.errors import Conflict, InputError, NocturneError, NotFound, Problem, WrongState
-from nocturne_coordinator.objects import ObjectsUnavailable
+from nocturne_coordinator.errors import AmbiguousId, Conflict, WrongState
+from nocturne_coordinator.store.object_store import ObjectStoreUnavailable
+from nocturne_scene.errors import InputError, NocturneError, NotFound, Problem
 
 from nocturne_api.limits import PROBLEM_CHARACTERS, PROBLEMS_PER_ANSWER
 
@@ -22,7 +23,7 @@ class Refused(NocturneError):
 
 
 class Unauthenticated(NocturneError):
-    """Nobody knows who calls."""
+    """The call has no token, or one that is not known."""
 
 
 class Forbidden(NocturneError):
@@ -33,13 +34,13 @@ class TooMany(NocturneError):
     """The caller calls too often."""
 
 
-class CantPlan(NocturneError):
-    """The service can't plan this scene, or no scene at all; says why."""
+class CantPreflight(NocturneError):
+    """The service can't preflight this scene, or no scene at all; says why."""
 
 
 @dataclass(frozen=True)
 class Kind:
-    """What one class of error is called in words, at the REST door and at the gRPC door."""
+    """What one class of error is called in words, in REST and in gRPC."""
 
     reason: str
     title: str
@@ -49,14 +50,14 @@ class Kind:
 
 @dataclass(frozen=True)
 class Failure:
-    """One error, ready to be told at either door."""
+    """One error, ready to be told by either transport."""
 
     kind: Kind
     detail: str
     problems: tuple[Problem, ...] = ()
 
 
-_INTERNAL = Kind("INTERNAL", "Internal error", 500, grpc.StatusCode.INTERNAL)
+INTERNAL = Kind("INTERNAL", "Internal error", 500, grpc.StatusCode.INTERNAL)
 
 # First match wins, so a subclass stands before its base.
 TABLE: tuple[tuple[type[Exception], Kind], ...] = (
@@ -67,22 +68,39 @@ TABLE: tuple[tuple[type[Exception], Kind], ...] = (
         WrongState,
         Kind("WRONG_STATE", "Not in this state", 409, grpc.StatusCode.FAILED_PRECONDITION),
     ),
-    (CantPlan, Kind("CANT_PLAN", "No plan can be made", 409, grpc.StatusCode.FAILED_PRECONDITION)),
+    (
+        CantPreflight,
+        Kind("CANT_PREFLIGHT", "No preflight can be made", 409, grpc.StatusCode.FAILED_PRECONDITION),
+    ),
+    (
+        AmbiguousId,
+        Kind(
+            "AMBIGUOUS_ID",
+            "Several ids begin so",
+            409,
+            grpc.StatusCode.FAILED_PRECONDITION,
+        ),
+    ),
     (Refused, Kind("REFUSED", "Refused", 403, grpc.StatusCode.PERMISSION_DENIED)),
     (
         Unauthenticated,
-        Kind("UNAUTHENTICATED", "Who are you?", 401, grpc.StatusCode.UNAUTHENTICATED),
+        Kind(
+            "UNAUTHENTICATED",
+            "A known token is needed",
+            401,
+            grpc.StatusCode.UNAUTHENTICATED,
+        ),
     ),
     (Forbidden, Kind("FORBIDDEN", "Not allowed", 403, grpc.StatusCode.PERMISSION_DENIED)),
     (TooMany, Kind("TOO_MANY", "Too many calls", 429, grpc.StatusCode.RESOURCE_EXHAUSTED)),
     (Overloaded, Kind("OVERLOADED", "Too much at once", 503, grpc.StatusCode.UNAVAILABLE)),
     (
-        ObjectsUnavailable,
-        Kind("STORE", "The object store does not answer", 503, grpc.StatusCode.UNAVAILABLE),
+        ObjectStoreUnavailable,
+        Kind("STORE", "The storage does not answer", 503, grpc.StatusCode.UNAVAILABLE),
     ),
     (
         sqlite3.OperationalError,
-        Kind("STORE", "The data folder does not answer", 503, grpc.StatusCode.UNAVAILABLE),
+        Kind("STORE", "The storage does not answer", 503, grpc.StatusCode.UNAVAILABLE),
     ),
 )
 
@@ -94,7 +112,7 @@ def failure_of(error: Exception) -> Failure:
             problems = _bounded(error.problems) if isinstance(error, InputError) else ()
             return Failure(kind, _cut(str(error)) or kind.title, problems)
     _log.error("unexpected error", exc_info=error)
-    return Failure(_INTERNAL, "Something went wrong inside the service; its log has the details.")
+    return Failure(INTERNAL, "Something went wrong inside the service; its log has the details.")
 
 
 def _bounded(problems: tuple[Problem, ...]) -> tuple[Problem, ...]:

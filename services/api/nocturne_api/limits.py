@@ -1,11 +1,11 @@
 """What callers can ask of the API process, with reasons. Renders have the coordinator's bounds."""
 
-from nocturne_coordinator.limits import MAXIMUM_SCENE_BYTES
+from nocturne_scene.limits import MAX_SCENE_BYTES
 
 MEBIBYTE = 1024 * 1024
 
-# A create request at the REST door: mostly the scene document, so the same bound.
-CREATE_BODY_BYTES = MAXIMUM_SCENE_BYTES
+# A create request in REST: mostly the scene document, so the same bound.
+CREATE_BODY_BYTES = MAX_SCENE_BYTES
 # gRPC holds a message in memory before any of our code sees it, so its limit is close to the document's.
 GRPC_MESSAGE_BYTES = 9 * MEBIBYTE
 
@@ -17,10 +17,11 @@ SMALL_BODY_BYTES = MEBIBYTE
 COMPILES_AT_ONCE = 2
 COMPILES_WAITING = 16
 
-# A plan renders small images on this machine: one at a time, with so much processor time at most, seconds.
-PLAN_BUDGET_S = 120.0
-# Beside its renders a plan compiles, and the machine does other things: then it is ended.
-PLAN_WALL_S = 900.0
+# A preflight renders small images on this machine: one at a time, with so much processor time at most,
+# seconds.
+PREFLIGHT_BUDGET_S = 120.0
+# Beside its renders a preflight compiles, and the machine does other things: then it is ended.
+PREFLIGHT_WALL_S = 900.0
 
 # Calls of one caller, with authentication: the page makes a few a second, a farm's scripts some more.
 CALLS_PER_SECOND = 100.0
@@ -34,8 +35,6 @@ RECORDED_CHARACTERS = 128
 WATCHERS = 256
 # How often a change in the data folder is looked for while anybody watches, seconds.
 WATCH_INTERVAL_S = 0.2
-# Proxies drop connections that are silent for half a minute or so.
-KEEP_ALIVE_S = 15.0
 
 # Bytes per read when an image or a blob is sent: below gRPC's default message limit of 4 MiB.
 CHUNK_BYTES = 256 * 1024
@@ -59,8 +58,8 @@ LINGER_S = 2.0
 PROBLEMS_PER_ANSWER = 20
 PROBLEM_CHARACTERS = 300
 
-# Connections to the REST door; further ones get 503 at once. Watchers hold one each, pages a few.
+# Connections to the REST endpoint; further ones get 503 at once. Watchers hold one each, pages a few.
 REST_CONNECTIONS = 2000
 
-# Calls in progress at the gRPC door, watchers included; further ones get RESOURCE_EXHAUSTED at once.
+# Calls in progress at the gRPC endpoint, watchers included; further ones get RESOURCE_EXHAUSTED at once.
 GRPC_CALLS = 1000

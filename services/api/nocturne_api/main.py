@@ -8,17 +8,15 @@ import signal
 import sys
 from pathlib import Path
 
-from nocturne_coordinator.errors import NocturneError
 from nocturne_coordinator.log_lines import write_log_lines
+from nocturne_scene.errors import NocturneError
 
 from nocturne_api.addresses import AddressError
-from nocturne_api.compiling import CompileLimits
+from nocturne_api.compiling.pool import CompileLimits
+from nocturne_api.rest.page import built_page
 from nocturne_api.service import Settings, open_service
 
 _log = logging.getLogger("nocturne_api")
-
-# services/api/nocturne_api/main.py -> services/web/dist
-_WEB = Path(__file__).resolve().parents[2] / "web" / "dist"
 
 
 def main() -> None:
@@ -40,11 +38,11 @@ def _settings() -> Settings:
         prog="nocturne-api", description="REST, gRPC and the web page on one data folder."
     )
     parser.add_argument("--data", type=Path, required=True, help="data folder, shared with the coordinator")
-    parser.add_argument("--host", default="127.0.0.1", help="address of both doors (default: %(default)s)")
+    parser.add_argument("--host", default="127.0.0.1", help="address of REST and gRPC (default: %(default)s)")
     parser.add_argument("--port", type=int, default=7070, help="REST and page (default: %(default)s)")
     parser.add_argument("--grpc-port", type=int, default=7071, help="gRPC (default: %(default)s)")
     parser.add_argument("--grpc-unix", type=Path, metavar="PATH", help="gRPC on a Unix socket as well")
-    parser.add_argument("--web", type=Path, default=_WEB, help="folder of the built page")
+    parser.add_argument("--web", type=Path, default=built_page(), help="folder of the built page")
     parser.add_argument(
         "--insecure-any-address",
         dest="any_address",
@@ -54,7 +52,7 @@ def _settings() -> Settings:
     parser.add_argument(
         "--auth", action="store_true", help="callers need a token, made by `nocturne token create`"
     )
-    parser.add_argument("--tls-certificate", type=Path, metavar="PEM", help="for both doors")
+    parser.add_argument("--tls-certificate", type=Path, metavar="PEM", help="for REST and gRPC")
     parser.add_argument("--tls-key", type=Path, metavar="PEM")
     parser.add_argument(
         "--compile-memory-bytes",

@@ -1,4 +1,4 @@
-"""Both doors in one event loop, started and stopped together."""
+"""Both endpoints, REST and gRPC, in one event loop, started and stopped together."""
 
 import asyncio
 from collections.abc import Iterator, Sequence
@@ -8,15 +8,15 @@ from pathlib import Path
 
 import grpc
 import uvicorn
-from nocturne_coordinator.objects import Objects
+from nocturne_coordinator.store.object_store import ObjectStore
 
 from nocturne_api import limits
 from nocturne_api.addresses import AddressError, check_host, listen
-from nocturne_api.compiling import CompileLimits
-from nocturne_api.operations import Operations
+from nocturne_api.compiling.pool import CompileLimits
+from nocturne_api.grpc.server import GrpcEndpoint
+from nocturne_api.operations.operations import Operations
 from nocturne_api.rest.app import build_rest
-from nocturne_api.rpc.server import GrpcDoor
-from nocturne_api.webhook_targets import Network, TargetRules
+from nocturne_api.webhooks.targets import Network, TargetRules
 
 # Running calls get this long when the service stops, seconds; streams are ended at once.
 _GRACE_S = 3.0
@@ -61,7 +61,7 @@ class Service:
         tls = settings.tls_certificate is not None and settings.tls_key is not None
         loopback = check_host(settings.host, settings.any_address or (settings.auth and tls))
         self._operations = operations
-        self._grpc = GrpcDoor(operations, settings.auth)
+        self._grpc = GrpcEndpoint(operations, settings.auth)
         self._listener = listen(settings.host, settings.port)
         self.port: int = self._listener.getsockname()[1]
         self.grpc_port = self._take_grpc_addresses(settings)
@@ -101,7 +101,7 @@ class Service:
             ) from error
 
     async def start(self) -> None:
-        """Takes requests at both doors."""
+        """Takes requests at both endpoints."""
         await self._grpc.start()
         self._serving = asyncio.create_task(self._http.serve(sockets=[self._listener]))
         # Uvicorn offers a flag, no event.
@@ -110,11 +110,11 @@ class Service:
 
     async def end_streams(self) -> None:
         """Ends all streams; watchers see their end after the states at hand."""
-        await self._operations.end_streams()
+        await self._operations.streams.close()
 
     async def stop(self) -> None:
-        """Ends streams, finishes what is running, closes both doors and the data folder."""
-        await self._operations.end_streams()
+        """Ends streams, finishes what is running, closes both endpoints and the data folder."""
+        await self._operations.streams.close()
         self._http.should_exit = True
         await self._grpc.stop(_GRACE_S)
         if self._serving is not None:
@@ -133,7 +133,7 @@ async def open_service(settings: Settings) -> Service:
     """A service on the data folder, not started yet. Raises AddressError, UnusableFolder."""
     compile_limits = CompileLimits(settings.compile_memory_bytes, settings.compile_seconds)
     rules = TargetRules(settings.webhook_networks)
-    objects = Objects(settings.objects) if settings.objects else None
+    objects = ObjectStore(settings.objects) if settings.objects else None
     operations = await Operations.open(settings.data, compile_limits, rules, objects)
     try:
         return Service(settings, operations)

@@ -11,7 +11,7 @@ with Client() as client:
 
 from nocturne_client.client import Client
 from nocturne_client.errors import NocturneClientError, NotReachedError, Problem
-from nocturne_client.models import Progress, Render, Stop, Worker
+from nocturne_client.models import Progress, Render, StopConditions, Worker
 
 __all__ = [
     "Client",
@@ -20,6 +20,6 @@ __all__ = [
     "Problem",
     "Progress",
     "Render",
-    "Stop",
+    "StopConditions",
     "Worker",
 ]

@@ -10,16 +10,19 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Literal, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 from urllib.parse import quote
 
 import httpx
 
+from nocturne_client.decoding import decode
 from nocturne_client.errors import NocturneClientError, NotReachedError, Problem
 from nocturne_client.events import data_of
-from nocturne_client.models import Render, Webhook, Worker
+from nocturne_client.models import Explanation, NewWebhook, PreflightReport, Render, Webhook, Worker
 from nocturne_client.scene_files import SceneOnDisk, digest, read_scene
-from nocturne_client.tiles import TileAnswer, decode_tiles
+
+if TYPE_CHECKING:
+    from nocturne_client.tiles import TileAnswer
 
 DEFAULT_URL = "http://127.0.0.1:7070"
 ImageKind = Literal["exr", "png"]
@@ -30,8 +33,8 @@ _TIMEOUT = httpx.Timeout(60.0, connect=5.0)
 # The service sends a comment every 15 s, so a longer silence is a lost connection.
 _WATCH_TIMEOUT = httpx.Timeout(40.0, connect=5.0)
 _RETRY_DELAYS_S = (0.2, 0.5, 1.0)
-# A plan's small renders; the service ends it before that.
-_PLAN_TIMEOUT = httpx.Timeout(1000.0, connect=5.0)
+# A preflight's small renders; the service ends it before that.
+_PREFLIGHT_TIMEOUT = httpx.Timeout(1000.0, connect=5.0)
 _PIECE_BYTES = 1024 * 1024
 _T = TypeVar("_T")
 
@@ -68,7 +71,7 @@ class Client:
         except httpx.InvalidURL as error:
             raise NocturneClientError(f"{self.url!r} is not an address: {error}") from error
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "Client":
         return self
 
     def __exit__(
@@ -121,32 +124,32 @@ class Client:
             "stop": dict(stop or {}),
             "priority": priority,
         }
-        return Render.from_json(self._json("POST", "/v1/renders", body))
+        return decode(Render, self._json("POST", "/v1/renders", body))
 
-    def plan(
+    def preflight(
         self, scene: Path, width: int, height: int, error: float = 0.02, budget_seconds: float = 60.0
-    ) -> dict[str, Any]:
+    ) -> PreflightReport:
         """What the scene document at `scene` needs for a total relative error; takes minutes.
 
-        `budget_seconds`: processor time of the service's small renders. The report is that of `nocturne plan
-        --json`, with the document that is enough.
+        `budget_seconds`: processor time of the service's small renders.
         """
         on_disk = self._uploaded(scene, None)
         asked = {"error": error, "budget_seconds": budget_seconds}
         body = {"scene": on_disk.document, "width": width, "height": height, **asked}
         content, headers = json.dumps(body).encode(), {"Content-Type": "application/json"}
-        answer = self._call("POST", "/v1/plans", content=content, headers=headers, timeout=_PLAN_TIMEOUT)
-        report: dict[str, Any] = answer.json()
-        return report
+        answer = self._call(
+            "POST", "/v1/preflights", content=content, headers=headers, timeout=_PREFLIGHT_TIMEOUT
+        )
+        return decode(PreflightReport, answer.json())
 
     def get(self, render_id: str) -> Render:
         """One render."""
-        return Render.from_json(self._json("GET", f"/v1/renders/{_part(render_id)}"))
+        return decode(Render, self._json("GET", f"/v1/renders/{_part(render_id)}"))
 
     def cancel(self, render_id: str, request_id: str | None = None) -> Render:
         """Stops a render; what was merged stays."""
         body = {"request_id": request_id or str(uuid.uuid4())}
-        return Render.from_json(self._json("POST", f"/v1/renders/{_part(render_id)}:cancel", body))
+        return decode(Render, self._json("POST", f"/v1/renders/{_part(render_id)}:cancel", body))
 
     def delete(self, render_id: str) -> None:
         """Forgets a render that has ended, with its images and the files that no other render uses."""
@@ -158,7 +161,7 @@ class Client:
         return self._act(render_id, "pause", {})
 
     def resume(self, render_id: str) -> Render:
-        """Goes on with a paused render; with a degraded one, by trying again what was set aside."""
+        """Goes on with a paused render; with a degraded one, by tracing its failed tiles again."""
         return self._act(render_id, "resume", {})
 
     def extend(self, render_id: str, samples: int = 0, stop: Mapping[str, Any] | None = None) -> Render:
@@ -172,11 +175,12 @@ class Client:
     def replay(self, render_id: str, request_id: str | None = None) -> Render:
         """A new render with the samples per tile that this one has: its image has the same bits."""
         body = {"request_id": request_id or str(uuid.uuid4())}
-        return Render.from_json(self._json("POST", f"/v1/renders/{_part(render_id)}:replay", body))
+        return decode(Render, self._json("POST", f"/v1/renders/{_part(render_id)}:replay", body))
 
-    def why(self, render_id: str) -> str:
+    def explain(self, render_id: str) -> str:
         """What the render waits for, in one sentence."""
-        return str(self._json("GET", f"/v1/renders/{_part(render_id)}/why")["sentence"])
+        answer = self._json("GET", f"/v1/renders/{_part(render_id)}/explanation")
+        return decode(Explanation, answer).sentence
 
     def release_worker(self, worker_id: str) -> None:
         """Takes the results of a worker in quarantine again."""
@@ -184,14 +188,19 @@ class Client:
 
     def workers(self) -> Sequence[Worker]:
         """The workers heard of in the last ten seconds."""
-        return [Worker.from_json(each) for each in self._json("GET", "/v1/workers")["workers"]]
+        return [decode(Worker, each) for each in self._json("GET", "/v1/workers")["workers"]]
 
-    def tiles(self, render_id: str, since: str = "") -> TileAnswer:
-        """What of the image changed since an earlier answer's cursor, as floats; about 4 MiB at once."""
+    def tiles(self, render_id: str, since: str = "") -> "TileAnswer":
+        """What of the image changed since an earlier answer's cursor, as floats; about 4 MiB at once.
+
+        Needs numpy: the extra `pixels` of this package.
+        """
+        from nocturne_client.tiles import decode_tiles
+
         call = partial(self._call, "GET", f"/v1/renders/{_part(render_id)}/tiles", params={"since": since})
         return decode_tiles(self._retrying(call).content)
 
-    def create_webhook(self, url: str) -> Webhook:
+    def create_webhook(self, url: str) -> NewWebhook:
         """Tells `url` how this caller's renders end; the only answer that has the secret."""
         # Not repeated: each call makes one.
         call = self._call(
@@ -200,11 +209,11 @@ class Client:
             content=json.dumps({"url": url}).encode(),
             headers={"Content-Type": "application/json"},
         )
-        return Webhook.from_json(call.json())
+        return decode(NewWebhook, call.json())
 
     def webhooks(self) -> Sequence[Webhook]:
         """This caller's, oldest first; an admin gets everybody's."""
-        return [Webhook.from_json(each) for each in self._json("GET", "/v1/webhooks")["webhooks"]]
+        return [decode(Webhook, each) for each in self._json("GET", "/v1/webhooks")["webhooks"]]
 
     def delete_webhook(self, webhook_id: str) -> None:
         """Tells it nothing more."""
@@ -245,7 +254,7 @@ class Client:
         while len(found) < limit:
             params = {"page_size": min(200, limit - len(found)), "page_token": token}
             page = self._json("GET", "/v1/renders", params=params)
-            found += [Render.from_json(each) for each in page["renders"]]
+            found += [decode(Render, each) for each in page["renders"]]
             token = page["next_page_token"]
             if not token:
                 break
@@ -255,7 +264,7 @@ class Client:
 
     def _act(self, render_id: str, verb: str, body: dict[str, Any]) -> Render:
         # Each of these is safe to repeat: it says what is to be, not what is to change.
-        return Render.from_json(self._json("POST", f"/v1/renders/{_part(render_id)}:{verb}", body))
+        return decode(Render, self._json("POST", f"/v1/renders/{_part(render_id)}:{verb}", body))
 
     def _missing(self, digests: Sequence[str]) -> Sequence[str]:
         if not digests:
@@ -270,7 +279,7 @@ class Client:
             with self._http.stream("GET", path, headers=headers, timeout=_WATCH_TIMEOUT) as response:
                 _raise_for(response)
                 for value in data_of(response.iter_lines()):
-                    yield Render.from_json(value)
+                    yield decode(Render, value)
         except httpx.TransportError as error:
             raise self._not_reached(error) from error
 

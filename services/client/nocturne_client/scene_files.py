@@ -51,7 +51,7 @@ def read_scene(path: Path) -> SceneOnDisk:
         part["asset"] = DIGEST_PREFIX + sha256
         files[sha256] = file
     if problems:
-        raise NocturneClientError(f"{path}: files are missing", problems=problems)
+        raise NocturneClientError(f"{path}: files are missing{_maker(path.parent)}", problems=problems)
     return SceneOnDisk(document, files)
 
 
@@ -72,7 +72,7 @@ def _read_document(path: Path) -> dict[str, Any]:
             )
         document = json.loads(path.read_bytes())
     except OSError as error:
-        raise NocturneClientError(f"{path}: {_reason(error)}") from error
+        raise NocturneClientError(f"{path}: {_reason(error)}{_maker(path.parent)}") from error
     except RecursionError as error:
         raise NocturneClientError(f"{path}: nested too deep") from error
     except ValueError as error:
@@ -80,6 +80,12 @@ def _read_document(path: Path) -> dict[str, Any]:
     if not isinstance(document, dict):
         raise NocturneClientError(f"{path}: expected a JSON object")
     return document
+
+
+def _maker(folder: Path) -> str:
+    """How to make the files of a scene that is generated: by the programs `make_*.py` beside it."""
+    programs = " and ".join(f"`python {program}`" for program in sorted(folder.glob("make_*.py")))
+    return f"; make what is missing by {programs}" if programs else ""
 
 
 def _parts_with_paths(document: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:

@@ -1,4 +1,4 @@
-"""Committed tiles as the service sends them, decoded: docs/api.md, "Tiles"."""
+"""Committed tiles as the service sends them, decoded: docs/reference/api.md, "Tiles"."""
 
 import struct
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ class Tile:
     x: int
     y: int
     samples: int
-    rejected: int
+    invalid_samples: int
     pixels: npt.NDArray[np.float32]
     """Shape (height, width, 4): X, Y (cd/m2), Z, standard error of Y."""
 
@@ -53,12 +53,12 @@ def _decode(content: bytes) -> TileAnswer:
     columns = -(-width // size)
     offset, tiles = 4 + _HEADER.size, []
     for _ in range(count):
-        index, samples, rejected, _ = _TILE.unpack_from(content, offset)
+        index, samples, invalid_samples, _ = _TILE.unpack_from(content, offset)
         row, column = divmod(index, columns)
         x, y = column * size, row * size
         shape = (min(size, height - y), min(size, width - x), 4)
         offset += _TILE.size
         pixels = np.frombuffer(content, "<f4", shape[0] * shape[1] * 4, offset).reshape(shape)
         offset += pixels.nbytes
-        tiles.append(Tile(x, y, samples, rejected, pixels))
+        tiles.append(Tile(x, y, samples, invalid_samples, pixels))
     return TileAnswer(width, height, tiles, bool(more), f"{revision}.{last}")

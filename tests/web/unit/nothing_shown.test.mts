@@ -3,7 +3,7 @@ import { test } from "node:test";
 import type { Render } from "../../../services/web/src/service/types.ts";
 import { whyNothingIsShown } from "../../../services/web/src/viewer/render_image.ts";
 
-const text = (state: Render["state"], photons: number): string => whyNothingIsShown({ state, progress: { photons } } as Render);
+const text = (state: Render["state"], mean_samples: number): string => whyNothingIsShown({ state, progress: { mean_samples } } as Render);
 
 test("a render that has samples is only not loaded yet", () => {
   assert.equal(text("SUCCEEDED", 100), "Loading the image.");

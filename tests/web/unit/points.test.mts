@@ -1,11 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { appended, toCurve } from "../../../services/web/src/convergence/points.ts";
-import type { ErrorPoint } from "../../../services/web/src/service/types.ts";
+import type { ConvergencePoint } from "../../../services/web/src/service/types.ts";
 
-const point = (time_s: number, relative_error: number): ErrorPoint => ({
+const point = (time_s: number, relative_error: number): ConvergencePoint => ({
   time_s,
-  photons: 1000 * time_s,
   samples: 10 * time_s,
   relative_error,
   worst_share: 0,
@@ -14,7 +13,7 @@ const point = (time_s: number, relative_error: number): ErrorPoint => ({
 
 test("the guide is the error itself where that falls as 1/sqrt(N)", () => {
   const points = [1, 4, 9, 16].map((time) => point(time, 0.5 / Math.sqrt(time)));
-  for (const abscissa of ["time", "photons"] as const) {
+  for (const abscissa of ["time", "samples"] as const) {
     const { error, guide } = toCurve(points, abscissa);
     guide.forEach((value, index) => {
       assert.ok(Math.abs((value ?? NaN) - (error[index] ?? NaN)) < 1e-12);

@@ -29,7 +29,7 @@ function film(): Film {
 test("an answer says where each tile is, and where to go on", () => {
   const decoded = decodeTiles(answer());
   assert.deepEqual([decoded.width, decoded.height, decoded.tileSize, decoded.more, decoded.cursor], [5, 3, 4, true, "77.1"]);
-  const places = decoded.tiles.map(({ index, x, y, width, height, samples, rejected }) => [index, x, y, width, height, samples, rejected]);
+  const places = decoded.tiles.map(({ index, x, y, width, height, samples, invalid_samples }) => [index, x, y, width, height, samples, invalid_samples]);
   assert.deepEqual(places, [[0, 0, 0, 4, 3, 16, 2], [1, 4, 0, 1, 3, 4, 1]]);
 });
 
@@ -49,7 +49,7 @@ test("a region: means, and the error of the mean of independent pixels", () => {
   const reading = film().read({ x: 2, y: 0, width: 3, height: 3 });
   assert.ok(reading);
   assert.deepEqual(reading.xyz, [3, 10, 100]);
-  assert.deepEqual([reading.samples, reading.rejected, reading.pixels], [[4, 16], 3, 9]);
+  assert.deepEqual([reading.samples, reading.invalid_samples, reading.pixels], [[4, 16], 3, 9]);
   // Nine variances of 0.25, divided by 9 squared.
   assert.ok(Math.abs(reading.standardError - 0.5 / 3) < 1e-7);
 });

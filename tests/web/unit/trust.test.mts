@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { toCurve, together } from "../../../services/web/src/convergence/points.ts";
 import { doubts, slope, uncertainty } from "../../../services/web/src/convergence/trust.ts";
-import type { ErrorPoint } from "../../../services/web/src/service/types.ts";
+import type { ConvergencePoint } from "../../../services/web/src/service/types.ts";
 
 const pixels = 10_000;
 
@@ -10,11 +10,11 @@ function end<Value>(values: readonly Value[]): Value {
   return values[values.length - 1] as Value;
 }
 
-/** A history that falls as a power of the photons. */
-function history(power: number, about: Partial<ErrorPoint> = {}): ErrorPoint[] {
+/** A history that falls as a power of the samples. */
+function history(power: number, about: Partial<ConvergencePoint> = {}): ConvergencePoint[] {
   return Array.from({ length: 20 }, (_, i) => {
-    const photons = 1000 * 1.3 ** i;
-    return { time_s: photons / 500, photons, samples: photons / pixels, relative_error: photons ** power, worst_share: 0.03, effective_pixels: 8000, ...about };
+    const samples = 10 * 1.3 ** i;
+    return { time_s: 2 * samples, samples, relative_error: samples ** power, worst_share: 0.03, effective_pixels: 8000, ...about };
   });
 }
 
@@ -44,9 +44,9 @@ test("the forecast reaches the target along 1/sqrt(N)", () => {
   const points = history(-0.5);
   const last = end(points);
   const target = last.relative_error / 3;
-  const curve = toCurve(points, "photons", { relativeError: target, samples: 1e9 });
+  const curve = toCurve(points, "samples", { relativeError: target, samples: 1e9 });
   assert.ok(Math.abs((end(curve.prediction) ?? 0) / target - 1) < 1e-12);
-  assert.ok(Math.abs(end(curve.x) / (9 * last.photons) - 1) < 1e-12);
+  assert.ok(Math.abs(end(curve.x) / (9 * last.samples) - 1) < 1e-12);
   assert.ok((end(curve.low) ?? 0) < target && (end(curve.high) ?? 0) > target);
   for (const column of [curve.error, curve.guide, curve.target, curve.prediction, curve.low, curve.high]) assert.equal(column.length, curve.x.length);
 });
@@ -54,9 +54,9 @@ test("the forecast reaches the target along 1/sqrt(N)", () => {
 test("the last sample may come before the target; what is reached is not forecast", () => {
   const points = history(-0.5);
   const last = end(points);
-  const curve = toCurve(points, "photons", { relativeError: 1e-9, samples: 2 * last.samples });
-  assert.ok(Math.abs(end(curve.x) / (2 * last.photons) - 1) < 1e-12);
-  const done = toCurve(points, "photons", { relativeError: 0, samples: last.samples });
+  const curve = toCurve(points, "samples", { relativeError: 1e-9, samples: 2 * last.samples });
+  assert.ok(Math.abs(end(curve.x) / (2 * last.samples) - 1) < 1e-12);
+  const done = toCurve(points, "samples", { relativeError: 0, samples: last.samples });
   assert.equal(done.x.length, points.length);
 });
 

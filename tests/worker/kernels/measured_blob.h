@@ -1,4 +1,4 @@
-// Tables for the tests of measured reflection, as docs/measured-brdf.md lays them out.
+// Tables for the tests of measured reflection, as docs/how-to/measured-brdf.md lays them out.
 #pragma once
 
 #include <cmath>

@@ -33,7 +33,7 @@ std::filesystem::path TextureFiles::write(const Picture& picture, bool texture) 
   if (!texture) {
     if (!image.write(written)) throw std::runtime_error(image.geterror());
   } else {
-    // As coordinator/nocturne_coordinator/scene/image_textures.py.
+    // As scene/nocturne_scene/textures/image_files.py.
     OIIO::ImageSpec config(OIIO::TypeDesc::FLOAT);
     config.tile_width = config.tile_height = 64;
     config.tile_depth = 1;

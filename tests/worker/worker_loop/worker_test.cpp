@@ -43,7 +43,7 @@ class WorkerTest : public testing::Test {
   WorkerOptions options(const std::string& id, unsigned threads = 1) {
     return {.redis = server_.address(),
             .id = id,
-            .numeric_class = "a1",
+            .floating_point_profile = "a1",
             .threads = threads,
             .lease = kLease};
   }
@@ -83,7 +83,7 @@ TEST_F(WorkerTest, DoesAllJobsAndSaysSo) {
   std::set<std::uint32_t> tiles;
   for (const v1::JobResult& result : server_.results()) {
     EXPECT_EQ(result.worker_id(), "w");
-    EXPECT_EQ(result.numeric_class(), "a1");
+    EXPECT_EQ(result.floating_point_profile(), "a1");
     EXPECT_EQ(result.partial().sums(), some_partial().sums());
     tiles.insert(result.job().tile_index());
   }
@@ -100,7 +100,7 @@ TEST_F(WorkerTest, DoesAllJobsAndSaysSo) {
   EXPECT_EQ(status.rays(), 800U);
   EXPECT_EQ(status.threads(), 2U);
   EXPECT_EQ(status.engine(), v1::ENGINE_CURRENT);
-  EXPECT_EQ(status.numeric_class(), "a1");
+  EXPECT_EQ(status.floating_point_profile(), "a1");
   EXPECT_GT(status.started(), 1e9);
 }
 
@@ -148,9 +148,9 @@ TEST_F(WorkerTest, OtherEngineIsRefusedInWords) {
   EXPECT_NE(failure.find("engine 77"), std::string::npos);
 }
 
-TEST_F(WorkerTest, JobOfAnotherNumericClassIsLeftToThatClass) {
+TEST_F(WorkerTest, JobOfAnotherFloatingPointProfileIsLeftToThatClass) {
   v1::Job job = make_job();
-  job.set_numeric_class("b2");
+  job.set_floating_point_profile("b2");
   std::atomic<int> traced_by_stranger = 0;
   testing::internal::CaptureStderr();
   Worker stranger(options("stranger"), [&](const v1::Job&) {
@@ -160,12 +160,12 @@ TEST_F(WorkerTest, JobOfAnotherNumericClassIsLeftToThatClass) {
   server_.publish(job);
   ASSERT_TRUE(eventually([&] { return server_.pending() == 1; }));
   WorkerOptions fitting = options("fitting");
-  fitting.numeric_class = "b2";
+  fitting.floating_point_profile = "b2";
   Worker other(fitting, [](const v1::Job&) { return some_partial(); });
   EXPECT_EQ(only_result().worker_id(), "fitting");
   EXPECT_EQ(traced_by_stranger, 0);
   EXPECT_NE(testing::internal::GetCapturedStderr().find(
-                "handed back: it needs a worker of numeric class b2, this one has a1"),
+                "handed back: it needs a worker of floating-point profile b2, this one has a1"),
             std::string::npos);
 }
 

@@ -49,9 +49,10 @@ void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint
   Imf::addChromaticities(header, {{1, 0}, {0, 1}, {0, 0}, {1.0f / 3, 1.0f / 3}});
   Imf::addWhiteLuminance(header, 1.0f);
   header.insert("nocturne:scene", Imf::StringAttribute(provenance.scene_sha256));
-  header.insert("nocturne:plan", Imf::StringAttribute(provenance.plan));
+  header.insert("nocturne:schedule", Imf::StringAttribute(provenance.plan));
   header.insert("nocturne:engine", Imf::IntAttribute(static_cast<int>(provenance.engine)));
-  header.insert("nocturne:numericClass", Imf::StringAttribute(provenance.numeric_class));
+  header.insert("nocturne:floatingPointProfile",
+                Imf::StringAttribute(provenance.floating_point_profile));
 
   Imf::FrameBuffer buffer;
   const auto add = [&](const std::string& name, Imf::PixelType type, void* first,

@@ -13,7 +13,7 @@ struct ImageProvenance {
   /// The plan as JSON, as the service spells it.
   std::string plan;
   std::uint32_t engine;
-  std::string numeric_class;
+  std::string floating_point_profile;
 };
 
 /// Writes means and errors from sums (per pixel, row by row: sum X, Y, Z, Y^2 and one for each

@@ -1,7 +1,7 @@
 // Measured isotropic reflection, tabulated over half-vector and difference angles: Rusinkiewicz, "A
 // New Change of Variables for Efficient BRDF Representation", EGWR 1998; spacing as in Matusik et
 // al., "A Data-Driven Reflectance Model", SIGGRAPH 2003. The blob is specified in
-// docs/measured-brdf.md.
+// docs/how-to/measured-brdf.md.
 //
 // Between nodes the table is interpolated linearly in all three angles, and held beyond the last
 // node. Directions are drawn from an even mixture: half vectors in proportion to the table's mean

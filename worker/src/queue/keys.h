@@ -1,5 +1,5 @@
 // All names in Redis that a worker uses. The coordinator's list of the same names:
-// nocturne_coordinator/keys.py.
+// nocturne_coordinator/queue/keys.py.
 #pragma once
 
 #include <string>

@@ -16,7 +16,7 @@ struct FilmPlan {
   std::span<const std::uint32_t> range_ends;
 };
 
-/// Sums of the film, row by row; photons, rays and rejected photons of all tiles. A tile's ranges
+/// Sums of the film, row by row; photons, rays and invalid samples of all tiles. A tile's ranges
 /// are added up in sample order, so the bits don't depend on the number of threads. `progress` is
 /// told the share of photons traced, from any thread, one at a time.
 TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,

@@ -64,7 +64,7 @@ v1::WorkerStatus Heartbeat::status() const {
   v1::WorkerStatus status;
   status.set_worker_id(options_.id);
   status.set_engine(v1::ENGINE_CURRENT);
-  status.set_numeric_class(options_.numeric_class);
+  status.set_floating_point_profile(options_.floating_point_profile);
   status.set_threads(options_.threads);
   status.set_started(started_);
   tally_.report(status);

@@ -25,8 +25,8 @@ struct WorkerOptions {
   RedisAddress redis;
   /// Unique among the workers of one Redis.
   std::string id;
-  /// See rounding/numeric_class.h; jobs of other classes are handed back.
-  std::string numeric_class;
+  /// See rounding/floating_point_profile.h; jobs of other classes are handed back.
+  std::string floating_point_profile;
   unsigned threads = 1;
   /// A job that was not extended for so long is somebody else's; it is extended every third of it.
   std::chrono::milliseconds lease{10000};

@@ -42,10 +42,13 @@ void check_engine(const v1::Job& job, const std::string& worker_id) {
 }
 
 /// Not the job's fault: workers of its class do it.
-void check_numeric_class(const v1::Job& job, const std::string& numeric_class) {
-  if (job.numeric_class().empty() || job.numeric_class() == numeric_class) return;
-  throw HandBack("it needs a worker of numeric class " + printable(job.numeric_class()) +
-                 ", this one has " + numeric_class);
+void check_floating_point_profile(const v1::Job& job, const std::string& floating_point_profile) {
+  if (job.floating_point_profile().empty() ||
+      job.floating_point_profile() == floating_point_profile)
+    return;
+  throw HandBack("it needs a worker of floating-point profile " +
+                 printable(job.floating_point_profile()) + ", this one has " +
+                 floating_point_profile);
 }
 
 }  // namespace
@@ -121,7 +124,7 @@ std::optional<v1::JobResult> WorkerThread::result_of(const v1::Job& job) {
   try {
     check_engine(job, options_.id);
     check_job(job);
-    check_numeric_class(job, options_.numeric_class);
+    check_floating_point_profile(job, options_.floating_point_profile);
     *result.mutable_partial() = trace_(job);
   } catch (const HandBack& reason) {
     report_trouble(description(job) + " handed back: " + reason.what());
@@ -133,7 +136,7 @@ std::optional<v1::JobResult> WorkerThread::result_of(const v1::Job& job) {
   }
   *result.mutable_job() = job;
   result.set_worker_id(options_.id);
-  result.set_numeric_class(options_.numeric_class);
+  result.set_floating_point_profile(options_.floating_point_profile);
   if (result.has_failure()) report_trouble(description(job) + " failed: " + result.failure());
   return result;
 }

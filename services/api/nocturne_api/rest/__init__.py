@@ -1,1 +1,1 @@
-"""The REST door: FastAPI routers over the operations."""
+"""The REST endpoint: FastAPI routers over the operations, and the web page."""

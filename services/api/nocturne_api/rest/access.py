@@ -4,7 +4,7 @@ from typing import Annotated
 
 from fastapi import Depends, Request
 
-from nocturne_api.operations import Operations
+from nocturne_api.operations.operations import Operations
 
 
 def _operations(request: Request) -> Operations:

@@ -1,48 +1,74 @@
-"""Puts the REST door together."""
+"""Puts the REST endpoint together."""
 
 from pathlib import Path
 
 from fastapi import FastAPI
+from fastapi.routing import APIRoute
 from starlette.types import ASGIApp
 
-from nocturne_api.operations import Operations
+from nocturne_api.operations.operations import Operations
 from nocturne_api.rest import (
     assets,
     events,
     health,
     images,
     metrics,
-    plans,
+    preflights,
     problems,
     reference,
+    render_controls,
     renders,
     session,
     webhooks,
     workers,
 )
-from nocturne_api.rest.guards import Guards
-from nocturne_api.rest.lingering import Lingering
+from nocturne_api.rest.contract import errors
+from nocturne_api.rest.lingering import LingeringMiddleware
+from nocturne_api.rest.middleware import SecurityMiddleware
+from nocturne_api.rest.openapi import DescribedApp
 from nocturne_api.rest.page import Page
 
-_ROUTERS = (renders, plans, images, events, session, assets, workers, webhooks, health, metrics, reference)
+_ROUTERS = (
+    renders,
+    render_controls,
+    preflights,
+    images,
+    events,
+    session,
+    assets,
+    workers,
+    webhooks,
+    health,
+    metrics,
+    reference,
+)
+
+
+def described_app() -> FastAPI:
+    """All routes with what they say of themselves, over no operations yet."""
+    app = DescribedApp(
+        docs_url=None,
+        redoc_url=None,
+        redirect_slashes=False,
+        generate_unique_id_function=_name_of,
+    )
+    problems.install(app)
+    for module in _ROUTERS:
+        # Probes ask without a token, and never in vain.
+        app.include_router(module.router, responses={} if module is health else errors())
+    return app
 
 
 def build_rest(operations: Operations, web: Path, loopback_only: bool, authenticate: bool = False) -> ASGIApp:
     """The ASGI application over `operations`, with the page in the folder `web` at `/`."""
-    app = FastAPI(
-        title="Nocturne",
-        version="1",
-        description="Renders scenes into spectral images in absolute units, with error bars.",
-        docs_url=None,
-        redoc_url=None,
-        redirect_slashes=False,
-        responses={
-            "default": {"model": problems.ProblemDetails, "description": "Problem details, RFC 9457."}
-        },
-    )
+    app = described_app()
     app.state.operations = operations
-    problems.install(app)
-    for module in _ROUTERS:
-        app.include_router(module.router)
-    app.router.default = Page(web)
-    return Lingering(Guards(app, loopback_only, operations.identify if authenticate else None))
+    page = Page(web)
+    app.state.page = page
+    app.router.default = page
+    identify = operations.tokens.identify if authenticate else None
+    return LingeringMiddleware(SecurityMiddleware(app, loopback_only, identify))
+
+
+def _name_of(route: APIRoute) -> str:
+    return route.name

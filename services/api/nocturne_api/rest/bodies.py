@@ -4,8 +4,8 @@ import asyncio
 from typing import TypeVar
 
 from fastapi import Request
-from nocturne_coordinator.errors import InputError
-from nocturne_coordinator.scene.json_text import decode_json
+from nocturne_scene.document.json_text import decode_json
+from nocturne_scene.errors import InputError
 from pydantic import BaseModel, ValidationError
 
 from nocturne_api.rest.problems import problems_of

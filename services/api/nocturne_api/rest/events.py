@@ -1,116 +1,102 @@
-"""Changes as server-sent events: `event: render`, data a Render, id its sequence."""
+"""Changes as server-sent events: `event: render`, data a Render, id its sequence.
 
-import asyncio
-import json
-from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable
+What can refuse a stream stands in dependencies: they end before the first byte, so the answer has its status.
+"""
+
+from collections.abc import AsyncGenerator, AsyncIterator
+from contextlib import aclosing
 from typing import Annotated
 
-from fastapi import APIRouter, Header, Query
-from nocturne_coordinator.errors import InputError, NocturneError
-from starlette.responses import Response, StreamingResponse
+from fastapi import APIRouter, Depends, Header, Query, Response
+from fastapi.sse import EventSourceResponse, ServerSentEvent
+from nocturne_scene.errors import InputError, NocturneError
 
-from nocturne_api.limits import KEEP_ALIVE_S, RENDERS_PER_STREAM
-from nocturne_api.operations import Operations
+from nocturne_api.access import CALLER
+from nocturne_api.limits import RENDERS_PER_STREAM
+from nocturne_api.models.events import TilesEvent
+from nocturne_api.models.renders import Render
 from nocturne_api.rest.access import Service
-from nocturne_api.views import RenderView
 
 router = APIRouter(prefix="/v1", tags=["events"])
 
-_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+States = AsyncGenerator[Render, None]
+
+_BEGUN = ServerSentEvent(comment="watching")
+"""Sent at once: some proxies hold an answer back until it has a body."""
 
 
-class EventStream(StreamingResponse):
-    """A response of server-sent events."""
+async def _states_of_one(
+    render_id: str, operations: Service, response: Response, last_event_id: Annotated[str, Header()] = ""
+) -> AsyncIterator[States]:
+    known = int(last_event_id) if last_event_id.isascii() and last_event_id.isdecimal() else -1
+    render = await operations.renders.get(render_id)
+    if render.has_ended and render.sequence <= known:
+        response.status_code = 204
+    async with aclosing(operations.streams.one(render_id, known)) as states:
+        yield states
 
-    media_type = "text/event-stream"
 
-
-@router.get("/renders/{render_id}/events", response_class=EventStream)
+@router.get("/renders/{render_id}/events", response_class=EventSourceResponse)
 async def render_events(
-    render_id: str, operations: Service, last_event_id: Annotated[str, Header()] = ""
-) -> Response:
+    states: Annotated[States, Depends(_states_of_one)], response: Response
+) -> AsyncIterator[ServerSentEvent]:
     """The render now and after every change; the stream ends after the final state.
 
     With Last-Event-ID only states after it are sent. If that was the final one the answer is 204, which tells
     a browser to stop asking.
     """
-    known = int(last_event_id) if last_event_id.isascii() and last_event_id.isdecimal() else -1
-    render = await operations.get_render(render_id)
-    if render.has_ended and render.sequence <= known:
-        return Response(status_code=204)
-    return EventStream(_events(operations.watch_render(render_id, known), _numbered), headers=_HEADERS)
+    if response.status_code == 204:
+        return
+    yield _BEGUN
+    try:
+        async for render in states:
+            yield ServerSentEvent(event="render", data=render, id=str(render.sequence))
+    except NocturneError as error:
+        yield _too_late(error)
 
 
-@router.get("/events", response_class=EventStream)
-async def all_events(
+async def _states_of_many(
     operations: Service,
     render: Annotated[list[str] | None, Query(description="Only these, with their tiles.")] = None,
-) -> Response:
+) -> AsyncIterator[States]:
+    CALLER.get().need("read")
+    if len(render or ()) > RENDERS_PER_STREAM:
+        raise InputError.at("query.render", f"at most {RENDERS_PER_STREAM} in one stream")
+    for render_id in render or ():
+        await operations.renders.get(render_id)
+    async with aclosing(
+        operations.streams.some(frozenset(render)) if render else operations.streams.newest()
+    ) as states:
+        yield states
+
+
+@router.get("/events", response_class=EventSourceResponse)
+async def all_events(
+    states: Annotated[States, Depends(_states_of_many)],
+    operations: Service,
+    render: Annotated[list[str] | None, Query()] = None,
+) -> AsyncIterator[ServerSentEvent]:
     """The newest 200 renders, then each of them after every change.
 
     With `render`, at most four times, only those, also after their ends; each change is followed by an event
     `tiles` that names the tiles with new samples, where there are any.
     """
-    if not render:
-        return EventStream(_events(operations.watch_all(), _plain), headers=_HEADERS)
-    if len(render) > RENDERS_PER_STREAM:
-        raise InputError.at("query.render", f"at most {RENDERS_PER_STREAM} in one stream")
-    for render_id in render:
-        await operations.get_render(render_id)
-    states = operations.watch_some(frozenset(render))
-    return EventStream(_events(states, _WithTiles(operations)), headers=_HEADERS)
-
-
-class _WithTiles:
-    """A state as an event, and another one for the tiles that changed with it."""
-
-    def __init__(self, operations: Operations) -> None:
-        self._operations = operations
-        self._known: dict[str, int] = {}
-
-    async def __call__(self, render: RenderView) -> str:
-        since = self._known.get(render.id, 0)
-        self._known[render.id] = render.sequence
-        tiles = await self._operations.changed_tiles(render.id, since)
-        text = await _plain(render)
-        if not tiles:
-            return text
-        data = {"render": render.id, "revision": render.sequence, "tiles": tiles}
-        return f"{text}event: tiles\ndata: {json.dumps(data)}\n\n"
-
-
-async def _plain(render: RenderView) -> str:
-    return f"event: render\ndata: {render.model_dump_json()}\n\n"
-
-
-async def _numbered(render: RenderView) -> str:
-    return f"id: {render.sequence}\n{await _plain(render)}"
-
-
-async def _events(
-    states: AsyncGenerator[RenderView, None], event: Callable[[RenderView], Awaitable[str]]
-) -> AsyncIterator[str]:
-    """`states` as events, with a comment whenever nothing was sent for KEEP_ALIVE_S."""
-    waiting: asyncio.Future[RenderView] | None = None
+    yield _BEGUN
+    sequences: dict[str, int] = {}
     try:
-        yield ": watching\n\n"
-        while True:
-            waiting = waiting or asyncio.ensure_future(anext(states))
-            done, _ = await asyncio.wait({waiting}, timeout=KEEP_ALIVE_S)
-            if not done:
-                yield ": still here\n\n"
+        async for state in states:
+            yield ServerSentEvent(event="render", data=state)
+            if not render:
                 continue
-            try:
-                render = waiting.result()
-            except StopAsyncIteration:
-                return
-            except NocturneError as error:  # Too late for a problem document: the answer has begun.
-                yield f": {error}\n\n"
-                return
-            waiting = None
-            yield await event(render)
-    finally:
-        if waiting is not None:
-            waiting.cancel()
-            await asyncio.wait({waiting})
-        await states.aclose()
+            tiles = await operations.images.changed_tiles(state.id, sequences.get(state.id, 0))
+            sequences[state.id] = state.sequence
+            if tiles:
+                data = TilesEvent(render=state.id, revision=state.sequence, tiles=tiles)
+                yield ServerSentEvent(event="tiles", data=data)
+    except NocturneError as error:
+        yield _too_late(error)
+
+
+def _too_late(error: NocturneError) -> ServerSentEvent:
+    """An error as a comment: the answer has begun, so it can't be a problem document."""
+    return ServerSentEvent(comment=str(error))

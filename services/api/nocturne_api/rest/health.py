@@ -1,10 +1,11 @@
-"""For orchestrators: is the process alive, and can it serve."""
+"""Health, for orchestrators: is the process alive, and can it serve."""
 
 from fastapi import APIRouter
 from starlette.responses import PlainTextResponse
 
 from nocturne_api.errors import Overloaded
 from nocturne_api.rest.access import Service
+from nocturne_api.rest.contract import errors
 
 router = APIRouter(tags=["health"])
 
@@ -15,9 +16,9 @@ async def alive() -> str:
     return "alive\n"
 
 
-@router.get("/readyz", response_class=PlainTextResponse)
+@router.get("/readyz", response_class=PlainTextResponse, responses=errors(Overloaded))
 async def ready(operations: Service) -> str:
     """The data folder answers too; else 503."""
-    if not await operations.ready():
+    if not await operations.health.ready():
         raise Overloaded("The data folder does not answer.")
     return "ready\n"

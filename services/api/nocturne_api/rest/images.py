@@ -3,29 +3,40 @@
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
+from nocturne_coordinator.errors import AmbiguousId
+from nocturne_scene.errors import NotFound
 from starlette.responses import Response, StreamingResponse
 
-from nocturne_api.open_file import OpenFile
+from nocturne_api.files.open_file import OpenFile
+from nocturne_api.files.tiles import MEDIA_TYPE, Cursor
 from nocturne_api.rest.access import Service
-from nocturne_api.tiles import MEDIA_TYPE, Cursor
+from nocturne_api.rest.contract import answers, errors
 
 router = APIRouter(prefix="/v1/renders", tags=["images"])
 
+_OF_ONE = errors(NotFound, AmbiguousId)
+_PNG = {**answers("image/png", "The picture.", conditional=True), **_OF_ONE}
+_EXR = {**answers("image/x-exr", "The image.", conditional=True), **_OF_ONE}
+_TILES = {
+    **answers(MEDIA_TYPE, "The tiles, little-endian (docs/reference/api.md).", conditional=True),
+    **_OF_ONE,
+}
 
-@router.get("/{render_id}/preview.png", response_class=Response)
-async def preview(render_id: str, request: Request, operations: Service) -> Response:
+
+@router.get("/{render_id}/preview.png", response_class=Response, responses=_PNG)
+async def get_preview(render_id: str, request: Request, operations: Service) -> Response:
     """The tone-mapped PNG of what is merged now."""
-    return _answer(request, await operations.open_preview(render_id), "image/png")
+    return _answer(request, await operations.images.open_preview(render_id), "image/png")
 
 
-@router.get("/{render_id}/thumbnail.png", response_class=Response)
-async def thumbnail(render_id: str, request: Request, operations: Service) -> Response:
+@router.get("/{render_id}/thumbnail.png", response_class=Response, responses=_PNG)
+async def get_thumbnail(render_id: str, request: Request, operations: Service) -> Response:
     """The preview in small, for lists."""
-    return _answer(request, await operations.open_thumbnail(render_id), "image/png")
+    return _answer(request, await operations.images.open_thumbnail(render_id), "image/png")
 
 
-@router.get("/{render_id}/tiles", response_class=Response)
-async def tiles(
+@router.get("/{render_id}/tiles", response_class=Response, responses=_TILES)
+async def get_tiles(
     render_id: str,
     request: Request,
     operations: Service,
@@ -33,19 +44,19 @@ async def tiles(
 ) -> Response:
     """Tiles whose samples changed since an earlier answer, as floats; about 4 MiB at once.
 
-    The layout is in docs/api.md. 304 where If-None-Match is `since` and nothing changed.
+    The layout is in docs/reference/api.md. 304 where If-None-Match is `since` and nothing changed.
     """
-    found = await operations.tiles(render_id, Cursor.of(since))
+    found = await operations.images.tiles(render_id, Cursor.of(since))
     headers = {"ETag": f'"{found.end}"', "Cache-Control": "no-store"}
     if str(found.end) == since and _is_known(request.headers.get("if-none-match", ""), headers["ETag"]):
         return Response(status_code=304, headers=headers)
     return Response(found.content, headers=headers, media_type=MEDIA_TYPE)
 
 
-@router.get("/{render_id}/image.exr", response_class=Response)
-async def image(render_id: str, request: Request, operations: Service) -> Response:
+@router.get("/{render_id}/image.exr", response_class=Response, responses=_EXR)
+async def get_image(render_id: str, request: Request, operations: Service) -> Response:
     """EXR: X, Y, Z, Y.stderr, n; of what is merged now until the render has ended, then final."""
-    return _answer(request, await operations.open_image(render_id), "image/x-exr")
+    return _answer(request, await operations.images.open_exr(render_id), "image/x-exr")
 
 
 def _answer(request: Request, opened: OpenFile, media_type: str) -> Response:

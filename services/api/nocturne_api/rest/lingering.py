@@ -9,7 +9,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from nocturne_api.limits import LINGER_S
 
 
-class Lingering:
+class LingeringMiddleware:
     """Reads on for a moment, and throws away, when an answer is complete before its request is.
 
     Closing at once would reset the connection, and a sender in the middle of a large body would never get to

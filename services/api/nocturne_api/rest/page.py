@@ -6,10 +6,20 @@ from starlette.exceptions import HTTPException
 from starlette.responses import FileResponse, PlainTextResponse, Response
 from starlette.types import Receive, Scope, Send
 
-_NOT_BUILT = "The page is not built; run `make web`, or start with --web FOLDER. The API works: see /docs.\n"
+_PACKAGED = Path(__file__).resolve().parents[1] / "page"
+# services/api/nocturne_api/rest/page.py -> services/web/dist
+_IN_CHECKOUT = Path(__file__).resolve().parents[3] / "web" / "dist"
+_NOT_BUILT = (
+    "The page is not built; run `make web`, or start with --web FOLDER. The API works: see /openapi.json.\n"
+)
 # Vite puts a hash of the content into the names of files below assets/.
 _FOREVER = "public, max-age=31536000, immutable"
 _ASK_FIRST = "no-cache"
+
+
+def built_page() -> Path:
+    """The folder of the page: in the installed package, else in the checkout, where it may not be built."""
+    return _PACKAGED if _PACKAGED.is_dir() else _IN_CHECKOUT
 
 
 class Page:
@@ -24,6 +34,11 @@ class Page:
             raise HTTPException(404)
         await self._answer(path)(scope, receive, send)
 
+    def file(self, path: str) -> Response:
+        """A file of the page at another address than its own; one sentence where the page is not built."""
+        file = self._file(path)
+        return PlainTextResponse(_NOT_BUILT) if file is None else _fresh(file)
+
     def _answer(self, path: str) -> Response:
         index = self._folder / "index.html"
         if not path and not index.is_file():
@@ -34,7 +49,7 @@ class Page:
             return FileResponse(file, headers={"Cache-Control": cache})
         if "." in path.rpartition("/")[2] or not index.is_file():
             raise HTTPException(404)
-        return FileResponse(index, headers={"Cache-Control": _ASK_FIRST})
+        return _fresh(index)
 
     def _file(self, path: str) -> Path | None:
         """The file of the folder at `path`; None for what is not there or would lead out of the folder."""
@@ -42,3 +57,8 @@ class Page:
             return None
         file = (self._folder / path).resolve()
         return file if file.is_relative_to(self._folder) and file.is_file() else None
+
+
+def _fresh(file: Path) -> FileResponse:
+    """A file that browsers keep, but ask for before every use."""
+    return FileResponse(file, headers={"Cache-Control": _ASK_FIRST})

@@ -1,4 +1,4 @@
-"""Every error of the REST door as RFC 9457 problem details, those of the framework included."""
+"""Every error of the REST endpoint as RFC 9457 problem details, those of the framework included."""
 
 from collections.abc import Mapping, Sequence
 from http import HTTPStatus
@@ -6,39 +6,21 @@ from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
-from nocturne_coordinator.errors import InputError, Problem
-from pydantic import BaseModel
+from nocturne_scene.errors import InputError, Problem
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 from starlette.responses import JSONResponse, Response
 
 from nocturne_api.errors import TABLE, Failure, failure_of
-
-MEDIA_TYPE = "application/problem+json"
-
-
-class ProblemItem(BaseModel):
-    """One thing wrong with the request."""
-
-    place: str
-    message: str
-
-
-class ProblemDetails(BaseModel):
-    """RFC 9457 problem details."""
-
-    type: str = "about:blank"
-    title: str
-    status: int
-    detail: str
-    reason: str
-    problems: list[ProblemItem] = []
+from nocturne_api.models import problems as models
+from nocturne_api.models.problems import ProblemDetails
+from nocturne_api.rest.contract import PROBLEM_MEDIA_TYPE
 
 
 class ProblemResponse(JSONResponse):
     """A problem document."""
 
-    media_type = MEDIA_TYPE
+    media_type = PROBLEM_MEDIA_TYPE
 
 
 def response_of(failure: Failure, headers: Mapping[str, str] | None = None) -> ProblemResponse:
@@ -48,7 +30,7 @@ def response_of(failure: Failure, headers: Mapping[str, str] | None = None) -> P
         status=failure.kind.http_status,
         detail=failure.detail,
         reason=failure.kind.reason,
-        problems=[ProblemItem(place=each.place, message=each.message) for each in failure.problems],
+        problems=[models.Problem(place=each.place, message=each.message) for each in failure.problems],
     )
     return ProblemResponse(details.model_dump(), failure.kind.http_status, headers)
 

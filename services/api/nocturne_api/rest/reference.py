@@ -1,29 +1,22 @@
-"""The REST door's operations at /docs: plain HTML made from the OpenAPI document, nothing from elsewhere."""
+"""The API reference at /docs: Swagger UI, built with the page and served from here, on /openapi.json."""
 
-from html import escape
+from typing import Any
 
 from fastapi import APIRouter, Request
-from starlette.responses import HTMLResponse
+from nocturne_scene.document.reference import json_schema
+from starlette.responses import Response
 
 router = APIRouter(include_in_schema=False)
 
-_HEAD = """<!doctype html>
-<html lang="en"><meta charset="utf-8"><title>Nocturne API</title>
-<h1>Nocturne API</h1>
-<p>The machine-readable description is <a href="/openapi.json">/openapi.json</a>. Errors are
-<a href="https://www.rfc-editor.org/rfc/rfc9457">RFC 9457</a> problem details with a list of
-<code>problems</code>, each a <code>place</code> and a <code>message</code>.</p>
-<dl>
-"""
+
+@router.get("/docs")
+async def reference(request: Request) -> Response:
+    """The reference viewer; it loads nothing from elsewhere."""
+    response: Response = request.app.state.page.file("reference.html")
+    return response
 
 
-@router.get("/docs", response_class=HTMLResponse)
-async def reference(request: Request) -> str:
-    """All operations with what they do."""
-    paths = request.app.openapi()["paths"]
-    entries = [
-        f"<dt><code>{method.upper()} {escape(path)}</code></dt><dd>{escape(about['description'])}</dd>\n"
-        for path, operations in paths.items()
-        for method, about in operations.items()
-    ]
-    return _HEAD + "".join(entries) + "</dl></html>\n"
+@router.get("/scene.schema.json")
+async def scene_schema() -> dict[str, Any]:
+    """The JSON Schema of scene documents."""
+    return json_schema()

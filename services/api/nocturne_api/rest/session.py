@@ -4,29 +4,22 @@ See docs/decisions/0019-the-pages-token-is-a-cookie.md.
 """
 
 from fastapi import APIRouter, Request
-from pydantic import BaseModel
 from starlette.responses import JSONResponse, Response
 
 from nocturne_api.access import CALLER, secret_in
-from nocturne_api.rest.guards import TOKEN_COOKIE, TOKEN_PATH
+from nocturne_api.models.session import Session
+from nocturne_api.rest.middleware import TOKEN_COOKIE, TOKEN_PATH
 
 router = APIRouter(prefix="/v1", tags=["session"])
 
 
-class SessionView(BaseModel):
-    """Who the caller is."""
-
-    name: str
-    scopes: list[str]
-
-
 @router.get("/session")
-async def session() -> SessionView:
+async def get_session() -> Session:
     """Who the caller is, and what it may do; without authentication nobody, and everything."""
     return _caller()
 
 
-@router.post("/session", response_model=SessionView)
+@router.post("/session", response_model=Session)
 async def begin_session(request: Request) -> Response:
     """Takes the token of the Authorization header into a cookie that scripts cannot read."""
     response = JSONResponse(_caller().model_dump())
@@ -51,6 +44,6 @@ async def end_session() -> Response:
     return response
 
 
-def _caller() -> SessionView:
+def _caller() -> Session:
     caller = CALLER.get()
-    return SessionView(name=caller.name, scopes=sorted(caller.scopes))
+    return Session(name=caller.name, scopes=sorted(caller.scopes))

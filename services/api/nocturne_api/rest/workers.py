@@ -1,28 +1,30 @@
 """Workers."""
 
 from fastapi import APIRouter
+from nocturne_scene.errors import NotFound
 from starlette.responses import Response
 
+from nocturne_api.models.workers import WorkerHistory, WorkerList
 from nocturne_api.rest.access import Service
-from nocturne_api.views import WorkerHistoryView, WorkersView
+from nocturne_api.rest.contract import errors
 
-router = APIRouter(prefix="/v1", tags=["workers"])
+router = APIRouter(prefix="/v1/workers", tags=["workers"])
 
 
-@router.get("/workers")
-async def workers(operations: Service) -> WorkersView:
+@router.get("")
+async def list_workers(operations: Service) -> WorkerList:
     """The workers heard of in the last ten seconds."""
-    return WorkersView(workers=await operations.workers())
+    return await operations.workers.list()
 
 
-@router.get("/workers/history")
-async def worker_history(operations: Service) -> WorkerHistoryView:
-    """Who joined, left or was put in quarantine lately, and what all workers did, minute by minute."""
-    return await operations.worker_history()
+@router.get("/history")
+async def get_worker_history(operations: Service) -> WorkerHistory:
+    """Worker events (joined, left, quarantined, released) and the rate of all workers, by the minute."""
+    return await operations.workers.history()
 
 
-@router.post("/workers/{worker_id}:release", status_code=204, response_class=Response)
+@router.post("/{worker_id}:release", status_code=204, response_class=Response, responses=errors(NotFound))
 async def release_worker(worker_id: str, operations: Service) -> Response:
     """Takes the results of a worker in quarantine again."""
-    await operations.release_worker(worker_id)
+    await operations.workers.release(worker_id)
     return Response(status_code=204)

@@ -1,18 +1,20 @@
 """The program: all commands, and the one place where errors become messages and exit statuses."""
 
 import sys
+from typing import Annotated
 
 import typer
 
 from nocturne_client.cli import (
     local_commands,
-    plan_command,
+    preflight_command,
     service_commands,
     token_commands,
     webhook_commands,
 )
 from nocturne_client.cli.output import ERRORS, ExitStatus, print_error
 from nocturne_client.errors import NocturneClientError, NotReachedError
+from nocturne_client.version import installed_version
 
 app = typer.Typer(
     name="nocturne",
@@ -21,12 +23,31 @@ app = typer.Typer(
     "2 wrong arguments or input; 3 no service there; 4 some tiles of the image lack samples; "
     "130 interrupted.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
+# What brings a package that a command needs and this one does not: an extra of nocturne-client.
+_EXTRAS = {"numpy": "pixels"}
+_SERVICE = "service"
+
+
+def _show_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"nocturne {installed_version()}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", help="Show the version.", callback=_show_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Render scenes into spectral images in absolute units, with error bars."""
+
+
 service_commands.add_to(app)
 local_commands.add_to(app)
-plan_command.add_to(app)
+preflight_command.add_to(app)
 app.add_typer(token_commands.app)
 app.add_typer(webhook_commands.app)
 
@@ -38,8 +59,23 @@ def main() -> None:
     except NocturneClientError as error:
         print_error(error)
         sys.exit(ExitStatus.NOT_REACHED if isinstance(error, NotReachedError) else ExitStatus.WRONG)
+    except ModuleNotFoundError as error:
+        if (error.name or "").startswith("nocturne_client"):
+            raise
+        print_error(_missing_package(error))
+        sys.exit(ExitStatus.FAILED)
     except KeyboardInterrupt:
         ERRORS.print("interrupted")
         sys.exit(ExitStatus.INTERRUPTED)
     except BrokenPipeError:
         sys.exit(ExitStatus.OK)
+
+
+def _missing_package(error: ModuleNotFoundError) -> NocturneClientError:
+    """Commands import what they need when they run: beside the client alone, the service's is missing."""
+    package = (error.name or "").partition(".")[0]
+    extra = _EXTRAS.get(package, _SERVICE)
+    return NocturneClientError(
+        f"this command needs the package {package}, which is not installed; "
+        f'install it with: pip install "nocturne-client[{extra}]"'
+    )

@@ -82,7 +82,7 @@ def compile_scene(
     height: Height = 512,
     samples: Samples = 256,
 ) -> None:
-    """Compile a scene for `nocturne-trace`: DIR/scene.pb, DIR/plan.pb and DIR/blobs/."""
+    """Compile a scene for `nocturne-trace`: DIR/scene.pb, DIR/schedule.pb and DIR/blobs/."""
     from nocturne_client.local.compiled import compile_to
 
     compiled = compile_to(scene, output, width, height, samples)
@@ -92,7 +92,9 @@ def compile_scene(
 
 
 def import_scene(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Mitsuba 3 XML, by the name's end.")],
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="Mitsuba 3 (.xml), pbrt-v4 (.pbrt), glTF (.gltf, .glb).")
+    ],
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="DIR", help="New folder for scene.json and its files.")
     ],
@@ -113,6 +115,17 @@ def import_scene(
         float,
         typer.Option("--light-degrees", min=0.01, max=180, help="Size of distant lamps that have none."),
     ] = 0.1,
+    light: Annotated[
+        str | None,
+        typer.Option(
+            "--light",
+            metavar="sky|studio|FILE",
+            help="Light around a scene; FILE: an HDR or EXR picture. Default: sky where nothing emits.",
+        ),
+    ] = None,
+    time: Annotated[
+        float | None, typer.Option("--time", help="Seconds into an animation. Default: everything at rest.")
+    ] = None,
     allow_missing: Annotated[
         bool,
         typer.Option("--allow-missing", help="Import the rest of a scene that has parts without an equal."),
@@ -126,7 +139,7 @@ def import_scene(
         if not equals or not name:
             raise typer.BadParameter(f"expected NAME=VALUE, found {name}", param_hint="--define")
     values = {name: value for name, _, value in pairs}
-    chosen = options(root, values, light_radius, light_degrees, allow_missing)
+    chosen = options(root, values, light_radius, light_degrees, light, time, allow_missing)
     imported = import_to(file, output, chosen)
     for line in report(imported):
         ERRORS.print(line, markup=False, soft_wrap=True)
@@ -150,7 +163,7 @@ def export_scene(
     ] = False,
 ) -> None:
     """Make another renderer's scene of a scene document."""
-    from nocturne_coordinator.exporting.compiled import Film
+    from nocturne_scene.formats.writing.compiled import Film
 
     from nocturne_client.local.exporting import export_to, report
 

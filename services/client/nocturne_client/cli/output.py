@@ -2,6 +2,7 @@
 
 import json
 import time
+from collections.abc import Sequence
 from dataclasses import asdict
 from enum import IntEnum
 from typing import Annotated, Any
@@ -16,6 +17,8 @@ from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Render, Worker
 
 CONSOLE = Console(highlight=False)
+# Of up to eight columns beside the ids, which wrap: five characters each.
+_OTHER_COLUMNS_WIDTH = 40
 ERRORS = Console(stderr=True, highlight=False)
 
 Url = Annotated[
@@ -60,16 +63,16 @@ def print_render(render: Render, as_json: bool) -> None:
         ("name", render.name),
         ("state", f"{render.state} {render.reason}".strip()),
         ("film", f"{render.width} x {render.height}, {render.samples} samples per pixel"),
-        ("merged", f"{render.fraction:.1%}, {progress.photons:,} photons, {progress.rays:,} rays"),
+        ("merged", f"{render.fraction:.1%}, {progress.samples_merged:,} samples, {progress.rays:,} rays"),
         ("relative error", f"{progress.relative_error:.3%}" if progress.relative_error else "not known yet"),
-        ("rejected photons", f"{progress.rejected:,}"),
+        ("invalid samples", f"{progress.invalid_samples:,}"),
         ("processor time", f"{progress.cpu_seconds:,.1f} s"),
         ("stops at", _stop(render)),
         ("forecast", _forecast(render)),
         ("priority", f"{render.priority}" + (f", for {render.owner}" if render.owner else "")),
         ("audited", f"{progress.audited:,} ranges; results refused: {progress.refused:,}"),
         ("scene", render.scene_sha256),
-        ("numeric class", render.numeric_class or "not known yet"),
+        ("floating-point profile", render.floating_point_profile or "not known yet"),
     ):
         table.add_row(f"[dim]{name}[/]", escape(text))
     CONSOLE.print(table)
@@ -103,7 +106,8 @@ def print_workers(workers: list[Worker], as_json: bool) -> None:
             print_json(asdict(worker))
         return
     table = Table(
-        *("id", "engine", "class", "threads", "photons/s", "jobs", "up", "gets no jobs because"),
+        Column("id", no_wrap=True),
+        *("engine", "profile", "threads", "rays/s", "jobs", "up", "gets no jobs because"),
         box=None,
         pad_edge=False,
     )
@@ -111,14 +115,14 @@ def print_workers(workers: list[Worker], as_json: bool) -> None:
         table.add_row(
             escape(worker.id),
             f"{worker.engine}",
-            escape(worker.numeric_class),
+            escape(worker.floating_point_profile),
             f"{worker.threads}",
-            f"{worker.photons_per_second:,.0f}",
+            f"{worker.rays_per_second:,.0f}",
             f"{worker.jobs_done:,}",
             duration(time.time() - worker.started),
-            escape(f"Quarantine: {worker.quarantine}" if worker.quarantine else worker.shut_out),
+            escape(f"Quarantine: {worker.quarantine}" if worker.quarantine else worker.incompatible),
         )
-    CONSOLE.print(table if workers else "no worker was heard of in the last ten seconds")
+    _print_table(table, [worker.id for worker in workers], "no worker was heard of in the last ten seconds")
 
 
 def print_renders(renders: list[Render], as_json: bool) -> None:
@@ -127,7 +131,8 @@ def print_renders(renders: list[Render], as_json: bool) -> None:
         for render in renders:
             print_json(asdict(render))
         return
-    table = Table("id", "name", "state", "film", "merged", "error", "left", "age", box=None, pad_edge=False)
+    columns = ("name", "state", "film", "merged", "error", "left", "age")
+    table = Table(Column("id", no_wrap=True), *columns, box=None, pad_edge=False)
     for render in renders:
         error = render.progress.relative_error
         table.add_row(
@@ -140,7 +145,19 @@ def print_renders(renders: list[Render], as_json: bool) -> None:
             "" if render.has_ended or render.seconds_left is None else duration(render.seconds_left),
             duration(time.time() - render.created),
         )
-    CONSOLE.print(table if renders else "no renders yet; start one with `nocturne submit SCENE`")
+    _print_table(
+        table, [render.id for render in renders], "no renders yet; start one with `nocturne submit SCENE`"
+    )
+
+
+def _print_table(table: Table, ids: Sequence[str], nothing: str) -> None:
+    """A table whose first column has these ids, whole however narrow the terminal: they are typed again."""
+    if not ids:
+        CONSOLE.print(nothing)
+        return
+    needed = max(len(each) for each in ids) + _OTHER_COLUMNS_WIDTH
+    # Lines that are too long for the terminal go on in its next one.
+    Console(highlight=False, width=max(CONSOLE.width, needed)).print(table)
 
 
 def duration(seconds: float) -> str:

@@ -3,7 +3,7 @@
 import sys
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -19,10 +19,30 @@ from nocturne_client.cli.output import (
 from nocturne_client.cli.stops import Cpu, Error, For, Stops, TileError, Until
 from nocturne_client.cli.watching import about, follow, graphics_wanted
 from nocturne_client.client import Client
-from nocturne_client.preview.sinks import Sink, TerminalSink, TevSink
-from nocturne_client.preview.tev import Tev
+from nocturne_client.errors import NocturneClientError
 
-RenderId = Annotated[str, typer.Argument(metavar="ID", help="Id of a render, as printed by submit and list.")]
+if TYPE_CHECKING:
+    from nocturne_client.preview.sinks import Sink
+
+
+def _known_ids(incomplete: str) -> list[tuple[str, str]]:
+    """Ids of the newest renders for the shell to choose from; none where no service answers."""
+    try:
+        with Client() as client:
+            renders = client.list()
+    except NocturneClientError:
+        return []
+    return [(each.id, f"{each.name}, {each.state}") for each in renders if each.id.startswith(incomplete)]
+
+
+RenderId = Annotated[
+    str,
+    typer.Argument(
+        metavar="ID",
+        help="Id of a render, as printed by submit and list, or its first characters.",
+        autocompletion=_known_ids,
+    ),
+]
 ScenePath = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene document, JSON.")]
 Width = Annotated[int, typer.Option("--width", help="Pixels.")]
 Height = Annotated[int, typer.Option("--height", help="Pixels.")]
@@ -33,7 +53,7 @@ def add_to(app: typer.Typer) -> None:
     """Adds these commands to the program."""
     app.command(name="list")(list_renders)
     changes = (cancel, delete, pause, resume, extend, priority, replay)
-    for command in (submit, watch, get, *changes, why, workers):
+    for command in (submit, watch, get, *changes, explain, workers):
         app.command()(command)
 
 
@@ -95,9 +115,14 @@ def watch(
     with Client(url) as client, ExitStack() as open_sinks:
         sinks: list[Sink] = []
         if tev:
+            from nocturne_client.preview.sinks import TevSink
+            from nocturne_client.preview.tev import Tev
+
             sinks.append(TevSink(client, open_sinks.enter_context(Tev(tev))))
         graphics = graphics_wanted(image, sys.stderr.isatty() and not as_json)
         if graphics is not None:
+            from nocturne_client.preview.sinks import TerminalSink
+
             sinks.append(TerminalSink(client, graphics, sys.stderr.buffer, about))
         raise typer.Exit(follow(client.watch(render_id), as_json, sinks))
 
@@ -140,7 +165,8 @@ def cancel(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> Non
 def delete(render_id: RenderId, url: Url = None) -> None:
     """Forget a render that has ended, with its images and the files that no other render uses."""
     with Client(url) as client:
-        client.delete(render_id)
+        # By its whole id: what was unique before a render is gone may be the beginning of another's after it.
+        client.delete(client.get(render_id).id)
 
 
 def pause(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:
@@ -150,7 +176,7 @@ def pause(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None
 
 
 def resume(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:
-    """Go on with a paused render; with a degraded one, by trying again what was set aside."""
+    """Go on with a paused render; with a degraded one, by tracing its failed tiles again."""
     with Client(url) as client:
         print_render(client.resume(render_id), as_json)
 
@@ -200,10 +226,10 @@ def replay(
         raise typer.Exit(status)
 
 
-def why(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:
+def explain(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:
     """Say in one sentence what a render waits for."""
     with Client(url) as client:
-        sentence = client.why(render_id)
+        sentence = client.explain(render_id)
     print_json({"sentence": sentence}) if as_json else typer.echo(sentence)
 
 

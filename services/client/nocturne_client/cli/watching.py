@@ -4,6 +4,8 @@ import os
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
 
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
@@ -11,11 +13,13 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 from nocturne_client.cli.output import ERRORS, ExitStatus, duration, print_json
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Render
-from nocturne_client.preview.sinks import Sink, TerminalSink
-from nocturne_client.preview.terminal import Graphics, graphics_of
+from nocturne_client.preview.graphics import Graphics, graphics_of
+
+if TYPE_CHECKING:
+    from nocturne_client.preview.sinks import Sink
 
 
-def follow(states: Iterable[Render], as_json: bool, sinks: Sequence[Sink] = ()) -> ExitStatus:
+def follow(states: Iterable[Render], as_json: bool, sinks: "Sequence[Sink]" = ()) -> ExitStatus:
     """Shows states until the render has ended: a progress bar, one JSON object per line, or a picture.
 
     `sinks` get every state; one that is a terminal's takes the place of the bar.
@@ -25,7 +29,7 @@ def follow(states: Iterable[Render], as_json: bool, sinks: Sequence[Sink] = ()) 
     if as_json:
         for last in states:
             print_json(asdict(last))
-    elif any(isinstance(sink, TerminalSink) for sink in sinks):
+    elif any(sink.is_terminal for sink in sinks):
         last = next(iter(deque(states, maxlen=1)), None)
         if last is not None:
             ERRORS.print(escape(f"{last.id} {last.state} {last.reason}".strip()))
@@ -41,7 +45,8 @@ def graphics_wanted(image: str, is_terminal: bool) -> Graphics | None:
     if image == "none":
         return None
     if image == "auto":
-        return graphics_of(os.environ) if is_terminal else None
+        # Pixels take numpy, an extra of this package.
+        return graphics_of(os.environ) if is_terminal and find_spec("numpy") else None
     try:
         return Graphics(image)
     except ValueError:
@@ -49,7 +54,7 @@ def graphics_wanted(image: str, is_terminal: bool) -> Graphics | None:
         raise NocturneClientError(f"--image {image}: expected auto, none, {known}") from None
 
 
-def _told(states: Iterable[Render], sinks: Sequence[Sink]) -> Iterator[Render]:
+def _told(states: Iterable[Render], sinks: "Sequence[Sink]") -> Iterator[Render]:
     for state in states:
         for sink in sinks:
             sink.show(state)
@@ -79,7 +84,8 @@ def about(render: Render) -> str:
     if progress.relative_error:
         parts.append(f"error {progress.relative_error:.2%}")
     if not render.has_ended:
-        parts.append(f"{progress.photons_per_second:,.0f} photons/s")
+        parts.append(f"{progress.samples_per_second:,.0f} samples/s")
+        parts.append(f"{progress.rays_per_second:,.0f} rays/s")
         if render.seconds_left is not None:
             parts.append(f"{duration(render.seconds_left)} left")
         elif render.state in ("QUEUED", "PAUSED"):

@@ -12,14 +12,14 @@ from nocturne_client.errors import NocturneClientError
 
 _LAUNCHER = Path(__file__).with_name("die_with_parent.py")
 _FIRST_DELAY_S = 0.5
-_LONGEST_DELAY_S = 30.0
+_MAX_DELAY_S = 30.0
 # A child that lived this long was healthy: its next death is a new matter.
 _HEALTHY_S = 60.0
 _TAIL_BYTES = 2000
 
 
 class Child:
-    """One program with its log file; `start` it, look after it with `tend`, `stop` it."""
+    """One program with its log file; `start` it, look after it with `supervise`, `stop` it."""
 
     def __init__(self, name: str, command: Sequence[str], log: Path) -> None:
         self.name = name
@@ -53,7 +53,7 @@ class Child:
         self._started = time.monotonic()
         self._restart_at = None
 
-    def tend(self, say: Callable[[str], None]) -> bool:
+    def supervise(self, say: Callable[[str], None]) -> bool:
         """Starts the process again when it has died, after a pause that doubles; whether it did so now."""
         if self._process is None or self.is_alive():
             return False
@@ -66,7 +66,7 @@ class Child:
                 f"{self.name} {_death(self._process.returncode)}; starting it again in {self._delay:g} s. "
                 f"{self.tail()}"
             )
-            self._delay = min(2 * self._delay, _LONGEST_DELAY_S)
+            self._delay = min(2 * self._delay, _MAX_DELAY_S)
         if now < self._restart_at:
             return False
         self.start()

@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from nocturne_coordinator.comparing.agreement import Difference, Estimate, compare
-from nocturne_coordinator.comparing.pictures import Picture, read_picture, write_difference
-from nocturne_coordinator.errors import InputError
+from nocturne_scene.compare.agreement import Difference, Estimate, compare
+from nocturne_scene.compare.images import Picture, read_picture, write_difference
+from nocturne_scene.errors import InputError
 
 from nocturne_client.errors import NocturneClientError, Problem
 

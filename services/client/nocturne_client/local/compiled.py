@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from nocturne_coordinator.blobs import BlobStore
-from nocturne_coordinator.errors import InputError, NocturneError
-from nocturne_coordinator.plan import make_plan
-from nocturne_coordinator.scene.compiler import compile_scene
-from nocturne_coordinator.scene.document import check_document
-from nocturne_coordinator.scene_plan import plan_for_scene
+from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile.compiler import compile_scene
+from nocturne_scene.document.read import check_document
+from nocturne_scene.errors import InputError, NocturneError
+from nocturne_scene.ranges import make_schedule
+from nocturne_scene.scene_ranges import schedule_for_scene
 
 from nocturne_client.errors import NocturneClientError, Problem
 from nocturne_client.scene_files import SceneOnDisk, read_scene
@@ -21,7 +21,7 @@ class CompiledFolder:
     """What nocturne-trace takes."""
 
     scene: Path
-    plan: Path
+    schedule: Path
     blobs: Path
     scene_sha256: str
     dropped: tuple[str, ...] = ()
@@ -29,21 +29,21 @@ class CompiledFolder:
 
 
 def compile_to(scene: Path, folder: Path, width: int, height: int, samples: int) -> CompiledFolder:
-    """Writes scene.pb, plan.pb and blobs/ into `folder`. Raises NocturneClientError with all problems."""
+    """Writes scene.pb, schedule.pb and blobs/ into `folder`. Raises NocturneClientError with all problems."""
     on_disk = read_scene(scene)
     try:
         # Problems of the film are told before the work.
-        make_plan(width, height, samples)
+        make_schedule(width, height, samples)
         document = check_document(on_disk.document)
         blobs = BlobStore(folder / "blobs")
         store_files(on_disk, blobs)
         output = compile_scene(document, blobs)
         sha256 = output.scene_sha256
-        plan = plan_for_scene(blobs, sha256, width, height, samples)
-        files = folder / "scene.pb", folder / "plan.pb", folder / "blobs"
+        schedule = schedule_for_scene(blobs, sha256, width, height, samples)
+        files = folder / "scene.pb", folder / "schedule.pb", folder / "blobs"
         compiled = CompiledFolder(*files, sha256, tuple(output.dropped))
         compiled.scene.write_bytes(blobs.path(sha256).read_bytes())
-        compiled.plan.write_bytes(plan.SerializeToString(deterministic=True))
+        compiled.schedule.write_bytes(schedule.SerializeToString(deterministic=True))
     except InputError as error:
         problems = [Problem(each.place, each.message) for each in error.problems]
         raise NocturneClientError(f"{scene} can't be rendered", problems=problems) from error

@@ -10,7 +10,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from nocturne_client.local.data import default_data_folder
-from nocturne_client.local.programs import CHECKOUT, HOW_TO_GET, find_program
+from nocturne_client.local.programs import HOW_TO_GET, find_program
 
 _CPU_FLAGS = ("avx2", "bmi1", "bmi2", "fma", "f16c", "movbe")
 _FREE_BYTES = 2 * 1024**3
@@ -95,7 +95,10 @@ def _disk(folder: Path) -> Finding:
 
 
 def _page() -> Finding:
-    index = CHECKOUT / "services" / "web" / "dist" / "index.html"
+    # Not above: the API may be what is missing.
+    from nocturne_api.rest.page import built_page
+
+    index = built_page() / "index.html"
     found = str(index.parent) if index.is_file() else "not built"
     return Finding("web page", index.is_file(), found, "run `make web`", needed=False)
 

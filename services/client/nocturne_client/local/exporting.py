@@ -3,12 +3,12 @@
 import tempfile
 from pathlib import Path
 
-from nocturne_coordinator.blobs import BlobStore
-from nocturne_coordinator.errors import InputError, NocturneError
-from nocturne_coordinator.exporting.compiled import Film
-from nocturne_coordinator.exporting.export_scene import Exported, export_scene
-from nocturne_coordinator.plan import make_plan
-from nocturne_coordinator.scene.document import check_document
+from nocturne_scene.blobs import BlobStore
+from nocturne_scene.document.read import check_document
+from nocturne_scene.errors import InputError, NocturneError
+from nocturne_scene.formats.export_scene import Exported, export_scene
+from nocturne_scene.formats.writing.compiled import Film
+from nocturne_scene.ranges import make_schedule
 
 from nocturne_client.errors import NocturneClientError, Problem
 from nocturne_client.local.compiled import store_files
@@ -21,7 +21,7 @@ def export_to(
     """Write the scene for another renderer into `folder`. Raises NocturneClientError with all problems."""
     on_disk = read_scene(scene)
     try:
-        make_plan(film.width, film.height, film.samples)
+        make_schedule(film.width, film.height, film.samples)
         document = check_document(on_disk.document)
         with tempfile.TemporaryDirectory(prefix="nocturne-export-") as kept:
             blobs = BlobStore(Path(kept))

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from nocturne_coordinator.errors import InputError
-from nocturne_coordinator.importing.import_scene import import_scene
-from nocturne_coordinator.importing.options import Imported, ImportOptions
+from nocturne_scene.errors import InputError
+from nocturne_scene.formats.import_scene import Incomplete, import_scene
+from nocturne_scene.formats.reading.options import Imported, ImportOptions
 
 from nocturne_client.errors import NocturneClientError, Problem
 
@@ -15,10 +15,12 @@ def options(
     parameters: Mapping[str, str],
     light_radius: float | None,
     light_degrees: float,
+    light: str | None,
+    time: float | None,
     allow_missing: bool,
 ) -> ImportOptions:
     """What was asked for."""
-    return ImportOptions(root, parameters, light_radius, light_degrees, allow_missing)
+    return ImportOptions(root, parameters, light_radius, light_degrees, light, time, allow_missing)
 
 
 def import_to(file: Path, folder: Path, options: ImportOptions) -> Imported:
@@ -27,9 +29,11 @@ def import_to(file: Path, folder: Path, options: ImportOptions) -> Imported:
         return import_scene(file, folder, options)
     except InputError as error:
         problems = [Problem(each.place, each.message) for each in error.problems]
-        hint = "" if options.allow_missing else "; with --allow-missing the rest is imported"
-        missing = any("no equal" in each.message for each in error.problems)
-        said = f"{file} can't be imported" + (hint if missing else "")
+        said = f"{file} can't be imported"
+        if isinstance(error, Incomplete):
+            said += f" as it is; {error.imported.document} holds the rest, to be edited"
+            if error.imported.missing and not options.allow_missing:
+                said += " or, as with --allow-missing, to be rendered without what is missing"
         raise NocturneClientError(said, problems=problems) from error
     except OSError as error:
         raise NocturneClientError(f"{error.filename or folder}: {error.strerror}") from error

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
-from nocturne_coordinator.scene import photometric_files
-from nocturne_coordinator.scene.photometric_images import photometry_of
+from nocturne_scene.photometry import ies as photometric_files
+from nocturne_scene.photometry.meter_images import photometry_of
 
 from nocturne_client.errors import NocturneClientError
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from nocturne_coordinator.programs import CHECKOUT, find_program
+from nocturne_scene.programs import CHECKOUT, find_program
 
 from nocturne_client.errors import NocturneClientError
 

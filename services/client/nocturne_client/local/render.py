@@ -27,7 +27,7 @@ def render_scene(scene: Path, output: Path, width: int, height: int, samples: in
 
 
 def _arguments(compiled: CompiledFolder, output: Path, threads: int) -> list[str]:
-    files = [str(compiled.scene), "--plan", str(compiled.plan), "--blobs", str(compiled.blobs)]
+    files = [str(compiled.scene), "--schedule", str(compiled.schedule), "--blobs", str(compiled.blobs)]
     return [*files, "-o", str(output), "--threads", str(threads)]
 
 

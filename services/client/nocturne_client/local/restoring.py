@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from nocturne_coordinator.errors import NocturneError
-from nocturne_coordinator.restoring import Restored, restore
+from nocturne_coordinator.store.restoring import Restored, restore
+from nocturne_scene.errors import NocturneError
 
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.data import default_data_folder

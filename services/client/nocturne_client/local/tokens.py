@@ -7,8 +7,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from nocturne_coordinator.data_folder import DataFolder
-from nocturne_coordinator.errors import NocturneError
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_scene.errors import NocturneError
 
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.data import default_data_folder

@@ -21,7 +21,7 @@ from rich.panel import Panel
 from nocturne_client.cli.output import CONSOLE, ERRORS
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.children import Child
-from nocturne_client.local.programs import CHECKOUT, need_program
+from nocturne_client.local.programs import need_program
 from nocturne_client.local.tokens import first_token
 
 # Twenty times what it takes on an idle machine.
@@ -65,7 +65,7 @@ def run_up(settings: UpSettings) -> None:
             if not stop.is_set():
                 _announce(settings, token)
             while not stop.wait(_TEND_S):
-                stack.tend()
+                stack.supervise()
             ERRORS.print("stopping ...")
 
 
@@ -89,9 +89,8 @@ class _Stack:
             "coordinator", *python, "nocturne_coordinator.main", *data, "--redis", redis_url
         )
         ports = ("--port", str(settings.port), "--grpc-port", str(settings.port + 1))
-        web = ("--web", str(CHECKOUT / "services" / "web" / "dist"))
         self._api = self._child(
-            *("api", *python, "nocturne_api.main", *data, *ports, "--grpc-unix", str(grpc_socket), *web),
+            *("api", *python, "nocturne_api.main", *data, *ports, "--grpc-unix", str(grpc_socket)),
             *(["--auth"] if settings.auth else []),
         )
         self._workers = [
@@ -130,10 +129,11 @@ class _Stack:
             worker.start()
         self._write_file()
 
-    def tend(self) -> None:
+    def supervise(self) -> None:
         """Starts again what has died."""
         restarted = [
-            child.tend(lambda text: ERRORS.print(escape(text), soft_wrap=True)) for child in self._children
+            child.supervise(lambda text: ERRORS.print(escape(text), soft_wrap=True))
+            for child in self._children
         ]
         if any(restarted):
             self._write_file()

@@ -14,7 +14,8 @@ import numpy.typing as npt
 from nocturne_client.client import Client
 from nocturne_client.models import Render
 from nocturne_client.preview.colour import shown
-from nocturne_client.preview.terminal import Graphics, picture
+from nocturne_client.preview.graphics import Graphics
+from nocturne_client.preview.terminal import picture
 from nocturne_client.preview.tev import Tev
 from nocturne_client.tiles import Tile
 
@@ -28,12 +29,17 @@ _HOME, _CLEAR, _CLEAR_REST = b"\x1b[H", b"\x1b[2J", b"\x1b[J"
 class Sink(Protocol):
     """Takes what is new of a render."""
 
+    is_terminal: bool
+    """It paints the terminal, so that a progress bar has no place there."""
+
     def show(self, render: Render) -> None:
         """A state of the render, with its newest pixels."""
 
 
 class TevSink:
     """Keeps an image in tev up to date."""
+
+    is_terminal = False
 
     def __init__(self, client: Client, tev: Tev) -> None:
         self._client = client
@@ -48,6 +54,8 @@ class TevSink:
 
 class TerminalSink:
     """Paints the picture and a line of text at the top of a terminal, at most once a second."""
+
+    is_terminal = True
 
     def __init__(
         self, client: Client, graphics: Graphics, output: BinaryIO, about: Callable[[Render], str]

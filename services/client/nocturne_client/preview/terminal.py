@@ -1,4 +1,4 @@
-"""Images in terminals: which way one knows, and the bytes of each.
+"""Images in terminals: the bytes of each way to show one.
 
 kitty: sw.kovidgoyal.net/kitty/graphics-protocol. iTerm2: iterm2.com/documentation-images.html. Sixel: DEC's
 VT3xx, vt100.net/docs/vt3xx-gp/chapter14.html.
@@ -7,11 +7,11 @@ VT3xx, vt100.net/docs/vt3xx-gp/chapter14.html.
 import base64
 import struct
 import zlib
-from collections.abc import Mapping
-from enum import Enum
 
 import numpy as np
 import numpy.typing as npt
+
+from nocturne_client.preview.graphics import Graphics
 
 Pixels = npt.NDArray[np.uint8]
 
@@ -20,30 +20,6 @@ _SIXEL_ROWS = 6
 # Six steps of each primary and an ordered dither: 216 of the 256 colours that sixel terminals have.
 _STEPS = 6
 _BAYER = np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]]) / 16 - 15 / 32
-
-
-class Graphics(Enum):
-    """How a terminal shows images."""
-
-    KITTY = "kitty"
-    ITERM2 = "iterm2"
-    SIXEL = "sixel"
-
-
-def graphics_of(environment: Mapping[str, str]) -> Graphics | None:
-    """What the terminal that the environment describes can do; None: nothing that is known.
-
-    Multiplexers pass none of it on by themselves.
-    """
-    program, term = environment.get("TERM_PROGRAM", ""), environment.get("TERM", "")
-    if "TMUX" in environment or term.startswith("screen"):
-        return None
-    if "KITTY_WINDOW_ID" in environment or "kitty" in term or program == "ghostty":
-        return Graphics.KITTY
-    if program in ("iTerm.app", "WezTerm") or environment.get("LC_TERMINAL") == "iTerm2":
-        return Graphics.ITERM2
-    known = ("foot", "mlterm", "contour", "sixel")
-    return Graphics.SIXEL if any(word in term for word in known) else None
 
 
 def picture(pixels: Pixels, graphics: Graphics) -> bytes:

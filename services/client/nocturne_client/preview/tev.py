@@ -9,7 +9,6 @@ import socket
 import struct
 from collections.abc import Sequence
 from types import TracebackType
-from typing import Self
 
 import numpy as np
 import numpy.typing as npt
@@ -41,7 +40,7 @@ class Tev:
             ) from error
         self._name = ""
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "Tev":
         return self
 
     def __exit__(

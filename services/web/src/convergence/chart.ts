@@ -1,4 +1,4 @@
-/** The chart of error against time or photons: log-log, with the 1/sqrt(N) line. */
+/** The chart of error against time or samples: log-log, with the 1/sqrt(N) line. */
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { formatCount, formatDuration, formatRelativeError } from "../format.ts";

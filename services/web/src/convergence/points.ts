@@ -1,8 +1,8 @@
 /** The error history as curves: cleaning, thinning, the 1/sqrt(N) line, and what is to come. Pure. */
-import type { ErrorPoint } from "../service/types.ts";
+import type { ConvergencePoint } from "../service/types.ts";
 import { uncertainty } from "./trust.ts";
 
-export type Abscissa = "time" | "photons";
+export type Abscissa = "time" | "samples";
 
 type Column = (number | null)[];
 
@@ -33,15 +33,15 @@ const pointsAhead = 16;
 const furthestAhead = 100;
 
 /** The history with one more point, unless it says nothing new. */
-export function appended(points: readonly ErrorPoint[], point: ErrorPoint): readonly ErrorPoint[] {
+export function appended(points: readonly ConvergencePoint[], point: ConvergencePoint): readonly ConvergencePoint[] {
   const last = points.at(-1);
   if (point.relative_error <= 0 || point.time_s <= 0) return points;
-  if (last && (point.photons <= last.photons || point.time_s <= last.time_s)) return points;
+  if (last && (point.samples <= last.samples || point.time_s <= last.time_s)) return points;
   return [...points, point];
 }
 
 /** What is drawn: positive, growing abscissae, evenly spread over a logarithmic axis; `aim` while it goes on. */
-export function toCurve(points: readonly ErrorPoint[], abscissa: Abscissa, aim?: Aim): Curve {
+export function toCurve(points: readonly ConvergencePoint[], abscissa: Abscissa, aim?: Aim): Curve {
   const shown = usable(points, abscissa);
   const constant = median(shown.map((point) => point.error * Math.sqrt(point.x)));
   const ahead = aim ? whatComes(shown.at(-1), points.at(-1), aim) : [];
@@ -68,9 +68,9 @@ export interface Sample {
   error: number;
 }
 
-/** The points that can be drawn, over time or photons. */
-export function usable(points: readonly ErrorPoint[], abscissa: Abscissa): Sample[] {
-  return thinned(growing(points.map((point) => ({ x: abscissa === "time" ? point.time_s : point.photons, error: point.relative_error }))));
+/** The points that can be drawn, over time or samples. */
+export function usable(points: readonly ConvergencePoint[], abscissa: Abscissa): Sample[] {
+  return thinned(growing(points.map((point) => ({ x: abscissa === "time" ? point.time_s : point.samples, error: point.relative_error }))));
 }
 
 interface Ahead extends Sample {
@@ -79,7 +79,7 @@ interface Ahead extends Sample {
 }
 
 /** From the last point to the first goal, along 1/sqrt(N). */
-function whatComes(last: Sample | undefined, point: ErrorPoint | undefined, aim: Aim): Ahead[] {
+function whatComes(last: Sample | undefined, point: ConvergencePoint | undefined, aim: Aim): Ahead[] {
   if (!last || !point) return [];
   const goals = [point.samples > 0 ? aim.samples / point.samples : 1];
   if (aim.relativeError > 0) goals.push((last.error / aim.relativeError) ** 2);

@@ -163,7 +163,7 @@ function toFilm({ width, height }: Header, planes: ReadonlyMap<string, Float32Ar
     const [x, y] = [(index % columns) * tileSize, Math.floor(index / columns) * tileSize];
     const area = { x, y, width: Math.min(tileSize, width - x), height: Math.min(tileSize, height - y) };
     const of = samples?.[y * width + x] ?? 1;
-    film.put({ index, ...area, samples: of, rejected: 0, revision: 0, pixels: pixelsOf(meaning, area, width) });
+    film.put({ index, ...area, samples: of, invalid_samples: 0, revision: 0, pixels: pixelsOf(meaning, area, width) });
   }
   return film;
 }

@@ -1,12 +1,8 @@
 /** An image that grows, tile by tile, and what can be read off it. No I/O. */
+import type { Region } from "../service/types.ts";
 import type { Tile } from "./tiles.ts";
 
-export interface Region {
-  x: number;
-  y: number;
-  width: number;
-  height: number;
-}
+export type { Region };
 
 /** Means over the pixels of a region that have samples. */
 export interface Reading {
@@ -17,7 +13,7 @@ export interface Reading {
   /** Fewest and most samples of any pixel. */
   samples: [number, number];
   /** Of the tiles that the region touches. */
-  rejected: number;
+  invalid_samples: number;
   /** Pixels with samples. */
   pixels: number;
 }
@@ -77,7 +73,7 @@ export class Film {
       xyz: [sumX / pixels, sumY / pixels, sumZ / pixels],
       standardError: fewest > 1 ? Math.sqrt(variance) / pixels : NaN,
       samples: [fewest, Math.max(...samples)],
-      rejected: [...seen].reduce((total, tile) => total + tile.rejected, 0),
+      invalid_samples: [...seen].reduce((total, tile) => total + tile.invalid_samples, 0),
       pixels,
     };
   }

@@ -59,7 +59,7 @@ export class GlFilm {
   #putAbout(index: number): void {
     const gl = this.#gl;
     const tile = this.#about.get(index);
-    const texel = Float32Array.of(tile?.samples ?? 0, tile?.rejected ?? 0, this.#workers.get(index) ?? 0, 0);
+    const texel = Float32Array.of(tile?.samples ?? 0, tile?.invalid_samples ?? 0, this.#workers.get(index) ?? 0, 0);
     gl.bindTexture(gl.TEXTURE_2D, this.grid);
     gl.texSubImage2D(gl.TEXTURE_2D, 0, index % this.#columns, Math.floor(index / this.#columns), 1, 1, gl.RGBA, gl.FLOAT, texel);
   }

@@ -5,7 +5,7 @@ import { decades } from "./colour_maps.ts";
 import type { Triple } from "./colour.ts";
 
 /** In the order of the shader's numbers. */
-export const shows = ["colour", "luminance", "error", "relative error", "samples", "rejected", "difference"] as const;
+export const shows = ["colour", "luminance", "error", "relative error", "samples", "invalid_samples", "difference"] as const;
 export type Show = (typeof shows)[number];
 
 export const tones = ["linear", "reinhard", "filmic"] as const;
@@ -51,8 +51,8 @@ export function scaleOf(show: Show, film: Film): Scale {
       const most = Math.max(1, ...[...film.tiles.values()].map((tile) => tile.samples));
       return { low: 0, high: most, logarithmic: false };
     }
-    case "rejected":
-      return { low: 0, high: Math.max(1, ...[...film.tiles.values()].map((tile) => tile.rejected)), logarithmic: false };
+    case "invalid_samples":
+      return { low: 0, high: Math.max(1, ...[...film.tiles.values()].map((tile) => tile.invalid_samples)), logarithmic: false };
     case "difference":
       return { low: -4, high: 4, logarithmic: false };
     case "colour":
@@ -67,6 +67,6 @@ export const units: Record<Show, string> = {
   error: "Standard error of luminance, cd/m²",
   "relative error": "Standard error over luminance",
   samples: "Samples per pixel",
-  rejected: "Rejected photons per tile",
+  invalid_samples: "Invalid samples per tile",
   difference: "Difference in standard errors",
 };

@@ -18,7 +18,7 @@ export function fragmentShader({ show, side, marks }: Variant): string {
   return `#version 300 es\n#define SHOW ${show}\n#define SIDE ${side}\n#define MARKS ${Number(marks)}${fragmentBody}`;
 }
 
-/** Texels hold X, Y, Z and Y's standard error; those of `grid`, one for each tile, samples, rejected photons and the number of
+/** Texels hold X, Y, Z and Y's standard error; those of `grid`, one for each tile, samples, invalid samples and the number of
  * who works on it. */
 const fragmentBody = `
 precision highp float;

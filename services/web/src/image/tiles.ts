@@ -1,4 +1,4 @@
-/** Answers with tiles: the layout in docs/api.md, "Tiles". Pure. */
+/** Answers with tiles: the layout in docs/reference/api.md, "Tiles". Pure. */
 
 export interface Tile {
   index: number;
@@ -8,7 +8,7 @@ export interface Tile {
   width: number;
   height: number;
   samples: number;
-  rejected: number;
+  invalid_samples: number;
   revision: number;
   /** X, Y, Z and the standard error of Y of each pixel, row by row. */
   pixels: Float32Array;
@@ -36,12 +36,12 @@ export function decodeTiles(bytes: ArrayBuffer): TileAnswer {
   const tiles: Tile[] = [];
   let offset = 4 * headerWords;
   for (let number = 0; number < count; number += 1) {
-    const [index, samples, rejected, changed] = words(bytes, offset, tileWords) as [number, number, number, number];
+    const [index, samples, invalid_samples, changed] = words(bytes, offset, tileWords) as [number, number, number, number];
     const x = (index % columns) * tileSize;
     const y = Math.floor(index / columns) * tileSize;
     const area = { width: Math.min(tileSize, width - x), height: Math.min(tileSize, height - y) };
     const pixels = new Float32Array(bytes, offset + 4 * tileWords, 4 * area.width * area.height);
-    tiles.push({ index, x, y, ...area, samples, rejected, revision: changed, pixels });
+    tiles.push({ index, x, y, ...area, samples, invalid_samples, revision: changed, pixels });
     offset += 4 * tileWords + pixels.byteLength;
   }
   return { width, height, tileSize, more: more === 1, cursor: `${revision}.${last}`, tiles };

@@ -1,12 +1,22 @@
 /** The REST calls that the page makes. Every failure is an Error whose message can be shown. */
 import { observeDate } from "./clock.ts";
-import type { Region } from "../image/film.ts";
-import type { ErrorPoint, NewRender, Plan, Render, RenderPage, Worker, WorkerHistory } from "./types.ts";
-
-export interface Problem {
-  place: string;
-  message: string;
-}
+import type { operations } from "./openapi.d.ts";
+import type {
+  Answer,
+  ConvergencePoint,
+  CreateRenderRequest,
+  PreflightReport,
+  PreflightRequest,
+  Problem,
+  ProblemDetails,
+  Region,
+  Render,
+  RenderPage,
+  Session,
+  TileInProgress,
+  Worker,
+  WorkerHistory,
+} from "./types.ts";
 
 export class ServiceError extends Error {
   readonly status: number;
@@ -29,15 +39,15 @@ export const imageAddress = (id: string): string => `${renderAddress(id)}/image.
 export async function listRenders(pageToken = ""): Promise<RenderPage> {
   const query = new URLSearchParams({ page_size: "50" });
   if (pageToken) query.set("page_token", pageToken);
-  return (await getJson(`/v1/renders?${query.toString()}`)) as RenderPage;
+  return getJson<"list_renders">(`/v1/renders?${query.toString()}`);
 }
 
 export async function getRender(id: string): Promise<Render> {
-  return (await getJson(renderAddress(id))) as Render;
+  return getJson<"get_render">(renderAddress(id));
 }
 
 export async function cancelRender(id: string): Promise<Render> {
-  return (await getJson(`${renderAddress(id)}:cancel`, { method: "POST" })) as Render;
+  return getJson<"cancel_render">(`${renderAddress(id)}:cancel`, { method: "POST" });
 }
 
 /** Of a render that has ended; with its images. */
@@ -48,74 +58,75 @@ export async function deleteRender(id: string): Promise<void> {
 
 /** A region of the film that gets its samples first; undefined: all parts are alike. */
 export async function lookFirst(id: string, region: Region | undefined): Promise<Render> {
-  return (await getJson(`${renderAddress(id)}:lookFirst`, { method: "POST", body: JSON.stringify(region ?? {}) })) as Render;
+  return getJson<"look_first">(`${renderAddress(id)}:lookFirst`, { method: "POST", body: JSON.stringify(region ?? {}) });
 }
 
-export async function getWhy(id: string): Promise<string> {
-  return ((await getJson(`${renderAddress(id)}/why`)) as { sentence: string }).sentence;
+export async function getExplanation(id: string): Promise<string> {
+  return (await getJson<"explain_render">(`${renderAddress(id)}/explanation`)).sentence;
 }
 
-export async function getAtWork(id: string): Promise<{ tile: number; worker: string }[]> {
-  return ((await getJson(`${renderAddress(id)}/at-work`)) as { tiles: { tile: number; worker: string }[] }).tiles;
+export async function getTilesInProgress(id: string): Promise<TileInProgress[]> {
+  return (await getJson<"get_tiles_in_progress">(`${renderAddress(id)}/tiles-in-progress`)).tiles;
 }
 
 export async function getWorkerHistory(): Promise<WorkerHistory> {
-  return (await getJson("/v1/workers/history")) as WorkerHistory;
+  return getJson<"get_worker_history">("/v1/workers/history");
 }
 
 /** Which of these files the service does not have yet. */
 export async function missingAssets(digests: string[]): Promise<string[]> {
-  return ((await getJson("/v1/assets:batchMissing", { method: "POST", body: JSON.stringify({ sha256: digests }) })) as { sha256: string[] }).sha256;
+  return (await getJson<"missing_assets">("/v1/assets:batchMissing", { method: "POST", body: JSON.stringify({ sha256: digests }) })).sha256;
 }
 
 export async function storeAsset(sha256: string, content: Blob): Promise<void> {
-  await getJson(`/v1/assets/${sha256}`, { method: "PUT", body: content });
+  await getJson<"store_asset">(`/v1/assets/${sha256}`, { method: "PUT", body: content });
 }
 
-export async function createRender(request: NewRender): Promise<Render> {
-  return (await getJson("/v1/renders", { method: "POST", body: JSON.stringify(request) })) as Render;
+export async function createRender(request: CreateRenderRequest): Promise<Render> {
+  return getJson<"create_render">("/v1/renders", { method: "POST", body: JSON.stringify(request) });
 }
 
 /** What a scene needs for a relative error; takes minutes. */
-export async function planScene(request: { scene: unknown; width: number; height: number; error: number }): Promise<Plan> {
-  return (await getJson("/v1/plans", { method: "POST", body: JSON.stringify(request) })) as Plan;
+export async function preflight(request: PreflightRequest): Promise<PreflightReport> {
+  return getJson<"preflight">("/v1/preflights", { method: "POST", body: JSON.stringify(request) });
 }
 
 /** Signs in with a token, which the service keeps in a cookie. */
 export async function signIn(token: string): Promise<void> {
-  await getJson("/v1/session", { method: "POST", headers: { Authorization: `Bearer ${token}` } });
+  await getJson<"begin_session">("/v1/session", { method: "POST", headers: { Authorization: `Bearer ${token}` } });
 }
 
-export async function getSession(): Promise<{ name: string; scopes: string[] }> {
-  return (await getJson("/v1/session")) as { name: string; scopes: string[] };
+export async function getSession(): Promise<Session> {
+  return getJson<"get_session">("/v1/session");
 }
 
 export async function signOut(): Promise<void> {
   await fetch("/v1/session", { method: "DELETE" });
 }
 
-export async function getConvergence(id: string): Promise<ErrorPoint[]> {
-  return ((await getJson(`${renderAddress(id)}/convergence`)) as { points: ErrorPoint[] }).points;
+export async function getConvergence(id: string): Promise<ConvergencePoint[]> {
+  return (await getJson<"get_convergence">(`${renderAddress(id)}/convergence`)).points;
 }
 
 export async function listWorkers(): Promise<Worker[]> {
-  return ((await getJson("/v1/workers")) as { workers: Worker[] }).workers;
+  return (await getJson<"list_workers">("/v1/workers")).workers;
 }
 
 function renderAddress(id: string): string {
   return `/v1/renders/${encodeURIComponent(id)}`;
 }
 
-async function getJson(address: string, options: RequestInit = {}): Promise<unknown> {
+/** What the operation answers at this address. */
+async function getJson<Name extends keyof operations>(address: string, options: RequestInit = {}): Promise<Answer<Name>> {
   const response = await fetch(address, options);
   observeDate(response.headers.get("date"));
   if (!response.ok) throw await failureOf(response);
-  return response.json();
+  return (await response.json()) as Answer<Name>;
 }
 
 /** The words of an RFC 9457 problem, or the HTTP status where there are none. */
 async function failureOf(response: Response): Promise<ServiceError> {
-  const problem = (await response.json().catch(() => ({}))) as { title?: string; detail?: string; problems?: Problem[] };
+  const problem = (await response.json().catch(() => ({}))) as Partial<ProblemDetails>;
   const text = problem.detail ?? problem.title ?? `${response.status} ${response.statusText}`;
   return new ServiceError(response.status, text, problem.problems);
 }

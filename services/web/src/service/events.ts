@@ -1,13 +1,6 @@
 /** The stream of render events, reconnected for as long as the page is open. */
 import { getSession, ServiceError } from "./client.ts";
-import type { Render } from "./types.ts";
-
-export interface TilesEvent {
-  render: string;
-  revision: number;
-  /** First and last indices of tiles with new samples. */
-  tiles: [number, number][];
-}
+import type { Render, TilesEvent } from "./types.ts";
 
 export interface EventListeners {
   /** Connected, also again after a break: what was missed must be fetched. */

@@ -1,7 +1,7 @@
 /** All renders known to the page, newest state of each; kept fresh by the event stream. */
 import { getRender, listRenders } from "./client.ts";
-import { EventStream, type TilesEvent } from "./events.ts";
-import type { Render, RenderPage } from "./types.ts";
+import { EventStream } from "./events.ts";
+import type { Render, RenderPage, TilesEvent } from "./types.ts";
 
 export type Connection = "connecting" | "live" | "reconnecting" | "signed out";
 
@@ -107,7 +107,7 @@ export class Renders {
   }
 
   #take(page: RenderPage): void {
-    this.nextPageToken = page.next_page_token ?? "";
+    this.nextPageToken = page.next_page_token;
     for (const render of page.renders) this.#byId.set(render.id, newer(render, this.#byId.get(render.id)));
     this.#notify();
   }

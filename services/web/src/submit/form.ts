@@ -1,11 +1,11 @@
 /** What is wanted of a render: film, samples, when to stop, priority. */
 import { element } from "../dom.ts";
-import type { NewRender } from "../service/types.ts";
+import type { CreateRenderRequest } from "../service/types.ts";
 
 export interface Asked {
   /** The same until something is changed: sending twice makes one render. */
   requestId: string;
-  request: Pick<NewRender, "name" | "width" | "height" | "samples" | "stop" | "priority">;
+  request: Required<Pick<CreateRenderRequest, "name" | "width" | "height" | "samples" | "stop" | "priority">>;
 }
 
 interface Field {
@@ -28,13 +28,13 @@ const fields: Field[] = [
   { name: "priority", label: "Priority", value: "100", number: { min: "1", max: "1000", step: "1" } },
 ];
 
-/** `onPlan` is for the second button, which asks what the scene needs. */
-export function submitForm(onSubmit: (asked: Asked) => void, onPlan: (asked: Asked) => void): { node: HTMLFormElement; begin: (name: string) => void; busy: (busy: boolean) => void } {
+/** `onPreflight` is for the second button, which asks what the scene needs. */
+export function submitForm(onSubmit: (asked: Asked) => void, onPreflight: (asked: Asked) => void): { node: HTMLFormElement; begin: (name: string) => void; busy: (busy: boolean) => void } {
   const inputs = new Map(fields.map((field) => [field.name, input(field)]));
   const button = element("button", { type: "submit", class: "primary" }, "Render");
-  const plan = element("button", { type: "button" }, "What does it need?");
+  const preflight = element("button", { type: "button" }, "Preflight");
   const labels = fields.map(({ name, label }) => element("label", {}, element("span", {}, label), inputs.get(name) ?? ""));
-  const node = element("form", {}, ...labels, button, plan);
+  const node = element("form", {}, ...labels, button, preflight);
   let requestId = newId();
   node.addEventListener("input", () => { requestId = newId(); });
   const asked = (): Asked => ({ requestId, request: requestOf((name) => inputs.get(name)?.value ?? "") });
@@ -42,7 +42,7 @@ export function submitForm(onSubmit: (asked: Asked) => void, onPlan: (asked: Ask
     event.preventDefault();
     onSubmit(asked());
   });
-  plan.addEventListener("click", () => { if (node.reportValidity()) onPlan(asked()); });
+  preflight.addEventListener("click", () => { if (node.reportValidity()) onPreflight(asked()); });
   return {
     node,
     begin: (name) => {
@@ -50,13 +50,13 @@ export function submitForm(onSubmit: (asked: Asked) => void, onPlan: (asked: Ask
       const field = inputs.get("name");
       if (field) field.value = name;
     },
-    busy: (busy) => { button.disabled = plan.disabled = busy; },
+    busy: (busy) => { button.disabled = preflight.disabled = busy; },
   };
 }
 
 /** From what stands in the fields. */
 export function requestOf(value: (name: string) => string): Asked["request"] {
-  const stop: Record<string, number | string> = {};
+  const stop: NonNullable<CreateRenderRequest["stop"]> = {};
   if (value("error")) stop.relative_error = Number(value("error")) / 100;
   if (value("minutes")) stop.wall_seconds = 60 * Number(value("minutes"));
   if (value("until").trim()) stop.until = value("until").trim();

@@ -1,8 +1,8 @@
 /** A scene among files by path: its document, and what it refers to by relative paths. As nocturne_client/scene_files.py. */
-import type { Problem } from "../service/client.ts";
+import type { Problem, SceneDocument } from "../service/types.ts";
 
 export interface Scene {
-  document: Record<string, unknown>;
+  document: SceneDocument;
   /** Of the document. */
   path: string;
   /** By SHA-256. */
@@ -49,7 +49,8 @@ export function resolved(folder: string, asset: string): string {
   return asset.startsWith("/") || parts.includes("..") ? "" : folder + parts.join("/");
 }
 
-function parse(path: string, text: string): Record<string, unknown> {
+/** The service checks what it is. */
+function parse(path: string, text: string): SceneDocument {
   let document: unknown;
   try {
     document = JSON.parse(text);
@@ -57,7 +58,7 @@ function parse(path: string, text: string): Record<string, unknown> {
     throw new Error(`${path}: not JSON: ${error instanceof Error ? error.message : ""}`, { cause: error });
   }
   if (typeof document !== "object" || document === null || Array.isArray(document)) throw new Error(`${path}: expected a JSON object`);
-  return document as Record<string, unknown>;
+  return document as SceneDocument;
 }
 
 interface Part {

@@ -1,14 +1,14 @@
 /** Submitting a scene: drop a folder or an archive, say what is wanted, send. */
 import { announce, element, setText } from "../dom.ts";
 import { renderRoute } from "../router.ts";
-import { createRender, missingAssets, planScene, type Problem, ServiceError, storeAsset } from "../service/client.ts";
-import type { NewRender, Plan } from "../service/types.ts";
+import { createRender, missingAssets, preflight, ServiceError, storeAsset } from "../service/client.ts";
+import type { CreateRenderRequest, PreflightReport, Problem } from "../service/types.ts";
 import { filesDropped, filesOf } from "./dropped.ts";
 import { type Asked, submitForm } from "./form.ts";
-import { planResult } from "./plan_result.ts";
+import { preflightResult } from "./preflight_result.ts";
 import { readScene, type Scene } from "./scene_files.ts";
 
-/** Of a plan where no stop is asked for. */
+/** Of a preflight where no stop is asked for. */
 const usualError = 0.02;
 
 export function submitPanel(): { node: HTMLElement; close: () => void } {
@@ -16,11 +16,11 @@ export function submitPanel(): { node: HTMLElement; close: () => void } {
   const problems = problemList();
   const form = submitForm(
     (asked) => { if (scene) void send(scene, asked); },
-    (asked) => { if (scene) void plan(scene, asked); },
+    (asked) => { if (scene) void preflight(scene, asked); },
   );
-  const planned = element("div", {});
+  const report = element("div", {});
   const picker = pickers((files) => void take(files));
-  const node = element("section", { class: "submit", "aria-labelledby": "submit-title" }, element("h2", { id: "submit-title" }, "Submit a scene"), picker, status, problems.node, form.node, planned);
+  const node = element("section", { class: "submit", "aria-labelledby": "submit-title" }, element("h2", { id: "submit-title" }, "Submit a scene"), picker, status, problems.node, form.node, report);
   let scene: Scene | undefined;
   form.node.hidden = true;
 
@@ -32,7 +32,7 @@ export function submitPanel(): { node: HTMLElement; close: () => void } {
     setText(status, "Reading…");
     problems.show([]);
     form.node.hidden = true;
-    planned.replaceChildren();
+    report.replaceChildren();
     try {
       scene = await readScene(await files);
       setText(status, scene.problems.length > 0 ? `${scene.path}: files are missing` : `${scene.path}, ${scene.files.size} files beside it`);
@@ -55,36 +55,36 @@ export function submitPanel(): { node: HTMLElement; close: () => void } {
     form.busy(false);
   };
   const send = (wanted: Scene, asked: Asked): Promise<void> => working(async () => {
-    const request: NewRender = { request_id: asked.requestId, scene: wanted.document, ...asked.request };
+    const request: CreateRenderRequest = { request_id: asked.requestId, scene: wanted.document, ...asked.request };
     await upload(wanted, status);
     setText(status, "Submitting…");
     const render = await createRender(request);
     announce(`${render.name} is submitted`);
     location.hash = renderRoute(render.id);
   });
-  const plan = (wanted: Scene, asked: Asked): Promise<void> => working(async () => {
-    planned.replaceChildren();
-    const found = await planOf(wanted, asked, status);
+  const preflight = (wanted: Scene, asked: Asked): Promise<void> => working(async () => {
+    report.replaceChildren();
+    const found = await preflightOf(wanted, asked, status);
     // Another scene may have been dropped meanwhile.
-    if (scene === wanted) planned.replaceChildren(...planResult(found, () => { scene = simpler(wanted, found, status); }));
+    if (scene === wanted) report.replaceChildren(...preflightResult(found, () => { scene = simpler(wanted, found, status); }));
   });
   return { node, close: takeDrops(node, (files) => void take(files)) };
 }
 
-async function planOf(wanted: Scene, { request }: Asked, status: HTMLElement): Promise<Plan> {
+async function preflightOf(wanted: Scene, { request }: Asked, status: HTMLElement): Promise<PreflightReport> {
   const { width, height, stop } = request;
   await upload(wanted, status);
   setText(status, "Rendering it small, with and without each part; this takes minutes…");
-  const error = typeof stop.relative_error === "number" ? stop.relative_error : usualError;
-  const found = await planScene({ scene: wanted.document, width, height, error });
-  setText(status, `${wanted.path} is planned`);
+  const error = stop.relative_error ?? usualError;
+  const found = await preflight({ scene: wanted.document, width, height, error });
+  setText(status, `${wanted.path} is checked`);
   return found;
 }
 
 /** The scene that is enough; its files are there already. */
-function simpler(scene: Scene, plan: Plan, status: HTMLElement): Scene {
-  setText(status, `${scene.path}, simplified: ${plan.chosen.without.join(", ")}`);
-  return { ...scene, document: plan.document };
+function simpler(scene: Scene, preflight: PreflightReport, status: HTMLElement): Scene {
+  setText(status, `${scene.path}, simplified: ${preflight.chosen.without.join(", ")}`);
+  return { ...scene, document: preflight.document };
 }
 
 async function upload({ files }: Scene, status: HTMLElement): Promise<void> {

@@ -7,7 +7,7 @@ import type { Viewer } from "./viewer.ts";
 
 const showNames: Record<Show, string> = {
   colour: "Colour", luminance: "Luminance", error: "Standard error", "relative error": "Relative error",
-  samples: "Samples", rejected: "Rejected photons", difference: "Difference",
+  samples: "Samples", invalid_samples: "Invalid samples", difference: "Difference",
 };
 const toneNames: Record<Tone, string> = { linear: "Linear", reinhard: "Reinhard", filmic: "Filmic" };
 
@@ -76,7 +76,7 @@ function exposureSlider(viewer: Viewer): { node: HTMLElement; refresh: () => voi
     }
     const stops = input.valueAsNumber;
     const grey = `${formatValue(middleGrey / viewer.look.exposure, 3)} cd/m²`;
-    setText(value, `${formatStops(stops)} · grey ${grey}`);
+    setText(value, `${formatStops(stops)} · middle grey ${grey}`);
     input.setAttribute("aria-valuetext", `${stops.toFixed(1)} stops; middle grey is ${grey}`);
     auto.disabled = viewer.isAuto;
   };

@@ -11,7 +11,7 @@ const rows: { label: string; value: (reading: Reading) => string }[] = [
   { label: "x y", value: chromaticityText },
   { label: "CCT", value: temperatureText },
   { label: "Samples", value: ({ samples: [fewest, most] }) => (fewest === most ? formatCount(fewest) : `${formatCount(fewest)}–${formatCount(most)}`) },
-  { label: "Rejected", value: ({ rejected }) => `${formatCount(rejected)} in tile` },
+  { label: "Invalid samples", value: ({ invalid_samples }) => `${formatCount(invalid_samples)} in tile` },
 ];
 
 export interface Inspector {

@@ -26,7 +26,7 @@ export interface RenderImage {
 
 /** What stands in the image's place as long as no tile is there. */
 export function whyNothingIsShown(render: Render): string {
-  if (render.progress.photons > 0) return "Loading the image.";
+  if (render.progress.mean_samples > 0) return "Loading the image.";
   return hasEnded(render) ? "No image: it ended before its first samples." : "No samples yet.";
 }
 

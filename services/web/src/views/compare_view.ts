@@ -109,13 +109,13 @@ function nameOf(render: Render | undefined, id: string): string {
   return render?.name ? `${render.name} (${id})` : id;
 }
 
-/** Both errors over the photons, on one chart. */
+/** Both errors over the samples per pixel, on one chart. */
 function curves(first: string, second: string | undefined, renders: Renders): { node: HTMLElement; close: () => void } {
   const plot = element("div", { class: "plot" });
   const chart = new ConvergenceChart(plot);
   const draw = async (): Promise<void> => {
     const [a, b] = await Promise.all([getConvergence(first), second === undefined ? [] : getConvergence(second)]);
-    const both = together(usable(a, "photons"), usable(b, "photons"));
+    const both = together(usable(a, "samples"), usable(b, "samples"));
     const name = (id: string): string => renders.get(id)?.name ?? id;
     chart.show(
       {
@@ -125,12 +125,12 @@ function curves(first: string, second: string | undefined, renders: Renders): { 
           ...(second === undefined ? [] : [{ label: `2: ${name(second)}`, values: both.second, colour: "--cancelled", kind: "points" as const }]),
         ],
       },
-      "photons",
+      "samples",
     );
   };
   const timer = setInterval(() => void draw().catch(() => undefined), 3000);
   draw().catch(() => undefined);
-  const node = element("section", { "aria-labelledby": "curves-title" }, element("h2", { id: "curves-title" }, "Convergence of both"), element("figure", { "aria-label": "Relative error over photons" }, plot));
+  const node = element("section", { "aria-labelledby": "curves-title" }, element("h2", { id: "curves-title" }, "Convergence of both"), element("figure", { "aria-label": "Relative error over samples per pixel" }, plot));
   return {
     node,
     close: () => {

@@ -6,7 +6,7 @@ import { element, setText } from "../dom.ts";
 import { formatDuration, formatRelativeError } from "../format.ts";
 import { getConvergence } from "../service/client.ts";
 import { elapsedSeconds } from "../service/clock.ts";
-import { type ErrorPoint, hasEnded, type Render } from "../service/types.ts";
+import { type ConvergencePoint, hasEnded, type Render } from "../service/types.ts";
 
 export interface ConvergenceSection {
   node: HTMLElement;
@@ -23,7 +23,7 @@ export function convergenceSection(id: string): ConvergenceSection {
   const warning = element("div", { class: "warning", role: "status" });
   const figure = element("figure", { "aria-label": "Relative error over time, both axes logarithmic" }, plot, caption);
   let render: Render | undefined;
-  let points: readonly ErrorPoint[] = [];
+  let points: readonly ConvergencePoint[] = [];
   let abscissa: Abscissa = "time";
   const chart = new ConvergenceChart(plot);
 
@@ -70,12 +70,12 @@ export function convergenceSection(id: string): ConvergenceSection {
   };
 }
 
-function pointOf(render: Render): ErrorPoint {
-  const { photons, mean_samples, relative_error, worst_share, effective_pixels } = render.progress;
-  return { time_s: elapsedSeconds(render), photons, samples: mean_samples, relative_error, worst_share, effective_pixels };
+function pointOf(render: Render): ConvergencePoint {
+  const { mean_samples, relative_error, worst_share, effective_pixels } = render.progress;
+  return { time_s: elapsedSeconds(render), samples: mean_samples, relative_error, worst_share, effective_pixels };
 }
 
-function captionText(points: readonly ErrorPoint[]): string {
+function captionText(points: readonly ConvergencePoint[]): string {
   const last = points.at(-1);
   if (!last) return "No error estimate yet: it needs two samples in each pixel.";
   const share = last.worst_share > 0 ? ` The worst 1 % of the pixels have ${(100 * last.worst_share).toFixed(0)} % of the variance.` : "";
@@ -126,6 +126,6 @@ function abscissaChoice(onChoice: (abscissa: Abscissa) => void): HTMLElement {
     { class: "choice" },
     element("legend", { class: "visually-hidden" }, "Horizontal axis"),
     option("time", "Time"),
-    option("photons", "Photons"),
+    option("samples", "Samples per pixel"),
   );
 }

@@ -24,8 +24,8 @@ const facts: Fact[] = [
     label: "Samples per pixel",
     value: (render) => `${formatSamples(render.progress.mean_samples)} of ${formatSamples(render.samples)}`,
   },
-  { label: "Photons/s", value: photonsPerSecond },
-  { label: "Photons", value: (render) => formatCount(render.progress.photons) },
+  { label: "Samples/s", value: (render) => rate(render, render.progress.samples_merged, render.progress.samples_per_second) },
+  { label: "Rays/s", value: (render) => rate(render, render.progress.rays, render.progress.rays_per_second) },
   { label: "Rays", value: (render) => formatCount(render.progress.rays) },
   { label: "Elapsed", value: (render) => (render.started > 0 ? formatDuration(elapsedSeconds(render)) : "–") },
   {
@@ -34,7 +34,7 @@ const facts: Fact[] = [
     meaning: "From the rate and the error so far, to the first condition that ends the render.",
   },
   { label: "CPU time", value: (render) => formatDuration(render.progress.cpu_seconds) },
-  { label: "Rejected", value: (render) => formatCount(render.progress.rejected), meaning: "Photons whose result was not a finite number; they are left out of the image." },
+  { label: "Invalid samples", value: (render) => formatCount(render.progress.invalid_samples), meaning: "Contributions that were NaN, infinite or negative; they are left out of the image." },
   { label: "Film", value: (render) => `${render.width} × ${render.height}` },
 ];
 
@@ -61,10 +61,10 @@ function timeLeft(render: Render): string {
 }
 
 /** While it runs the rate of now, afterwards the mean. */
-function photonsPerSecond(render: Render): string {
+function rate(render: Render, total: number, now: number): string {
   const elapsed = elapsedSeconds(render);
-  const rate = hasEnded(render) && elapsed > 0 ? render.progress.photons / elapsed : render.progress.photons_per_second;
-  return rate > 0 ? formatCount(rate) : "–";
+  const perSecond = hasEnded(render) && elapsed > 0 ? total / elapsed : now;
+  return perSecond > 0 ? formatCount(perSecond) : "–";
 }
 
 /** A question mark whose text shows on hover and on focus, and goes with Escape. */

@@ -18,7 +18,7 @@ export function renderView(id: string, renders: Renders): View {
   const first = lookFirstButton(id, image.chosen, (render) => { renders.put(render); });
   image.node.append(first.node);
   const convergence = convergenceSection(id);
-  const workers = workersSection({ id, onAtWork: (byTile) => image.viewer?.showWorkers(byTile) });
+  const workers = workersSection({ id, onTilesInProgress: (byTile) => image.viewer?.showWorkers(byTile) });
   const problem = element("p", { class: "problem", role: "alert" });
   const content = element(
     "div",

@@ -1,6 +1,6 @@
 /** The heading, and beside the image: progress, figures, downloads, cancel and delete. */
 import { element, setText } from "../dom.ts";
-import { getWhy, imageAddress, previewAddress } from "../service/client.ts";
+import { getExplanation, imageAddress, previewAddress } from "../service/client.ts";
 import type { Renders } from "../service/renders.ts";
 import { hasEnded, hasImage, type Render } from "../service/types.ts";
 import { cancelButton } from "./cancel_button.ts";
@@ -50,7 +50,7 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
 /** What a render without samples waits for. */
 async function explain(id: string, node: HTMLElement): Promise<void> {
   try {
-    setText(node, await getWhy(id));
+    setText(node, await getExplanation(id));
     node.hidden = false;
   } catch {
     // The bar says that the service is out of reach.

@@ -1,7 +1,7 @@
-/** Who works: a table, asked for every two seconds; and which tiles of a render they have in hand. */
+/** Table of the workers, updated every two seconds, and the tiles of a render that each is tracing. */
 import { element } from "../dom.ts";
 import { formatCount } from "../format.ts";
-import { getAtWork, listWorkers } from "../service/client.ts";
+import { getTilesInProgress, listWorkers } from "../service/client.ts";
 import type { Worker } from "../service/types.ts";
 
 const interval_ms = 2000;
@@ -10,7 +10,7 @@ interface Watched {
   /** A render. */
   id: string;
   /** Numbers of workers, from 1, by tile. */
-  onAtWork: (byTile: ReadonlyMap<number, number>) => void;
+  onTilesInProgress: (byTile: ReadonlyMap<number, number>) => void;
 }
 
 export function workersSection(watched?: Watched): { node: HTMLElement; close: () => void } {
@@ -26,10 +26,10 @@ export function workersSection(watched?: Watched): { node: HTMLElement; close: (
   const poll = async (): Promise<void> => {
     if (document.hidden) return;
     try {
-      const [workers, atWork] = await Promise.all([listWorkers(), watched ? getAtWork(watched.id) : []]);
+      const [workers, inProgress] = await Promise.all([listWorkers(), watched ? getTilesInProgress(watched.id) : []]);
       for (const { id } of workers.toSorted((a, b) => a.id.localeCompare(b.id))) numberOf(id);
-      watched?.onAtWork(new Map(atWork.map(({ tile, worker }) => [tile, numberOf(worker)])));
-      const tiles = (worker: string): string => `${atWork.filter((each) => each.worker === worker).length}`;
+      watched?.onTilesInProgress(new Map(inProgress.map(({ tile, worker }) => [tile, numberOf(worker)])));
+      const tiles = (worker: string): string => `${inProgress.filter((each) => each.worker === worker).length}`;
       content.replaceChildren(workers.length > 0 ? table(workers, watched && tiles) : noWorkers());
     } catch {
       // The bar says that the service is out of reach, or the render that there is none.
@@ -41,7 +41,7 @@ export function workersSection(watched?: Watched): { node: HTMLElement; close: (
 }
 
 function table(workers: Worker[], tiles: ((worker: string) => string) | undefined): HTMLElement {
-  const headings = ["Worker", "Threads", "Photons/s", "Jobs done", ...(tiles ? ["Tiles now"] : [])];
+  const headings = ["Worker", "Threads", "Rays/s", "Jobs done", ...(tiles ? ["Tiles now"] : [])];
   const rows = workers.toSorted((a, b) => a.id.localeCompare(b.id)).map((worker) => row(worker, tiles ? [tiles(worker.id)] : []));
   return element(
     "table",
@@ -52,10 +52,10 @@ function table(workers: Worker[], tiles: ((worker: string) => string) | undefine
 }
 
 function row(worker: Worker, more: string[]): HTMLElement {
-  const cells = [`${worker.threads}`, formatCount(worker.photons_per_second), formatCount(worker.jobs_done), ...more];
+  const cells = [`${worker.threads}`, formatCount(worker.rays_per_second), formatCount(worker.jobs_done), ...more];
   const name = element("th", { scope: "row" }, worker.id);
   if (worker.quarantine) name.append(element("span", { class: "badge", "data-state": "FAILED", title: worker.quarantine }, "Quarantine"));
-  else if (worker.shut_out) name.append(element("span", { class: "badge", "data-state": "PAUSED", title: worker.shut_out }, "No jobs"));
+  else if (worker.incompatible) name.append(element("span", { class: "badge", "data-state": "PAUSED", title: worker.incompatible }, "No jobs"));
   return element("tr", {}, name, ...cells.map((text) => element("td", {}, text)));
 }
 

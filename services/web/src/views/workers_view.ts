@@ -1,4 +1,4 @@
-/** All workers: what they do now, what they did over the night, and who came and went. */
+/** All workers: now, over the last two days, and the worker events. */
 import uPlot from "uplot";
 import { element } from "../dom.ts";
 import { formatCount } from "../format.ts";
@@ -23,7 +23,7 @@ export function workersView(): View {
     element("h1", { tabindex: "-1" }, "Workers"),
     workers.node,
     element("section", { "aria-labelledby": "night-title" }, element("h2", { id: "night-title" }, "The last two days"), chart, caption),
-    element("section", { "aria-labelledby": "events-title" }, element("h2", { id: "events-title" }, "Who came and went"), events),
+    element("section", { "aria-labelledby": "events-title" }, element("h2", { id: "events-title" }, "Worker events"), events),
   );
   let plot: uPlot | undefined;
   const poll = async (): Promise<void> => {
@@ -63,7 +63,7 @@ function rates({ rates: points }: WorkerHistory, container: HTMLElement): uPlot 
       axes: [axis, { ...axis, size: 64, values: format }, { ...axis, scale: "threads", side: right, grid: { show: false } }],
       series: [
         {},
-        { label: "Photons/s", stroke: styles.getPropertyValue("--accent").trim(), width: 2, value: (_, value: number | null) => (value === null ? "–" : formatCount(value)) },
+        { label: "Samples × wavelengths/s", stroke: styles.getPropertyValue("--accent").trim(), width: 2, value: (_, value: number | null) => (value === null ? "–" : formatCount(value)) },
         { label: "Threads", scale: "threads", stroke: styles.getPropertyValue("--cancelled").trim(), width: 1, dash: [4, 3] },
       ],
     },
@@ -78,7 +78,7 @@ function efficiencyText({ rates: points }: WorkerHistory): string {
   const best = Math.max(0, ...perThread);
   if (perThread.length < 2 || best === 0) return "A point for each minute; there are too few yet.";
   const mean = perThread.reduce((sum, value) => sum + value, 0) / perThread.length;
-  return `${formatCount(mean)} photons/s per thread on the mean, ${((100 * mean) / best).toFixed(0)} % of the best minute. Idle time counts, and scenes differ.`;
+  return `${formatCount(mean)} samples × wavelengths/s per thread on the mean, ${((100 * mean) / best).toFixed(0)} % of the best minute. Idle time counts, and scenes differ.`;
 }
 
 function eventsTable({ events }: WorkerHistory): HTMLElement {

@@ -1,0 +1,217 @@
+"""Renders that come and go, as the data folder says. Pure."""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+
+from nocturne.v1 import job_pb2
+from nocturne_scene.ranges import XYZ_SUMS
+
+from nocturne_coordinator import limits
+from nocturne_coordinator.dispatch.commits import Commits
+from nocturne_coordinator.dispatch.events import Moment, RendersSeen
+from nocturne_coordinator.dispatch.instructions import (
+    ERROR,
+    INFO,
+    WARNING,
+    EndRender,
+    Log,
+    LookAgain,
+    ReadRenders,
+    ReadTiles,
+    StartAnew,
+    StartRender,
+    Steps,
+    TakeRender,
+    TakeUpStreams,
+    TellWorkers,
+)
+from nocturne_coordinator.dispatch.profiles import should_start_anew, usual_profile
+from nocturne_coordinator.dispatch.records import OpenRender, RenderState
+from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.dispatch.state import State
+from nocturne_coordinator.errors import FolderTrouble, LeaseLost
+
+_ODD_SECONDS = 10.0
+"""How long most workers must round otherwise than a render's before it is started anew: a worker's status
+holds as long, so all that are there have been seen."""
+
+
+class Admission:
+    """Takes renders up, and lets them go."""
+
+    def __init__(self, state: State, commits: Commits) -> None:
+        self._state = state
+        self._commits = commits
+
+    def follow(self, event: RendersSeen) -> Steps[None]:
+        """Takes renders up and lets them go as the folder says; asks for another look if that has to wait."""
+        try:
+            if not (yield from self._follow(event)):
+                yield LookAgain()
+        except LeaseLost as lost:
+            yield from self._commits.lose(lost.render_id)
+        except FolderTrouble as trouble:
+            yield Log(ERROR, f"the data folder can't be used: {trouble}; trying again")
+            yield LookAgain()
+
+    def _follow(self, event: RendersSeen) -> Steps[bool]:
+        state, at = self._state, event.at
+        state.fleet.quarantined = event.quarantined
+        rows = {row.id: row for row in event.renders}
+        for render in [each for each in state.renders.values() if _is_lost(each, rows)]:
+            yield from self._commits.lose(render.id)
+        changed = [
+            render.id
+            for render in state.renders.values()
+            if render.id not in rows or not rows[render.id].asks_the_same(render.row)
+        ]
+        # What is merged of them is kept, unless they were cancelled.
+        if changed and not (yield from self._commits.commit(at)):
+            return False
+        # A commit may have found one of them lost.
+        for render_id in [each for each in changed if each in state.renders]:
+            what = "has another schedule" if render_id in rows else "let go"
+            yield Log(INFO, f"render={render_id} {what}")
+            yield from self._commits.drop(render_id)
+        part = -(-len(rows) // event.coordinators)
+        yield from self._pass_on(part, at)
+        if changed:
+            again: list[OpenRender] = yield ReadRenders()
+            rows = {row.id: row for row in again}
+        for row in rows.values():
+            if row.id in state.renders:
+                state.scheduler.set_priority(row.id, row.priority)
+                self._look_first(row)
+                if row.state is RenderState.QUEUED:
+                    # Paused and resumed between two looks: it runs as before.
+                    yield StartRender(row.id, state.renders[row.id].row.fence)
+            elif row.holder in (0, state.settings.number) and len(state.renders) < part:
+                yield from self._admit(row, at)
+        state.fleet.share = _share_of(state.renders, rows.values())
+        profiles = {render.id: render.floating_point_profile for render in state.renders.values()}
+        wanted = {profiles.get(row.id, row.floating_point_profile) for row in rows.values()}
+        for worker, reason in state.fleet.set_profiles(wanted).items():
+            yield Log(WARNING, f"worker={worker} gets no jobs: {reason}")
+        yield TellWorkers(state.fleet.without_jobs())
+        return True
+
+    def start_odd_ones_anew(self, at: Moment) -> Steps[None]:
+        """A render whose first worker rounds as few others do, so that these can't help, loses its start."""
+        state = self._state
+        threads = state.fleet.threads_by_profile
+        for render in list(state.renders.values()):
+            # A replay is asked for with that very class.
+            fixed = bool(render.row.stop.tile_samples)
+            cpu_seconds = render.totals.cpu_seconds
+            if fixed or not should_start_anew(render.floating_point_profile, threads, cpu_seconds):
+                state.odd_since.pop(render.id, None)
+            elif at.now - state.odd_since.setdefault(render.id, at.now) >= _ODD_SECONDS:
+                if not (yield from self._commits.commit(at)) or render.id not in state.renders:
+                    continue
+                profile, usual = render.floating_point_profile, usual_profile(threads)
+                yield Log(
+                    WARNING,
+                    f"render={render.id} is started anew: it has floating-point profile {profile}, "
+                    f"most workers {usual}",
+                )
+                try:
+                    yield StartAnew(render.id, render.row.fence)
+                except LeaseLost as lost:
+                    yield from self._commits.lose(lost.render_id)
+                except FolderTrouble as trouble:
+                    yield from self._commits.report(trouble)
+                else:
+                    yield from self._commits.drop(render.id)
+                    yield LookAgain()
+
+    def end(self, render: OpenRender, state: RenderState, reason: str) -> Steps[None]:
+        """Writes a final state."""
+        if (yield EndRender(render, state, reason)):
+            yield Log(INFO, f"render={render.id} {state.value} {reason}".rstrip())
+        else:
+            # Somebody wants something else of it; the next look at the folder tells what.
+            yield LookAgain()
+
+    def _pass_on(self, part: int, at: Moment) -> Steps[None]:
+        """Leaves the youngest renders to other coordinators that have fewer."""
+        surplus = list(self._state.renders)[part:]
+        if surplus and (yield from self._commits.commit(at)):
+            for render_id in [each for each in surplus if each in self._state.renders]:
+                yield Log(INFO, f"render={render_id} is left to another coordinator")
+                yield from self._commits.drop(render_id, jobs_stay=True)
+
+    def _admit(self, row: OpenRender, at: Moment) -> Steps[None]:
+        """Resumes a render, or starts it if there is room."""
+        if row.state is RenderState.QUEUED and not self._has_room(row):
+            return
+        taken: OpenRender | None = yield TakeRender(row.id)
+        if taken is not None and taken.state in (RenderState.QUEUED, RenderState.RUNNING):
+            yield from self._work_on(taken, at)
+
+    def _work_on(self, row: OpenRender, at: Moment) -> Steps[None]:
+        """A render that is leased to us."""
+        if row.engine != job_pb2.ENGINE_CURRENT:
+            reason = (
+                f"It was made for engine {row.engine}; this service traces with engine "
+                f"{job_pb2.ENGINE_CURRENT}, whose bits differ. Submit it again."
+            )
+            yield from self.end(row, RenderState.FAILED, reason)
+            return
+        if row.state is RenderState.QUEUED and 0.0 < row.stop.until <= at.unix and not row.totals.photons:
+            text = row.stop.until_text or "the time"
+            reason = f"{text} came before there was room to start it."
+            yield from self.end(row, RenderState.STOPPED_EARLY, reason)
+            return
+        if row.state is RenderState.QUEUED and not (yield StartRender(row.id, row.fence)):
+            return
+        try:
+            render = RunningRender(row, (yield ReadTiles(row.id)), at.now)
+        except ValueError as error:
+            reason = f"Its committed samples can't be read: {error}"
+            yield from self.end(row, RenderState.FAILED, reason)
+            return
+        self._state.renders[row.id] = render
+        self._state.scheduler.add(
+            row.id,
+            len(render.planned.ranges),
+            render.merged_ranges,
+            horizon=[render.film.horizon(index) for index in range(len(render.film.tiles))],
+            owner=row.owner,
+            priority=row.priority,
+            owner_weight=row.owner_weight,
+            cost=render.cost,
+        )
+        if row.fence > 1:
+            yield TakeUpStreams(row.id)
+        self._look_first(row)
+        done, planned = render.totals.ranges, len(render.planned.ranges) * render.planned.grid.count
+        how = "resumed" if done else "started"
+        yield Log(INFO, f"render={row.id} {how}; {done} of {planned} ranges are merged")
+
+    def _look_first(self, row: OpenRender) -> None:
+        grid = self._state.renders[row.id].planned.grid
+        tiles: frozenset[int] = row.look_first.tiles(grid) if row.look_first else frozenset()
+        self._state.scheduler.set_first(row.id, tiles)
+
+    def _has_room(self, row: OpenRender) -> bool:
+        renders = self._state.renders
+        if not renders:
+            return True
+        held = sum(render.film.sums.size for render in renders.values())
+        wanted = row.schedule.width * row.schedule.height * (XYZ_SUMS + len(row.schedule.further_responses))
+        return len(renders) < limits.MAX_RUNNING and held + wanted <= limits.MAX_RUNNING_SUMS
+
+
+def _is_lost(render: RunningRender, rows: Mapping[str, OpenRender]) -> bool:
+    return render.id in rows and rows[render.id].fence != render.row.fence
+
+
+def _share_of(ours: Mapping[str, RunningRender], rows: Iterable[OpenRender]) -> float:
+    """What our renders should get of the workers: owners by their weight, an owner's renders by priority."""
+    working = [row for row in rows if row.holder or row.id in ours]
+    priorities: Counter[str] = Counter()
+    for row in working:
+        priorities[row.owner] += row.priority
+    parts = {row.id: row.owner_weight * row.priority / priorities[row.owner] for row in working}
+    whole = sum(parts.values())
+    return sum(part for render_id, part in parts.items() if render_id in ours) / whole if whole else 1.0

@@ -1,0 +1,151 @@
+"""What is merged is committed about once a second, and then shown; only then are its results deleted. Pure.
+
+Renders are let go here, too: a commit may find one lost.
+"""
+
+from nocturne_coordinator.dispatch.events import CommitDone, Moment
+from nocturne_coordinator.dispatch.instructions import (
+    ERROR,
+    WARNING,
+    Acknowledge,
+    Commit,
+    IsOpen,
+    LetGo,
+    Log,
+    LookAgain,
+    RecordError,
+    Steps,
+    Withdraw,
+    WriteImage,
+    WritePreview,
+    WriteThumbnail,
+)
+from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.dispatch.state import State
+from nocturne_coordinator.errors import FolderTrouble, LeaseLost
+
+_PREVIEW_SECONDS = 1.0
+_PREVIEW_SHARE = 0.01
+_FIRST_IMAGE_SECONDS = 10.0
+_IMAGE_SECONDS = 60.0
+_IMAGE_SHARE = 0.003
+"""Shortest time between two, and the part of all time that may go into them. An EXR costs ten previews."""
+
+
+class Commits:
+    """Commits and shows what changed, and lets renders go."""
+
+    def __init__(self, state: State) -> None:
+        self._state = state
+
+    def commit(self, at: Moment) -> Steps[bool]:
+        """Commits what changed; on trouble says so, gives False, and all stays as it is until the next
+        time."""
+        self._state.next_commit = at.now + self._state.settings.commit_seconds
+        try:
+            yield from self._commit(at)
+        except LeaseLost as lost:
+            yield from self.lose(lost.render_id)
+        except FolderTrouble as trouble:
+            yield from self.report(trouble)
+            return False
+        self._state.folder_trouble = False
+        return True
+
+    def report(self, trouble: FolderTrouble) -> Steps[None]:
+        """No new jobs from here on until a commit works."""
+        self._state.folder_trouble = True
+        yield Log(ERROR, f"can't write to the data folder: {trouble}; intake pauses, trying again")
+
+    def _commit(self, at: Moment) -> Steps[None]:
+        state = self._state
+        changed = [
+            (render, changes)
+            for render in state.renders.values()
+            if (changes := render.changes(at.now, at.unix))
+        ]
+        # Who has a render now may need a result that is only a duplicate here.
+        fences = {each: state.renders[each].row.fence for each in state.settled if each in state.renders}
+        if changed or fences:
+            done: CommitDone = yield Commit(tuple(changes for _, changes in changed), fences)
+            for render, _ in changed:
+                render.committed()
+            for render_id in done.lost:
+                yield from self.lose(render_id)
+            at = done.at
+        if entries := [entry for each in state.settled.values() for entry in each]:
+            yield Acknowledge(tuple(entries))
+        state.settled.clear()
+        yield from self._show(at)
+
+    def lose(self, render_id: str) -> Steps[None]:
+        """Another coordinator has the render, or its sums were changed: jobs and results are not ours any
+        more. Those of a render that was deleted are nobody's."""
+        is_open: bool = yield IsOpen(render_id)
+        if render_id in self._state.renders:
+            yield Log(
+                WARNING, f"render={render_id} is not ours any more; what was not committed is done again"
+            )
+            yield from self.drop(render_id, jobs_stay=is_open)
+        results = self._state.settled.pop(render_id, [])
+        if not is_open and results:
+            yield Acknowledge(tuple(results))
+        # It may be ours to take again.
+        yield LookAgain()
+
+    def drop(self, render_id: str, jobs_stay: bool = False) -> Steps[None]:
+        """Works on the render no more. `jobs_stay`: another coordinator will want its jobs and results."""
+        state = self._state
+        jobs = [*state.scheduler.remove(render_id), *state.auditor.forget(render_id)]
+        state.failure_policy.forget(render_id)
+        state.audits_end.pop(render_id, None)
+        state.odd_since.pop(render_id, None)
+        render = state.renders.pop(render_id)
+        if not jobs_stay:
+            if jobs:
+                yield Withdraw(tuple(jobs))
+            state.settled.setdefault(render_id, []).extend(render.waiting_entries())
+        yield LetGo(render_id, render.row.fence)
+
+    # --- what people look at ---
+
+    def _show(self, at: Moment) -> Steps[None]:
+        """Previews that are due and one image, of renders with new samples, never more often than they are
+        worth.
+
+        Results wait meanwhile: for six images of a million pixels in a row, that would be seconds.
+        """
+        images = []
+        for render in list(self._state.renders.values()):
+            if render.totals.photons == render.pictured_photons:
+                continue
+            render.next_image = render.next_image or at.now + _FIRST_IMAGE_SECONDS
+            begun = at.now
+            if begun >= render.next_preview:
+                at = yield WritePreview(render.id)
+                render.next_preview = begun + max(_PREVIEW_SECONDS, (at.now - begun) / _PREVIEW_SHARE)
+            begun = at.now
+            if begun >= render.next_figures:
+                at = yield from self._show_error(render)
+                render.next_figures = begun + max(_PREVIEW_SECONDS, (at.now - begun) / _PREVIEW_SHARE)
+            if at.now >= render.next_image:
+                images.append(render)
+        if images:
+            longest = min(images, key=lambda render: render.next_image)
+            begun = at.now
+            at = yield WriteImage(longest.id)
+            longest.next_image = begun + max(_IMAGE_SECONDS, (at.now - begun) / _IMAGE_SHARE)
+
+    def show_final(self, render: RunningRender) -> Steps[None]:
+        """The last preview and image of a render, of all that is committed."""
+        yield WriteImage(render.id)
+        yield WritePreview(render.id, final=True)
+        yield from self._show_error(render)
+
+    def _show_error(self, render: RunningRender) -> Steps[Moment]:
+        """The error and a small picture, which cost less than a preview; tells watchers of all of them."""
+        at: Moment = yield WriteThumbnail(render.id)
+        point, in_history = render.error_point(at.unix)
+        at = yield RecordError(render.id, render.row.fence, point, in_history)
+        render.pictured_photons = point.photons
+        return at

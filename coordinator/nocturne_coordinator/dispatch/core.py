@@ -1,0 +1,146 @@
+"""The coordinator's decisions: events in, instructions out. No clock, no queue, no database, no files. Pure.
+
+    steps = core.handle(event)      # then one instruction after the other, each with its answer, to the end
+
+`Coordinator` is the shell that does so with a real queue and store; `replay.py` does it with a file, tests
+with a world in memory. The parts: `window.py` (jobs out), `result_handler.py` (results in), `commits.py`,
+`admission.py` (renders that come and go), `endings.py`; they share `state.py`."""
+
+from nocturne_coordinator.dispatch.admission import Admission
+from nocturne_coordinator.dispatch.commits import Commits
+from nocturne_coordinator.dispatch.endings import Endings
+from nocturne_coordinator.dispatch.events import (
+    Event,
+    JobsFound,
+    Moment,
+    RedisEmptied,
+    RenderLost,
+    RendersSeen,
+    ResultCame,
+    Stopping,
+    StreamIsReady,
+    Tick,
+    WorkersSeen,
+)
+from nocturne_coordinator.dispatch.instructions import (
+    ERROR,
+    IsOpen,
+    Log,
+    LookAgain,
+    Quarantine,
+    Steps,
+    TellWorkers,
+    Withdraw,
+    WriteBundle,
+)
+from nocturne_coordinator.dispatch.result_handler import Outcome, ResultHandler
+from nocturne_coordinator.dispatch.state import Settings, State
+from nocturne_coordinator.dispatch.validation import validate_state
+from nocturne_coordinator.dispatch.window import Window
+from nocturne_coordinator.errors import FolderTrouble
+
+_FIRST_LIGHT_SECONDS = 0.1
+"""From a render's first result to its commit: somebody may be waiting to see that it is the right scene."""
+
+_MIN_ROUND = 0.005
+_MAX_ROUND = 0.05
+_ROUNDS_PER_JOB = 3.0
+"""Results that come one by one are taken together, which costs less; yet the window is filled several times
+in the time that a job takes through it, so no worker waits for that."""
+
+
+class Core:
+    """One coordinator's mind."""
+
+    def __init__(self, settings: Settings) -> None:
+        self.state = State.of(settings)
+        self.window = Window(self.state)
+        self.results = ResultHandler(self.state)
+        self._commits = Commits(self.state)
+        self._admission = Admission(self.state, self._commits)
+        self._endings = Endings(self.state, self._commits, self._admission)
+
+    @property
+    def shortest_round(self) -> float:
+        """Seconds from one reading of results to the next."""
+        wanted = self.state.scheduler.typical_time / _ROUNDS_PER_JOB
+        return min(max(wanted, _MIN_ROUND), _MAX_ROUND)
+
+    def handle(self, event: Event) -> Steps[None]:
+        """What follows from an event. QueueError comes through: Redis failed in the middle of it."""
+        match event:
+            case Tick():
+                yield from self._tick(event.at)
+            case ResultCame():
+                outcome = self.results.take(event.entry, event.data, event.at.now, event.draw)
+                yield from self._follow(outcome, event.at)
+            case StreamIsReady():
+                yield from self.window.fill(event.at)
+            case WorkersSeen():
+                yield from self.window.workers_seen(event)
+            case JobsFound():
+                yield from self.window.adopt(event)
+            case RedisEmptied():
+                self.window.emptied()
+            case RendersSeen():
+                yield from self._admission.follow(event)
+            case RenderLost():
+                yield from self._commits.lose(event.render_id)
+            case Stopping():
+                yield from self._commits.commit(event.at)
+
+    def _tick(self, at: Moment) -> Steps[None]:
+        while self.state.lost:
+            yield from self._follow(self.results.lost_worker(*self.state.lost.pop()), at)
+        yield from self._admission.start_odd_ones_anew(at)
+        yield from self._endings.finish(at)
+        state = self.state
+        if any(render.is_unseen for render in state.renders.values()):
+            state.next_commit = min(state.next_commit, at.now + _FIRST_LIGHT_SECONDS)
+        if at.now >= state.next_commit:
+            yield from self._commits.commit(at)
+
+    def _follow(self, outcome: Outcome, at: Moment) -> Steps[None]:
+        """Does what a result calls for."""
+        yield from outcome.lines
+        if outcome.unknown_render:
+            if (yield IsOpen(outcome.unknown_render)):
+                return
+            # Ended or cancelled a moment ago, most likely.
+            self.state.settled.setdefault("", []).extend(outcome.settled)
+            return
+        if outcome.settled:
+            self.state.settled.setdefault(outcome.render_id, []).extend(outcome.settled)
+        if outcome.withdrawn:
+            yield Withdraw(tuple(outcome.withdrawn))
+        self.state.failed.update(outcome.failed)
+        for render_id, failed in outcome.failed_tiles:
+            yield WriteBundle(render_id, failed)
+        for worker in outcome.quarantined.keys() - self.state.fleet.quarantined.keys():
+            yield from self._put_in_quarantine(
+                worker, outcome.quarantined[worker], worker in outcome.liars, at
+            )
+
+    def _put_in_quarantine(self, worker: str, reason: str, lied: bool, at: Moment) -> Steps[None]:
+        yield Log(ERROR, f"worker={worker} is in quarantine: {reason}")
+        fleet = self.state.fleet
+        fleet.quarantined = {**fleet.quarantined, worker: reason}
+        yield TellWorkers(fleet.without_jobs())
+        if not (yield from self._commits.commit(at)):
+            # It is still in quarantine here; should this process die now, another audit finds it.
+            return
+        try:
+            distrusted: list[str] = yield Quarantine(worker, reason, lied)
+        except FolderTrouble as trouble:
+            yield from self._commits.report(trouble)
+            return
+        for render_id in distrusted:
+            yield Log(ERROR, f"render={render_id} tiles with work of worker={worker} are traced anew")
+            if render_id in self.state.renders:
+                yield from self._commits.drop(render_id)
+        if distrusted:
+            yield LookAgain()
+
+    def validate_state(self) -> None:
+        """InvalidState if a range is in two places or in none, or a bound is passed; for tests."""
+        validate_state(self.state, self.window.size)

@@ -1,0 +1,84 @@
+"""Renders that have all that was asked for, or whose time is over, or that fail. Pure."""
+
+from nocturne_coordinator.dispatch.admission import Admission
+from nocturne_coordinator.dispatch.audit import MAX_WAIT
+from nocturne_coordinator.dispatch.commits import Commits
+from nocturne_coordinator.dispatch.events import Moment
+from nocturne_coordinator.dispatch.instructions import Steps
+from nocturne_coordinator.dispatch.records import RenderState
+from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.dispatch.state import State
+from nocturne_coordinator.errors import FolderTrouble, LeaseLost
+
+_LONELY_SECONDS = 10.0
+"""How long audits at the end of a render wait for a worker that could settle them, while there is none."""
+
+
+class Endings:
+    """Ends renders, their images first."""
+
+    def __init__(self, state: State, commits: Commits, admission: Admission) -> None:
+        self._state = state
+        self._commits = commits
+        self._admission = admission
+        self._next_finish = 0.0
+
+    def finish(self, at: Moment) -> Steps[None]:
+        """Ends the renders that are to end now."""
+        endings = [
+            (render, *ending)
+            for render in self._state.renders.values()
+            if (ending := render.ending(at.now, at.unix)) and self._audits_are_done(render, at.now)
+        ]
+        if at.now < self._next_finish or not (endings or self._state.failed):
+            return
+        self._next_finish = at.now + self._state.settings.commit_seconds
+        if not (yield from self._commits.commit(at)):
+            return
+        try:
+            yield from self._end_failed()
+            for render, state, reason in endings:
+                yield from self._end_with_image(render, state, reason)
+        except LeaseLost as lost:
+            yield from self._commits.lose(lost.render_id)
+        except FolderTrouble as trouble:
+            yield from self._commits.report(trouble)
+        else:
+            self._next_finish = at.now
+
+    def _audits_are_done(self, render: RunningRender, now: float) -> bool:
+        """Whether no audit of the render is open, or none that others than the audited worker could
+        settle."""
+        state = self._state
+        if not state.auditor.pending(render.id):
+            return True
+        witnesses = 3 if state.auditor.disputed(render.id) else 2
+        if len(state.fleet.live(render.floating_point_profile)) < witnesses:
+            return now >= state.audits_end.setdefault(render.id, now + _LONELY_SECONDS)
+        return now >= state.audits_end.setdefault(render.id, now + MAX_WAIT)
+
+    def _end_failed(self) -> Steps[None]:
+        failed = self._state.failed
+        while failed:
+            render_id, reason = next(iter(failed.items()))
+            if render_id in self._state.renders:
+                row = self._state.renders[render_id].row
+                yield from self._admission.end(row, RenderState.FAILED, reason)
+                yield from self._commits.drop(render_id)
+            del failed[render_id]
+
+    def _end_with_image(self, render: RunningRender, state: RenderState, reason: str) -> Steps[None]:
+        """Images first, then the state: who sees that it has ended finds them."""
+        if render.id not in self._state.renders:
+            return
+        if render.totals.photons:
+            yield from self._commits.show_final(render)
+        if disputed := self._state.auditor.disputed(render.id):
+            key, workers = disputed[0]
+            state = RenderState.DEGRADED
+            reason = (
+                f"Workers {' and '.join(workers)} have different results of tile {key.tile_index}, "
+                f"and there was no third one to tell who is right. {reason}"
+            ).strip()
+        yield from self._admission.end(render.row, state, reason)
+        yield from self._commits.drop(render.id)

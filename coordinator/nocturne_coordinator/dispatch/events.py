@@ -1,0 +1,118 @@
+"""What the core is told, with the times at which it happened. Pure: values, nothing else."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+from nocturne_coordinator.dispatch.liveness import Holder
+from nocturne_coordinator.dispatch.records import OpenRender, WorkerRow
+
+
+class Moment(NamedTuple):
+    """A time by both clocks, in seconds."""
+
+    now: float
+    """By a clock that never jumps; its zero is anywhere."""
+    unix: float
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """Time has passed: what is due is committed, and renders whose end has come are ended."""
+
+    at: Moment
+
+
+@dataclass(frozen=True, slots=True)
+class ResultCame:
+    """An entry of the results stream."""
+
+    at: Moment
+    entry: bytes
+    data: bytes
+    draw: float
+    """At random in [0, 1), not to be foreseen: whether the job is audited."""
+
+
+@dataclass(frozen=True, slots=True)
+class RedisEmptied:
+    """Nothing is on the streams that was there before."""
+
+    at: Moment
+
+
+@dataclass(frozen=True, slots=True)
+class JobsFound:
+    """All that is on the stream of jobs: entries, and serialised jobs."""
+
+    at: Moment
+    jobs: tuple[tuple[bytes, bytes], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class StreamIsReady:
+    """All results that came are read, and jobs can be published now."""
+
+    at: Moment
+
+
+@dataclass(frozen=True, slots=True)
+class WorkersSeen:
+    """What workers say of themselves, and who has which job."""
+
+    at: Moment
+    workers: tuple[WorkerRow, ...]
+    left_ms: Mapping[str, int]
+    """By worker, how long its status holds without another."""
+    holders: tuple[Holder, ...]
+    jobs_waiting: int
+    """On the stream, of all coordinators."""
+
+
+@dataclass(frozen=True, slots=True)
+class RendersSeen:
+    """The folder as it is: its open renders by priority, then oldest first."""
+
+    at: Moment
+    renders: tuple[OpenRender, ...]
+    quarantined: Mapping[str, str]
+    """Workers, and why."""
+    coordinators: int
+    """That work on the folder."""
+
+
+@dataclass(frozen=True, slots=True)
+class RenderLost:
+    """Another coordinator has a render, or its sums were changed."""
+
+    at: Moment
+    render_id: str
+
+
+@dataclass(frozen=True, slots=True)
+class Stopping:
+    """The process is to end in order."""
+
+    at: Moment
+
+
+Event: TypeAlias = (
+    Tick
+    | ResultCame
+    | RedisEmptied
+    | JobsFound
+    | StreamIsReady
+    | WorkersSeen
+    | RendersSeen
+    | RenderLost
+    | Stopping
+)
+
+
+@dataclass(frozen=True, slots=True)
+class CommitDone:
+    """Answer to Commit."""
+
+    at: Moment
+    lost: tuple[str, ...]
+    """Renders that are another coordinator's now, of which nothing was written."""

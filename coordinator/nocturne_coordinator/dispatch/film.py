@@ -1,0 +1,127 @@
+"""The image of a running render in memory: all tiles' sums, and how many samples each pixel has. Pure."""
+
+import math
+from bisect import bisect_left
+
+import numpy as np
+
+from nocturne_coordinator.dispatch.error_estimate import relative_error
+from nocturne_coordinator.dispatch.merge import Counts, Offered, RangeSums, Sums, TileState
+from nocturne_coordinator.dispatch.planned_render import PlannedRender
+from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions, error_is_met, samples_needed
+
+
+class Film:
+    """Sums, of 32 bytes or more per pixel, and the merge state of every tile, which holds views into them."""
+
+    def __init__(self, render: PlannedRender, stop: StopConditions | None = None) -> None:
+        """`stop` says which tiles end before the schedule does. ValueError if it does not fit the
+        schedule."""
+        self._render = render
+        self._stop = stop or EVERYTHING
+        width, height = render.schedule.width, render.schedule.height
+        self.sums: Sums = np.zeros((height, width, render.sums_per_pixel))
+        self.counts: Counts = np.zeros((height, width), dtype=np.uint32)
+        areas = [self._area(index) for index in range(render.grid.count)]
+        self.tiles = [TileState(self.sums[area]) for area in areas]
+        self._tile_counts = [self.counts[area] for area in areas]
+        self._pixels = [counts.size for counts in self._tile_counts]
+        self._last = [len(render.ranges)] * len(self.tiles)
+        if self._stop.tile_samples:
+            self._last = [render.ranges.merged_at(end) if end else 0 for end in self._stop.tile_samples]
+        self._expected = [float(self._end(last)) for last in self._last]
+        for tile, last in zip(self.tiles, self._last, strict=True):
+            tile.closed = last == 0
+        self._unfinished = sum(not tile.closed for tile in self.tiles)
+
+    def load(self, tile_index: int, samples: int, sums: bytes) -> None:
+        """Puts back a tile as it was committed; ValueError if it doesn't fit the schedule."""
+        state = self.tiles[tile_index]
+        state.sums[...] = np.frombuffer(sums, dtype="<f8").reshape(state.sums.shape)
+        state.merged = self._render.ranges.merged_at(samples)
+        closed = state.closed
+        state.closed = closed or self._enough(tile_index, state)
+        self._advance(tile_index, not closed)
+
+    def offer(self, tile_index: int, offered: RangeSums) -> Offered:
+        """Merges a range when its turn has come; see TileState.offer."""
+        state = self.tiles[tile_index]
+        outcome = state.offer(offered, lambda state: self._enough(tile_index, state))
+        if outcome.released:
+            self._advance(tile_index, True)
+        return outcome
+
+    def give_up(self, tile_index: int) -> list[RangeSums]:
+        """The tile gets no more samples, whatever was asked for; gives ranges that waited for one before
+        them."""
+        state = self.tiles[tile_index]
+        if state.closed:
+            return []
+        surplus = state.close()
+        self._advance(tile_index, True)
+        return surplus
+
+    @property
+    def complete(self) -> bool:
+        """No tile needs more samples."""
+        return self._unfinished == 0
+
+    @property
+    def tiles_done(self) -> int:
+        """Tiles that need no more samples."""
+        return len(self.tiles) - self._unfinished
+
+    @property
+    def expected_samples(self) -> float:
+        """Pixels times samples when all tiles will be done, as far as can be told now."""
+        return float(np.dot(self._expected, self._pixels))
+
+    def horizon(self, tile_index: int) -> int:
+        """How many ranges the tile is expected to need in all; at least one more than it has."""
+        state = self.tiles[tile_index]
+        if not self._stop.tile_relative_error:
+            return self._last[tile_index]
+        # A little below: an error that is met a range earlier makes the range after it useless.
+        reached = bisect_left(self._render.schedule.range_ends, 0.9 * self._expected[tile_index]) + 1
+        known = state.merged > 0 and math.isfinite(self._expected[tile_index])
+        return min(self._last[tile_index], max(state.merged + 1, reached if known else 0))
+
+    def samples(self, tile_index: int) -> int:
+        """Samples merged of a tile."""
+        return self._end(self.tiles[tile_index].merged)
+
+    def manifest(self) -> list[int]:
+        """Samples of each tile."""
+        return [self.samples(index) for index in range(len(self.tiles))]
+
+    def tile_bytes(self, tile_index: int) -> bytes:
+        """A tile's sums as they are committed: float64, little endian, row by row."""
+        return self.tiles[tile_index].sums.astype("<f8", copy=False).tobytes()
+
+    def _end(self, merged: int) -> int:
+        return self._render.ranges[merged - 1].end if merged else 0
+
+    def _enough(self, tile_index: int, state: TileState) -> bool:
+        """Whether a tile needs no more: asked at the end of a range, answered from its own sums."""
+        if state.merged >= self._last[tile_index]:
+            return True
+        asked = self._stop.tile_relative_error
+        if not asked:
+            return False
+        samples = self._end(state.merged)
+        error = relative_error(state.sums, np.full(state.sums.shape[:2], samples, dtype=np.uint32))
+        last = float(self._end(self._last[tile_index]))
+        self._expected[tile_index] = min(last, max(samples, samples_needed(error, samples, asked)))
+        return error_is_met(error, samples, asked)
+
+    def _advance(self, tile_index: int, was_open: bool) -> None:
+        state = self.tiles[tile_index]
+        samples = self._end(state.merged)
+        self._tile_counts[tile_index].fill(samples)
+        if state.closed:
+            self._expected[tile_index] = float(samples)
+            self._unfinished -= was_open
+
+    def _area(self, tile_index: int) -> tuple[slice, slice]:
+        tile = self._render.grid.tile(tile_index)
+        return slice(tile.y, tile.y + tile.height), slice(tile.x, tile.x + tile.width)

@@ -1,0 +1,68 @@
+"""The workers as they were last seen, and which of them take jobs. Pure."""
+
+from collections.abc import Collection, Mapping
+
+from nocturne_coordinator.dispatch.liveness import Liveness
+from nocturne_coordinator.dispatch.profiles import incompatible, threads_by_profile
+from nocturne_coordinator.dispatch.records import WorkerRow
+
+
+class Fleet:
+    """Who is there, who is in quarantine or incompatible, and what that leaves."""
+
+    def __init__(self) -> None:
+        self.liveness = Liveness()
+        self.workers: tuple[WorkerRow, ...] = ()
+        self.quarantined: Mapping[str, str] = {}
+        """Workers that are to take no jobs, and why."""
+        self.incompatible: Mapping[str, str] = {}
+        """Workers that are to take no jobs though they are not in quarantine, and why."""
+        self.threads = 0
+        """Of all workers that take jobs."""
+        self.threads_by_profile: Mapping[str, int] = {}
+        """Of all that could, whatever the renders need."""
+        self.jobs_of_others = 0
+        """On the stream, of other coordinators."""
+        self.share = 1.0
+        """Part of the workers that this coordinator's renders should get."""
+        self._profiles: Collection[str] = ()
+        self._live: dict[str, set[str]] = {}
+        self._live_of: tuple[object, object, object] = (None, None, None)
+
+    def live(self, floating_point_profile: str = "") -> set[str]:
+        """Names of the workers that take jobs; of one floating-point profile, unless it is empty."""
+        # Asked for often, and long where there are thousands.
+        now = (self.workers, self.quarantined, self.incompatible)
+        if any(a is not b for a, b in zip(now, self._live_of, strict=True)):
+            self._live, self._live_of = {"": set()}, now
+            for worker in self.workers:
+                if worker.id not in self.quarantined and worker.id not in self.incompatible:
+                    self._live[""].add(worker.id)
+                    self._live.setdefault(worker.floating_point_profile, set()).add(worker.id)
+        return self._live.get(floating_point_profile, set())
+
+    def seen(self, workers: tuple[WorkerRow, ...]) -> dict[str, str]:
+        """Who is there now; gives those that are newly incompatible, and why."""
+        self.workers = workers
+        self.threads_by_profile = threads_by_profile(workers, self.quarantined)
+        found = self._find_incompatible()
+        live = self.live()
+        self.threads = sum(each.threads for each in workers if each.id in live)
+        return found
+
+    def set_profiles(self, profiles: Collection[str]) -> dict[str, str]:
+        """Floating-point profiles of all open renders of the folder, empty for one that has none yet; gives
+        those that are newly incompatible."""
+        if profiles == self._profiles:
+            return {}
+        self._profiles = profiles
+        return self._find_incompatible()
+
+    def without_jobs(self) -> dict[str, str]:
+        """All workers that are to take no jobs, and why."""
+        return {**self.incompatible, **self.quarantined}
+
+    def _find_incompatible(self) -> dict[str, str]:
+        before, found = self.incompatible, incompatible(self.workers, self.quarantined, self._profiles)
+        self.incompatible = found
+        return {worker: found[worker] for worker in found.keys() - before.keys()}

@@ -1,0 +1,230 @@
+"""What the core tells its shell to do. Pure: values, nothing else.
+
+The shell carries an instruction out before the next event, and gives its answer back. What goes wrong is an
+answer, too: LeaseLost, FolderTrouble and QueueError are raised where the core waits for it (see `core.py`).
+"""
+
+from collections.abc import Generator, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias, TypeVar
+
+from nocturne_coordinator.dispatch.records import (
+    ErrorPoint,
+    FailedTile,
+    OpenRender,
+    RenderCommit,
+    RenderState,
+)
+from nocturne_coordinator.dispatch.scheduler import JobKey
+
+DEBUG, INFO, WARNING, ERROR = 10, 20, 30, 40
+"""Levels of Log; the numbers are those of Python's logging."""
+
+
+@dataclass(frozen=True, slots=True)
+class Log:
+    """Write a line to the log."""
+
+    level: int
+    message: str
+
+
+# --- queue ---
+
+
+@dataclass(frozen=True, slots=True)
+class Publish:
+    """Put jobs on the stream. Answer: their entries, in the same order."""
+
+    keys: tuple[JobKey, ...]
+    jobs: tuple[bytes, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Withdraw:
+    """Take jobs off the stream, soon."""
+
+    entries: tuple[bytes, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Acknowledge:
+    """Delete results, soon: what they brought is committed, or is of no use."""
+
+    entries: tuple[bytes, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TakeUpStreams:
+    """Before anything else is published, give again what the streams have of a render that others worked on:
+    JobsFound, then its results."""
+
+    render_id: str
+
+
+@dataclass(frozen=True, slots=True)
+class TellWorkers:
+    """Tell workers that they get no jobs, and why, as long as nothing else is said."""
+
+    reasons: Mapping[str, str]
+
+
+# --- store ---
+
+
+@dataclass(frozen=True, slots=True)
+class ReadRenders:
+    """Answer: all open renders of the folder (list of OpenRender)."""
+
+
+@dataclass(frozen=True, slots=True)
+class IsOpen:
+    """Answer: whether a render is one that some coordinator works on, or will; true if that can't be told."""
+
+    render_id: str
+
+
+@dataclass(frozen=True, slots=True)
+class LookAgain:
+    """Send RendersSeen soon, though nothing may have changed."""
+
+
+@dataclass(frozen=True, slots=True)
+class TakeRender:
+    """Lease a render. Answer: it as it is now (OpenRender), or None where another coordinator has it."""
+
+    render_id: str
+
+
+@dataclass(frozen=True, slots=True)
+class StartRender:
+    """QUEUED becomes RUNNING. Answer: whether it was still queued."""
+
+    render_id: str
+    fence: int
+
+
+@dataclass(frozen=True, slots=True)
+class ReadTiles:
+    """Answer: the committed tiles of a render (iterable of TileRow), to be read at once."""
+
+    render_id: str
+
+
+@dataclass(frozen=True, slots=True)
+class Commit:
+    """Write what is merged, in one transaction. Answer: CommitDone."""
+
+    commits: tuple[RenderCommit, ...]
+    fences: Mapping[str, int]
+    """Of renders with results that would be acknowledged next: they must still be ours."""
+
+
+@dataclass(frozen=True, slots=True)
+class EndRender:
+    """Write a final state. Answer: whether the render was still what it was."""
+
+    render: OpenRender
+    state: RenderState
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class StartAnew:
+    """Throw away all samples of a render, and its floating-point profile."""
+
+    render_id: str
+    fence: int
+
+
+@dataclass(frozen=True, slots=True)
+class LetGo:
+    """Give the lease of a render back; if that fails, it runs out by itself."""
+
+    render_id: str
+    fence: int
+
+
+@dataclass(frozen=True, slots=True)
+class Quarantine:
+    """Note that no result of a worker is taken any more. Answer: ids of the renders whose tiles with its work
+    are thrown away, none unless it `lied`."""
+
+    worker: str
+    reason: str
+    lied: bool
+
+
+# --- output ---
+
+
+@dataclass(frozen=True, slots=True)
+class WriteBundle:
+    """Keep what reproduces the failure of a tile."""
+
+    render_id: str
+    failed: FailedTile
+
+
+@dataclass(frozen=True, slots=True)
+class WritePreview:
+    """Replace a running render's preview. Answer: the moment when that was done."""
+
+    render_id: str
+    final: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class WriteThumbnail:
+    """Replace the small picture. Answer: the moment when that was done."""
+
+    render_id: str
+
+
+@dataclass(frozen=True, slots=True)
+class RecordError:
+    """Tell watchers of new pictures, with the error. Answer: the moment when that was done."""
+
+    render_id: str
+    fence: int
+    point: ErrorPoint
+    in_history: bool
+
+
+@dataclass(frozen=True, slots=True)
+class WriteImage:
+    """Replace the image file. Answer: the moment when that was done."""
+
+    render_id: str
+
+
+Instruction: TypeAlias = (
+    Log
+    | Publish
+    | Withdraw
+    | Acknowledge
+    | TakeUpStreams
+    | TellWorkers
+    | ReadRenders
+    | IsOpen
+    | LookAgain
+    | TakeRender
+    | StartRender
+    | ReadTiles
+    | Commit
+    | EndRender
+    | StartAnew
+    | LetGo
+    | Quarantine
+    | WriteBundle
+    | WritePreview
+    | WriteThumbnail
+    | RecordError
+    | WriteImage
+)
+
+T = TypeVar("T")
+
+Steps: TypeAlias = Generator[Instruction, Any, T]
+"""Instructions one after the other, each with its answer; what comes of them at the end. Between two events
+none is ever left over, so all that the core knows is in its fields."""

@@ -1,0 +1,102 @@
+"""The ordered merge of one tile: every planned range exactly once, in sample order, in float64. Pure.
+
+Floating-point addition depends on its order, so a range that comes early waits for those before it: the sums
+are then, bit for bit, those of one process that traces the ranges one after the other.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from nocturne_coordinator.limits import RANGES_AHEAD
+
+Sums = npt.NDArray[np.float64]
+"""Shape (height, width, XYZ_SUMS or more): over samples, sums of X, Y, Z and Y squared, then of each further
+response of the sensor."""
+
+Counts = npt.NDArray[np.uint32]
+"""Shape (height, width): samples in a film's sums."""
+
+
+@dataclass(frozen=True, slots=True)
+class RangeSums:
+    """The checked partial result of one range of one tile."""
+
+    index: int
+    """Of the range in its schedule."""
+    sums: Sums
+    photons: int
+    rays: int
+    invalid_samples: int
+    cpu_seconds: float
+    entry: bytes
+    """The result stream's entry that brought it."""
+    worker: str = ""
+    """Who traced it."""
+
+
+class Verdict(Enum):
+    """What became of an offered range."""
+
+    MERGED = "merged"
+    EARLY = "early"
+    """Waits for an earlier range."""
+    DUPLICATE = "duplicate"
+    """Is merged or waits already."""
+    TOO_EARLY = "too early"
+    """Is further ahead than anything that should be in flight; was not kept, is to be traced again."""
+
+
+class Offered(NamedTuple):
+    """What became of an offered range."""
+
+    verdict: Verdict
+    released: list[RangeSums]
+    """Merged now: it and those that waited for it."""
+    surplus: list[RangeSums]
+    """Waited, and are of no use: the tile needs no more."""
+
+
+def never(_: "TileState") -> bool:
+    """The tile goes on to its last planned range."""
+    return False
+
+
+@dataclass(slots=True)
+class TileState:
+    """Sums of the first `merged` ranges, and ranges that wait."""
+
+    sums: Sums
+    """May be a view into the film's array; changed in place."""
+    merged: int = 0
+    waiting: dict[int, RangeSums] = field(default_factory=dict)
+    closed: bool = False
+    """Gets no more samples."""
+
+    def offer(self, offered: RangeSums, enough: Callable[["TileState"], bool] = never) -> Offered:
+        """Takes a range. `enough` is asked at the end of each merged range: whether that was the tile's
+        last."""
+        if self.closed or offered.index < self.merged or offered.index in self.waiting:
+            return Offered(Verdict.DUPLICATE, [], [])
+        if offered.index >= self.merged + RANGES_AHEAD:
+            return Offered(Verdict.TOO_EARLY, [], [])
+        self.waiting[offered.index] = offered
+        released = []
+        while not self.closed and (following := self.waiting.pop(self.merged, None)) is not None:
+            self.sums += following.sums
+            self.merged += 1
+            released.append(following)
+            self.closed = enough(self)
+        surplus = self.close() if self.closed else []
+        return Offered(Verdict.MERGED if released else Verdict.EARLY, released, surplus)
+
+    def close(self) -> list[RangeSums]:
+        """No more samples from here on; gives what waited."""
+        self.closed = True
+        surplus = list(self.waiting.values())
+        self.waiting.clear()
+        return surplus

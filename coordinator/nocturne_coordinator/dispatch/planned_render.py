@@ -1,0 +1,126 @@
+"""A render as the coordinator schedules it, and the check that a result belongs to it. Pure."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from google.protobuf.message import DecodeError
+from nocturne.v1 import job_pb2
+from nocturne_scene.ranges import XYZ_SUMS, RangeList, SampleRange, TileGrid
+
+from nocturne_coordinator.dispatch.merge import Sums
+from nocturne_coordinator.limits import MAX_RAYS_PER_PHOTON
+
+_BEYOND_PHYSICS = 1e150
+"""No sum in cd/m2 comes near; squares of what is below are finite."""
+
+
+class RefusedResult(Exception):
+    """A result must not touch an accumulator; says why."""
+
+
+@dataclass(frozen=True)
+class PlannedRender:
+    """What every job of a render has in common."""
+
+    id: str
+    schedule: job_pb2.RangeSchedule
+    scene: bytes
+    """SHA-256 of the compiled scene, 32 bytes."""
+    engine: "job_pb2.Engine.ValueType"
+
+    @cached_property
+    def grid(self) -> TileGrid:
+        return TileGrid.of(self.schedule)
+
+    @cached_property
+    def ranges(self) -> RangeList:
+        return RangeList(self.schedule)
+
+    @property
+    def photons_per_sample(self) -> int:
+        return max(1, self.schedule.photons_per_sample)
+
+    @property
+    def sums_per_pixel(self) -> int:
+        return XYZ_SUMS + len(self.schedule.further_responses)
+
+    def job(self, tile_index: int, planned: SampleRange) -> job_pb2.Job:
+        return job_pb2.Job(
+            render_id=self.id,
+            tile_index=tile_index,
+            tile=self.grid.tile(tile_index),
+            first_sample=planned.first,
+            end_sample=planned.end,
+            scene=self.scene,
+            film_width=self.schedule.width,
+            film_height=self.schedule.height,
+            engine=self.engine,
+        )
+
+    def find(self, job: job_pb2.Job) -> SampleRange:
+        """The range that the job is for; RefusedResult unless it is, in every field, a job of this render.
+
+        But for the floating-point profile, of which the first jobs of a render have none: results tell their
+        own.
+        """
+        planned = self.ranges.find(job.first_sample, job.end_sample)
+        if planned is None:
+            raise RefusedResult(f"samples [{job.first_sample}, {job.end_sample}) are not a planned range")
+        if job.tile_index >= self.grid.count:
+            raise RefusedResult(f"tile {job.tile_index} of {self.grid.count}")
+        asked = self.job(job.tile_index, planned)
+        asked.floating_point_profile = job.floating_point_profile
+        if job != asked:
+            raise RefusedResult("tile, scene, film or engine differ from the schedule")
+        return planned
+
+
+def render_of(data: bytes) -> str:
+    """Of what render a serialised JobResult is; empty if it is none."""
+    try:
+        return job_pb2.JobResult.FromString(data).job.render_id
+    except DecodeError:
+        return ""
+
+
+def check_partial(
+    partial: job_pb2.Partial, job: job_pb2.Job, sums_per_pixel: int, photons_per_sample: int = 1
+) -> Sums:
+    """The sums of a partial result of a job; RefusedResult if they can't be."""
+    pixels = job.tile.width * job.tile.height
+    samples = job.end_sample - job.first_sample
+    _check_counts(partial, pixels * samples * photons_per_sample)
+    expected = pixels * sums_per_pixel * 8
+    if len(partial.sums) != expected:
+        raise RefusedResult(f"sums of {len(partial.sums)} bytes; expected {expected}")
+    shape = (job.tile.height, job.tile.width, sums_per_pixel)
+    sums = np.frombuffer(partial.sums, dtype="<f8").reshape(shape)
+    check_sums(sums, samples)
+    return sums
+
+
+def check_sums(sums: Sums, samples: int) -> None:
+    """RefusedResult if no samples have such sums; shape (height, width, XYZ_SUMS or more)."""
+    # With a NaN inside, minimum and maximum are NaN, and compare false.
+    if not (sums.min() >= 0.0 and sums.max() < _BEYOND_PHYSICS):
+        raise RefusedResult("sums that are negative, not finite or beyond all physics")
+    _check_squares(sums[..., 1], sums[..., 3], samples)
+
+
+def _check_counts(partial: job_pb2.Partial, photons: int) -> None:
+    if partial.photons != photons:
+        raise RefusedResult(f"{partial.photons} photons; expected {photons}")
+    if partial.invalid_samples > photons:
+        raise RefusedResult(f"{partial.invalid_samples} invalid_samples of {photons} photons")
+    if partial.rays > photons * MAX_RAYS_PER_PHOTON:
+        raise RefusedResult(f"{partial.rays} rays for {photons} photons")
+    if not 0.0 <= partial.cpu_seconds < np.inf:
+        raise RefusedResult(f"{partial.cpu_seconds} processor seconds")
+
+
+def _check_squares(y: Sums, y_squared: Sums, samples: int) -> None:
+    """No n numbers have a sum whose square is above n times the sum of their squares (Cauchy-Schwarz)."""
+    # The slack is for rounding, and for squares that are too small for a float64.
+    if not (y * y <= y_squared * (samples * (1 + 1e-9)) + 1e-300).all():
+        raise RefusedResult("sums of Y and of Y squared that no samples have")

@@ -1,0 +1,88 @@
+"""Which workers may work on which renders: those of this engine that round as the render's other workers do.
+
+Pure. Workers name their rounding by a digest (worker/src/rounding); a render has the class of its first
+merged result, and no result of another class is ever added to it (docs/decisions/0034).
+"""
+
+import re
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping
+
+from nocturne.v1 import job_pb2
+
+from nocturne_coordinator.dispatch.records import UNKNOWN_CLASS, WorkerRow
+
+_DIGEST = re.compile(r"[0-9a-f]{16}")
+
+REDONE_SECONDS = 60.0
+"""What was done by an odd worker may be done again, if it takes the others so long, in all."""
+
+
+def profile_of(told: str) -> str:
+    """What a worker said of itself; all that say nothing, or nonsense, are of one class."""
+    return told if _DIGEST.fullmatch(told) else UNKNOWN_CLASS
+
+
+def threads_by_profile(workers: Iterable[WorkerRow], quarantined: Collection[str]) -> Counter[str]:
+    """Of the workers that could take jobs."""
+    threads: Counter[str] = Counter()
+    for worker in workers:
+        if worker.engine == job_pb2.ENGINE_CURRENT and worker.id not in quarantined:
+            threads[worker.floating_point_profile] += worker.threads
+    return threads
+
+
+def usual_profile(threads: Mapping[str, int]) -> str:
+    """What most threads have; empty where there are none."""
+    return min(threads, key=lambda each: (-threads[each], each), default="")
+
+
+def refusal_of(of_render: str, of_result: str, threads: Mapping[str, int]) -> str:
+    """Why a result may not be merged into a render; empty: it may.
+
+    Until something is merged (`of_render` is empty) it may not be of a rare class, or one odd worker that
+    happened to be first would keep all others out.
+    """
+    if of_render:
+        if of_result == of_render:
+            return ""
+        return f"floating-point profile {of_result}, the render has {of_render}"
+    usual = usual_profile(threads)
+    if threads.get(usual, 0) <= threads.get(of_result, 0):
+        return ""
+    return f"floating-point profile {of_result}, most workers have {usual}"
+
+
+def should_start_anew(of_render: str, threads: Mapping[str, int], cpu_seconds: float) -> bool:
+    """Whether most workers can't help with a render, and would soon have done again what it has.
+
+    `cpu_seconds`: all that it has cost, so that this does not go on for ever.
+    """
+    usual = usual_profile(threads)
+    more = threads.get(usual, 0) - threads.get(of_render, 0)
+    return bool(of_render) and more > 0 and cpu_seconds <= REDONE_SECONDS * threads[usual]
+
+
+def incompatible(
+    workers: Collection[WorkerRow], quarantined: Collection[str], renders: Collection[str]
+) -> dict[str, str]:
+    """The workers that are to take no jobs though they did nothing wrong, and why.
+
+    `renders`: floating-point profiles of all open renders, empty for one that has none yet. Without any
+    render, no floating-point profile is wrong.
+    """
+    usual = usual_profile(threads_by_profile(workers, quarantined))
+    wanted = {each or usual for each in renders} - {""}
+    found = {}
+    for worker in workers:
+        if worker.engine != job_pb2.ENGINE_CURRENT:
+            found[worker.id] = (
+                f"It has engine {worker.engine}, and the service engine {int(job_pb2.ENGINE_CURRENT)}."
+            )
+        elif wanted and worker.floating_point_profile not in wanted:
+            others = " and ".join(sorted(wanted))
+            found[worker.id] = (
+                f"It rounds otherwise: floating-point profile {worker.floating_point_profile}; "
+                f"the open renders have {others}."
+            )
+    return found

@@ -1,0 +1,154 @@
+"""What the core is told of renders and workers, and what it gives to be kept, as values. Pure.
+
+The store reads and writes them; `store.rows` has those that the coordinator's decisions do not need.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from nocturne.v1 import job_pb2
+
+from nocturne_coordinator.dispatch.forecast import UNKNOWN, Forecast
+from nocturne_coordinator.dispatch.region import Region
+from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
+from nocturne_coordinator.limits import DEFAULT_PRIORITY
+
+UNKNOWN_CLASS = "unknown"
+"""Floating-point profile of workers that don't tell theirs."""
+
+
+class RenderState(StrEnum):
+    """Where a render stands; from SUCCEEDED on it has ended, though it may be extended."""
+
+    QUEUED = "QUEUED"
+    RUNNING = "RUNNING"
+    PAUSED = "PAUSED"
+    SUCCEEDED = "SUCCEEDED"
+    STOPPED_EARLY = "STOPPED_EARLY"
+    """By a time: the image lists the samples that each tile has."""
+    DEGRADED = "DEGRADED"
+    """Complete but for tiles that failed."""
+    FAILED = "FAILED"
+    CANCELLED = "CANCELLED"
+
+    @property
+    def ended(self) -> bool:
+        return self not in (RenderState.QUEUED, RenderState.RUNNING, RenderState.PAUSED)
+
+    @property
+    def has_image(self) -> bool:
+        """Ended with an image that holds all that was asked for, or could be had."""
+        return self in (RenderState.SUCCEEDED, RenderState.STOPPED_EARLY, RenderState.DEGRADED)
+
+
+@dataclass(frozen=True, slots=True)
+class WorkerRow:
+    """A worker as it last described itself; `seen` and `started` in unix seconds."""
+
+    id: str
+    engine: int
+    threads: int
+    photons: int
+    rays: int
+    photons_per_second: float
+    jobs_done: int
+    started: float
+    seen: float
+    floating_point_profile: str = UNKNOWN_CLASS
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorPoint:
+    """The error of a render at one moment; samples is the mean over pixels."""
+
+    unix_time: float
+    photons: int
+    samples: float
+    relative_error: float
+    worst_share: float = 0.0
+    effective_pixels: float = 0.0
+    """See images.Spread."""
+
+
+@dataclass(frozen=True, slots=True)
+class OpenRender:
+    """What the coordinator needs to know of a render to work on it."""
+
+    id: str
+    state: RenderState
+    schedule: job_pb2.RangeSchedule
+    scene_sha256: str
+    engine: int
+    totals: "Totals"
+    stop: StopConditions = EVERYTHING
+    priority: int = DEFAULT_PRIORITY
+    owner: str = ""
+    owner_weight: int = DEFAULT_PRIORITY
+    ran_seconds: float = 0.0
+    failed_tiles: tuple["FailedTile", ...] = ()
+    holder: int = 0
+    """Number of the coordinator that works on it; 0: none that gives signs of life."""
+    fence: int = 0
+    """Grows with every holder; who does not know the newest may not write."""
+    look_first: Region | None = None
+    floating_point_profile: str = ""
+    """How all its workers round; empty before the first result."""
+
+    def asks_the_same(self, other: "OpenRender") -> bool:
+        """Whether schedule and conditions are those of another state of this render."""
+        return (self.schedule, self.stop) == (other.schedule, other.stop)
+
+
+@dataclass(frozen=True, slots=True)
+class FailedTile:
+    """A range that failed on several workers; its tile gets no more samples."""
+
+    tile_index: int
+    first_sample: int
+    end_sample: int
+    reason: str
+    workers: tuple[str, ...]
+
+
+@dataclass(slots=True)
+class Totals:
+    """What is counted of a render's merged ranges."""
+
+    ranges: int = 0
+    photons: int = 0
+    rays: int = 0
+    invalid_samples: int = 0
+    cpu_seconds: float = 0.0
+    audited: int = 0
+    refused: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class TileRow:
+    """A tile's merged samples, and their sums as float64, little endian."""
+
+    tile_index: int
+    samples: int
+    sums: bytes
+    invalid_samples: int = 0
+    """Photons left out of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class RenderCommit:
+    """A render's dirty tiles and its totals with them: absolute numbers, doing it twice changes nothing."""
+
+    render_id: str
+    fence: int
+    tiles: list[TileRow]
+    totals: Totals
+    photons_per_second: float
+    ran_seconds: float = 0.0
+    tiles_done: int = 0
+    forecast: Forecast = UNKNOWN
+    contributors: Mapping[int, Iterable[str]] = field(default_factory=dict)
+    """By tile, the workers whose work is new in its sums."""
+    failed_tiles: Iterable[FailedTile] = ()
+    """All of the render's."""
+    floating_point_profile: str = ""

@@ -1,0 +1,255 @@
+"""What comes in on the results stream: checked, merged, audited or refused. Pure; raises for no input."""
+
+from dataclasses import dataclass, field
+
+from google.protobuf.message import DecodeError
+from nocturne.v1 import job_pb2
+
+from nocturne_coordinator.dispatch.failure_policy import Verdict as PoisonedJob
+from nocturne_coordinator.dispatch.instructions import DEBUG, ERROR, WARNING, Log
+from nocturne_coordinator.dispatch.merge import RangeSums, Verdict
+from nocturne_coordinator.dispatch.planned_render import RefusedResult, check_partial
+from nocturne_coordinator.dispatch.profiles import profile_of, refusal_of
+from nocturne_coordinator.dispatch.records import FailedTile
+from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.dispatch.scheduler import JobKey
+from nocturne_coordinator.dispatch.state import State
+from nocturne_coordinator.limits import MAX_FAILED_TILES, MAX_REASON
+
+_MAX_NAME = 128
+
+
+@dataclass(slots=True)
+class Outcome:
+    """What is to be done after some results were taken in."""
+
+    settled: list[bytes] = field(default_factory=list)
+    """Result entries of no more use, once all that is merged by now is committed."""
+    render_id: str = ""
+    """The running render that they are of; empty: of none."""
+    withdrawn: list[bytes] = field(default_factory=list)
+    """Job entries to take off the stream: they are published again, or not needed any more."""
+    failed_tiles: list[tuple[str, FailedTile]] = field(default_factory=list)
+    """By render, tiles that get no more samples."""
+    failed: dict[str, str] = field(default_factory=dict)
+    """Renders that can't be done, and why."""
+    quarantined: dict[str, str] = field(default_factory=dict)
+    """Workers whose results are not taken any more, and why."""
+    liars: set[str] = field(default_factory=set)
+    """Those of them whose earlier results are not to be trusted either."""
+    unknown_render: str = ""
+    """Not running here: whether the result is of use to another coordinator is to be asked."""
+    lines: list[Log] = field(default_factory=list)
+    """For the log."""
+
+
+class ResultHandler:
+    """Takes results into the films of the running renders."""
+
+    def __init__(self, state: State) -> None:
+        self._state = state
+        self.refused = 0
+        """Results that were not what a worker of ours sends."""
+        self.merged = 0
+        """Ranges merged since the start."""
+
+    def take(self, entry: bytes, data: bytes, now: float, draw: float) -> Outcome:
+        """One entry of the results stream; an early one is settled when it is merged. `draw`: see
+        ResultCame."""
+        outcome = Outcome()
+        try:
+            result = job_pb2.JobResult.FromString(data)
+        except DecodeError:
+            self._refuse(entry, "it is no JobResult", outcome)
+            return outcome
+        render = self._state.renders.get(result.job.render_id)
+        if render is None:
+            outcome.unknown_render = result.job.render_id[:_MAX_NAME]
+            outcome.lines.append(Log(DEBUG, f"render={outcome.unknown_render} is not running here"))
+            outcome.settled.append(entry)
+            return outcome
+        outcome.render_id = render.id
+        self._take_for(render, entry, result, now, draw, outcome)
+        return outcome
+
+    def lost_worker(self, key: JobKey, worker: str) -> Outcome:
+        """A worker's process ended without a word while it had a job."""
+        outcome = Outcome(render_id=key.render_id)
+        if key.render_id in self._state.renders:
+            self._fail(
+                self._state.renders[key.render_id],
+                key,
+                worker,
+                f"worker {worker} died of it",
+                outcome,
+                died=True,
+            )
+        return outcome
+
+    def _take_for(
+        self,
+        render: RunningRender,
+        entry: bytes,
+        result: job_pb2.JobResult,
+        now: float,
+        draw: float,
+        outcome: Outcome,
+    ) -> None:
+        worker = result.worker_id[:_MAX_NAME]
+        try:
+            planned = render.planned.find(result.job)
+        except RefusedResult as refusal:
+            self._refuse_of(render, entry, f"worker={worker}: {refusal}", outcome)
+            return
+        key = JobKey(render.id, result.job.tile_index, planned.index)
+        if worker in self._state.fleet.quarantined:
+            self._refuse_of(render, entry, f"worker={worker} is in quarantine", outcome)
+            self._give_back(key, outcome)
+            return
+        floating_point_profile = profile_of(result.floating_point_profile)
+        if reason := refusal_of(
+            render.floating_point_profile, floating_point_profile, self._state.fleet.threads_by_profile
+        ):
+            self._refuse_of(render, entry, f"worker={worker} has {reason}", outcome)
+            self._give_back(key, outcome)
+            return
+        # The first jobs of a render have none.
+        if result.job.floating_point_profile not in ("", render.floating_point_profile):
+            self._refuse_of(
+                render, entry, f"worker={worker}: the job has another floating-point profile", outcome
+            )
+            return
+        if result.WhichOneof("outcome") == "failure":
+            outcome.settled.append(entry)
+            self._fail(render, key, worker, result.failure[:MAX_REASON], outcome)
+            return
+        try:
+            sums = check_partial(
+                result.partial,
+                result.job,
+                render.planned.sums_per_pixel,
+                render.planned.photons_per_sample,
+            )
+        except RefusedResult as refusal:
+            self._refuse_of(render, entry, f"worker={worker}: {refusal}", outcome)
+            self._fail(render, key, worker, f"worker {worker} sent {refusal}", outcome)
+            return
+        render.floating_point_profile = floating_point_profile
+        partial = result.partial
+        offered = RangeSums(
+            planned.index,
+            sums,
+            partial.photons,
+            partial.rays,
+            partial.invalid_samples,
+            partial.cpu_seconds,
+            entry,
+            worker,
+        )
+        self._merge(render, key, offered, now, draw, outcome, partial)
+
+    def _merge(
+        self,
+        render: RunningRender,
+        key: JobKey,
+        offered: RangeSums,
+        now: float,
+        draw: float,
+        outcome: Outcome,
+        partial: job_pb2.Partial,
+    ) -> None:
+        verdict, released, surplus = render.offer(key.tile_index, offered, now)
+        if verdict is Verdict.TOO_EARLY:
+            self._give_back(key, outcome)
+        else:
+            outcome.withdrawn.extend(self._state.scheduler.received(key, now))
+        waiting = render.film.tiles[key.tile_index].waiting.get(key.range_index)
+        if verdict is Verdict.DUPLICATE and waiting is not None and waiting.entry == offered.entry:
+            # The stream is read again from its start, and this very entry is still to be merged.
+            return
+        if verdict is Verdict.DUPLICATE:
+            self._compare(render, key, offered.worker, partial, outcome)
+        elif verdict is not Verdict.TOO_EARLY:
+            self._state.auditor.accepted(
+                key,
+                offered.worker,
+                partial,
+                lambda: self._state.fleet.live(render.floating_point_profile),
+                draw,
+            )
+            for guilty in self._state.failure_policy.succeeded(key, offered.worker):
+                outcome.quarantined[guilty] = "It failed at three jobs that other workers could do."
+        if verdict in (Verdict.TOO_EARLY, Verdict.DUPLICATE):
+            outcome.settled.append(offered.entry)
+        if released:
+            self.merged += len(released)
+            outcome.settled.extend(each.entry for each in (*released, *surplus))
+            self._update_scheduler(render, key.tile_index, released[-1].index + 1, outcome)
+
+    def _update_scheduler(
+        self, render: RunningRender, tile_index: int, merged: int, outcome: Outcome
+    ) -> None:
+        if render.film.tiles[tile_index].closed:
+            outcome.withdrawn.extend(self._state.scheduler.finish_tile(render.id, tile_index))
+        else:
+            self._state.scheduler.expect(render.id, tile_index, render.film.horizon(tile_index))
+            self._state.scheduler.completed(render.id, tile_index, merged)
+
+    def _compare(
+        self, render: RunningRender, key: JobKey, worker: str, partial: job_pb2.Partial, outcome: Outcome
+    ) -> None:
+        finding = self._state.auditor.again(key, worker, partial)
+        outcome.withdrawn.extend(finding.withdrawn)
+        if finding.agreed:
+            render.count_audited()
+        for liar in finding.liars:
+            place = f"tile {key.tile_index}, range {key.range_index} of {render.id}"
+            outcome.quarantined[liar] = f"Its result differs from that of two other workers: {place}."
+            outcome.liars.add(liar)
+
+    def _fail(
+        self,
+        render: RunningRender,
+        key: JobKey,
+        worker: str,
+        reason: str,
+        outcome: Outcome,
+        died: bool = False,
+    ) -> None:
+        if not self._state.scheduler.is_outstanding(key):
+            # It was done elsewhere meanwhile; or it was an audit, which somebody else has to do.
+            outcome.withdrawn.extend(self._state.auditor.returned(key))
+            return
+        outcome.lines.append(Log(WARNING, f"{key} failed at worker={worker}: {reason}"))
+        verdict = self._state.failure_policy.failed(
+            key, worker, reason, self._state.fleet.live(render.floating_point_profile), died
+        )
+        if verdict is None:
+            self._give_back(key, outcome)
+        else:
+            self._fail_tile(render, key, verdict, outcome)
+
+    def _fail_tile(self, render: RunningRender, key: JobKey, verdict: PoisonedJob, outcome: Outcome) -> None:
+        planned = render.planned.ranges[key.range_index]
+        failed = FailedTile(key.tile_index, planned.first, planned.end, verdict.reason, verdict.workers)
+        outcome.settled.extend(each.entry for each in render.fail_tile(failed))
+        outcome.withdrawn.extend(self._state.scheduler.finish_tile(render.id, key.tile_index))
+        outcome.failed_tiles.append((render.id, failed))
+        line = f"render={render.id} tile={key.tile_index} failed: {verdict.reason}"
+        outcome.lines.append(Log(ERROR, line))
+        if len(render.failed_tiles) >= min(MAX_FAILED_TILES, render.planned.grid.count):
+            outcome.failed[render.id] = verdict.reason
+
+    def _refuse_of(self, render: RunningRender, entry: bytes, reason: str, outcome: Outcome) -> None:
+        render.count_refused()
+        self._refuse(entry, f"render={render.id} {reason}", outcome)
+
+    def _refuse(self, entry: bytes, reason: str, outcome: Outcome) -> None:
+        self.refused += 1
+        line = f"result {entry.decode()} refused ({self.refused} so far): {reason}"
+        outcome.lines.append(Log(WARNING, line))
+        outcome.settled.append(entry)
+
+    def _give_back(self, key: JobKey, outcome: Outcome) -> None:
+        outcome.withdrawn.extend(self._state.scheduler.returned(key))
+        outcome.withdrawn.extend(self._state.auditor.returned(key))

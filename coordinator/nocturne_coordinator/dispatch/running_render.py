@@ -1,0 +1,261 @@
+"""A render that the coordinator works on: its film, and what of it is not committed yet. No I/O."""
+
+from collections import deque
+from collections.abc import Iterable
+from typing import cast
+
+from nocturne.v1 import job_pb2
+
+from nocturne_coordinator.dispatch.error_estimate import spread_of
+from nocturne_coordinator.dispatch.film import Film
+from nocturne_coordinator.dispatch.forecast import Forecast, Measured, forecast
+from nocturne_coordinator.dispatch.merge import Offered, RangeSums
+from nocturne_coordinator.dispatch.planned_render import PlannedRender
+from nocturne_coordinator.dispatch.records import (
+    ErrorPoint,
+    FailedTile,
+    OpenRender,
+    RenderCommit,
+    RenderState,
+    TileRow,
+)
+from nocturne_coordinator.dispatch.stopping import error_is_met
+
+_RATE_SECONDS = 10.0
+"""Over which photons per second are counted: many jobs, yet soon 0 when the workers are gone."""
+
+_USUAL_COST = 1e-6
+"""Processor seconds per photon, before anything was measured: what the example scenes cost."""
+
+_HISTORY_STEP = 1.01
+"""A point of the error's history for every 1 % more photons: about 1400 for a render of a million samples."""
+
+
+class RunningRender:
+    """The film and totals of one render in memory."""
+
+    def __init__(self, row: OpenRender, tiles: Iterable[TileRow], now: float = 0.0) -> None:
+        """Goes on where the committed tiles end, from `now` (any clock, seconds).
+
+        ValueError if they do not fit the schedule.
+        """
+        self.row = row
+        self.planned = PlannedRender(
+            row.id,
+            row.schedule,
+            bytes.fromhex(row.scene_sha256),
+            cast("job_pb2.Engine.ValueType", row.engine),
+        )
+        self.film = Film(self.planned, row.stop)
+        self.totals = row.totals
+        self.floating_point_profile = row.floating_point_profile
+        """How all its workers round; empty before the first result."""
+        self.failed_tiles = {each.tile_index: each for each in row.failed_tiles}
+        self.relative_error = 0.0
+        """At the last preview; 0: unknown."""
+        self.next_preview = 0.0
+        self.next_figures = 0.0
+        self.next_image = 0.0
+        self.pictured_photons = 0
+        self._dirty: set[int] = set()
+        self._dirty_totals = False
+        self._is_seen = row.totals.ranges > 0
+        self._recent: deque[tuple[float, int]] = deque()
+        self._last_rate = 0.0
+        self._history_photons = 0.0
+        self._contributors: dict[int, set[str]] = {}
+        self._since = now
+        self._invalid_samples = [0] * len(self.film.tiles)
+        for tile in tiles:
+            self.film.load(tile.tile_index, tile.samples, tile.sums)
+            self._invalid_samples[tile.tile_index] = tile.invalid_samples
+        for tile_index in self.failed_tiles:
+            self.film.give_up(tile_index)
+        self.totals.ranges = sum(state.merged for state in self.film.tiles)
+        samples = int(self.film.counts.sum(dtype="uint64"))
+        self.totals.photons = samples * self.planned.photons_per_sample
+
+    @property
+    def id(self) -> str:
+        return self.planned.id
+
+    @property
+    def merged_ranges(self) -> list[int]:
+        """Per tile; all planned ones for a tile that needs no more."""
+        return [len(self.planned.ranges) if tile.closed else tile.merged for tile in self.film.tiles]
+
+    def offer(self, tile_index: int, offered: RangeSums, now: float) -> Offered:
+        """Merges a range when its turn has come; see TileState.offer."""
+        outcome = self.film.offer(tile_index, offered)
+        for merged in outcome.released:
+            self.totals.ranges += 1
+            self.totals.photons += merged.photons
+            self.totals.rays += merged.rays
+            self.totals.invalid_samples += merged.invalid_samples
+            self._invalid_samples[tile_index] += merged.invalid_samples
+            self.totals.cpu_seconds += merged.cpu_seconds
+            self._recent.append((now, merged.photons))
+            self._dirty.add(tile_index)
+            self._contributors.setdefault(tile_index, set()).add(merged.worker)
+        return outcome
+
+    def fail_tile(self, failed: FailedTile) -> list[RangeSums]:
+        """The tile gets no more samples; gives ranges that waited and are of no use now."""
+        self.failed_tiles[failed.tile_index] = failed
+        self._dirty_totals = True
+        return self.film.give_up(failed.tile_index)
+
+    def count_audited(self) -> None:
+        """A range was traced elsewhere again, and was the same."""
+        self.totals.audited += 1
+        self._dirty_totals = True
+
+    def count_refused(self) -> None:
+        """A result came that could not be right."""
+        self.totals.refused += 1
+        self._dirty_totals = True
+
+    # --- ending ---
+
+    def ending(self, now: float, unix_time: float) -> tuple[RenderState, str] | None:
+        """How the render ends, if it does so now: the state, and the reason in words."""
+        found = self._condition_met(now, unix_time)
+        if found is None or not self.failed_tiles:
+            return found
+        return RenderState.DEGRADED, f"{self._degraded()} {found[1]}".strip()
+
+    def _condition_met(self, now: float, unix_time: float) -> tuple[RenderState, str] | None:
+        stop = self.row.stop
+        if self.film.complete:
+            return RenderState.SUCCEEDED, self._complete()
+        if stop.relative_error and error_is_met(
+            self.relative_error, int(self.film.counts.min()), stop.relative_error
+        ):
+            reached = (
+                f"Relative error {self.relative_error:.3%} reached; {stop.relative_error:.3%} was asked for."
+            )
+            return RenderState.SUCCEEDED, reached
+        if stop.until and unix_time >= stop.until:
+            return RenderState.STOPPED_EARLY, f"Stopped at {stop.until_text or 'the time'}, as asked."
+        if stop.wall_seconds and self.ran_seconds(now) >= stop.wall_seconds:
+            return RenderState.STOPPED_EARLY, f"Stopped after {stop.wall_seconds:g} s of running, as asked."
+        if stop.cpu_seconds and self.totals.cpu_seconds >= stop.cpu_seconds:
+            used = f"{self.totals.cpu_seconds:.1f} of {stop.cpu_seconds:g} s"
+            return RenderState.STOPPED_EARLY, f"Stopped at {used} of processor time, as asked."
+        return None
+
+    def _complete(self) -> str:
+        stop = self.row.stop
+        if stop.tile_samples:
+            return "Has the samples that its manifest lists."
+        if not stop.tile_relative_error:
+            return ""
+        last = self.planned.schedule.range_ends[-1]
+        full = sum(samples == last for samples in self.film.manifest())
+        met = len(self.film.tiles) - len(self.failed_tiles) - full
+        return f"{met} tiles have relative error {stop.tile_relative_error:.3%}, {full} all {last} samples."
+
+    def _degraded(self) -> str:
+        places = []
+        for index in sorted(self.failed_tiles)[:5]:
+            tile = self.planned.grid.tile(index)
+            places.append(f"{index} (x {tile.x}, y {tile.y}, {self.film.samples(index)} samples)")
+        more = f" and {len(self.failed_tiles) - 5} more" if len(self.failed_tiles) > 5 else ""
+        reason = next(iter(self.failed_tiles.values())).reason
+        return f"Tiles {', '.join(places)}{more} failed on several workers: {reason}"
+
+    def ran_seconds(self, now: float) -> float:
+        """Time running, pauses left out."""
+        return self.row.ran_seconds + max(0.0, now - self._since)
+
+    def forecast(self, now: float, unix_time: float, rate: float) -> Forecast:
+        """When it will end, and what it will have cost."""
+        schedule, per_sample = self.planned.schedule, self.planned.photons_per_sample
+        measured = Measured(
+            photons=self.totals.photons,
+            photons_wanted=self.film.expected_samples * per_sample,
+            mean_samples=self.totals.photons / (schedule.width * schedule.height * per_sample),
+            relative_error=self.relative_error,
+            photons_per_second=rate,
+            cpu_seconds=self.totals.cpu_seconds,
+            ran_seconds=self.ran_seconds(now),
+        )
+        return forecast(measured, self.row.stop, unix_time)
+
+    def cost(self, range_index: int) -> float:
+        """Processor seconds that a range of a whole tile takes, as far as is known; for sharing workers."""
+        planned, tile = self.planned.ranges[range_index], self.planned.grid.tile(0)
+        photons = (planned.end - planned.first) * tile.width * tile.height * self.planned.photons_per_sample
+        known = self.totals.photons > 0 and self.totals.cpu_seconds > 0.0
+        return photons * (self.totals.cpu_seconds / self.totals.photons if known else _USUAL_COST)
+
+    def waiting_entries(self) -> list[bytes]:
+        """Result entries of ranges that wait for earlier ones."""
+        return [early.entry for state in self.film.tiles for early in state.waiting.values()]
+
+    # --- committing ---
+
+    def changes(self, now: float, unix_time: float) -> RenderCommit | None:
+        """What is to be committed, if anything; call `committed` when that is done."""
+        rate = self._rate(now)
+        if not (self._dirty or self._dirty_totals) and (rate > 0.0 or self._last_rate == 0.0):
+            return None
+        self._last_rate = rate
+        tiles = [
+            TileRow(tile, self.film.samples(tile), self.film.tile_bytes(tile), self._invalid_samples[tile])
+            for tile in sorted(self._dirty)
+        ]
+        return RenderCommit(
+            self.id,
+            self.row.fence,
+            tiles,
+            self.totals,
+            rate,
+            ran_seconds=self.ran_seconds(now),
+            tiles_done=self.film.tiles_done,
+            forecast=self.forecast(now, unix_time, rate),
+            contributors=self._contributors,
+            failed_tiles=tuple(self.failed_tiles.values()),
+            floating_point_profile=self.floating_point_profile,
+        )
+
+    @property
+    def is_unseen(self) -> bool:
+        """Whether something is merged and nothing was ever committed."""
+        return bool(self._dirty) and not self._is_seen
+
+    def committed(self) -> None:
+        self._is_seen = self._is_seen or bool(self._dirty)
+        self._dirty.clear()
+        self._contributors = {}
+        self._dirty_totals = False
+
+    def _rate(self, now: float) -> float:
+        """Photons per second, over the last seconds."""
+        while self._recent and self._recent[0][0] < now - _RATE_SECONDS:
+            self._recent.popleft()
+        if not self._recent:
+            return 0.0
+        span = max(now - self._recent[0][0], 1.0)
+        return sum(photons for _, photons in self._recent) / span
+
+    # --- looking ---
+
+    def error_point(self, unix_time: float) -> tuple[ErrorPoint, bool]:
+        """The error now, and whether enough was added since the last point for the history."""
+        schedule = self.planned.schedule
+        spread = spread_of(self.film.sums, self.film.counts)
+        point = ErrorPoint(
+            unix_time=unix_time,
+            photons=self.totals.photons,
+            samples=self.totals.photons
+            / (schedule.width * schedule.height * self.planned.photons_per_sample),
+            relative_error=spread.relative_error,
+            worst_share=spread.worst_share,
+            effective_pixels=spread.effective_pixels,
+        )
+        self.relative_error = point.relative_error
+        in_history = point.relative_error > 0.0 and point.photons >= self._history_photons
+        if in_history:
+            self._history_photons = point.photons * _HISTORY_STEP
+        return point, in_history

@@ -1,0 +1,72 @@
+"""Whether the core's state is one that may be: the invariants of docs/reliability.md that can be seen in it.
+Pure.
+
+Open, published, waiting and merged ranges together are the planned ones (I6), each in one place (I2);
+samples, counts and totals are those of the merged ranges (I1); what is in flight is bounded (I8). For tests,
+after every event."""
+
+from collections import Counter
+
+import numpy as np
+
+from nocturne_coordinator import limits
+from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.dispatch.state import State
+
+
+class InvalidState(AssertionError):
+    """A state that must not be; says why."""
+
+
+def validate_state(state: State, window: int) -> None:
+    """InvalidState if a range is in two places or in none, a count is wrong, or a bound is passed."""
+    _require(state.renders.keys() == state.scheduler.render_ids(), "scheduler and renders differ")
+    for render in state.renders.values():
+        merged = [tile.merged for tile in render.film.tiles]
+        closed = [tile.closed for tile in render.film.tiles]
+        waiting = [set(tile.waiting) for tile in render.film.tiles]
+        problem = state.scheduler.problem_of(render.id, merged, closed, waiting)
+        _require(not problem, f"{render.id}: {problem}")
+        _check_counts(render)
+    _check_entries(state)
+    tiles = sum(len(render.film.tiles) for render in state.renders.values())
+    # One more for each tile, where all that is in flight waits for earlier ranges.
+    _require(state.scheduler.in_flight <= limits.MAX_WINDOW + tiles, "more in flight than the largest window")
+    _require(window <= limits.MAX_WINDOW, "a window above its bound")
+    _require(len(state.auditor.entries()) <= limits.MAX_AUDITS, "too many audits")
+
+
+def _check_counts(render: RunningRender) -> None:
+    film = render.film
+    samples = sum(
+        film.samples(index) * film.tiles[index].sums.shape[0] * film.tiles[index].sums.shape[1]
+        for index in range(len(film.tiles))
+    )
+    photons = samples * render.planned.photons_per_sample
+    _require(
+        int(film.counts.sum(dtype=np.uint64)) == samples, f"{render.id}: counts are not those of the tiles"
+    )
+    _require(render.totals.photons == photons, f"{render.id}: photons are not those of the samples")
+    ranges = sum(tile.merged for tile in film.tiles)
+    _require(render.totals.ranges == ranges, f"{render.id}: ranges are not those of the tiles")
+    _require(film.tiles_done == sum(tile.closed for tile in film.tiles), f"{render.id}: tiles done")
+    _require(
+        all(film.tiles[index].closed for index in render.failed_tiles), f"{render.id}: a failed tile goes on"
+    )
+    for tile in film.tiles:
+        _require(not (tile.closed and tile.waiting), f"{render.id}: a range waits for a tile that is closed")
+        _require(len(tile.waiting) < limits.RANGES_AHEAD, f"{render.id}: too many ranges wait")
+
+
+def _check_entries(state: State) -> None:
+    """A job's entry is of one job; a result that waits is not deleted."""
+    jobs = Counter([*state.scheduler.entries(), *state.auditor.entries()])
+    _require(all(count == 1 for count in jobs.values()), "an entry of two jobs")
+    waiting = {entry for render in state.renders.values() for entry in render.waiting_entries()}
+    settled = [entry for entries in state.settled.values() for entry in entries]
+    _require(waiting.isdisjoint(settled), "a result that waits is to be deleted")
+
+
+def _require(true: bool, problem: str) -> None:
+    if not true:
+        raise InvalidState(problem)

@@ -1,0 +1,176 @@
+"""Which jobs are on the stream: keeps the window full, makes use of what is found there, takes back what is
+overdue. Pure."""
+
+from google.protobuf.message import DecodeError
+from nocturne.v1 import job_pb2
+
+from nocturne_coordinator import limits
+from nocturne_coordinator.dispatch.events import JobsFound, Moment, WorkersSeen
+from nocturne_coordinator.dispatch.instructions import (
+    INFO,
+    WARNING,
+    IsOpen,
+    Log,
+    Publish,
+    Steps,
+    TellWorkers,
+    Withdraw,
+)
+from nocturne_coordinator.dispatch.liveness import Sign
+from nocturne_coordinator.dispatch.planned_render import RefusedResult
+from nocturne_coordinator.dispatch.scheduler import JobKey
+from nocturne_coordinator.dispatch.state import State
+from nocturne_coordinator.errors import QueueError
+
+_OVERDUE_SECONDS = 5.0
+"""Between two looks for jobs that are overdue, or less, where they are so sooner."""
+
+_AUDIT_PART = 8
+"""One audit for so many places of the window, at most, in one round."""
+
+_MAX_PUBLISH = 500
+"""Jobs published before results are read again."""
+
+
+class Window:
+    """The jobs in flight."""
+
+    def __init__(self, state: State) -> None:
+        self._state = state
+        self._next_overdue = 0.0
+
+    @property
+    def size(self) -> int:
+        """Jobs in flight that there should be."""
+        fleet = self._state.fleet
+        wanted = max(limits.MIN_WINDOW, round(fleet.share * limits.JOBS_PER_THREAD * fleet.threads))
+        return min(wanted, limits.MAX_WINDOW)
+
+    def workers_seen(self, event: WorkersSeen) -> Steps[None]:
+        """Notes who is there, and who died with a job in hand."""
+        state, fleet = self._state, self._state.fleet
+        for worker, reason in fleet.seen(event.workers).items():
+            yield Log(WARNING, f"worker={worker} gets no jobs: {reason}")
+        signs = {row.id: Sign(row.started, event.left_ms[row.id]) for row in event.workers}
+        lost = fleet.liveness.look(signs, list(event.holders), state.scheduler.entries())
+        ours = state.scheduler.outstanding + len(state.auditor.entries())
+        fleet.jobs_of_others = max(0, event.jobs_waiting - ours)
+        state.lost += lost
+        yield TellWorkers(fleet.without_jobs())
+
+    def emptied(self) -> None:
+        """All that was on the stream is to be published again."""
+        self._state.scheduler.lost()
+        self._state.auditor.lost()
+
+    def adopt(self, event: JobsFound) -> Steps[None]:
+        """Makes use of jobs that an earlier run, or a call whose answer was lost, left on the stream."""
+        scheduler, auditor = self._state.scheduler, self._state.auditor
+        adopted, unwanted = 0, []
+        for entry, data in event.jobs:
+            key = self._key_of(data)
+            if key is not None and scheduler.wants(key):
+                scheduler.published(key, entry, event.at.now)
+                adopted += 1
+            elif key is None:
+                if not (yield from self._is_others(data)):
+                    unwanted.append(entry)
+            elif not (scheduler.has_entry(key, entry) or auditor.has_entry(key, entry)):
+                unwanted.append(entry)
+        if unwanted:
+            yield Withdraw(tuple(unwanted))
+        yield Log(INFO, f"{adopted} jobs found on the stream")
+
+    def fill(self, at: Moment) -> Steps[None]:
+        """Publishes until the window is full. QueueError where Redis failed: what became of the jobs is found
+        out by the next JobsFound."""
+        if self._state.folder_trouble:
+            return
+        if self._state.fleet.threads and at.now >= self._next_overdue:
+            yield from self._return_overdue(at)
+        scheduler, threads = self._state.scheduler, self._state.fleet.threads
+        keys = scheduler.take(min(self.size - scheduler.in_flight, _MAX_PUBLISH), self._without_workers())
+        try:
+            entries = yield from self._publish(keys)
+        except QueueError:
+            # Some may be on the stream; they are adopted when Redis answers again.
+            for key in keys:
+                scheduler.returned(key)
+            raise
+        for key, entry in zip(keys, entries, strict=True):
+            scheduler.published(key, entry, at.now)
+        yield from self._fill_audits(at)
+        idle = threads - scheduler.outstanding - self._state.fleet.jobs_of_others
+        if not keys and idle > 0:
+            slow = scheduler.slow(at.now, idle)
+            # Should it fail, no copy is known: it is taken off the stream when Redis answers again.
+            for key, entry in zip(slow, (yield from self._publish(slow)), strict=True):
+                yield Log(INFO, f"{key} is slow; an idle worker gets it as well")
+                scheduler.copied(key, entry)
+
+    def _fill_audits(self, at: Moment) -> Steps[None]:
+        auditor = self._state.auditor
+        keys = auditor.take(max(1, self.size // _AUDIT_PART))
+        try:
+            entries = yield from self._publish(keys)
+        except QueueError:
+            for key in keys:
+                auditor.returned(key)
+            raise
+        for key, entry in zip(keys, entries, strict=True):
+            auditor.published(key, entry, at.now)
+
+    def _publish(self, keys: list[JobKey]) -> Steps[list[bytes]]:
+        if not keys:
+            return []
+        entries: list[bytes] = yield Publish(tuple(keys), tuple(self._job_bytes(key) for key in keys))
+        return entries
+
+    def _return_overdue(self, at: Moment) -> Steps[None]:
+        self._next_overdue = at.now + min(_OVERDUE_SECONDS, self._state.settings.overdue_seconds)
+        scheduler, auditor = self._state.scheduler, self._state.auditor
+        entries = []
+        for key in scheduler.overdue(at.now):
+            yield Log(WARNING, f"{key} is overdue; published again")
+            entries += scheduler.returned(key)
+        for key in auditor.overdue(at.now):
+            entries += auditor.returned(key)
+        if entries:
+            yield Withdraw(tuple(entries))
+
+    def _without_workers(self) -> list[str]:
+        """Renders that no worker can work on though some are there: their jobs would fill the window."""
+        threads = self._state.fleet.threads_by_profile
+        if not threads:
+            return []
+        return [
+            render.id
+            for render in self._state.renders.values()
+            if render.floating_point_profile and not threads.get(render.floating_point_profile)
+        ]
+
+    def _is_others(self, data: bytes) -> Steps[bool]:
+        """Whether a job is of a render that another coordinator works on, or will."""
+        try:
+            render_id = job_pb2.Job.FromString(data).render_id
+        except DecodeError:
+            return False
+        if render_id in self._state.renders:
+            return False
+        is_open: bool = yield IsOpen(render_id)
+        return is_open
+
+    def _key_of(self, data: bytes) -> JobKey | None:
+        try:
+            job = job_pb2.Job.FromString(data)
+            render = self._state.renders.get(job.render_id)
+            planned = render.planned.find(job) if render else None
+        except (DecodeError, RefusedResult):
+            return None
+        return JobKey(job.render_id, job.tile_index, planned.index) if planned else None
+
+    def _job_bytes(self, key: JobKey) -> bytes:
+        render = self._state.renders[key.render_id]
+        job = render.planned.job(key.tile_index, render.planned.ranges[key.range_index])
+        job.floating_point_profile = render.floating_point_profile
+        return job.SerializeToString()

@@ -1,0 +1,141 @@
+"""Carries out the core's instructions, on queue, store and files."""
+
+import logging
+import sqlite3
+from typing import Any
+
+from nocturne_scene.errors import NotFound
+
+from nocturne_coordinator.clock import Clock
+from nocturne_coordinator.crash_points import crash_point
+from nocturne_coordinator.dispatch import instructions as do
+from nocturne_coordinator.dispatch.events import CommitDone
+from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.errors import FolderTrouble
+from nocturne_coordinator.output.previews import Previews
+from nocturne_coordinator.queue.dispatcher import Dispatcher
+from nocturne_coordinator.store.ledger import Ledger
+
+_log = logging.getLogger("nocturne_coordinator.coordinator")
+
+
+class Executor:
+    """The core's hands."""
+
+    def __init__(
+        self,
+        ledger: Ledger,
+        previews: Previews,
+        dispatcher: Dispatcher,
+        renders: dict[str, RunningRender],
+        clock: Clock,
+    ) -> None:
+        """`renders`: the core's, whose films are shown."""
+        self._ledger = ledger
+        self._previews = previews
+        self._dispatcher = dispatcher
+        self._renders = renders
+        self._clock = clock
+        self.wants_look = True
+        """The core waits for another look at the folder."""
+
+    def carry_out(self, instruction: do.Instruction) -> Any:
+        """Gives the answer. LeaseLost, FolderTrouble and QueueError are answers, too."""
+        match instruction:
+            case do.Log():
+                _log.log(instruction.level, "%s", instruction.message)
+            case do.LookAgain():
+                self.wants_look = True
+            case do.Publish():
+                return self._dispatcher.publish(instruction.jobs)
+            case do.Withdraw():
+                self._dispatcher.withdraw(instruction.entries)
+            case do.Acknowledge():
+                self._dispatcher.acknowledge(instruction.entries)
+            case do.TakeUpStreams():
+                self._dispatcher.take_up(instruction.render_id)
+            case do.TellWorkers():
+                self._dispatcher.tell_workers(instruction.reasons)
+            case do.IsOpen():
+                return self._is_open(instruction.render_id)
+            case do.LetGo():
+                self._let_go(instruction)
+            case do.WriteBundle():
+                self._write_bundle(instruction)
+            case _:
+                try:
+                    return self._write(instruction)
+                except (sqlite3.Error, OSError) as trouble:
+                    raise FolderTrouble(str(trouble)) from trouble
+        return None
+
+    def _write(self, instruction: do.Instruction) -> Any:
+        """What needs the data folder, and fails with it."""
+        ledger = self._ledger
+        match instruction:
+            case do.ReadRenders():
+                return ledger.open_renders()
+            case do.TakeRender():
+                return ledger.take(instruction.render_id)
+            case do.StartRender():
+                unix = self._clock.moment().unix
+                return ledger.start(instruction.render_id, instruction.fence, unix)
+            case do.ReadTiles():
+                return ledger.tiles(instruction.render_id)
+            case do.Commit():
+                return self._commit(instruction)
+            case do.EndRender():
+                unix = self._clock.moment().unix
+                return ledger.end(instruction.render, instruction.state, instruction.reason, unix)
+            case do.StartAnew():
+                ledger.start_anew(instruction.render_id, instruction.fence)
+            case do.Quarantine():
+                ledger.quarantine(instruction.worker, instruction.reason, self._clock.moment().unix)
+                return ledger.distrust(instruction.worker) if instruction.lied else []
+            case do.RecordError():
+                point, in_history = instruction.point, instruction.in_history
+                ledger.record_preview(instruction.render_id, instruction.fence, point, in_history)
+                return self._clock.moment()
+            case do.WritePreview():
+                self._previews.write_preview(self._renders[instruction.render_id], instruction.final)
+                return self._clock.moment()
+            case do.WriteThumbnail():
+                self._previews.write_thumbnail(self._renders[instruction.render_id])
+                return self._clock.moment()
+            case do.WriteImage():
+                self._previews.write_image(self._renders[instruction.render_id])
+                return self._clock.moment()
+        return None
+
+    def _commit(self, instruction: do.Commit) -> CommitDone:
+        lost = []
+        if instruction.commits:
+            crash_point("before-commit")
+            lost = self._ledger.commit(list(instruction.commits))
+            crash_point("after-commit")
+        lost += [each for each in self._ledger.lost(instruction.fences) if each not in lost]
+        return CommitDone(self._clock.moment(), tuple(lost))
+
+    def _is_open(self, render_id: str) -> bool:
+        try:
+            return self._ledger.is_open(render_id)
+        except sqlite3.Error:
+            return True
+
+    def _let_go(self, instruction: do.LetGo) -> None:
+        try:
+            self._ledger.let_go(instruction.render_id, instruction.fence)
+        except (sqlite3.Error, OSError) as trouble:
+            _log.info("render=%s: the lease runs out by itself: %s", instruction.render_id, trouble)
+
+    def _write_bundle(self, instruction: do.WriteBundle) -> None:
+        render, failed = self._renders[instruction.render_id], instruction.failed
+        try:
+            self._previews.write_bundle(render, failed)
+        except (OSError, NotFound) as trouble:
+            _log.error("render=%s tile=%d has no bundle: %s", render.id, failed.tile_index, trouble)
+
+    def show_ended(self) -> None:
+        """Final images of renders that were cancelled or failed, from what was committed. LeaseLost,
+        sqlite3.Error, OSError."""
+        self._previews.finish_ended(self._clock.moment().unix)

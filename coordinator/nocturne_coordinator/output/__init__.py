@@ -1,0 +1,1 @@
+"""What people look at: images, previews, statistics of how errors are spread."""

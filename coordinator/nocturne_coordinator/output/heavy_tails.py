@@ -1,0 +1,68 @@
+"""Whether an image's error bars can be trusted, told from the sums that are kept. Pure.
+
+An error bar is an estimate from the same photons as the mean. Where a pixel lives on rare bright photons,
+both come out too low until some have arrived, and nothing in that pixel says so. Its neighbours do: they show
+nearly the same, so their variances should be nearly the same, and with heavy tails they are not.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nocturne_coordinator.dispatch.error_estimate import Pixels, variance_of_mean
+from nocturne_coordinator.dispatch.merge import Counts, Sums
+
+HEAVY = 0.45
+"""Unevenness from which on 95 % intervals hold the truth in less than some 90 of 100 cases.
+
+From distributions whose intervals are known (uniform, exponential, log-normal, Pareto, rare events, 16 to
+4000 samples): tests/coordinator/test_tails.py has them.
+"""
+
+_WORST = 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class Tails:
+    """How evenly an image's variance is spread; 0 of both where there is no noise or one sample only."""
+
+    unevenness: float
+    """Difference of neighbouring pixels' variances over their sum, in [0, 1]: near 0 with many samples of
+    light-tailed sums, near 1 where few photons carry the noise."""
+    worst_share: float
+    """Part of the relative variance that the worst hundredth of the pixels has, in [0, 1]."""
+
+    @property
+    def heavy(self) -> bool:
+        """Whether error bars are too small too often to be trusted."""
+        return self.unevenness > HEAVY
+
+
+def tails(sums: Sums, counts: Counts) -> Tails:
+    """Of an image with at least one sample everywhere.
+
+    `sums` has the shape (height, width, 4 or more), float64, of X, Y, Z and Y squared; `counts` (height,
+    width). Variances are taken relative to Y^2 + 0.01 M^2, M the image's mean Y, as in `relative_error`; for
+    neighbours Y is the mean of both, so that a bright photon does not hide itself.
+    """
+    y = sums[..., 1] / np.maximum(counts, 1)
+    variance = variance_of_mean(sums, counts)
+    level = 0.01 * float(np.mean(y)) ** 2
+    if not variance.any():
+        return Tails(0.0, 0.0)
+    differences = totals = 0.0
+    for one, other in _neighbours(y, variance):
+        scale = (0.5 * (one[0] + other[0])) ** 2 + level
+        differences += float(np.sum(np.abs(one[1] - other[1]) / scale))
+        totals += float(np.sum((one[1] + other[1]) / scale))
+    relative = np.sort(variance / (y * y + level), axis=None)
+    worst = relative[relative.size - max(1, round(_WORST * relative.size)) :]
+    return Tails(differences / totals if totals > 0.0 else 0.0, float(worst.sum() / relative.sum()))
+
+
+def _neighbours(y: Pixels, variance: Pixels) -> list[tuple[tuple[Pixels, Pixels], tuple[Pixels, Pixels]]]:
+    """Pixels and those to their right; pixels and those below."""
+    return [
+        ((y[:, :-1], variance[:, :-1]), (y[:, 1:], variance[:, 1:])),
+        ((y[:-1], variance[:-1]), (y[1:], variance[1:])),
+    ]

@@ -1,0 +1,189 @@
+"""From sums to what people look at and measure: means, errors, EXR, PNG.
+
+Files hold nothing but content (no date, no host, no program version), so that equal images are equal files.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import OpenEXR
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from nocturne_scene.ranges import XYZ_SUMS
+
+from nocturne_coordinator.dispatch.error_estimate import Pixels, variance_of_mean
+from nocturne_coordinator.dispatch.merge import Counts, Sums
+
+# IEC 61966-2-1: XYZ of white D65 to linear sRGB; transposed, for rows of pixels.
+_XYZ_TO_SRGB = np.array(
+    [
+        [3.2406, -1.5372, -0.4986],
+        [-0.9689, 1.8758, 0.0415],
+        [0.0557, -0.2040, 1.0570],
+    ],
+    dtype=np.float32,
+).T
+
+# The primaries and the white of IEC 61966-2-1: x and y of red, green, blue, white.
+_SRGB_CHROMATICITIES = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+
+_MIDDLE_GREY = 0.18
+_WHITE_QUANTILE = 0.995
+# The quantile of every third pixel of every third row is good enough for an exposure.
+_STRIDE = 3
+
+_PNG_FILTER_NONE = 8
+
+LIVE_COMPRESSION = 0
+"""Of a PNG that is replaced in a second: noise hardly compresses, and not trying is ten times cheaper."""
+
+FINAL_COMPRESSION = 6
+
+THUMBNAIL_EDGE = 160
+"""Pixels: a list shows 72, screens have two for one, and a list of many must stay light."""
+
+
+@dataclass(frozen=True, slots=True)
+class Provenance:
+    """What an image was made of, written into it."""
+
+    scene_sha256: str
+    schedule_json: str
+    engine: int
+    manifest: str = ""
+    """Samples of each tile where not all have what the schedule ends with: see `manifest_text`."""
+    floating_point_profile: str = ""
+    """How all workers rounded."""
+
+
+def manifest_text(samples: Sequence[int]) -> str:
+    """Samples of each tile, row by row, as "64x3 128 64": runs of equal numbers are shortened."""
+    runs = [(value, len(list(run))) for value, run in groupby(samples)]
+    return " ".join(f"{value}x{length}" if length > 1 else f"{value}" for value, length in runs)
+
+
+def mean_xyz(sums: Sums, counts: Counts) -> Pixels:
+    """Shape (height, width, 3); Y in cd/m2; 0 where there are no samples."""
+    return sums[..., :3] / np.maximum(counts, 1)[..., None]
+
+
+def mean_further_responses(sums: Sums, counts: Counts) -> Pixels:
+    """Shape (height, width, further responses); 0 where there are no samples."""
+    return sums[..., XYZ_SUMS:] / np.maximum(counts, 1)[..., None]
+
+
+def tone_map(sums: Sums, counts: Counts) -> npt.NDArray[np.uint8]:
+    """sRGB of shape (height, width, 3), exposed by the image itself.
+
+    Reinhard, Stark, Shirley, Ferwerda: "Photographic Tone Reproduction for Digital Images" (2002), equations
+    1, 2 and 4: the logarithmic mean of Y becomes middle grey, and much brighter pixels white.
+    """
+    xyz = sums[..., :3].astype(np.float32)
+    samples = np.maximum(counts, 1).astype(np.float32)
+    y = xyz[..., 1] / samples
+    lit = y[y > 0.0]
+    if lit.size == 0:
+        return np.zeros(xyz.shape, dtype=np.uint8)
+    exposure = _MIDDLE_GREY / float(np.exp(np.mean(np.log(lit), dtype=np.float64)))
+    y *= exposure
+    white = max(1.0, float(np.quantile(y[::_STRIDE, ::_STRIDE], _WHITE_QUANTILE)))
+    scale = (exposure / samples) * (1.0 + y / white**2) / (1.0 + y)
+    linear = xyz.reshape(-1, 3) @ _XYZ_TO_SRGB
+    linear *= scale.astype(np.float32).reshape(-1, 1)
+    steps = np.clip(linear, 0.0, 1.0, out=linear)
+    steps *= _SRGB_STEPS
+    encoded: npt.NDArray[np.uint8] = _SRGB_BYTES[(steps + 0.5).astype(np.uint16)]
+    return encoded.reshape(xyz.shape)
+
+
+def _srgb_curve(linear: Pixels) -> npt.NDArray[np.uint8]:
+    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return np.rint(encoded * 255.0).astype(np.uint8)
+
+
+# The sRGB curve as a table: a power per channel would be half of a preview's cost. 2^14 steps are enough to
+# tell dark bytes apart.
+_SRGB_STEPS = 2**14
+_SRGB_BYTES = _srgb_curve(np.linspace(0.0, 1.0, _SRGB_STEPS + 1))
+
+
+def write_preview(path: Path, sums: Sums, counts: Counts, compression: int) -> None:
+    """Writes a tone-mapped PNG."""
+    pixels = tone_map(sums, counts)
+    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, "uint8")
+    spec.attribute("png:compressionLevel", compression)
+    if compression == LIVE_COMPRESSION:
+        spec.attribute("png:filter", _PNG_FILTER_NONE)
+    _write_png(path, spec, pixels)
+
+
+def write_thumbnail(path: Path, sums: Sums, counts: Counts) -> None:
+    """Writes a tone-mapped PNG of at most THUMBNAIL_EDGE pixels a side, each the mean of a square."""
+    size = -(-max(counts.shape) // THUMBNAIL_EDGE)
+    height, width = (max(1, edge // size) for edge in counts.shape)
+    rows, columns = min(size, counts.shape[0]), min(size, counts.shape[1])
+    area = (slice(height * rows), slice(width * columns))
+    squares = (height, rows, width, columns)
+    # Rows first: whole lines of memory are added, which is several times faster than both axes at once.
+    lines = sums[area].reshape(height, rows, -1).sum(axis=1)
+    small = lines.reshape(height, width, columns, -1)[..., :XYZ_SUMS].sum(axis=2)
+    number = counts[area].reshape(squares).sum(axis=(1, 3), dtype=np.uint32)
+    write_preview(path, small, number, FINAL_COMPRESSION)
+
+
+def write_image(
+    path: Path, sums: Sums, counts: Counts, provenance: Provenance, further_responses: Sequence[str] = ()
+) -> None:
+    """Writes an EXR: X, Y, Z, Y.stderr and further responses as float, n as uint; R, G, B for viewers."""
+    header = {
+        "compression": OpenEXR.ZIP_COMPRESSION,
+        "type": OpenEXR.scanlineimage,
+        # Of R, G, B; X, Y, Z are CIE XYZ itself. A luminance of 1 is 1 cd/m2.
+        "chromaticities": _SRGB_CHROMATICITIES,
+        "whiteLuminance": 1.0,
+        "nocturne:scene": provenance.scene_sha256,
+        "nocturne:schedule": provenance.schedule_json,
+        "nocturne:engine": provenance.engine,
+        "nocturne:floatingPointProfile": provenance.floating_point_profile,
+    }
+    if provenance.manifest:
+        header["nocturne:tileSamples"] = provenance.manifest
+    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        with OpenEXR.File(header, _exr_channels(sums, counts, further_responses)) as file:
+            file.write(str(path))
+    except RuntimeError as trouble:
+        raise OSError(f"can't write {path}: {trouble}") from trouble
+
+
+def _exr_channels(
+    sums: Sums, counts: Counts, further_responses: Sequence[str]
+) -> dict[str, npt.NDArray[Any]]:
+    xyz = mean_xyz(sums, counts).astype(np.float32)
+    further = mean_further_responses(sums, counts).astype(np.float32)
+    error = np.sqrt(variance_of_mean(sums, counts)).astype(np.float32)
+    channels = {
+        **_planes("XYZ", xyz),
+        **_planes(further_responses, further),
+        "Y.stderr": error,
+        "n": np.ascontiguousarray(counts, dtype=np.uint32),
+    }
+    # A sensor may have responses with these names: they say more than what only viewers need.
+    return channels if channels.keys() & set("RGB") else {**channels, **_planes("RGB", xyz @ _XYZ_TO_SRGB)}
+
+
+def _planes(names: Sequence[str], pixels: npt.NDArray[np.float32]) -> dict[str, npt.NDArray[Any]]:
+    return {name: np.ascontiguousarray(pixels[..., index]) for index, name in enumerate(names)}
+
+
+def _write_png(path: Path, spec: oiio.ImageSpec, pixels: npt.NDArray[np.uint8]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    output = oiio.ImageOutput.create("png")
+    if output is None:
+        raise OSError(f"can't write {path}: {oiio.geterror()}")
+    if not (output.open(str(path), spec) and output.write_image(pixels) and output.close()):
+        raise OSError(f"can't write {path}: {output.geterror()}")

@@ -1,0 +1,131 @@
+"""Previews, images and bundles in the data folder."""
+
+import json
+import logging
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from nocturne.v1 import job_pb2
+from nocturne_scene.errors import NotFound
+
+from nocturne_coordinator.dispatch.records import FailedTile
+from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.errors import LeaseLost
+from nocturne_coordinator.output.images import (
+    FINAL_COMPRESSION,
+    LIVE_COMPRESSION,
+    Provenance,
+    manifest_text,
+    write_image,
+    write_preview,
+    write_thumbnail,
+)
+from nocturne_coordinator.store.bundle import write_bundle
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.ledger import Ledger
+
+_log = logging.getLogger(__name__)
+
+
+class Previews:
+    """Writes what people look at; shows committed samples only, so no picture goes back.
+
+    All methods raise LeaseLost where another coordinator has the render.
+    """
+
+    def __init__(self, folder: DataFolder, ledger: Ledger) -> None:
+        self._folder = folder
+        self._ledger = ledger
+
+    def write_bundle(self, render: RunningRender, failed: FailedTile) -> None:
+        """What reproduces the failure of a tile; OSError, NotFound."""
+        write_bundle(self._folder, render.planned, failed)
+
+    def finish_ended(self, unix_time: float) -> None:
+        """Final images of renders that were cancelled or failed, from what was committed."""
+        for waiting in self._ledger.ended_without_image():
+            row = self._ledger.take(waiting.id)
+            if row is None:
+                continue
+            try:
+                render = RunningRender(row, self._ledger.tiles(row.id))
+            except ValueError as error:
+                _log.error("render=%s has no image: %s", row.id, error)
+            else:
+                if render.totals.ranges:
+                    self.write_image(render)
+                    self.write_preview(render, final=True)
+                    self.write_thumbnail(render)
+                    point, in_history = render.error_point(unix_time)
+                    self._ledger.record_preview(row.id, row.fence, point, in_history)
+            self._ledger.images_written(row.id, row.fence)
+            self._ledger.let_go(row.id, row.fence)
+
+    def write_preview(self, render: RunningRender, final: bool = False) -> None:
+        compression = FINAL_COMPRESSION if final else LIVE_COMPRESSION
+        with self._in_place(render, self._folder.preview_path) as path:
+            write_preview(path, render.film.sums, render.film.counts, compression)
+
+    def write_thumbnail(self, render: RunningRender) -> None:
+        with self._in_place(render, self._folder.thumbnail_path) as path:
+            write_thumbnail(path, render.film.sums, render.film.counts)
+
+    def write_image(self, render: RunningRender) -> None:
+        names = render.planned.schedule.further_responses
+        with self._in_place(render, self._folder.image_path) as path:
+            write_image(path, render.film.sums, render.film.counts, provenance_of(render), names)
+
+    @contextmanager
+    def _in_place(self, render: RunningRender, place_of: Callable[[str], Path]) -> Iterator[Path]:
+        """Where to write a picture that is put into its place only if the render is still ours."""
+        try:
+            path = place_of(render.id)
+        except NotFound:
+            raise LeaseLost(render.id) from None
+        written = path.with_name(f".{render.row.fence}-{path.name}")
+        try:
+            try:
+                yield written
+            except OSError:
+                # The folder of a render goes when it is deleted: that is no trouble of ours.
+                with self._ledger.holding(render.id, render.row.fence):
+                    raise
+            with self._ledger.holding(render.id, render.row.fence):
+                written.replace(path)
+        except LeaseLost:
+            written.unlink(missing_ok=True)
+            # Of a render that was deleted nothing stays behind; a folder with something in it stays.
+            with suppress(OSError):
+                path.parent.rmdir()
+            raise
+        finally:
+            written.unlink(missing_ok=True)
+
+
+def provenance_of(render: RunningRender) -> Provenance:
+    """What the render's image says of itself."""
+    samples = render.film.manifest()
+    whole = all(each == render.planned.schedule.range_ends[-1] for each in samples)
+    return Provenance(
+        render.planned.scene.hex(),
+        schedule_json(render.planned.schedule),
+        render.planned.engine,
+        "" if whole else manifest_text(samples),
+        render.floating_point_profile,
+    )
+
+
+def schedule_json(schedule: job_pb2.RangeSchedule) -> str:
+    """The schedule in proto3 JSON, one line, in one spelling for ever: it is part of canonical files."""
+    content: dict[str, int | list[int] | list[str]] = {
+        "width": schedule.width,
+        "height": schedule.height,
+        "tileSize": schedule.tile_size,
+        "rangeEnds": list(schedule.range_ends),
+    }
+    if schedule.further_responses:
+        content["furtherResponses"] = list(schedule.further_responses)
+    if schedule.photons_per_sample:
+        content["photonsPerSample"] = schedule.photons_per_sample
+    return json.dumps(content, separators=(",", ":"))

@@ -1,0 +1,1 @@
+"""Redis streams: jobs out, results in. The only Redis user in Python."""

@@ -1,0 +1,29 @@
+"""Every name in Redis; docs/explanation/queue.md says who reads and writes each."""
+
+PREFIX = "nocturne:"
+
+JOBS = PREFIX + "jobs"
+"""Stream; each entry has one field JOB_FIELD, a serialised Job."""
+
+RESULTS = PREFIX + "results"
+"""Stream; each entry has one field RESULT_FIELD, a serialised JobResult."""
+
+WORKERS_GROUP = "workers"
+"""Consumer group of JOBS; a consumer is `<worker id>/<thread>`."""
+
+SESSION = PREFIX + "session"
+"""String `<data folder>:<epoch>` with a time to live: the lease of a folder's coordinators on this Redis. Of
+the same folder and an earlier epoch: of runs before these."""
+
+RUN_PREFIX = PREFIX + "run:"
+"""Strings `nocturne:run:<random>` with a time to live, one for each run of a coordinator. Missing: Redis lost
+what was in it."""
+
+WORKER_PREFIX = PREFIX + "worker:"
+"""Strings `nocturne:worker:<worker id>`, a serialised WorkerStatus, with a time to live of 10 s."""
+
+QUARANTINE_PREFIX = PREFIX + "quarantine:"
+"""Strings `nocturne:quarantine:<worker id>`, the reason, with a time to live: that worker takes no jobs."""
+
+JOB_FIELD = b"job"
+RESULT_FIELD = b"result"

@@ -1,0 +1,58 @@
+"""Brings a database to the newest schema: the numbered files in `migrations/`, in order, each applied once.
+
+A change of the schema is a new file there, `0002_what_it_does.sql`; files that were released stay as they
+are. The number of the last one applied is SQLite's `user_version`. That is all a migration library would add
+here too: the known ones (Alembic, yoyo) bring an ORM, or a table of their own for what is one number.
+"""
+
+import sqlite3
+from collections.abc import Iterator
+from pathlib import Path
+
+from nocturne_coordinator.errors import UnusableFolder
+
+MIGRATIONS = Path(__file__).parent / "migrations"
+
+
+def newest_schema(folder: Path = MIGRATIONS) -> int:
+    """The number of the last migration."""
+    return max(_files(folder))
+
+
+def migrate(connection: sqlite3.Connection, name: str, folder: Path = MIGRATIONS) -> None:
+    """Applies what is missing, to be called inside a transaction: all of it happens, or nothing.
+
+    Raises UnusableFolder if a newer program has written the database, which the message calls `name`.
+    """
+    files = _files(folder)
+    newest = max(files)
+    number = schema_of(connection)
+    if number > newest:
+        raise UnusableFolder(
+            f"{name} has schema {number}, and this program knows schemas up to {newest}: a newer program "
+            "made it; use that one, or another folder"
+        )
+    for each in range(number + 1, newest + 1):
+        for statement in _statements(files[each].read_text()):
+            connection.execute(statement)
+        connection.execute(f"PRAGMA user_version = {each}")
+
+
+def schema_of(connection: sqlite3.Connection) -> int:
+    """The number of the last migration that was applied; 0: none."""
+    number: int = connection.execute("PRAGMA user_version").fetchone()[0]
+    return number
+
+
+def _files(folder: Path) -> dict[int, Path]:
+    return {int(path.name.partition("_")[0]): path for path in folder.glob("*.sql")}
+
+
+def _statements(text: str) -> Iterator[str]:
+    """The statements of a file, each ending with its line; `executescript` would end the transaction."""
+    statement = ""
+    for line in text.splitlines(keepends=True):
+        statement += line
+        if sqlite3.complete_statement(statement):
+            yield statement
+            statement = ""

@@ -1,0 +1,8 @@
+#!/bin/bash
+# Health check: was a file written within the last seconds? is-fresh FILE SECONDS. The coordinator sets the time of the
+# file that --alive names about every second; a loop that hangs does it no more.
+set -eu
+
+[ -e "$1" ] || { echo "$1: not there yet"; exit 1; }
+age=$(($(date +%s) - $(stat -c %Y "$1")))
+[ "$age" -le "$2" ] || { echo "$1: $age s old"; exit 1; }

@@ -1,0 +1,79 @@
+"""OpenEXR files as images in XYZ, with their noise where they tell it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from numpy.typing import NDArray
+
+from nocturne_scene.errors import InputError
+
+Values = NDArray[np.float64]
+
+# Linear sRGB to XYZ, IEC 61966-2-1; transposed, for rows of pixels.
+_RGB_TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]).T
+
+_MAX_PIXELS = 2**26
+_MAX_CHANNELS = 128
+
+
+@dataclass(frozen=True)
+class Picture:
+    """An image file."""
+
+    xyz: Values
+    """Shape (height, width, 3)."""
+    y_error: Values | None
+    """Standard error of Y, shape (height, width), if the file has it."""
+    samples: Values | None
+    """Per pixel, shape (height, width), if the file has them."""
+
+
+def read_picture(file: Path) -> Picture:
+    """Read channels X, Y, Z or else R, G, B (linear sRGB). Raises InputError."""
+    picture = oiio.ImageInput.open(str(file))
+    if picture is None:
+        raise InputError.at(str(file), f"no image that can be read: {oiio.geterror()[:200]}")
+    try:
+        spec = picture.spec()
+        names = list(spec.channelnames)
+        if not (0 < spec.width * spec.height <= _MAX_PIXELS and spec.nchannels <= _MAX_CHANNELS):
+            raise InputError.at(str(file), f"{spec.width} x {spec.height} pixels are too many")
+        colour = next((each for each in ("XYZ", "RGB") if all(name in names for name in each)), None)
+        if colour is None:
+            raise InputError.at(
+                str(file), f"expected channels X, Y, Z or R, G, B; found {', '.join(names)[:200]}"
+            )
+        wanted = [*colour, *(name for name in ("Y.stderr", "n") if name in names)]
+        channels = {}
+        for name in wanted:
+            index = names.index(name)
+            values = picture.read_image(0, 0, index, index + 1, oiio.FLOAT)
+            if values is None:
+                raise InputError.at(str(file), f"can't be read: {picture.geterror()[:200]}")
+            channels[name] = np.asarray(values, dtype=np.float64)[..., 0]
+    finally:
+        picture.close()
+    pixels = np.stack([channels[name] for name in colour], axis=-1)
+    if not np.all(np.isfinite(pixels)):
+        raise InputError.at(str(file), "holds values that are not finite")
+    xyz = pixels if colour == "XYZ" else pixels @ _RGB_TO_XYZ
+    return Picture(xyz, channels.get("Y.stderr"), channels.get("n"))
+
+
+def write_difference(file: Path, image: Values, reference: Values) -> None:
+    """Write a PNG: red where the image's Y is more than the reference's, blue where it is less.
+
+    Full colour is 25 % of the pixel's Y plus a tenth of the mean. Raises InputError.
+    """
+    scale = 0.25 * (np.abs(reference) + 0.1 * max(float(np.abs(reference).mean()), 1e-30))
+    off = np.clip((image - reference) / scale, -1, 1)
+    red, blue = np.where(off < 0, 1 + off, 1.0), np.where(off > 0, 1 - off, 1.0)
+    pixels = np.rint(255 * np.stack([red, 1 - np.abs(off), blue], axis=-1)).astype(np.uint8)
+    output = oiio.ImageOutput.create(str(file))
+    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, oiio.UINT8)
+    if output is None or not output.open(str(file), spec):
+        raise InputError.at(str(file), f"can't be written: {oiio.geterror()[:200]}")
+    output.write_image(np.ascontiguousarray(pixels))
+    output.close()

@@ -1,0 +1,124 @@
+"""The scene compiler.
+
+A checked document in, the tracer's message and its blobs out, addressed by content; parts in compile/.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
+
+from nocturne.v1 import scene_pb2
+
+from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile.atmosphere import atmosphere_surfaces
+from nocturne_scene.compile.grids import Grids
+from nocturne_scene.compile.instances import Instances
+from nocturne_scene.compile.kernels import Kernels
+from nocturne_scene.compile.lights import Lights
+from nocturne_scene.compile.media import Media
+from nocturne_scene.compile.origin import frame_of
+from nocturne_scene.compile.sensors import compile_sensor
+from nocturne_scene.compile.shapes import Shapes
+from nocturne_scene.compile.surfaces import Surfaces
+from nocturne_scene.compile.textures import Textures
+from nocturne_scene.compile.tracing import compile_tracing
+from nocturne_scene.compile.unseen import met_surfaces
+from nocturne_scene.compile.wavelengths import put_wavelength_density
+from nocturne_scene.compile.workspace import Workspace
+from nocturne_scene.document import bounds
+from nocturne_scene.document.model import SceneDocument
+from nocturne_scene.document.problems import path
+from nocturne_scene.document.surfaces import Surface
+from nocturne_scene.errors import InputError, Problem
+
+# Layout of CompiledScene; raised with every change that an older worker would misread.
+FORMAT = 2
+
+
+@dataclass(frozen=True)
+class CompiledOutput:
+    """Where the compiled scene is, and which parts of the document it does without, in words with their
+    places.
+    """
+
+    scene_sha256: str
+    dropped: list[str]
+
+
+def compile_scene(document: SceneDocument, blobs: BlobStore) -> CompiledOutput:
+    """Compile a document and put the scene and its blobs (meshes, textures, tables) into the blob store.
+
+    Equal documents give equal bytes. Raises InputError with at most `bounds.PROBLEMS` problems, and then
+    leaves nothing behind: blobs are written last, when all of them are there.
+    """
+    workspace = Workspace(document, blobs)
+    try:
+        message = _compile(workspace)
+        workspace.write_blobs()
+    finally:
+        workspace.clean_up()
+    scene_sha256 = blobs.put(message.SerializeToString(deterministic=True))
+    return CompiledOutput(scene_sha256, workspace.dropped)
+
+
+def _compile(workspace: Workspace) -> scene_pb2.CompiledScene:
+    message = scene_pb2.CompiledScene(format=FORMAT)
+    textures, grids, instances = Textures(workspace), Grids(workspace), Instances(workspace)
+    shapes, media = Shapes(workspace, grids), Media(workspace, grids)
+    workspace.frame = frame_of(workspace.document, shapes)
+    kernels, lights = Kernels(workspace, textures), Lights(workspace, textures, shapes)
+    with workspace.problems_at("$.sensor"):
+        message.sensor.CopyFrom(compile_sensor(workspace))
+    surfaces = Surfaces(workspace, textures, shapes, kernels, media)
+    for index, (surface, group, place) in enumerate(_all_surfaces(workspace, instances)):
+        message.surfaces.append(surfaces.compile(surface, group, place))
+        luminaire = lights.luminaire(surface, index, place, in_group=group > 0)
+        if luminaire is not None:
+            message.luminaires.append(luminaire)
+        if workspace.has_too_many_problems:
+            break
+    message.surfaces.extend(atmosphere_surfaces(workspace, media))
+    message.unbounded_interiors.extend(media.unbounded())
+    message.media.extend(media.messages)
+    message.instances.extend(instances.flattened())
+    environment = lights.environment()
+    if environment is not None:
+        message.environment.CopyFrom(environment)
+    message.distant_discs.extend(lights.distant_discs())
+    message.important_shapes.extend(lights.important_shapes())
+    _check_light(workspace, message)
+    if workspace.problems:
+        raise InputError(islice(workspace.problems, bounds.PROBLEMS))
+    put_wavelength_density(workspace, message)
+    message.spectra.extend(workspace.spectra.messages)
+    message.kernels.extend(workspace.kernels.messages)
+    message.interiors.extend(workspace.interiors.messages)
+    message.textures.extend(workspace.textures.messages)
+    if textures.rgb_table is not None:
+        message.rgb_table.CopyFrom(textures.rgb_table)
+    message.tracing.CopyFrom(
+        compile_tracing(workspace, message, scatters=kernels.scatters() or media.scatters())
+    )
+    workspace.report_unused()
+    return message
+
+
+def _all_surfaces(workspace: Workspace, instances: Instances) -> Iterator[tuple[Surface, int, str]]:
+    met = set(met_surfaces(workspace.document))
+    for index, surface in enumerate(workspace.document.surfaces):
+        place = path(("surfaces", index))
+        if index in met:
+            yield surface, 0, place
+        else:
+            workspace.dropped.append(f"{place}: all light passes it, and it emits none")
+    yield from instances.surfaces()
+
+
+def _check_light(workspace: Workspace, message: scene_pb2.CompiledScene) -> None:
+    glows = any(medium.HasField("temperature") for medium in message.media)
+    if workspace.problems or message.luminaires or glows:
+        return
+    if not message.HasField("environment") and not message.distant_discs:
+        workspace.problems.append(
+            Problem("$.surfaces", "no luminaire emits visible light, so the image would be black")
+        )

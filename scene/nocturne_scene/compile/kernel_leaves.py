@@ -1,0 +1,136 @@
+"""Kernels that hold no other kernels, as messages."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from nocturne.v1 import scene_pb2
+
+from nocturne_scene.compile.indices import AnyIndex, compile_complex, compile_index
+from nocturne_scene.compile.measured import compile_measured
+from nocturne_scene.compile.textures import Textures
+from nocturne_scene.compile.workspace import Unusable, Workspace
+from nocturne_scene.document.kernels import (
+    CoatedDiffuse,
+    Conductor,
+    Dielectric,
+    DiffuseTransmitter,
+    Kernel,
+    Lambertian,
+    Measured,
+    Passage,
+    Phong,
+    RoughKernel,
+    ThinPane,
+)
+from nocturne_scene.spectra import indices
+from nocturne_scene.spectra import tables as spectra
+from nocturne_scene.spectra.published import visible_wavelengths
+
+# Spectra are float32: what is written as 0.7 and 0.3 adds up to a little more than 1.
+_ROUNDING = 1e-6
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """A kernel, and the interior that its surface then has."""
+
+    kernel: scene_pb2.Kernel
+    interior: scene_pb2.Interior | None = None
+
+
+def passage() -> scene_pb2.Kernel:
+    """Return the kernel that lets everything through."""
+    return scene_pb2.Kernel(passage=scene_pb2.Passage())
+
+
+class Leaves:
+    """Compiles single kernels."""
+
+    def __init__(self, workspace: Workspace, textures: Textures) -> None:
+        self._workspace = workspace
+        self._textures = textures
+
+    def compile(self, kernel: Kernel) -> Leaf:
+        """Return the message of a kernel that holds no other; raises Unusable and its kin."""
+        colour = self._textures.reflectance
+        match kernel:
+            case Lambertian():
+                lambertian = scene_pb2.Lambertian(reflectance=colour(kernel.reflectance, ".reflectance"))
+                return Leaf(scene_pb2.Kernel(lambertian=lambertian))
+            case DiffuseTransmitter():
+                return Leaf(scene_pb2.Kernel(diffuse_transmitter=self._transmitter(kernel)))
+            case Conductor():
+                return Leaf(scene_pb2.Kernel(conductor=self._conductor(kernel)))
+            case Dielectric():
+                dielectric = scene_pb2.Dielectric(roughness=self._roughness(kernel))
+                return Leaf(scene_pb2.Kernel(dielectric=dielectric), self._interior(kernel))
+            case ThinPane():
+                pane = scene_pb2.ThinPane(
+                    index=self._index(kernel.index),
+                    transmittance=self._workspace.reflectance(kernel.transmittance),
+                )
+                return Leaf(scene_pb2.Kernel(thin_pane=pane))
+            case CoatedDiffuse():
+                coated = scene_pb2.CoatedDiffuse(
+                    index=self._index(kernel.index),
+                    roughness=self._roughness(kernel),
+                    reflectance=colour(kernel.reflectance, ".reflectance"),
+                )
+                return Leaf(scene_pb2.Kernel(coated_diffuse=coated))
+            case Phong():
+                reflectance = colour(kernel.reflectance, ".reflectance")
+                phong = scene_pb2.Phong(reflectance=reflectance, exponent=kernel.exponent)
+                return Leaf(scene_pb2.Kernel(phong=phong))
+            case Measured():
+                measured = scene_pb2.Measured(blob=compile_measured(self._workspace, kernel))
+                return Leaf(scene_pb2.Kernel(measured=measured))
+            case Passage():
+                return Leaf(passage())
+        raise TypeError(f"{type(kernel).__name__} is no single kernel")
+
+    def _transmitter(self, kernel: DiffuseTransmitter) -> scene_pb2.DiffuseTransmitter:
+        message = scene_pb2.DiffuseTransmitter(
+            reflectance=self._textures.reflectance(kernel.reflectance, ".reflectance"),
+            transmittance=self._textures.reflectance(kernel.transmittance, ".transmittance"),
+        )
+        pool, visible = self._workspace.spectra.messages, visible_wavelengths()
+        total = np.zeros(len(visible))
+        for colour in (message.reflectance, message.transmittance):
+            total += spectra.evaluate(pool[colour.spectrum], visible)
+        if np.any(total > 1 + _ROUNDING):
+            worst = int(np.argmax(total))
+            raise Unusable(
+                f"reflectance and transmittance add up to {total[worst]:.6g} at {visible[worst]:g} nm; "
+                "expected at most 1",
+                ".transmittance",
+            )
+        return message
+
+    def _conductor(self, kernel: Conductor) -> scene_pb2.Conductor:
+        try:
+            n, k = compile_complex(self._workspace, kernel.index)
+        except Unusable as error:
+            raise Unusable(str(error), f".index{error.suffix}") from None
+        return scene_pb2.Conductor(n=n, k=k, roughness=self._roughness(kernel))
+
+    def _interior(self, kernel: Dielectric) -> scene_pb2.Interior:
+        message = scene_pb2.Interior(index=self._index(kernel.index), priority=kernel.priority)
+        if kernel.absorption is not None:
+            absorption = spectra.reflectance(self._workspace.spectrum(kernel.absorption))
+            if not spectra.is_black(absorption):
+                message.absorption = self._workspace.spectra.index_of(absorption)
+        return message
+
+    def _index(self, index: AnyIndex) -> int:
+        try:
+            return compile_index(self._workspace, index)
+        except indices.BadIndexError as error:
+            raise Unusable(str(error), ".index") from None
+
+    def _roughness(self, kernel: RoughKernel) -> scene_pb2.Roughness:
+        (name_u, alpha_u), (name_v, alpha_v) = kernel.alphas()
+        return scene_pb2.Roughness(
+            alpha_u=self._textures.scalar(alpha_u, f".{name_u}"),
+            alpha_v=self._textures.scalar(alpha_v, f".{name_v}"),
+            beckmann=kernel.distribution == "beckmann",
+        )

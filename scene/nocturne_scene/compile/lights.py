@@ -1,0 +1,183 @@
+"""What emits: luminaires on surfaces, the environment, discs at infinity; and important directions."""
+
+import math
+
+import numpy as np
+from nocturne.v1 import scene_pb2
+
+from nocturne_scene.compile.environment import compile_map
+from nocturne_scene.compile.photometry import compile_profile
+from nocturne_scene.compile.placement import placement_of
+from nocturne_scene.compile.sensors import unit, vector
+from nocturne_scene.compile.shapes import Shapes, put_shape
+from nocturne_scene.compile.textures import Textures
+from nocturne_scene.compile.workspace import Unusable, Workspace
+from nocturne_scene.document.luminaires import (
+    ConstantEnvironment,
+    CosineProfile,
+    DistantDisc,
+    Luminaire,
+    PhotometricProfile,
+)
+from nocturne_scene.document.problems import path
+from nocturne_scene.document.shapes import Sphere
+from nocturne_scene.document.spectrum_checks import Reference
+from nocturne_scene.document.surfaces import Surface
+from nocturne_scene.document.textures import ColourTexture
+from nocturne_scene.spectra import published, sun
+from nocturne_scene.spectra import tables as spectra
+
+
+class Lights:
+    """Compiles everything that emits."""
+
+    def __init__(self, workspace: Workspace, textures: Textures, shapes: Shapes) -> None:
+        self._workspace = workspace
+        self._textures = textures
+        self._shapes = shapes
+
+    def luminaire(
+        self, surface: Surface, index: int, place: str, *, in_group: bool
+    ) -> scene_pb2.Luminaire | None:
+        """Return the luminaire of surface number `index`; None if it has none, or one that emits nothing."""
+        luminaire = surface.luminaire
+        if luminaire is None:
+            return None
+        message = scene_pb2.Luminaire(surface=index, two_sided=luminaire.two_sided)
+        with self._workspace.problems_at(f"{place}.luminaire"):
+            flux = isinstance(luminaire.profile, PhotometricProfile)
+            colour = self._textures.radiance(luminaire.radiance, ".radiance", normalised=flux)
+            self._report_lines(luminaire.radiance, f"{place}.luminaire.radiance")
+            if colour is None:
+                self._workspace.dropped.append(f"{place}.luminaire: emits no visible light")
+                return None
+            forward = self._workspace.document.tracing.direction != "adjoint"
+            if forward and colour.HasField("texture"):
+                raise Unusable(
+                    'photons that start at luminaires can\'t start by a texture; expected "adjoint" in '
+                    "$.tracing.direction, or a radiance without a texture",
+                    ".radiance",
+                )
+            if forward and in_group and isinstance(surface.shape, Sphere):
+                raise Unusable(
+                    'photons can\'t start at a sphere in a group; expected "adjoint" in $.tracing.direction, '
+                    "a mesh, or the sphere outside of groups"
+                )
+            message.radiance.CopyFrom(colour)
+            self._put_profile(message, surface, luminaire)
+            return message
+        return None
+
+    def _put_profile(self, message: scene_pb2.Luminaire, surface: Surface, luminaire: Luminaire) -> None:
+        match luminaire.profile:
+            case CosineProfile() as profile:
+                message.cosine_power = profile.cosine_power
+            case PhotometricProfile() as profile:
+                if message.radiance.HasField("texture"):
+                    raise Unusable("can't have a texture together with a photometric file", ".radiance")
+                if not (isinstance(surface.shape, Sphere) or self._shapes.is_flat(surface.shape)):
+                    raise Unusable(
+                        "a photometric file needs a flat shape or a sphere: a quad, a disc, a flat mesh, "
+                        "a sphere",
+                        ".profile",
+                    )
+                placement = placement_of(surface)
+                axis = placement.turned(unit(np.array(profile.axis)))
+                zero = placement.turned(np.array(profile.zero))
+                zero = unit(zero - (zero @ axis) * axis)
+                message.intensity.CopyFrom(compile_profile(self._workspace, profile))
+                message.intensity.axis.CopyFrom(vector(axis))
+                message.intensity.zero.CopyFrom(vector(zero))
+
+    def environment(self) -> scene_pb2.Environment | None:
+        """Return the environment; None if there is none, or if it is black."""
+        environment = self._workspace.document.environment
+        if environment is None:
+            return None
+        with self._workspace.problems_at("$.environment"):
+            if not isinstance(environment, ConstantEnvironment):
+                return scene_pb2.Environment(map=compile_map(self._workspace, environment))
+            radiance = self._emission(environment.radiance, ".radiance")
+            self._report_lines(environment.radiance, "$.environment.radiance")
+            if radiance is not None:
+                return scene_pb2.Environment(constant=radiance)
+            self._workspace.dropped.append("$.environment: emits no visible light")
+        return None
+
+    def distant_discs(self) -> list[scene_pb2.DistantDisc]:
+        """Return the discs at infinity that emit."""
+        found = []
+        for number, disc in enumerate(self._workspace.document.distant):
+            place = path(("distant", number))
+            with self._workspace.problems_at(place):
+                message = self._disc(disc)
+                self._report_lines(disc.radiance, f"{place}.radiance")
+                self._report_lines(disc.irradiance, f"{place}.irradiance")
+                if message is None:
+                    self._workspace.dropped.append(f"{place}: emits no visible light")
+                else:
+                    found.append(message)
+        return found
+
+    def important_shapes(self) -> list[scene_pb2.ImportantShape]:
+        """Return the shapes that are worth looking at."""
+        found = []
+        for number, direction in enumerate(self._workspace.document.important_directions):
+            place = path(("important_directions", number))
+            if direction.weight == 0:
+                self._workspace.dropped.append(f"{place}: has no weight")
+                continue
+            with self._workspace.problems_at(f"{place}.shape"):
+                message = scene_pb2.ImportantShape(weight=direction.weight)
+                steps = [self._workspace.frame.after(placement_of(direction))]
+                put_shape(message, self._shapes.compile(direction.shape, steps, f"{place}.shape"))
+                found.append(message)
+        return found
+
+    def _report_lines(self, reference: Reference | ColourTexture | None, place: str) -> None:
+        if isinstance(reference, ColourTexture):
+            reference, place = reference.spectrum, f"{place}.spectrum"
+        self._workspace.report_unseen(reference, place)
+
+    def _emission(self, reference: Reference, suffix: str) -> int | None:
+        colour = self._textures.radiance(reference, suffix)
+        return None if colour is None else colour.spectrum
+
+    def _disc(self, disc: DistantDisc) -> scene_pb2.DistantDisc | None:
+        size = disc.angular_diameter_degrees
+        half_angle = sun.half_angle() if size is None else math.radians(size) / 2
+        limb = sun.sun() if disc.limb_darkening else sun.sun(darkened=False)
+        if disc.radiance is not None:
+            radiance = self._emission(disc.radiance, ".radiance")
+        else:
+            radiance = self._from_irradiance(disc, half_angle)
+        if radiance is None:
+            return None
+        index_of = self._workspace.spectra.index_of
+        return scene_pb2.DistantDisc(
+            direction=vector(unit(np.array(disc.direction))),
+            half_angle=half_angle,
+            radiance=radiance,
+            limb_plus=[index_of(spectrum) for spectrum in limb.limb_plus],
+            limb_minus=[index_of(spectrum) for spectrum in limb.limb_minus],
+        )
+
+    def _from_irradiance(self, disc: DistantDisc, half_angle: float) -> int | None:
+        """Radiance at the centre of a disc from its irradiance, face on; the mean is E / (pi sin^2 a)."""
+        if disc.irradiance is None:
+            irradiance = spectra.at_visible(sun.irradiance())
+        else:
+            irradiance = spectra.radiance(self._workspace.spectrum(disc.irradiance))
+        visible = published.visible_wavelengths()
+        factors = np.full(visible.shape, 1 / (math.pi * math.sin(half_angle) ** 2))
+        if disc.limb_darkening:
+            darkened, even = sun.sun().radiance, sun.sun(darkened=False).radiance
+            factors *= spectra.evaluate(darkened, visible) / spectra.evaluate(even, visible)
+        compiled = spectra.scaled(irradiance, factors)
+        if spectra.is_black(compiled):
+            return None
+        try:
+            spectra.check_finite(compiled)
+        except spectra.NotCompilableError as error:
+            raise Unusable(str(error), ".irradiance") from None
+        return self._workspace.spectra.index_of(compiled)

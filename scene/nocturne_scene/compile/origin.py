@@ -1,0 +1,62 @@
+"""Where the compiled scene has its origin: near what the sensor sees, however far out the document's is.
+
+The tracer's coordinates have 24 bits: at 1000 km from the origin they are 6 cm apart. Everything is placed in
+float64 before, so it can be moved where they are fine.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nocturne_scene.compile.placement import IDENTITY, Similarity, placement_of
+from nocturne_scene.compile.shapes import Shapes
+from nocturne_scene.compile.workspace import Unusable
+from nocturne_scene.document.model import SceneDocument
+from nocturne_scene.document.shapes import MediumBox, Sphere
+from nocturne_scene.meshes.headers import UnusableMeshError
+
+_STEP = 1024.0
+"""m, the grid of origins: cameras that stand side by side share their meshes' blobs, and most scenes have
+the document's own origin."""
+
+_Point = NDArray[np.float64]
+
+
+def frame_of(document: SceneDocument, shapes: Shapes) -> Similarity:
+    """Return what comes after every placement: a shift to the sensor if all surfaces are that far out."""
+    sensor = np.array(document.sensor.position)
+    origin = _STEP * np.round(sensor / _STEP)
+    if not np.any(origin):
+        return IDENTITY
+    here, there = np.inf, np.inf
+    for low, high in _extents(document, shapes):
+        there = min(there, _distance(sensor, low, high))
+        here = min(here, _distance(np.zeros(3), low, high))
+    far_out = here > 0.5 * float(np.linalg.norm(sensor))
+    return Similarity(1.0, np.eye(3), -origin) if far_out and there < 0.5 * here else IDENTITY
+
+
+def _extents(document: SceneDocument, shapes: Shapes) -> Iterator[tuple[_Point, _Point]]:
+    """Opposite corners of boxes: of each surface, and of the place of each instance."""
+    for surface in document.surfaces:
+        placement = placement_of(surface)
+        match surface.shape:
+            case Sphere() as sphere:
+                centre, radius = placement.points(np.array(sphere.centre)), sphere.radius * placement.scale
+                yield centre - radius, centre + radius
+            case MediumBox():
+                pass
+            case shape:
+                try:
+                    placed = placement.points(shapes.vertices(shape))
+                except (Unusable, UnusableMeshError):
+                    continue  # Told where the surface is compiled.
+                yield placed.min(axis=0), placed.max(axis=0)
+    for instance in document.instances:
+        shift = placement_of(instance).shift
+        yield shift, shift
+
+
+def _distance(point: _Point, low: _Point, high: _Point) -> float:
+    return float(np.linalg.norm(np.maximum(np.maximum(low - point, point - high), 0.0)))

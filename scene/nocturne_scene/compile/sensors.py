@@ -1,0 +1,144 @@
+"""The sensor of a scene document as the tracer's message."""
+
+import math
+
+import numpy as np
+from nocturne.v1 import scene_pb2
+from numpy.typing import NDArray
+
+from nocturne_scene.compile.placement import Similarity, motion_steps
+from nocturne_scene.compile.workspace import Unusable, Workspace
+from nocturne_scene.document.sensors import (
+    IntensityMeter,
+    IrradianceMeter,
+    Orthographic,
+    Panorama,
+    Pinhole,
+    RadianceMeter,
+    Sensor,
+    ThinLens,
+)
+from nocturne_scene.spectra import published
+from nocturne_scene.spectra import tables as spectra
+
+_Direction = NDArray[np.float64]
+_WAVELENGTHS = {
+    "response": scene_pb2.WAVELENGTH_SAMPLING_RESPONSE,
+    "uniform": scene_pb2.WAVELENGTH_SAMPLING_UNIFORM,
+}
+_MODELS = {
+    "pinhole": scene_pb2.SENSOR_MODEL_PERSPECTIVE,
+    "thin_lens": scene_pb2.SENSOR_MODEL_PERSPECTIVE,
+    "orthographic": scene_pb2.SENSOR_MODEL_ORTHOGRAPHIC,
+    "panorama": scene_pb2.SENSOR_MODEL_PANORAMA,
+    "irradiance_meter": scene_pb2.SENSOR_MODEL_PLANE,
+    "radiance_meter": scene_pb2.SENSOR_MODEL_RADIANCE_METER,
+    "intensity_meter": scene_pb2.SENSOR_MODEL_INTENSITY,
+}
+
+
+def compile_sensor(workspace: Workspace) -> scene_pb2.Sensor:
+    """Return the sensor with orthonormal frames: right x up = -forward. Raises Unusable."""
+    sensor = workspace.document.sensor
+    first, *later = _poses(sensor, workspace.frame)
+    workspace.report_motion(sensor.motion, 1 + len(later), "$.sensor")
+    response = spectra.response(sensor.observer).astype(np.float32)
+    message = scene_pb2.Sensor(
+        position=first.position,
+        right=first.right,
+        up=first.up,
+        forward=first.forward,
+        later_poses=later,
+        response_first_nm=published.FIRST,
+        response_step_nm=published.STEP,
+        response_x=response[:, 0].tolist(),
+        response_y=response[:, 1].tolist(),
+        response_z=response[:, 2].tolist(),
+        wavelength_sampling=_WAVELENGTHS[sensor.wavelengths],
+        further_responses=[_response(workspace, name) for name in sorted(sensor.responses)],
+        model=_MODELS[sensor.type],
+    )
+    _put_optics(message, sensor)
+    return message
+
+
+def vector(values: _Direction | tuple[float, float, float]) -> scene_pb2.Vector:
+    """Return three numbers as a message; minus zero becomes zero, so that equal scenes have equal bytes."""
+    x, y, z = (float(value) + 0.0 for value in values)
+    return scene_pb2.Vector(x=x, y=y, z=z)
+
+
+def unit(values: _Direction) -> _Direction:
+    """Return the direction with length 1."""
+    return np.asarray(values / np.linalg.norm(values), dtype=np.float64)
+
+
+def _response(workspace: Workspace, name: str) -> scene_pb2.Response:
+    spectrum = workspace.spectrum(workspace.document.sensor.responses[name])
+    values = spectra.response_curve(spectrum).astype(np.float32)
+    if not values.any():
+        raise Unusable(
+            f"the response is zero from {published.FIRST:g} to {published.LAST:g} nm", f".responses.{name}"
+        )
+    return scene_pb2.Response(name=name, values=values.tolist())
+
+
+def _put_optics(message: scene_pb2.Sensor, sensor: Sensor) -> None:
+    if isinstance(sensor, Pinhole | ThinLens):
+        message.vertical_field_of_view = math.radians(sensor.vertical_field_of_view_degrees)
+    match sensor:
+        case ThinLens():
+            message.lens_radius = sensor.lens_radius
+            message.focus_distance = sensor.focus_distance
+            if sensor.aperture is not None:
+                message.aperture_blades = sensor.aperture.blades
+                message.aperture_angle = math.radians(sensor.aperture.rotation_degrees)
+        case Orthographic() | IrradianceMeter():
+            message.height = sensor.height
+        case RadianceMeter():
+            message.height = sensor.diameter
+            message.acceptance = math.radians(sensor.cone_degrees) / 2
+        case IntensityMeter():
+            message.lamp_radius = sensor.lamp_radius
+
+
+def _poses(sensor: Sensor, frame: Similarity) -> list[scene_pb2.Pose]:
+    """The sensor at equally spaced times; one entry: it is at rest."""
+    steps = motion_steps(sensor.motion)
+    if any(abs(step.scale - 1) > 1e-12 for step in steps):
+        raise Unusable("a sensor has no scale; leave it out", ".motion.placements")
+    forward, right, up = _frame(sensor)
+    position = np.array(sensor.position)
+    return [_pose(frame.after(step), position, forward, right, up) for step in steps]
+
+
+def _pose(
+    step: Similarity, position: _Direction, forward: _Direction, right: _Direction, up: _Direction
+) -> scene_pb2.Pose:
+    return scene_pb2.Pose(
+        position=vector(step.points(position)),
+        right=vector(step.turned(right)),
+        up=vector(step.turned(up)),
+        forward=vector(step.turned(forward)),
+    )
+
+
+def _frame(sensor: Sensor) -> tuple[_Direction, _Direction, _Direction]:
+    """Forward, right and up."""
+    match sensor:
+        case IntensityMeter():
+            forward = unit(np.array(sensor.axis))
+            zero = np.array(sensor.zero)
+            right = unit(zero - (zero @ forward) * forward)
+            return forward, right, np.cross(right, forward)
+        case Panorama():
+            up = unit(np.array(sensor.up))
+            view = np.subtract(sensor.look_at, sensor.position)
+            forward = unit(view - (view @ up) * up)
+            return forward, np.cross(forward, up), up
+        case IrradianceMeter():
+            forward, towards = unit(np.array(sensor.facing())), np.array(sensor.upwards())
+        case _:
+            forward, towards = unit(np.subtract(sensor.look_at, sensor.position)), np.array(sensor.up)
+    right = unit(np.cross(forward, unit(towards)))
+    return forward, right, np.cross(right, forward)

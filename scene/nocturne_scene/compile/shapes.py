@@ -1,0 +1,179 @@
+"""Shapes where they stand, as messages and blobs."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from nocturne.v1 import scene_pb2
+from numpy.typing import NDArray
+
+from nocturne_scene.compile.grids import Grids
+from nocturne_scene.compile.placement import Similarity
+from nocturne_scene.compile.sensors import vector
+from nocturne_scene.compile.workspace import Unusable, Workspace
+from nocturne_scene.document import bounds
+from nocturne_scene.document.problems import path
+from nocturne_scene.document.shapes import AssetMesh, Box, Disc, InlineMesh, MediumBox, Quad, Shape, Sphere
+from nocturne_scene.meshes.files import load_mesh
+from nocturne_scene.meshes.headers import UnusableMeshError
+from nocturne_scene.meshes.simple import box_mesh, disc_mesh, inline_mesh, quad_mesh
+from nocturne_scene.meshes.triangles import BadVertexError, Triangles, pack_mesh, unit_normals
+
+AnyShape = scene_pb2.Quad | scene_pb2.Sphere | scene_pb2.Mesh
+
+
+class Shapes:
+    """Compiles shapes; each mesh file is read once."""
+
+    def __init__(self, workspace: Workspace, grids: Grids) -> None:
+        self._workspace = workspace
+        self._grids = grids
+        self._loaded: dict[tuple[str, str, bool], Triangles] = {}
+
+    def compile(
+        self, shape: Shape, steps: Sequence[Similarity], place: str, *, coordinates: bool = False
+    ) -> AnyShape:
+        """Return a shape at its placements; `coordinates`: its texture coordinates are needed.
+
+        `place` is where it is told of triangles that are left out. Raises Unusable and UnusableMeshError.
+        """
+        match shape:
+            case Quad() if len(steps) == 1:
+                return _quad(shape, steps[0])
+            case Sphere():
+                return _sphere(shape, steps)
+            case AssetMesh():
+                try:
+                    mesh = self._asset(shape)
+                    return self._mesh(mesh, shape.smooth, steps, place, coordinates)
+                except (UnusableMeshError, Unusable) as error:
+                    raise Unusable(str(error), ".asset") from None
+            case MediumBox():
+                return self._medium_box(shape, place)
+            case InlineMesh():
+                try:
+                    mesh = inline_mesh(shape)
+                    return self._mesh(mesh, shape.smooth, steps, place, coordinates)
+                except BadVertexError as error:
+                    raise Unusable(error.reason, f".vertices[{error.index}]") from None
+        return self._mesh(_simple(shape), False, steps, place, coordinates=True)
+
+    def vertices(self, shape: AssetMesh | InlineMesh | Quad | Disc | Box) -> NDArray[np.float64]:
+        """Return a shape's corners before its placement, shape (n, 3). Unusable, UnusableMeshError."""
+        match shape:
+            case AssetMesh():
+                return self._asset(shape).vertices
+            case InlineMesh():
+                return np.array(shape.vertices)
+        return _simple(shape).vertices
+
+    def is_flat(self, shape: Shape) -> bool:
+        """Whether a shape lies in a plane, within a ten-thousandth of its size."""
+        match shape:
+            case Quad() | Disc():
+                return True
+            case Box() | Sphere() | MediumBox():
+                return False
+        vertices = self.vertices(shape)
+        centred = vertices - vertices.mean(axis=0)
+        _, sizes, _ = np.linalg.svd(centred.T @ centred)
+        return bool(sizes[2] <= 1e-8 * sizes[0])
+
+    def _medium_box(self, shape: MediumBox, place: str) -> scene_pb2.Mesh:
+        grid = self._workspace.document.media[shape.medium].grid_density()
+        if grid is None:
+            raise Unusable("the medium has no grid", ".medium")
+        try:
+            box = self._grids.box(grid)
+        except Unusable as error:
+            medium = path(("media", shape.medium))
+            raise Unusable(f"{medium}.density{error.suffix}: {error}", ".medium") from None
+        return self._mesh(box, False, [self._workspace.frame], place, coordinates=False)
+
+    def _asset(self, shape: AssetMesh) -> Triangles:
+        key = (shape.asset, shape.resolved_format(), shape.smooth)
+        if key not in self._loaded:
+            file = self._workspace.blobs.path(self._workspace.asset(shape.asset).hex())
+            self._loaded[key] = load_mesh(file, shape.resolved_format(), normals=shape.smooth)
+        return self._loaded[key]
+
+    def _mesh(
+        self, mesh: Triangles, smooth: bool, steps: Sequence[Similarity], place: str, coordinates: bool
+    ) -> scene_pb2.Mesh:
+        if coordinates and mesh.coordinates is None:
+            raise UnusableMeshError(
+                "the surface has a texture, or a roughness with two directions, and the mesh has no texture "
+                "coordinates"
+            )
+        wanted = Triangles(
+            mesh.vertices,
+            mesh.indices,
+            unit_normals(mesh) if smooth else None,
+            mesh.coordinates if coordinates else None,
+        )
+        packed = pack_mesh(wanted, steps)
+        if packed.dropped_triangles:
+            self._workspace.dropped.append(f"{place}: {packed.dropped_triangles} triangles without an area")
+        return scene_pb2.Mesh(
+            blob=self._workspace.keep(packed.blob),
+            vertex_count=packed.vertex_count,
+            triangle_count=packed.triangle_count,
+            normals=wanted.normals is not None,
+            texture_coordinates=wanted.coordinates is not None,
+            time_steps=len(steps) if len(steps) > 1 else 0,
+        )
+
+
+def put_shape(message: scene_pb2.Surface | scene_pb2.ImportantShape, shape: AnyShape) -> None:
+    """Set the shape of a surface or of an important shape."""
+    match shape:
+        case scene_pb2.Quad():
+            message.quad.CopyFrom(shape)
+        case scene_pb2.Sphere():
+            message.sphere.CopyFrom(shape)
+        case _:
+            message.mesh.CopyFrom(shape)
+
+
+def _simple(shape: Disc | Box | Quad) -> Triangles:
+    match shape:
+        case Disc():
+            return disc_mesh(shape)
+        case Box():
+            return box_mesh(shape)
+        case Quad():
+            return quad_mesh(shape)
+
+
+def _quad(quad: Quad, placement: Similarity) -> scene_pb2.Quad:
+    edge_u, edge_v = placement.directions(np.array(quad.edge_u)), placement.directions(np.array(quad.edge_v))
+    _check_length(".edge_u", float(np.linalg.norm(edge_u)))
+    _check_length(".edge_v", float(np.linalg.norm(edge_v)))
+    corner = placement.points(np.array(quad.corner))
+    _check_distance(".corner", corner)
+    return scene_pb2.Quad(corner=vector(corner), edge_u=vector(edge_u), edge_v=vector(edge_v))
+
+
+def _sphere(sphere: Sphere, steps: Sequence[Similarity]) -> scene_pb2.Sphere:
+    if any(abs(step.scale - steps[0].scale) > 1e-12 * steps[0].scale for step in steps):
+        raise Unusable("a sphere can't change its scale while it moves; use a mesh")
+    centres = [step.points(np.array(sphere.centre)) for step in steps]
+    radius = sphere.radius * steps[0].scale
+    for centre in centres:
+        _check_distance(".centre", centre)
+    _check_length(".radius", radius)
+    return scene_pb2.Sphere(
+        centre=vector(centres[0]), radius=radius, later_centres=[vector(centre) for centre in centres[1:]]
+    )
+
+
+def _check_length(suffix: str, length: float) -> None:
+    if not bounds.MIN_SIZE <= length <= bounds.LENGTH:
+        raise Unusable(
+            f"is {length:g} m long once scaled; expected {bounds.MIN_SIZE:g} to {bounds.LENGTH:g} m",
+            suffix,
+        )
+
+
+def _check_distance(suffix: str, point: NDArray[np.float64]) -> None:
+    if not np.all(np.abs(point) <= bounds.LENGTH):
+        raise Unusable(f"is farther than {bounds.LENGTH:g} m from the origin once placed", suffix)

@@ -1,0 +1,117 @@
+"""How photons are traced, as a message: weights for what the scene has, and choices made for `auto`."""
+
+from collections.abc import Mapping
+
+from nocturne.v1 import scene_pb2
+
+from nocturne_scene.compile.workspace import Workspace
+from nocturne_scene.document.tracing import Mixture, Tracing
+
+# Part of the weight for what is aimed at, where the document does not say.
+AIMED = 0.35
+
+# Interactions of a photon where the document does not say, without and with media.
+DEPTH = 1000
+NO_LIMIT = 0
+
+_SEQUENCES = {
+    "sobol": scene_pb2.SAMPLE_SEQUENCE_SOBOL,
+    "independent": scene_pb2.SAMPLE_SEQUENCE_INDEPENDENT,
+}
+_ROULETTES = {
+    "weight": scene_pb2.ROULETTE_WEIGHT,
+    "albedo": scene_pb2.ROULETTE_ALBEDO,
+}
+_H = {"weight": 4.0, "albedo": 1.0}
+_ESTIMATORS = {
+    "two_photons": scene_pb2.ESTIMATOR_TWO_PHOTONS,
+    "mixture": scene_pb2.ESTIMATOR_MIXTURE,
+    "split": scene_pb2.ESTIMATOR_SPLIT,
+}
+_DIRECTIONS = {
+    "adjoint": scene_pb2.DIRECTION_ADJOINT,
+    "forward": scene_pb2.DIRECTION_FORWARD,
+    "both": scene_pb2.DIRECTION_BOTH,
+}
+
+
+def compile_tracing(
+    workspace: Workspace, scene: scene_pb2.CompiledScene, *, scatters: bool
+) -> scene_pb2.Tracing:
+    """Return how to trace a scene whose other parts are compiled; `scatters`: something sends light on."""
+    tracing = workspace.document.tracing
+    there = {
+        "luminaires": bool(scene.luminaires),
+        "environment": scene.HasField("environment") or bool(scene.distant_discs),
+        "important": bool(scene.important_shapes),
+    }
+    weights = _weights(tracing.mixture, there)
+    if not scatters:
+        workspace.dropped.append("$.tracing.mixture: nothing scatters light, so no direction is ever chosen")
+        weights = dict.fromkeys(weights, 0.0)
+    elif not sum(weights.values()) > 0:
+        workspace.dropped.append(
+            "$.tracing.mixture: the scene has nothing that its weights are for, so all weight is the kernel's"
+        )
+    total = sum(weights.values())
+    if not total > 0:
+        weights["kernel"] = total = 1.0
+    share = {way: weight / total for way, weight in weights.items()}
+    return scene_pb2.Tracing(
+        h=_H[tracing.roulette] if tracing.h is None else tracing.h,
+        roulette=_ROULETTES[tracing.roulette],
+        roulette_after=tracing.roulette_after,
+        maximum_depth=_depth(tracing, scene),
+        weight_kernel=share["kernel"],
+        weight_luminaires=share["luminaires"],
+        weight_uniform=share["uniform"],
+        weight_environment=share["environment"],
+        weight_important=share["important"],
+        sequence=_SEQUENCES[tracing.sequence],
+        seed=tracing.seed,
+        estimator=_ESTIMATORS[tracing.estimator],
+        split_vertices=tracing.split_vertices if tracing.estimator == "split" else 0,
+        group=_group(tracing, scene),
+        direction=_DIRECTIONS[tracing.direction],
+        aimed_emission=_aimed_emission(workspace, scene),
+    )
+
+
+def _weights(mixture: Mixture, there: Mapping[str, bool]) -> dict[str, float]:
+    """Weights as the document or else `Mixture` says; zero for what is not there."""
+    given = {name: getattr(mixture, name) for name in there}
+    if all(weight is None for weight in given.values()):
+        share = AIMED / max(1, sum(there.values()))
+        aimed = {name: share if is_there else 0.0 for name, is_there in there.items()}
+    else:
+        aimed = {name: (given[name] or 0.0) if is_there else 0.0 for name, is_there in there.items()}
+    return {"kernel": mixture.kernel, **aimed, "uniform": mixture.uniform}
+
+
+def _aimed_emission(workspace: Workspace, scene: scene_pb2.CompiledScene) -> float:
+    tracing = workspace.document.tracing
+    if not tracing.aimed_emission:
+        return 0.0
+    if tracing.direction == "adjoint":
+        why = "no photons start at luminaires"
+    elif not scene.important_shapes:
+        why = "the scene has no important directions"
+    else:
+        return tracing.aimed_emission
+    workspace.dropped.append(f"$.tracing.aimed_emission: {why}")
+    return 0.0
+
+
+def _depth(tracing: Tracing, scene: scene_pb2.CompiledScene) -> int:
+    if tracing.maximum_depth is not None:
+        return tracing.maximum_depth
+    return NO_LIMIT if scene.media else DEPTH
+
+
+def _group(tracing: Tracing, scene: scene_pb2.CompiledScene) -> int:
+    if tracing.photons_together != "auto":
+        return tracing.photons_together
+    dielectrics = (interior for interior in scene.interiors if not interior.matched)
+    dispersive = any(len(scene.spectra[interior.index].values) > 1 for interior in dielectrics)
+    parts_at_once = tracing.direction == "forward" and scene.media
+    return 1 if dispersive or parts_at_once else 4

@@ -1,0 +1,136 @@
+"""Indices of refraction as written in a scene document."""
+
+from itertools import pairwise
+from typing import Annotated, Any, Self
+
+from pydantic import AfterValidator, Field, Tag, model_validator
+
+from nocturne_scene.document import bounds
+from nocturne_scene.document.fields import Finite, Wavelength
+from nocturne_scene.document.node import Node, chosen_by_key, problem_at, quoted_list
+from nocturne_scene.document.spectra import number, number_or_name
+from nocturne_scene.spectra import indices
+
+_Index = Annotated[Finite, Field(ge=indices.SMALLEST, le=indices.LARGEST)]
+_Extinction = Annotated[Finite, Field(ge=0, le=indices.LARGEST)]
+_Coefficient = Annotated[Finite, Field(ge=-1e6, le=1e6)]
+_Triple = tuple[_Coefficient, _Coefficient, _Coefficient]
+
+
+class SellmeierCoefficients(Node):
+    """Coefficients as glass makers print them, for wavelengths in micrometres."""
+
+    b: _Triple = Field(description="B1, B2, B3.")
+    c: _Triple = Field(description="C1, C2, C3, µm².")
+
+
+class SellmeierIndex(Node):
+    """n² = 1 + sum of B l² / (l² - C), l in µm: the dispersion formula of most glass catalogues."""
+
+    sellmeier: SellmeierCoefficients = Field(description="The coefficients.")
+
+
+class CauchyIndex(Node):
+    """n = A + B / l² + C / l⁴, l in µm."""
+
+    cauchy: Annotated[list[_Coefficient], Field(min_length=1, max_length=3)] = Field(
+        description="A, B (µm²), C (µm⁴); one to three of them."
+    )
+
+
+class TableIndex(Node):
+    """Measured indices, linear between neighbours; beyond the table the end value holds."""
+
+    table: Annotated[
+        list[tuple[Wavelength, _Index]], Field(min_length=1, max_length=bounds.TABLE_KNOTS, fail_fast=True)
+    ] = Field(description="Pairs `[wavelength in nm, index]`, wavelengths increasing.")
+
+    @model_validator(mode="after")
+    def _wavelengths_increase(self) -> Self:
+        check_increasing([knot[0] for knot in self.table])
+        return self
+
+
+class TableExtinction(Node):
+    """Measured extinction coefficients k, linear between neighbours; beyond the table the end value holds."""
+
+    table: Annotated[
+        list[tuple[Wavelength, _Extinction]],
+        Field(min_length=1, max_length=bounds.TABLE_KNOTS, fail_fast=True),
+    ] = Field(description="Pairs `[wavelength in nm, k]`, wavelengths increasing.")
+
+    @model_validator(mode="after")
+    def _wavelengths_increase(self) -> Self:
+        check_increasing([knot[0] for knot in self.table])
+        return self
+
+
+def check_increasing(wavelengths: list[float]) -> None:
+    """Raise an error at the first knot of a table that is out of order."""
+    for index, (before, after) in enumerate(pairwise(wavelengths), start=1):
+        if after <= before:
+            raise problem_at(
+                f".table[{index}][0]", f"wavelengths must increase: {after:g} nm follows {before:g} nm"
+            )
+
+
+def _known_dielectric(name: str) -> str:
+    if name in indices.dielectrics():
+        return name
+    metal = "that is a metal; " if name in indices.metals() else ""
+    expected = f"{metal}expected one of {quoted_list(indices.dielectrics())}"
+    raise problem_at("", f'no index of refraction named "{name[: bounds.NAME_LENGTH]}"; {expected}')
+
+
+def _known_metal(name: str) -> str:
+    if name in indices.metals():
+        return name
+    raise problem_at(
+        "",
+        f'no metal named "{name[: bounds.NAME_LENGTH]}"; expected one of {quoted_list(indices.metals())}, or '
+        f'an object such as {{"n": 0.2, "k": 3.4}}',
+    )
+
+
+_NAME = Field(strict=True, title="name")
+_index_check, _index_choice = chosen_by_key(
+    {"sellmeier": "<sellmeier>", "cauchy": "<cauchy>", "table": "<table>"}, number_or_name, "a name, a number"
+)
+# An index of refraction without an imaginary part.
+IndexReference = Annotated[
+    Annotated[str, _NAME, AfterValidator(_known_dielectric), Tag("<name>")]
+    | Annotated[_Index, Tag("<number>")]
+    | Annotated[SellmeierIndex, Tag("<sellmeier>")]
+    | Annotated[CauchyIndex, Tag("<cauchy>")]
+    | Annotated[TableIndex, Tag("<table>")],
+    _index_choice,
+    _index_check,
+]
+
+_extinction_check, _extinction_choice = chosen_by_key({"table": "<table>"}, number, "a number")
+ExtinctionReference = Annotated[
+    Annotated[_Extinction, Tag("<number>")] | Annotated[TableExtinction, Tag("<table>")],
+    _extinction_choice,
+    _extinction_check,
+]
+
+
+class ComplexIndex(Node):
+    """The index of refraction n + i k of a metal."""
+
+    n: IndexReference = Field(description="Real part.")
+    k: ExtinctionReference = Field(description="Imaginary part, the extinction coefficient; not negative.")
+
+
+def _name_only(value: Any) -> str | None:
+    return "<name>" if isinstance(value, str) else None
+
+
+_complex_check, _complex_choice = chosen_by_key({"n": "<complex>", "k": "<complex>"}, _name_only, "a name")
+# An index of refraction with an imaginary part.
+ComplexIndexReference = Annotated[
+    Annotated[str, _NAME, AfterValidator(_known_metal), Tag("<name>")]
+    | Annotated[ComplexIndex, Tag("<complex>")],
+    _complex_choice,
+    _complex_check,
+]

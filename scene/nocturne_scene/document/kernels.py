@@ -1,0 +1,237 @@
+"""Kernels as written in a scene document: how surfaces scatter light."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import AfterValidator, Field, Tag, ValidationInfo, model_validator
+
+from nocturne_scene.document import bounds
+from nocturne_scene.document.fields import AssetReference, Finite
+from nocturne_scene.document.indices import ComplexIndexReference, IndexReference
+from nocturne_scene.document.node import Node, chosen_by_type, problem_at
+from nocturne_scene.document.spectra import SpectrumReference, known_name
+from nocturne_scene.document.textures import ColourReference, ScalarReference
+
+_REFLECTANCE = "Fraction of the light that is reflected, in [0, 1] at every wavelength."
+
+
+class Lambertian(Node):
+    """An ideal diffuse reflector, on both sides of the surface: it looks equally bright from everywhere."""
+
+    type: Literal["lambertian"]
+    reflectance: ColourReference = Field(description=_REFLECTANCE)
+
+
+class DiffuseTransmitter(Node):
+    """Paper, leaf or cloth: diffuse on both sides, to the side that light comes from and to the other."""
+
+    type: Literal["diffuse_transmitter"]
+    reflectance: ColourReference = Field(description=_REFLECTANCE)
+    transmittance: ColourReference = Field(
+        description="Fraction that goes through; with the reflectance at most 1 at every wavelength."
+    )
+
+
+class RoughKernel(Node):
+    """Fields of kernels with microfacets; 0 is polished."""
+
+    roughness: ScalarReference | None = Field(
+        default=None, description="Alpha of the microfacets, in [0, 1]; 0 is polished. Default: 0."
+    )
+    roughness_u: ScalarReference | None = Field(
+        default=None, description="Alpha along the surface's u, instead of `roughness`."
+    )
+    roughness_v: ScalarReference | None = Field(default=None, description="Alpha along v.")
+    distribution: Literal["ggx", "beckmann"] = Field(
+        default="ggx",
+        description="Of the microfacets' normals: `ggx` has the long tails of most real surfaces, `beckmann` "
+        "normally distributed slopes, alpha being sqrt 2 times their standard deviation.",
+    )
+
+    @model_validator(mode="after")
+    def _one_or_two(self) -> Self:
+        one, two = self.roughness is not None, (self.roughness_u is not None, self.roughness_v is not None)
+        if one and any(two):
+            raise problem_at(".roughness", "give either roughness, or roughness_u and roughness_v")
+        if any(two) and not all(two):
+            missing = ".roughness_v" if two[0] else ".roughness_u"
+            raise problem_at(missing, "missing; roughness_u and roughness_v go together")
+        return self
+
+    def alphas(self) -> "tuple[tuple[str, ScalarReference], tuple[str, ScalarReference]]":
+        """Field and value of the roughness along u and along v."""
+        if self.roughness_u is not None and self.roughness_v is not None:
+            return ("roughness_u", self.roughness_u), ("roughness_v", self.roughness_v)
+        alpha = 0.0 if self.roughness is None else self.roughness
+        return ("roughness", alpha), ("roughness", alpha)
+
+
+class Conductor(RoughKernel):
+    """A metal, polished or rough (microfacets)."""
+
+    type: Literal["conductor"]
+    index: ComplexIndexReference = Field(description="Index of refraction n + i k, against vacuum.")
+
+
+class Dielectric(RoughKernel):
+    """The boundary of a transparent body, polished or rough (microfacets): glass, water, diamond.
+
+    What the surface encloses, on the side that the normal points away from, is the body. Bodies may overlap:
+    where they do, the one with the higher `priority` is there, so a drink reaches a little into its glass.
+    """
+
+    type: Literal["dielectric"]
+    index: IndexReference = Field(description="Index of refraction of the body.")
+    absorption: SpectrumReference | None = Field(
+        default=None, description="Absorption coefficient inside, 1/m: a constant or a table. Default: none."
+    )
+    priority: Annotated[int, Field(strict=True, ge=-bounds.PRIORITY, le=bounds.PRIORITY)] = Field(
+        default=0, description="Which of overlapping bodies counts: the one with the highest number."
+    )
+
+
+class ThinPane(Node):
+    """A thin plane sheet of glass as one surface: all inner reflections, without the offset of the light."""
+
+    type: Literal["thin_pane"]
+    index: IndexReference = Field(description="Index of refraction of the sheet.")
+    transmittance: SpectrumReference = Field(
+        default=1.0, description="Internal transmittance of one crossing at normal incidence, in [0, 1]."
+    )
+
+
+class CoatedDiffuse(RoughKernel):
+    """A dielectric layer over an ideal diffuse base, on both sides of the surface: plastic, tiles."""
+
+    type: Literal["coated_diffuse"]
+    index: IndexReference = Field(description="Index of refraction of the layer.")
+    reflectance: ColourReference = Field(description="Of the base alone, in [0, 1].")
+
+
+class Phong(Node):
+    """A cosine lobe around the mirror direction, (n + 2) / 2π cosⁿ, times the reflectance."""
+
+    type: Literal["phong"]
+    reflectance: ColourReference = Field(description=_REFLECTANCE)
+    exponent: Annotated[Finite, Field(ge=0, le=bounds.PHONG_EXPONENT)] = Field(description="n.")
+
+
+class Measured(Node):
+    """A measured, isotropic reflection: a MERL file, or a spectral table in the half-angle frame.
+
+    The table's layout: docs/how-to/measured-brdf.md.
+    """
+
+    type: Literal["measured"]
+    asset: AssetReference = Field(
+        description="The file: a path relative to the document, or `sha256:` and its digest."
+    )
+    format: Literal["merl", "table"] = Field(description="Which of the two.")
+
+
+class Blend(Node):
+    """Two kernels, each for a part of the light."""
+
+    type: Literal["blend"]
+    first: "KernelReference" = Field(description="A name from `$.kernels` or a kernel.")
+    second: "KernelReference" = Field(description="The same.")
+    weight: ScalarReference = Field(description="Part of `second`, in [0, 1]; `first` has the rest.")
+
+
+class Mask(Node):
+    """A kernel that is only partly there: the rest of the light goes straight through."""
+
+    type: Literal["mask"]
+    kernel: "KernelReference" = Field(description="A name from `$.kernels` or a kernel.")
+    opacity: ScalarReference = Field(description="Part that is there, in [0, 1].")
+
+
+class TwoSided(Node):
+    """A kernel for each side of the surface. Neither can be a dielectric: a boundary has both sides."""
+
+    type: Literal["two_sided"]
+    front: "KernelReference" = Field(description="For light on the side that the normal points to.")
+    back: "KernelReference" = Field(description="For light on the other side.")
+
+
+class Passage(Node):
+    """Nothing: light goes straight through. For shapes that only emit."""
+
+    type: Literal["passage"]
+
+
+def _known_kernel(name: str, info: ValidationInfo) -> str:
+    return known_name(name, "kernel", "kernels", info)
+
+
+_TAGS = {
+    kind: f"<{kind.replace('_', ' ')}>"
+    for kind in (
+        "lambertian",
+        "diffuse_transmitter",
+        "conductor",
+        "dielectric",
+        "thin_pane",
+        "coated_diffuse",
+        "phong",
+        "measured",
+        "blend",
+        "mask",
+        "two_sided",
+        "passage",
+    )
+}
+_definition_check, _definition_choice = chosen_by_type(_TAGS)
+_reference_check, _reference_choice = chosen_by_type(_TAGS, or_name=True)
+
+Kernel = (
+    Lambertian
+    | DiffuseTransmitter
+    | Conductor
+    | Dielectric
+    | ThinPane
+    | CoatedDiffuse
+    | Phong
+    | Measured
+    | Blend
+    | Mask
+    | TwoSided
+    | Passage
+)
+_Inline = (
+    Annotated[Lambertian, Tag("<lambertian>")]
+    | Annotated[DiffuseTransmitter, Tag("<diffuse transmitter>")]
+    | Annotated[Conductor, Tag("<conductor>")]
+    | Annotated[Dielectric, Tag("<dielectric>")]
+    | Annotated[ThinPane, Tag("<thin pane>")]
+    | Annotated[CoatedDiffuse, Tag("<coated diffuse>")]
+    | Annotated[Phong, Tag("<phong>")]
+    | Annotated[Measured, Tag("<measured>")]
+    | Annotated[Blend, Tag("<blend>")]
+    | Annotated[Mask, Tag("<mask>")]
+    | Annotated[TwoSided, Tag("<two sided>")]
+    | Annotated[Passage, Tag("<passage>")]
+)
+# In $.kernels.
+KernelDefinition = Annotated[_Inline, _definition_choice, _definition_check]
+# Where a kernel is used: also the name of one in $.kernels.
+KernelReference = Annotated[
+    Annotated[str, Field(strict=True, title="name"), AfterValidator(_known_kernel), Tag("<name>")] | _Inline,
+    _reference_choice,
+    _reference_check,
+]
+
+Blend.model_rebuild()
+Mask.model_rebuild()
+TwoSided.model_rebuild()
+
+
+def inner_kernels(kernel: Kernel) -> list[tuple[str, str | Kernel]]:
+    """Return the kernels that a kernel holds or names, by field."""
+    match kernel:
+        case Blend():
+            return [("first", kernel.first), ("second", kernel.second)]
+        case Mask():
+            return [("kernel", kernel.kernel)]
+        case TwoSided():
+            return [("front", kernel.front), ("back", kernel.back)]
+    return []

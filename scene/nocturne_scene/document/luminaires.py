@@ -1,0 +1,197 @@
+"""Light as written in a scene document: luminaires on surfaces, the environment, discs at infinity."""
+
+from typing import Annotated, Any, Self
+
+from pydantic import Field, Tag, model_validator
+
+from nocturne_scene.document import bounds
+from nocturne_scene.document.fields import AssetReference, Degrees, Finite, NotNegative, Switch, Vector
+from nocturne_scene.document.node import Node, chosen_by_key, problem_at
+from nocturne_scene.document.placement import Placement
+from nocturne_scene.document.shapes import ShapeDefinition, length, parallel, refuse_without_size
+from nocturne_scene.document.spectra import SpectrumReference
+from nocturne_scene.document.textures import ColourReference
+
+
+class CosineProfile(Node):
+    """Radiance falls with a power of the cosine of the angle to the normal: 0 is an ideal diffuse lamp."""
+
+    cosine_power: Annotated[NotNegative, Field(le=bounds.PHONG_EXPONENT)] = Field(description="The power.")
+
+
+class PhotometricProfile(Node):
+    """The intensity that a photometric file (IES LM-63, type C) gives, spread over the surface's area.
+
+    Of the luminaire's `radiance` only the spectrum's shape counts then: the candelas are the file's. The
+    surface's shape is a quad, a disc, a flat mesh or a sphere.
+    """
+
+    asset: AssetReference = Field(
+        description="The file: a path relative to the document, or `sha256:` and its digest."
+    )
+    lumens: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] | None = Field(
+        default=None, description="Scale the intensities to this luminous flux, lm. Default: as in the file."
+    )
+    axis: Vector = Field(
+        default=(0.0, -1.0, 0.0), description="Direction of vertical angle 0, before the surface's rotation."
+    )
+    zero: Vector = Field(
+        default=(1.0, 0.0, 0.0),
+        description="Direction of horizontal angle 0; what of it is along the axis is left out. Angles "
+        "increase counter-clockwise for someone who looks along `axis`, such as down on a lamp.",
+    )
+
+    @model_validator(mode="after")
+    def _has_frame(self) -> Self:
+        check_axes(self.axis, self.zero, ".axis", ".zero")
+        return self
+
+
+def check_axes(
+    first: tuple[float, float, float], second: tuple[float, float, float], first_at: str, second_at: str
+) -> None:
+    """Raise an error unless two directions span a plane."""
+    for place, direction in ((first_at, first), (second_at, second)):
+        if length(direction) < bounds.MIN_LENGTH:
+            raise problem_at(place, f"{place.removeprefix('.')} has no length")
+    if parallel(first, second):
+        raise problem_at(
+            second_at, f"{second_at.removeprefix('.')} is parallel to {first_at.removeprefix('.')}"
+        )
+
+
+def _only_objects(value: Any) -> str | None:
+    del value
+    return None
+
+
+_profile_check, _profile_choice = chosen_by_key(
+    {"cosine_power": "<cosine>", "asset": "<photometric>"}, _only_objects, ""
+)
+Profile = Annotated[
+    Annotated[CosineProfile, Tag("<cosine>")] | Annotated[PhotometricProfile, Tag("<photometric>")],
+    _profile_choice,
+    _profile_check,
+]
+
+
+class Luminaire(Node):
+    """What makes a surface emit light."""
+
+    radiance: ColourReference = Field(description="Spectral radiance, W m⁻² sr⁻¹ nm⁻¹.")
+    two_sided: Switch = Field(
+        default=False,
+        description="Emit from both sides; otherwise only from the side that the normal points to.",
+    )
+    profile: Profile | None = Field(
+        default=None,
+        description="How the radiance depends on direction. Default: the same in all directions.",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _has_size(cls, value: Any) -> Any:
+        if isinstance(value, dict) and isinstance(value.get("type"), str):
+            refuse_without_size(value["type"])
+        return value
+
+
+class ConstantEnvironment(Node):
+    """The same radiance from all directions, infinitely far away."""
+
+    radiance: SpectrumReference = Field(description="Spectral radiance, W m⁻² sr⁻¹ nm⁻¹.")
+
+
+class EnvironmentMap(Node):
+    """Light from infinitely far away, from an image of all directions (latitude and longitude).
+
+    The image's rows go from `up` to its opposite; its middle column is `forward`, and to the right of that is
+    what is to the right for someone who looks along `forward` with `up` upwards. It is resampled to rows of
+    equal steps of height (an equal-area cylindrical map).
+    """
+
+    asset: AssetReference = Field(
+        description="A Radiance HDR or OpenEXR image, linear sRGB: a path relative to the document, or "
+        "`sha256:` and its digest."
+    )
+    luminance: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] = Field(
+        default=1.0,
+        description="Luminance of a white texel of value 1, cd/m²; its spectrum is D65. Other colours get "
+        "smooth spectra (Jakob and Hanika 2019).",
+    )
+    up: Vector = Field(default=(0.0, 1.0, 0.0), description="Direction of the image's top edge.")
+    forward: Vector = Field(
+        default=(0.0, 0.0, -1.0),
+        description="Direction of the image's middle; what of it is along `up` is left out.",
+    )
+    rotate_degrees: Degrees = Field(
+        default=0.0, description="Turn of the map about `up`, counter-clockwise seen from above."
+    )
+
+    @model_validator(mode="after")
+    def _has_frame(self) -> Self:
+        check_axes(self.up, self.forward, ".up", ".forward")
+        return self
+
+
+_environment_check, _environment_choice = chosen_by_key(
+    {"asset": "<map>", "radiance": "<constant radiance>"}, _only_objects, ""
+)
+EnvironmentDefinition = Annotated[
+    Annotated[ConstantEnvironment, Tag("<constant radiance>")] | Annotated[EnvironmentMap, Tag("<map>")],
+    _environment_choice,
+    _environment_check,
+]
+
+
+class DistantDisc(Node):
+    """A disc at infinity, such as the Sun. Give one of `radiance`, `irradiance` and `sun`."""
+
+    direction: Vector = Field(description="Towards the disc, of any length but 0.")
+    angular_diameter_degrees: Annotated[Finite, Field(le=180)] | None = Field(
+        default=None, description="Its size in the sky, at least 0.01. Default: that of the Sun, 0.533."
+    )
+    radiance: SpectrumReference | None = Field(
+        default=None, description="Spectral radiance at the disc's centre, W m⁻² sr⁻¹ nm⁻¹."
+    )
+    irradiance: SpectrumReference | None = Field(
+        default=None,
+        description="Spectral irradiance of a surface that faces the disc, W m⁻² nm⁻¹.",
+    )
+    sun: Switch = Field(
+        default=False,
+        description="The spectrum of the Sun above the atmosphere (ASTM G173-03), with its irradiance at "
+        "the Earth's mean distance.",
+    )
+    limb_darkening: Switch = Field(
+        default=False, description="Darker towards the edge, by wavelength, as the Sun is."
+    )
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if length(self.direction) < bounds.MIN_LENGTH:
+            raise problem_at(".direction", "direction has no length")
+        size = self.angular_diameter_degrees
+        if size is not None and size < bounds.MIN_ANGLE:
+            raise problem_at(
+                ".angular_diameter_degrees",
+                f"a lamp needs a size; expected {bounds.MIN_ANGLE:g} to 180, found {size:g}",
+            )
+        given = [name for name in ("radiance", "irradiance") if getattr(self, name) is not None]
+        given += ["sun"] if self.sun else []
+        if len(given) != 1:
+            found = " and ".join(given) if given else "none"
+            raise problem_at("", f"expected one of radiance, irradiance and sun, found {found}")
+        return self
+
+
+class ImportantDirection(Placement):
+    """A shape that is worth looking at from everywhere, such as the opening of a reflector.
+
+    It is no part of the scene: it only says where photons are sent more often.
+    """
+
+    shape: ShapeDefinition = Field(description="The shape; seen from both sides.")
+    weight: Annotated[NotNegative, Field(le=1e6)] = Field(
+        default=1.0, description="Relative to the other important directions."
+    )

@@ -1,0 +1,318 @@
+"""Media as written in a scene document: what fills space and is hit by chance."""
+
+from itertools import pairwise
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, Field, Tag, model_validator
+
+from nocturne_scene.document import bounds
+from nocturne_scene.document.fields import (
+    AssetReference,
+    Coordinate,
+    Finite,
+    Fraction,
+    NotNegative,
+    PositiveLength,
+    Switch,
+    Text,
+    Vector,
+    Wavelength,
+)
+from nocturne_scene.document.indices import IndexReference
+from nocturne_scene.document.node import Node, chosen_by_key, chosen_by_type, problem_at, quoted_list
+from nocturne_scene.document.placement import Placement
+from nocturne_scene.document.shapes import length
+from nocturne_scene.document.spectra import SpectrumReference, number
+from nocturne_scene.media import presets as media_presets
+
+_Density = Annotated[NotNegative, Field(le=bounds.MEDIUM_DENSITY)]
+_MeanCosine = Annotated[Finite, Field(gt=-1, lt=1)]
+_Shape = Annotated[Finite, Field(gt=0, le=bounds.DROPLET_SHAPE)]
+
+
+class Droplets(Node):
+    """Clear spheres of many sizes: n(r) in proportion to r^alpha exp(-(alpha / gamma) (r / mode)^gamma).
+
+    The modified gamma distribution (D. Deirmendjian, "Electromagnetic scattering on spherical
+    polydispersions", 1969). How they scatter is computed by Mie's theory when the scene is compiled: for 21
+    wavelengths, linear in between.
+    """
+
+    mode_radius: Annotated[Finite, Field(ge=1e-9, le=1e-3)] = Field(
+        description="The most frequent radius, m."
+    )
+    alpha: _Shape = Field(description="Exponent of the small droplets.")
+    gamma: _Shape = Field(default=1.0, description="Exponent of the large droplets' decline.")
+    number: Annotated[Finite, Field(gt=0, le=bounds.DROPLETS)] = Field(
+        default=1e8,
+        description="Droplets in a cubic metre where the density is 1. Without effect on a phase function.",
+    )
+    index: IndexReference = Field(default="water", description="Index of refraction.")
+
+
+class IsotropicPhase(Node):
+    """The same in all directions."""
+
+    type: Literal["isotropic"]
+
+
+class HenyeyGreensteinPhase(Node):
+    """L. G. Henyey and J. L. Greenstein, Astrophysical Journal 93, 1941."""
+
+    type: Literal["henyey_greenstein"]
+    g: _MeanCosine = Field(description="Mean cosine of the scattering angle; positive is forwards.")
+
+
+class DoubleHenyeyGreensteinPhase(Node):
+    """Two Henyey-Greenstein functions, each for a part of the light."""
+
+    type: Literal["double_henyey_greenstein"]
+    first: _MeanCosine = Field(description="Mean cosine of the first.")
+    second: _MeanCosine = Field(description="Mean cosine of the second.")
+    weight: Fraction = Field(description="Part of the first; the second has the rest.")
+
+
+class RayleighPhase(Node):
+    """Molecules, and whatever is far smaller than the wavelength; unpolarised light."""
+
+    type: Literal["rayleigh"]
+    depolarisation: SpectrumReference = Field(
+        default=0.0, description="Depolarisation ratio for natural light, in [0, 1)."
+    )
+
+
+class TabulatedPhase(Node):
+    """Measured or computed values, linear between cosines and between wavelengths; of any scale."""
+
+    type: Literal["tabulated"]
+    cosines: Annotated[list[Finite], Field(min_length=2, max_length=bounds.PHASE_COSINES, fail_fast=True)] = (
+        Field(description="Cosines of the scattering angle, increasing from -1 (back) to 1 (on).")
+    )
+    wavelengths: Annotated[list[Wavelength], Field(min_length=1, max_length=bounds.TABLE_KNOTS)] = Field(
+        default=[550.0], description="Increasing; the first and last hold beyond. One: the same for all."
+    )
+    values: list[Annotated[list[NotNegative], Field(fail_fast=True)]] = Field(
+        description="A list for each wavelength, with a value for each cosine; not all zero."
+    )
+
+    @model_validator(mode="after")
+    def _is_table(self) -> Self:
+        if self.cosines[0] != -1 or self.cosines[-1] != 1:
+            raise problem_at(".cosines", "expected cosines from -1 to 1, both included")
+        for name in ("cosines", "wavelengths"):
+            for index, (before, after) in enumerate(pairwise(getattr(self, name)), start=1):
+                if after <= before:
+                    raise problem_at(f".{name}[{index}]", f"must increase: {after:g} follows {before:g}")
+        if len(self.values) != len(self.wavelengths):
+            raise problem_at(
+                ".values", f"has {len(self.values)} lists for {len(self.wavelengths)} wavelengths"
+            )
+        for index, row in enumerate(self.values):
+            if len(row) != len(self.cosines):
+                raise problem_at(
+                    f".values[{index}]", f"has {len(row)} values for {len(self.cosines)} cosines"
+                )
+            if not any(row):
+                raise problem_at(f".values[{index}]", "all values are zero")
+        return self
+
+
+class MiePhase(Node):
+    """That of droplets, for coefficients of your own."""
+
+    type: Literal["mie"]
+    droplets: Droplets = Field(description="The droplets.")
+
+
+_PHASES = {
+    kind: f"<{kind.replace('_', ' ')}>"
+    for kind in (
+        "isotropic",
+        "henyey_greenstein",
+        "double_henyey_greenstein",
+        "rayleigh",
+        "tabulated",
+        "mie",
+    )
+}
+_phase_check, _phase_choice = chosen_by_type(_PHASES)
+Phase = (
+    IsotropicPhase
+    | HenyeyGreensteinPhase
+    | DoubleHenyeyGreensteinPhase
+    | RayleighPhase
+    | TabulatedPhase
+    | MiePhase
+)
+PhaseDefinition = Annotated[
+    Annotated[IsotropicPhase, Tag("<isotropic>")]
+    | Annotated[HenyeyGreensteinPhase, Tag("<henyey greenstein>")]
+    | Annotated[DoubleHenyeyGreensteinPhase, Tag("<double henyey greenstein>")]
+    | Annotated[RayleighPhase, Tag("<rayleigh>")]
+    | Annotated[TabulatedPhase, Tag("<tabulated>")]
+    | Annotated[MiePhase, Tag("<mie>")],
+    _phase_choice,
+    _phase_check,
+]
+
+
+class AbovePlane(Node):
+    """Altitude is the distance from a plane."""
+
+    point: Vector = Field(default=(0.0, 0.0, 0.0), description="A point of the plane.")
+    up: Vector = Field(default=(0.0, 1.0, 0.0), description="Its normal, of any length but 0.")
+
+    @model_validator(mode="after")
+    def _has_direction(self) -> Self:
+        if length(self.up) < bounds.MIN_LENGTH:
+            raise problem_at(".up", "the direction has no length")
+        return self
+
+
+class AboveSphere(Node):
+    """Altitude is the distance from a sphere."""
+
+    centre: Vector = Field(description="Centre.")
+    radius: PositiveLength = Field(description="Radius, m.")
+
+
+def _nothing_else(value: Any) -> str | None:
+    del value
+    return None
+
+
+_above_check, _above_choice = chosen_by_key(
+    {"radius": "<sphere>", "centre": "<sphere>", "up": "<plane>", "point": "<plane>"}, _nothing_else, ""
+)
+_Above = Annotated[
+    Annotated[AbovePlane, Tag("<plane>")] | Annotated[AboveSphere, Tag("<sphere>")],
+    _above_choice,
+    _above_check,
+]
+_ABOVE = Field(default=AbovePlane(), description="What altitude is measured from. Default: the plane y = 0.")
+
+
+class ExponentialDensity(Node):
+    """`at_ground` times exp(-altitude / scale height), also below the ground."""
+
+    scale_height: PositiveLength = Field(description="Altitude over which the density falls to 1 / e, m.")
+    at_ground: _Density = Field(default=1.0, description="Density at altitude 0.")
+    above: _Above = _ABOVE
+
+
+class LayeredDensity(Node):
+    """A density that depends on altitude, linear between those given; nothing beyond."""
+
+    layers: Annotated[
+        list[tuple[Coordinate, _Density]],
+        Field(min_length=2, max_length=bounds.TABLE_KNOTS, fail_fast=True),
+    ] = Field(description="Pairs `[altitude in m, density]`, altitudes increasing.")
+    above: _Above = _ABOVE
+
+    @model_validator(mode="after")
+    def _increase(self) -> Self:
+        for index, (before, after) in enumerate(pairwise(self.layers), start=1):
+            if after[0] <= before[0]:
+                raise problem_at(
+                    f".layers[{index}][0]",
+                    f"altitudes must increase: {after[0]:g} m follows {before[0]:g} m",
+                )
+        return self
+
+
+class Grid(Placement):
+    """A grid of an OpenVDB file, with 32-bit floats; where it is sparse it stays sparse.
+
+    The file's own transform places voxels; then come `scale`, `rotate` and `translate`. It stands in the
+    scene, also where the surface that bounds it is in a group.
+    """
+
+    asset: AssetReference = Field(
+        description="The .vdb file: a path relative to the document, or `sha256:` and its digest."
+    )
+    grid: Annotated[Text, Field(min_length=1, max_length=bounds.NAME_LENGTH)] = Field(
+        description="Name of the grid in the file."
+    )
+    factor: Annotated[NotNegative, Field(le=bounds.MEDIUM_DENSITY)] = Field(
+        default=1.0, description="Factor of the values."
+    )
+    nearest: Switch = Field(
+        default=False, description="`true`: constant over a voxel. `false`: linear between voxel centres."
+    )
+
+
+_density_check, _density_choice = chosen_by_key(
+    {"scale_height": "<exponential>", "layers": "<layers>", "asset": "<grid>"}, number, "a number"
+)
+Density = float | ExponentialDensity | LayeredDensity | Grid
+DensityDefinition = Annotated[
+    Annotated[_Density, Tag("<number>")]
+    | Annotated[ExponentialDensity, Tag("<exponential>")]
+    | Annotated[LayeredDensity, Tag("<layers>")]
+    | Annotated[Grid, Tag("<grid>")],
+    _density_choice,
+    _density_check,
+]
+
+
+def _known_preset(name: str) -> str:
+    names = media_presets.names()
+    if name not in names:
+        shown = name[: bounds.NAME_LENGTH]
+        raise problem_at("", f'no medium named "{shown}"; expected one of {quoted_list(names)}')
+    return name
+
+
+_Preset = Annotated[
+    str,
+    Field(strict=True, json_schema_extra={"enum": list(media_presets.names())}),
+    AfterValidator(_known_preset),
+]
+
+
+class Medium(Node):
+    """What fills space and is hit by chance: fog, smoke, air, milk.
+
+    What it does to light comes from one of three: `absorption` and `scattering`, a `preset`, or `droplets`.
+    Coefficients are per metre where the density is 1; spectra of any kind but those of light.
+    """
+
+    preset: _Preset | None = Field(default=None, description="A published medium, with its phase function.")
+    droplets: Droplets | None = Field(default=None, description="Fog or haze by Mie's theory.")
+    absorption: SpectrumReference | None = Field(
+        default=None, description="Absorption coefficient, 1/m. Default: none."
+    )
+    scattering: SpectrumReference | None = Field(
+        default=None, description="Scattering coefficient, 1/m. Default: none."
+    )
+    phase: PhaseDefinition | None = Field(
+        default=None, description="How directions change, for `scattering`. Default: isotropic."
+    )
+    density: DensityDefinition = Field(
+        default=1.0, description="Factor of the coefficients: a number, by altitude, or a grid."
+    )
+    temperature: Grid | None = Field(
+        default=None, description="Kelvin. The medium glows as a black body wherever it absorbs."
+    )
+    emission_scale: Annotated[NotNegative, Field(le=bounds.MEDIUM_DENSITY)] | None = Field(
+        default=None, description="Factor of the glow, with `temperature`. Default: 1."
+    )
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        own = self.absorption is not None or self.scattering is not None
+        given = [own, self.preset is not None, self.droplets is not None]
+        if sum(given) != 1:
+            raise problem_at(
+                "", 'expected either "preset", or "droplets", or one or both of "absorption", "scattering"'
+            )
+        if self.phase is not None and self.scattering is None:
+            whose = "has no scattering" if own else "has a phase function of its own"
+            raise problem_at(".phase", f"the medium {whose}; leave it out")
+        if self.emission_scale is not None and self.temperature is None:
+            raise problem_at(".emission_scale", "needs a temperature")
+        return self
+
+    def grid_density(self) -> Grid | None:
+        """The grid of its density, if it has one."""
+        return self.density if isinstance(self.density, Grid) else None

@@ -1,0 +1,224 @@
+"""Sensors as written in a scene document: cameras and meters."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, Tag, model_validator
+
+from nocturne_scene.document import bounds
+from nocturne_scene.document.fields import Degrees, Finite, Name, PositiveLength, Vector
+from nocturne_scene.document.luminaires import check_axes
+from nocturne_scene.document.node import Node, chosen_by_type, problem_at
+from nocturne_scene.document.placement import Motion
+from nocturne_scene.document.shapes import length, parallel
+from nocturne_scene.document.spectra import SpectrumReference
+from nocturne_scene.spectra import lines as line_spectra
+
+Observer = Literal["CIE 1931 2 degree", "CIE 1964 10 degree"]
+_Angle = Annotated[Finite, Field(gt=0, lt=180)]
+
+
+class _AnySensor(Node):
+    observer: Observer = Field(
+        default="CIE 1931 2 degree", description="Whose colour matching functions X, Y and Z are."
+    )
+    responses: Annotated[dict[Name, SpectrumReference], Field(max_length=bounds.RESPONSES)] = Field(
+        default={},
+        description="Further channels by name: response per unit of spectral radiance and nanometre, "
+        "zero beyond a table. They are resolved to 1 nm: what is narrower or steeper keeps its integral and "
+        "its centre, and becomes as wide.",
+    )
+    wavelengths: Literal["response", "uniform"] = Field(
+        default="response",
+        description="How a photon's wavelength is drawn: in proportion to X + Y + Z of the "
+        "observer (a further response counts as much as these), or uniformly from 360 to 830 "
+        "nm. Both give the same image; `response` with less noise. Where something emits lines narrower than "
+        f"{line_spectra.NARROW:g} nm, `response` draws half of the photons for lines: each emission spectrum "
+        "that has such lines gets an equal part.",
+    )
+    motion: Motion | None = Field(
+        default=None, description="Movement while the shutter is open; placements without `scale`."
+    )
+
+
+class _Sensor(_AnySensor):
+    position: Vector = Field(description="Where the sensor is, m.")
+    look_at: Vector = Field(description="A point in the middle of the image.")
+    up: Vector = Field(
+        default=(0.0, 1.0, 0.0), description="A direction that is upwards in the image; not along the view."
+    )
+
+    @model_validator(mode="after")
+    def _has_frame(self) -> Self:
+        view = difference(self.look_at, self.position)
+        if length(view) < bounds.MIN_LENGTH:
+            raise problem_at(
+                ".look_at", "look_at is the same point as position, so there is no direction of view"
+            )
+        if length(self.up) < bounds.MIN_LENGTH:
+            raise problem_at(".up", "up has no length")
+        if parallel(view, self.up):
+            raise problem_at(".up", "up is parallel to the direction of view")
+        return self
+
+
+def difference(a: tuple[float, float, float], b: tuple[float, float, float]) -> tuple[float, float, float]:
+    """a - b."""
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+class _Perspective(_Sensor):
+    vertical_field_of_view_degrees: _Angle = Field(
+        description="Full angle between the image's top and bottom edges. The horizontal one "
+        "follows from the image's shape."
+    )
+
+
+class Pinhole(_Perspective):
+    """A camera whose opening is a point: everything is sharp."""
+
+    type: Literal["pinhole"]
+
+
+class Aperture(Node):
+    """A lens opening with straight edges: a regular polygon with its corners on the lens's circle."""
+
+    blades: Annotated[int, Field(strict=True, ge=3, le=bounds.APERTURE_BLADES)] = Field(
+        description="Number of edges."
+    )
+    rotation_degrees: Degrees = Field(
+        default=0.0, description="Of the first corner, from the image's right towards its top."
+    )
+
+
+class ThinLens(_Perspective):
+    """A camera with an ideal lens: sharp at one distance only."""
+
+    type: Literal["thin_lens"]
+    lens_radius: PositiveLength = Field(description="Radius of the lens, m.")
+    focus_distance: PositiveLength = Field(
+        description="Distance of the sharp plane, m, along the direction of view."
+    )
+    aperture: Aperture | None = Field(default=None, description="Shape of the opening. Default: round.")
+
+
+class Orthographic(_Sensor):
+    """A camera that sees everything from the same direction: parallel lines stay parallel."""
+
+    type: Literal["orthographic"]
+    height: PositiveLength = Field(
+        description="Height of what is seen, m; the width follows from the image's shape."
+    )
+
+
+class Panorama(_Sensor):
+    """All directions in one image.
+
+    Columns are equal steps of azimuth with `look_at` in the middle, rows equal steps of the angle from `up`
+    down. `look_at` gives the azimuth only.
+    """
+
+    type: Literal["panorama"]
+
+
+class IrradianceMeter(_AnySensor):
+    """A flat film that light falls on. A pixel is the irradiance on it: Y is the illuminance in lx."""
+
+    type: Literal["irradiance_meter"]
+    position: Vector = Field(description="The film's centre, m.")
+    normal: Vector | None = Field(default=None, description="Direction that the film faces.")
+    look_at: Vector | None = Field(
+        default=None, description="A point that the film faces, instead of `normal`."
+    )
+    up: Vector | None = Field(
+        default=None,
+        description="Upwards in the image. Default: y, or z where the film faces along y.",
+    )
+    height: PositiveLength = Field(
+        description="Height of the film, m; its width follows from the image's shape."
+    )
+
+    @model_validator(mode="after")
+    def _has_frame(self) -> Self:
+        if (self.normal is None) == (self.look_at is None):
+            raise problem_at(".normal", "expected either normal or look_at")
+        if length(self.facing()) < bounds.MIN_LENGTH:
+            place = ".normal" if self.look_at is None else ".look_at"
+            raise problem_at(place, "gives no direction")
+        if self.up is not None:
+            if length(self.up) < bounds.MIN_LENGTH:
+                raise problem_at(".up", "up has no length")
+            if parallel(self.facing(), self.up):
+                raise problem_at(".up", "up is parallel to the normal")
+        return self
+
+    def facing(self) -> tuple[float, float, float]:
+        """The normal, of any length."""
+        if self.look_at is not None:
+            return difference(self.look_at, self.position)
+        return self.normal or (0.0, 0.0, 0.0)
+
+    def upwards(self) -> tuple[float, float, float]:
+        """`up` or its default."""
+        if self.up is not None:
+            return self.up
+        return (0.0, 0.0, 1.0) if parallel(self.facing(), (0.0, 1.0, 0.0)) else (0.0, 1.0, 0.0)
+
+
+class RadianceMeter(_Sensor):
+    """The mean radiance over a small disc and a narrow cone: Y is the luminance in cd/m².
+
+    All pixels measure the same.
+    """
+
+    type: Literal["radiance_meter"]
+    diameter: PositiveLength = Field(description="Of the disc around `position` from which it looks, m.")
+    cone_degrees: _Angle = Field(description="Full angle of the cone around the direction of view.")
+
+
+class IntensityMeter(_AnySensor):
+    """The luminous intensity of a lamp in all directions, far away from it: Y is in cd.
+
+    Columns are equal steps of the horizontal angle from 0 to 360 degrees, rows equal steps of the vertical
+    angle from `axis` (0) to its opposite (180). The lamp is all that is inside a sphere; light from outside
+    passes by. `nocturne ies` writes the image as a photometric file, which a luminaire's profile can be.
+    """
+
+    type: Literal["intensity_meter"]
+    position: Vector = Field(description="Centre of the sphere that holds the lamp, m.")
+    lamp_radius: PositiveLength = Field(description="Radius of that sphere, m.")
+    axis: Vector = Field(default=(0.0, -1.0, 0.0), description="Direction of vertical angle 0.")
+    zero: Vector = Field(
+        default=(1.0, 0.0, 0.0),
+        description="Direction of horizontal angle 0; what of it is along the axis is left out. Angles "
+        "increase counter-clockwise for someone who looks along `axis`.",
+    )
+
+    @model_validator(mode="after")
+    def _has_frame(self) -> Self:
+        check_axes(self.axis, self.zero, ".axis", ".zero")
+        return self
+
+
+_sensor_check, _sensor_choice = chosen_by_type(
+    {
+        "pinhole": "<pinhole>",
+        "thin_lens": "<thin lens>",
+        "orthographic": "<orthographic>",
+        "panorama": "<panorama>",
+        "irradiance_meter": "<irradiance meter>",
+        "radiance_meter": "<radiance meter>",
+        "intensity_meter": "<intensity meter>",
+    }
+)
+Sensor = Pinhole | ThinLens | Orthographic | Panorama | IrradianceMeter | RadianceMeter | IntensityMeter
+SensorDefinition = Annotated[
+    Annotated[Pinhole, Tag("<pinhole>")]
+    | Annotated[ThinLens, Tag("<thin lens>")]
+    | Annotated[Orthographic, Tag("<orthographic>")]
+    | Annotated[Panorama, Tag("<panorama>")]
+    | Annotated[IrradianceMeter, Tag("<irradiance meter>")]
+    | Annotated[RadianceMeter, Tag("<radiance meter>")]
+    | Annotated[IntensityMeter, Tag("<intensity meter>")],
+    _sensor_choice,
+    _sensor_check,
+]

@@ -1,0 +1,213 @@
+"""Spectra as written in a scene document."""
+
+from collections.abc import Collection
+from itertools import pairwise
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, Field, Tag, ValidationInfo, model_validator
+
+from nocturne_scene.document import bounds
+from nocturne_scene.document.fields import Finite, Knot, SpectralValue, Wavelength
+from nocturne_scene.document.node import Node, chosen_by_key, problem_at, quoted_list
+from nocturne_scene.spectra import lines as line_spectra
+from nocturne_scene.spectra import published
+
+
+def _known_illuminant(name: str) -> str:
+    return _one_of(name, "illuminant", published.ILLUMINANTS)
+
+
+def _known_patch(name: str) -> str:
+    return _one_of(name, "patch", tuple(published.CHART_PATCHES))
+
+
+def _one_of(name: str, noun: str, names: Collection[str]) -> str:
+    if name not in names:
+        shown = name[: bounds.NAME_LENGTH]
+        raise problem_at("", f'no {noun} named "{shown}"; expected one of {quoted_list(names)}')
+    return name
+
+
+Illuminant = Annotated[
+    str,
+    Field(strict=True, json_schema_extra={"enum": list(published.ILLUMINANTS)}),
+    AfterValidator(_known_illuminant),
+]
+ChartPatch = Annotated[
+    str,
+    Field(strict=True, json_schema_extra={"enum": list(published.CHART_PATCHES)}),
+    AfterValidator(_known_patch),
+]
+_Part = Annotated[Finite, Field(ge=0, le=1)]
+Luminance = Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)]
+_LUMINANCE_HELP = (
+    "Only for radiance: scales the spectrum so that it has this luminance, cd/m². "
+    "Photometry by the CIE 1931 2° observer."
+)
+
+
+class ConstantSpectrum(Node):
+    """The same value at every wavelength. A bare number means the same as `{"constant": number}`."""
+
+    constant: SpectralValue = Field(description="Reflectance in [0, 1], or radiance in W m⁻² sr⁻¹ nm⁻¹.")
+    luminance: Luminance | None = Field(default=None, description=_LUMINANCE_HELP)
+
+
+class TableSpectrum(Node):
+    """Measured or computed values, linear between neighbours.
+
+    Compiled to the coarsest of the steps 100, 50, 20, 10, 5, 4, 2, 1, 0.5, 0.2, 0.1, 0.05, 0.02 and 0.01 nm
+    on which every knot lies, so that nothing is lost. A table whose knots lie on none of them is sampled each
+    0.1 nm from its first knot: the value is then exact at the samples, elsewhere wrong by at most 0.025 nm
+    times the change of slope at a knot in between, and the end is rounded up to the next sample.
+    """
+
+    table: Annotated[list[Knot], Field(min_length=1, max_length=bounds.TABLE_KNOTS, fail_fast=True)] = Field(
+        description="Pairs `[wavelength in nm, value]`, wavelengths increasing. Values are "
+        "reflectance in [0, 1], or "
+        "radiance in W m⁻² sr⁻¹ nm⁻¹."
+    )
+    outside: Literal["hold", "zero"] | None = Field(
+        default=None,
+        description="Beyond the first and last knot: `hold` the end value, or `zero`. Default: "
+        "`hold` for reflectance, "
+        "`zero` for radiance.",
+    )
+    luminance: Luminance | None = Field(default=None, description=_LUMINANCE_HELP)
+
+    @model_validator(mode="after")
+    def _wavelengths_increase(self) -> Self:
+        for index, (before, after) in enumerate(pairwise(self.table), start=1):
+            if after[0] <= before[0]:
+                raise problem_at(
+                    f".table[{index}][0]",
+                    f"wavelengths must increase: {after[0]:g} nm follows {before[0]:g} nm",
+                )
+        return self
+
+
+class BlackbodySpectrum(Node):
+    """Radiance of a black body, by Planck's law in vacuum, absolute unless `luminance` is given."""
+
+    blackbody: Annotated[Finite, Field(gt=0, le=bounds.TEMPERATURE)] = Field(description="Temperature, K.")
+    luminance: Luminance | None = Field(default=None, description=_LUMINANCE_HELP)
+
+
+class IlluminantSpectrum(Node):
+    """A CIE illuminant (CIE 015:2018).
+
+    It has a shape and no size, so as radiance it needs `luminance`.
+    """
+
+    illuminant: Illuminant = Field(description="Which one.")
+    luminance: Luminance | None = Field(default=None, description=_LUMINANCE_HELP)
+
+
+class SpectralLine(Node):
+    """One line. Nothing is infinitely thin, so it has a width."""
+
+    nm: Wavelength = Field(description="Its middle, nm.")
+    power: SpectralValue = Field(
+        description="The line's radiance, W m⁻² sr⁻¹; with `luminance` only the lines' proportions count."
+    )
+    width: Annotated[Finite, Field(ge=line_spectra.MIN_WIDTH, le=line_spectra.MAX_WIDTH)] = Field(
+        default=line_spectra.DEFAULT_WIDTH, description="Full width at half maximum, nm."
+    )
+
+
+class LineSpectrum(Node):
+    """Light of a gas discharge or a laser: lines, each a triangle over wavelength.
+
+    The triangle has its full width at half of its height, twice that at its foot; its area is the power.
+    Lines may overlap. Those that lie outside of 360 to 830 nm are left out. However narrow a line is, it
+    needs no more photons than other light does: see the sensor's `wavelengths`.
+    """
+
+    lines: Annotated[list[SpectralLine], Field(min_length=1, max_length=bounds.SPECTRAL_LINES)] = Field(
+        description="The lines."
+    )
+    luminance: Luminance | None = Field(default=None, description=_LUMINANCE_HELP)
+
+
+class RgbSpectrum(Node):
+    """The smooth spectrum of a colour (Jakob and Hanika 2019), in linear light with the primaries of sRGB.
+
+    As reflectance the values lie in [0, 1], and a white surface has (1, 1, 1) under D65. As radiance it needs
+    `luminance`, and (1, 1, 1) is D65.
+    """
+
+    rgb: tuple[_Part, _Part, _Part] = Field(description="Red, green and blue, linear.")
+    luminance: Luminance | None = Field(default=None, description=_LUMINANCE_HELP)
+
+
+class ChartSpectrum(Node):
+    """The reflectance of a patch of the 24-patch colour chart (the mean of 30 charts, BabelColor 2012)."""
+
+    chart_patch: ChartPatch = Field(description="Which one.")
+
+
+SPECTRUM_KEYS = {
+    "constant": "<constant>",
+    "table": "<table>",
+    "blackbody": "<blackbody>",
+    "illuminant": "<illuminant>",
+    "lines": "<lines>",
+    "rgb": "<rgb>",
+    "chart_patch": "<chart patch>",
+}
+
+
+def number(value: Any) -> str | None:
+    """Tag of a bare number. True and false are numbers to Python, but not to JSON."""
+    return "<number>" if isinstance(value, int | float) and not isinstance(value, bool) else None
+
+
+def number_or_name(value: Any) -> str | None:
+    """Tag of a name or of a bare number."""
+    return "<name>" if isinstance(value, str) else number(value)
+
+
+def known_name(name: str, noun: str, collection: str, info: ValidationInfo) -> str:
+    """Check that `name` is a key of `$.<collection>`, whose keys the validation context holds."""
+    names: Collection[str] | None = (info.context or {}).get(collection)
+    if names is not None and name not in names:
+        expected = f"expected one of {quoted_list(names)}" if names else f"$.{collection} has none"
+        raise problem_at("", f'no {noun} named "{name[: bounds.NAME_LENGTH]}"; {expected}')
+    return name
+
+
+def _known_spectrum(name: str, info: ValidationInfo) -> str:
+    return known_name(name, "spectrum", "spectra", info)
+
+
+Spectrum = (
+    ConstantSpectrum
+    | TableSpectrum
+    | BlackbodySpectrum
+    | IlluminantSpectrum
+    | LineSpectrum
+    | RgbSpectrum
+    | ChartSpectrum
+)
+
+InlineSpectrum = (
+    Annotated[SpectralValue, Tag("<number>")]
+    | Annotated[ConstantSpectrum, Tag("<constant>")]
+    | Annotated[TableSpectrum, Tag("<table>")]
+    | Annotated[BlackbodySpectrum, Tag("<blackbody>")]
+    | Annotated[IlluminantSpectrum, Tag("<illuminant>")]
+    | Annotated[LineSpectrum, Tag("<lines>")]
+    | Annotated[RgbSpectrum, Tag("<rgb>")]
+    | Annotated[ChartSpectrum, Tag("<chart patch>")]
+)
+SpectrumName = Annotated[
+    str, Field(strict=True, title="name"), AfterValidator(_known_spectrum), Tag("<name>")
+]
+
+_definition_check, _definition_choice = chosen_by_key(SPECTRUM_KEYS, number, "a number")
+_reference_check, _reference_choice = chosen_by_key(SPECTRUM_KEYS, number_or_name, "a name, a number")
+
+# In $.spectra.
+SpectrumDefinition = Annotated[InlineSpectrum, _definition_choice, _definition_check]
+# Where a spectrum is used: also the name of one in $.spectra.
+SpectrumReference = Annotated[SpectrumName | InlineSpectrum, _reference_choice, _reference_check]

@@ -1,0 +1,304 @@
+"""Materials of glTF and their extensions, as kernels."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from nocturne_scene.errors import InputError
+from nocturne_scene.formats.gltf.read.container import Container, floats, number, unused_extensions, value
+from nocturne_scene.formats.gltf.read.coordinates import Frame, frame_of
+from nocturne_scene.formats.gltf.read.pictures import Pictures, Pixels
+from nocturne_scene.formats.gltf.read.workflows import (
+    Workflow,
+    is_lit,
+    metallic_roughness,
+    specular_glossiness,
+)
+from nocturne_scene.formats.reading import colours, metals
+from nocturne_scene.formats.reading.baking import LOOKUP
+from nocturne_scene.formats.reading.coats import smooth_coat
+from nocturne_scene.formats.reading.findings import Findings
+from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
+from nocturne_scene.spectra import rgb as rgb_spectra
+
+KNOWN = (
+    "KHR_materials_anisotropy",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_volume",
+)
+"""Extensions of materials that are read."""
+
+# Fraunhofer's lines F, d and C, um, which Abbe's number is of.
+_F, _D, _C = 0.4861, 0.5876, 0.6563
+
+
+@dataclass
+class Materials:
+    """The materials of one file."""
+
+    container: Container
+    writer: SceneWriter
+    findings: Findings
+    pictures: Pictures
+    _made: dict[tuple[int | None, tuple[float, ...]], tuple[Json, Json]] = field(default_factory=dict)
+    _frames: dict[int | None, Frame] = field(default_factory=dict)
+
+    def frame(self, index: Json) -> Frame:
+        """The texture coordinates that a mesh of a material needs."""
+        if index not in self._frames:
+            self._frames[index] = frame_of(self.container, self._entry(index), f"materials[{index}]")
+        return self._frames[index]
+
+    def is_textured(self, index: Json) -> bool:
+        """Whether a mesh of a material needs texture coordinates of its own."""
+        return "Texture" in str(self._entry(index))
+
+    def surface(self, index: Json, tint: Pixels | None) -> Json:
+        """The fields of a surface of a material: kernel, luminaire, normal map.
+
+        `tint`: what its base colour is multiplied with, linear red, green, blue, alpha; or a picture of that
+        on the mesh's own coordinates.
+        """
+        name = str(self._entry(index).get("name") or "material")
+        if tint is not None and tint.ndim == 3:
+            kernel, rest = self._make(index, tint, name)
+            return {"kernel": kernel, **rest}
+        key = (index, () if tint is None else tuple(tint.tolist()))
+        if key not in self._made:
+            self._made[key] = self._make(index, tint, name)
+        kernel, rest = self._made[key]
+        return {"kernel": kernel, **rest}
+
+    def _entry(self, index: Json) -> Json:
+        return {} if index is None else self.container.item("materials", index, "a primitive")
+
+    def _make(self, index: Json, tint: Pixels | None, name: str) -> tuple[Json, Json]:
+        entry, place, frame = self._entry(index), f"materials[{index}]", self.frame(index)
+        shown = self.container.at(place)
+        unused_extensions(entry, KNOWN, self.findings, shown)
+        extensions = value(entry, "extensions", {})
+        pbr = value(entry, "pbrMetallicRoughness", {})
+        workflow = self._workflow(pbr, extensions, frame, tint, place)
+        if not value(entry, "doubleSided", False):
+            self.findings.note("", "surfaces that glTF shows from the front only are there from behind too")
+        rest: Json = {}
+        if "normalTexture" in entry:
+            if number(self.container, entry["normalTexture"], "scale", 1.0, place) != 1.0:
+                self.findings.lost(shown, "no equal of a normal map's scale")
+            asset, use = self.pictures.use(entry["normalTexture"], frame, place)
+            rest["normal_map"] = {**use, "texture": {**use["texture"], "asset": asset, "encoding": "linear"}}
+        if "occlusionTexture" in entry:
+            self.findings.note(shown, "the occlusion texture is left out: light finds out what is in its way")
+        if is_lit(entry):
+            opaque = self._opaque(workflow, extensions, place)
+            kernel = self._transmitting(opaque, workflow, extensions, frame, place)
+            luminaire = self._emission(entry, extensions, frame, place)
+        else:
+            kernel = {"type": "lambertian", "reflectance": 0.0}
+            luminaire = self._unlit(workflow, shown)
+        if luminaire is not None:
+            rest["luminaire"] = luminaire
+        kernel = self._masked(kernel, entry, workflow, place)
+        return self.writer.name("kernels", name, kernel), rest
+
+    def _workflow(
+        self, pbr: Json, extensions: Json, frame: Frame, tint: Pixels | None, place: str
+    ) -> Workflow:
+        glossy = value(extensions, "KHR_materials_pbrSpecularGlossiness", None)
+        if glossy is None:
+            found = metallic_roughness(self.container, self.pictures, pbr, frame, place)
+        else:
+            self.findings.note(
+                self.container.at(place),
+                "specular and glossiness became metal and roughness of the same colours",
+            )
+            found = specular_glossiness(self.container, self.pictures, glossy, frame, place)
+        if tint is not None:
+            found.base = found.base * tint
+            if tint.ndim == 3:
+                found.base_use = {"texture": dict(LOOKUP)}
+        return found
+
+    def _unlit(self, workflow: Workflow, shown: str) -> Json:
+        """Light of the base colour, 1 cd/m2 where that is white."""
+        self.findings.note(
+            shown, "a material that no light falls on became one that emits its colour, in cd/m2"
+        )
+        white = colours.light([1.0, 1.0, 1.0], 1.0)
+        if workflow.base.ndim == 1:
+            radiance = colours.light(workflow.base[:3].tolist(), 1.0)
+        else:
+            radiance = self.pictures.baked(workflow.base_use, workflow.base[..., :3], "unlit")
+            radiance["spectrum"] = white
+        return {"radiance": radiance, "two_sided": True}
+
+    def _index(self, extensions: Json, place: str) -> float:
+        ior = number(self.container, value(extensions, "KHR_materials_ior", {}), "ior", 1.5, place)
+        if not 1 <= ior <= 100:
+            raise InputError.at(
+                self.container.at(place), f"an index of refraction is 1 or more, found {ior:g}"
+            )
+        return ior
+
+    def _coat_index(self, extensions: Json, place: str) -> float:
+        """The index whose reflectance at normal incidence is that of the material where it is no metal."""
+        index = self._index(extensions, place)
+        entry = value(extensions, "KHR_materials_specular", {})
+        factor = number(self.container, entry, "specularFactor", 1.0, place)
+        colour = floats(self.container, entry, "specularColorFactor", [1.0] * 3, place)
+        shown = self.container.at(place)
+        for name in ("specularTexture", "specularColorTexture"):
+            if name in entry:
+                self.findings.lost(shown, f'no equal of a "{name}": the coat is the same everywhere')
+        if len(set(colour)) > 1:
+            self.findings.lost(shown, "no equal of a coat that reflects in colour; its mean is taken")
+        if factor == 1.0 and colour == [1.0] * 3:
+            return index
+        if factor != 1.0:
+            self.findings.note(
+                shown, "a coat of less reflectance reflects all light at grazing angles nevertheless"
+            )
+        reflectance = ((index - 1) / (index + 1)) ** 2 * sum(colour) / 3
+        root = float(np.sqrt(min(0.999, max(0.0, min(1.0, reflectance) * factor))))
+        return (1 + root) / (1 - root)
+
+    def _opaque(self, workflow: Workflow, extensions: Json, place: str) -> Json:
+        # What light that went through the coat comes out with, not what is under it.
+        index = self._coat_index(extensions, place)
+        coat = smooth_coat(index)
+        changed = coat.changed(workflow.base[..., :3], linear=True)
+        if workflow.base.ndim == 3:
+            metal_colour = workflow.base[..., :3].mean(axis=(0, 1))
+            base = self.pictures.baked(workflow.base_use, changed, "base")
+        else:
+            metal_colour, base = workflow.base[:3], colours.reflectance(changed.tolist())
+        metallic: Json = workflow.metallic
+        if not isinstance(metallic, float):
+            metallic = self.pictures.baked(workflow.rough_use, metallic, "metallic")
+        roughness = self._roughness(workflow, extensions, place)
+        plastic = {"type": "coated_diffuse", "index": index, "reflectance": base, **roughness}
+        if index == 1.0:
+            plastic = {"type": "lambertian", "reflectance": base}
+        if metallic == 0.0:
+            return plastic
+        if workflow.base.ndim == 3:
+            self.findings.note(
+                self.container.at(place), "where it is metal the base colour's texture counts by its mean"
+            )
+        metal = {
+            "type": "conductor",
+            "index": metals.of_colour(colours.reflectance(metal_colour.tolist())),
+            **roughness,
+        }
+        if metallic == 1.0:
+            return metal
+        return {"type": "blend", "first": plastic, "second": metal, "weight": metallic}
+
+    def _roughness(self, workflow: Workflow, extensions: Json, place: str) -> Json:
+        """Alpha, the square of roughness; of brushed metal along the brush 1 for the full strength."""
+        alpha: Json = workflow.rough**2
+        if not isinstance(alpha, float):
+            alpha = self.pictures.baked(workflow.rough_use, alpha, "roughness")
+        entry = value(extensions, "KHR_materials_anisotropy", {})
+        strength = number(self.container, entry, "anisotropyStrength", 0.0, place)
+        quarters = number(self.container, entry, "anisotropyRotation", 0.0, place) / (np.pi / 2)
+        if strength == 0.0:
+            return {} if alpha == 0.0 else {"roughness": alpha}
+        turned = abs(quarters - round(quarters)) > 1e-3
+        if "anisotropyTexture" in entry or turned or not isinstance(alpha, float):
+            self.findings.lost(
+                self.container.at(place),
+                "no equal of brushed metal that is textured or turned; taken as even",
+            )
+            return {} if alpha == 0.0 else {"roughness": alpha}
+        along = alpha + (1 - alpha) * strength**2
+        first, second = (along, alpha) if round(quarters) % 2 == 0 else (alpha, along)
+        return {"roughness_u": first, "roughness_v": second}
+
+    def _transmitting(
+        self, opaque: Json, workflow: Workflow, extensions: Json, frame: Frame, place: str
+    ) -> Json:
+        transmission = value(extensions, "KHR_materials_transmission", None)
+        if transmission is None:
+            return opaque
+        factor = number(self.container, transmission, "transmissionFactor", 0.0, place)
+        if "transmissionTexture" in transmission:
+            pixels = self.pictures.pixels(transmission["transmissionTexture"], place)
+            _, use = self.pictures.use(transmission["transmissionTexture"], frame, place)
+            weight: Json = self.pictures.baked(use, factor * pixels[..., 0:1], "transmission")
+        else:
+            weight = factor
+        volume = value(extensions, "KHR_materials_volume", {})
+        rough = workflow.rough if isinstance(workflow.rough, float) else float(workflow.rough.mean())
+        if number(self.container, volume, "thicknessFactor", 0.0, place) > 0:
+            glass: Json = {"type": "dielectric", "index": self._dispersive(extensions, place)}
+            if rough > 0:
+                glass["roughness"] = rough**2
+            glass |= self._absorption(volume, place)
+        else:
+            glass = {"type": "thin_pane", "index": self._index(extensions, place)}
+            tint = workflow.base[..., :3].reshape(-1, 3).mean(axis=0).tolist()
+            if tint != [1.0, 1.0, 1.0]:
+                glass["transmittance"] = colours.reflectance(tint)
+            if rough > 0:
+                self.findings.lost(self.container.at(place), "no equal of a thin sheet that is rough")
+        if weight == 0.0:
+            return opaque
+        return (
+            glass if weight == 1.0 else {"type": "blend", "first": opaque, "second": glass, "weight": weight}
+        )
+
+    def _dispersive(self, extensions: Json, place: str) -> Json:
+        """n = A + B / l^2 with the index at d, and Abbe's number 20 / dispersion."""
+        index = self._index(extensions, place)
+        dispersion = value(extensions, "KHR_materials_dispersion", {})
+        strength = number(self.container, dispersion, "dispersion", 0.0, place)
+        if not strength > 0:
+            return index
+        b = (index - 1) * strength / 20 / (1 / _F**2 - 1 / _C**2)
+        return {"cauchy": [index - b / _D**2, b]}
+
+    def _absorption(self, volume: Json, place: str) -> Json:
+        """After the attenuation distance light has the attenuation colour."""
+        distance = value(volume, "attenuationDistance", None)
+        colour = floats(self.container, volume, "attenuationColor", [1.0] * 3, place)
+        if distance is None or min(colour) >= 1.0:
+            return {}
+        if not number(self.container, volume, "attenuationDistance", 1.0, place) > 0:
+            raise InputError.at(self.container.at(place), "the attenuation distance is more than 0")
+        at = np.arange(360.0, 831.0, 5.0)
+        values = rgb_spectra.spectra_of(rgb_spectra.rgb_to_coefficients(np.array(colour)), at)
+        coefficients = -np.log(np.maximum(values, 1e-6)) / float(distance)
+        return {"absorption": {"table": np.stack([at, coefficients], 1).tolist()}}
+
+    def _masked(self, kernel: Json, entry: Json, workflow: Workflow, place: str) -> Json:
+        mode = value(entry, "alphaMode", "OPAQUE")
+        if mode == "OPAQUE":
+            return kernel
+        cutoff = number(self.container, entry, "alphaCutoff", 0.5, place)
+        alpha = workflow.base[..., 3:4]
+        shown = alpha if mode == "BLEND" else (alpha >= cutoff).astype(float)
+        if np.all(shown == shown.flat[0]):
+            opacity: Json = float(shown.flat[0])
+        else:
+            opacity = self.pictures.baked(workflow.base_use, shown, "opacity")
+        return kernel if opacity == 1.0 else {"type": "mask", "kernel": kernel, "opacity": opacity}
+
+    def _emission(self, entry: Json, extensions: Json, frame: Frame, place: str) -> Json | None:
+        factor = floats(self.container, entry, "emissiveFactor", [0.0] * 3, place)
+        strength = value(extensions, "KHR_materials_emissive_strength", {})
+        luminance = number(self.container, strength, "emissiveStrength", 1.0, place)
+        if not max(factor) > 0:
+            return None
+        radiance = colours.light(factor, luminance)
+        if "emissiveTexture" in entry:
+            asset, use = self.pictures.use(entry["emissiveTexture"], frame, place)
+            texture = {**use["texture"], "asset": asset, "encoding": "sRGB"}
+            radiance = {**use, "texture": texture, "spectrum": radiance}
+        return {"radiance": radiance}

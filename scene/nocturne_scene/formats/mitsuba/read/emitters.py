@@ -1,0 +1,187 @@
+"""Mitsuba's emitters that stand by themselves. Those without a size get one of the same power."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from numpy.typing import NDArray
+
+from nocturne_scene.errors import InputError
+from nocturne_scene.formats.mitsuba.read import textures
+from nocturne_scene.formats.mitsuba.read.context import Context
+from nocturne_scene.formats.mitsuba.read.elements import Element
+from nocturne_scene.formats.mitsuba.read.properties import Properties
+from nocturne_scene.formats.mitsuba.read.units import white
+from nocturne_scene.formats.reading import lamps
+from nocturne_scene.formats.reading.scene_writer import Json
+from nocturne_scene.textures.environment_maps import UnusableImageError, check_size, opened
+
+Pixels = NDArray[np.float64]
+
+# A picture of the sky is written larger, which keeps the interpolation between its pixels: as many times as
+# the result has no more pixels than this.
+_FINER = (4, 2, 1)
+_MAX_PIXELS = 2**23
+
+
+def add_emitter(context: Context, element: Element) -> None:
+    """Put an emitter into the scene."""
+    if element.type == "area":
+        # One that shapes refer to is made where they do.
+        if not element.id:
+            context.findings.lost(
+                element.place, "an area emitter belongs into a shape, or has an id that shapes refer to"
+            )
+        return
+    if element.type not in _EMITTERS:
+        context.findings.lost(
+            element.place,
+            f'no equal of the emitter "{element.type}"; there are {", ".join(_EMITTERS)}, and area on shapes',
+        )
+        return
+    properties = context.properties(element)
+    properties.ignore("sampling_weight")
+    _EMITTERS[element.type](context, properties)
+    properties.finish()
+
+
+def _standard() -> Json:
+    return {"illuminant": "D65", "luminance": white()}
+
+
+def _constant(context: Context, properties: Properties) -> None:
+    radiance = textures.light(context, properties, "radiance", _standard())
+    _set_environment(context, properties, {"radiance": radiance})
+
+
+def _set_environment(context: Context, properties: Properties, environment: Json) -> None:
+    if "environment" in context.writer.document:
+        context.findings.lost(properties.place, "a scene has one environment")
+        return
+    context.writer.document["environment"] = environment
+
+
+def _point(context: Context, properties: Properties) -> None:
+    position = properties.vector("position")
+    to_world = properties.transform("to_world")
+    place = to_world[:3, 3] if position is None else np.array(position)
+    intensity = textures.light(context, properties, "intensity", _standard())
+    radius = context.light_radius()
+    context.findings.note(
+        properties.place, f"the point became a sphere of radius {radius:.4g} m and the same intensity"
+    )
+    name = properties.element.id or "point"
+    context.writer.add("surfaces", lamps.point(place, radius, intensity, name))
+
+
+def _spot(context: Context, properties: Properties) -> None:
+    to_world = properties.transform("to_world")
+    cutoff = properties.number("cutoff_angle", 20.0)
+    beam = properties.number("beam_width", 0.75 * cutoff)
+    intensity = textures.light(context, properties, "intensity", _standard())
+    if properties.take("texture") is not None:
+        context.findings.lost(properties.place, "no equal of a spot's texture")
+    if not 0 < beam <= cutoff < 180:
+        raise InputError.at(properties.place, "expected 0 < beam_width <= cutoff_angle < 180")
+    radius = context.light_radius()
+    context.findings.note(
+        properties.place, f"the spot became a sphere of radius {radius:.4g} m and the same intensities"
+    )
+    # Full up to the beam's width, from there to the cut-off in proportion to the angle, then none.
+    degrees = np.unique(np.array([0.0, beam, cutoff, min(180.0, cutoff + 1e-3), 180.0]))
+    part = np.clip((cutoff - degrees) / max(cutoff - beam, 1e-3), 0.0, 1.0)
+    lamp = lamps.spot(
+        context.writer,
+        to_world[:3, 3],
+        to_world[:3, 2],
+        radius,
+        intensity,
+        (degrees, part),
+        properties.element.id or "spot",
+    )
+    context.writer.add("surfaces", lamp)
+
+
+def _directional(context: Context, properties: Properties) -> None:
+    direction = properties.vector("direction")
+    to_world = properties.transform("to_world")
+    ahead = to_world[:3, 2] if direction is None else to_world[:3, :3] @ np.array(direction)
+    if not np.linalg.norm(ahead) > 0:
+        raise InputError.at(properties.place, "the direction has no length")
+    degrees = context.options.light_degrees
+    context.findings.note(
+        properties.place,
+        f"light from one direction became a disc of {degrees:g} degrees and the same irradiance",
+    )
+    context.writer.add(
+        "distant",
+        {
+            "direction": (-ahead).tolist(),
+            "angular_diameter_degrees": degrees,
+            "irradiance": textures.light(context, properties, "irradiance", _standard()),
+        },
+    )
+
+
+def _envmap(context: Context, properties: Properties) -> None:
+    name = properties.text("filename", None)
+    if name is None:
+        raise InputError.at(properties.place, 'an envmap needs "filename"')
+    scale = properties.number("scale", 1.0)
+    to_world = properties.transform("to_world")
+    properties.ignore("mis_compensation")
+    try:
+        pixels = _sky(context.tree.file(properties.element, name))
+    except UnusableImageError as error:
+        raise InputError.at(properties.place, str(error)) from None
+    _set_environment(
+        context,
+        properties,
+        {
+            "asset": context.writer.picture("sky", pixels),
+            "luminance": white() * scale,
+            # The picture's middle is its +z, and its +x is to the left of that.
+            "up": to_world[:3, 1].tolist(),
+            "forward": to_world[:3, 2].tolist(),
+        },
+    )
+
+
+def _sky(file: Path) -> Pixels:
+    """The picture as Mitsuba interpolates it.
+
+    Its first and last row lie on the poles, its columns are areas; ours are areas both ways.
+    """
+    with opened(file) as picture:
+        spec = picture.spec()
+        check_size(spec, _MAX_PIXELS, 8192)
+        if spec.nchannels < 3:
+            raise UnusableImageError("the picture has no colours")
+        pixels = np.asarray(picture.read_image(0, 0, 0, 3, oiio.FLOAT), dtype=np.float64)
+    rows, columns = pixels.shape[:2]
+    if rows < 2 or columns < 2:
+        raise UnusableImageError("the picture needs at least 2 x 2 pixels")
+    finer = next(each for each in _FINER if rows * columns * each**2 <= _MAX_PIXELS)
+    x = (np.arange(finer * columns) + 0.5) / finer - 0.5
+    y = (np.arange(finer * rows) + 0.5) / (finer * rows) * (rows - 1)
+    left, top = np.floor(x).astype(int), np.minimum(np.floor(y).astype(int), rows - 2)
+    across, down = (x - left)[None, :, None], (y - top)[:, None, None]
+
+    def interpolated(values: Pixels) -> Pixels:
+        wide = (1 - across) * values[:, left % columns] + across * values[:, (left + 1) % columns]
+        return np.asarray((1 - down) * wide[top] + down * wide[top + 1])
+
+    # Brightness and colour are interpolated each for itself.
+    brightness = np.maximum(pixels.max(axis=2, keepdims=True), 0.0)
+    colour = np.maximum(pixels, 0.0) / np.maximum(brightness, 1e-8)
+    return interpolated(brightness) * interpolated(colour)
+
+
+_EMITTERS: dict[str, Callable[[Context, Properties], None]] = {
+    "constant": _constant,
+    "envmap": _envmap,
+    "point": _point,
+    "spot": _spot,
+    "directional": _directional,
+}

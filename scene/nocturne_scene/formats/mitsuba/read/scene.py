@@ -1,0 +1,42 @@
+"""A whole scene of Mitsuba's: the order in which its elements become a document."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from nocturne_scene.errors import InputError
+from nocturne_scene.formats.mitsuba.read.context import Context
+from nocturne_scene.formats.mitsuba.read.elements import Element, SceneTree
+from nocturne_scene.formats.mitsuba.read.emitters import add_emitter
+from nocturne_scene.formats.mitsuba.read.sensors import add_integrator, add_sensor
+from nocturne_scene.formats.mitsuba.read.shapes import add_shape
+from nocturne_scene.formats.reading.findings import Findings
+from nocturne_scene.formats.reading.options import ImportOptions
+from nocturne_scene.formats.reading.scene_files import SceneFiles
+from nocturne_scene.formats.reading.scene_writer import SceneWriter
+
+# In this order: lamps without a size get theirs from that of all shapes together, and a medium around the
+# sensor is everywhere unless a shape encloses it.
+_PARTS: dict[str, Callable[[Context, Element], None]] = {
+    "integrator": add_integrator,
+    "shape": add_shape,
+    "sensor": add_sensor,
+    "emitter": add_emitter,
+}
+# Made where something refers to them.
+_REFERRED = ("bsdf", "film", "medium", "rfilter", "rgb", "sampler", "spectrum", "texture")
+
+
+def import_mitsuba(file: Path, writer: SceneWriter, findings: Findings, options: ImportOptions) -> None:
+    """Read a scene into a writer. Raises InputError."""
+    tree = SceneTree(SceneFiles(options.root or file.parent), file.resolve(), options.parameters)
+    context = Context(tree, writer, findings, options)
+    for element in tree.elements:
+        if element.tag not in _PARTS and element.tag not in _REFERRED:
+            findings.lost(element.place, f"no equal of <{element.tag}>")
+    for tag, add in _PARTS.items():
+        for element in tree.elements:
+            if element.tag == tag:
+                with findings.leaving_out():
+                    add(context, element)
+    if "sensor" not in writer.document:
+        raise InputError.at(tree.files.shown(file.resolve()), "the scene has no sensor that can be imported")

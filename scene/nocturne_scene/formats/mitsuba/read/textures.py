@@ -1,0 +1,199 @@
+"""Textures of Mitsuba's, and values that may come from one.
+
+Its v goes down the picture and ours up: meshes are written with v' = 1 - v, so that v -> s v + o becomes
+v' -> s v' + (1 - s - o).
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from numpy.typing import NDArray
+
+from nocturne_scene.errors import InputError
+from nocturne_scene.formats.mitsuba.read import spectra
+from nocturne_scene.formats.mitsuba.read.context import Context
+from nocturne_scene.formats.mitsuba.read.elements import Element
+from nocturne_scene.formats.mitsuba.read.properties import Properties, numbers, vector
+from nocturne_scene.formats.reading.scene_writer import Json
+from nocturne_scene.textures.environment_maps import UnusableImageError, check_size, opened
+from nocturne_scene.textures.image_files import MAX_EDGE, MAX_PIXELS, decoded
+
+Pixels = NDArray[np.float64]
+
+# The name of a texture that is yet to be made of a mesh's attribute: no name in a document has a colon.
+ATTRIBUTE = "attribute:"
+
+
+def _bitmap(context: Context, element: Element) -> Json:
+    properties = context.properties(element)
+    name = properties.text("filename", None)
+    if name is None:
+        raise InputError.at(element.place, 'a bitmap needs "filename"')
+    file = context.tree.file(element, name)
+    raw = properties.switch("raw", False)
+    if properties.text("filter_type", "bilinear") != "bilinear":
+        context.findings.note(
+            element.place, "looked up by bilinear interpolation instead of the nearest texel"
+        )
+    wrap = properties.text("wrap_mode", "repeat")
+    if wrap not in ("repeat", "clamp"):
+        context.findings.lost(element.place, f'no equal of the wrap mode "{wrap}"; taken as "repeat"')
+        wrap = "repeat"
+    properties.ignore("format", "accel")
+    use = _coordinates(context, properties)
+    properties.finish()
+    texture: Json = {
+        "asset": context.writer.copy(file),
+        "wrap": wrap,
+        "encoding": _encoding(file, raw, element),
+    }
+    texture["sharp"] = True  # as Mitsuba looks it up
+    return {"texture": context.writer.name("textures", file.stem, texture), **use}
+
+
+def _encoding(file: Path, raw: bool, element: Element) -> str:
+    try:
+        with opened(file) as picture:
+            is_float = picture.spec().format.basetype in (oiio.HALF, oiio.FLOAT)
+    except UnusableImageError as error:
+        raise InputError.at(element.place, str(error)) from None
+    return "linear" if raw or is_float else "sRGB"
+
+
+def _coordinates(context: Context, properties: Properties) -> Json:
+    """The fields for `to_uv`."""
+    matrix = properties.transform("to_uv")
+    if np.any(np.abs(matrix[[0, 1], [1, 0]]) > 1e-9):
+        context.findings.lost(properties.place, "texture coordinates that are turned have no equal")
+    scale, offset = [float(matrix[i, i]) for i in (0, 1)], [float(matrix[i, 3]) for i in (0, 1)]
+    if scale == [1.0, 1.0] and offset == [0.0, 0.0]:
+        return {}
+    return {"scale": scale, "offset": [offset[0], 1.0 - scale[1] - offset[1]]}
+
+
+def _checkerboard(context: Context, element: Element) -> Json:
+    properties = context.properties(element)
+    squares = [
+        _board_colour(context, properties.take(name), default)
+        for name, default in (("color0", 0.4), ("color1", 0.2))
+    ]
+    use = _coordinates(context, properties)
+    properties.finish()
+    return {"texture": context.writer.board(squares[0], squares[1]), **use}
+
+
+def _board_colour(context: Context, element: Element | None, default: float) -> list[float]:
+    if element is None:
+        return [default] * 3
+    value = spectra.reflectance(context, element)
+    if isinstance(value, float):
+        return [value] * 3
+    if "rgb" not in value:
+        raise InputError.at(element.place, "a board of measured spectra has no equal; expected <rgb>")
+    found: list[float] = value["rgb"]
+    return found
+
+
+def _mesh_attribute(context: Context, element: Element) -> Json:
+    properties = context.properties(element)
+    name = properties.text("name", "")
+    if properties.number("scale", 1.0) != 1.0:
+        context.findings.lost(element.place, "no equal of an attribute's scale")
+    properties.finish()
+    return {"texture": ATTRIBUTE + name}
+
+
+def _raw_constant(context: Context, element: Element) -> Json:
+    """A number; or three of them, which a picture of one colour stands for."""
+    properties = context.properties(element)
+    value = properties.take("value")
+    properties.finish()
+    if value is None or value.tag not in ("float", "integer", "vector", "point"):
+        raise InputError.at(element.place, 'a rawconstant needs a "value", <float> or <vector>')
+    if value.tag in ("float", "integer"):
+        return numbers(value.need("value"), value.place, 1)[0]
+    asset = context.writer.picture("constant", np.array(vector(value)).reshape(1, 1, 3))
+    return {"texture": context.writer.name("textures", "constant", {"asset": asset, "encoding": "linear"})}
+
+
+_TEXTURES: dict[str, Callable[[Context, Element], Json]] = {
+    "bitmap": _bitmap,
+    "checkerboard": _checkerboard,
+    "mesh_attribute": _mesh_attribute,
+    "rawconstant": _raw_constant,
+}
+
+
+def changed(context: Context, use: Json, change: Callable[[Pixels], Pixels], place: str) -> Json:
+    """The use of a picture whose linear values are changed, texel by texel."""
+    if use["texture"].startswith(ATTRIBUTE):
+        context.findings.lost(place, "no equal of a mesh's attribute as the base under a coat")
+        return use
+    texture = context.writer.document["textures"][use["texture"]]
+    try:
+        with opened(context.writer.folder / texture["asset"]) as picture:
+            check_size(picture.spec(), MAX_PIXELS, MAX_EDGE)
+            pixels = np.atleast_3d(np.asarray(picture.read_image(oiio.FLOAT), dtype=np.float64))
+    except UnusableImageError as error:
+        raise InputError.at(place, str(error)) from None
+    pixels = pixels[..., : 3 if pixels.shape[2] >= 3 else 1]
+    if texture["encoding"] == "sRGB":
+        pixels = decoded(pixels).astype(np.float64)
+    asset = context.writer.picture("base", change(pixels))
+    name = context.writer.name("textures", "base", texture | {"asset": asset, "encoding": "linear"})
+    return use | {"texture": name}
+
+
+def texture(context: Context, element: Element) -> Json:
+    """The use of a texture, or the number that it is everywhere; None where it has no equal.
+
+    Each element becomes one texture, however often it is used.
+    """
+    if element.type not in _TEXTURES:
+        context.findings.lost(
+            element.place, f'no equal of the texture "{element.type}"; there are {", ".join(_TEXTURES)}'
+        )
+        return None
+    if id(element) not in context.textures:
+        context.textures[id(element)] = _TEXTURES[element.type](context, element)
+    return context.textures[id(element)]
+
+
+def colour(context: Context, properties: Properties, name: str, default: Json) -> Json:
+    """A reflectance that may vary."""
+    element = properties.take(name)
+    if element is None:
+        return default
+    if element.tag == "texture":
+        found = texture(context, element)
+        return default if found is None else found
+    return spectra.reflectance(context, element)
+
+
+def number(context: Context, properties: Properties, name: str, default: float) -> Json:
+    """A number that may vary."""
+    element = properties.take(name)
+    if element is None:
+        return default
+    if element.tag == "texture":
+        found = texture(context, element)
+        return default if found is None else found
+    value = spectra.reflectance(context, element)
+    if not isinstance(value, float):
+        raise InputError.at(element.place, f'"{name}" is a number')
+    return value
+
+
+def light(context: Context, properties: Properties, name: str, default: Json) -> Json:
+    """What is emitted; it may vary."""
+    element = properties.take(name)
+    if element is None:
+        return default
+    if element.tag != "texture":
+        return spectra.light(context, element)
+    use = texture(context, element)
+    if use is None or isinstance(use, float):
+        return default if use is None else use
+    return use | {"spectrum": default}

@@ -1,0 +1,81 @@
+"""What all functions of the pbrt importer work with."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nocturne_scene.formats.pbrt.read.parameters import Parameter, Parameters
+from nocturne_scene.formats.reading.findings import Findings
+from nocturne_scene.formats.reading.options import ImportOptions
+from nocturne_scene.formats.reading.scene_files import SceneFiles
+from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
+from nocturne_scene.formats.reading.transforms import IDENTITY, Matrix
+
+
+@dataclass
+class State:
+    """The graphics state that `AttributeBegin` saves."""
+
+    transform: Matrix = field(default_factory=lambda: IDENTITY)
+    material: Json = field(default_factory=lambda: {"type": "lambertian", "reflectance": 0.5})
+    """A kernel, or the name of one."""
+    relief: Json = field(default_factory=dict)
+    area_light: tuple[str, list[Parameter], str] | None = None
+    reversed: bool = False
+    media: tuple[str, str] = ("", "")
+    defaults: dict[str, list[Parameter]] = field(default_factory=dict)
+
+
+@dataclass
+class Context:
+    """One import under way."""
+
+    files: SceneFiles
+    folder: Path
+    writer: SceneWriter
+    findings: Findings
+    options: ImportOptions
+    state: State = field(default_factory=State)
+    outer: Matrix = field(default_factory=lambda: IDENTITY)
+    """Mirrors the scene where its camera shows it as a mirror would in a right-handed world."""
+    coordinate_systems: dict[str, Matrix] = field(default_factory=dict)
+    textures: dict[str, Json] = field(default_factory=dict)
+    materials: dict[str, tuple[str, Json]] = field(default_factory=dict)
+    """Kernel's name and relief."""
+    media: dict[str, str] = field(default_factory=dict)
+    """Names in the document by name; empty where there is nothing."""
+    enclosed: set[str] = field(default_factory=set)
+    """Names in the document of media that are inside of a shape."""
+    objects: dict[str, tuple[str, list[Json]]] = field(default_factory=dict)
+    """Groups by name: the group's name in the document, and its surfaces."""
+    lowest: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.inf))
+    highest: NDArray[np.float64] = field(default_factory=lambda: np.full(3, -np.inf))
+    later: list[Callable[[], None]] = field(default_factory=list)
+    """What waits for the size of the scene."""
+
+    def to_world(self) -> Matrix:
+        """From the coordinates of now to those of the document."""
+        return np.asarray(self.outer @ self.state.transform)
+
+    def parameters(self, what: str, place: str, given: list[Parameter]) -> Parameters:
+        """The parameters of a plugin."""
+        return Parameters(what, place, given, self.findings)
+
+    def file(self, name: str, place: str) -> Path:
+        """A file that the scene names."""
+        return self.files.find(name, [self.folder], place)
+
+    def extend(self, points: NDArray[np.float64]) -> None:
+        """Let the box around all surfaces hold some points more."""
+        self.lowest = np.minimum(self.lowest, points.min(axis=0))
+        self.highest = np.maximum(self.highest, points.max(axis=0))
+
+    def light_radius(self) -> float:
+        """Of lamps that have none: as given, else a thousandth of the scene's diagonal."""
+        if self.options.light_radius is not None:
+            return self.options.light_radius
+        diagonal = float(np.linalg.norm(self.highest - self.lowest))
+        return 1e-3 * diagonal if np.isfinite(diagonal) and diagonal > 0 else 1e-3

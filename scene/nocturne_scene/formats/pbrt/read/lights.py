@@ -1,0 +1,147 @@
+"""Lights of pbrt's. A colour's white has the luminance that `scale` says, in cd/m2, cd or lx."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from nocturne_scene.errors import InputError
+from nocturne_scene.formats.pbrt.read import spectra, squares
+from nocturne_scene.formats.pbrt.read.context import Context
+from nocturne_scene.formats.pbrt.read.parameters import Parameters
+from nocturne_scene.formats.reading import lamps, transforms
+from nocturne_scene.formats.reading.scene_writer import Json
+from nocturne_scene.textures.environment_maps import UnusableImageError, read_whole
+
+
+def add_light(context: Context, kind: str, parameters: Parameters) -> None:
+    """A `LightSource` directive."""
+    if kind not in _LIGHTS:
+        context.findings.lost(
+            parameters.place, f'no equal of the light "{kind}"; there are {", ".join(_LIGHTS)}'
+        )
+        return
+    _LIGHTS[kind](context, parameters)
+    parameters.finish()
+
+
+def _scale(parameters: Parameters, angle: float) -> float:
+    """cd of white: `scale`, times `power` (lm, of white) over the solid angle that it goes into."""
+    scale, power = float(parameters.number("scale", 1.0)), float(parameters.number("power", 0.0))
+    return scale * power / angle if power > 0 else scale
+
+
+def _infinite(context: Context, parameters: Parameters) -> None:
+    if "environment" in context.writer.document:
+        context.findings.lost(parameters.place, "a scene has one environment")
+        parameters.ignore_all()
+        return
+    picture = parameters.word("filename", None)
+    if picture is not None:
+        context.writer.document["environment"] = _sky(context, parameters, picture)
+        return
+    illuminance = parameters.number("illuminance", None)
+    scale = float(parameters.number("scale", 1.0))
+    # Of an even sky E = pi L.
+    luminance = scale if illuminance is None else float(illuminance) / np.pi
+    context.writer.document["environment"] = {"radiance": spectra.light(context, parameters, "L", luminance)}
+
+
+def _sky(context: Context, parameters: Parameters, picture: str) -> Json:
+    """The environment of a picture in an equal-area square."""
+    for name in ("illuminance", "portal"):
+        if parameters.take(name) is not None:
+            context.findings.lost(parameters.place, f'no equal of "{name}" for a sky\'s picture')
+    try:
+        pixels = squares.latitudes(read_whole(context.file(picture, parameters.place)))
+    except UnusableImageError as error:
+        raise InputError.at(parameters.place, str(error)) from None
+    axes = context.to_world()[:3, :3]
+    size = np.linalg.norm(axes, axis=0)
+    if not np.allclose(axes.T @ axes, np.diag(size**2), atol=1e-6 * size.max() ** 2):
+        context.findings.lost(parameters.place, "a sky that is sheared has no equal")
+    if transforms.is_mirrored(context.to_world()):
+        # Rows of a frame that is no mirror image, with y the other way round.
+        pixels = pixels[:, ::-1]
+    return {
+        "asset": context.writer.picture("sky", pixels),
+        "luminance": float(parameters.number("scale", 1.0)),
+        "up": axes[:, 2].tolist(),
+        "forward": axes[:, 0].tolist(),
+    }
+
+
+def _ends(context: Context, parameters: Parameters) -> tuple[np.ndarray, np.ndarray]:
+    """Where a light is and where it points to, in the document's coordinates."""
+    start, end = (
+        parameters.numbers("from", 3) or [0.0, 0.0, 0.0],
+        parameters.numbers("to", 3) or [0.0, 0.0, 1.0],
+    )
+    matrix = context.to_world()
+    first, last = (np.asarray(matrix @ [*point, 1.0])[:3] for point in (start, end))
+    return first, last
+
+
+def _distant(context: Context, parameters: Parameters) -> None:
+    start, end = _ends(context, parameters)
+    if not np.linalg.norm(end - start) > 0:
+        raise InputError.at(parameters.place, '"from" and "to" are the same point')
+    scale = float(parameters.number("scale", 1.0))
+    illuminance = parameters.number("illuminance", None)
+    degrees = context.options.light_degrees
+    context.findings.note(
+        parameters.place,
+        f"light from one direction became a disc of {degrees:g} degrees and the same irradiance",
+    )
+    irradiance = spectra.light(context, parameters, "L", scale if illuminance is None else float(illuminance))
+    disc = {
+        "direction": (start - end).tolist(),
+        "angular_diameter_degrees": degrees,
+        "irradiance": irradiance,
+    }
+    context.writer.add("distant", disc)
+
+
+def _point(context: Context, parameters: Parameters) -> None:
+    position = np.asarray(context.to_world() @ [*(parameters.numbers("from", 3) or [0.0, 0.0, 0.0]), 1.0])[:3]
+    intensity = spectra.light(context, parameters, "I", _scale(parameters, 4 * np.pi))
+
+    def add() -> None:
+        radius = context.light_radius()
+        context.findings.note(
+            parameters.place, f"the point became a sphere of radius {radius:.4g} m and the same intensity"
+        )
+        context.writer.add("surfaces", lamps.point(position, radius, intensity, "point"))
+
+    context.later.append(add)
+
+
+def _spot(context: Context, parameters: Parameters) -> None:
+    start, end = _ends(context, parameters)
+    cone = float(parameters.number("coneangle", 30.0))
+    edge = cone - float(parameters.number("conedeltaangle", 5.0))
+    if not 0 <= edge <= cone < 180:
+        raise InputError.at(parameters.place, "expected 0 <= conedeltaangle <= coneangle < 180")
+    degrees = np.unique(np.concatenate([[0.0, 180.0, min(180.0, cone + 1e-3)], np.linspace(edge, cone, 65)]))
+    # A smooth step of the cosine, whose mean is a half.
+    cosine, low, high = np.cos(np.radians(degrees)), np.cos(np.radians(cone)), np.cos(np.radians(edge))
+    intensity = spectra.light(context, parameters, "I", _scale(parameters, np.pi * (2 - low - high)))
+    t = np.clip((cosine - low) / max(high - low, 1e-9), 0.0, 1.0)
+    part = t * t * (3 - 2 * t)
+
+    def add() -> None:
+        radius = context.light_radius()
+        context.findings.note(
+            parameters.place, f"the spot became a sphere of radius {radius:.4g} m and the same intensities"
+        )
+        lamp = lamps.spot(context.writer, start, end - start, radius, intensity, (degrees, part), "spot")
+        context.writer.add("surfaces", lamp)
+
+    context.later.append(add)
+
+
+_LIGHTS: dict[str, Callable[[Context, Parameters], None]] = {
+    "infinite": _infinite,
+    "distant": _distant,
+    "point": _point,
+    "spot": _spot,
+}

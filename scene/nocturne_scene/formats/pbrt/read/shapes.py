@@ -1,0 +1,214 @@
+"""Shapes of pbrt's. All of them but whole spheres become meshes where they stand."""
+
+import json
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from nocturne_scene.errors import InputError
+from nocturne_scene.formats.pbrt.read import spectra
+from nocturne_scene.formats.pbrt.read.context import Context
+from nocturne_scene.formats.pbrt.read.media import interior
+from nocturne_scene.formats.pbrt.read.parameters import Parameters
+from nocturne_scene.formats.pbrt.read.tokens import decompressed
+from nocturne_scene.formats.reading import shapes, transforms
+from nocturne_scene.formats.reading.scene_files import read_bytes
+from nocturne_scene.formats.reading.scene_writer import Json
+from nocturne_scene.limits import MAX_ASSET_BYTES
+from nocturne_scene.meshes.files import load_mesh, load_ply_columns
+from nocturne_scene.meshes.headers import UnusableMeshError, check_counts
+from nocturne_scene.meshes.triangles import Triangles, check_indices
+
+
+def surface(context: Context, kind: str, parameters: Parameters) -> Json | None:
+    """Return the surface of a `Shape` directive; None where it has no equal."""
+    if kind not in _SHAPES:
+        context.findings.lost(
+            parameters.place, f'no equal of the shape "{kind}"; there are {", ".join(sorted(_SHAPES))}'
+        )
+        return None
+    state = context.state
+    kernel = state.material
+    opacity = spectra.scalar(context, parameters, "alpha", 1.0)
+    if opacity != 1.0:
+        kernel = {"type": "mask", "kernel": kernel, "opacity": opacity}
+    found: Json = {"kernel": kernel, **state.relief}
+    named = (
+        context.writer.document.get("kernels", {}).get(state.material)
+        if isinstance(state.material, str)
+        else None
+    )
+    interior(context, parameters.place, found, kernel if named is None or isinstance(kernel, dict) else named)
+    if state.area_light is not None:
+        found["luminaire"] = area_light(context)
+    textured = any(word in json.dumps([found, named]) for word in ('"texture"', '"roughness_u"'))
+    found["shape"] = _SHAPES[kind](context, parameters, textured)
+    parameters.finish()
+    return found
+
+
+def area_light(context: Context) -> Json:
+    """The luminaire of an `AreaLightSource`."""
+    if context.state.area_light is None:
+        raise ValueError("there is no area light")
+    kind, given, place = context.state.area_light
+    parameters = context.parameters("area light", place, given)
+    if kind != "diffuse":
+        context.findings.lost(place, f'no equal of the area light "{kind}"; there is diffuse')
+    if parameters.take("filename") is not None:
+        context.findings.lost(place, 'no equal of an area light\'s "filename"')
+    if parameters.take("power") is not None:
+        context.findings.lost(
+            place, 'no equal of an area light\'s "power": each triangle has all of it in pbrt'
+        )
+    radiance = spectra.light(context, parameters, "L", float(parameters.number("scale", 1.0)))
+    two_sided = parameters.switch("twosided", False)
+    parameters.finish()
+    return {"radiance": radiance} | ({"two_sided": True} if two_sided else {})
+
+
+def _placed(context: Context, mesh: Triangles, textured: bool, name: str) -> Json:
+    mesh = shapes.transformed(mesh, context.to_world())
+    if context.state.reversed:
+        mesh = shapes.flipped(mesh)
+    if mesh.coordinates is None and textured:
+        # pbrt gives each triangle (0, 0), (1, 0), (1, 1).
+        corner = mesh.indices.ravel()
+        mesh = Triangles(
+            mesh.vertices[corner],
+            np.arange(len(corner)).reshape(-1, 3),
+            None if mesh.normals is None else mesh.normals[corner],
+            np.tile([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], (len(mesh.indices), 1)),
+        )
+    context.extend(mesh.vertices)
+    return context.writer.mesh(name, mesh)
+
+
+def _sphere(context: Context, parameters: Parameters, textured: bool) -> Json:
+    radius = float(parameters.number("radius", 1.0))
+    whole = (-radius, radius, 360.0)
+    given = tuple(
+        parameters.number(name, value) for name, value in zip(("zmin", "zmax", "phimax"), whole, strict=True)
+    )
+    if given != whole:
+        context.findings.lost(parameters.place, "no equal of a part of a sphere; all of it is there")
+    matrix = context.to_world()
+    factor = transforms.similarity(matrix)
+    if factor is not None and not textured and not context.state.reversed:
+        centre = matrix[:3, 3]
+        context.extend(np.array([centre - factor * radius, centre + factor * radius]))
+        return {"type": "sphere", "centre": centre.tolist(), "radius": factor * radius}
+    return _placed(
+        context, shapes.transformed(shapes.sphere(), transforms.scaling([radius] * 3)), textured, "sphere"
+    )
+
+
+def _disk(context: Context, parameters: Parameters, textured: bool) -> Json:
+    radius, height = float(parameters.number("radius", 1.0)), float(parameters.number("height", 0.0))
+    if parameters.number("innerradius", 0.0) != 0.0 or parameters.number("phimax", 360.0) != 360.0:
+        context.findings.lost(parameters.place, "no equal of a part of a disk; all of it is there")
+    own = transforms.translation([0, 0, height]) @ transforms.scaling([radius, radius, 1.0])
+    return _placed(context, shapes.transformed(shapes.disc(), own), textured, "disk")
+
+
+def _cylinder(context: Context, parameters: Parameters, textured: bool) -> Json:
+    radius = float(parameters.number("radius", 1.0))
+    low, high = float(parameters.number("zmin", -1.0)), float(parameters.number("zmax", 1.0))
+    if parameters.number("phimax", 360.0) != 360.0:
+        context.findings.lost(parameters.place, "no equal of a part of a cylinder; all of it is there")
+    own = transforms.translation([0, 0, low]) @ transforms.scaling([radius, radius, high - low])
+    return _placed(context, shapes.transformed(shapes.cylinder(), own), textured, "cylinder")
+
+
+def _triangle_mesh(context: Context, parameters: Parameters, textured: bool) -> Json:
+    points = _rows(parameters, "P", 3)
+    if points is None:
+        raise InputError.at(parameters.place, 'a mesh needs "P"')
+    given = parameters.numbers("indices")
+    if given is None and len(points) != 3:
+        raise InputError.at(parameters.place, 'a mesh needs "indices"')
+    indices = np.array([0, 1, 2] if given is None else given).astype(np.int64)
+    if len(indices) % 3:
+        raise InputError.at(parameters.place, '"indices" come in threes')
+    parameters.ignore("S", "faceIndices")
+    return _mesh(context, parameters, textured, points, indices.reshape(-1, 3))
+
+
+def _bilinear_mesh(context: Context, parameters: Parameters, textured: bool) -> Json:
+    points = _rows(parameters, "P", 3)
+    if points is None:
+        raise InputError.at(parameters.place, 'a mesh needs "P"')
+    given = parameters.numbers("indices")
+    indices = np.array([0, 1, 2, 3] if given is None else given).astype(np.int64)
+    if len(indices) % 4:
+        raise InputError.at(parameters.place, '"indices" come in fours')
+    quads = indices.reshape(-1, 4)
+    context.findings.note(parameters.place, "bilinear patches became two triangles each")
+    split = np.concatenate([quads[:, [0, 1, 3]], quads[:, [0, 3, 2]]])
+    return _mesh(context, parameters, textured, points, split)
+
+
+def _mesh(
+    context: Context, parameters: Parameters, textured: bool, points: transforms.Matrix, indices: np.ndarray
+) -> Json:
+    normals = _rows(parameters, "N", 3)
+    coordinates = _rows(parameters, "uv", 2)
+    if any(each is not None and len(each) != len(points) for each in (normals, coordinates)):
+        raise InputError.at(parameters.place, '"N" and "uv" are as many as "P"')
+    try:
+        check_counts(len(points), len(indices))
+        check_indices(len(points), indices)
+    except UnusableMeshError as error:
+        raise InputError.at(parameters.place, str(error)) from None
+    mesh = shapes.facing_their_normals(Triangles(points, indices, normals, coordinates))
+    return _placed(context, mesh, textured, "mesh")
+
+
+def _rows(parameters: Parameters, name: str, columns: int) -> np.ndarray | None:
+    values = parameters.numbers(name)
+    if values is None:
+        return None
+    if len(values) % columns:
+        raise InputError.at(parameters.place, f'"{name}" has {len(values)} numbers, no multiple of {columns}')
+    return np.array(values).reshape(-1, columns)
+
+
+def _ply_mesh(context: Context, parameters: Parameters, textured: bool) -> Json:
+    name = parameters.word("filename", None)
+    if name is None:
+        raise InputError.at(parameters.place, 'a plymesh needs "filename"')
+    if parameters.take("displacement") is not None:
+        context.findings.lost(parameters.place, "no equal of displaced triangles")
+    parameters.ignore("edgelength")
+    file = context.file(name, parameters.place)
+    shown = context.files.shown(file)
+    try:
+        if file.suffix != ".gz":
+            mesh = _read(file)
+        else:
+            plain = decompressed(read_bytes(file, MAX_ASSET_BYTES, shown), MAX_ASSET_BYTES, shown)
+            with tempfile.TemporaryDirectory() as folder:
+                unpacked = Path(folder) / "mesh.ply"
+                unpacked.write_bytes(plain)
+                mesh = _read(unpacked)
+    except UnusableMeshError as error:
+        raise InputError.at(shown, str(error)) from None
+    return _placed(context, shapes.facing_their_normals(mesh), textured, Path(file.stem).stem)
+
+
+def _read(file: Path) -> Triangles:
+    """Without normals in the file, triangles are flat."""
+    smooth = load_ply_columns(file, "vertex", ("nx", "ny", "nz")) is not None
+    return load_mesh(file, "ply", normals=smooth)
+
+
+_SHAPES: dict[str, Callable[[Context, Parameters, bool], Json]] = {
+    "sphere": _sphere,
+    "disk": _disk,
+    "cylinder": _cylinder,
+    "trianglemesh": _triangle_mesh,
+    "bilinearmesh": _bilinear_mesh,
+    "plymesh": _ply_mesh,
+}

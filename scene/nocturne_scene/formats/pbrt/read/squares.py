@@ -1,0 +1,75 @@
+"""The sphere on a square, areas kept: P. Clarberg, "Fast equal-area mapping of the (hemi)sphere using SIMD",
+Journal of Graphics Tools 13(3), 2008. pbrt keeps skies as such pictures, and shows each pixel as it is.
+
+The middle of the square is +z and its corners are -z; +x and +y point along its rows and columns.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nocturne_scene.textures.environment_maps import UnusableImageError
+
+Array = NDArray[np.float64]
+
+# Directions across and down that a pixel is the mean of.
+_PARTS = 4
+
+# Of a picture that is made: with twice as many columns, the most that an environment map has.
+_MAX_ROWS = 4096
+
+
+def direction(u: Array, v: Array) -> Array:
+    """Unit vectors, shape (..., 3), of places in [0, 1]^2."""
+    across, down = 2 * u - 1, 2 * v - 1
+    a, b = np.abs(across), np.abs(down)
+    below = a + b > 1
+    # The triangles at the corners are those around the middle, folded over.
+    a, b = np.where(below, 1 - b, a), np.where(below, 1 - a, b)
+    radius = a + b
+    angle = np.pi / 2 * np.divide(b, radius, out=np.zeros_like(b), where=radius > 0)
+    height = 1 - radius**2
+    flat = radius * np.sqrt(np.maximum(2 - radius**2, 0))
+    return np.stack(
+        [
+            np.copysign(flat * np.cos(angle), across),
+            np.copysign(flat * np.sin(angle), down),
+            np.where(below, -height, height),
+        ],
+        axis=-1,
+    )
+
+
+def place(directions: Array) -> tuple[Array, Array]:
+    """Where in [0, 1]^2 unit vectors of shape (..., 3) are."""
+    x, y, z = (directions[..., axis] for axis in range(3))
+    radius = np.sqrt(np.maximum(1 - np.abs(z), 0))
+    b = radius * np.arctan2(np.abs(y), np.abs(x)) * 2 / np.pi
+    a = radius - b
+    a, b = np.where(z < 0, 1 - b, a), np.where(z < 0, 1 - a, b)
+    return (np.copysign(a, x) + 1) / 2, (np.copysign(b, y) + 1) / 2
+
+
+def latitudes(pixels: NDArray[np.float32]) -> Array:
+    """A square picture as one of latitudes and longitudes, with twice as many columns as rows.
+
+    Raises UnusableImageError for a picture that is no square.
+    """
+    rows, columns = pixels.shape[:2]
+    if rows != columns:
+        raise UnusableImageError(f"{columns} x {rows} pixels; expected a square, as pbrt-v4 keeps skies")
+    # From the middle to the left and the right: from azimuth pi to -pi.
+    count = min(rows, _MAX_ROWS)
+    azimuth = np.pi * (1 - (np.arange(2 * count * _PARTS) + 0.5) / (count * _PARTS))
+    edges = np.cos(np.pi * np.arange(count + 1) / count)
+    found = []
+    for top, bottom in pairwise(edges):
+        z = (top + (bottom - top) * (np.arange(_PARTS) + 0.5) / _PARTS)[:, None]
+        flat = np.sqrt(1 - z**2)
+        circle = np.stack(np.broadcast_arrays(flat * np.cos(azimuth), flat * np.sin(azimuth), z), axis=-1)
+        u, v = place(circle)
+        at = (np.minimum((rows * each).astype(int), rows - 1) for each in (v, u))
+        seen = pixels[tuple(at)].astype(np.float64)
+        found.append(seen.reshape(_PARTS, 2 * count, _PARTS, 3).mean(axis=(0, 2)))
+    return np.stack(found)

@@ -1,0 +1,50 @@
+"""What bodies enclose, as pbrt's media."""
+
+import numpy as np
+from nocturne.v1 import scene_pb2
+
+from nocturne_scene.formats.pbrt.write.context import Context
+from nocturne_scene.formats.pbrt.write.directives import directive, quoted, real, spectrum, text
+from nocturne_scene.formats.writing.compiled import Body, Medium, Table
+from nocturne_scene.spectra.published import visible_wavelengths
+
+
+def medium(context: Context, body: Body | None, place: str) -> str:
+    """The name of what fills a body; empty for nothing."""
+    if body is None or body.is_empty:
+        return ""
+    first, *others = body.media
+    if any(each.phase != first.phase and not each.scattering.is_black for each in others):
+        context.findings.lost(place, "media with different phase functions in one body can't be exported")
+    if any(each.density is not None for each in body.media):
+        context.findings.lost(place, "a density grid can't be exported yet")
+    key = repr(body.media)
+    if key not in context.media:
+        context.media[key] = f"medium{len(context.media)}"
+        context.head.append(_homogeneous(context, body.media, context.media[key], place))
+    return context.media[key]
+
+
+def _homogeneous(context: Context, media: tuple[Medium, ...], name: str, place: str) -> str:
+    scatterer = next((each for each in media if not each.scattering.is_black), media[0])
+    return directive(
+        "MakeNamedMedium",
+        quoted(name),
+        text("type", "homogeneous"),
+        spectrum("sigma_a", _sum([each.absorption for each in media])),
+        spectrum("sigma_s", _sum([each.scattering for each in media])),
+        real("g", _g(context, scatterer.phase, place)),
+    )
+
+
+def _sum(tables: list[Table]) -> Table:
+    if len(tables) == 1:
+        return tables[0]
+    return Table.visible(np.sum([table.at(visible_wavelengths()) for table in tables], axis=0))
+
+
+def _g(context: Context, phase: scene_pb2.PhaseFunction, place: str) -> float:
+    if phase.WhichOneof("shape") == "henyey_greenstein":
+        return phase.henyey_greenstein.g
+    context.findings.lost(place, "phase functions other than Henyey and Greenstein's have no equal in pbrt")
+    return 0.0

@@ -1,0 +1,70 @@
+"""Files that a scene names: found only inside one folder, and never larger than expected."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from nocturne_scene.document import bounds
+from nocturne_scene.errors import InputError
+
+# Bytes of a file that is read as text. Geometry and pictures have bounds of their own.
+TEXT_BYTES = 64 * 2**20
+
+
+class SceneFiles:
+    """Resolves names within `root`, links included."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root.resolve()
+
+    def find(self, name: str, folders: Iterable[Path], place: str) -> Path:
+        """Return the first of folder / name that is a file.
+
+        Raises InputError: `name` is absolute, leads out of the root, or is nowhere.
+        """
+        if not name or len(name) > bounds.PATH_LENGTH or any(ord(letter) < 32 for letter in name):
+            raise InputError.at(place, "expected the name of a file")
+        name = name.replace("\\", "/")
+        if Path(name).is_absolute() or ":" in name.split("/")[0]:
+            raise InputError.at(place, f'"{name[:200]}" is an absolute path; expected one below {self.root}')
+        outside = False
+        for folder in folders:
+            found = (folder / name).resolve()
+            if not found.is_relative_to(self.root):
+                outside = True
+            elif found.is_file():
+                return found
+        if outside:
+            raise InputError.at(
+                place,
+                f'"{name[:200]}" leads out of {self.root}; nothing outside is read. '
+                "Name a folder that holds everything with --root",
+            )
+        raise InputError.at(place, f'no file "{name[:200]}"')
+
+    def folder(self, name: str, base: Path, place: str) -> Path:
+        """Return a folder to look for files in. Raises InputError as `find` does."""
+        found = (base / name.replace("\\", "/")).resolve()
+        if not found.is_relative_to(self.root):
+            raise InputError.at(
+                place,
+                f'"{name[:200]}" leads out of {self.root}; name a folder that holds everything with --root',
+            )
+        if not found.is_dir():
+            raise InputError.at(place, f'no folder "{name[:200]}"')
+        return found
+
+    def shown(self, file: Path) -> str:
+        """A file's name in messages, relative to the root."""
+        return str(file.relative_to(self.root)) if file.is_relative_to(self.root) else file.name
+
+
+def read_bytes(file: Path, most: int, shown: str) -> bytes:
+    """Return a file's content. Raises InputError where it has more than `most` bytes or can't be read."""
+    try:
+        with file.open("rb") as opened:
+            content = opened.read(most + 1)
+    except OSError as error:
+        raise InputError.at(shown, f"can't be read: {error.strerror}") from None
+    if len(content) > most:
+        raise InputError.at(shown, f"has more than {most:,} bytes")
+    return content

@@ -1,0 +1,138 @@
+"""Collects a scene document and its files, checks them as the service would, and writes them to a folder."""
+
+import json
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from numpy.typing import NDArray
+
+from nocturne_scene.document.read import check_document
+from nocturne_scene.errors import InputError, Problem
+from nocturne_scene.formats.reading import shapes
+from nocturne_scene.meshes.triangles import Triangles
+
+Json = Any
+DOCUMENT = "scene.json"
+
+# Pixels across the squares of a board: their edges are blurred over 1/512 of its period.
+_BOARD = 512
+
+# Characters of a name that an import makes up.
+_NAME_LENGTH = 60
+
+
+@dataclass
+class Film:
+    """What a scene file says of its image; no part of a scene document."""
+
+    width: int = 512
+    height: int = 512
+    samples: int | None = None
+
+
+@dataclass
+class SceneWriter:
+    """A scene under way; files go below `folder` as they are made."""
+
+    folder: Path
+    document: dict[str, Json] = field(default_factory=lambda: {"nocturne": 1})
+    film: Film = field(default_factory=Film)
+    _names: set[str] = field(default_factory=set)
+    _copied: dict[Path, str] = field(default_factory=dict)
+
+    def add(self, collection: str, entry: Json) -> None:
+        """Append to a list of the document."""
+        self.document.setdefault(collection, []).append(entry)
+
+    def name(self, collection: str, wanted: str, entry: Json) -> str:
+        """Put `entry` under a name like `wanted` and return that."""
+        name = self._unused(wanted, collection)
+        self.document.setdefault(collection, {})[name] = entry
+        return name
+
+    def mesh(self, wanted: str, mesh: Triangles) -> Json:
+        """Write a mesh and return its shape. Raises InputError where it has no place in space."""
+        # Also in single precision, in which it is written.
+        if not np.all(np.isfinite(mesh.vertices.astype(np.float32))):
+            raise InputError.at(wanted, "coordinates of the mesh are not finite, or too large")
+        name = f"meshes/{self._unused(wanted, 'meshes')}.ply"
+        self.file(name, shapes.ply(mesh))
+        return {"type": "mesh", "asset": name, "smooth": mesh.normals is not None}
+
+    def picture(self, wanted: str, pixels: NDArray[np.float64], *, narrow: bool = False) -> str:
+        """Write an EXR of shape (height, width, 1 or 3) and return its name.
+
+        `narrow`: in 16-bit floats, as compiled textures of 8-bit pictures are, too.
+        """
+        name = f"textures/{self._unused(wanted, 'textures.files')}.exr"
+        path = self._path(name)
+        height, width, channels = pixels.shape
+        spec = oiio.ImageSpec(width, height, channels, oiio.HALF if narrow else oiio.FLOAT)
+        spec.attribute("compression", "zip")
+        output = oiio.ImageOutput.create(str(path))
+        if output is None or not output.open(str(path), spec):
+            raise InputError.at(name, f"can't be written: {oiio.geterror()[:200]}")
+        output.write_image(np.ascontiguousarray(pixels, dtype=np.float32))
+        output.close()
+        return name
+
+    def board(self, first: Sequence[float], second: Sequence[float]) -> str:
+        """Make a texture of two by two squares of linear sRGB, `first` at the top left; return its name."""
+        channels = 1 if all(len(set(colour)) == 1 for colour in (first, second)) else 3
+        half = np.arange(_BOARD) >= _BOARD // 2
+        chosen = (half[:, None] != half[None, :]).astype(int)
+        asset = self.picture("board", np.array([first, second])[chosen][..., :channels])
+        return self.name("textures", "board", {"asset": asset, "encoding": "linear", "sharp": True})
+
+    def copy(self, file: Path) -> str:
+        """Copy a file as it is, once, and return its name."""
+        if file not in self._copied:
+            name = f"textures/{self._unused(file.stem, 'textures.files')}{file.suffix.lower()}"
+            shutil.copyfile(file, self._path(name))
+            self._copied[file] = name
+        return self._copied[file]
+
+    def file(self, name: str, content: bytes) -> str:
+        """Write a file of that name and return the name."""
+        self._path(name).write_bytes(content)
+        return name
+
+    def unused_file(self, folder: str, wanted: str, end: str) -> str:
+        """Return the name of a file below a folder that is made for it."""
+        name = f"{folder}/{self._unused(wanted, folder)}{end}"
+        self._path(name)
+        return name
+
+    def finish(self) -> tuple[Problem, ...]:
+        """Write the document and return what is wrong with it. Raises InputError for one that is no JSON."""
+        problems: tuple[Problem, ...] = ()
+        try:
+            check_document(self.document)
+        except InputError as error:
+            problems = error.problems
+        try:
+            text = json.dumps(self.document, indent=1, ensure_ascii=False, allow_nan=False)
+        except ValueError:
+            raise InputError(problems) from None
+        (self.folder / DOCUMENT).write_text(text + "\n", encoding="utf-8")
+        return problems
+
+    def _path(self, name: str) -> Path:
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path
+
+    def _unused(self, wanted: str, collection: str) -> str:
+        letters = (c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in wanted[:_NAME_LENGTH])
+        plain = "".join(letters).lstrip("-") or "unnamed"
+        number, name = 1, plain
+        while f"{collection}/{name}" in self._names:
+            number += 1
+            name = f"{plain}-{number}"
+        self._names.add(f"{collection}/{name}")
+        return name

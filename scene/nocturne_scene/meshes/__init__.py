@@ -1,0 +1,1 @@
+"""Meshes: reading files within bounds, simple shapes as triangles, packing."""

@@ -1,0 +1,1 @@
+"""Photometric files of lamps (IES LM-63), read and written."""

@@ -1,0 +1,32 @@
+"""Write, then rename: a file that others read is the old one or the new one, never a part."""
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+UNFINISHED = ".unfinished-"
+"""Beginning of the names of files that are being written; those a crash leaves behind may be removed."""
+
+
+@contextmanager
+def replacing(path: Path, durable: bool = False, folder: Path | None = None) -> Iterator[Path]:
+    """An empty file to write to, which becomes `path` at the end of `with`, and is gone after an error.
+
+    `durable`: its content is on the disk before it is seen. It lies in `folder`, of the same file system;
+    without one, beside `path`.
+    """
+    descriptor, name = tempfile.mkstemp(dir=folder or path.parent, prefix=UNFINISHED, suffix=path.suffix)
+    os.close(descriptor)
+    unfinished = Path(name)
+    try:
+        yield unfinished
+        # What mkstemp makes can be read by nobody else.
+        unfinished.chmod(0o644)
+        if durable:
+            with unfinished.open("rb") as file:
+                os.fsync(file.fileno())
+        unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)

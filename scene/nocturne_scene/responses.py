@@ -1,0 +1,26 @@
+"""What the sensor's further responses may be called."""
+
+import re
+from collections.abc import Iterator, Sequence
+
+from nocturne_scene.limits import MAX_FURTHER_RESPONSES
+
+_NAME = re.compile("[A-Za-z][A-Za-z0-9_-]{0,30}")
+# What an EXR's channels mean by convention, or here.
+_TAKEN = frozenset("XYZRGBAn")
+
+
+def name_problems(names: Sequence[str]) -> Iterator[str]:
+    """What is wrong with the names of a sensor's further responses, in words."""
+    if len(names) > MAX_FURTHER_RESPONSES:
+        yield f"{len(names)} further responses; at most {MAX_FURTHER_RESPONSES}"
+    for index, name in enumerate(names):
+        if not _NAME.fullmatch(name):
+            yield (
+                f"{name[:40]!r} can't be a response's name: expected a letter, "
+                "then at most 30 letters, digits, '_' and '-'"
+            )
+        elif name in _TAKEN:
+            yield f"{name!r} can't be a response's name: it means another channel of an image"
+        elif name in names[:index]:
+            yield f"two responses are named {name!r}"

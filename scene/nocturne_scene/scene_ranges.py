@@ -1,0 +1,28 @@
+"""The schedule of a compiled scene: what the scene says about how its film is cut."""
+
+from nocturne.v1 import job_pb2, scene_pb2
+
+from nocturne_scene.blobs import BlobStore
+from nocturne_scene.ranges import make_schedule
+
+
+def schedule_for_scene(
+    blobs: BlobStore, scene_sha256: str, width: int, height: int, samples: int
+) -> job_pb2.RangeSchedule:
+    """The schedule of a film of width x height pixels. Raises InputError as `make_schedule`, and NotFound."""
+    scene = scene_pb2.CompiledScene.FromString(blobs.path(scene_sha256).read_bytes())
+    return schedule_of(scene, width, height, samples)
+
+
+def schedule_of(
+    scene: scene_pb2.CompiledScene, width: int, height: int, samples: int
+) -> job_pb2.RangeSchedule:
+    """The same of a scene in memory. Raises InputError as `make_schedule`."""
+    return make_schedule(
+        width,
+        height,
+        samples,
+        [response.name for response in scene.sensor.further_responses],
+        one_tile=scene.tracing.direction != scene_pb2.DIRECTION_ADJOINT,
+        photons_per_sample=scene.tracing.group,
+    )

@@ -1,0 +1,89 @@
+"""Documents without their smallest instances."""
+
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nocturne_scene.compile.placement import placement_of
+from nocturne_scene.document.model import SceneDocument
+from nocturne_scene.document.shapes import AssetMesh, Box, Disc, InlineMesh, Quad, Shape, Sphere
+from nocturne_scene.document.surfaces import Surface
+from nocturne_scene.meshes.files import load_mesh
+from nocturne_scene.meshes.simple import box_mesh, disc_mesh, inline_mesh, quad_mesh
+from nocturne_scene.simplify.simplification import Document, Find, Simplification
+
+SHARES = (0.5, 0.9)
+"""Parts of the instances, the smallest, that are left out."""
+
+_Box = NDArray[np.float64]
+
+
+def small_instances(checked: SceneDocument, find: Find) -> Iterator[Simplification]:
+    """Without those that look smallest from where the sensor is: radius over distance."""
+    if len(checked.instances) < 2:
+        return
+    order = np.argsort(_apparent_sizes(checked, find), kind="stable")
+    for share in SHARES:
+        left_out = order[: int(share * len(order))]
+        if left_out.size:
+            name = f"without the {share:.0%} of the instances that look smallest"
+            yield Simplification(name, partial(_leave_out, frozenset(left_out.tolist())), kind="instances")
+
+
+def _leave_out(places: frozenset[int], document: Document) -> None:
+    instances = document["instances"]
+    document["instances"] = [each for index, each in enumerate(instances) if index not in places]
+
+
+def _apparent_sizes(document: SceneDocument, find: Find) -> NDArray[np.float64]:
+    eye = np.array(document.sensor.position)
+    boxes: dict[str, _Box] = {}
+    sizes = []
+    for instance in document.instances:
+        box = _box_of_group(instance.group, document, find, boxes)
+        placement = placement_of(instance)
+        centre = placement.points(box.mean(axis=0))
+        radius = placement.scale * float(np.linalg.norm(box[1] - box[0])) / 2
+        sizes.append(radius / max(float(np.linalg.norm(centre - eye)), radius, 1e-30))
+    return np.array(sizes)
+
+
+def _box_of_group(name: str, document: SceneDocument, find: Find, known: dict[str, _Box]) -> _Box:
+    """Lowest and highest coordinates, shape (2, 3); each group once."""
+    if name not in known:
+        corners = []
+        for member in document.groups[name]:
+            if isinstance(member, Surface):
+                points = _points(member.shape, find)
+            else:
+                points = _corners(_box_of_group(member.group, document, find, known))
+            corners.append(placement_of(member).points(points))
+        points = np.concatenate(corners)
+        known[name] = np.stack([points.min(axis=0), points.max(axis=0)])
+    return known[name]
+
+
+def _points(shape: Shape, find: Find) -> NDArray[np.float64]:
+    match shape:
+        case Sphere():
+            centre = np.array(shape.centre)
+            return _corners(np.stack([centre - shape.radius, centre + shape.radius]))
+        case AssetMesh():
+            return load_mesh(find(shape.asset), shape.resolved_format()).vertices
+        case InlineMesh():
+            return inline_mesh(shape).vertices
+        case Quad():
+            return quad_mesh(shape).vertices
+        case Disc():
+            return disc_mesh(shape).vertices
+        case Box():
+            return box_mesh(shape).vertices
+    # A medium's box stands where its grid stands, wherever the instance is.
+    return np.zeros((1, 3))
+
+
+def _corners(box: _Box) -> NDArray[np.float64]:
+    """All eight, shape (8, 3)."""
+    return np.stack(np.meshgrid(*box.T, indexing="ij"), axis=-1).reshape(-1, 3)

@@ -1,0 +1,1 @@
+"""Spectra: what is published, and tables of wavelength for the tracer."""

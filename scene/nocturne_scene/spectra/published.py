@@ -1,0 +1,156 @@
+"""Numbers that others measured or agreed on: observers, illuminants, the colour chart. The only user of
+colour-science.
+
+The package's own files in `scene/data` are read here too.
+"""
+
+import tomllib
+import warnings
+from collections.abc import Mapping
+from functools import lru_cache
+from importlib import resources
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+# nm. The range of the CIE 1931 2-degree observer (CIE 018:2019, table 6), and its step.
+FIRST = 360.0
+LAST = 830.0
+STEP = 1.0
+
+# Name in documents, and in colour-science.
+OBSERVERS: Mapping[str, str] = {
+    "CIE 1931 2 degree": "CIE 1931 2 Degree Standard Observer",
+    "CIE 1964 10 degree": "CIE 1964 10 Degree Standard Observer",
+}
+
+_DAYLIGHTS = ("D50", "D55", "D65", "D75")
+
+ILLUMINANTS: tuple[str, ...] = (
+    *("A", "C", *_DAYLIGHTS, "E"),
+    *(f"FL{number}" for number in range(1, 13)),
+    *(f"FL3.{number}" for number in range(1, 16)),
+    *(f"HP{number}" for number in range(1, 6)),
+    *(f"LED-B{number}" for number in range(1, 6)),
+    *("LED-BH1", "LED-RGB1", "LED-V1", "LED-V2"),
+)
+
+# As they lie on the chart, from the top left.
+CHART_PATCHES: Mapping[str, str] = {
+    "dark skin": "dark skin",
+    "light skin": "light skin",
+    "blue sky": "blue sky",
+    "foliage": "foliage",
+    "blue flower": "blue flower",
+    "bluish green": "bluish green",
+    "orange": "orange",
+    "purplish blue": "purplish blue",
+    "moderate red": "moderate red",
+    "purple": "purple",
+    "yellow green": "yellow green",
+    "orange yellow": "orange yellow",
+    "blue": "blue",
+    "green": "green",
+    "red": "red",
+    "yellow": "yellow",
+    "magenta": "magenta",
+    "cyan": "cyan",
+    "white": "white 9.5 (.05 D)",
+    "neutral 8": "neutral 8 (.23 D)",
+    "neutral 6.5": "neutral 6.5 (.44 D)",
+    "neutral 5": "neutral 5 (.70 D)",
+    "neutral 3.5": "neutral 3.5 (1.05 D)",
+    "black": "black 2 (1.5 D)",
+}
+
+
+@lru_cache(maxsize=1)
+def _colour() -> ModuleType:
+    """Import colour-science late, as that takes a second; nobody here needs its remark about Matplotlib."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message='"Matplotlib" related API features are not available')
+        import colour
+    return colour
+
+
+def visible_wavelengths() -> Floats:
+    """Return FIRST to LAST in steps of STEP, nm: 471 numbers."""
+    return np.arange(FIRST, LAST + STEP / 2, STEP)
+
+
+@lru_cache(maxsize=len(OBSERVERS))
+def observer(name: str) -> Floats:
+    """Return colour matching functions, shape (471, 3), at `visible_wavelengths`; `name` is a key of
+    OBSERVERS.
+
+    CIE 018:2019 and CIE 015:2018.
+    """
+    found = _colour().MSDS_CMFS[OBSERVERS[name]]
+    visible = (found.wavelengths >= FIRST) & (found.wavelengths <= LAST)
+    return np.asarray(found.values[visible], dtype=np.float64)
+
+
+@lru_cache(maxsize=len(ILLUMINANTS))
+def illuminant(name: str) -> tuple[Floats, Floats]:
+    """Return wavelengths in nm and the relative spectrum there, linear in between; `name` is one of
+    ILLUMINANTS.
+
+    A is CIE 015:2018, equation 4.1, each nm. The others are its tables, each 5 nm, as colour-science has
+    them: to 780 nm. Beyond, the daylights are held (its section 7.2.3); the others are dark.
+    """
+    if name == "E":
+        return np.array([FIRST, LAST]), np.ones(2)
+    if name == "A":
+        wavelengths = visible_wavelengths()
+        return wavelengths, _illuminant_a(wavelengths)
+    found = _colour().SDS_ILLUMINANTS[name]
+    wavelengths, values = np.asarray(found.wavelengths), np.asarray(found.values)
+    if name not in _DAYLIGHTS:
+        return wavelengths, values
+    beyond = np.arange(wavelengths[-1] + 5.0, LAST + 2.5, 5.0)
+    return np.append(wavelengths, beyond), np.append(values, np.full(len(beyond), values[-1]))
+
+
+def _illuminant_a(wavelengths: Floats) -> Floats:
+    c2 = 1.435e7  # nm K, as when A was defined
+    at_560 = np.expm1(c2 / (2848 * 560))
+    return np.asarray(100 * (560 / wavelengths) ** 5 * at_560 / np.expm1(c2 / (2848 * wavelengths)))
+
+
+@lru_cache(maxsize=len(CHART_PATCHES))
+def chart_patch(name: str) -> tuple[Floats, Floats]:
+    """Return wavelengths (380 to 730 nm, each 10 nm) and reflectance of a patch of the 24-patch colour chart.
+
+    `name` is a key of CHART_PATCHES. Averages over 30 charts: D. Pascale, BabelColor, 2012, in
+    colour-science.
+    """
+    found = _colour().SDS_COLOURCHECKERS["BabelColor Average"][CHART_PATCHES[name]]
+    return np.asarray(found.wavelengths), np.asarray(found.values)
+
+
+@lru_cache(maxsize=1)
+def srgb_basis() -> tuple[Floats, Floats]:
+    """Return wavelengths (380 to 780 nm, each 5 nm) and shape (81, 3): reflectances of red, green and blue.
+
+    They add up to 1, and under D65 any sum of them has the linear sRGB of its weights: I. Mallett and
+    C. Yuksel, "Spectral primary decomposition for rendering with sRGB reflectance", EGSR 2019, in
+    colour-science.
+    """
+    found = _colour().recovery.MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019
+    values = np.asarray(found.values, dtype=np.float64)
+    return np.asarray(found.wavelengths), values / values.sum(axis=1, keepdims=True)
+
+
+@lru_cache(maxsize=8)
+def data_file(name: str) -> dict[str, Any]:
+    """Read a TOML file of `scene/data`."""
+    return tomllib.loads(resources.files("nocturne_scene.data").joinpath(name).read_text("utf-8"))
+
+
+def data_bytes(name: str) -> bytes:
+    """Read a binary file of `scene/data`."""
+    return resources.files("nocturne_scene.data").joinpath(name).read_bytes()

@@ -1,0 +1,69 @@
+"""The Sun outside the atmosphere, as a disc at infinity. Numbers and sources: data/sun.toml."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from nocturne.v1 import scene_pb2
+
+from nocturne_scene.spectra.published import Floats, data_file, visible_wavelengths
+
+# Mean over the disc of mu^k, k = 0 ... 5: twice the integral of mu^(k + 1).
+_MEANS = 2 / (np.arange(6) + 2)
+
+
+@dataclass(frozen=True)
+class Sun:
+    """What `DistantDisc` wants: radiance at the centre of the disc, a_k as differences, half angle in
+    radians.
+    """
+
+    half_angle: float
+    radiance: scene_pb2.Spectrum
+    limb_plus: list[scene_pb2.Spectrum]
+    limb_minus: list[scene_pb2.Spectrum]
+
+
+def irradiance() -> Floats:
+    """Spectral irradiance across the beam at 1 au, W m-2 nm-1, at `visible_wavelengths`."""
+    return np.array(data_file("sun.toml")["irradiance"]["values"], dtype=np.float64)
+
+
+def half_angle() -> float:
+    """Angular radius of the disc at 1 au, radians."""
+    return float(np.deg2rad(data_file("sun.toml")["disc"]["angular_radius_arcseconds"] / 3600))
+
+
+def limb_darkening() -> Floats:
+    """a_k at `visible_wavelengths`, shape (471, 6), linear between the measured ones; their sum is 1."""
+    rows = np.array(data_file("sun.toml")["limb_darkening"]["rows"], dtype=np.float64)
+    wavelengths = visible_wavelengths()
+    a = np.stack([np.interp(wavelengths, rows[:, 0], rows[:, 1 + k]) for k in range(6)], axis=1)
+    return np.asarray(a / a.sum(axis=1, keepdims=True))
+
+
+def sun(distance_au: float = 1.0, *, darkened: bool = True) -> Sun:
+    """Return the Sun's disc from a distance in astronomical units; its irradiance is `irradiance` /
+    distance^2.
+
+    Without limb darkening the radiance is the disc's mean. Radiance of the mean is irradiance over
+    pi sin^2(half angle), which is exact for a disc seen face on.
+    """
+    angle = float(np.arcsin(np.sin(half_angle()) / distance_au))
+    mean = irradiance() / (np.pi * np.sin(half_angle()) ** 2)
+    if not darkened:
+        return Sun(angle, _table(mean), [], [])
+    a = limb_darkening()
+    return Sun(
+        angle,
+        _table(mean / (a @ _MEANS)),
+        [_table(np.maximum(a[:, k], 0)) for k in range(6)],
+        [_table(np.maximum(-a[:, k], 0)) for k in range(6)],
+    )
+
+
+def _table(values: Floats) -> scene_pb2.Spectrum:
+    if not np.any(values):
+        return scene_pb2.Spectrum(values=[0.0])
+    return scene_pb2.Spectrum(
+        first_nm=float(visible_wavelengths()[0]), step_nm=1.0, values=values.astype(np.float32).tolist()
+    )

@@ -1,0 +1,350 @@
+"""Spectra of a scene document as the tracer's tables.
+
+The tracer samples wavelengths from FIRST to LAST only, so tables are cut to that range, and lines outside of
+it are left out.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from nocturne.v1 import scene_pb2
+from numpy.typing import NDArray
+
+from nocturne_scene.document.spectra import (
+    BlackbodySpectrum,
+    ChartSpectrum,
+    ConstantSpectrum,
+    IlluminantSpectrum,
+    LineSpectrum,
+    RgbSpectrum,
+    Spectrum,
+    TableSpectrum,
+)
+from nocturne_scene.spectra import lines as line_spectra
+from nocturne_scene.spectra import published
+from nocturne_scene.spectra import rgb as rgb_spectra
+from nocturne_scene.spectra.published import FIRST, LAST, STEP, visible_wavelengths
+
+# The observer of photometry: whose Y is luminance.
+STANDARD_OBSERVER = "CIE 1931 2 degree"
+
+# lm/W. CIE 018:2019: the luminous efficacy that makes Y the luminance in cd/m2.
+MAX_LUMINOUS_EFFICACY = 683.0
+
+# SI 2019, exact: J s, m/s, J/K.
+PLANCK = 6.62607015e-34
+LIGHT_SPEED = 299_792_458.0
+BOLTZMANN = 1.380649e-23
+
+# nm. Coarsest first; FALLBACK_STEP is used when none fits.
+STEPS = (100.0, 50.0, 20.0, 10.0, 5.0, 4.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
+FALLBACK_STEP = 0.1
+_ON_GRID = 1e-6  # steps; knots are decimal fractions, grids are binary ones
+
+
+Outside = Literal["hold", "zero"]
+
+
+class NotCompilableError(Exception):
+    """The spectrum has no usable size; the message says why."""
+
+
+def response(observer: str = STANDARD_OBSERVER) -> NDArray[np.float64]:
+    """Return the response curves X, Y, Z, shape (471, 3), each 1 nm from FIRST.
+
+    They are K_m times the colour matching functions of one of `published.OBSERVERS`.
+
+    Summed over wavelengths against spectral radiance in W m-2 sr-1 nm-1 they give XYZ with Y in cd/m2.
+    """
+    return MAX_LUMINOUS_EFFICACY * published.observer(observer)
+
+
+def planck(temperature: float, wavelengths: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the spectral radiance of a black body in vacuum, W m-2 sr-1 nm-1, at wavelengths in nm.
+
+    Temperature in K.
+    """
+    metres = wavelengths * 1e-9
+    exponent = PLANCK * LIGHT_SPEED / (metres * BOLTZMANN * temperature)
+    # exp(-x) / (1 - exp(-x)) instead of 1 / (exp(x) - 1): no overflow for a cold body.
+    per_metre = 2 * PLANCK * LIGHT_SPEED**2 / metres**5 * np.exp(-exponent) / -np.expm1(-exponent)
+    return per_metre * 1e-9
+
+
+def reflectance(spectrum: Spectrum) -> scene_pb2.Spectrum:
+    """Compile a reflectance (constant or table), held beyond its table unless it says otherwise."""
+    return _message(_sampled(spectrum, outside="hold"))
+
+
+def tabulated(knots: Sequence[tuple[float, float]], outside: Outside = "hold") -> scene_pb2.Spectrum:
+    """Compile pairs of wavelength and value, such as an index of refraction."""
+    values = np.array(knots, dtype=np.float64)
+    return _message(_from_table(values[:, 0], values[:, 1], outside))
+
+
+def response_curve(spectrum: Spectrum) -> NDArray[np.float64]:
+    """Return a sensor's further response at the wavelengths of `response`; zero beyond a table.
+
+    Straight lines between these wavelengths are exact for tables with whole nm that begin and end at zero.
+    What is narrower or steeper than the grid, such as a line, keeps its integral and its centre, and becomes
+    as wide as the grid's step.
+    """
+    sampled = _sampled(spectrum, outside="zero")
+    lines = line_spectra.projected(sampled.lines)
+    if _on_response_grid(sampled):
+        return _table_at(_message(replace(sampled, lines=())), visible_wavelengths()) + lines
+    return _projected(sampled) + lines
+
+
+def at_visible(values: NDArray[np.float64], *, zero_outside: bool = True) -> scene_pb2.Spectrum:
+    """Compile values at `published.visible_wavelengths`, zero beyond or else held."""
+    return _message(_Sampled(FIRST, STEP, values, zero_outside=zero_outside))
+
+
+def radiance(spectrum: Spectrum) -> scene_pb2.Spectrum:
+    """Compile a spectral radiance in W m-2 sr-1 nm-1, zero beyond its table unless it says otherwise.
+
+    Raises NotCompilableError if the spectrum should be scaled to a luminance and has none, or does not fit
+    into float32.
+    """
+    sampled = _sampled(spectrum, outside="zero")
+    wanted = None if isinstance(spectrum, ChartSpectrum) else spectrum.luminance
+    if wanted is not None:
+        sampled = sampled.scaled(_factor(wanted, luminance(_message(sampled))))
+    message = _message(sampled)
+    check_finite(message)
+    return message
+
+
+def check_finite(message: scene_pb2.Spectrum) -> None:
+    """Raise NotCompilableError where a radiance does not fit into float32."""
+    with np.errstate(over="ignore"):
+        heights = np.array([line.power / line.width_nm for line in message.lines], dtype=np.float32)
+    if not (np.all(np.isfinite(message.values)) and np.all(np.isfinite(heights))):
+        raise NotCompilableError("the radiance is too large for a 32-bit number")
+
+
+def luminance(message: scene_pb2.Spectrum) -> float:
+    """Return the luminance of a compiled spectral radiance, cd/m2.
+
+    The sum of its table against the response for Y, and the integrals of its lines.
+    """
+    return float(integral(message, response()[:, 1]))
+
+
+def integral(message: scene_pb2.Spectrum, curves: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the integral of a compiled spectrum times curves, given as rows at `visible_wavelengths`.
+
+    The sum of its table each nm; exact for its lines.
+    """
+    table = _table_at(message, visible_wavelengths())
+    return np.asarray(table @ curves * STEP + line_spectra.integrals(message.lines, curves))
+
+
+def evaluate(message: scene_pb2.Spectrum, wavelengths: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a compiled spectrum's values at increasing wavelengths in nm, as the tracer sees them."""
+    return _table_at(message, wavelengths) + line_spectra.values_at(message.lines, wavelengths)
+
+
+def _table_at(message: scene_pb2.Spectrum, wavelengths: NDArray[np.float64]) -> NDArray[np.float64]:
+    values = np.asarray(message.values, dtype=np.float64)
+    if len(values) == 1:
+        return np.full(wavelengths.shape, values[0])
+    knots = message.first_nm + message.step_nm * np.arange(len(values))
+    end = 0.0 if message.zero_outside else None
+    return np.interp(wavelengths, knots, values, left=end, right=end)
+
+
+def scaled_to_luminance(message: scene_pb2.Spectrum, wanted: float) -> scene_pb2.Spectrum:
+    """Return a compiled radiance with the luminance `wanted`, cd/m2; raises NotCompilableError."""
+    factor = _factor(wanted, luminance(message))
+    return scaled(message, np.full(visible_wavelengths().shape, factor))
+
+
+def scaled(message: scene_pb2.Spectrum, factors: NDArray[np.float64]) -> scene_pb2.Spectrum:
+    """Return a compiled spectrum times factors at `visible_wavelengths`; a line times that at its centre.
+
+    Where factors differ, the table becomes one at these wavelengths, zero beyond.
+    """
+    if np.all(factors == factors[0]):
+        result = scene_pb2.Spectrum()
+        result.CopyFrom(message)
+        with np.errstate(over="ignore"):
+            result.values[:] = (factors[0] * np.asarray(message.values)).astype(np.float32).tolist()
+    else:
+        result = at_visible(factors * _table_at(message, visible_wavelengths()))
+        result.lines.extend(message.lines)
+    for line in result.lines:
+        line.power *= float(np.interp(line.centre_nm, visible_wavelengths(), factors))
+    return result
+
+
+def is_black(message: scene_pb2.Spectrum) -> bool:
+    """Whether the spectrum is zero everywhere."""
+    return not any(message.values) and not any(line.power for line in message.lines)
+
+
+def _factor(wanted: float, found: float) -> float:
+    if not found > 0:
+        raise NotCompilableError("the spectrum has no visible light, so it can't be scaled to a luminance")
+    return wanted / found
+
+
+@dataclass(frozen=True)
+class _Sampled:
+    """Values at first, first + step, ..., nm; a single value holds everywhere. And lines."""
+
+    first: float
+    step: float
+    values: NDArray[np.float64]
+    zero_outside: bool
+    lines: tuple[scene_pb2.Line, ...] = ()
+
+    def scaled(self, factor: float) -> "_Sampled":
+        lines = [
+            scene_pb2.Line(centre_nm=line.centre_nm, power=factor * line.power, width_nm=line.width_nm)
+            for line in self.lines
+        ]
+        return replace(self, values=self.values * factor, lines=tuple(lines))
+
+
+def _constant(value: float) -> _Sampled:
+    return _Sampled(0.0, 0.0, np.array([value]), zero_outside=False)
+
+
+def _on_response_grid(sampled: _Sampled) -> bool:
+    """Whether straight lines between whole nm are the table itself."""
+    if len(sampled.values) == 1:
+        return True
+    last = sampled.first + sampled.step * (len(sampled.values) - 1)
+    jumps = (sampled.values[0] > 0 and sampled.first > FIRST) or (sampled.values[-1] > 0 and last < LAST)
+    whole = (sampled.first - FIRST) % STEP == 0 and sampled.step % STEP == 0
+    return whole and not (jumps and sampled.zero_outside)
+
+
+def _projected(sampled: _Sampled) -> NDArray[np.float64]:
+    """Return the integrals of a table times the hat around each of `visible_wavelengths`, over the hat's own.
+
+    Between the knots of both a product is a parabola, for which Simpson's rule is exact.
+    """
+    grid = visible_wavelengths()
+    knots = sampled.first + sampled.step * np.arange(len(sampled.values))
+    low, high = (max(knots[0], FIRST), min(knots[-1], LAST)) if sampled.zero_outside else (FIRST, LAST)
+    bends = np.concatenate([grid, knots])
+    ends = np.unique(np.concatenate([[low], bends[(bends > low) & (bends < high)], [high]]))
+    at = np.stack([ends[:-1], (ends[:-1] + ends[1:]) / 2, ends[1:]])
+    parts = np.interp(at, knots, sampled.values) * np.array([[1], [4], [1]]) / 6 * np.diff(ends)
+    cell = ((at[1] - FIRST) / STEP).astype(np.int64)
+    right = (at - grid[cell]) / STEP
+    totals = np.zeros(grid.shape)
+    np.add.at(totals, cell, (parts * (1 - right)).sum(axis=0))
+    np.add.at(totals, cell + 1, (parts * right).sum(axis=0))
+    totals[[0, -1]] *= 2  # half of a hat
+    return totals / STEP
+
+
+def _message(sampled: _Sampled) -> scene_pb2.Spectrum:
+    sampled = _simplest(sampled)
+    with np.errstate(over="ignore"):  # the caller looks for infinities
+        values = sampled.values.astype(np.float32)
+    return scene_pb2.Spectrum(
+        first_nm=sampled.first,
+        step_nm=sampled.step,
+        values=values.tolist(),
+        zero_outside=sampled.zero_outside,
+        lines=sampled.lines,
+    )
+
+
+def _simplest(sampled: _Sampled) -> _Sampled:
+    """A single value where a table has the same everywhere that the tracer looks."""
+    last = sampled.first + sampled.step * (len(sampled.values) - 1)
+    everywhere = not sampled.zero_outside or (sampled.first <= FIRST and last >= LAST)
+    if everywhere and np.all(sampled.values == sampled.values[0]):
+        return replace(_constant(float(sampled.values[0])), lines=sampled.lines)
+    return sampled
+
+
+def _sampled(spectrum: Spectrum, outside: Outside) -> _Sampled:
+    match spectrum:
+        case ConstantSpectrum():
+            return _constant(spectrum.constant)
+        case TableSpectrum():
+            knots = np.array(spectrum.table, dtype=np.float64)
+            return _from_table(knots[:, 0], knots[:, 1], spectrum.outside or outside)
+        case BlackbodySpectrum():
+            wavelengths = visible_wavelengths()
+            return _Sampled(FIRST, STEP, planck(spectrum.blackbody, wavelengths), zero_outside=True)
+        case IlluminantSpectrum():
+            return _illuminant(spectrum.illuminant)
+        case LineSpectrum():
+            return _lines(spectrum)
+        case RgbSpectrum():
+            return _rgb(spectrum, outside)
+        case ChartSpectrum():
+            return _from_table(*published.chart_patch(spectrum.chart_patch), "hold")
+
+
+def _illuminant(name: str) -> _Sampled:
+    """The relative spectrum as it is published, linear in between."""
+    if name == "E":
+        return _constant(1.0)
+    return _from_table(*published.illuminant(name), "zero")
+
+
+def line_messages(spectrum: LineSpectrum) -> list[scene_pb2.Line]:
+    """Return the lines as they are written."""
+    return [
+        scene_pb2.Line(centre_nm=line.nm, power=line.power, width_nm=line.width) for line in spectrum.lines
+    ]
+
+
+def _lines(spectrum: LineSpectrum) -> _Sampled:
+    visible = (line for line in line_messages(spectrum) if line.power > 0 and line_spectra.is_visible(line))
+    return replace(_constant(0.0), lines=tuple(visible))
+
+
+def _rgb(spectrum: RgbSpectrum, outside: Outside) -> _Sampled:
+    """The smooth spectrum of a colour; as radiance times D65."""
+    rgb = np.array(spectrum.rgb)
+    if outside == "hold":
+        coefficients = rgb_spectra.rgb_to_coefficients(rgb)
+        values = rgb_spectra.spectra_of(coefficients.astype(np.float64), visible_wavelengths())
+    else:
+        scale, coefficients = rgb_spectra.emission(rgb)
+        shape = rgb_spectra.spectra_of(coefficients.astype(np.float64), visible_wavelengths())
+        values = float(scale) * shape * rgb_spectra.d65_of_luminance(1.0)[1]
+    return _Sampled(FIRST, STEP, values, zero_outside=outside == "zero")
+
+
+def _from_table(wavelengths: NDArray[np.float64], values: NDArray[np.float64], outside: Outside) -> _Sampled:
+    """Put a table on a uniform grid, without what lies outside of FIRST to LAST."""
+    if wavelengths[-1] <= FIRST or wavelengths[0] >= LAST or len(wavelengths) == 1:
+        return _unseen(wavelengths, values, outside)
+    if outside == "hold" and np.all(values == values[0]):
+        return _constant(float(values[0]))
+    step = next((step for step in STEPS if _fits(wavelengths, step)), None)
+    if step is None:
+        step, first = FALLBACK_STEP, max(wavelengths[0], FIRST)
+    else:
+        first = wavelengths[0] + step * max(0, math.floor((FIRST - wavelengths[0]) / step))
+    count = math.ceil((min(wavelengths[-1], LAST) - first) / step - _ON_GRID) + 1
+    grid = first + step * np.arange(count)
+    sampled = np.interp(grid, wavelengths, values)
+    return _Sampled(float(first), step, sampled, zero_outside=outside == "zero")
+
+
+def _unseen(wavelengths: NDArray[np.float64], values: NDArray[np.float64], outside: Outside) -> _Sampled:
+    """A table that has no visible extent: only what it says about the outside counts."""
+    if outside == "zero":
+        return _constant(0.0)
+    return _constant(float(values[-1] if wavelengths[-1] <= FIRST else values[0]))
+
+
+def _fits(wavelengths: NDArray[np.float64], step: float) -> bool:
+    """Whether every knot lies on the grid of `step` that starts at the first one."""
+    steps = (wavelengths - wavelengths[0]) / step
+    return bool(np.all(np.abs(steps - np.round(steps)) < _ON_GRID))

@@ -1,0 +1,1 @@
+"""Image files: textures and environment maps."""

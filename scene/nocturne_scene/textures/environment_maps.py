@@ -1,0 +1,153 @@
+"""Environment maps: a latitude-longitude picture in linear sRGB becomes equal-area texels of the compiled
+scene.
+
+The picture: the rows are equal steps of the angle from +z (above) to -z, the columns equal steps of azimuth
+over the full circle. +x of the map's frame is in the middle of the picture, +y (to the left for someone
+inside who looks along +x with +z up) at a quarter of its width. A pixel is an area, not a point: with width
+w, the middle of column i is at azimuth pi - 2 pi (i + 1/2) / w.
+
+Texels: rows of equal steps of z, columns of equal steps of azimuth from +x towards +y. Each is the mean
+radiance of the picture over its area, so that the picture's flux over any whole rows or columns of texels,
+and over the sphere, is kept; a pixel at the pole is narrow there and fills a part of the first row.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from numpy.typing import NDArray
+
+from nocturne_scene.spectra.published import Floats
+from nocturne_scene.spectra.rgb import emission
+
+# Pixels: 8192 x 4096; the texels then fill 512 MiB.
+MAX_PIXELS = 2**25
+MAX_EDGE = 16384
+
+# Linear sRGB. Sums over the sphere stay finite in float32.
+LARGEST = 1e15
+
+_Pixels = NDArray[np.float32]
+
+
+class UnusableImageError(Exception):
+    """The file can't be used as a picture; the message says why."""
+
+
+def convert(source: Path, target: BinaryIO) -> tuple[int, int]:
+    """Write the texels of `EnvironmentMap.blob` for an HDR or EXR file; return columns and rows.
+
+    As many columns and rows as the picture has. Radiance is texel x spectrum, with the spectrum that
+    `rgb_spectra.d65_of_luminance` gives for the luminance of RGB (1, 1, 1). Negative values become 0. Uses
+    memory for some rows of the picture. Raises UnusableImageError.
+    """
+    with opened(source) as picture:
+        spec = picture.spec()
+        _check_shape(spec)
+        for texels in equal_area_rows(_rows(picture, spec), spec.height):
+            scale, coefficients = emission(turned(texels))
+            target.write(np.column_stack([scale, coefficients]).astype("<f4").tobytes())
+        return spec.width, spec.height
+
+
+def equal_area_rows(rows: Iterator[_Pixels], count: int) -> Iterator[Floats]:
+    """Turn `count` rows of equal steps of the polar angle into as many of equal steps of its cosine, from 1
+    to -1.
+
+    Each row has the shape (columns, 3). Mean values over areas; holds two rows at a time.
+    """
+    # Edges as z; rows of the picture shrink towards the poles.
+    edges = np.cos(np.pi * np.arange(count + 1) / count)
+    edges[-1] = -1.0
+    index, row = 0, next(rows).astype(np.float64)
+    for texel in range(count):
+        top, bottom = 1 - 2 * texel / count, 1 - 2 * (texel + 1) / count
+        total = np.zeros_like(row)
+        while True:
+            overlap = min(top, edges[index]) - max(bottom, edges[index + 1])
+            total += max(overlap, 0.0) * row
+            if edges[index + 1] <= bottom or index + 1 == count:
+                break
+            index, row = index + 1, next(rows).astype(np.float64)
+        yield total / (top - bottom)
+
+
+def turned(row: Floats) -> Floats:
+    """Order columns by azimuth from +x towards +y: mirrored, and turned by half the width.
+
+    With an odd width that is half a column, and each is the mean of two.
+    """
+    mirrored = row[::-1]
+    width = len(row)
+    if width % 2 == 0:
+        return np.roll(mirrored, -(width // 2), axis=0)
+    return (np.roll(mirrored, -(width // 2), axis=0) + np.roll(mirrored, -(width // 2 + 1), axis=0)) / 2
+
+
+def read_whole(source: Path) -> _Pixels:
+    """Red, green, blue of all pixels of an HDR or EXR file, none negative; raises UnusableImageError."""
+    with opened(source) as picture:
+        spec = picture.spec()
+        _check_shape(spec)
+        return np.stack(list(_rows(picture, spec)))
+
+
+@contextmanager
+def opened(source: Path) -> Iterator[Any]:
+    """Open a picture, its header read and nothing more."""
+    picture = oiio.ImageInput.open(str(source))
+    if picture is None:
+        raise UnusableImageError(f"no picture that OpenImageIO can read: {oiio.geterror()[:200]}")
+    try:
+        yield picture
+    finally:
+        picture.close()
+
+
+def check_size(spec: Any, pixels: int, edge: int) -> None:
+    """Raise UnusableImageError where a header promises more than allowed."""
+    if spec.depth > 1 or not (0 < spec.width <= edge and 0 < spec.height <= edge):
+        raise UnusableImageError(
+            f"{spec.width} x {spec.height} x {spec.depth} pixels; at most {edge} on an edge"
+        )
+    if spec.width * spec.height > pixels:
+        raise UnusableImageError(f"{spec.width} x {spec.height} pixels; at most {pixels} are accepted")
+    if not 1 <= spec.nchannels <= 64:
+        raise UnusableImageError(f"{spec.nchannels} channels; expected 1 to 64")
+
+
+def _check_shape(spec: Any) -> None:
+    check_size(spec, MAX_PIXELS, MAX_EDGE)
+    if spec.nchannels not in (3, 4):
+        raise UnusableImageError(f"{spec.nchannels} channels; expected red, green, blue")
+    if spec.format.basetype not in (oiio.HALF, oiio.FLOAT):
+        raise UnusableImageError(
+            "the values are no floating-point numbers; expected a Radiance HDR or OpenEXR file"
+        )
+    if spec.width < 2 or spec.height < 2:
+        raise UnusableImageError("an environment map needs at least 2 x 2 pixels")
+
+
+def _rows(picture: Any, spec: Any) -> Iterator[_Pixels]:
+    """Rows of red, green, blue from the top, read a few at a time."""
+    step = spec.tile_height or 16
+    for start in range(spec.y, spec.y + spec.height, step):
+        end = min(start + step, spec.y + spec.height)
+        if spec.tile_width:
+            across = (spec.x, spec.x + spec.width, start, end, 0, 1)
+            pixels = picture.read_tiles(0, 0, *across, 0, 3, oiio.FLOAT)
+        else:
+            pixels = picture.read_scanlines(0, 0, start, end, 0, 0, 3, oiio.FLOAT)
+        if pixels is None:
+            raise UnusableImageError(
+                f"the rows from {start - spec.y} on can't be read: {picture.geterror()[:200]}"
+            )
+        block = np.asarray(pixels, dtype=np.float32).reshape(end - start, spec.width, 3)
+        if not np.all(np.abs(block) <= LARGEST):
+            raise UnusableImageError(
+                f"rows {start - spec.y} to {end - spec.y - 1} hold infinite, undefined or too large numbers"
+            )
+        yield from np.maximum(block, 0)

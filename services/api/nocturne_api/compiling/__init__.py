@@ -1,0 +1,1 @@
+"""Scenes are compiled in child processes with bounded time and memory."""

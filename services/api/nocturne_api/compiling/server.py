@@ -1,0 +1,89 @@
+"""The process that forks a throw-away child for each scene. `python -m nocturne_api.compiling.server SOCKET`.
+
+It has one thread, and imports and loads what a compile needs once, so that a child costs a fork. It ends when
+its standard input does: with the API process, however that ends.
+"""
+
+import os
+import resource
+import selectors
+import signal
+import socket
+import sys
+import tempfile
+import traceback
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+from nocturne_coordinator.store.object_store import ObjectStore, ObjectStoreUnavailable
+from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile.compiler import compile_scene
+from nocturne_scene.document.read import check_document
+from nocturne_scene.errors import InputError, Problem
+
+from nocturne_api.compiling.pool import WARM_SCENE, CompileLimits
+
+_MEBIBYTE = 1024 * 1024
+
+
+def main() -> None:
+    """Serves until standard input ends."""
+    with tempfile.TemporaryDirectory() as folder:
+        compile_scene(check_document(WARM_SCENE), BlobStore(Path(folder)))
+    # Children are nobody's to wait for: their answer is all that counts.
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+    with socket.socket(socket.AF_UNIX) as listener, selectors.DefaultSelector() as selector:
+        listener.bind(sys.argv[1])
+        listener.listen(64)
+        sys.stdout.write("ready\n")
+        sys.stdout.flush()
+        selector.register(listener, selectors.EVENT_READ)
+        selector.register(sys.stdin, selectors.EVENT_READ)
+        while True:
+            ready = [key.fileobj for key, _ in selector.select()]
+            if sys.stdin in ready:
+                return
+            accepted, _ = listener.accept()
+            if os.fork() == 0:
+                try:
+                    # The compiler may start programs, and wants to know how they end.
+                    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+                    listener.close()
+                    _compile(Connection(accepted.detach()))
+                finally:
+                    # Without the clean-up that is the server's.
+                    os._exit(0)
+            accepted.close()
+
+
+def _compile(caller: "Connection[object, object]") -> None:
+    request = caller.recv()
+    assert isinstance(request, tuple)  # noqa: S101 - our own parent sent it
+    document, root, objects, limits = request
+    bound(limits)
+    try:
+        blobs = BlobStore(root, ObjectStore(objects) if objects else None)
+        caller.send(compile_scene(document, blobs).scene_sha256)
+    except InputError as error:
+        caller.send(list(error.problems))
+    except ObjectStoreUnavailable as error:
+        caller.send(error)
+    except MemoryError:
+        most = limits.memory_bytes // _MEBIBYTE
+        caller.send([Problem("$.scene", f"needs more than {most} MiB to compile")])
+    except Exception:
+        traceback.print_exc()
+
+
+def bound(limits: CompileLimits) -> None:
+    """What is beyond ends the process, or is a MemoryError."""
+    resource.setrlimit(resource.RLIMIT_AS, (limits.memory_bytes, limits.memory_bytes))
+    resource.setrlimit(resource.RLIMIT_CPU, (limits.cpu_seconds, limits.cpu_seconds))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    # A child that only waits uses no processor.
+    signal.alarm(limits.wall_seconds)
+    os.nice(5)
+
+
+if __name__ == "__main__":
+    main()

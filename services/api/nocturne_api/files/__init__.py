@@ -1,0 +1,1 @@
+"""Bytes on their way in and out: open files, uploads, and changed tiles of an image."""

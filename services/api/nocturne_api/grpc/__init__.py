@@ -1,0 +1,1 @@
+"""The gRPC endpoint: both services of the contract over the operations."""

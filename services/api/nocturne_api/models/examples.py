@@ -1,0 +1,124 @@
+"""Examples of requests and answers, for the reference. tests/services/test_contract.py checks each."""
+
+from typing import Any
+
+SHA256 = "2c26b46b68ffc68ff99b453c1d30413413422d706483bfa0f98a5e886266e7ae"
+
+SCENE: dict[str, Any] = {
+    "nocturne": 1,
+    "sensor": {
+        "type": "pinhole",
+        "position": [0, 0, 4],
+        "look_at": [0, 0, 0],
+        "up": [0, 1, 0],
+        "vertical_field_of_view_degrees": 40,
+    },
+    "surfaces": [
+        {
+            "name": "lamp",
+            "shape": {"type": "quad", "corner": [0, 0, 0], "edge_u": [1, 0, 0], "edge_v": [0, 1, 0]},
+            "kernel": {"type": "lambertian", "reflectance": 0.5},
+            "luminaire": {"radiance": {"blackbody": 3000}},
+        }
+    ],
+}
+
+CREATE_RENDER: dict[str, Any] = {
+    "request_id": "night-1",
+    "name": "lamp",
+    "scene": SCENE,
+    "width": 640,
+    "height": 480,
+    "samples": 1024,
+    "stop": {"relative_error": 0.01, "until": "07:00 Europe/Berlin"},
+    "priority": 100,
+}
+
+PREFLIGHT: dict[str, Any] = {"scene": SCENE, "width": 640, "height": 480, "error": 0.02, "budget_seconds": 60}
+
+RENDER: dict[str, Any] = {
+    "id": "r-mfzwkzdvnq2a",
+    "name": "lamp",
+    "state": "RUNNING",
+    "reason": "",
+    "width": 640,
+    "height": 480,
+    "samples": 1024,
+    "scene_sha256": SHA256,
+    "floating_point_profile": "x86-64-avx2",
+    "sequence": 12,
+    "created": 1795305600.0,
+    "started": 1795305601.5,
+    "ended": 0.0,
+    "stop": {
+        "relative_error": 0.01,
+        "tile_relative_error": 0.0,
+        "wall_seconds": 0.0,
+        "cpu_seconds": 0.0,
+        "until": "07:00 Europe/Berlin",
+        "until_time": 1795327200.0,
+    },
+    "priority": 100,
+    "owner": "studio",
+    "look_first": {"x": 64, "y": 32, "width": 128, "height": 128},
+    "progress": {
+        "ranges_done": 1200,
+        "ranges_planned": 3600,
+        "samples_merged": 78643200,
+        "rays": 314572800,
+        "invalid_samples": 0,
+        "mean_samples": 256.0,
+        "relative_error": 0.021,
+        "worst_share": 0.04,
+        "effective_pixels": 180000.0,
+        "samples_per_second": 1250000.0,
+        "rays_per_second": 5000000.0,
+        "cpu_seconds": 500.0,
+        "tiles_done": 0,
+        "tiles": 300,
+        "tiles_failed": 0,
+        "audited": 12,
+        "refused": 0,
+        "predicted_end": 1795305900.0,
+        "predicted_cpu_seconds": 2000.0,
+    },
+}
+
+EXPLANATION: dict[str, Any] = {"sentence": "It is running on 16 worker threads, shared with 0 other renders."}
+
+WORKER: dict[str, Any] = {
+    "id": "w-7",
+    "engine": 1,
+    "threads": 16,
+    "rays_per_second": 5000000.0,
+    "jobs_done": 240,
+    "started": 1795305000.0,
+    "quarantine": "",
+    "floating_point_profile": "x86-64-avx2",
+    "incompatible": "",
+}
+
+WEBHOOK: dict[str, Any] = {
+    "id": "wh-5k2q",
+    "owner": "studio",
+    "url": "https://example.org/nocturne",
+    "created": 1795305600.0,
+    "last_outcome": "answered 204",
+}
+
+NEW_WEBHOOK: dict[str, Any] = {
+    **WEBHOOK,
+    "last_outcome": "",
+    "secret": "whsec_MfKQ9r8GKYqrTwjUPD8ILPZIo2LaLaSw",
+}
+
+ASSET: dict[str, Any] = {"sha256": SHA256, "size_bytes": 3}
+
+PROBLEM: dict[str, Any] = {
+    "type": "about:blank",
+    "title": "The request is not valid",
+    "status": 422,
+    "detail": "$.width: is 0 pixels; expected 1 to 16384",
+    "reason": "INVALID_INPUT",
+    "problems": [{"place": "$.width", "message": "is 0 pixels; expected 1 to 16384"}],
+}

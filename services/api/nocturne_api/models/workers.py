@@ -1,0 +1,70 @@
+"""Workers: who they are, what they did, and whether they get jobs."""
+
+from typing import Self
+
+from nocturne_coordinator.store.data_folder import WorkerRow
+from pydantic import ConfigDict, Field
+
+from nocturne_api.models import examples
+from nocturne_api.models.base import Answer
+
+
+class Worker(Answer):
+    """One worker process, as it last reported itself."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [examples.WORKER]})
+
+    id: str
+    engine: int = Field(description="Version of the tracing engine; renders take results of one only.")
+    threads: int
+    rays_per_second: float = Field(description="Over the last seconds, all threads together.")
+    jobs_done: int
+    started: float = Field(description="Unix time, seconds.")
+    quarantine: str = Field(description="Why its results are refused; empty: they are taken.")
+    floating_point_profile: str = Field(
+        description="How it rounds; renders take results of one profile only."
+    )
+    incompatible: str = Field(
+        description="Why it gets no jobs though it is not in quarantine; empty: it gets them."
+    )
+
+    @classmethod
+    def of(cls, row: WorkerRow, quarantine: str, incompatible: str) -> Self:
+        """The public side of a row of the data folder."""
+        other = {"quarantine", "incompatible", "rays_per_second"}
+        return cls(
+            quarantine=quarantine,
+            incompatible=incompatible,
+            rays_per_second=row.photons_per_second * row.rays / row.photons if row.photons else 0.0,
+            **{name: getattr(row, name) for name in cls.model_fields.keys() - other},
+        )
+
+
+class WorkerList(Answer):
+    """The workers heard of in the last ten seconds."""
+
+    workers: list[Worker]
+
+
+class WorkerEvent(Answer):
+    """What happened to a worker."""
+
+    unix_time: float
+    worker_id: str
+    what: str = Field(description="joined, left, quarantined or released.")
+    reason: str
+
+
+class RatePoint(Answer):
+    """What all workers together did at one time."""
+
+    unix_time: float
+    threads: int
+    photons_per_second: float = Field(description="Samples times the wavelengths of each, a second.")
+
+
+class WorkerHistory(Answer):
+    """Worker events of late, and the rate of all workers."""
+
+    events: list[WorkerEvent] = Field(description="The last 100, newest first.")
+    rates: list[RatePoint] = Field(description="One for each minute of two days, oldest first.")

@@ -1,0 +1,68 @@
+"""Assets: files by content."""
+
+import asyncio
+from collections.abc import AsyncIterator
+
+from nocturne_scene.errors import InputError, NotFound
+
+from nocturne_api import limits
+from nocturne_api.access import CALLER
+from nocturne_api.files import upload
+from nocturne_api.files.open_file import OpenFile, open_file
+from nocturne_api.models.assets import Asset
+from nocturne_api.operations.folder_access import FolderAccess
+from nocturne_api.operations.submission import digest_problems, raise_if
+
+
+class Assets:
+    """The files of one data folder, by SHA-256."""
+
+    def __init__(self, access: FolderAccess) -> None:
+        self._access = access
+        self._blobs = access.folder.blobs
+
+    async def missing(self, digests: list[str]) -> list[str]:
+        """Which of these files are not stored yet, in the order asked, each once. Raises InputError."""
+        CALLER.get().need("submit")
+        if len(digests) > limits.DIGESTS_PER_REQUEST:
+            message = f"{len(digests)} digests; at most {limits.DIGESTS_PER_REQUEST} in one request"
+            raise InputError.at("$.sha256", message)
+        raise_if(
+            problem
+            for index, digest in enumerate(digests)
+            for problem in digest_problems(digest, f"$.sha256[{index}]")
+        )
+        return await asyncio.to_thread(self._blobs.missing, list(dict.fromkeys(digests)))
+
+    async def store(self, sha256: str, size_bytes: int, pieces: AsyncIterator[bytes]) -> Asset:
+        """Stores one file under its digest; InputError, and nothing left, where size or digest differ."""
+        async with self._access.recorded(f"upload {sha256[: limits.RECORDED_CHARACTERS]}"):
+            CALLER.get().need("submit")
+            raise_if(digest_problems(sha256, "sha256"))
+            if await asyncio.to_thread(self._blobs.has, sha256):
+                async for _ in pieces:  # Read to the end, so that the sender is not cut off in mid-write.
+                    pass
+            else:
+                await upload.store(self._blobs, sha256, size_bytes, pieces)
+            return await self.get(sha256)
+
+    async def get(self, sha256: str) -> Asset:
+        """One stored file; raises NotFound."""
+        _check(sha256)
+        size = await asyncio.to_thread(self._blobs.size, sha256)
+        return Asset(sha256=sha256, size_bytes=size)
+
+    async def open(self, sha256: str) -> OpenFile:
+        """The bytes of an asset, a compiled scene or a packed mesh; raises NotFound."""
+        _check(sha256)
+        opened = await open_file(await asyncio.to_thread(self._blobs.path, sha256))
+        if opened is None:
+            raise NotFound(f"no asset {sha256}")
+        return opened
+
+
+def _check(sha256: str) -> None:
+    """Callers that read, and workers, may have any file whose digest they know."""
+    if "read" not in CALLER.get().scopes:
+        CALLER.get().need("worker")
+    raise_if(digest_problems(sha256, "sha256"))

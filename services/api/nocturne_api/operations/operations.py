@@ -1,0 +1,72 @@
+"""All operations on one data folder, by resource, and what runs beside them."""
+
+from pathlib import Path
+from typing import Self
+
+from nocturne_coordinator.store.object_store import ObjectStore
+
+from nocturne_api.background.archiver import Archiver
+from nocturne_api.background.sweeper import Sweeper
+from nocturne_api.compiling.pool import CompileLimits, prepare
+from nocturne_api.operations.assets import Assets
+from nocturne_api.operations.folder_access import FolderAccess
+from nocturne_api.operations.health import Health
+from nocturne_api.operations.images import Images
+from nocturne_api.operations.preflights import Preflights
+from nocturne_api.operations.render_controls import RenderControls
+from nocturne_api.operations.render_streams import RenderStreams
+from nocturne_api.operations.renders import Renders
+from nocturne_api.operations.tokens import Tokens
+from nocturne_api.operations.webhooks import Webhooks
+from nocturne_api.operations.workers import Workers
+from nocturne_api.webhooks.sender import WebhookSender
+from nocturne_api.webhooks.targets import TargetRules
+
+
+class Operations:
+    """What the service can do. Errors are the classes in nocturne_api.errors, whatever the transport."""
+
+    def __init__(
+        self, access: FolderAccess, compile_limits: CompileLimits, webhook_rules: TargetRules
+    ) -> None:
+        folder = access.folder
+        objects = folder.object_store
+        archiver = None if objects is None else Archiver(folder, access.in_database, objects)
+        sweeper = Sweeper(folder)
+        sender = WebhookSender(folder.webhooks, access.in_database, webhook_rules)
+        self._access = access
+        self._background = [sender, *([archiver] if archiver else []), sweeper]
+
+        self.renders = Renders(access, compile_limits, sweeper)
+        self.controls = RenderControls(access)
+        self.streams = RenderStreams(access, self.renders)
+        self.images = Images(access, self.renders, archiver)
+        self.preflights = Preflights(access, compile_limits)
+        self.workers = Workers(access)
+        self.webhooks = Webhooks(access, webhook_rules)
+        self.assets = Assets(access)
+        self.tokens = Tokens(access)
+        self.health = Health(access)
+
+        for task in self._background:
+            task.start()
+
+    @classmethod
+    async def open(
+        cls,
+        path: Path,
+        compile_limits: CompileLimits | None = None,
+        webhook_rules: TargetRules | None = None,
+        objects: ObjectStore | None = None,
+    ) -> Self:
+        """Opens the data folder at `path`, making it if need be."""
+        access = await FolderAccess.open(path, objects)
+        prepare()
+        return cls(access, compile_limits or CompileLimits(), webhook_rules or TargetRules())
+
+    async def close(self) -> None:
+        """Ends all streams and lets go of the data folder."""
+        await self.streams.close()
+        for task in self._background:
+            await task.close()
+        await self._access.close()

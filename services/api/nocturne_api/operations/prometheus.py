@@ -1,0 +1,69 @@
+"""The service in the words of Prometheus, read from the data folder at each scrape."""
+
+from collections.abc import Iterator
+
+from nocturne_coordinator.store.data_folder import DataFolder, RenderState
+from prometheus_client import CollectorRegistry, generate_latest
+from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
+
+_METERS = {
+    "coordinator_seen": "Unix time at which the coordinator last wrote to the data folder.",
+    "redis_in_step": "1 while the coordinator knows what is on the streams.",
+    "folder_trouble": "1 while the coordinator can't commit.",
+    "worker_threads": "Threads of workers that take jobs.",
+    "jobs_in_flight": "Jobs published and not merged.",
+    "jobs_published": "Jobs on the stream.",
+    "results_waiting": "Results on the stream that are not committed.",
+    "result_seconds": "Longest time that a result waited to be read, lately.",
+    "job_seconds": "Median time from publishing a job to its result.",
+}
+_COUNTS = {
+    "results_refused": "Results that could not be right, since the coordinator started.",
+    "audits_agreed": "Jobs traced twice with the same result, since the coordinator started.",
+    "audits_differing": "Jobs traced twice with different results, since the coordinator started.",
+    "audits_given_up": "Jobs that nobody else was there to trace again, since the coordinator started.",
+}
+
+
+class _Collector:
+    def __init__(self, folder: DataFolder) -> None:
+        self._folder = folder
+
+    def collect(self) -> Iterator[Metric]:
+        meters = self._folder.meters()
+        for name, about in _METERS.items():
+            yield GaugeMetricFamily(f"nocturne_{name}", about, value=meters.get(name, 0.0))
+        for name, about in _COUNTS.items():
+            yield CounterMetricFamily(f"nocturne_{name}", about, value=meters.get(name, 0.0))
+        yield from self._renders()
+        yield from self._workers()
+
+    def _renders(self) -> Iterator[Metric]:
+        states = GaugeMetricFamily("nocturne_renders", "Renders by state.", labels=["state"])
+        counted = self._folder.count_by_state()
+        for state in RenderState:
+            states.add_metric([state.value], counted.get(state.value, 0))
+        yield states
+        backlog = "Ranges of queued and running renders that are not merged: what to scale workers by."
+        yield GaugeMetricFamily("nocturne_backlog_ranges", backlog, value=self._folder.backlog())
+        photons, cpu_seconds = self._folder.spent()
+        yield CounterMetricFamily("nocturne_photons", "Photons merged, of all renders.", value=photons)
+        yield CounterMetricFamily(
+            "nocturne_cpu_seconds", "Processor time of workers, of all renders.", value=cpu_seconds
+        )
+
+    def _workers(self) -> Iterator[Metric]:
+        workers, quarantined = self._folder.workers(), self._folder.workers_in_quarantine()
+        yield GaugeMetricFamily("nocturne_workers", "Workers heard of lately.", value=len(workers))
+        yield GaugeMetricFamily(
+            "nocturne_workers_in_quarantine", "Workers whose results are not taken.", value=len(quarantined)
+        )
+        rate = sum(worker.photons_per_second for worker in workers)
+        yield GaugeMetricFamily("nocturne_photons_per_second", "As workers say themselves.", value=rate)
+
+
+def metrics_text(folder: DataFolder) -> bytes:
+    """Prometheus' text format, version 0.0.4."""
+    registry = CollectorRegistry()
+    registry.register(_Collector(folder))
+    return generate_latest(registry)

@@ -1,0 +1,68 @@
+"""Changing renders that are there: cancel, pause, resume, extend, and what goes first."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from nocturne_coordinator.dispatch.region import Region
+
+from nocturne_api.models.renders import Render
+from nocturne_api.operations.folder_access import FolderAccess
+from nocturne_api.operations.submission import checked_stop, raise_if, request_id_problems
+
+
+class RenderControls:
+    """What can be done to a render by its owner. Each call says what is to be, so repeating it is safe."""
+
+    def __init__(self, access: FolderAccess) -> None:
+        self._access = access
+        self._folder = access.folder
+
+    async def cancel(self, render_id: str, request_id: str = "") -> Render:
+        """Stops a render for good; what is merged stays. Raises NotFound."""
+        async with self._access.changing("cancel", render_id, request_id) as whole_id:
+            if request_id:
+                raise_if(request_id_problems(request_id))
+            return Render.of(await self._access.in_database(self._folder.request_cancel, whole_id))
+
+    async def pause(self, render_id: str) -> Render:
+        """No more work until it is resumed; what is merged stays. Raises NotFound, WrongState."""
+        async with self._access.changing("pause", render_id) as whole_id:
+            return Render.of(await self._access.in_database(self._folder.request_pause, whole_id))
+
+    async def resume(self, render_id: str) -> Render:
+        """Goes on with a paused render, or traces the failed tiles of a degraded one again.
+
+        Raises NotFound, WrongState.
+        """
+        async with self._access.changing("resume", render_id) as whole_id:
+            return Render.of(await self._access.in_database(self._folder.request_resume, whole_id))
+
+    async def set_priority(self, render_id: str, priority: int) -> Render:
+        """The render's weight among those of its owner, 1 to 1000. Raises NotFound, InputError."""
+        async with self._access.changing("priority", render_id) as whole_id:
+            return Render.of(
+                await self._access.in_database(self._folder.request_priority, whole_id, priority)
+            )
+
+    async def look_first(self, render_id: str, region: Region | None) -> Render:
+        """Which part of the film gets its samples first, None for all alike; the image stays the same bits.
+
+        Raises NotFound, InputError.
+        """
+        async with self._access.changing("look first", render_id) as whole_id:
+            return Render.of(
+                await self._access.in_database(self._folder.request_look_first, whole_id, region)
+            )
+
+    async def extend(self, render_id: str, samples: int, stop: Mapping[str, Any]) -> Render:
+        """More samples, 0 for as many as before, and conditions instead of those before.
+
+        Raises NotFound, InputError, WrongState.
+        """
+        async with self._access.changing("extend", render_id) as whole_id:
+            before = await self._access.in_database(self._folder.get_render, whole_id)
+            checked = checked_stop(stop, before.stop)
+            wanted = samples or before.samples
+            return Render.of(
+                await self._access.in_database(self._folder.request_extension, whole_id, wanted, checked)
+            )

@@ -1,0 +1,139 @@
+"""Renders: creating, reading and deleting them."""
+
+import asyncio
+import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+
+from nocturne_coordinator.errors import FilesGone
+from nocturne_coordinator.store.data_folder import RenderRow
+from nocturne_coordinator.store.removal import delete_render
+from nocturne_scene.errors import NotFound
+
+from nocturne_api import limits
+from nocturne_api.access import CALLER
+from nocturne_api.background.sweeper import Sweeper
+from nocturne_api.compiling.pool import CompileLimits
+from nocturne_api.errors import Overloaded
+from nocturne_api.models.renders import (
+    Convergence,
+    ConvergencePoint,
+    Explanation,
+    Render,
+    RenderPage,
+    TileInProgress,
+    TilesInProgress,
+)
+from nocturne_api.operations.folder_access import FolderAccess
+from nocturne_api.operations.status_reason import sentence, situation_of
+from nocturne_api.operations.submission import CreateRequest, compiled, raise_if, request_id_problems
+
+
+class Renders:
+    """The renders of one data folder. All but deleting take the beginning of an id for the id."""
+
+    def __init__(self, access: FolderAccess, compile_limits: CompileLimits, sweeper: Sweeper) -> None:
+        self._access = access
+        self._compile_limits = compile_limits
+        self._sweeper = sweeper
+        self._compiling = asyncio.Semaphore(limits.COMPILES_AT_ONCE)
+        self._waiting = 0
+
+    async def create(self, request: CreateRequest) -> Render:
+        """Makes a render, or gives back the one made before with this request id.
+
+        Raises InputError with every problem found, Conflict where the request id was used for something
+        else, and Overloaded where too many scenes wait to be compiled. A failed call leaves nothing behind.
+        """
+        async with self._access.recorded("create", request_id=request.request_id) as record:
+            CALLER.get().need("submit")
+            async with self._compile_slot():
+                created = await self._compiled_and_created(request, CALLER.get().name)
+            record.render_id = created.id
+            return Render.of(created)
+
+    async def get(self, render_id: str) -> Render:
+        """The render with this id, or whose id alone begins so; raises NotFound, AmbiguousId."""
+        CALLER.get().need("read")
+        return Render.of(await self._access.in_database(self._access.folder.find_render, render_id))
+
+    async def list(self, page_size: int = 0, page_token: str = "") -> RenderPage:
+        """One page of renders, newest first; a size of 0 means 50, at most 200 come. Raises InputError."""
+        CALLER.get().need("read")
+        rows, next_token = await self._access.in_database(
+            self._access.folder.list_renders, page_size, page_token
+        )
+        return RenderPage(renders=[Render.of(row) for row in rows], next_page_token=next_token)
+
+    async def delete(self, render_id: str, request_id: str = "") -> None:
+        """Forgets a render that has ended, with its images and whatever files no other render uses.
+
+        By its whole id: asked twice, the beginning of an id could mean two renders, one after the other.
+        Raises NotFound, also the second time, and WrongState for one that has not ended.
+        """
+        async with self._access.changing("delete", render_id, request_id) as whole_id:
+            if whole_id != render_id:
+                raise NotFound(f"there is no render {render_id!r}; deleting takes the whole id")
+            await asyncio.to_thread(delete_render, self._access.folder, render_id)
+            await self._sweeper.sweep()
+
+    async def replay(self, render_id: str, request_id: str) -> Render:
+        """A new render with the samples per tile that this one has: the same bits. NotFound, Conflict."""
+        access = self._access
+        async with access.recorded("replay", render_id, request_id):
+            CALLER.get().need("submit")
+            raise_if(request_id_problems(request_id))
+            owner = CALLER.get().name
+            whole_id = (await access.in_database(access.folder.find_render, render_id)).id
+            return Render.of(
+                await access.in_database(access.folder.create_replay, whole_id, request_id, owner)
+            )
+
+    async def explain(self, render_id: str) -> Explanation:
+        """What the render waits for, in one sentence; raises NotFound."""
+        whole_id = (await self.get(render_id)).id
+        situation = await self._access.in_database(situation_of, self._access.folder, whole_id)
+        return Explanation(sentence=sentence(situation, time.time()))
+
+    async def convergence(self, render_id: str) -> Convergence:
+        """The error estimate at every preview so far; raises NotFound."""
+        render = await self.get(render_id)
+        history = await self._access.in_database(self._access.folder.error_history, render.id)
+        points = [
+            ConvergencePoint(
+                time_s=max(0.0, point.unix_time - (render.started or render.created)),
+                samples=point.samples,
+                relative_error=point.relative_error,
+                worst_share=point.worst_share,
+                effective_pixels=point.effective_pixels,
+            )
+            for point in history
+        ]
+        return Convergence(points=points)
+
+    async def tiles_in_progress(self, render_id: str) -> TilesInProgress:
+        """Which tiles of a render are being traced, and by whom; raises NotFound."""
+        render = await self.get(render_id)
+        found = await self._access.in_database(self._access.folder.at_work, render.id)
+        return TilesInProgress(tiles=[TileInProgress(tile=tile, worker=worker) for tile, worker in found])
+
+    async def _compiled_and_created(self, request: CreateRequest, owner: str) -> RenderRow:
+        folder = self._access.folder
+        while True:
+            new = await asyncio.to_thread(compiled, request, folder, owner, self._compile_limits)
+            # Files that were deleted in between are made again, or found missing by the compiler.
+            with suppress(FilesGone):
+                return await self._access.in_database(folder.create_render, new)
+
+    @asynccontextmanager
+    async def _compile_slot(self) -> AsyncIterator[None]:
+        if self._waiting >= limits.COMPILES_WAITING:
+            raise Overloaded(
+                f"{limits.COMPILES_WAITING} scenes are waiting to be compiled; try again in a moment."
+            )
+        self._waiting += 1
+        try:
+            async with self._compiling:
+                yield
+        finally:
+            self._waiting -= 1

@@ -1,0 +1,116 @@
+"""What a render waits for, in one sentence: the answer to "why does nothing happen?"."""
+
+import time
+from dataclasses import dataclass
+
+from nocturne.v1 import job_pb2
+from nocturne_coordinator.dispatch.profiles import threads_by_profile
+from nocturne_coordinator.limits import MAX_RUNNING, WORKER_SECONDS
+from nocturne_coordinator.store.data_folder import DataFolder, RenderRow, RenderState, WorkerRow
+
+
+@dataclass(frozen=True)
+class Situation:
+    """All that decides whether a render gets on."""
+
+    render: RenderRow
+    meters: dict[str, float]
+    workers: list[WorkerRow]
+    quarantined: dict[str, str]
+    running: int
+    """Renders that run."""
+    incompatible: dict[str, str]
+    """Workers that get no jobs though they are not in quarantine, and why."""
+
+
+def situation_of(folder: DataFolder, render_id: str) -> Situation:
+    """What the data folder knows; raises NotFound."""
+    return Situation(
+        render=folder.get_render(render_id),
+        meters=folder.meters(),
+        workers=folder.workers(),
+        quarantined=folder.workers_in_quarantine(),
+        running=folder.count_running(),
+        incompatible=folder.incompatible_workers(),
+    )
+
+
+def sentence(situation: Situation, now: float) -> str:
+    """One sentence, for people."""
+    render = situation.render
+    if render.state.ended:
+        return f"It has ended: {render.state}. {render.reason}".strip()
+    if render.state is RenderState.PAUSED:
+        return "It is paused; resume it to go on."
+    return _trouble(situation, now) or _queued(situation) or _running(situation, now)
+
+
+def _trouble(situation: Situation, now: float) -> str:
+    """What stops every render."""
+    meters = situation.meters
+    if meters.get("coordinator_seen", 0.0) < now - WORKER_SECONDS:
+        return "No coordinator works on the data folder: start one, and look at the log of the last."
+    if meters.get("folder_trouble"):
+        return (
+            "The coordinator can't write to the data folder, whose disk may be full; its log has the reason."
+        )
+    if not meters.get("redis_in_step"):
+        return "The coordinator can't reach Redis; its log has the reason."
+    engines = {worker.engine for worker in situation.workers}
+    able = [worker for worker in situation.workers if worker.id not in situation.quarantined]
+    if not engines:
+        return "No worker is there."
+    if not able:
+        return f"All {len(situation.workers)} workers are in quarantine; `nocturne workers` says why."
+    if job_pb2.ENGINE_CURRENT not in engines:
+        has = ", ".join(str(engine) for engine in sorted(engines))
+        needs = int(job_pb2.ENGINE_CURRENT)
+        return f"The workers that are there have engine {has}, and it needs engine {needs}: use one version."
+    return _other_profile(situation.render.floating_point_profile, situation)
+
+
+def _other_profile(needed: str, situation: Situation) -> str:
+    """Nobody there rounds as what the render has so far was rounded."""
+    found = threads_by_profile(situation.workers, situation.quarantined)
+    if not needed or found[needed]:
+        return ""
+    return (
+        f"Its samples were traced by workers of floating-point profile {needed}. The workers that are there "
+        f"have {' and '.join(sorted(found))}, which gives other bits, so it waits. "
+        "To use these workers, submit it again."
+    )
+
+
+def _queued(situation: Situation) -> str:
+    if situation.render.state is not RenderState.QUEUED:
+        return ""
+    if situation.running >= MAX_RUNNING:
+        return f"It waits until one of {situation.running} running renders ends; high priorities go first."
+    if situation.running:
+        return "It waits for memory that running renders use, or is about to start."
+    return "It is about to start."
+
+
+def _running(situation: Situation, now: float) -> str:
+    render = situation.render
+    threads = int(situation.meters.get("worker_threads", 0))
+    if render.tiles and render.tiles_done == render.tiles:
+        return "All samples are there; it waits for audits, or for its images to be written."
+    if render.photons_per_second <= 0.0:
+        out = int(situation.meters.get("jobs_published", 0))
+        return (
+            f"No result came back in the last minutes: {threads} worker threads are busy with the {out} jobs "
+            "published before, its own among them or behind them."
+        )
+    end = "" if not render.predicted_end else f" It should end {_when(render.predicted_end, now)}."
+    kept = len(situation.incompatible)
+    others = f" {kept} workers get no jobs; `nocturne workers` says why." if kept else ""
+    return (
+        f"It is running on {threads} worker threads, shared with {situation.running - 1} other renders."
+        f"{others}{end}"
+    )
+
+
+def _when(unix_time: float, now: float) -> str:
+    stamp = time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime(unix_time))
+    return f"at {stamp}, in {max(0.0, unix_time - now) / 60:.0f} minutes"

@@ -1,0 +1,140 @@
+"""Checks what callers send, so that all problems are told at once, and compiles scenes. Synchronous."""
+
+import json
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from typing import Any, TypeVar
+
+from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions, stop_conditions
+from nocturne_coordinator.limits import DEFAULT_PRIORITY, MAX_NAME, MAX_REQUEST_ID
+from nocturne_coordinator.store.data_folder import DataFolder, NewRender, check_priority
+from nocturne_coordinator.store.removal import blobs_of_scene
+from nocturne_scene.document.read import check_document
+from nocturne_scene.errors import InputError, Problem
+from nocturne_scene.ranges import make_schedule
+from nocturne_scene.scene_ranges import schedule_for_scene
+
+from nocturne_api.compiling.pool import CompileLimits, compile_in_child
+
+_T = TypeVar("_T")
+_SHA256 = re.compile("[0-9a-f]{64}")
+
+
+@dataclass(frozen=True)
+class CreateRequest:
+    """A scene to render. `scene` is the scene document as decoded JSON; film in pixels; samples per pixel.
+
+    `stop`: what else ends it, see `stop_conditions`. `priority`: 0 for the usual one.
+    """
+
+    request_id: str
+    name: str
+    scene: Any
+    width: int
+    height: int
+    samples: int
+    stop: Mapping[str, Any] = field(default_factory=dict)
+    priority: int = 0
+
+
+def compiled(
+    request: CreateRequest, folder: DataFolder, owner: str, compile_limits: CompileLimits
+) -> NewRender:
+    """The render that `request` asks for, its scene compiled into the folder's blobs.
+
+    Raises InputError with all problems, and then leaves nothing behind. Can take seconds of processor time.
+    """
+    found = _Problems()
+    found.add(request_id_problems(request.request_id))
+    found.add(_name_problems(request.name))
+    film = (request.width, request.height, request.samples)
+    schedule = found.collect(lambda: make_schedule(*film))
+    document = found.collect(lambda: check_document(request.scene))
+    # A request id used before decides without the scene, so a conflict leaves no blobs behind.
+    before = folder.find_request(request.request_id) if not found.problems else None
+    stop = found.collect(lambda: checked_stop(request.stop, before.stop if before else EVERYTHING))
+    priority = request.priority or DEFAULT_PRIORITY
+    found.collect(lambda: check_priority(priority))
+    if found.problems or schedule is None or document is None or stop is None:
+        raise InputError(found.problems)
+    if before is None:
+        scene_sha256 = compile_in_child(document, folder.blobs, compile_limits)
+        schedule = schedule_for_scene(folder.blobs, scene_sha256, *film)
+        files = blobs_of_scene(folder.blobs, scene_sha256)
+        for sha256 in files:
+            # Here too, not in the object store only.
+            folder.blobs.path(sha256)
+    else:
+        files = ()
+        scene_sha256 = before.scene_sha256
+        schedule = folder.schedule(before.id)
+    return NewRender(
+        request_id=request.request_id,
+        name=request.name,
+        scene_sha256=scene_sha256,
+        scene_document=_canonical(request.scene),
+        width=request.width,
+        height=request.height,
+        samples=request.samples,
+        schedule=schedule,
+        stop=stop,
+        priority=priority,
+        owner=owner,
+        files=files,
+    )
+
+
+def checked_stop(asked: Mapping[str, Any], before: StopConditions) -> StopConditions:
+    """What a caller asks for; a time in the same words as `before` is the same time. Raises InputError."""
+    if before.until_text and asked.get("until") == before.until_text:
+        others = {name: value for name, value in asked.items() if name != "until"}
+        stop = stop_conditions(others, datetime.now(UTC))
+        return replace(stop, until=before.until, until_text=before.until_text)
+    return stop_conditions(asked, datetime.now(UTC))
+
+
+def request_id_problems(request_id: str) -> Iterator[Problem]:
+    if not 0 < len(request_id) <= MAX_REQUEST_ID or not request_id.isprintable():
+        message = f"expected 1 to {MAX_REQUEST_ID} printable characters, different for every request"
+        yield Problem("$.request_id", message)
+
+
+def _name_problems(name: str) -> Iterator[Problem]:
+    if len(name) > MAX_NAME or not name.isprintable():
+        yield Problem("$.name", f"expected at most {MAX_NAME} printable characters")
+
+
+def digest_problems(digest: str, place: str) -> Iterator[Problem]:
+    if not _SHA256.fullmatch(digest):
+        yield Problem(place, "expected a SHA-256 digest: 64 lower-case hexadecimal digits")
+
+
+def raise_if(problems: Iterable[Problem]) -> None:
+    found = list(problems)
+    if found:
+        raise InputError(found)
+
+
+class _Problems:
+    """Problems found so far in one request."""
+
+    def __init__(self) -> None:
+        self.problems: list[Problem] = []
+
+    def add(self, problems: Iterable[Problem]) -> None:
+        self.problems += problems
+
+    def collect(self, make: Callable[[], _T]) -> _T | None:
+        """What `make` gives, or None and the problems of its InputError noted."""
+        try:
+            return make()
+        except InputError as error:
+            self.add(error.problems)
+            return None
+
+
+def _canonical(scene: Any) -> str:
+    """The document in one spelling, so that a repeated request is known by either transport."""
+    return json.dumps(scene, sort_keys=True, separators=(",", ":"), ensure_ascii=False)

@@ -1,0 +1,39 @@
+"""Workers: who is there, what happened to them, and letting them out of quarantine."""
+
+from nocturne_api import limits
+from nocturne_api.access import CALLER
+from nocturne_api.models.workers import Worker, WorkerHistory, WorkerList
+from nocturne_api.operations.folder_access import FolderAccess
+
+
+class Workers:
+    """The workers that the coordinators of the data folder heard of."""
+
+    def __init__(self, access: FolderAccess) -> None:
+        self._access = access
+        self._folder = access.folder
+
+    async def list(self) -> WorkerList:
+        """Workers heard of in the last ten seconds."""
+        CALLER.get().need("read")
+        folder = self._folder
+        rows, quarantined, incompatible = await self._access.in_database(
+            lambda: (folder.workers(), folder.workers_in_quarantine(), folder.incompatible_workers())
+        )
+        return WorkerList(
+            workers=[
+                Worker.of(row, quarantined.get(row.id, ""), incompatible.get(row.id, "")) for row in rows
+            ]
+        )
+
+    async def history(self) -> WorkerHistory:
+        """Worker events of late, and the rate of all workers by the minute."""
+        CALLER.get().need("read")
+        events, rates = await self._access.in_database(self._folder.worker_history, limits.EVENTS_SHOWN)
+        return WorkerHistory.model_validate({"events": events, "rates": rates})
+
+    async def release(self, worker_id: str) -> None:
+        """Takes the results of a worker in quarantine again; raises NotFound."""
+        async with self._access.recorded(f"release {worker_id[:80]}"):
+            CALLER.get().need("admin")
+            await self._access.in_database(self._folder.release_worker, worker_id)

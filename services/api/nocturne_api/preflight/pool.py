@@ -1,0 +1,88 @@
+"""Preflights scenes in a throw-away child process of low priority, which is ended if it takes too long."""
+
+import asyncio
+import json
+import os
+import signal
+import sys
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from nocturne_scene.blobs import BlobStore
+from nocturne_scene.document.read import check_document
+from nocturne_scene.errors import InputError, Problem
+from nocturne_scene.ranges import make_schedule
+
+from nocturne_api.compiling.pool import CompileLimits
+from nocturne_api.errors import CantPreflight, Overloaded
+from nocturne_api.limits import PREFLIGHT_BUDGET_S, PREFLIGHT_WALL_S
+
+_PROGRAM = ("-m", "nocturne_api.preflight.child")
+
+
+@dataclass(frozen=True)
+class PreflightSpec:
+    """A scene document as decoded JSON, the film in pixels, and the total relative error that is wanted.
+
+    `budget_seconds`: processor time of the small renders, about.
+    """
+
+    scene: Any
+    width: int
+    height: int
+    error: float
+    budget_seconds: float
+
+
+async def preflight_in_child(
+    request: PreflightSpec, blobs: BlobStore, limits: CompileLimits
+) -> dict[str, Any]:
+    """The report, with the document that is enough.
+
+    Raises InputError, CantPreflight, and Overloaded after PREFLIGHT_WALL_S.
+    """
+    problems = list(await asyncio.to_thread(lambda: list(_problems(request))))
+    if problems:
+        raise InputError(problems)
+    job = {**asdict(request), "blobs": str(blobs.root), "objects": blobs.remote and blobs.remote.url}
+    job["memory_bytes"] = limits.memory_bytes
+    child = await asyncio.create_subprocess_exec(
+        *(sys.executable, *_PROGRAM),
+        stdin=asyncio.subprocess.PIPE,
+        stdout=asyncio.subprocess.PIPE,
+        process_group=0,
+    )
+    try:
+        async with asyncio.timeout(PREFLIGHT_WALL_S):
+            said, _ = await child.communicate(json.dumps(job).encode())
+    except TimeoutError:
+        raise Overloaded(f"the preflight was not made within {PREFLIGHT_WALL_S:g} s") from None
+    finally:
+        if child.returncode is None:
+            # Its renders too.
+            os.killpg(child.pid, signal.SIGKILL)
+            await child.wait()
+    answer: dict[str, Any] = (
+        json.loads(said) if said else {"failed": "the preflight ended early; the service's log has more"}
+    )
+    if "problems" in answer:
+        raise InputError(Problem(*each) for each in answer["problems"])
+    if "failed" in answer:
+        raise CantPreflight(answer["failed"])
+    return answer
+
+
+def _problems(request: PreflightSpec) -> Iterator[Problem]:
+    if not 0 < request.error < 1:
+        yield Problem("$.error", "expected a number between 0 and 1, such as 0.02")
+    if not 1 <= request.budget_seconds <= PREFLIGHT_BUDGET_S:
+        yield Problem("$.budget_seconds", f"expected 1 to {PREFLIGHT_BUDGET_S:g}")
+    for check in (
+        lambda: make_schedule(request.width, request.height, 1),
+        lambda: check_document(request.scene),
+    ):
+        try:
+            check()
+        except InputError as error:
+            yield from error.problems

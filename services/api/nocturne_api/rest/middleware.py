@@ -1,0 +1,121 @@
+"""Security middleware: who may ask, and which headers every answer carries."""
+
+from collections.abc import Awaitable, Callable
+from urllib.parse import urlsplit
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import cookie_parser
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from nocturne_api.access import CALLER, Caller, Pace, secret_in
+from nocturne_api.errors import Refused, Unauthenticated, failure_of
+from nocturne_api.rest.problems import response_of
+
+Identify = Callable[[str], Awaitable[Caller]]
+
+TOKEN_COOKIE = "nocturne_token"  # noqa: S105 - a name
+TOKEN_PATH = "/v1"  # noqa: S105 - a path
+"""Of the cookie: the page's files and the rest of the server's addresses do not get it."""
+
+_LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "::1"})
+_READING = frozenset({"GET", "HEAD", "OPTIONS"})
+
+# The page loads nothing from elsewhere; images also come from canvas exports and blobs.
+CONTENT_SECURITY_POLICY = "; ".join(
+    (
+        "default-src 'self'",
+        "img-src 'self' data: blob:",
+        "object-src 'none'",
+        "base-uri 'none'",
+        "form-action 'self'",
+        "frame-ancestors 'none'",
+    )
+)
+_HEADERS = {
+    "Content-Security-Policy": CONTENT_SECURITY_POLICY,
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+
+
+class SecurityMiddleware:
+    """Refuses what a foreign web page made its visitor's browser send; adds security headers to all answers.
+
+    `loopback_only`: the service is bound to this machine, so any Host but a loopback name is DNS rebinding.
+    """
+
+    def __init__(self, app: ASGIApp, loopback_only: bool, identify: Identify | None = None) -> None:
+        """`identify` gives who has a secret; without it, anybody may do anything."""
+        self._app = app
+        self._loopback_only = loopback_only
+        self._identify = identify
+        self._pace = Pace()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+
+        async def send_with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                headers = MutableHeaders(raw=message["headers"])
+                for name, value in _HEADERS.items():
+                    headers.setdefault(name, value)
+            await send(message)
+
+        refusal = self._refusal(scope["method"], Headers(scope=scope))
+        app = response_of(failure_of(Refused(refusal))) if refusal else self._app
+        if app is self._app and self._identify is not None and _needs_token(scope["path"]):
+            try:
+                caller = await self._identify(_secret(Headers(scope=scope)))
+                self._pace.take(caller.name)
+            except Exception as error:
+                headers = _challenge(Headers(scope=scope)) if isinstance(error, Unauthenticated) else None
+                app = response_of(failure_of(error), headers)
+            else:
+                CALLER.set(caller)
+        await app(scope, receive, send_with_headers)
+
+    def _refusal(self, method: str, headers: Headers) -> str:
+        host = headers.get("host", "")
+        if self._loopback_only and _name(host) not in _LOOPBACK_NAMES:
+            return f"This service answers to localhost only, not to {_name(host)[:80]!r}."
+        origin = headers.get("origin")
+        if method not in _READING and origin is not None and urlsplit(origin).netloc != host:
+            return "Requests that change something are taken from this service's own page only."
+        return ""
+
+
+def _secret(headers: Headers) -> str:
+    """The token of a request: in its own header, or in the page's cookie."""
+    cookies = cookie_parser(headers.get("cookie", ""))
+    authorization = headers.get("authorization", "")
+    return (
+        cookies[TOKEN_COOKIE] if TOKEN_COOKIE in cookies and not authorization else secret_in(authorization)
+    )
+
+
+def _challenge(headers: Headers) -> dict[str, str]:
+    """Browsers ask for a Basic password by themselves where they open an address; the page asks in its own
+    way."""
+    is_script = headers.get("sec-fetch-dest", "document") != "document"
+    challenge = {"WWW-Authenticate": "Bearer" if is_script else 'Basic realm="nocturne", Bearer'}
+    if TOKEN_COOKIE in headers.get("cookie", ""):
+        challenge["Set-Cookie"] = f"{TOKEN_COOKIE}=; Path={TOKEN_PATH}; Max-Age=0; HttpOnly; SameSite=Strict"
+    return challenge
+
+
+def _needs_token(path: str) -> bool:
+    """All but the page's own files and the probes of orchestrators."""
+    return path.startswith("/v1") or path in ("/metrics", "/openapi.json", "/scene.schema.json", "/docs")
+
+
+def _name(host: str) -> str:
+    """The name in a Host header, without its port."""
+    try:
+        return urlsplit(f"//{host}").hostname or ""
+    except ValueError:
+        return ""

@@ -1,0 +1,1 @@
+"""Messages to other services about how renders ended (standardwebhooks.com)."""

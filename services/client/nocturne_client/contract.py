@@ -1,0 +1,259 @@
+"""The service's answers as values. Made from docs/reference/openapi.json by generate_models.py."""
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+RenderState = Literal[
+    "QUEUED",
+    "RUNNING",
+    "PAUSED",
+    "SUCCEEDED",
+    "STOPPED_EARLY",
+    "DEGRADED",
+    "FAILED",
+    "CANCELLED",
+]
+"""Where a render stands; from SUCCEEDED on it has ended, though it may be extended."""
+
+
+@dataclass(frozen=True)
+class StopConditions:
+    """When a render ends besides at its last sample: at the first that is met. 0 or empty: not asked for."""
+
+    relative_error: float
+    """Of the image, as in Progress."""
+    tile_relative_error: float
+    """Of each tile, from its own pixels; a tile that has it gets no more samples."""
+    wall_seconds: float
+    """Seconds of running, without pauses."""
+    cpu_seconds: float
+    """Processor seconds of workers."""
+    until: str
+    """A time with its zone, as it was given."""
+    until_time: float
+    """The same as Unix time."""
+
+
+@dataclass(frozen=True)
+class Region:
+    """Pixels [x, x + width) times [y, y + height), from the upper left corner."""
+
+    x: int
+    y: int
+    width: int
+    height: int
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What has been merged and committed of a render."""
+
+    ranges_done: int
+    """Sample ranges merged."""
+    ranges_planned: int
+    """Sample ranges of the whole render."""
+    samples_merged: int
+    """Samples merged, of all pixels together."""
+    rays: int
+    """Rays cast for them."""
+    invalid_samples: int
+    """Contributions left out because they were NaN, infinite or negative."""
+    mean_samples: float
+    """Mean over pixels of the samples merged."""
+    relative_error: float
+    """Root mean square over pixels of Y's standard error relative to Y, sqrt(mean(var / (Y^2 + 0.01 M^2)))
+    with M the image's mean Y; 0: unknown.
+    """
+    worst_share: float
+    """Part of the square of relative_error that the worst 1 % of the pixels have; 0: unknown."""
+    effective_pixels: float
+    """Effective sample size (Kish) of the pixels that carry the error, (sum v)^2 / sum v^2 of their
+    relative variances; 0: unknown.
+    """
+    samples_per_second: float
+    """Rate of the last minutes; 0 when nothing comes back."""
+    rays_per_second: float
+    """The same in rays."""
+    cpu_seconds: float
+    """Processor seconds spent by workers."""
+    tiles_done: int
+    """Tiles that need no more samples."""
+    tiles: int
+    """Tiles of the film."""
+    tiles_failed: int
+    """Tiles that were given up after failing on several workers."""
+    audited: int
+    """Ranges that another worker traced again with the same result."""
+    refused: int
+    """Results that were refused because they could not be right."""
+    predicted_end: float
+    """Unix time at which the render should end, from its rate and error so far; 0: unknown."""
+    predicted_cpu_seconds: float
+    """Processor seconds that it should have cost by then; 0: unknown."""
+
+
+@dataclass(frozen=True)
+class Render:
+    """One render."""
+
+    id: str
+    name: str
+    state: RenderState
+    reason: str
+    """Why it is in this state, in words; may be empty."""
+    width: int
+    """Pixels."""
+    height: int
+    """Pixels."""
+    samples: int
+    """Samples per pixel asked for, at most."""
+    scene_sha256: str
+    """SHA-256 of the compiled scene, hexadecimal."""
+    floating_point_profile: str
+    """How its workers round, which all do alike; empty before the first result."""
+    sequence: int
+    """Grows with every change that watchers should see."""
+    created: float
+    """Unix time, seconds."""
+    started: float
+    """Unix time, seconds; 0 before the start."""
+    ended: float
+    """Unix time, seconds; 0 before the end."""
+    stop: StopConditions
+    priority: int
+    """1 to 1000: the render's weight among those of its owner."""
+    owner: str
+    """Name of the token that asked for it; empty without authentication."""
+    look_first: Region | None
+    """The part of the film that gets its samples first; null: all parts are alike."""
+    progress: Progress
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """What a render waits for."""
+
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Worker:
+    """One worker process, as it last reported itself."""
+
+    id: str
+    engine: int
+    """Version of the tracing engine; renders take results of one only."""
+    threads: int
+    rays_per_second: float
+    """Over the last seconds, all threads together."""
+    jobs_done: int
+    started: float
+    """Unix time, seconds."""
+    quarantine: str
+    """Why its results are refused; empty: they are taken."""
+    floating_point_profile: str
+    """How it rounds; renders take results of one profile only."""
+    incompatible: str
+    """Why it gets no jobs though it is not in quarantine; empty: it gets them."""
+
+
+@dataclass(frozen=True)
+class Webhook:
+    """An address that is told how its owner's renders end."""
+
+    id: str
+    owner: str
+    """Name of the token that made it; empty without authentication."""
+    url: str
+    created: float
+    """Unix time, seconds."""
+    last_outcome: str
+    """How the last message went, in words; empty before the first."""
+
+
+@dataclass(frozen=True)
+class NewWebhook:
+    """A webhook with the secret, which is told once."""
+
+    id: str
+    owner: str
+    """Name of the token that made it; empty without authentication."""
+    url: str
+    created: float
+    """Unix time, seconds."""
+    last_outcome: str
+    """How the last message went, in words; empty before the first."""
+    secret: str
+    """What messages are signed with, by standardwebhooks.com."""
+
+
+@dataclass(frozen=True)
+class Pilot:
+    """The small renders that the report goes by."""
+
+    film: list[int]
+    """Width and height, pixels."""
+    samples: int
+    """Per pixel of each render."""
+    renders: int
+    """Independent renders of each model."""
+    cpu_seconds: float
+    """What they took."""
+    wanted_cpu_seconds: float | None
+    """A budget that would show biases of half of the target; null: this one does."""
+    effective_pixels: float
+    """As in Progress."""
+    heavy_tails: bool
+    """Rare samples carry the noise: intervals and times are not to be trusted."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """An estimate, and the interval that holds the truth with 95 %."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class PreflightModel:
+    """The scene with some parts less. Errors are relative."""
+
+    without: list[str]
+    """What is left out; empty: nothing."""
+    verdict: str
+    mean_bias: Interval
+    """Of the mean luminance."""
+    local_bias: Interval
+    """Relative RMSE over pixels of the change."""
+    noise_of_a_sample: float
+    """Relative RMSE over pixels of one sample per pixel."""
+    cost_ratio: Interval
+    """Time of a sample, relative to the full model."""
+    samples: int | None
+    """Per pixel, to the target; null: out of reach."""
+    cpu_seconds: float | None
+    """Of one processor, to the target; null: out of reach."""
+
+
+@dataclass(frozen=True)
+class PreflightReport:
+    """What a scene needs for an error."""
+
+    error: float
+    """The target."""
+    film: list[int]
+    """Width and height of the real render, pixels."""
+    pilot: Pilot
+    full: PreflightModel
+    models: list[PreflightModel]
+    """Each with one part less."""
+    chosen: PreflightModel
+    """The cheapest that stays within the target."""
+    saving: float
+    """How many times faster than the full model it gets there."""
+    without_effect: list[str]
+    """Parts that change nothing of what is traced."""
+    document: dict[str, Any]
+    """The scene document of the chosen model."""

@@ -1,0 +1,38 @@
+/** What a scene needs: the service's report as a table, and the scene that is enough. */
+import { element } from "../dom.ts";
+import { formatDuration } from "../format.ts";
+import type { Interval, PreflightReport, PreflightModel } from "../service/types.ts";
+
+/** The table, and a button that takes the simpler scene where there is one. */
+export function preflightResult(preflight: PreflightReport, onTake: () => void): HTMLElement[] {
+  const heads = ["Without", "Mean luminance", "Relative RMSE", "Time a sample", "Verdict", "Time to the target"];
+  const row = (cells: string[], tag: "td" | "th"): HTMLElement => element("tr", {}, ...cells.map((cell) => element(tag, {}, cell)));
+  const rows = preflight.models.map((model) => row(cellsOf(model), "td"));
+  const table = element("table", {}, element("thead", {}, row(heads, "th")), element("tbody", {}, ...rows));
+  const nodes: HTMLElement[] = [element("p", {}, sentence(preflight)), element("div", { class: "preflight" }, table)];
+  if (preflight.chosen.without.length > 0) {
+    const take = element("button", { type: "button" }, "Take the simpler scene");
+    take.addEventListener("click", onTake);
+    nodes.push(take);
+  }
+  return nodes;
+}
+
+/** What follows, for people. */
+export function sentence(preflight: PreflightReport): string {
+  if (preflight.pilot.heavy_tails) return "Rare samples carry the noise, so nothing here is to be trusted, and nothing is chosen.";
+  const target = `${Number((100 * preflight.error).toPrecision(3))} %`;
+  const time = preflight.chosen.cpu_seconds === null ? "–" : formatDuration(preflight.chosen.cpu_seconds);
+  const cost = `${(preflight.chosen.samples ?? 0).toLocaleString("en")} samples, ${time} of one processor.`;
+  if (preflight.chosen.without.length === 0) return `Nothing simpler is known to be faster within ${target}: ${cost}`;
+  return `Enough for ${target}: ${preflight.chosen.without.join(", ")}; ${preflight.saving.toFixed(1)} times faster. ${cost}`;
+}
+
+function cellsOf(model: PreflightModel): string[] {
+  const time = model.cpu_seconds === null ? "–" : formatDuration(model.cpu_seconds);
+  return [model.without.join(", "), signed(model.mean_bias), between(model.local_bias), percent(model.cost_ratio.value, 0), model.verdict, time];
+}
+
+const percent = (value: number, digits = 2): string => `${(100 * value).toFixed(digits)} %`;
+const signed = ({ value, high }: Interval): string => `${value >= 0 ? "+" : "−"}${percent(Math.abs(value))} ± ${percent(high - value)}`;
+const between = ({ value, low, high }: Interval): string => `${percent(value)} (${percent(low)} to ${percent(high)})`;

@@ -1,0 +1,285 @@
+"""Redis and workers in memory, by a virtual clock."""
+
+import random
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+from nocturne.v1 import job_pb2
+from nocturne_coordinator.clock import Clock
+from nocturne_coordinator.dispatch.events import Moment
+from nocturne_coordinator.dispatch.liveness import Holder
+from nocturne_coordinator.errors import QueueError
+from nocturne_coordinator.queue.job_queue import Entry, JobQueue, Session
+
+from tests.coordinator.simulated_worker import Alter, simulated_result, unaltered
+
+STATUS_SECONDS = 10.0
+"""A worker's status holds so long, and is renewed every two seconds."""
+
+
+class VirtualClock(Clock):
+    """Time goes on when somebody waits, and the workers work meanwhile."""
+
+    def __init__(self, seed: int) -> None:
+        super().__init__()
+        self.now = 1000.0
+        self._draws = random.Random(seed)
+        self.workers: list[Worker] = []
+        self.told_to_stop = False
+
+    def moment(self) -> Moment:
+        return Moment(self.now, 1.7e9 + self.now)
+
+    def wait(self, seconds: float) -> None:
+        self.advance(self.now + seconds, lambda: False)
+
+    def advance(self, until: float, enough: Callable[[], bool]) -> None:
+        """Until then, or until it is enough."""
+        while not enough():
+            following = min(self.workers, key=lambda worker: worker.next_at, default=None)
+            if following is None or following.next_at > until:
+                self.now = max(self.now, until)
+                return
+            self.now = max(self.now, following.next_at)
+            following.step()
+
+    @property
+    def stopping(self) -> bool:
+        return self.told_to_stop
+
+    def draw(self) -> float:
+        return self._draws.random()
+
+
+@dataclass
+class Delivery:
+    """A job that a worker has."""
+
+    worker: str
+    renewed: float
+
+
+class MemoryQueue(JobQueue):
+    """Both streams, and what can happen to them."""
+
+    def __init__(self, clock: VirtualClock) -> None:
+        self._clock = clock
+        self.job_stream: dict[bytes, bytes] = {}
+        self.result_stream: dict[bytes, bytes] = {}
+        self.pending: dict[bytes, Delivery] = {}
+        self.delivered: set[bytes] = set()
+        self.statuses: dict[str, tuple[bytes, float]] = {}
+        self.without_jobs: dict[str, float] = {}
+        self.runs: set[str] = set()
+        self.is_down = False
+        self.lost_answers: Callable[[], bool] = lambda: False
+        """Whether a call of the coordinator happens and its answer is lost."""
+        self._numbers = 0
+        self.most = 0
+        """Jobs on the stream."""
+
+    def flush(self) -> None:
+        """FLUSHALL, or a restart without files."""
+        for each in (self.job_stream, self.result_stream, self.pending, self.statuses, self.without_jobs):
+            each.clear()
+        self.delivered.clear()
+        self.runs.clear()
+
+    def check_up(self) -> None:
+        if self.is_down:
+            raise QueueError("there is no answer")
+
+    def _answered(self) -> None:
+        if self.lost_answers():
+            raise QueueError("the answer is lost")
+
+    def new_entry(self) -> bytes:
+        self._numbers += 1
+        return f"{int(1000 * self._clock.moment().unix)}-{self._numbers}".encode()
+
+    # --- as the coordinator sees it ---
+
+    def attend(self, session: Session) -> bool:
+        self.check_up()
+        known = session.nonce in self.runs
+        self.runs.add(session.nonce)
+        self._answered()
+        return known
+
+    def give_up_session(self, session: Session) -> None:
+        self.check_up()
+        self.runs.discard(session.nonce)
+
+    def publish(self, jobs: Iterable[bytes]) -> list[bytes]:
+        self.check_up()
+        entries = []
+        for job in jobs:
+            entries.append(self.new_entry())
+            self.job_stream[entries[-1]] = job
+        self.most = max(self.most, len(self.job_stream))
+        self._answered()
+        return entries
+
+    def jobs(self) -> list[Entry]:
+        self.check_up()
+        return list(self.job_stream.items())
+
+    def delete_jobs(self, entries: list[bytes]) -> None:
+        self.check_up()
+        for entry in entries:
+            self.job_stream.pop(entry, None)
+            if entry not in self.pending:
+                self.delivered.discard(entry)
+        self._answered()
+
+    def results(self, after: bytes, wait_ms: int) -> list[Entry]:
+        self.check_up()
+
+        def found() -> list[Entry]:
+            return [each for each in self.result_stream.items() if _place(each[0]) > _place(after)][:64]
+
+        if wait_ms and not found():
+            self._clock.advance(self._clock.now + wait_ms / 1000, lambda: bool(found()))
+        self._answered()
+        return found()
+
+    def jobs_waiting(self) -> int:
+        return len(self.job_stream)
+
+    def results_waiting(self) -> int:
+        return len(self.result_stream)
+
+    def delete_results(self, entries: list[bytes]) -> None:
+        self.check_up()
+        for entry in entries:
+            self.result_stream.pop(entry, None)
+        self._answered()
+
+    def workers(self) -> list[tuple[bytes, int]]:
+        self.check_up()
+        now = self._clock.now
+        self.statuses = {name: each for name, each in self.statuses.items() if each[1] > now}
+        return [(status, int(1000 * (until - now))) for status, until in self.statuses.values()]
+
+    def holders(self) -> list[Holder]:
+        return [Holder(entry, delivery.worker) for entry, delivery in self.pending.items()]
+
+    def keep_in_quarantine(self, workers: Mapping[str, str]) -> None:
+        self.check_up()
+        for worker in workers:
+            self.without_jobs[worker] = self._clock.now + STATUS_SECONDS
+
+    # --- as workers see it ---
+
+    def take(self, worker: str, lease: float) -> tuple[bytes, bytes] | None:
+        """XREADGROUP, then XAUTOCLAIM."""
+        for entry, data in self.job_stream.items():
+            if entry not in self.delivered:
+                self.delivered.add(entry)
+                self.pending[entry] = Delivery(worker, self._clock.now)
+                return entry, data
+        for entry, delivery in list(self.pending.items()):
+            if delivery.renewed < self._clock.now - lease:
+                if entry not in self.job_stream:
+                    del self.pending[entry]
+                    continue
+                self.pending[entry] = Delivery(worker, self._clock.now)
+                return entry, self.job_stream[entry]
+        return None
+
+    def complete(self, entry: bytes | None, results: Iterable[bytes]) -> None:
+        """XADD, XACK and XDEL in one transaction; without an entry, the results alone."""
+        for result in results:
+            self.result_stream[self.new_entry()] = result
+        if entry is not None:
+            self.pending.pop(entry, None)
+            self.job_stream.pop(entry, None)
+
+
+def _place(entry: bytes) -> tuple[int, int]:
+    milliseconds, _, number = entry.partition(b"-")
+    return int(milliseconds), int(number)
+
+
+class Worker:
+    """Everything but tracing; see SimulatedWorker, which is this one on a real Redis."""
+
+    def __init__(
+        self,
+        name: str,
+        queue: MemoryQueue,
+        clock: VirtualClock,
+        alter: Alter = unaltered,
+        delay: float = 0.02,
+        lease: float = 1.0,
+        dies: Callable[[job_pb2.JobResult], bool] = lambda _: False,
+        profile: str = "",
+    ) -> None:
+        self.name = name
+        self.jobs_done = 0
+        self._queue, self._clock = queue, clock
+        self._alter, self.delay, self._lease, self._dies, self._profile = alter, delay, lease, dies, profile
+        self._started = clock.moment().unix
+        self._job: tuple[bytes, bytes] | None = None
+        self._done_at = 0.0
+        self.next_at = clock.now
+        clock.workers.append(self)
+
+    @property
+    def has_job(self) -> bool:
+        return self._job is not None
+
+    def die(self) -> None:
+        """SIGKILL."""
+        self.next_at = float("inf")
+        self._clock.workers.remove(self)
+
+    def stand_still(self, seconds: float) -> None:
+        """SIGSTOP, and SIGCONT after that."""
+        self.next_at = self._clock.now + seconds
+        self._done_at = max(self._done_at, self.next_at)
+
+    def leave(self) -> None:
+        """SIGTERM: the job is handed back, the status deleted."""
+        self._queue.statuses.pop(self.name, None)
+        if self._job is not None and self._job[0] in self._queue.pending:
+            self._queue.pending[self._job[0]].renewed = -1.0
+        self.die()
+
+    def step(self) -> None:
+        now = self._clock.now
+        self.next_at = now + 0.05
+        if self._queue.is_down:
+            return
+        status = job_pb2.WorkerStatus(
+            worker_id=self.name,
+            engine=job_pb2.ENGINE_CURRENT,
+            threads=1,
+            started=self._started,
+            floating_point_profile=self._profile,
+        )
+        self._queue.statuses[self.name] = status.SerializeToString(), now + STATUS_SECONDS
+        if self._job is None:
+            if self._queue.without_jobs.get(self.name, 0.0) > now:
+                return
+            self._job = self._queue.take(self.name, self._lease)
+            self._done_at = now + self.delay
+        elif now >= self._done_at:
+            self._finish(*self._job)
+        if self._job is not None:
+            delivery = self._queue.pending.get(self._job[0])
+            if delivery is not None and delivery.worker == self.name:
+                delivery.renewed = now
+            self.next_at = min(now + self._lease / 3, max(self._done_at, now + 1e-3))
+
+    def _finish(self, entry: bytes, data: bytes) -> None:
+        job = job_pb2.Job.FromString(data)
+        result = simulated_result(job, self.name)
+        result.floating_point_profile = self._profile
+        if self._dies(result):
+            self.die()
+            return
+        sent = [each if isinstance(each, bytes) else each.SerializeToString() for each in self._alter(result)]
+        self._queue.complete(entry, sent)
+        self._job = None
+        self.jobs_done += 1

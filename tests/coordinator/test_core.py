@@ -1,0 +1,241 @@
+"""The core alone: what follows from an event, one instruction after the other."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from nocturne.v1 import job_pb2
+from nocturne_coordinator.dispatch import instructions as do
+from nocturne_coordinator.dispatch.core import Core
+from nocturne_coordinator.dispatch.events import (
+    CommitDone,
+    JobsFound,
+    Moment,
+    RedisEmptied,
+    RendersSeen,
+    ResultCame,
+    StreamIsReady,
+    Tick,
+)
+from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
+from nocturne_coordinator.dispatch.state import Settings
+from nocturne_coordinator.dispatch.validation import InvalidState
+from nocturne_coordinator.errors import FolderTrouble, LeaseLost, QueueError
+from nocturne_scene.ranges import make_schedule
+
+from tests.coordinator.simulated_worker import simulated_result
+
+Answers = dict[type[Any], Callable[[Any], Any]]
+
+
+def at(now: float) -> Moment:
+    return Moment(now, 1.7e9 + now)
+
+
+class Shell:
+    """Carries nothing out, and gives the answers that it is told to give."""
+
+    def __init__(self, rows: tuple[OpenRender, ...]) -> None:
+        self.core = Core(Settings(commit_seconds=0.5))
+        self.rows = rows
+        self._entries = 0
+        self.now = at(0.0)
+        self.answers: Answers = {
+            do.TakeRender: lambda asked: next(row for row in rows if row.id == asked.render_id),
+            do.ReadRenders: lambda _: list(rows),
+            do.StartRender: lambda _: True,
+            do.ReadTiles: lambda _: [],
+            do.IsOpen: lambda _: False,
+            do.EndRender: lambda _: True,
+            do.Quarantine: lambda _: [],
+            do.Publish: lambda asked: [self.entry() for _ in asked.jobs],
+            do.Commit: lambda _: CommitDone(self.now, ()),
+            **dict.fromkeys(
+                (do.WritePreview, do.WriteThumbnail, do.WriteImage, do.RecordError), lambda _: self.now
+            ),
+        }
+
+    def entry(self) -> bytes:
+        self._entries += 1
+        return b"%d-0" % self._entries
+
+    def tell(self, event: Any) -> list[do.Instruction]:
+        """Gives the instructions that followed; the state is validated."""
+        self.now = event.at
+        followed: list[do.Instruction] = []
+        steps = self.core.handle(event)
+        try:
+            instruction = next(steps)
+            while True:
+                followed.append(instruction)
+                answering = self.answers.get(type(instruction))
+                answer = answering(instruction) if answering else None
+                instruction = steps.throw(answer) if isinstance(answer, Exception) else steps.send(answer)
+        except (StopIteration, QueueError):
+            self.core.validate_state()
+            return [each for each in followed if not isinstance(each, do.Log)]
+
+    def take_up(self, now: float = 0.0) -> list[do.Instruction]:
+        return self.tell(RendersSeen(at(now), self.rows, {}, 1))
+
+    def result(self, render_id: str, now: float, tile: int = 0, index: int = 0) -> list[do.Instruction]:
+        planned = self.core.state.renders[render_id].planned
+        data = simulated_result(planned.job(tile, planned.ranges[index])).SerializeToString()
+        return self.tell(ResultCame(at(now), self.entry(), data, 0.99))
+
+
+def row(name: str, samples: int = 8, **values: Any) -> OpenRender:
+    schedule = make_schedule(33, 2, samples)
+    engine = values.pop("engine", job_pb2.ENGINE_CURRENT)
+    return OpenRender(name, RenderState.QUEUED, schedule, "5c" * 32, engine, Totals(), fence=1, **values)
+
+
+def kinds(followed: list[do.Instruction]) -> list[str]:
+    return [type(each).__name__ for each in followed]
+
+
+def test_a_render_from_its_first_job_to_its_end() -> None:
+    shell = Shell((row("r", 4),))
+    assert kinds(shell.take_up()) == ["TakeRender", "StartRender", "ReadTiles", "TellWorkers"]
+    (published,) = shell.tell(StreamIsReady(at(0.1)))
+    assert isinstance(published, do.Publish)
+    assert published.keys == (("r", 0, 0), ("r", 1, 0))
+    assert shell.result("r", 0.2) == []
+    assert kinds(shell.tell(Tick(at(0.5))))[:2] == ["Commit", "Acknowledge"]
+    assert shell.result("r", 0.6, tile=1) == []
+    followed = shell.tell(Tick(at(0.7)))
+    # Committed, deleted, shown, and only then ended.
+    wanted = ["Commit", "Acknowledge", "WriteImage", "WritePreview", "WriteThumbnail", "RecordError"]
+    assert [each for each in kinds(followed) if each in (*wanted, "EndRender", "LetGo")] == [
+        *wanted,
+        "EndRender",
+        "LetGo",
+    ]
+    assert shell.core.state.renders == {}
+
+
+def test_what_is_not_committed_is_not_acknowledged() -> None:
+    shell = Shell((row("r"),))
+    shell.take_up()
+    shell.tell(StreamIsReady(at(0.1)))
+    shell.result("r", 0.2)
+    shell.answers[do.Commit] = lambda _: FolderTrouble("disk full")
+    assert kinds(shell.tell(Tick(at(0.5)))) == ["Commit"]
+    # No new jobs until one works.
+    shell.result("r", 0.6, index=1)
+    assert shell.tell(StreamIsReady(at(0.7))) == []
+    shell.answers[do.Commit] = lambda _: CommitDone(shell.now, ())
+    assert kinds(shell.tell(Tick(at(1.5))))[:2] == ["Commit", "Acknowledge"]
+
+
+def test_a_render_that_a_commit_finds_lost_is_left_to_its_new_owner() -> None:
+    shell = Shell((row("r"),))
+    shell.take_up()
+    shell.tell(StreamIsReady(at(0.1)))
+    shell.result("r", 0.2)
+    shell.answers[do.Commit] = lambda _: CommitDone(shell.now, ("r",))
+    shell.answers[do.IsOpen] = lambda _: True
+    # Neither its jobs nor its results are touched.
+    assert kinds(shell.tell(Tick(at(0.5)))) == ["Commit", "IsOpen", "LetGo", "LookAgain"]
+    assert shell.core.state.renders == {}
+
+
+@pytest.mark.parametrize("trouble", [LeaseLost("r"), FolderTrouble("gone")])
+def test_a_render_that_can_not_be_started_is_looked_at_again(trouble: Exception) -> None:
+    shell = Shell((row("r"),))
+    shell.answers[do.StartRender] = lambda _: trouble
+    assert kinds(shell.take_up())[-1] == "LookAgain"
+    assert shell.core.state.renders == {}
+
+
+def test_jobs_whose_publication_failed_are_published_again() -> None:
+    shell = Shell((row("r"),))
+    shell.take_up()
+    shell.answers[do.Publish] = lambda _: QueueError("no answer")
+    first = shell.tell(StreamIsReady(at(0.1)))
+    del shell.answers[do.Publish]
+    shell.answers[do.Publish] = lambda asked: [shell.entry() for _ in asked.jobs]
+    again = shell.tell(StreamIsReady(at(0.2)))
+    assert [each.keys for each in again if isinstance(each, do.Publish)] == [
+        each.keys for each in first if isinstance(each, do.Publish)
+    ]
+
+
+def test_jobs_that_are_there_are_adopted_and_others_withdrawn() -> None:
+    shell = Shell((row("r"),))
+    shell.take_up()
+    planned = shell.core.state.renders["r"].planned
+    job = planned.job(1, planned.ranges[0]).SerializeToString()
+    foreign = job_pb2.Job(render_id="elsewhere").SerializeToString()
+    followed = shell.tell(
+        JobsFound(at(0.1), ((b"1-1", job), (b"1-2", job), (b"1-3", b"\xff"), (b"1-4", foreign)))
+    )
+    assert followed == [do.IsOpen("elsewhere"), do.Withdraw((b"1-2", b"1-3", b"1-4"))]
+    (published,) = shell.tell(StreamIsReady(at(0.2)))
+    assert isinstance(published, do.Publish)
+    assert ("r", 1, 0) not in published.keys
+    shell.tell(RedisEmptied(at(0.3)))
+    (published,) = shell.tell(StreamIsReady(at(0.4)))
+    assert isinstance(published, do.Publish)
+    assert ("r", 1, 0) in published.keys
+
+
+def test_a_result_that_is_read_again_while_it_waits_is_not_deleted() -> None:
+    """Found by random orders of faults: the stream is read from its start after Redis was emptied."""
+    shell = Shell((row("r"),))
+    shell.take_up()
+    shell.tell(StreamIsReady(at(0.1)))
+    planned = shell.core.state.renders["r"].planned
+    data = simulated_result(planned.job(0, planned.ranges[1])).SerializeToString()
+    for now in (0.2, 0.3):
+        shell.tell(ResultCame(at(now), b"7-0", data, 0.99))
+    shell.result("r", 0.4, tile=1)
+    followed = shell.tell(Tick(at(0.5)))
+    assert b"7-0" not in [
+        entry for each in followed if isinstance(each, do.Acknowledge) for entry in each.entries
+    ]
+    # The one that it waited for comes: both are merged.
+    shell.result("r", 0.6)
+    followed = shell.tell(Tick(at(1.1)))
+    assert b"7-0" in [
+        entry for each in followed if isinstance(each, do.Acknowledge) for entry in each.entries
+    ]
+
+
+def test_images_that_are_due_together_are_written_one_by_one() -> None:
+    shell = Shell(tuple(row(name, 3000) for name in "abc"))
+    shell.take_up()
+    shell.tell(StreamIsReady(at(0.1)))
+    for name, due in (("a", 21.0), ("b", 20.0), ("c", 22.0)):
+        shell.result(name, 0.2)
+        shell.core.state.renders[name].next_image = due
+    for now, image in ((30.0, "b"), (31.0, "a"), (32.0, "c")):
+        for render in shell.core.state.renders.values():
+            # As if new samples had come.
+            render.pictured_photons = 0
+        followed = shell.tell(Tick(at(now)))
+        assert [each.render_id for each in followed if isinstance(each, do.WriteImage)] == [image]
+        # Previews are not held up.
+        assert {each.render_id for each in followed if isinstance(each, do.WritePreview)} == {"a", "b", "c"}
+
+
+def test_a_state_that_must_not_be_is_found() -> None:
+    shell = Shell((row("r"),))
+    shell.take_up()
+    shell.tell(StreamIsReady(at(0.1)))
+    render = shell.core.state.renders["r"]
+    render.totals.photons += 1
+    with pytest.raises(InvalidState, match="photons"):
+        shell.core.validate_state()
+    render.totals.photons -= 1
+    shell.core.state.scheduler._outstanding.clear()
+    with pytest.raises(InvalidState, match="nowhere"):
+        shell.core.validate_state()
+
+
+def test_committed_tiles_that_do_not_fit_fail_the_render() -> None:
+    shell = Shell((row("r"),))
+    shell.answers[do.ReadTiles] = lambda _: [TileRow(0, 5, b"")]
+    followed = shell.take_up()
+    assert [each.state for each in followed if isinstance(each, do.EndRender)] == [RenderState.FAILED]
+    assert shell.core.state.renders == {}

@@ -1,0 +1,106 @@
+"""Database migrations: numbered files, each applied once, all or nothing."""
+
+import shutil
+import sqlite3
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from nocturne_coordinator.errors import UnusableFolder
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.migrate import MIGRATIONS, migrate, newest_schema, schema_of
+
+NEXT = """
+-- A column and a trigger: a statement may have others inside.
+ALTER TABLE render ADD COLUMN colour TEXT NOT NULL DEFAULT 'grey; or so';
+CREATE TRIGGER counts AFTER UPDATE OF name ON render
+BEGIN
+    UPDATE render SET sequence = sequence + 1 WHERE id = NEW.id;
+    UPDATE render SET colour = 'blue' WHERE id = NEW.id;
+END;
+"""
+
+
+@pytest.fixture
+def old(tmp_path: Path) -> Iterator[sqlite3.Connection]:
+    """A database of this program's schema, with a render, as a program of the next schema finds it."""
+    DataFolder(tmp_path / "data").close()
+    with closing(sqlite3.connect(tmp_path / "data" / "nocturne.db", isolation_level=None)) as connection:
+        connection.execute(
+            """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
+                   scene_sha256, engine, created, ranges_planned, schedule, scene_document)
+               VALUES ('r-old', 'a', 'd', 'old', 'CANCELLED', 64, 64, 20, 's', 1, 5.0, 16, x'00', '{}')"""
+        )
+        yield connection
+
+
+@pytest.fixture
+def migrations(tmp_path: Path) -> Path:
+    """Those of this program, and one more."""
+    folder = tmp_path / "migrations"
+    shutil.copytree(MIGRATIONS, folder)
+    (folder / f"{newest_schema() + 1:04}_colour.sql").write_text(NEXT)
+    return folder
+
+
+def upgrade(connection: sqlite3.Connection, folder: Path) -> None:
+    """As Database does it."""
+    connection.execute("BEGIN IMMEDIATE")
+    try:
+        migrate(connection, "nocturne.db", folder)
+    except BaseException:
+        connection.execute("ROLLBACK")
+        raise
+    connection.execute("COMMIT")
+
+
+def columns(connection: sqlite3.Connection) -> set[str]:
+    return {row[1] for row in connection.execute("PRAGMA table_info(render)")}
+
+
+def test_numbers_have_no_gaps_and_no_doubles() -> None:
+    numbers = sorted(int(path.name[:4]) for path in MIGRATIONS.glob("*.sql"))
+    assert numbers == list(range(1, newest_schema() + 1))
+
+
+def test_a_new_database_gets_them_all(tmp_path: Path, migrations: Path) -> None:
+    with closing(sqlite3.connect(tmp_path / "new.db", isolation_level=None)) as connection:
+        upgrade(connection, migrations)
+        assert schema_of(connection) == newest_schema() + 1
+        assert {"id", "colour"} < columns(connection)
+        assert connection.execute("SELECT count(*) FROM ownership").fetchone() == (1,)
+
+
+def test_an_older_one_gets_what_is_missing_and_keeps_its_rows(
+    old: sqlite3.Connection, migrations: Path
+) -> None:
+    upgrade(old, migrations)
+    upgrade(old, migrations)
+    assert schema_of(old) == newest_schema() + 1
+    assert old.execute("SELECT name, colour FROM render").fetchall() == [("old", "grey; or so")]
+    old.execute("UPDATE render SET name = 'new'")
+    assert old.execute("SELECT colour, sequence FROM render").fetchall() == [("blue", 2)]
+
+
+def test_a_newer_one_is_refused_in_a_sentence(old: sqlite3.Connection, migrations: Path) -> None:
+    upgrade(old, migrations)
+    path = Path(old.execute("PRAGMA database_list").fetchone()[2])
+    with pytest.raises(
+        UnusableFolder, match=rf"nocturne\.db has schema {newest_schema() + 1}.*a newer program"
+    ):
+        Database(path)
+
+
+def test_a_crash_in_the_middle_leaves_the_old_one(old: sqlite3.Connection, migrations: Path) -> None:
+    broken = migrations / f"{newest_schema() + 2:04}_broken.sql"
+    broken.write_text("ALTER TABLE render DROP COLUMN look_first;\nINSERT INTO nowhere VALUES (1);\n")
+    with pytest.raises(sqlite3.OperationalError, match="nowhere"):
+        upgrade(old, migrations)
+    assert schema_of(old) == newest_schema()
+    assert "look_first" in columns(old)
+    assert "colour" not in columns(old)
+    broken.unlink()
+    upgrade(old, migrations)
+    assert {"look_first", "colour"} < columns(old)

@@ -1,0 +1,148 @@
+"""python -m tests.corpus MIRRORS -o PAGE.md: import what there is of the corpus, and write how it went.
+
+MIRRORS holds clones of the repositories in sources.toml, with or without a work tree, as `owner/name` or
+`owner+name`; those that are not there are left out. Files are read from their newest commit.
+"""
+
+import argparse
+import subprocess
+import tempfile
+import tomllib
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import Any
+
+from nocturne_scene.formats.import_scene import FORMATS
+
+from tests.corpus.trying import FAILED, LOSSY, REFUSED, STRICT, Outcome, tried
+
+_SOURCES = Path(__file__).with_name("sources.toml")
+_KINDS = (STRICT, LOSSY, REFUSED, FAILED)
+# Characters of a reason that are shown: names and numbers differ after them.
+_SHOWN = 90
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A file, and what came of it."""
+
+    format: str
+    repository: str
+    name: str
+    outcome: Outcome
+
+
+def git_folder(mirrors: Path, repository: str) -> Path | None:
+    """The git directory of a clone; None if there is none."""
+    for name in (repository, repository.replace("/", "+")):
+        for inside in (".git", "repo/.git", "repo", ""):
+            folder = mirrors / name / inside
+            if (folder / "HEAD").is_file():
+                return folder
+    return None
+
+
+def chosen(names: list[str], source: dict[str, Any]) -> list[str]:
+    """The scenes among the files of a repository."""
+    return sorted(
+        name
+        for name in names
+        if any(fnmatch(name, pattern) for pattern in source["files"])
+        and name.lower().endswith(tuple(FORMATS))
+        and not any(fnmatch(name, pattern) for pattern in source.get("without", ()))
+    )
+
+
+def attempts(mirrors: Path, only: str, *, compiles: bool) -> Iterator[Tried]:
+    """Try every file that is there."""
+    for source in tomllib.loads(_SOURCES.read_text())["source"]:
+        git = git_folder(mirrors, source["repository"])
+        if git is None or only not in source["format"]:
+            continue
+        listed = subprocess.run(
+            ["git", f"--git-dir={git}", "ls-tree", "-r", "--format=%(objectname) %(path)", "HEAD"],
+            check=True,
+            capture_output=True,
+            text=True,
+        )
+        objects = {
+            name: digest for digest, _, name in (line.partition(" ") for line in listed.stdout.splitlines())
+        }
+        scenes = chosen(list(objects), source)
+        tops = tuple(pattern.split("*")[0].rpartition("/")[0] + "/" for pattern in source["files"])
+        tops += tuple(source.get("beside", ()))
+        with tempfile.TemporaryDirectory() as kept:
+            _write(git, {name: objects[name] for name in objects if name.startswith(tops)}, Path(kept))
+            for name in scenes:
+                outcome = tried(Path(kept) / name, Path(kept), compiles=compiles)
+                yield Tried(source["format"], source["repository"], name, outcome)
+
+
+def _write(git: Path, objects: dict[str, str], folder: Path) -> None:
+    """Write files of a repository; those that the clone does not hold are left out."""
+    with subprocess.Popen(
+        ["git", f"--git-dir={git}", "cat-file", "--batch"], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as reader:
+        if reader.stdin is None or reader.stdout is None:
+            raise RuntimeError("git has no pipes")
+        for name, digest in objects.items():
+            reader.stdin.write(f"{digest}\n".encode())
+            reader.stdin.flush()
+            _, kind, *size = reader.stdout.readline().decode().split()
+            if kind == "blob":
+                content = reader.stdout.read(int(size[0]))
+                reader.stdout.read(1)
+                (folder / name).parent.mkdir(parents=True, exist_ok=True)
+                (folder / name).write_bytes(content)
+
+
+def page(found: list[Tried]) -> str:
+    """Counts by format and reason, and every file that is not imported strictly."""
+    lines = ["# Scenes of others", "", f"| format | files | {' | '.join(_KINDS)} |", "| --- |" + " --- |" * 5]
+    for name in sorted({each.format for each in found}):
+        kinds = Counter(each.outcome.kind for each in found if each.format == name)
+        counts = [sum(kinds.values()), *(kinds[kind] for kind in _KINDS)]
+        lines.append(f"| {name} | " + " | ".join(map(str, counts)) + " |")
+    slowest = max(found, key=lambda each: each.outcome.seconds)
+    largest = max(found, key=lambda each: each.outcome.megabytes)
+    lines += ["", f"Slowest: {slowest.name}, {slowest.outcome.seconds:.1f} s. "]
+    lines[-1] += f"Largest: {largest.name}, {largest.outcome.megabytes:,} MB."
+    reasons = Counter(
+        (each.format, reason)
+        for each in found
+        for reason in {reason[:_SHOWN] for reason in each.outcome.reasons}
+    )
+    lines += ["", "| files | format | reason |", "| --- | --- | --- |"]
+    lines += [f"| {count} | {name} | {reason} |" for (name, reason), count in reasons.most_common()]
+    lines += ["", "| file | outcome | reasons |", "| --- | --- | --- |"]
+    lines += [
+        f"| {each.repository}: {each.name} | {each.outcome.kind} | "
+        + "; ".join(reason[:_SHOWN] for reason in each.outcome.reasons[:6]).replace("|", "/")
+        + " |"
+        for each in found
+        if each.outcome.kind != STRICT
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """The command."""
+    parser = argparse.ArgumentParser(prog="python -m tests.corpus")
+    parser.add_argument("mirrors", type=Path, help="Folder with clones of the repositories.")
+    parser.add_argument("--output", "-o", type=Path, required=True, help="The page to write.")
+    parser.add_argument("--format", default="", help="Only formats whose name holds this.")
+    parser.add_argument(
+        "--import-only", action="store_true", help="Don't compile, which takes most of the time."
+    )
+    arguments = parser.parse_args()
+    found = list(attempts(arguments.mirrors, arguments.format, compiles=not arguments.import_only))
+    if not found:
+        parser.error(f"{arguments.mirrors} holds none of the repositories in {_SOURCES.name}")
+    arguments.output.write_text(page(found), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,101 @@
+"""Every tutorial does what it says: its commands run, in order, in an empty folder."""
+
+import os
+import signal
+import subprocess
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from nocturne_client.local.programs import CHECKOUT, find_program
+
+from tests.docs.tutorial import script_of
+from tests.system.free_ports import free_port_pair
+from tests.system.up import NOCTURNE
+
+TUTORIALS = CHECKOUT / "docs" / "tutorials"
+
+_LIMIT_S = 400.0
+
+
+@pytest.mark.system
+@pytest.mark.parametrize("name", sorted(page.stem for page in TUTORIALS.glob("*.md")))
+def test_commands_of_a_tutorial_run(name: str, tmp_path_factory: pytest.TempPathFactory) -> None:
+    folder = tmp_path_factory.mktemp("t")
+    (folder / "examples").symlink_to(CHECKOUT / "examples")
+    (folder / "services").symlink_to(CHECKOUT / "services")
+    api, redis = free_port_pair(), free_port_pair()
+    ports = {"7070": str(api), "7071": str(api + 1), "6390": str(redis)}
+    script = script_of((TUTORIALS / f"{name}.md").read_text(encoding="utf-8"), ports)
+    output = folder / "output.txt"
+    with output.open("wb") as log:
+        process = subprocess.Popen(
+            ["bash", "-c", script],
+            cwd=folder,
+            env=_environment(folder, api),
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=log,
+            start_new_session=True,
+        )
+        try:
+            status = process.wait(_LIMIT_S)
+        finally:
+            _end(process)
+    assert status == 0, _told(folder)
+
+
+def _environment(folder: Path, port: int) -> dict[str, str]:
+    """Programs of this checkout first; a home that is empty; the service on a port that is free."""
+    worker = find_program("nocturne-worker")
+    assert worker is not None
+    path = os.pathsep.join([str(NOCTURNE.parent), str(worker.parent), os.environ["PATH"]])
+    return {
+        **os.environ,
+        "PATH": path,
+        "HOME": str(folder),
+        "TMPDIR": str(folder),
+        "NOCTURNE_URL": f"http://127.0.0.1:{port}",
+        "TERM": "dumb",
+    }
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """Ends what is left of a script that took too long; one that came to its end has ended all it started."""
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+
+
+def _told(folder: Path) -> str:
+    logs = [folder / "output.txt", *folder.glob("*.log")]
+    return "\n".join(f"--- {log.name}\n{log.read_text(errors='replace')[-3000:]}" for log in logs)
+
+
+def test_a_script_has_the_blocks_of_its_page_in_order() -> None:
+    page = """Text.
+```sh
+first
+```
+```sh background shop
+serve --port 7070
+```
+<!-- run: stop shop -->
+```sh skip
+never
+```
+```python
+never
+```
+"""
+    script = script_of(page, {"7070": "12345"})
+    told = ["first", "(exec serve --port 12345)", "wait_for_port 12345", 'kill -INT "$shop"']
+    places = [script.index(each) for each in told]
+    assert places == sorted(places)
+    assert "never" not in script
+    assert "7070" not in script
+
+
+def test_a_block_with_words_that_mean_nothing_is_refused() -> None:
+    with pytest.raises(AssertionError, match="mean nothing"):
+        script_of("```sh backgruond\nserve\n```\n", {})

@@ -1,0 +1,114 @@
+"""Workers that round otherwise: row W8 of the fault matrix. With real workers: test_same_bits.py."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+import pytest
+from nocturne.v1 import job_pb2
+from nocturne_api.operations.status_reason import sentence, situation_of
+from nocturne_coordinator.dispatch.profiles import REDONE_SECONDS
+from nocturne_coordinator.queue import keys
+
+from tests.coordinator.service import Service, wait_until
+from tests.coordinator.simulated_worker import Alter, SimulatedWorker, unaltered
+from tests.faults.survival import SOME_DELAY, check_survived
+
+MOST, ODD = "a" * 16, "b" * 16
+
+
+def rounds_otherwise(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
+    """Every sum is one unit in the last place larger, as an honest worker's of another class may be."""
+    sums = np.frombuffer(result.partial.sums, dtype="<f8")
+    result.partial.sums = np.nextafter(sums, np.inf).tobytes()
+    return [result]
+
+
+@pytest.fixture
+def work(service: Service) -> Callable[..., str]:
+    """Starts a worker of a class, gives its name."""
+
+    def start(floating_point_profile: str, alter: Alter = unaltered, delay: float = SOME_DELAY) -> str:
+        worker = SimulatedWorker(
+            service.server.url, alter, delay, floating_point_profile=floating_point_profile
+        )
+        return service.work(worker).name
+
+    return start
+
+
+def contributors(service: Service) -> set[str]:
+    rows = service.folder.database.rows("SELECT DISTINCT worker_id FROM contribution")
+    return {row["worker_id"] for row in rows}
+
+
+def classes_of_jobs(service: Service) -> set[str]:
+    with service.server.client() as client:
+        jobs = [job_pb2.Job.FromString(fields[keys.JOB_FIELD]) for _, fields in client.xrange(keys.JOBS)]
+    return {job.floating_point_profile for job in jobs}
+
+
+def class_in_image(service: Service, render_id: str) -> str:
+    image = oiio.ImageInput.open(str(service.folder.image_path(render_id)))
+    assert image is not None
+    try:
+        return str(image.spec().get_string_attribute("nocturne:floatingPointProfile"))
+    finally:
+        image.close()
+
+
+def test_a_fleet_of_two_classes_uses_one(service: Service, work: Callable[..., str]) -> None:
+    """W8: the odd worker gets no jobs, in words, and is no liar; what it did before that is not merged."""
+    service.start()
+    honest = {work(MOST), work(MOST)}
+    odd = work(ODD, rounds_otherwise)
+    wait_until(lambda: len(service.folder.workers()) == 3)
+    render = service.create(samples=2000)
+    wait_until(lambda: bool(service.folder.incompatible_workers()))
+    assert service.folder.incompatible_workers() == {
+        odd: f"It rounds otherwise: floating-point profile {ODD}; the open renders have {MOST}."
+    }
+    # Whoever takes a job learns whose it is.
+    wait_until(lambda: MOST in classes_of_jobs(service))
+    check_survived(service, render.id)
+    assert contributors(service) <= honest
+    assert service.folder.workers_in_quarantine() == {}
+    row = service.row(render.id)
+    assert (row.floating_point_profile, row.tiles_failed) == (MOST, 0)
+    assert class_in_image(service, render.id) == MOST
+
+
+def test_long_work_waits_for_its_class(service: Service, work: Callable[..., str]) -> None:
+    """W8: what took long is not thrown away; other renders go on meanwhile, and so does it later."""
+
+    def costs_much(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
+        result.partial.cpu_seconds = REDONE_SECONDS
+        return [result]
+
+    service.start()
+    first = service.work(
+        SimulatedWorker(
+            service.server.url, costs_much, SOME_DELAY, status_ms=1500, floating_point_profile=ODD
+        )
+    )
+    long = service.create(samples=2000)
+    wait_until(lambda: service.row(long.id).ranges_done >= 6)
+    first.stop()
+    wait_until(lambda: service.folder.workers() == [], 20.0)
+    before = service.row(long.id).ranges_done
+    # Created before its workers come, or these would have to wait until they are told that they are of use.
+    other = service.create(request_id="b", samples=100)
+    work(MOST, rounds_otherwise)
+    assert service.wait_for_end(other.id).floating_point_profile == MOST
+    said = sentence(situation_of(service.folder, long.id), time.time())
+    assert (
+        f"traced by workers of floating-point profile {ODD}. The workers that are there have {MOST}" in said
+    )
+    assert service.row(long.id).ranges_done == before
+    # Replays need that class as well, from their start.
+    replay = service.folder.create_replay(long.id, "c")
+    assert replay.floating_point_profile == ODD
+    work(ODD)
+    check_survived(service, long.id)
+    assert service.wait_for_end(replay.id).floating_point_profile == ODD

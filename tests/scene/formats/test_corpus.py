@@ -1,0 +1,42 @@
+"""The command that counts how many scenes of others are imported."""
+
+import json
+import subprocess
+from pathlib import Path
+
+from tests.corpus.__main__ import Tried, chosen, git_folder, page
+from tests.corpus.trying import FAILED, LOSSY, REFUSED, STRICT, Outcome, tried
+from tests.scene.formats.test_gltf import tree
+
+HERE = Path(__file__).parent / "corpus"
+
+
+def test_patterns_choose_scenes_and_leave_out_parts() -> None:
+    names = ["scenes/a.xml", "scenes/b/c.xml", "scenes/b/parts/d.xml", "scenes/e.png", "other/f.xml"]
+    source = {"files": ["scenes/*"], "without": ["*/parts/*"]}
+    assert chosen(names, source) == ["scenes/a.xml", "scenes/b/c.xml"]
+
+
+def test_clones_are_found_by_either_name(tmp_path: Path) -> None:
+    subprocess.run(["git", "init", "--quiet", tmp_path / "owner+name"], check=True)
+    assert git_folder(tmp_path, "owner/name") == tmp_path / "owner+name" / ".git"
+    assert git_folder(tmp_path, "owner/other") is None
+
+
+def test_what_comes_of_a_file(tmp_path: Path) -> None:
+    sheen = tree() | {"materials": [{"extensions": {"KHR_materials_sheen": {}}}]}
+    (tmp_path / "sheen.gltf").write_text(json.dumps(sheen))
+    (tmp_path / "broken.gltf").write_text("{")
+    assert tried(HERE / "scene.gltf", HERE, compiles=True).kind == STRICT
+    lossy = tried(tmp_path / "sheen.gltf", tmp_path, compiles=True)
+    assert (lossy.kind, lossy.reasons) == (LOSSY, ("no equal of the extension KHR_materials_sheen",))
+    assert tried(tmp_path / "broken.gltf", tmp_path, compiles=True).kind == REFUSED
+
+
+def test_the_page_counts_by_format() -> None:
+    kinds = (STRICT, STRICT, LOSSY, REFUSED, FAILED)
+    found = [Tried("glTF 2.0", "a/b", f"{kind}.gltf", Outcome(kind, (f"why {kind}",))) for kind in kinds]
+    text = page(found)
+    assert "| glTF 2.0 | 5 | 2 | 1 | 1 | 1 |" in text
+    assert "| 1 | glTF 2.0 | why refused |" in text
+    assert "| a/b: refused.gltf | refused | why refused |" in text

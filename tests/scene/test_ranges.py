@@ -1,0 +1,155 @@
+"""The schedule covers every sample of every pixel once."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from nocturne.v1 import scene_pb2
+from nocturne_coordinator.output.previews import schedule_json
+from nocturne_scene import limits
+from nocturne_scene.blobs import BlobStore
+from nocturne_scene.errors import InputError
+from nocturne_scene.ranges import (
+    FIRST_RANGE,
+    MAX_JOB,
+    MAX_RANGE,
+    RangeList,
+    TileGrid,
+    make_schedule,
+)
+from nocturne_scene.scene_ranges import schedule_for_scene
+
+
+def test_ranges_double_then_stay() -> None:
+    assert list(make_schedule(8, 8, 64).range_ends) == [4, 8, 16, 32, 64]
+    assert list(make_schedule(8, 8, 3).range_ends) == [3]
+    assert list(make_schedule(8, 8, 20_000).range_ends)[-6:] == [2048, 4096, 8192, 12288, 16384, 20_000]
+
+
+@given(samples=st.integers(1, 100_000))
+def test_ranges_cover_all_samples_once(samples: int) -> None:
+    ranges = RangeList(make_schedule(1, 1, samples))
+    following = 0
+    for index in range(len(ranges)):
+        planned = ranges[index]
+        assert planned.first == following < planned.end <= planned.first + MAX_RANGE
+        assert ranges.find(planned.first, planned.end) == planned
+        assert ranges.merged_at(planned.end) == index + 1
+        following = planned.end
+    assert following == samples
+    assert ranges.merged_at(0) == 0
+    assert ranges.find(0, samples + 1) is None
+
+
+@given(width=st.integers(1, 100), height=st.integers(1, 100))
+def test_tiles_cover_all_pixels_once(width: int, height: int) -> None:
+    grid = TileGrid.of(make_schedule(width, height, 1))
+    pixels = [
+        (x, y)
+        for tile in map(grid.tile, range(grid.count))
+        for y in range(tile.y, tile.y + tile.height)
+        for x in range(tile.x, tile.x + tile.width)
+    ]
+    assert len(pixels) == width * height
+    assert set(pixels) == {(x, y) for x in range(width) for y in range(height)}
+
+
+@pytest.mark.parametrize(
+    ("film", "places"),
+    [
+        ((0, 5, 5), ["$.width"]),
+        ((-1, limits.MAX_FILM_EDGE + 1, 0), ["$.width", "$.height", "$.samples"]),
+        ((limits.MAX_FILM_EDGE, limits.MAX_FILM_EDGE, 1), ["$.width"]),
+        ((8, 8, limits.MAX_SAMPLES + 1), ["$.samples"]),
+        ((8192, 8192, limits.MAX_SAMPLES), ["$.samples"]),
+    ],
+)
+def test_a_film_out_of_bounds_is_refused_by_name(film: tuple[int, int, int], places: list[str]) -> None:
+    with pytest.raises(InputError) as caught:
+        make_schedule(*film)
+    assert [problem.place for problem in caught.value.problems] == places
+
+
+def test_further_responses_make_smaller_tiles() -> None:
+    sizes = {}
+    for count in range(limits.MAX_FURTHER_RESPONSES + 1):
+        schedule = make_schedule(70, 33, 20, [f"r{index}" for index in range(count)])
+        assert len(schedule.further_responses) == count
+        assert schedule.tile_size**2 * (4 + count) * 8 <= 64 * 1024
+        sizes[count] = schedule.tile_size
+    assert (sizes[0], sizes[4], sizes[5], sizes[28], sizes[29], sizes[60]) == (32, 32, 16, 16, 8, 8)
+
+
+def test_further_responses_leave_fewer_pixels() -> None:
+    make_schedule(8192, 8192, 1)
+    make_schedule(8192, 4096, 1, ["a", "b", "c", "d"])
+    with pytest.raises(InputError) as caught:
+        make_schedule(8192, 4097, 1, ["a", "b", "c", "d"])
+    assert [problem.place for problem in caught.value.problems] == ["$.width"]
+
+
+@pytest.mark.parametrize(
+    ("names", "said"),
+    [
+        (["Y"], "'Y'"),
+        (["n"], "'n'"),
+        ([""], "''"),
+        (["Y.stderr"], "'Y.stderr'"),
+        (['"'], "letter"),
+        (["a" * 32], "letter"),
+        (["rod", "rod"], "two responses"),
+        ([f"r{index}" for index in range(61)], "61 further responses"),
+    ],
+)
+def test_names_that_no_channel_can_have_are_refused(names: list[str], said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        make_schedule(8, 8, 1, names)
+    assert [problem.place for problem in caught.value.problems] == ["$.scene"]
+    assert said in caught.value.problems[0].message
+
+
+def test_a_scene_says_how_its_film_is_cut(tmp_path: Path) -> None:
+    scene = scene_pb2.CompiledScene()
+    for name in ("rod", "far-red"):
+        scene.sensor.further_responses.add(name=name, values=[0.0, 1.0])
+    scene.tracing.group = 4
+    blobs = BlobStore(tmp_path)
+    schedule = schedule_for_scene(blobs, blobs.put(scene.SerializeToString()), 70, 33, 20)
+    assert schedule == make_schedule(70, 33, 20, ["rod", "far-red"], photons_per_sample=4)
+    scene.tracing.direction = scene_pb2.DIRECTION_FORWARD
+    schedule = schedule_for_scene(blobs, blobs.put(scene.SerializeToString()), 70, 33, 20)
+    assert (schedule.tile_size, schedule.photons_per_sample) == (70, 4)
+
+
+def test_the_plan_is_spelled_as_ever() -> None:
+    assert schedule_json(make_schedule(8, 9, 6)) == '{"width":8,"height":9,"tileSize":32,"rangeEnds":[4,6]}'
+    assert schedule_json(make_schedule(8, 9, 3, ["rod", "far-red"])) == (
+        '{"width":8,"height":9,"tileSize":32,"rangeEnds":[3],"furtherResponses":["rod","far-red"]}'
+    )
+
+
+@given(width=st.integers(1, 512), height=st.integers(1, 512), samples=st.integers(1, 20_000))
+def test_a_scene_with_photons_from_luminaires_has_one_tile_and_jobs_as_long_as_any(
+    width: int, height: int, samples: int
+) -> None:
+    schedule = make_schedule(width, height, samples, one_tile=True)
+    grid = TileGrid.of(schedule)
+    assert grid.count == 1
+    assert (grid.tile(0).width, grid.tile(0).height) == (width, height)
+    ranges = RangeList(schedule)
+    for index in range(len(ranges)):
+        length = ranges[index].end - ranges[index].first
+        assert length <= MAX_RANGE
+        assert length <= FIRST_RANGE or length * width * height <= MAX_JOB
+    assert schedule.range_ends[-1] == samples
+
+
+@pytest.mark.parametrize(
+    ("film", "place"),
+    [((1024, 512, 1), "$.width"), ((512, 512, limits.MAX_SAMPLES), "$.samples")],
+)
+def test_a_film_that_is_too_large_for_one_tile_is_refused(film: tuple[int, int, int], place: str) -> None:
+    with pytest.raises(InputError) as caught:
+        make_schedule(*film, one_tile=True)
+    assert [problem.place for problem in caught.value.problems] == [place]

@@ -1,0 +1,38 @@
+"""Write, then rename: who reads a file meets the old one or the new one."""
+
+from pathlib import Path
+
+import pytest
+from nocturne_scene.replacing import UNFINISHED, replacing
+
+
+@pytest.mark.parametrize("durable", [False, True])
+def test_a_file_is_replaced_when_it_is_whole(tmp_path: Path, durable: bool) -> None:
+    path = tmp_path / "a.json"
+    path.write_text("old")
+    with replacing(path, durable=durable) as unfinished:
+        unfinished.write_text("new")
+        assert path.read_text() == "old"
+        assert (unfinished.parent, unfinished.suffix) == (tmp_path, ".json")
+        assert unfinished.name.startswith(UNFINISHED)
+    assert path.read_text() == "new"
+    assert path.stat().st_mode & 0o777 == 0o644
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_an_error_leaves_the_old_file(tmp_path: Path) -> None:
+    path = tmp_path / "a"
+    path.write_text("old")
+    with pytest.raises(ZeroDivisionError), replacing(path) as unfinished:
+        unfinished.write_text("half" * (1 // unfinished.stat().st_size))
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_folder_of_its_own_keeps_unfinished_files_apart(tmp_path: Path) -> None:
+    incoming = tmp_path / "incoming"
+    incoming.mkdir()
+    with replacing(tmp_path / "a", folder=incoming) as unfinished:
+        assert [path.name for path in tmp_path.iterdir()] == ["incoming"]
+        assert list(incoming.iterdir()) == [unfinished]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "incoming"]

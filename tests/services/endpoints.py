@@ -1,0 +1,29 @@
+"""Starts a real API and opens clients of its endpoints."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import grpc
+import httpx
+from nocturne_api.service import Service, Settings, open_service
+
+
+@asynccontextmanager
+async def running(folder: Path, web: Path) -> AsyncIterator[Service]:
+    """A service on free ports with its data in `folder`/data."""
+    settings = Settings(data=folder / "data", web=web, port=0, grpc_port=0, grpc_unix=folder / "grpc.sock")
+    service = await open_service(settings)
+    await service.start()
+    yield service
+    await service.stop()
+
+
+def rest_client(service: Service) -> httpx.AsyncClient:
+    """A client of the REST endpoint."""
+    return httpx.AsyncClient(base_url=f"http://127.0.0.1:{service.port}", timeout=20, trust_env=False)
+
+
+def grpc_channel(service: Service) -> grpc.aio.Channel:
+    """A channel to the gRPC endpoint."""
+    return grpc.aio.insecure_channel(f"127.0.0.1:{service.grpc_port}")
