@@ -2,11 +2,13 @@
 // rays that the tracer traced, in the same tree, in turns on one thread. Prints JSON; the Python
 // part of the bench makes ratios of it.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <iostream>
-#include <limits>
+#include <span>
 #include <string>
 
 #include "nocturne/v1/scene.pb.h"
@@ -48,33 +50,59 @@ RecordedRays record(const Scene& scene, const Options& options) {
   RecordedRays recorded;
   const RayRecorder recorder(recorded);
   const Counts counts = trace(scene, options);
-  if (recorded.rays.size() != counts.rays) {
+  const std::size_t asked = recorded.nearest.size() + recorded.any.size();
+  if (asked != counts.rays) {
     throw std::runtime_error("the tracer counts " + std::to_string(counts.rays) +
-                             " rays, but asked rtcIntersect1 for " +
-                             std::to_string(recorded.rays.size()));
+                             " rays, but asked Embree for " + std::to_string(asked));
   }
   return recorded;
 }
 
-// What any user of Embree has to do for a ray, and no more. Gives the number of hits.
+// What any user of Embree has to do for a packet of rays, and no more.
+void fill(RTCRay8& packet, std::span<const RecordedRays::Segment> rays, std::array<int, 8>& valid) {
+  for (std::size_t i = 0; i < 8; ++i) {
+    valid[i] = i < rays.size() ? -1 : 0;
+    const auto& [ray, end] = rays[std::min(i, rays.size() - 1)];
+    packet.org_x[i] = ray.origin.x;
+    packet.org_y[i] = ray.origin.y;
+    packet.org_z[i] = ray.origin.z;
+    packet.dir_x[i] = ray.direction.x;
+    packet.dir_y[i] = ray.direction.y;
+    packet.dir_z[i] = ray.direction.z;
+    packet.tnear[i] = 0.0f;
+    packet.tfar[i] = end;
+    packet.time[i] = 0.0f;
+    packet.mask[i] = ~0u;
+    packet.flags[i] = 0;
+  }
+}
+
+// Gives the number of hits.
 std::uint64_t trace_bare(const RecordedRays& recorded) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  RTCRayHit query{};
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  alignas(32) std::array<int, 8> valid;
   std::uint64_t hits = 0;
-  for (const Ray& ray : recorded.rays) {
-    query.ray.org_x = ray.origin.x;
-    query.ray.org_y = ray.origin.y;
-    query.ray.org_z = ray.origin.z;
-    query.ray.dir_x = ray.direction.x;
-    query.ray.dir_y = ray.direction.y;
-    query.ray.dir_z = ray.direction.z;
-    query.ray.tnear = 0.0f;
-    query.ray.tfar = std::numeric_limits<float>::infinity();
-    query.ray.mask = ~0u;
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    intersect_directly(recorded.tree, &context, &query);
-    hits += query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+  for (std::span<const RecordedRays::Segment> left = recorded.nearest; !left.empty();) {
+    const auto some = left.first(std::min<std::size_t>(8, left.size()));
+    RTCRayHit8 query;
+    fill(query.ray, some, valid);
+    std::fill_n(query.hit.geomID, 8, RTC_INVALID_GEOMETRY_ID);
+    std::fill_n(query.hit.instID[0], 8, RTC_INVALID_GEOMETRY_ID);
+    intersect_directly(valid.data(), recorded.tree, &context, &query);
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      hits += query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+    }
+    left = left.subspan(some.size());
+  }
+  for (std::span<const RecordedRays::Segment> left = recorded.any; !left.empty();) {
+    const auto some = left.first(std::min<std::size_t>(8, left.size()));
+    RTCRay8 query;
+    fill(query, some, valid);
+    occluded_directly(valid.data(), recorded.tree, &context, &query);
+    for (std::size_t i = 0; i < some.size(); ++i) hits += query.tfar[i] < 0.0f;
+    left = left.subspan(some.size());
   }
   return hits;
 }

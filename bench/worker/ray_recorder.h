@@ -10,12 +10,18 @@
 namespace nocturne::bench {
 
 struct RecordedRays {
-  std::vector<Ray> rays;
+  struct Segment {
+    Ray ray;
+    float end;
+  };
+  /// For the nearest hit; and for whether there is any.
+  std::vector<Segment> nearest, any;
   /// The tracer's own tree, so that whoever replays the rays searches the same one.
   RTCScene tree = nullptr;
 };
 
-/// Keeps every ray of rtcIntersect1 while it lives; one at a time, one thread only.
+/// Keeps every ray of rtcIntersect8 and rtcOccluded8 while it lives; one at a time, one thread
+/// only.
 class RayRecorder {
  public:
   explicit RayRecorder(RecordedRays& into);
@@ -24,7 +30,10 @@ class RayRecorder {
   RayRecorder& operator=(const RayRecorder&) = delete;
 };
 
-/// Embree's rtcIntersect1, past the recorder.
-void intersect_directly(RTCScene tree, RTCIntersectContext* context, RTCRayHit* query);
+/// Embree's own, past the recorder.
+void intersect_directly(const int* valid, RTCScene tree, RTCIntersectContext* context,
+                        RTCRayHit8* query);
+void occluded_directly(const int* valid, RTCScene tree, RTCIntersectContext* context,
+                       RTCRay8* query);
 
 }  // namespace nocturne::bench

@@ -1,10 +1,13 @@
 // All ways to point at light together.
 #include "luminaires/light_directions.h"
 
+#include <array>
+#include <cmath>
 #include <limits>
 
 #include "support/chi_square.h"
 #include "support/irradiance.h"
+#include "surfaces/geometry.h"
 
 namespace nocturne {
 namespace {
@@ -50,6 +53,60 @@ TEST(LightDirections, AllGroupsAndEachMissing) {
     expect_consistent(directions, {{0.1f, 0, 0}, n});
     expect_consistent(directions, {{0.1f, 0, 0}, n, true});
   }
+}
+
+// What a drawn direction shows is what a ray meets there: the nearest lamp, and free up to it.
+TEST(LightDirections, ASampleSeesTheNearestLamp) {
+  const auto quad = [](float z, float edge) {
+    return quad_mesh({-edge, -edge, z}, {0, 2 * edge, 0}, {2 * edge, 0, 0});  // emits down
+  };
+  const Sphere ball{0.5, 0.3, 1.2, 0.25};
+  const Geometry geometry({quad(1.5f, 1.0f), quad(3.0f, 2.0f), ball});
+  Elements elements;
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    const Emission emission{.radiance = 1.0f, .two_sided = false, .luminaire = i};
+    if (i == 2) {
+      elements.add_sphere({&ball, 1}, emission);
+      continue;
+    }
+    const TriangleMesh mesh = i == 0 ? quad(1.5f, 1.0f) : quad(3.0f, 2.0f);
+    const std::span<const Vec3> vertices(mesh.vertices);
+    elements.add_mesh({&vertices, 1}, mesh.triangles, emission);
+  }
+  const LightDirections directions(std::move(elements),
+                                   std::make_optional<Environment>(Spectrum(0.5f)), {}, {},
+                                   {0.6f, 0.4f, 0.0f});
+  const LightSamplingContext from{{0.1f, -0.2f, 0.0f}, {0, 0, 1}};
+  std::array<int, 4> seen{};
+  for (std::uint32_t i = 0; i < 20'000; ++i) {
+    const auto u = test::numbers(i);
+    const auto light = directions.sample_light(from, 1e-6f, u[0], u[1], u[2]);
+    if (!light) continue;
+    EXPECT_EQ(light->pdf, directions.pdf(from, light->direction));
+    const auto hit = geometry.intersect({from.position, light->direction}, 0.0f);
+    // Rims are met or not, up to rounding.
+    if (hit.has_value() != std::isfinite(light->distance)) {
+      ++seen[3];
+      continue;
+    }
+    std::uint8_t blocked = 0;
+    const TimedRay way{{from.position, light->direction}, 0.0f, light->free_distance};
+    geometry.occluded({&way, 1}, {&blocked, 1});
+    EXPECT_EQ(blocked, 0);
+    if (!hit) {
+      EXPECT_EQ(light->luminaire, Emission::kNoLuminaire);
+      continue;
+    }
+    ASSERT_EQ(light->luminaire, hit->surface);
+    ++seen[light->luminaire];
+    EXPECT_NEAR(light->distance, hit->distance, 1e-5f);
+    EXPECT_GT(light->free_distance, hit->distance * (1.0f - 1e-4f));
+    EXPECT_NEAR(dot(light->normal, hit->normal), 1.0f, 1e-5f);
+  }
+  EXPECT_GT(seen[0], 1000);
+  EXPECT_GT(seen[1], 100);
+  EXPECT_GT(seen[2], 500);
+  EXPECT_LT(seen[3], 20);
 }
 
 TEST(LightDirections, OneGroupTakesAll) {

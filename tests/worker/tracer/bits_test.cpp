@@ -31,6 +31,18 @@ TEST(Bits, ASampleDoesNotDependOnTheTileAroundIt) {
   for (std::size_t c = 0; c < 4; ++c) EXPECT_EQ(one.sums[c], large.sums[4 * (9 * 40 + 17) + c]);
 }
 
+TEST(Bits, SizeOfBatchesDoesNotMatter) {
+  const auto scene = room();
+  const TileRange range{8, 4, 16, 16, 4, 12};
+  const auto traced = [&](std::uint32_t groups) {
+    return trace_tile(*scene, kFilm, range, Method::kAdjointPhotons, groups).sums;
+  };
+  const auto sums = traced(2048);
+  EXPECT_EQ(traced(256), sums);
+  EXPECT_EQ(traced(7), sums);
+  EXPECT_EQ(traced(1), sums);
+}
+
 TEST(Bits, NumberOfThreadsDoesNotMatter) {
   const auto scene = room();
   const std::vector<std::uint32_t> ends{4, 8, 16, 20};

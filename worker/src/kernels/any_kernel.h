@@ -2,8 +2,10 @@
 // at a vertex.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -15,6 +17,23 @@ namespace nocturne {
 
 using AnyKernel = std::variant<Lambertian, DiffuseTransmitter, Conductor, Dielectric, ThinPane,
                                CoatedDiffuse, Measured, Phong, NullKernel, Blend, Phase>;
+
+/// Whether f(kernel) holds for the kernel at `index`, or for any part of it where it is a blend.
+template <class F>
+bool any_part(const std::vector<AnyKernel>& kernels, std::size_t index, const F& f) {
+  return std::visit(
+      [&]<class K>(const K& kernel) {
+        if constexpr (std::is_same_v<K, Blend>) {
+          return std::ranges::any_of(kernel.parts, [&](const Blend::Part& part) {
+            return any_part(kernels, part.kernel, f);
+          });
+        } else {
+          static_assert(DescribedKernel<K>);
+          return f(kernel);
+        }
+      },
+      kernels[index]);
+}
 
 /// Throws std::invalid_argument unless every blend has 1 to 8 parts that are there and that are
 /// surfaces' kernels, no blends.

@@ -142,6 +142,9 @@ class CoatedDiffuse {
     RoughFresnel::instance();  // made while loading, not while tracing
   }
 
+  bool has_delta_lobe() const { return roughness_.may_be_smooth(); }
+  static constexpr bool may_transmit() { return false; }
+
   template <int N>
   BoundCoatedDiffuse<N> bind(const Shading<N>& shading) const {
     const BoundRoughness roughness = roughness_(shading.point);

@@ -61,6 +61,9 @@ struct Conductor {
   Spectrum n, k;
   Roughness roughness;
 
+  bool has_delta_lobe() const { return roughness.may_be_smooth(); }
+  static constexpr bool may_transmit() { return false; }
+
   template <int N>
   BoundConductor<N> bind(const Shading<N>& shading) const {
     return {n(shading.wavelengths) / shading.index_from,

@@ -126,6 +126,9 @@ static_assert(BoundKernel<BoundDielectric<1>, 1> && BoundKernel<BoundDielectric<
 struct Dielectric {
   Roughness roughness;
 
+  bool has_delta_lobe() const { return roughness.may_be_smooth(); }
+  static constexpr bool may_transmit() { return true; }
+
   template <int N>
   BoundDielectric<N> bind(const Shading<N>& shading) const {
     const Spectral<N> inverse = shading.index_from / shading.index_to;

@@ -44,6 +44,9 @@ class DiffuseTransmitter {
     if (r > 0.0f || t > 0.0f) reflecting_ = r / (r + t);
   }
 
+  static constexpr bool has_delta_lobe() { return false; }
+  static constexpr bool may_transmit() { return true; }
+
   template <int N>
   BoundDiffuseTransmitter<N> bind(const Shading<N>& shading) const {
     return {reflectance_(shading.point, shading.wavelengths),

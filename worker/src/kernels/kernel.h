@@ -84,6 +84,17 @@ concept BoundKernel = requires(const B& b, Vec3 wo, Vec3 wi, const KernelNumbers
   { b.transmits() } -> std::same_as<bool>;
 };
 
+/// What a kernel says of itself before it is bound, so that a scene can be prepared for it; a blend
+/// is asked for its parts instead.
+template <class K>
+concept DescribedKernel = requires(const K& kernel) {
+  /// Whether photons may be mirrored or pass along single directions, for some wavelength and
+  /// point.
+  { kernel.has_delta_lobe() } -> std::same_as<bool>;
+  /// Whether photons may go through a surface of it.
+  { kernel.may_transmit() } -> std::same_as<bool>;
+};
+
 /// The default sampling of an opaque kernel, which any other must agree with. Inherit it to start a
 /// new kernel.
 template <int N>

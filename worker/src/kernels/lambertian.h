@@ -26,6 +26,9 @@ static_assert(BoundKernel<BoundLambertian<1>, 1> && BoundKernel<BoundLambertian<
 struct Lambertian {
   Colour reflectance;
 
+  static constexpr bool has_delta_lobe() { return false; }
+  static constexpr bool may_transmit() { return false; }
+
   template <int N>
   BoundLambertian<N> bind(const Shading<N>& shading) const {
     return BoundLambertian<N>(reflectance(shading.point, shading.wavelengths));

@@ -111,6 +111,9 @@ struct Measured {
   /// Not null; shared by all kernels of the same blob.
   std::shared_ptr<const MeasuredTable> table;
 
+  static constexpr bool has_delta_lobe() { return false; }
+  static constexpr bool may_transmit() { return false; }
+
   template <int N>
   BoundMeasured<N> bind(const Shading<N>& shading) const& {
     BoundMeasured<N> bound;

@@ -21,6 +21,9 @@ static_assert(BoundKernel<BoundNullKernel<1>, 1> && BoundKernel<BoundNullKernel<
               BoundKernel<BoundNullKernel<8>, 8>);
 
 struct NullKernel {
+  static constexpr bool has_delta_lobe() { return true; }
+  static constexpr bool may_transmit() { return true; }
+
   template <int N>
   BoundNullKernel<N> bind(const Shading<N>&) const {
     return {};

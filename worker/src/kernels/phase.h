@@ -76,6 +76,9 @@ struct Phase {
   Spectrum absorption, scattering;
   std::variant<HenyeyGreenstein, DoubleHenyeyGreenstein, RayleighPhase, TabulatedPhase> shape;
 
+  static constexpr bool has_delta_lobe() { return false; }
+  static constexpr bool may_transmit() { return false; }
+
   template <int N>
   BoundPhase<N> bind(const Shading<N>& shading) const& {
     const Spectral<N> albedo =

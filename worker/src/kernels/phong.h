@@ -61,6 +61,9 @@ struct Phong {
   /// In [0, 1e6].
   float exponent;
 
+  static constexpr bool has_delta_lobe() { return false; }
+  static constexpr bool may_transmit() { return false; }
+
   template <int N>
   BoundPhong<N> bind(const Shading<N>& shading) const {
     return {reflectance(shading.point, shading.wavelengths), exponent};

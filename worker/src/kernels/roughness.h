@@ -35,6 +35,12 @@ struct Roughness {
   Scalar alpha_u, alpha_v;
   FacetDistribution distribution = FacetDistribution::kGgx;
 
+  /// A texture may hold anything.
+  bool may_be_smooth() const {
+    const auto u = alpha_u.constant(), v = alpha_v.constant();
+    return !u || !v || std::max(*u, *v) < BoundRoughness::kMin;
+  }
+
   BoundRoughness operator()(const SurfacePoint& point) const {
     return {alpha_u(point), alpha_v(point), distribution};
   }

@@ -77,6 +77,9 @@ class ThinPane {
         mean_transmittance_(transmittance_.mean()) {}
 
   /// What is on the side of the light is on both sides.
+  static constexpr bool has_delta_lobe() { return true; }
+  static constexpr bool may_transmit() { return true; }
+
   template <int N>
   BoundThinPane<N> bind(const Shading<N>& shading) const {
     return {index_(shading.wavelengths) / shading.index_from, transmittance_(shading.wavelengths),

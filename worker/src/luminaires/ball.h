@@ -8,10 +8,13 @@
 #include <optional>
 
 #include "luminaires/light_sampling_context.h"
+#include "luminaires/on_half_line.h"
 #include "math/constants.h"
 #include "math/frame.h"
 #include "pdfs/directions.h"
+#include "surfaces/hit.h"
 #include "surfaces/shapes.h"
+#include "surfaces/sphere_intersection.h"
 
 namespace nocturne {
 
@@ -37,18 +40,38 @@ struct Ball {
                            static_cast<float>(1.0 - drop)});
   }
 
-  float pdf(Vec3 position, Vec3 d) const {
+  float pdf(Vec3 position, Vec3 direction) const { return along(position, direction).pdf; }
+
+  OnHalfLine along(Vec3 position, Vec3 d) const {
     const View view(sphere, position);
-    if (view.inside) return two_sided ? 0.25f * kInvPi : 0.0f;
+    if (view.inside) {
+      if (!two_sided) return {};
+      return {0.25f * kInvPi, distance_to(position, d)};
+    }
     const double along = view.x * d.x + view.y * d.y + view.z * d.z;
     const double cx = view.y * d.z - view.z * d.y, cy = view.z * d.x - view.x * d.z,
                  cz = view.x * d.y - view.y * d.x;
     const double across2 = cx * cx + cy * cy + cz * cz;
-    if (!(along > 0.0) || across2 > view.sin2 * (along * along + across2)) return 0.0f;
-    return static_cast<float>(1.0 / (2.0 * std::numbers::pi * view.one_minus_cosine()));
+    if (!(along > 0.0) || across2 > view.sin2 * (along * along + across2)) return {};
+    return {static_cast<float>(1.0 / (2.0 * std::numbers::pi * view.one_minus_cosine())),
+            distance_to(position, d)};
+  }
+
+  ElementPoint point_at(Vec3 position, Vec3 direction, float distance) const {
+    const Vec3 point = position + distance * direction;
+    const Double3 out = Double3(point) - Double3{sphere.x, sphere.y, sphere.z};
+    return {((1.0 / length(out)) * out).rounded(), kClearanceUnits * (max_abs(point) + distance)};
   }
 
  private:
+  // To its first crossing; infinite in the rim by which the cone is wider.
+  float distance_to(Vec3 position, Vec3 d) const {
+    const auto crossings =
+        cross_sphere({sphere.x, sphere.y, sphere.z}, sphere.radius, Double3(position), Double3(d));
+    if (!crossings) return std::numeric_limits<float>::infinity();
+    return static_cast<float>(crossings->near > 0.0 ? crossings->near : crossings->far);
+  }
+
   // The sphere as seen from a point.
   struct View {
     double x, y, z, distance2, sin2;  // sin2 of the cone's half angle

@@ -84,7 +84,7 @@ void Elements::add_patch(std::span<const std::array<Vec3, 3>> corners, bool tria
   bounds.weight = static_cast<double>(emission.radiance) * largest_area;
   entries_.push_back({states.size() == 1 ? Kind::kPatch : Kind::kMovingPatch,
                       static_cast<std::uint32_t>(patches_.size()),
-                      static_cast<std::uint32_t>(states.size()), bounds});
+                      static_cast<std::uint32_t>(states.size()), emission.luminaire, bounds});
   patches_.insert(patches_.end(), states.begin(), states.end());
 }
 
@@ -110,7 +110,7 @@ void Elements::add_sphere(std::span<const Sphere> spheres, const Emission& emiss
   bounds.weight = emission.radiance * std::numbers::pi * radius * radius;
   entries_.push_back({spheres.size() == 1 ? Kind::kBall : Kind::kMovingBall,
                       static_cast<std::uint32_t>(balls_.size()),
-                      static_cast<std::uint32_t>(spheres.size()), bounds});
+                      static_cast<std::uint32_t>(spheres.size()), emission.luminaire, bounds});
   for (const Sphere& s : spheres) balls_.push_back({s, emission.two_sided});
 }
 
@@ -175,12 +175,27 @@ std::optional<Vec3> Elements::sample_moving(const Entry& entry, const LightSampl
   return ball_at(entry, from.time).sample(from.position, u1, u2);
 }
 
-float Elements::moving_pdf(const Entry& entry, const LightSamplingContext& from,
-                           Vec3 direction) const {
+OnHalfLine Elements::moving_along(const Entry& entry, const LightSamplingContext& from,
+                                  Vec3 direction) const {
   if (entry.kind == Kind::kMovingPatch) {
-    return patch_at(entry, from.time).pdf(from.position, direction);
+    return patch_at(entry, from.time).along(from.position, direction);
   }
-  return ball_at(entry, from.time).pdf(from.position, direction);
+  return ball_at(entry, from.time).along(from.position, direction);
+}
+
+ElementPoint Elements::point_at(std::size_t i, const LightSamplingContext& from, Vec3 direction,
+                                float distance) const {
+  const Entry& entry = entries_[i];
+  switch (entry.kind) {
+    case Kind::kPatch:
+      return patches_[entry.first].point_at(from.position, direction, distance);
+    case Kind::kBall:
+      return balls_[entry.first].point_at(from.position, direction, distance);
+    case Kind::kMovingPatch:
+      return patch_at(entry, from.time).point_at(from.position, direction, distance);
+    default:
+      return ball_at(entry, from.time).point_at(from.position, direction, distance);
+  }
 }
 
 }  // namespace nocturne

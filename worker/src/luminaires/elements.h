@@ -23,6 +23,10 @@ struct Emission {
   bool two_sided = false;
   /// Radiance goes by cos^power of the angle to the normal; at least -1.
   float cosine_power = 0.0f;
+  /// Whose element it is; important shapes are none's.
+  std::uint32_t luminaire = kNoLuminaire;
+
+  static constexpr std::uint32_t kNoLuminaire = ~0u;
 };
 
 /// Bounds of an element over the shutter, and of its emission; for a set, of all of them.
@@ -66,11 +70,17 @@ class Elements {
     return sample_moving(entry, from, u1, u2);
   }
   float pdf(std::size_t i, const LightSamplingContext& from, Vec3 direction) const {
-    const Entry& entry = entries_[i];
-    if (entry.kind == Kind::kPatch) return patches_[entry.first].pdf(from.position, direction);
-    if (entry.kind == Kind::kBall) return balls_[entry.first].pdf(from.position, direction);
-    return moving_pdf(entry, from, direction);
+    return along(i, from, direction).pdf;
   }
+  OnHalfLine along(std::size_t i, const LightSamplingContext& from, Vec3 direction) const {
+    const Entry& entry = entries_[i];
+    if (entry.kind == Kind::kPatch) return patches_[entry.first].along(from.position, direction);
+    if (entry.kind == Kind::kBall) return balls_[entry.first].along(from.position, direction);
+    return moving_along(entry, from, direction);
+  }
+  ElementPoint point_at(std::size_t i, const LightSamplingContext& from, Vec3 direction,
+                        float distance) const;
+  std::uint32_t luminaire(std::size_t i) const { return entries_[i].luminaire; }
 
  private:
   enum class Kind : std::uint8_t { kPatch, kBall, kMovingPatch, kMovingBall };
@@ -78,6 +88,7 @@ class Elements {
   struct Entry {
     Kind kind;
     std::uint32_t first, steps;
+    std::uint32_t luminaire;
     ElementBounds bounds;
   };
 
@@ -87,7 +98,8 @@ class Elements {
   Ball ball_at(const Entry& entry, float time) const;
   std::optional<Vec3> sample_moving(const Entry& entry, const LightSamplingContext& from, float u1,
                                     float u2) const;
-  float moving_pdf(const Entry& entry, const LightSamplingContext& from, Vec3 direction) const;
+  OnHalfLine moving_along(const Entry& entry, const LightSamplingContext& from,
+                          Vec3 direction) const;
 
   std::vector<Entry> entries_;
   std::vector<Patch> patches_;

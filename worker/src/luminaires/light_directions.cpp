@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -60,6 +61,38 @@ float LightDirections::pdf(const LightSamplingContext& from, Vec3 direction) con
   if (sky_share_ > 0.0f) sum += sky_share_ * sky_pdf(from, direction);
   if (important_share_ > 0.0f) sum += important_share_ * important_.pdf(from, direction);
   return sum;
+}
+
+std::optional<LightDirections::LightSample> LightDirections::sample_light(
+    const LightSamplingContext& from, float clearance, float choice, float u1, float u2) const {
+  const auto direction = sample(from, choice, u1, u2);
+  if (!direction) return std::nullopt;
+  LightSample light{.direction = *direction,
+                    .pdf = 0.0f,
+                    .distance = std::numeric_limits<float>::infinity(),
+                    .free_distance = std::numeric_limits<float>::infinity(),
+                    .luminaire = Emission::kNoLuminaire,
+                    .normal = {}};
+  if (luminaires_share_ > 0.0f) {
+    const auto nearest = luminaires_.nearest(from, *direction);
+    light.pdf += luminaires_share_ * nearest.pdf;
+    light.distance = nearest.distance;
+    if (std::isfinite(nearest.distance)) {
+      const Elements& elements = luminaires_.elements();
+      const ElementPoint point =
+          elements.point_at(nearest.element, from, *direction, nearest.distance);
+      const float cosine = std::max(1e-3f, std::fabs(dot(point.normal, *direction)));
+      light.free_distance =
+          std::max(0.0f, nearest.distance - (clearance + point.clearance) / cosine);
+      light.luminaire = elements.luminaire(nearest.element);
+      light.normal = point.normal;
+    }
+  }
+  if (sky_share_ > 0.0f) light.pdf += sky_share_ * sky_pdf(from, *direction);
+  if (important_share_ > 0.0f) light.pdf += important_share_ * important_.pdf(from, *direction);
+  // Drawn at a rim and rounded off it.
+  if (!(light.pdf > 0.0f)) return std::nullopt;
+  return light;
 }
 
 float LightDirections::environment_irradiance() const {

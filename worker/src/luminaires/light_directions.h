@@ -38,6 +38,22 @@ class LightDirections {
   /// Density of `sample`, 1/sr; finite, not negative.
   float pdf(const LightSamplingContext& from, Vec3 direction) const;
 
+  /// A direction drawn towards light, and what may be seen there.
+  struct LightSample {
+    Vec3 direction;
+    /// Of the direction, as `pdf` has it.
+    float pdf;
+    /// To the nearest element of a luminaire, m; infinite: the sky.
+    float distance;
+    /// Of that element, up to where a ray must be free, m; its luminaire and the unit normal there.
+    float free_distance;
+    std::uint32_t luminaire;
+    Vec3 normal;
+  };
+  /// `clearance`: how far off its surface the ray starts, m.
+  std::optional<LightSample> sample_light(const LightSamplingContext& from, float clearance,
+                                          float choice, float u1, float u2) const;
+
   const std::optional<Environment>& environment() const { return environment_; }
   const std::vector<DistantDisc>& discs() const { return discs_; }
   /// Towards important shapes alone.

@@ -4,6 +4,7 @@
 // behind glass is no special case.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -36,18 +37,28 @@ class LuminaireDirections {
 
   /// Density of `sample`, 1/sr.
   float pdf(const LightSamplingContext& from, Vec3 direction) const {
-    if (!from.sees(direction)) return 0.0f;
     float sum = 0.0f;
-    const auto add = [&](std::size_t i) {
-      const float pdf = elements_.pdf(i, from, direction);
-      if (pdf > 0.0f) sum += pdf * tree_.probability(from, static_cast<std::uint32_t>(i));
-    };
-    if (elements_.size() <= kMaxTestedOneByOne) {
-      for (std::size_t i = 0; i < elements_.size(); ++i) add(i);
-    } else {
-      tree_.for_each_on(from.position, direction, add);
-    }
+    for_each_on(from, direction, [&](float pdf, float, std::size_t) { sum += pdf; });
     return sum;
+  }
+
+  /// The nearest element on a half-line.
+  struct Nearest {
+    /// Density of `sample`, which counts all elements there, 1/sr.
+    float pdf = 0.0f;
+    /// m; infinite where there is none.
+    float distance = std::numeric_limits<float>::infinity();
+    std::size_t element = 0;
+  };
+  Nearest nearest(const LightSamplingContext& from, Vec3 direction) const {
+    Nearest nearest;
+    for_each_on(from, direction, [&](float pdf, float distance, std::size_t element) {
+      nearest.pdf += pdf;
+      if (!(distance < nearest.distance)) return;
+      nearest.distance = distance;
+      nearest.element = element;
+    });
+    return nearest;
   }
 
   /// The parts, for what looks inside.
@@ -55,6 +66,22 @@ class LuminaireDirections {
   const LightTree& tree() const { return tree_; }
 
  private:
+  // f(density, distance, element) for all on the half-line, hidden ones too.
+  template <class F>
+  void for_each_on(const LightSamplingContext& from, Vec3 direction, const F& f) const {
+    if (!from.sees(direction)) return;
+    const auto visit = [&](std::size_t i) {
+      const OnHalfLine there = elements_.along(i, from, direction);
+      if (!(there.pdf > 0.0f)) return;
+      f(there.pdf * tree_.probability(from, static_cast<std::uint32_t>(i)), there.distance, i);
+    };
+    if (elements_.size() <= kMaxTestedOneByOne) {
+      for (std::size_t i = 0; i < elements_.size(); ++i) visit(i);
+    } else {
+      tree_.for_each_on(from.position, direction, visit);
+    }
+  }
+
   // Up to here testing each is cheaper than a walk through the tree (about 100 ns, against 4 ns for
   // an element).
   static constexpr std::size_t kMaxTestedOneByOne = 16;

@@ -3,10 +3,13 @@
 // over direction, uniformly over the solid angle (spherical_triangle.h).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "luminaires/on_half_line.h"
 #include "math/vec3.h"
+#include "surfaces/hit.h"
 
 namespace nocturne {
 
@@ -45,29 +48,39 @@ struct Patch {
   }
 
   /// Density of `sample`, 1/sr.
-  float pdf(Vec3 position, Vec3 direction) const {
+  float pdf(Vec3 position, Vec3 direction) const { return along(position, direction).pdf; }
+
+  /// The same, and how far off it is.
+  OnHalfLine along(Vec3 position, Vec3 direction) const {
     const float towards = dot(direction, normal);
-    if (!two_sided && towards >= 0.0f) return 0.0f;
+    if (!two_sided && towards >= 0.0f) return {};
     // In double precision: from afar float would leave gaps between the triangles of a small lamp,
     // and a direction drawn into one would have no density.
     const double tx = double{corner.x} - position.x, ty = double{corner.y} - position.y,
                  tz = double{corner.z} - position.z;
-    const auto along = [](double x, double y, double z, Vec3 b) {
+    const auto product = [](double x, double y, double z, Vec3 b) {
       return x * b.x + y * b.y + z * b.z;
     };
-    const double t =
-        along(tx, ty, tz, normal) / along(double{direction.x}, direction.y, direction.z, normal);
-    if (!(t > 0.0) || std::isinf(t)) return 0.0f;  // behind, or parallel (NaN and infinity)
+    const double t = product(tx, ty, tz, normal) /
+                     product(double{direction.x}, direction.y, direction.z, normal);
+    if (!(t > 0.0) || std::isinf(t)) return {};  // behind, or parallel (NaN and infinity)
     const double qx = t * direction.x - tx, qy = t * direction.y - ty, qz = t * direction.z - tz;
-    const double u = along(qx, qy, qz, dual_u), v = along(qx, qy, qz, dual_v);
-    if (!(u >= 0.0 && v >= 0.0) || (triangle ? u + v > 1.0 : (u > 1.0 || v > 1.0))) return 0.0f;
+    const double u = product(qx, qy, qz, dual_u), v = product(qx, qy, qz, dual_v);
+    if (!(u >= 0.0 && v >= 0.0) || (triangle ? u + v > 1.0 : (u > 1.0 || v > 1.0))) return {};
+    const auto distance = static_cast<float>(t);
     const Vec3 to_centre = centre - position;
     if (dot(to_centre, to_centre) < near2) {
-      if (const float near = near_pdf(position); near > 0.0f) return near;
+      if (const float near = near_pdf(position); near > 0.0f) return {near, distance};
     }
     // t^2 / (area cosine), with the normal's length in both.
-    const auto distance = static_cast<float>(t);
-    return (triangle ? 2.0f : 1.0f) * distance * distance / std::fabs(towards);
+    return {(triangle ? 2.0f : 1.0f) * distance * distance / std::fabs(towards), distance};
+  }
+
+  /// Of a point on it. Clearance as of a hit (surfaces/hit.h).
+  ElementPoint point_at(Vec3 position, Vec3 direction, float distance) const {
+    const Vec3 point = position + distance * direction;
+    const float edge = std::max({max_abs(edge_u), max_abs(edge_v), max_abs(edge_v - edge_u)});
+    return {normalized(normal), kClearanceUnits * (max_abs(point) + edge + distance)};
   }
 
  private:

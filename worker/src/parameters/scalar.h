@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "parameters/texture_use.h"
 
@@ -14,6 +15,11 @@ class Scalar {
   /// The texture's (first) channel, kept in [least, most].
   Scalar(const TextureUse& use, float least, float most)
       : varying_(std::make_shared<const Varying>(Varying{use, least, most})) {}
+
+  /// Empty where it varies.
+  std::optional<float> constant() const {
+    return varying_ ? std::nullopt : std::optional(constant_);
+  }
 
   float operator()(const SurfacePoint& point) const {
     return varying_ ? std::clamp(varying_->use.grey(point), varying_->least, varying_->most)

@@ -137,26 +137,11 @@ std::vector<AnyKernel> load_kernels(const LoadContext& context) {
 }
 
 bool has_delta_lobe(const std::vector<AnyKernel>& kernels, std::uint32_t index) {
-  const AnyKernel& kernel = kernels[index];
-  if (const auto* blend = std::get_if<Blend>(&kernel)) {
-    return std::ranges::any_of(blend->parts, [&](const Blend::Part& part) {
-      return has_delta_lobe(kernels, part.kernel);
-    });
-  }
-  return !(std::holds_alternative<Lambertian>(kernel) ||
-           std::holds_alternative<DiffuseTransmitter>(kernel) ||
-           std::holds_alternative<Measured>(kernel) || std::holds_alternative<Phong>(kernel));
+  return any_part(kernels, index, [](const auto& kernel) { return kernel.has_delta_lobe(); });
 }
 
 bool may_pass(const std::vector<AnyKernel>& kernels, std::uint32_t index) {
-  const AnyKernel& kernel = kernels[index];
-  if (const auto* blend = std::get_if<Blend>(&kernel)) {
-    return std::ranges::any_of(
-        blend->parts, [&](const Blend::Part& part) { return may_pass(kernels, part.kernel); });
-  }
-  return std::holds_alternative<DiffuseTransmitter>(kernel) ||
-         std::holds_alternative<Dielectric>(kernel) || std::holds_alternative<ThinPane>(kernel) ||
-         std::holds_alternative<NullKernel>(kernel);
+  return any_part(kernels, index, [](const auto& kernel) { return kernel.may_transmit(); });
 }
 
 std::vector<bool> load_specular_like(const v1::CompiledScene& message, std::size_t kernels) {

@@ -112,9 +112,11 @@ AngularProfile load_profile(const v1::Luminaire& message, const Shape& shape, bo
 Elements luminaire_elements(const std::vector<Luminaire>& luminaires, const Geometry& geometry,
                             const std::vector<std::uint32_t>& groups) {
   Elements elements;
-  for (const Luminaire& luminaire : luminaires) {
+  for (std::uint32_t i = 0; i < luminaires.size(); ++i) {
+    const Luminaire& luminaire = luminaires[i];
     const Shape& shape = geometry.shapes()[luminaire.surface];
-    const Emission emission = luminaire.emission();
+    Emission emission = luminaire.emission();
+    emission.luminaire = i;
     for_each_place(geometry, groups[luminaire.surface], [&](const PlacedInstance* instance) {
       const std::size_t steps = time_steps(shape, instance);
       if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {

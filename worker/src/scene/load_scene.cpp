@@ -1,5 +1,6 @@
 #include "scene/load_scene.h"
 
+#include <algorithm>
 #include <limits>
 #include <numbers>
 
@@ -173,6 +174,18 @@ std::optional<Geometry::Ball> find_all_in_fog(const Geometry& geometry, Vec3 sen
   return ball;
 }
 
+bool occlusion_decides(const TracingOptions& options, const std::vector<SurfaceMaterial>& materials,
+                       const std::vector<MediumInterface>& medium_interfaces,
+                       const LightDirections& lights, const std::vector<Luminaire>& luminaires,
+                       const std::vector<std::uint32_t>& groups) {
+  return options.estimator == Estimator::kTwoPhotons && options.direction == Direction::kAdjoint &&
+         medium_interfaces.empty() && lights.important().empty() &&
+         std::ranges::none_of(materials, &SurfaceMaterial::has_delta_lobe) &&
+         std::ranges::none_of(luminaires, [&](const Luminaire& luminaire) {
+           return luminaire.textured() || groups[luminaire.surface] != 0;
+         });
+}
+
 }  // namespace
 
 std::string blob_name(const std::string& sha256) {
@@ -217,12 +230,14 @@ std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message,
     const float near_sensor = kNearSensor * geometry.bounds().radius;
     const auto all_in_fog = find_all_in_fog(geometry, sensor_start(message.sensor()), everywhere,
                                             medium_interfaces, media);
-    return std::shared_ptr<const Scene>(
-        new Scene{std::move(geometry), std::move(materials), std::move(kernels),
-                  std::move(medium_interfaces), std::move(media), load_bump_maps(context),
-                  std::move(luminaires), std::move(lights), std::move(emitter), std::move(sensor),
-                  load_wavelengths(message.sensor()), options, sensor_inside,
-                  std::move(luminaires_inside), all_in_fog, std::move(specular_like), near_sensor});
+    const bool occlusion = media.empty() && occlusion_decides(options, materials, medium_interfaces,
+                                                              lights, luminaires, loaded.groups);
+    return std::shared_ptr<const Scene>(new Scene{
+        std::move(geometry), std::move(materials), std::move(kernels), std::move(medium_interfaces),
+        std::move(media), load_bump_maps(context), std::move(luminaires), std::move(lights),
+        std::move(emitter), std::move(sensor), load_wavelengths(message.sensor()), options,
+        sensor_inside, std::move(luminaires_inside), occlusion, all_in_fog,
+        std::move(specular_like), near_sensor});
   });
 }
 

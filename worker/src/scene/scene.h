@@ -60,6 +60,9 @@ struct Scene {
   /// Bodies that the sensor, and each luminaire, stands in.
   InteriorList sensor_inside;
   std::vector<InteriorList> luminaires_inside;
+  /// Nothing between a vertex and a light can let light through, and all luminaires are elements of
+  /// `lights`: a photon towards lights needs to know only whether its way is free.
+  bool occlusion_decides = false;
   /// Holds all that photons can end at, where fog without end hides what is beyond it.
   std::optional<Geometry::Ball> all_in_fog;
   /// By kernel: whether it is specular-like (load_kernels.h). What scatters light closer to the

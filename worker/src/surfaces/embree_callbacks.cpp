@@ -31,36 +31,41 @@ RTCBounds outward(Double3 lower, Double3 upper, double margin) {
   return box;
 }
 
+const EmbreeSpheres::One& sphere_of(void* data, unsigned primitive) {
+  return static_cast<const EmbreeSpheres*>(data)->all[primitive];
+}
+
 void sphere_bounds(const RTCBoundsFunctionArguments* arguments) {
-  const Sphere& s = *static_cast<const EmbreeSphere*>(arguments->geometryUserPtr)->sphere;
+  const Sphere& s = *sphere_of(arguments->geometryUserPtr, arguments->primID).sphere;
   const Double3 centre = centre_at_step(s, arguments->timeStep);
   const Double3 half{s.radius, s.radius, s.radius};
   *arguments->bounds_o = outward(centre - half, centre + half, 0.0);
 }
 
+// A ray of a packet of n, as single rays are.
+RTCRay ray_at(RTCRayN* rays, unsigned n, unsigned i) { return rtcGetRayFromRayN(rays, n, i); }
+
 // The first crossing within (near, far) of the ray.
-std::optional<float> first_crossing(const Sphere& sphere, const RTCRayN* const_ray, unsigned n,
-                                    unsigned i) {
-  auto* ray = const_cast<RTCRayN*>(const_ray);  // Embree's accessors give references
+std::optional<float> first_crossing(const Sphere& sphere, const RTCRay& ray) {
   const auto crossings =
-      cross_sphere(centre_at(sphere, RTCRayN_time(ray, n, i)), sphere.radius,
-                   {RTCRayN_org_x(ray, n, i), RTCRayN_org_y(ray, n, i), RTCRayN_org_z(ray, n, i)},
-                   {RTCRayN_dir_x(ray, n, i), RTCRayN_dir_y(ray, n, i), RTCRayN_dir_z(ray, n, i)});
+      cross_sphere(centre_at(sphere, ray.time), sphere.radius, {ray.org_x, ray.org_y, ray.org_z},
+                   {ray.dir_x, ray.dir_y, ray.dir_z});
   if (!crossings) return std::nullopt;
   for (const double t : {crossings->near, crossings->far}) {
-    if (t > RTCRayN_tnear(ray, n, i) && t < RTCRayN_tfar(ray, n, i)) return static_cast<float>(t);
+    if (t > ray.tnear && t < ray.tfar) return static_cast<float>(t);
   }
   return std::nullopt;
 }
 
-// To the search's filter, which keeps no hit.
-void offer(const RTCIntersectFunctionNArguments* arguments, float distance) {
-  const auto& geometry = *static_cast<const EmbreeSphere*>(arguments->geometryUserPtr);
+RTCHit hit_of(const EmbreeSpheres::One& sphere, const RTCIntersectContext& context) {
   RTCHit hit{};
-  hit.geomID = geometry.geometry_id;
-  hit.instID[0] = arguments->context->instID[0];
-  RTCRay ray = reinterpret_cast<RTCRayHit*>(arguments->rayhit)->ray;
-  ray.tfar = distance;
+  hit.geomID = sphere.id;
+  hit.instID[0] = context.instID[0];
+  return hit;
+}
+
+// To the search's filter, which keeps no hit.
+void offer(const RTCIntersectFunctionNArguments* arguments, RTCRay ray, RTCHit hit) {
   int valid = -1;
   RTCFilterFunctionNArguments offered{&valid,
                                       arguments->geometryUserPtr,
@@ -72,21 +77,37 @@ void offer(const RTCIntersectFunctionNArguments* arguments, float distance) {
 }
 
 void sphere_intersect(const RTCIntersectFunctionNArguments* arguments) {
-  const auto& geometry = *static_cast<const EmbreeSphere*>(arguments->geometryUserPtr);
-  RTCRayN* ray = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
-  RTCHitN* hit = RTCRayHitN_HitN(arguments->rayhit, arguments->N);
-  for (unsigned i = 0; i < arguments->N; ++i) {
+  const unsigned n = arguments->N;
+  const EmbreeSpheres::One& sphere = sphere_of(arguments->geometryUserPtr, arguments->primID);
+  RTCRayN* rays = RTCRayHitN_RayN(arguments->rayhit, n);
+  RTCHitN* hits = RTCRayHitN_HitN(arguments->rayhit, n);
+  for (unsigned i = 0; i < n; ++i) {
     if (arguments->valid[i] == 0) continue;
-    const auto t = first_crossing(*geometry.sphere, ray, arguments->N, i);
+    RTCRay ray = ray_at(rays, n, i);
+    const auto t = first_crossing(*sphere.sphere, ray);
     if (!t) continue;
+    RTCHit hit = hit_of(sphere, *arguments->context);
     if (arguments->context->filter != nullptr) {
-      offer(arguments, *t);
+      ray.tfar = *t;
+      offer(arguments, ray, hit);
       continue;
     }
-    RTCRayN_tfar(ray, arguments->N, i) = *t;
-    RTCHitN_geomID(hit, arguments->N, i) = geometry.geometry_id;
-    RTCHitN_primID(hit, arguments->N, i) = 0;
-    RTCHitN_instID(hit, arguments->N, i, 0) = arguments->context->instID[0];
+    RTCRayN_tfar(rays, n, i) = *t;
+    rtcCopyHitToHitN(hits, &hit, n, i);
+  }
+}
+
+// Embree's sign of an occluded ray.
+constexpr float kOccluded = -std::numeric_limits<float>::infinity();
+
+void sphere_occluded(const RTCOccludedFunctionNArguments* arguments) {
+  const unsigned n = arguments->N;
+  const EmbreeSpheres::One& sphere = sphere_of(arguments->geometryUserPtr, arguments->primID);
+  for (unsigned i = 0; i < n; ++i) {
+    if (arguments->valid[i] == 0) continue;
+    if (first_crossing(*sphere.sphere, ray_at(arguments->ray, n, i))) {
+      RTCRayN_tfar(arguments->ray, n, i) = kOccluded;
+    }
   }
 }
 
@@ -113,40 +134,63 @@ void instance_bounds(const RTCBoundsFunctionArguments* arguments) {
       outward(lower, upper, 4.0 * std::numeric_limits<float>::epsilon() * largest);
 }
 
-// Distances along the ray stay what they are, as the direction is carried along unnormalised.
-void instance_intersect(const RTCIntersectFunctionNArguments* arguments) {
-  // Geometry asks for single rays only, so N is 1.
-  if (arguments->valid[0] == 0) return;
-  const auto& one =
-      static_cast<const EmbreeInstances*>(arguments->geometryUserPtr)->all[arguments->primID];
-  auto& query = *reinterpret_cast<RTCRayHit*>(arguments->rayhit);
-  const Placement placement = one.instance->placement(query.ray.time);
-  if (!placement.valid()) return;
-  const Vec3 origin =
-      placement.point_to_group(Vec3{query.ray.org_x, query.ray.org_y, query.ray.org_z}).rounded();
+// The ray as the group sees it; empty where the group can't be seen. Distances along the ray stay
+// what they are, as the direction is carried along unnormalised.
+std::optional<RTCRay> ray_in_group(const PlacedInstance& instance, RTCRay ray) {
+  const Placement placement = instance.placement(ray.time);
+  if (!placement.valid()) return std::nullopt;
+  const Vec3 origin = placement.point_to_group(Vec3{ray.org_x, ray.org_y, ray.org_z}).rounded();
   const Vec3 direction =
-      (placement.inverse * Double3(Vec3{query.ray.dir_x, query.ray.dir_y, query.ray.dir_z}))
-          .rounded();
-  RTCRayHit in_group = query;
-  in_group.ray.org_x = origin.x;
-  in_group.ray.org_y = origin.y;
-  in_group.ray.org_z = origin.z;
-  in_group.ray.dir_x = direction.x;
-  in_group.ray.dir_y = direction.y;
-  in_group.ray.dir_z = direction.z;
-  in_group.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+      (placement.inverse * Double3(Vec3{ray.dir_x, ray.dir_y, ray.dir_z})).rounded();
+  ray.org_x = origin.x;
+  ray.org_y = origin.y;
+  ray.org_z = origin.z;
+  ray.dir_x = direction.x;
+  ray.dir_y = direction.y;
+  ray.dir_z = direction.z;
+  return ray;
+}
+
+const EmbreeInstances::One& instance_of(void* data, unsigned primitive) {
+  return static_cast<const EmbreeInstances*>(data)->all[primitive];
+}
+
+void instance_intersect(const RTCIntersectFunctionNArguments* arguments) {
+  const unsigned n = arguments->N;
+  const EmbreeInstances::One& one = instance_of(arguments->geometryUserPtr, arguments->primID);
+  RTCRayN* rays = RTCRayHitN_RayN(arguments->rayhit, n);
+  RTCHitN* hits = RTCRayHitN_HitN(arguments->rayhit, n);
   arguments->context->instID[0] = one.index;
-  rtcIntersect1(one.scene, arguments->context, &in_group);
+  for (unsigned i = 0; i < n; ++i) {
+    if (arguments->valid[i] == 0) continue;
+    const auto ray = ray_in_group(*one.instance, ray_at(rays, n, i));
+    if (!ray) continue;
+    RTCRayHit in_group{*ray, {}};
+    in_group.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(one.scene, arguments->context, &in_group);
+    if (in_group.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
+    RTCRayN_tfar(rays, n, i) = in_group.ray.tfar;
+    rtcCopyHitToHitN(hits, &in_group.hit, n, i);
+  }
   arguments->context->instID[0] = RTC_INVALID_GEOMETRY_ID;
-  if (in_group.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
-  query.ray.tfar = in_group.ray.tfar;
-  query.hit = in_group.hit;
+}
+
+void instance_occluded(const RTCOccludedFunctionNArguments* arguments) {
+  const unsigned n = arguments->N;
+  const EmbreeInstances::One& one = instance_of(arguments->geometryUserPtr, arguments->primID);
+  for (unsigned i = 0; i < n; ++i) {
+    if (arguments->valid[i] == 0) continue;
+    auto ray = ray_in_group(*one.instance, ray_at(arguments->ray, n, i));
+    if (!ray) continue;
+    rtcOccluded1(one.scene, arguments->context, &*ray);
+    if (ray->tfar < 0.0f) RTCRayN_tfar(arguments->ray, n, i) = kOccluded;
+  }
 }
 
 template <class Data>
 RTCGeometry user_geometry(RTCDevice device, const Data& data, std::size_t primitives,
                           std::size_t time_steps, RTCBoundsFunction bounds,
-                          RTCIntersectFunctionN intersect) {
+                          RTCIntersectFunctionN intersect, RTCOccludedFunctionN occluded) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(primitives));
   rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(time_steps));
@@ -154,20 +198,22 @@ RTCGeometry user_geometry(RTCDevice device, const Data& data, std::size_t primit
   rtcSetGeometryUserData(geometry, const_cast<Data*>(&data));
   rtcSetGeometryBoundsFunction(geometry, bounds, nullptr);
   rtcSetGeometryIntersectFunction(geometry, intersect);
+  rtcSetGeometryOccludedFunction(geometry, occluded);
   return geometry;
 }
 
 }  // namespace
 
-RTCGeometry new_geometry(RTCDevice device, const EmbreeSphere& sphere) {
-  return user_geometry(device, sphere, 1, sphere.sphere->later_centres.size() + 1, sphere_bounds,
-                       sphere_intersect);
+RTCGeometry new_geometry(RTCDevice device, const EmbreeSpheres& spheres) {
+  return user_geometry(device, spheres, spheres.all.size(),
+                       spheres.all.front().sphere->later_centres.size() + 1, sphere_bounds,
+                       sphere_intersect, sphere_occluded);
 }
 
 RTCGeometry new_geometry(RTCDevice device, const EmbreeInstances& instances) {
   return user_geometry(device, instances, instances.all.size(),
                        instances.all.front().instance->time_steps(), instance_bounds,
-                       instance_intersect);
+                       instance_intersect, instance_occluded);
 }
 
 }  // namespace nocturne

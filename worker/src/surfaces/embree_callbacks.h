@@ -12,10 +12,14 @@
 
 namespace nocturne {
 
-/// A sphere under the identifier that it has in its Embree scene.
-struct EmbreeSphere {
-  const Sphere* sphere;
-  unsigned geometry_id;
+/// Spheres with the same number of time steps: one Embree geometry, a primitive each.
+struct EmbreeSpheres {
+  struct One {
+    const Sphere* sphere;
+    /// What a hit reports as its geometry.
+    unsigned id;
+  };
+  std::vector<One> all;
 };
 
 /// Instances with the same number of time steps: one Embree geometry, a primitive each.
@@ -31,7 +35,7 @@ struct EmbreeInstances {
 };
 
 /// A geometry, not yet committed, that refers to its argument for as long as it lives.
-RTCGeometry new_geometry(RTCDevice device, const EmbreeSphere& sphere);
+RTCGeometry new_geometry(RTCDevice device, const EmbreeSpheres& spheres);
 RTCGeometry new_geometry(RTCDevice device, const EmbreeInstances& instances);
 
 }  // namespace nocturne

@@ -11,6 +11,7 @@
 #include <map>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "surfaces/embree_callbacks.h"
 #include "surfaces/locate.h"
@@ -42,6 +43,30 @@ RTCRayHit embree_query(const Ray& ray, float time) {
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   return query;
+}
+
+constexpr std::size_t kPacket = 8;
+
+// Rays of a packet have nothing to do with each other: then Embree finds for each what it finds for
+// it alone, bit for bit, whatever rays it is with (tests/worker/surfaces/packets_test.cpp).
+template <class Packet>
+void fill(Packet& packet, std::span<const TimedRay> rays, std::span<int> valid) {
+  for (std::size_t i = 0; i < kPacket; ++i) {
+    valid[i] = i < rays.size() ? -1 : 0;
+    const TimedRay& from = rays[std::min(i, rays.size() - 1)];
+    packet.org_x[i] = from.ray.origin.x;
+    packet.org_y[i] = from.ray.origin.y;
+    packet.org_z[i] = from.ray.origin.z;
+    packet.dir_x[i] = from.ray.direction.x;
+    packet.dir_y[i] = from.ray.direction.y;
+    packet.dir_z[i] = from.ray.direction.z;
+    packet.tnear[i] = 0.0f;
+    packet.tfar[i] = from.end;
+    packet.time[i] = from.time;
+    packet.mask[i] = ~0u;
+    packet.id[i] = 0;
+    packet.flags[i] = 0;
+  }
 }
 
 // Takes down every hit that a search comes across, and lets it go on.
@@ -95,16 +120,29 @@ struct Geometry::Embree {
 
   void build(const std::vector<std::uint32_t>& group_of_shape) {
     scene = new_scene();
+    std::map<std::pair<RTCScene, std::size_t>, EmbreeSpheres> spheres;  // by scene and time steps
     for (unsigned i = 0; i < shapes.size(); ++i) {
-      if (group_of_shape[i] == 0) {
-        attach(scene, i, geometry_of(shapes[i], i));
-        continue;
+      RTCScene to = scene;
+      unsigned id = i;
+      if (group_of_shape[i] != 0) {
+        Group& group = groups[group_of_shape[i]];
+        if (group.scene == nullptr) group.scene = new_scene();
+        to = group.scene;
+        id = static_cast<unsigned>(group.surfaces.size());
+        group.surfaces.push_back(i);
       }
-      Group& group = groups[group_of_shape[i]];
-      if (group.scene == nullptr) group.scene = new_scene();
-      const auto id = static_cast<unsigned>(group.surfaces.size());
-      attach(group.scene, id, geometry_of(shapes[i], id));
-      group.surfaces.push_back(i);
+      if (auto* mesh = std::get_if<TriangleMesh>(&shapes[i])) {
+        attach(to, id, geometry_of(*mesh));
+      } else {
+        const Sphere& sphere = std::get<Sphere>(shapes[i]);
+        spheres[{to, sphere.later_centres.size()}].all.push_back({&sphere, id});
+      }
+    }
+    // Under the number of their first.
+    for (auto& [where, same] : spheres) {
+      sphere_sets.push_back(std::move(same));
+      attach(where.first, sphere_sets.back().all.front().id,
+             new_geometry(device, sphere_sets.back()));
     }
     for (auto& [number, group] : groups) commit(group.scene);
     attach_instances();
@@ -140,12 +178,6 @@ struct Geometry::Embree {
       instance_sets.push_back(std::move(same));
       attach(scene, id++, new_geometry(device, instance_sets.back()));
     }
-  }
-
-  RTCGeometry geometry_of(Shape& shape, unsigned id) {
-    if (auto* mesh = std::get_if<TriangleMesh>(&shape)) return geometry_of(*mesh);
-    spheres.push_back({&std::get<Sphere>(shape), id});
-    return new_geometry(device, spheres.back());
   }
 
   RTCGeometry geometry_of(TriangleMesh& mesh) const {
@@ -191,7 +223,7 @@ struct Geometry::Embree {
   // Embree keeps pointers into all of these.
   std::vector<Shape> shapes;
   std::vector<PlacedInstance> instances;
-  std::list<EmbreeSphere> spheres;
+  std::list<EmbreeSpheres> sphere_sets;
   std::list<EmbreeInstances> instance_sets;
   std::map<std::uint32_t, Group> groups;
   std::vector<const std::vector<std::uint32_t>*> instance_surfaces;  // by instance
@@ -220,6 +252,47 @@ Geometry::Ball Geometry::bounds() const {
                   std::max(box.bounds0.upper_z, box.bounds1.upper_z)};
   // A little more, so that nothing touches it.
   return {0.5f * (low + high), 0.5005f * length(high - low)};
+}
+
+void Geometry::intersect(std::span<const TimedRay> rays, std::span<std::optional<Hit>> hits) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  for (std::size_t first = 0; first < rays.size(); first += kPacket) {
+    const auto some = rays.subspan(first, std::min(kPacket, rays.size() - first));
+    alignas(32) std::array<int, kPacket> valid;
+    RTCRayHit8 query;
+    fill(query.ray, some, valid);
+    for (std::size_t i = 0; i < kPacket; ++i) {
+      query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+      query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect8(valid.data(), embree_->scene, &context, &query);
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) {
+        hits[first + i].reset();
+        continue;
+      }
+      hits[first + i] =
+          embree_->located(some[i].ray, some[i].time,
+                           {query.hit.geomID[i], query.hit.instID[0][i], query.hit.primID[i],
+                            query.hit.u[i], query.hit.v[i], query.ray.tfar[i]});
+    }
+  }
+}
+
+void Geometry::occluded(std::span<const TimedRay> rays, std::span<std::uint8_t> blocked) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  for (std::size_t first = 0; first < rays.size(); first += kPacket) {
+    const auto some = rays.subspan(first, std::min(kPacket, rays.size() - first));
+    alignas(32) std::array<int, kPacket> valid;
+    RTCRay8 query;
+    fill(query, some, valid);
+    rtcOccluded8(valid.data(), embree_->scene, &context, &query);
+    for (std::size_t i = 0; i < some.size(); ++i) blocked[first + i] = query.tfar[i] < 0.0f ? 1 : 0;
+  }
 }
 
 std::optional<Hit> Geometry::intersect(const Ray& ray, float time) const {

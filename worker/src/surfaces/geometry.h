@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -16,6 +17,13 @@
 #include "surfaces/surface_detail.h"
 
 namespace nocturne {
+
+/// A ray at a time within the shutter, [0, 1], up to a distance.
+struct TimedRay {
+  Ray ray;
+  float time;
+  float end = std::numeric_limits<float>::infinity();
+};
 
 class Geometry {
  public:
@@ -34,6 +42,12 @@ class Geometry {
   /// The nearest hit in front of the origin, at a time within the shutter, [0, 1]. Safe from any
   /// number of threads.
   std::optional<Hit> intersect(const Ray& ray, float time) const;
+
+  /// The same for many: what is found for a ray does not depend on the others.
+  void intersect(std::span<const TimedRay> rays, std::span<std::optional<Hit>> hits) const;
+
+  /// 1 where there is anything in front of the origin, nearer than the ray's end, else 0.
+  void occluded(std::span<const TimedRay> rays, std::span<std::uint8_t> blocked) const;
 
   /// Other hits of a hit's ray, at the same time, no further from it than `reach` metres along the
   /// ray. Returns how many there are in `found`: the first, if it has not room for all.

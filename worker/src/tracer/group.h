@@ -8,11 +8,12 @@
 #include "sampling/sequence.h"
 #include "scene/interior_list.h"
 #include "spectrum/spectral.h"
+#include "tracer/path_partition.h"
 
 namespace nocturne {
 
-/// What a light that photons meet counts, as long as it could have been met in two ways: by a
-/// direction from the kernel, and by one drawn towards lights. Both ways' shares add up to one.
+/// Which of the two ways to a light drew a direction, as long as a light that is met could have
+/// been found by both. The weights of both ways add up to one.
 enum class MisTechnique {
   kNone,
   /// Drawn by the kernel; the weight holds the division by its density.
@@ -31,13 +32,33 @@ struct MisState {
   Spectral<N> kernel_pdf;
 };
 
+/// How a group of photons starts.
+template <int N>
+struct Start {
+  Ray ray;
+  /// nm.
+  Spectral<N> wavelengths;
+  /// Bodies that it starts inside of.
+  InteriorList inside;
+  /// Of the shutter, [0, 1].
+  float time = 0.0f;
+  /// Footprint, for the sharpness of textures: width at the start, m, and growth per metre.
+  float width = 0.0f, spread = 0.0f;
+  /// Of forward photons, W/nm.
+  Spectral<N> flux = 1.0f;
+};
+
 template <int N>
 struct Group {
   Ray ray;
+  /// Which of the batch's samples it belongs to.
+  std::uint32_t sample;
   /// Way from the last surface to where the ray starts, m; set inside of bodies only.
   float skipped = 0.0f;
   /// From there to where the ray starts; set with it.
   Vec3 step = {0.0f, 0.0f, 0.0f};
+  /// Width of the footprint, m.
+  float width;
   /// What each photon carries; zero for those that are gone or went another way.
   Spectral<N> weight;
   /// How likely each photon would have been to take the way so far, as media met and turned it by
@@ -45,12 +66,9 @@ struct Group {
   Spectral<N> path_pdf_ratio = 1.0f / N;
   InteriorList inside;
   /// Interactions so far; those of them with media; those that let it straight through.
-  std::uint32_t depth, collisions, passes = 0;
-  /// Of photons in both directions (walk.h). From the sensor: the first interaction was
-  /// diffuse-like; the last was specular-like. From luminaires: the first was specular-like.
-  bool diffuse_like_first = false, specular_like = false;
-  /// Width of the footprint, m.
-  float width;
+  std::uint32_t depth = 0, collisions = 0, passes = 0;
+  /// Of photons in both directions.
+  PathEnds ends;
   MisState<N> mis;
   PhotonSequence sequence;
 };

@@ -3,6 +3,7 @@
 
 #include "scene/scene.h"
 #include "tile/tile_sums.h"
+#include "tracer/batch.h"
 
 namespace nocturne {
 
@@ -24,10 +25,11 @@ struct Method {
   Method(Kind k, std::uint32_t s) : kind(k), steps(s) {}
 };
 
-/// Sums over the range's samples in sample order: a pure function of its arguments, bit for bit.
-/// The range must lie in the film. Throws std::invalid_argument where the method can't trace the
-/// scene.
+/// Sums over the range's samples in sample order: a pure function of its arguments, bit for bit,
+/// and the same for any size of batches. The range must lie in the film. Throws
+/// std::invalid_argument where the method can't trace the scene.
 TileSums trace_tile(const Scene& scene, Film film, const TileRange& range,
-                    Method method = Method::kAdjointPhotons);
+                    Method method = Method::kAdjointPhotons,
+                    std::uint32_t batch_groups = kBatchGroups);
 
 }  // namespace nocturne

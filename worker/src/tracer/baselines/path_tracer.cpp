@@ -17,7 +17,7 @@ class Path {
   Path(const Scene& scene, const Start<1>& start, const PhotonSequence& sequence)
       : scene_(scene), start_(start), sequence_(sequence), ray_(start.ray) {}
 
-  GroupResult<1> run() {
+  PathResult run() {
     for (std::uint32_t depth = 0; bounce(depth); ++depth) {
     }
     return {radiance_, rays_};
@@ -117,8 +117,7 @@ class Path {
 
 }  // namespace
 
-GroupResult<1> trace_path(const Scene& scene, const Start<1>& start,
-                          const PhotonSequence& sequence) {
+PathResult trace_path(const Scene& scene, const Start<1>& start, const PhotonSequence& sequence) {
   return Path(scene, start, sequence).run();
 }
 

@@ -3,13 +3,14 @@
 // with the tracing loop, so that each can be held against the other.
 #pragma once
 
-#include "tracer/trace_group.h"
+#include "scene/scene.h"
+#include "tracer/baselines/path_result.h"
+#include "tracer/group.h"
 
 namespace nocturne::baselines {
 
 /// A shadow ray ends at the first surface, so light behind glass is found by the kernel alone.
 /// Bodies of glass must not overlap.
-GroupResult<1> trace_path(const Scene& scene, const Start<1>& start,
-                          const PhotonSequence& sequence);
+PathResult trace_path(const Scene& scene, const Start<1>& start, const PhotonSequence& sequence);
 
 }  // namespace nocturne::baselines

@@ -15,7 +15,7 @@ class March {
         std::uint32_t steps)
       : scene_(scene), start_(start), sequence_(sequence), steps_(steps) {}
 
-  GroupResult<1> run() {
+  PathResult run() {
     const float offset = sequence_.next()[0];
     const float radiance = follow(
         start_.ray, start_.inside,
@@ -155,8 +155,8 @@ class March {
 
 }  // namespace
 
-GroupResult<1> march_ray(const Scene& scene, const Start<1>& start, const PhotonSequence& sequence,
-                         std::uint32_t steps) {
+PathResult march_ray(const Scene& scene, const Start<1>& start, const PhotonSequence& sequence,
+                     std::uint32_t steps) {
   return March(scene, start, sequence, steps).run();
 }
 

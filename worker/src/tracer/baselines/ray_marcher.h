@@ -4,13 +4,15 @@
 // their square; it is biased by the steps' length, and knows light that was scattered once.
 #pragma once
 
-#include "tracer/trace_group.h"
+#include "scene/scene.h"
+#include "tracer/baselines/path_result.h"
+#include "tracer/group.h"
 
 namespace nocturne::baselines {
 
 /// Surfaces end a ray; only matched boundaries are passed. Nothing is seen in media that end
 /// nowhere.
-GroupResult<1> march_ray(const Scene& scene, const Start<1>& start, const PhotonSequence& sequence,
-                         std::uint32_t steps);
+PathResult march_ray(const Scene& scene, const Start<1>& start, const PhotonSequence& sequence,
+                     std::uint32_t steps);
 
 }  // namespace nocturne::baselines

@@ -1,0 +1,26 @@
+// Elements of luminaires on a half-line.
+#pragma once
+
+#include <limits>
+
+#include "math/vec3.h"
+
+namespace nocturne {
+
+/// What a half-line from a point finds of an element.
+struct OnHalfLine {
+  /// Density of directions drawn towards it, 1/sr; 0: it is not there.
+  float pdf = 0.0f;
+  /// m; infinite where rounding has drawn a direction just beside it.
+  float distance = std::numeric_limits<float>::infinity();
+};
+
+/// Where the half-line meets it.
+struct ElementPoint {
+  /// Unit, on the side that emits.
+  Vec3 normal;
+  /// How far in front of it a ray along the normal must end so that it does not meet it, m.
+  float clearance;
+};
+
+}  // namespace nocturne

@@ -1,0 +1,124 @@
+// The photons that go through the stages together, and what is known of each between two stages.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "tracer/free_flight.h"
+#include "tracer/group.h"
+#include "tracer/vertex.h"
+
+namespace nocturne {
+
+/// Groups that are traced together unless a test wants it otherwise: enough of the same work for
+/// every stage, and what is kept of each stays near the processor.
+inline constexpr std::uint32_t kBatchGroups = 512;
+
+/// Samples in a batch of so many groups. Where vertices split, a sample becomes many of them.
+inline std::uint32_t samples_in_batch(const TracingOptions& options, std::uint32_t groups) {
+  if (options.estimator != nocturne::Estimator::kSplit) return groups;
+  std::uint32_t branches = 1;
+  for (std::uint32_t i = 0; i < options.split_vertices; ++i) branches *= 3;
+  return std::max(1u, groups / branches);
+}
+
+/// What all groups of one sample have in common.
+template <int N>
+struct BatchSample {
+  /// nm.
+  Spectral<N> wavelengths;
+  /// Of the shutter, [0, 1].
+  float time;
+  /// Growth of the footprint per metre.
+  float spread;
+  /// What a forward photon of weight 1 carries, W/nm.
+  Spectral<N> flux;
+};
+
+/// What else is known of a group at the end of its ray.
+struct Encounter {
+  /// The group ends here; nothing more is asked.
+  bool ended = false;
+  /// A forward photon that was connected to the camera on its way through thin media: what collides
+  /// there is not connected again.
+  bool connected_in_media = false;
+  /// What touches the hit: index into Batch::contacts, or kNoContacts.
+  std::uint32_t contacts = kNoContacts;
+
+  static constexpr std::uint32_t kNoContacts = ~0u;
+};
+
+/// What light adds to a sample if the way to it is free.
+template <int N>
+struct ShadowRay {
+  TimedRay way;
+  std::uint32_t sample;
+  Spectral<N> light;
+};
+
+/// A forward photon on its way to the camera.
+template <int N>
+struct CameraRay {
+  Group<N> group;
+  CameraConnection connection;
+  /// Way that is left, m.
+  float left;
+};
+
+/// Estimator counts what photons meet; it has
+///   kTransport
+///   flies(sample, group, hit or null)  for every ray, before the body on the way absorbs
+///   arrives(sample, group, hit)        for a surface that was met, after that
+///   glows(sample, group, hit)          for a medium, likewise
+/// and, where forward photons are connected to the sensor,
+///   connect(sample, place, u, v) and reaches(sample, group, connection).
+template <int N, class Estimator, bool Media>
+struct Batch {
+  static constexpr bool kAdjoint = Estimator::kTransport == Transport::kAdjoint;
+  static constexpr bool kToCamera = requires(Estimator & e, BatchSample<N> sample, Vec3 place) {
+    e.connect(sample, place, 0.0f, 0.0f);
+  };
+
+  Batch(const Scene& traced, Estimator& counts)
+      : scene(traced),
+        options(traced.options),
+        both(traced.options.direction == Direction::kBoth),
+        estimator(counts) {}
+
+  void clear() {
+    samples.clear();
+    flights.clear();
+    groups.clear();
+    rays = 0;
+  }
+
+  const BatchSample<N>& sample_of(const Group<N>& group) const { return samples[group.sample]; }
+  FreeFlight<N>& flight_of(const Group<N>& group) { return flights[group.sample]; }
+  bool is_medium(const Hit& hit) const {
+    if constexpr (Media) return scene.is_medium(hit.surface);
+    return false;
+  }
+
+  const Scene& scene;
+  const TracingOptions& options;
+  const bool both;
+  Estimator& estimator;
+
+  std::vector<BatchSample<N>> samples;
+  /// By sample, where there are media.
+  std::vector<FreeFlight<N>> flights;
+
+  /// The groups of this wave, and what each meets; then those of the next wave.
+  std::vector<Group<N>> groups, next;
+  std::vector<TimedRay> timed_rays;
+  std::vector<std::optional<Hit>> hits;
+  std::vector<Encounter> encounters;
+  std::vector<Contacts> contacts;
+  std::vector<ShadowRay<N>> shadow_rays;
+  std::vector<std::uint8_t> blocked;
+  std::vector<CameraRay<N>> camera_rays;
+  std::uint64_t rays = 0;
+};
+
+}  // namespace nocturne

@@ -1,0 +1,72 @@
+// Counts the light that photons from the sensor meet.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "tracer/batch.h"
+
+namespace nocturne {
+
+template <int N>
+class RadianceEstimator {
+ public:
+  static constexpr Transport kTransport = Transport::kAdjoint;
+
+  explicit RadianceEstimator(const Scene& scene) : scene_(scene) {}
+
+  void reset(std::size_t samples) { radiance_.assign(samples, {}); }
+
+  void flies(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit) {
+    if (hit != nullptr || !scene_.has_distant_light()) return;
+    add_light(group, scene_.distant_radiance(group.ray.direction, sample.wavelengths));
+  }
+
+  void arrives(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
+    const std::uint32_t luminaire = scene_.materials[hit.surface].luminaire;
+    if (luminaire == SurfaceMaterial::kNone) return;
+    add_light(group, scene_.emitted(scene_.luminaires[luminaire], hit, -group.ray.direction,
+                                    sample.time, sample.wavelengths));
+  }
+
+  /// No photon towards lights could have counted it.
+  void glows(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
+    add(group.sample,
+        group.weight * scene_.medium(hit.surface).source(hit.position, sample.wavelengths));
+  }
+
+  void add(std::uint32_t sample, const Spectral<N>& found) {
+    std::array<double, N>& sum = radiance_[sample];
+    for (std::size_t i = 0; i < N; ++i) sum[i] += static_cast<double>(found[i]);
+  }
+
+  /// What each photon of a sample found: an estimate of spectral radiance at its wavelength, W m-2
+  /// sr-1 nm-1.
+  Spectral<N> radiance(std::size_t sample) const {
+    Spectral<N> rounded;
+    for (std::size_t i = 0; i < N; ++i) rounded[i] = static_cast<float>(radiance_[sample][i]);
+    return rounded;
+  }
+
+ private:
+  // With the MIS weight of the technique that met it (balance heuristic, Veach and Guibas, SIGGRAPH
+  // 1995).
+  void add_light(const Group<N>& group, const Spectral<N>& light) {
+    if (brought_by(group.ends) != Transport::kAdjoint) return;
+    Spectral<N> found = group.weight * light;
+    if (group.mis.technique != MisTechnique::kNone && largest(found) > 0.0f) {
+      const float towards = scene_.lights.pdf(group.mis.context, group.mis.direction);
+      const bool by_kernel = group.mis.technique == MisTechnique::kKernel;
+      // Drawn at a rim and rounded off it. The photon from the kernel has the whole weight there.
+      if (!by_kernel && !(towards > 0.0f)) return;
+      found *= each([&](float kernel) { return (by_kernel ? kernel : 1.0f) / (kernel + towards); },
+                    group.mis.kernel_pdf);
+    }
+    add(group.sample, found);
+  }
+
+  const Scene& scene_;
+  std::vector<std::array<double, N>> radiance_;  // by sample
+};
+
+}  // namespace nocturne

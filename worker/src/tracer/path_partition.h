@@ -1,0 +1,55 @@
+// Which photons bring a path of light where photons start at both ends
+// (docs/decisions/0032-each-path-by-one-direction.md). An interaction is specular-like (a mirror,
+// glass, or as good as one) or diffuse-like (all others, media too). A path is a forward photon's
+// if its interaction next to the luminaire is specular-like and the one next to the camera is
+// diffuse-like; all others are adjoint photons'. So both know from their own way what is theirs:
+// no weights, no densities of the other direction.
+#pragma once
+
+#include "kernels/kernel.h"
+
+namespace nocturne {
+
+struct Interaction {
+  /// By the kernel as a whole, whichever of its lobes was drawn.
+  bool specular_like;
+  /// A delta lobe was drawn.
+  bool delta;
+  /// On through a pane or a mask in the same direction: as if nothing were there.
+  bool straight;
+  /// So near to the camera that a forward photon would count by far too much there.
+  bool near_camera;
+};
+
+/// The ends of a path, as far as the photon that walks it knows them.
+struct PathEnds {
+  bool diffuse_like_at_camera = false, specular_like_at_luminaire = false;
+};
+
+/// The partition: which photons bring a path with these ends.
+constexpr Transport brought_by(PathEnds ends) {
+  return ends.diffuse_like_at_camera && ends.specular_like_at_luminaire ? Transport::kForward
+                                                                        : Transport::kAdjoint;
+}
+
+/// An adjoint photon's ends after one more interaction; `first`: nothing was met before.
+constexpr PathEnds after_adjoint(PathEnds ends, const Interaction& i, bool first) {
+  const bool straight = i.straight && !i.specular_like;
+  if (first) ends.diffuse_like_at_camera = !i.delta && !i.specular_like && !i.near_camera;
+  if (!straight) ends.specular_like_at_luminaire = i.specular_like;
+  return ends;
+}
+
+/// A forward photon's. Once it is specular-like at the luminaire it stays so.
+constexpr PathEnds after_forward(PathEnds ends, const Interaction& i) {
+  const bool straight = i.straight && !i.specular_like;
+  if (!straight && i.specular_like) ends.specular_like_at_luminaire = true;
+  return ends;
+}
+
+/// Whether a forward photon may still bring something after its latest interaction.
+constexpr bool forward_goes_on(PathEnds after, const Interaction& latest) {
+  return after.specular_like_at_luminaire || (latest.straight && !latest.specular_like);
+}
+
+}  // namespace nocturne

@@ -1,0 +1,56 @@
+// From what a group of photons found to what it adds to a pixel.
+#pragma once
+
+#include <cmath>
+
+#include "sensors/wavelengths.h"
+#include "tile/tile_sums.h"
+
+namespace nocturne {
+
+/// The mean over a group's photons of response x radiance, for X, Y, Z and then each further
+/// response. Photons that found what is no radiance are left out and counted.
+template <int N>
+class Response {
+ public:
+  Response(const WavelengthSampler& sampler, const WavelengthSamples<N>& wavelengths)
+      : sampler_(sampler), wavelengths_(wavelengths) {}
+
+  /// Adds `scale` times the response to channels X, Y, Z of `pixel` and to those from kXyzChannels
+  /// on; returns the number of photons left out.
+  std::uint32_t add(const Spectral<N>& radiance, double scale, double* pixel) const {
+    Spectral<N> kept = radiance;
+    std::uint32_t invalid_samples = 0;
+    for (std::size_t k = 0; k < N; ++k) {
+      if (std::isfinite(radiance[k]) && radiance[k] >= 0.0f) continue;
+      kept[k] = 0.0f;
+      ++invalid_samples;
+    }
+    for (std::size_t c = 0; c < 3; ++c) pixel[c] += scale * mean(wavelengths_.weight[c], kept);
+    for (std::size_t c = 0; c < sampler_.further_curves(); ++c) {
+      pixel[TileSums::kXyzChannels + c] +=
+          scale * mean(sampler_.further_weight(c, wavelengths_), kept);
+    }
+    return invalid_samples;
+  }
+
+ private:
+  static double mean(const Spectral<N>& weight, const Spectral<N>& radiance) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < N; ++k) sum += static_cast<double>(weight[k]) * radiance[k];
+    return sum / N;
+  }
+
+  const WavelengthSampler& sampler_;
+  const WavelengthSamples<N>& wavelengths_;
+};
+
+/// One sample's values into a pixel's sums, and the square of its Y.
+inline void add_sample(const double* sample, std::size_t channels, double* pixel) {
+  for (std::size_t c = 0; c < channels; ++c) {
+    if (c != 3) pixel[c] += sample[c];
+  }
+  pixel[3] += sample[1] * sample[1];
+}
+
+}  // namespace nocturne

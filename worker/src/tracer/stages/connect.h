@@ -1,0 +1,93 @@
+// Stage: connections between what is known at both ends. Photons from luminaires are connected to
+// the camera, and vertices of adjoint photons to lights, unless something is in between.
+#pragma once
+
+#include "tracer/stages/count.h"
+#include "tracer/stages/leave.h"
+
+namespace nocturne {
+
+/// From a vertex, if what comes by this way belongs to forward photons.
+template <class Batch, int N, class Kernel>
+void connect_to_camera(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
+                       const Kernel& kernel) {
+  const bool diffuse_like = !batch.scene.specular_like[vertex.kernel] && kernel.smooth() &&
+                            !near_camera(batch, group, vertex);
+  const PathEnds ends{.diffuse_like_at_camera = diffuse_like,
+                      .specular_like_at_luminaire = group.ends.specular_like_at_luminaire};
+  if (brought_by(ends) != Transport::kForward) return;
+  PhotonSequence sequence = group.sequence.branch(1);
+  const Uniform4 u = sequence.next();
+  const auto connection =
+      batch.estimator.connect(batch.sample_of(group), vertex.hit.position, u[0], u[1]);
+  if (!connection) return;
+  const Vec3 wi = vertex.to_local(connection->direction);
+  if (wi.z <= 0.0f && !kernel.transmits()) return;
+  Group<N> photon = group;
+  photon.sequence = sequence;
+  photon.weight *= kernel.value(vertex.wo, wi);
+  if (!leave(batch, photon, vertex, wi, false)) return;
+  batch.camera_rays.push_back({photon, *connection, connection->distance});
+}
+
+/// One ray further; false where the camera is reached or something that is seen is met before.
+template <class Batch, int N>
+bool follow_to_camera(Batch& batch, CameraRay<N>& to_camera) {
+  Group<N>& group = to_camera.group;
+  const BatchSample<N>& sample = batch.sample_of(group);
+  ++batch.rays;
+  auto hit = batch.scene.geometry.intersect(group.ray, sample.time);
+  if (hit && hit->distance >= to_camera.left) hit.reset();
+  const float end = hit ? hit->distance : to_camera.left;
+  if (!batch.flights.empty()) {
+    FreeFlight<N>& flight = batch.flight_of(group);
+    if (flight.enter(group.inside)) flight.pass(group, end);
+  }
+  if (!group.inside.empty()) {
+    absorb(batch, group, hit ? way_to(group, *hit) : to_camera.left + group.skipped);
+  }
+  if (!hit) {
+    batch.estimator.reaches(sample, group, to_camera.connection);
+    return false;
+  }
+  const Contacts contacts = contacts_of(batch.scene, group.ray, sample.time, *hit);
+  if (make_vertex(batch.scene, *hit, contacts, group, sample.wavelengths, sample.time,
+                  Transport::kForward)) {
+    return false;
+  }
+  pass_index_matched(batch.scene, group, *hit, contacts);
+  to_camera.left -= hit->distance;
+  return true;
+}
+
+template <class Batch>
+void connect_to_lights(Batch& batch) {
+  batch.rays += batch.shadow_rays.size();
+  batch.timed_rays.clear();
+  for (const auto& shadow : batch.shadow_rays) batch.timed_rays.push_back(shadow.way);
+  batch.blocked.resize(batch.shadow_rays.size());
+  batch.scene.geometry.occluded(batch.timed_rays, batch.blocked);
+  for (std::size_t i = 0; i < batch.shadow_rays.size(); ++i) {
+    if (batch.blocked[i] == 0) {
+      batch.estimator.add(batch.shadow_rays[i].sample, batch.shadow_rays[i].light);
+    }
+  }
+  batch.shadow_rays.clear();
+}
+
+template <int N, class Estimator, bool Media>
+void connect(Batch<N, Estimator, Media>& batch) {
+  if constexpr (Batch<N, Estimator, Media>::kAdjoint) {
+    connect_to_lights(batch);
+    return;
+  }
+  for (CameraRay<N>& to_camera : batch.camera_rays) {
+    if constexpr (Batch<N, Estimator, Media>::kToCamera) {
+      while (follow_to_camera(batch, to_camera)) {
+      }
+    }
+  }
+  batch.camera_rays.clear();
+}
+
+}  // namespace nocturne

@@ -1,0 +1,158 @@
+// Ways to draw the directions in which photons go on from a vertex
+// (docs/decisions/0011-two-photons-at-a-vertex.md; Morley et al. 2006, section 4).
+#pragma once
+
+#include <bit>
+
+#include "tracer/stages/leave.h"
+
+namespace nocturne {
+
+template <class Batch, int N, class Kernel>
+LightSamplingContext light_context(const Batch& batch, const Group<N>& group,
+                                   const Vertex<N>& vertex, const Kernel& kernel) {
+  return {vertex.hit.position, vertex.normal, kernel.transmits(), batch.sample_of(group).time};
+}
+
+template <class Kernel>
+Vec3 uniform_sample(const Kernel& kernel, float u, float v) {
+  return kernel.transmits() ? UniformSphere::sample(u, v) : UniformHemisphere::sample(u, v);
+}
+template <class Kernel>
+float uniform_pdf(const Kernel& kernel, Vec3 wi) {
+  return kernel.transmits() ? UniformSphere::pdf() : UniformHemisphere::pdf(wi);
+}
+
+/// A draw for each photon of the group; those that draw the same go on together. `weigh` multiplies
+/// the weights by value over density. A phase function that depends on the wavelength turns all
+/// alike, and moves the path pdf ratios with the weights.
+template <class Batch, int N, class Kernel, class Weigh>
+void for_each_draw(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
+                   const KernelNumbers& numbers, const Weigh& weigh) {
+  const std::uint32_t all = alive(group.weight);
+  for (std::uint32_t left = all; left != 0;) {
+    const auto lead = static_cast<std::size_t>(std::countr_zero(left));
+    const auto draw = kernel.sample(vertex.wo, numbers, lead);
+    const std::uint32_t together = draw ? draw->together & left : 1u << lead;
+    left &= ~together;
+    if (!draw) continue;
+    if constexpr (N > 1 && requires { kernel.likelihood(vertex.wo, draw->wi); }) {
+      group.path_pdf_ratio *= kernel.likelihood(vertex.wo, draw->wi);
+    }
+    if (together == all) {
+      weigh(group, *draw);
+      return go_on(batch, group, vertex, draw->wi, draw->delta);
+    }
+    Group<N> part = group;
+    part.weight = only(group.weight, together);
+    weigh(part, *draw);
+    go_on(batch, part, vertex, draw->wi, draw->delta);
+  }
+}
+
+/// One photon from the kernel alone. Where another goes towards lights (`shared`), lights that are
+/// found count with a MIS weight.
+template <class Batch, int N, class Kernel>
+void draw_from_kernel(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
+                      const KernelNumbers& numbers, float survival, bool shared) {
+  for_each_draw(batch, group, vertex, kernel, numbers, [&](Group<N>& on, const Draw<N>& draw) {
+    if (draw.delta) {
+      // Towards lights nothing was drawn from this part: an earlier MIS state goes on.
+      on.weight *= (1.0f / survival) * draw.factor;
+      return;
+    }
+    const Spectral<N> pdf = survival * kernel.pdf(vertex.wo, draw.wi);
+    on.weight *= ratio(kernel.value(vertex.wo, draw.wi), pdf);
+    on.mis.technique = MisTechnique::kNone;
+    if (shared) {
+      on.mis = {MisTechnique::kKernel, light_context(batch, group, vertex, kernel),
+                vertex.to_world(draw.wi), pdf};
+    }
+  });
+}
+
+/// One photon from the mixture of kernel, lights and uniform domain: the density is the sum of all,
+/// whichever drew.
+template <class Batch, int N, class Kernel>
+void draw_from_mixture(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
+                       const KernelNumbers& numbers, float part, float survival) {
+  const MixtureWeights& weights = batch.options.mixture;
+  const LightDirections& lights = batch.scene.lights;
+  const LightSamplingContext here = light_context(batch, group, vertex, kernel);
+  const bool from_lights = part >= weights.kernel && part < weights.kernel + weights.lights;
+  const auto weigh = [&](Group<N>& on, const Draw<N>& draw) {
+    if (draw.delta) {
+      on.weight *= (1.0f / (survival * weights.kernel)) * draw.factor;
+      return;
+    }
+    const float by_lights =
+        weights.lights > 0.0f ? weights.lights * lights.pdf(here, vertex.to_world(draw.wi)) : 0.0f;
+    // Drawn at a rim and rounded off it, where only the other ways can have gone.
+    if (from_lights && !(by_lights > 0.0f)) {
+      on.weight = 0.0f;
+      return;
+    }
+    const float others =
+        (weights.uniform > 0.0f ? weights.uniform * uniform_pdf(kernel, draw.wi) : 0.0f) +
+        by_lights;
+    const Spectral<N> pdf = survival * (weights.kernel * kernel.pdf(vertex.wo, draw.wi) + others);
+    on.weight *= ratio(kernel.value(vertex.wo, draw.wi), pdf);
+  };
+  if (part < weights.kernel) return for_each_draw(batch, group, vertex, kernel, numbers, weigh);
+  Draw<N> draw;
+  if (from_lights) {
+    const auto world = lights.sample(here, numbers.part, numbers.u, numbers.v);
+    if (!world) return;
+    draw.wi = vertex.to_local(*world);
+  } else {
+    draw.wi = uniform_sample(kernel, numbers.u, numbers.v);
+  }
+  weigh(group, draw);
+  go_on(batch, group, vertex, draw.wi, false);
+}
+
+/// A photon from each density, weighted by the power heuristic with exponent 2 (Veach and Guibas,
+/// SIGGRAPH 1995).
+template <class Batch, int N, class Kernel>
+void split(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
+           const KernelNumbers& numbers, float survival) {
+  const LightDirections& lights = batch.scene.lights;
+  const LightSamplingContext here = light_context(batch, group, vertex, kernel);
+  const bool uniform = batch.options.mixture.uniform > 0.0f;
+  const auto weigh = [&](Group<N>& on, const Draw<N>& draw, int drawn_by) {
+    if (draw.delta) {
+      on.weight *= (1.0f / survival) * draw.factor;
+      return;
+    }
+    const Spectral<N> by_kernel = kernel.pdf(vertex.wo, draw.wi);
+    const float by_lights = lights.pdf(here, vertex.to_world(draw.wi));
+    const float by_uniform = uniform ? uniform_pdf(kernel, draw.wi) : 0.0f;
+    // value / p times p^2 over the sum of squares.
+    on.weight *= each(
+        [&](float v, float k) {
+          const float p = drawn_by == 0 ? k : drawn_by == 1 ? by_lights : by_uniform;
+          const float squares = k * k + by_lights * by_lights + by_uniform * by_uniform;
+          return squares > 0.0f ? v * p / (survival * squares) : 0.0f;
+        },
+        kernel.value(vertex.wo, draw.wi), by_kernel);
+  };
+  for (int drawn_by = 1; drawn_by <= (uniform ? 2 : 1); ++drawn_by) {
+    Group<N> branch = group;
+    branch.sequence = group.sequence.branch(static_cast<std::uint32_t>(drawn_by));
+    const Uniform4 u = branch.sequence.next();
+    Draw<N> draw;
+    if (drawn_by == 1) {
+      const auto world = lights.sample(here, u[2], u[0], u[1]);
+      if (!world) continue;
+      draw.wi = vertex.to_local(*world);
+    } else {
+      draw.wi = uniform_sample(kernel, u[0], u[1]);
+    }
+    weigh(branch, draw, drawn_by);
+    go_on(batch, branch, vertex, draw.wi, false);
+  }
+  for_each_draw(batch, group, vertex, kernel, numbers,
+                [&](Group<N>& on, const Draw<N>& draw) { weigh(on, draw, 0); });
+}
+
+}  // namespace nocturne

@@ -1,0 +1,20 @@
+// Stage: the nearest surface on the ray of each group.
+#pragma once
+
+#include "tracer/batch.h"
+
+namespace nocturne {
+
+template <int N, class Estimator, bool Media>
+void intersect(Batch<N, Estimator, Media>& batch) {
+  batch.rays += batch.groups.size();
+  batch.timed_rays.clear();
+  for (const Group<N>& group : batch.groups) {
+    batch.timed_rays.push_back({group.ray, batch.sample_of(group).time});
+  }
+  batch.hits.resize(batch.groups.size());
+  batch.scene.geometry.intersect(batch.timed_rays, batch.hits);
+  batch.encounters.assign(batch.groups.size(), {});
+}
+
+}  // namespace nocturne

@@ -1,0 +1,68 @@
+// From a vertex to the next ray.
+#pragma once
+
+#include "tracer/stages/travel.h"
+
+namespace nocturne {
+
+template <class Batch, int N>
+bool near_camera(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex) {
+  return batch.scene.sensor.distance_from(vertex.hit.position, batch.sample_of(group).time) <
+         batch.scene.near_sensor;
+}
+
+/// With photons in both directions: notes the interaction that a group leaves by. False where the
+/// other direction has all that could come of it.
+template <class Batch, int N>
+bool keep_in_partition(const Batch& batch, Group<N>& group, const Vertex<N>& vertex, Vec3 wi,
+                       bool delta) {
+  const bool first = Batch::kAdjoint && group.depth == 1;
+  const Interaction latest{.specular_like = batch.scene.specular_like[vertex.kernel],
+                           .delta = delta,
+                           .straight = delta && wi == -vertex.wo,
+                           .near_camera = first && near_camera(batch, group, vertex)};
+  if constexpr (Batch::kAdjoint) {
+    group.ends = after_adjoint(group.ends, latest, first);
+    return true;
+  } else {
+    group.ends = after_forward(group.ends, latest);
+    return forward_goes_on(group.ends, latest);
+  }
+}
+
+/// Turns a group into `wi`; false where it ends.
+template <class Batch, int N>
+bool leave(const Batch& batch, Group<N>& group, const Vertex<N>& vertex, Vec3 wi, bool delta) {
+  if (!(largest(group.weight) > 0.0f)) return false;
+  if (batch.both && !keep_in_partition(batch, group, vertex, wi, delta)) return false;
+  // What passes straight through a pane or a hole has met nothing.
+  if (delta && wi == -vertex.wo) {
+    ++group.passes;
+  } else if (group.depth - group.passes > batch.options.max_depth) {
+    return false;
+  }
+  const Vec3 direction = vertex.to_world(wi);
+  const float cosine = dot(vertex.normal, direction);
+  // A medium has no sides, and turns one of 2^24 photons to go exactly across.
+  if (!batch.is_medium(vertex.hit)) {
+    // Where a shading normal says one side and the surface the other, nothing goes on.
+    if (cosine * wi.z <= 0.0f) return false;
+    if (cosine < 0.0f) group.inside = vertex.beyond;
+    if constexpr (!Batch::kAdjoint) {
+      // A shading normal is not symmetric: flux is scaled by the cosines that radiance is not.
+      // Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, eq. 5.19.
+      group.weight *= Spectral<N>(
+          std::fabs(cosine * vertex.wo.z / (dot(vertex.normal, group.ray.direction) * wi.z)));
+    }
+  }
+  start_off(group, vertex.hit, direction);
+  return true;
+}
+
+/// The same, and on to the next wave.
+template <class Batch, int N>
+void go_on(Batch& batch, Group<N>& group, const Vertex<N>& vertex, Vec3 wi, bool delta) {
+  if (leave(batch, group, vertex, wi, delta)) batch.next.push_back(group);
+}
+
+}  // namespace nocturne

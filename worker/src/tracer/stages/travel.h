@@ -1,0 +1,45 @@
+// What happens to a group along its ray, apart from media: bodies absorb, index-matched boundaries
+// are passed.
+#pragma once
+
+#include <cmath>
+
+#include "tracer/batch.h"
+
+namespace nocturne {
+
+/// From the surface that a group left. Its ray is the one from there, moved off the surface: how
+/// much sooner it meets the next one depends on how that stands, as in a wedge.
+template <int N>
+float way_to(const Group<N>& group, const Hit& hit) {
+  constexpr float kMinCosine = 1e-3f;
+  const float cosine = dot(hit.normal, group.ray.direction);
+  if (hit.clearance == 0.0f || std::fabs(cosine) < kMinCosine) return hit.distance + group.skipped;
+  return std::max(0.0f, hit.distance + dot(group.step, hit.normal) / cosine);
+}
+
+/// What the bodies around it leave of a group.
+template <int N, class Batch>
+void absorb(const Batch& batch, Group<N>& group, float way) {
+  group.weight *= batch.scene.transmittance(group.inside, way, batch.sample_of(group).wavelengths);
+}
+
+/// Sends a group on from a hit. What absorbs begins at the surface.
+template <int N>
+void start_off(Group<N>& group, const Hit& hit, Vec3 direction) {
+  group.ray = {leave_surface(hit, direction), direction};
+  if (group.inside.empty()) return;
+  group.skipped = way_skipped(hit, direction);
+  group.step = group.ray.origin - hit.position;
+}
+
+/// Straight on through a boundary that has no kernel of its own.
+template <int N>
+void pass_index_matched(const Scene& scene, Group<N>& group, const Hit& hit,
+                        const Contacts& contacts) {
+  const bool front = dot(hit.normal, group.ray.direction) < 0.0f;
+  group.inside = boundary_at(scene, hit, contacts, group.inside, front).beyond;
+  start_off(group, hit, group.ray.direction);
+}
+
+}  // namespace nocturne

@@ -1,0 +1,34 @@
+// The tracing loop, for both directions: from the sensor to the luminaires, counting light, and
+// from the luminaires to the sensor, counting what meets it. Morley et al., "Image Synthesis using
+// Adjoint Photons", GI 2006, sections 2 to 4; in stages over a batch of photons: Laine, Karras and
+// Aila, "Megakernels Considered Harmful", HPG 2013; docs/decisions/0038.
+//
+// Photons of one group share their numbers, and so every decision that does not depend on the
+// wavelength; where one differs they part and go on as groups of their own. What becomes of a group
+// does not depend on the others of its batch.
+#pragma once
+
+#include "tracer/stages/connect.h"
+#include "tracer/stages/count.h"
+#include "tracer/stages/fly.h"
+#include "tracer/stages/intersect.h"
+#include "tracer/stages/scatter.h"
+#include "tracer/stages/start.h"
+
+namespace nocturne {
+
+/// Follows all groups of a batch until they are absorbed or out of the scene.
+template <int N, class Estimator, bool Media>
+void trace_batch(Batch<N, Estimator, Media>& batch) {
+  while (!batch.groups.empty()) {
+    intersect(batch);                 // the nearest surface
+    if constexpr (Media) fly(batch);  // media before it: which are met, what passes
+    count(batch);                     // light that is met, with its MIS weight
+    scatter(batch);                   // kernels: next event estimation, roulette, directions
+    connect(batch);                   // to lights and to the camera, where the way is free
+    batch.groups.swap(batch.next);
+    batch.next.clear();
+  }
+}
+
+}  // namespace nocturne

@@ -1,0 +1,43 @@
+// Tiles by adjoint photons.
+#pragma once
+
+#include "scene/scene.h"
+#include "tile/tile_sums.h"
+#include "tracer/pixel_batches.h"
+#include "tracer/response.h"
+
+namespace nocturne {
+
+/// Sums over the samples of a tile. A pixel's are added in their order, whatever the batches.
+template <int N, bool Media>
+TileSums trace_pixels(const Scene& scene, Film film, const TileRange& range, std::uint32_t groups) {
+  TileSums tile(static_cast<std::size_t>(range.width) * range.height,
+                scene.wavelengths.further_curves());
+  const std::uint32_t size = samples_in_batch(scene.options, groups);
+  PixelBatches<N, Media> batches(scene, film, size);
+  std::vector<PixelIndex> samples;
+  std::vector<double> values;
+  const auto trace = [&] {
+    values.assign(samples.size() * tile.channels, 0.0);
+    batches.trace(samples, tile, values.data());
+    const double* measured = values.data();
+    for (const PixelIndex& at : samples) {
+      const std::size_t pixel = (at.y - range.y) * std::size_t{range.width} + (at.x - range.x);
+      add_sample(measured, tile.channels, &tile.sums[pixel * tile.channels]);
+      measured += tile.channels;
+    }
+    samples.clear();
+  };
+  for (std::uint32_t y = range.y; y < range.y + range.height; ++y) {
+    for (std::uint32_t x = range.x; x < range.x + range.width; ++x) {
+      for (std::uint32_t sample = range.first_sample; sample < range.end_sample; ++sample) {
+        samples.push_back({x, y, sample});
+        if (samples.size() == size) trace();
+      }
+    }
+  }
+  trace();
+  return tile;
+}
+
+}  // namespace nocturne

@@ -1,0 +1,133 @@
+// Films by forward photons, or by photons from both ends. Forward photons fall anywhere on the
+// film. As many as it has pixels, and with both directions one adjoint photon from each pixel, make
+// one sample of the whole film, so that means and errors are those of any other image.
+#pragma once
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "tracer/estimators/camera_estimator.h"
+#include "tracer/estimators/sensor_estimator.h"
+#include "tracer/photon_batches.h"
+#include "tracer/pixel_batches.h"
+#include "tracer/response.h"
+
+namespace nocturne {
+
+/// What some samples of the film measure, pixel by pixel, before it is added to the film's sums.
+class FilmSamples {
+ public:
+  FilmSamples(std::uint32_t samples, std::uint32_t pixels, std::size_t channels)
+      : pixels_(pixels),
+        channels_(channels),
+        values_(static_cast<std::size_t>(samples) * pixels * channels, 0.0),
+        touched_(static_cast<std::size_t>(samples) * pixels, 0) {}
+
+  /// The channels of a pixel in one of the samples, to be added to.
+  double* touch(std::uint32_t sample, std::uint32_t pixel) {
+    const std::size_t cell = static_cast<std::size_t>(sample) * pixels_ + pixel;
+    if (touched_[cell] == 0) {
+      touched_[cell] = 1;
+      cells_.push_back(cell);
+    }
+    return &values_[cell * channels_];
+  }
+
+  /// Adds what was touched to the film's sums, in the order of the samples.
+  void add_to(TileSums& film) {
+    std::sort(cells_.begin(), cells_.end());
+    for (const std::size_t cell : cells_) {
+      double* const values = &values_[cell * channels_];
+      add_sample(values, channels_, &film.sums[cell % pixels_ * channels_]);
+      std::fill_n(values, channels_, 0.0);
+      touched_[cell] = 0;
+    }
+    cells_.clear();
+  }
+
+ private:
+  const std::uint32_t pixels_;
+  const std::size_t channels_;
+  std::vector<double> values_;
+  std::vector<char> touched_;
+  std::vector<std::size_t> cells_;
+};
+
+template <int N, class Estimator, bool Media>
+class WholeFilm {
+ public:
+  WholeFilm(const Scene& scene, Film film, std::uint32_t groups)
+      : both_(scene.options.direction == Direction::kBoth),
+        width_(film.width),
+        pixels_(film.width * film.height),
+        batch_size_(samples_in_batch(scene.options, groups)),
+        // Small films several samples at a time, so that batches are full.
+        samples_at_once_(std::max(1u, batch_size_ / pixels_)),
+        photons_(scene, film, batch_size_),
+        from_pixels_(scene, film, batch_size_),
+        sums_(pixels_, scene.wavelengths.further_curves()),
+        samples_(samples_at_once_, pixels_, sums_.channels),
+        measured_(batch_size_ * sums_.channels) {}
+
+  TileSums trace(std::uint32_t first_sample, std::uint32_t end_sample) {
+    for (std::uint32_t first = first_sample; first < end_sample; first += samples_at_once_) {
+      const std::uint32_t end = std::min(end_sample, first + samples_at_once_);
+      trace_photons(first, end);
+      if (both_) trace_from_pixels(first, end);
+      samples_.add_to(sums_);
+    }
+    return std::move(sums_);
+  }
+
+ private:
+  void trace_photons(std::uint32_t first, std::uint32_t end) {
+    std::vector<PhotonIndex> photons;
+    const auto trace = [&] {
+      photons_.trace(photons, sums_);
+      for (const Splat<N>& splat : photons_.splats()) {
+        double* const values = samples_.touch(photons[splat.sample].sample - first, splat.pixel);
+        sums_.invalid_samples += photons_.add(splat, values);
+      }
+      photons.clear();
+    };
+    for (std::uint32_t sample = first; sample < end; ++sample) {
+      for (std::uint32_t photon = 0; photon < pixels_; ++photon) {
+        photons.push_back({photon, sample});
+        if (photons.size() == batch_size_) trace();
+      }
+    }
+    trace();
+  }
+
+  void trace_from_pixels(std::uint32_t first, std::uint32_t end) {
+    std::vector<PixelIndex> samples;
+    const auto trace = [&] {
+      std::fill(measured_.begin(), measured_.end(), 0.0);
+      from_pixels_.trace(samples, sums_, measured_.data());
+      const double* measured = measured_.data();
+      for (const PixelIndex& at : samples) {
+        double* const values = samples_.touch(at.sample - first, at.y * width_ + at.x);
+        for (std::size_t c = 0; c < sums_.channels; ++c) values[c] += *measured++;
+      }
+      samples.clear();
+    };
+    for (std::uint32_t sample = first; sample < end; ++sample) {
+      for (std::uint32_t pixel = 0; pixel < pixels_; ++pixel) {
+        samples.push_back({pixel % width_, pixel / width_, sample});
+        if (samples.size() == batch_size_) trace();
+      }
+    }
+    trace();
+  }
+
+  const bool both_;
+  const std::uint32_t width_, pixels_, batch_size_, samples_at_once_;
+  PhotonBatches<N, Estimator, Media> photons_;
+  PixelBatches<N, Media> from_pixels_;
+  TileSums sums_;
+  FilmSamples samples_;
+  std::vector<double> measured_;
+};
+
+}  // namespace nocturne
