@@ -5,6 +5,7 @@ import sqlite3
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from nocturne.v1 import job_pb2
@@ -84,6 +85,9 @@ class MemoryLedger(Ledger):
     def __init__(self, store: Store, number: int) -> None:
         self._store, self._number = store, number
         self._epoch = store.owner_epoch
+        # One class stands in for all parts of the ledger.
+        parts: Any = self
+        self.leases = self.renders = self.commits = self.workers = parts
         self._store.until[number] = store.clock.moment().unix + 10.0
 
     @property
@@ -110,7 +114,7 @@ class MemoryLedger(Ledger):
     def _row(self, stored: Stored) -> OpenRender:
         return replace(stored.row, holder=self._holder(stored), totals=copy.copy(stored.row.totals))
 
-    def open_renders(self) -> list[OpenRender]:
+    def all(self) -> list[OpenRender]:
         states = (RenderState.QUEUED, RenderState.RUNNING)
         return [self._row(each) for each in self._store.stored.values() if each.row.state in states]
 
@@ -121,7 +125,7 @@ class MemoryLedger(Ledger):
         return iter(list(self._store.stored[render_id].tiles.values()))
 
     def is_open(self, render_id: str) -> bool:
-        return any(row.id == render_id for row in self.open_renders())
+        return any(row.id == render_id for row in self.all())
 
     def renew(self, now: float) -> int:
         with self._owned():
@@ -149,6 +153,9 @@ class MemoryLedger(Ledger):
     def _holds(self, render_id: str, fence: int) -> bool:
         stored = self._store.stored.get(render_id)
         return stored is not None and (stored.coordinator, stored.row.fence) == (self._number, fence)
+
+    def lost(self, fences: Mapping[str, int]) -> list[str]:
+        return [render_id for render_id, fence in fences.items() if not self._holds(render_id, fence)]
 
     @contextmanager
     def holding(self, render_id: str, fence: int) -> Iterator[None]:
@@ -243,9 +250,7 @@ class MemoryLedger(Ledger):
             self._store.change(render.id, state=state)
             return True
 
-    def mirror_workers(
-        self, workers: list[WorkerRow], at_work: list[tuple[str, int, str]], now: float
-    ) -> None:
+    def mirror(self, workers: list[WorkerRow], at_work: list[tuple[str, int, str]], now: float) -> None:
         with self._owned():
             pass
 
