@@ -1,4 +1,4 @@
-"""Bad input to a service in a process of its own, at both doors; tests/services has every kind of it."""
+"""Bad input to a service in a process of its own, at both endpoints; tests/services has every kind of it."""
 
 import json
 import subprocess
@@ -88,7 +88,7 @@ def nothing_comes_of_it(running_service: Up) -> Iterator[None]:
         (_deep, "$", "nested deeper than 64"),
     ],
 )
-def test_both_doors_name_place_and_reason(
+def test_both_endpoints_name_place_and_reason(
     spoil: Any, place: str, message: str, body: dict[str, Any], running_service: Up
 ) -> None:
     spoil(body)

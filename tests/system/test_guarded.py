@@ -1,4 +1,4 @@
-"""A night among strangers: Redis behind a tunnel with a user for each role, TLS and tokens at both doors."""
+"""A night among strangers: Redis behind a tunnel with a user for each role, TLS and tokens everywhere."""
 
 import os
 import ssl
@@ -130,7 +130,7 @@ def test_the_image_is_that_of_a_run_alone(service: GuardedService, traced_alone:
     assert "warning" not in worker.tail().lower()
 
 
-def test_the_doors_speak_tls_to_those_with_tokens_only(service: GuardedService) -> None:
+def test_the_endpoints_speak_tls_to_those_with_tokens_only(service: GuardedService) -> None:
     with pytest.raises(httpx.ConnectError):
         httpx.get(f"{service.url}/v1/renders", trust_env=False)
     with pytest.raises(httpx.TransportError):

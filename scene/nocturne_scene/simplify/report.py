@@ -5,42 +5,42 @@ from typing import Any
 
 from nocturne_scene.simplify.choosing import Model, verdict
 from nocturne_scene.simplify.pilot import RENDERS
-from nocturne_scene.simplify.search import Needs
+from nocturne_scene.simplify.search import Preflight
 
 
-def as_json(needs: Needs) -> dict[str, Any]:
+def as_json(preflight: Preflight) -> dict[str, Any]:
     """For programs. Errors are relative, times seconds of one processor; null: out of reach."""
-    request = needs.request
+    request = preflight.request
     return {
         "error": request.error,
         "film": [request.width, request.height],
         "pilot": {
-            "film": list(needs.film),
-            "samples": needs.samples,
+            "film": list(preflight.film),
+            "samples": preflight.samples,
             "renders": RENDERS,
-            "cpu_seconds": needs.cpu_s,
-            "wanted_cpu_seconds": needs.wanted_s or None,
-            "effective_pixels": needs.effective_pixels,
-            "heavy_tails": needs.rare,
+            "cpu_seconds": preflight.cpu_s,
+            "wanted_cpu_seconds": preflight.wanted_s or None,
+            "effective_pixels": preflight.effective_pixels,
+            "heavy_tails": preflight.rare,
         },
-        "full": _model(needs.full, needs),
-        "models": [_model(each, needs) for each in needs.models],
-        "chosen": _model(needs.chosen, needs),
-        "saving": needs.saving,
-        "without_effect": needs.without_effect,
+        "full": _model(preflight.full, preflight),
+        "models": [_model(each, preflight) for each in preflight.models],
+        "chosen": _model(preflight.chosen, preflight),
+        "saving": preflight.saving,
+        "without_effect": preflight.without_effect,
     }
 
 
-def _model(model: Model, needs: Needs) -> dict[str, Any]:
-    samples = model.samples_for(needs.request.error)
+def _model(model: Model, preflight: Preflight) -> dict[str, Any]:
+    samples = model.samples_for(preflight.request.error)
     reachable = isfinite(samples)
     return {
         "without": [part.name for part in model.parts],
-        "verdict": verdict(model, needs.request.error) if model.parts else "full",
+        "verdict": verdict(model, preflight.request.error) if model.parts else "full",
         "mean_bias": vars(model.bias.mean),
         "local_bias": vars(model.bias.local),
         "noise_of_a_sample": model.noise,
         "cost_ratio": vars(model.cost),
         "samples": int(samples) if reachable else None,
-        "cpu_seconds": model.seconds_for(needs.request.error, needs.pixels) if reachable else None,
+        "cpu_seconds": model.seconds_for(preflight.request.error, preflight.pixels) if reachable else None,
     }

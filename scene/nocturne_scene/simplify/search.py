@@ -42,7 +42,7 @@ class Request:
 
 
 @dataclass(frozen=True)
-class Needs:
+class Preflight:
     """What was found."""
 
     request: Request
@@ -79,7 +79,7 @@ class Needs:
         return saving(self.full, self.chosen, self.request.error)
 
 
-def find_needs(request: Request, document: Document, folder: Path, say: Say) -> Needs:
+def run_preflight(request: Request, document: Document, folder: Path, say: Say) -> Preflight:
     """Run the pilot of a scene document. `folder` holds the scene's files in `blobs`, and takes what is made.
 
     Raises InputError and PilotFailed.
@@ -105,7 +105,7 @@ class _Search:
         self._document = document
         self._samples = _FIRST_SAMPLES
 
-    def run(self) -> Needs:
+    def run(self) -> Preflight:
         full_scene = self._pilot.compiled(())
         found: list[Simplification] = []
         without_effect: list[Simplification] = []
@@ -120,7 +120,7 @@ class _Search:
         # What few photons decide is not to be chosen by.
         rare = carriers < min(FEW, 0.5 * self._pilot.pixels)
         chosen = full if rare else self._confirmed(self._joined(full, models), full)
-        return Needs(
+        return Preflight(
             self._request,
             self._film,
             self._samples,

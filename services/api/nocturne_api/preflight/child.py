@@ -13,7 +13,7 @@ from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.errors import InputError, NocturneError, NotFound, Problem
 from nocturne_scene.simplify.report import as_json
-from nocturne_scene.simplify.search import Request, find_needs
+from nocturne_scene.simplify.search import Request, run_preflight
 from nocturne_scene.simplify.simplification import assets_of
 
 # As `nocturne preflight` has it: seconds for most scenes, and enough pixels for their parts.
@@ -42,7 +42,7 @@ def _planned(job: dict[str, Any], folder: Path) -> dict[str, Any]:
     threads = max(1, len(os.sched_getaffinity(0)) // 2)
     film = job["width"], job["height"]
     request = Request(job["error"], *film, _PILOT_EDGE, job["budget_seconds"], threads)
-    found = find_needs(request, job["scene"], folder, _say_nothing)
+    found = run_preflight(request, job["scene"], folder, _say_nothing)
     return {**as_json(found), "document": found.document}
 
 

@@ -47,8 +47,8 @@ def preflight(
     from nocturne_scene.simplify.report import as_json as report
     from nocturne_scene.simplify.search import Request
 
-    from nocturne_client.local import preflight_report as needs_report
-    from nocturne_client.local.preflight import needs_of, taken
+    from nocturne_client.local import preflight_report
+    from nocturne_client.local.preflight import preflight_of, taken
     from nocturne_client.scene_files import read_scene
 
     target = share(error, "--error")
@@ -67,15 +67,15 @@ def preflight(
             task = bar.add_task(what, total=steps)
             return lambda: bar.advance(task)
 
-        found = needs_of(request, on_disk, say)
+        found = preflight_of(request, on_disk, say)
     if chart is not None:
-        needs_report.write_chart(found, on_disk.name or scene.stem, chart)
+        preflight_report.write_chart(found, on_disk.name or scene.stem, chart)
     if take is not None:
         document = taken(on_disk, found.document, take)
         take.write_text(json.dumps(document, indent=2, ensure_ascii=False) + "\n")
     if as_json:
         print_json(report(found))
         return
-    CONSOLE.print(needs_report.table(found))
-    for line in needs_report.summary(found):
+    CONSOLE.print(preflight_report.table(found))
+    for line in preflight_report.summary(found):
         CONSOLE.print(line, markup=False, soft_wrap=True)

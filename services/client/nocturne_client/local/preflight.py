@@ -6,7 +6,7 @@ from pathlib import Path
 
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.errors import InputError, NocturneError
-from nocturne_scene.simplify.search import Needs, Request, Say, find_needs
+from nocturne_scene.simplify.search import Preflight, Request, Say, run_preflight
 from nocturne_scene.simplify.simplification import Document, objects
 
 from nocturne_client.errors import NocturneClientError, Problem
@@ -14,12 +14,12 @@ from nocturne_client.local.compiled import store_files
 from nocturne_client.scene_files import DIGEST_PREFIX, SceneOnDisk
 
 
-def needs_of(request: Request, scene: SceneOnDisk, say: Say) -> Needs:
+def preflight_of(request: Request, scene: SceneOnDisk, say: Say) -> Preflight:
     """Run the pilot. Raises NocturneClientError."""
     try:
         with tempfile.TemporaryDirectory(prefix="nocturne-preflight-") as folder:
             store_files(scene, BlobStore(Path(folder) / "blobs"))
-            return find_needs(request, scene.document, Path(folder), say)
+            return run_preflight(request, scene.document, Path(folder), say)
     except InputError as error:
         problems = [Problem(each.place, each.message) for each in error.problems]
         raise NocturneClientError("the scene can't be found", problems=problems) from error

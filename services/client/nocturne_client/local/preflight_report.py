@@ -7,7 +7,7 @@ from xml.sax.saxutils import escape
 import numpy as np
 from nocturne_scene.simplify.choosing import budgets, verdict
 from nocturne_scene.simplify.pilot import RENDERS
-from nocturne_scene.simplify.search import Needs
+from nocturne_scene.simplify.search import Preflight
 from nocturne_scene.simplify.statistics import Interval
 from rich import markup
 from rich.table import Table
@@ -17,9 +17,9 @@ _COLOURS = ("#000000", "#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#
 _WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 860, 440, 70, 300, 40, 50
 
 
-def table(needs: Needs) -> Table:
+def table(found: Preflight) -> Table:
     """All models with one part less."""
-    target, pixels = needs.request.error, needs.pixels
+    target, pixels = found.request.error, found.pixels
     found = Table(
         "",
         "mean luminance",
@@ -29,9 +29,9 @@ def table(needs: Needs) -> Table:
         box=None,
         pad_edge=False,
     )
-    full = _time(needs.full.seconds_for(target, pixels))
+    full = _time(found.full.seconds_for(target, pixels))
     found.add_row("the full model", "", "", "", full)
-    for model in needs.models:
+    for model in found.models:
         said = verdict(model, target)
         found.add_row(
             markup.escape(model.name),
@@ -45,31 +45,31 @@ def table(needs: Needs) -> Table:
     return found
 
 
-def summary(needs: Needs) -> list[str]:
+def summary(found: Preflight) -> list[str]:
     """What follows, in sentences."""
-    request, chosen = needs.request, needs.chosen
+    request, chosen = found.request, found.chosen
     lines = [
-        f"pilot: {needs.film[0]} x {needs.film[1]} pixels, {RENDERS} times {needs.samples} samples of each "
-        f"model, {needs.cpu_s:.0f} s of processor time; what is finer than its pixels it does not see"
+        f"pilot: {found.film[0]} x {found.film[1]} pixels, {RENDERS} times {found.samples} samples of each "
+        f"model, {found.cpu_s:.0f} s of processor time; what is finer than its pixels it does not see"
     ]
-    if needs.without_effect:
-        lines.append(f"makes no difference to what is traced: {'; '.join(needs.without_effect)}")
-    if needs.rare:
+    if found.without_effect:
+        lines.append(f"makes no difference to what is traced: {'; '.join(found.without_effect)}")
+    if found.rare:
         lines.append(
             "rare samples carry the noise, so neither intervals nor times are to be trusted, and nothing is "
             "chosen; a larger --budget may show enough of them"
         )
         return lines
-    if needs.wanted_s:
+    if found.wanted_s:
         lines.append(
             "the pilot is too short to see biases of half of the target; about "
-            f"--budget {ceil(needs.wanted_s)} would do"
+            f"--budget {ceil(found.wanted_s)} would do"
         )
-    seconds = chosen.seconds_for(request.error, needs.pixels)
+    seconds = chosen.seconds_for(request.error, found.pixels)
     samples = chosen.samples_for(request.error)
     if chosen.parts:
         lines.append(
-            f"enough for {request.error:.3g}: {chosen.name}; {needs.saving:.1f} times faster than the full "
+            f"enough for {request.error:.3g}: {chosen.name}; {found.saving:.1f} times faster than the full "
             "model"
         )
     else:
@@ -96,11 +96,11 @@ def _time(seconds: float) -> str:
     return f"{seconds:.3g} s"
 
 
-def write_chart(needs: Needs, name: str, file: Path) -> None:
+def write_chart(found: Preflight, name: str, file: Path) -> None:
     """Total error over processor time, SVG: the full model, the chosen one and the fastest of the others."""
-    target, pixels = needs.request.error, needs.pixels
-    others = sorted(needs.models, key=lambda model: model.seconds_for(target, 1))
-    models = [needs.full, *([needs.chosen] if len(needs.chosen.parts) > 1 else []), *others][: len(_COLOURS)]
+    target, pixels = found.request.error, found.pixels
+    others = sorted(found.models, key=lambda model: model.seconds_for(target, 1))
+    models = [found.full, *([found.chosen] if len(found.chosen.parts) > 1 else []), *others][: len(_COLOURS)]
     times = list(budgets(models, target, pixels, 60))
     # Far below the target nobody looks; noise may be nothing there.
     curves = [[max(model.error_after(time, pixels), target / 16) for time in times] for model in models]
