@@ -20,7 +20,7 @@ _WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 860, 440, 70, 300, 40, 50
 def table(found: Preflight) -> Table:
     """All models with one part less."""
     target, pixels = found.request.error, found.pixels
-    found = Table(
+    rows = Table(
         "",
         "mean luminance",
         "relative RMSE",
@@ -30,10 +30,10 @@ def table(found: Preflight) -> Table:
         pad_edge=False,
     )
     full = _time(found.full.seconds_for(target, pixels))
-    found.add_row("the full model", "", "", "", full)
+    rows.add_row("the full model", "", "", "", full)
     for model in found.models:
         said = verdict(model, target)
-        found.add_row(
+        rows.add_row(
             markup.escape(model.name),
             _signed(model.bias.mean),
             _percent(model.bias.local),
@@ -42,7 +42,7 @@ def table(found: Preflight) -> Table:
             if said in ("not needed", "same image")
             else f"[dim]{said}[/]",
         )
-    return found
+    return rows
 
 
 def summary(found: Preflight) -> list[str]:
