@@ -18,7 +18,7 @@ _TRUTHS = _ROOT.parent / "shared" / "accuracy" / "truth.json"
 
 _BODIES, _SLABS = "accuracy/test_media_bodies.py", "accuracy/test_media_slabs.py"
 _WALKS, _SKIES = "accuracy/test_media_walks.py", "accuracy/test_media_skies.py"
-_COLOUR = "coordinator/scene/test_published_colour.py"
+_COLOUR = "scene/test_published_colour.py"
 
 # Identifiers as patterns, and the tests that have all of their values.
 _TESTED: dict[str, list[tuple[str, str]]] = {
@@ -56,9 +56,7 @@ _TESTED: dict[str, list[tuple[str, str]]] = {
     # Those of the scalar equation; light is unpolarised here.
     "RAY-NATRAJ-*": [(_SKIES, "test_the_published_layer")],
     "RAY-SCALAR-*": [(_SKIES, "test_rayleigh_layers"), (_SKIES, "test_light_above_and_below_a_layer")],
-    "RAY-TAU": [
-        ("coordinator/scene/test_atmosphere.py", "test_straight_up_air_has_the_published_optical_depth")
-    ],
+    "RAY-TAU": [("scene/test_atmosphere.py", "test_straight_up_air_has_the_published_optical_depth")],
     "SUN-EXT": [
         (_COLOUR, "test_the_sun_has_its_illuminance"),
         (_COLOUR, "test_the_sun_is_that_of_the_standards_table"),

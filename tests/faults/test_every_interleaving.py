@@ -13,14 +13,14 @@ from tests.faults.explorer import Explorer, WentWrong
 @pytest.mark.parametrize(
     ("ranges", "workers", "crashes", "takeovers", "states"),
     [
-        (3, 2, 0, 0, 495),
-        (3, 1, 1, 0, 1_556),
-        (3, 2, 1, 0, 49_915),
-        (3, 1, 2, 0, 15_565),
-        (2, 2, 2, 0, 18_537),
-        (2, 1, 0, 1, 2_328),
-        (2, 1, 1, 1, 46_173),
-        (3, 1, 0, 1, 27_446),
+        (3, 2, 0, 0, 549),
+        (3, 1, 1, 0, 1_630),
+        (3, 2, 1, 0, 72_624),
+        (3, 1, 2, 0, 18_656),
+        (2, 2, 2, 0, 25_703),
+        (2, 1, 0, 1, 2_275),
+        (2, 1, 1, 1, 48_298),
+        (3, 1, 0, 1, 31_016),
     ],
 )
 def test_no_order_of_things_counts_a_range_twice_or_never(

@@ -101,10 +101,8 @@ def test_long_work_waits_for_its_class(service: Service, work: Callable[..., str
     other = service.create(request_id="b", samples=100)
     work(MOST, rounds_otherwise)
     assert service.wait_for_end(other.id).floating_point_profile == MOST
-    said = sentence(situation_of(service.folder, long.id), time.time())
-    assert (
-        f"traced by workers of floating-point profile {ODD}. The workers that are there have {MOST}" in said
-    )
+    waits = f"traced by workers of floating-point profile {ODD}. The workers that are there have {MOST}"
+    wait_until(lambda: waits in sentence(situation_of(service.folder, long.id), time.time()))
     assert service.row(long.id).ranges_done == before
     # Replays need that class as well, from their start.
     replay = service.folder.requests.replay(long.id, "c")

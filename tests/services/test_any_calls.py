@@ -22,6 +22,9 @@ from tests.services.served import served
 
 _QUIETLY = tried(examples=6)
 
+# Bytes like any other.
+schemathesis.serializer.alias("image/x-exr", "application/octet-stream")
+
 
 @pytest.fixture(scope="module")
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:

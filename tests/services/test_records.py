@@ -22,9 +22,10 @@ from tests.services.endpoints import grpc_channel, rest_client, running
 
 _READING_METHODS = {"GET", "HEAD", "OPTIONS"}
 # Asks which files are missing; a POST, because the question is long.
-# The page's cookie changes nothing that is kept, nor does a preflight.
+# The page's cookie changes nothing that is kept, nor does a preflight, nor reading a picture for the page.
 _READING = {
     ("POST", "/v1/assets:batchMissing"),
+    ("POST", "/v1/pictures"),
     ("POST", "/v1/preflights"),
     ("POST", "/v1/session"),
     ("DELETE", "/v1/session"),
