@@ -80,7 +80,7 @@ TEST(LightDirections, ASampleSeesTheNearestLamp) {
   std::array<int, 4> seen{};
   for (std::uint32_t i = 0; i < 20'000; ++i) {
     const auto u = test::numbers(i);
-    const auto light = directions.sample_light(from, 1e-6f, u[0], u[1], u[2]);
+    const auto light = directions.sample_light(from, {0, 0, 1}, 1e-6f, u[0], u[1], u[2]);
     if (!light) continue;
     EXPECT_EQ(light->pdf, directions.pdf(from, light->direction));
     const auto hit = geometry.intersect({from.position, light->direction}, 0.0f);
@@ -152,6 +152,50 @@ TEST(LightDirections, IrradianceOfAllTogether) {
                                      weights);
     test::expect_mean(test::irradiance(directions, {{0, 0, 0}, {0, 0, 1}}, radiance), truth, 1e-4);
   }
+}
+
+// A point of a lamp lies beside it by rounding. What is drawn from there is what a ray that leaves
+// it meets, never the point itself.
+TEST(LightDirections, ALampIsNotSeenFromItsOwnPoints) {
+  const Sphere cavity{0.1, -0.2, 0.3, 2.0};
+  const TriangleMesh plate =
+      quad_mesh({-0.7f, -0.6f, -0.5f}, {1.1f, 0.2f, 0.3f}, {-0.1f, 1.2f, 0.4f});
+  const Geometry geometry({cavity, plate});
+  Elements elements;
+  const std::span<const Vec3> vertices(plate.vertices);
+  elements.add_sphere({&cavity, 1}, {.radiance = 1.0f, .two_sided = true, .luminaire = 0});
+  elements.add_mesh({&vertices, 1}, plate.triangles,
+                    {.radiance = 1.0f, .two_sided = true, .luminaire = 1});
+  const LightDirections directions(std::move(elements), std::nullopt, {}, {}, {1.0f, 0.0f, 0.0f});
+  std::array<int, 2> left{};
+  int compared = 0;
+  for (std::uint32_t i = 0; i < 20'000; ++i) {
+    const auto towards = test::numbers(i), u = test::numbers(100'000 + i);
+    const float z = 2.0f * towards[0] - 1.0f, phi = 6.2831853f * towards[1];
+    const float r = std::sqrt(1.0f - z * z);
+    const auto hit =
+        geometry.intersect({{0.1f, 0.1f, 0.9f}, {r * std::cos(phi), r * std::sin(phi), z}}, 0.0f);
+    ASSERT_TRUE(hit.has_value());
+    const Vec3 side = dot(hit->normal, Vec3{r * std::cos(phi), r * std::sin(phi), z}) < 0.0f
+                          ? hit->normal
+                          : -hit->normal;
+    const auto light = directions.sample_light({hit->position, side, true}, hit->normal,
+                                               hit->clearance, u[0], u[1], u[2]);
+    if (!light || dot(light->direction, side) < 0.01f) continue;
+    const auto seen =
+        geometry.intersect({leave_surface(*hit, light->direction), light->direction}, 0.0f);
+    ASSERT_TRUE(seen.has_value());
+    ++left[hit->surface];
+    if (light->luminaire == seen->surface) {
+      ++compared;
+      EXPECT_NEAR(light->distance, seen->distance,
+                  2e-5f / std::fabs(dot(light->normal, light->direction)));
+    }
+  }
+  EXPECT_GT(left[0], 2000);
+  EXPECT_GT(left[1], 200);
+  // But for rims.
+  EXPECT_GT(compared, (left[0] + left[1]) * 999 / 1000);
 }
 
 }  // namespace

@@ -64,12 +64,20 @@ struct Ball {
   }
 
  private:
-  // To its first crossing; infinite in the rim by which the cone is wider.
+  // To its first crossing; infinite in the rim by which the cone is wider. A point of the sphere
+  // itself lies beside it by rounding: the crossing there is where the ray begins, not where it
+  // ends.
   float distance_to(Vec3 position, Vec3 d) const {
     const auto crossings =
         cross_sphere({sphere.x, sphere.y, sphere.z}, sphere.radius, Double3(position), Double3(d));
     if (!crossings) return std::numeric_limits<float>::infinity();
-    return static_cast<float>(crossings->near > 0.0 ? crossings->near : crossings->far);
+    const double first = crossings->near, last = crossings->far;
+    // Their product is that of the distances to the nearest and the farthest point of the sphere.
+    const double clearance = kClearanceUnits * (max_abs(position) + sphere.radius);
+    const bool on_it = std::fabs(first * last) <= 2.0 * clearance * sphere.radius;
+    const double beyond = std::fabs(first) < std::fabs(last) ? last : first;
+    const double distance = on_it ? beyond : first > 0.0 ? first : last;
+    return distance > 0.0 ? static_cast<float>(distance) : std::numeric_limits<float>::infinity();
   }
 
   // The sphere as seen from a point.

@@ -64,7 +64,8 @@ float LightDirections::pdf(const LightSamplingContext& from, Vec3 direction) con
 }
 
 std::optional<LightDirections::LightSample> LightDirections::sample_light(
-    const LightSamplingContext& from, float clearance, float choice, float u1, float u2) const {
+    const LightSamplingContext& from, Vec3 normal, float clearance, float choice, float u1,
+    float u2) const {
   const auto direction = sample(from, choice, u1, u2);
   if (!direction) return std::nullopt;
   LightSample light{.direction = *direction,
@@ -74,7 +75,8 @@ std::optional<LightDirections::LightSample> LightDirections::sample_light(
                     .luminaire = Emission::kNoLuminaire,
                     .normal = {}};
   if (luminaires_share_ > 0.0f) {
-    const auto nearest = luminaires_.nearest(from, *direction);
+    const Vec3 step = (dot(normal, *direction) >= 0.0f ? clearance : -clearance) * normal;
+    const auto nearest = luminaires_.nearest(from, *direction, step);
     light.pdf += luminaires_share_ * nearest.pdf;
     light.distance = nearest.distance;
     if (std::isfinite(nearest.distance)) {

@@ -50,9 +50,9 @@ class LightDirections {
     std::uint32_t luminaire;
     Vec3 normal;
   };
-  /// `clearance`: how far off its surface the ray starts, m.
-  std::optional<LightSample> sample_light(const LightSamplingContext& from, float clearance,
-                                          float choice, float u1, float u2) const;
+  /// A ray starts `clearance` (m) off its surface, along the unit normal or against it.
+  std::optional<LightSample> sample_light(const LightSamplingContext& from, Vec3 normal,
+                                          float clearance, float choice, float u1, float u2) const;
 
   const std::optional<Environment>& environment() const { return environment_; }
   const std::vector<DistantDisc>& discs() const { return discs_; }

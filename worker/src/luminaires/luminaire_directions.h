@@ -50,11 +50,18 @@ class LuminaireDirections {
     float distance = std::numeric_limits<float>::infinity();
     std::size_t element = 0;
   };
-  Nearest nearest(const LightSamplingContext& from, Vec3 direction) const {
+  /// `step`: from the point to where the ray starts. What lies between is not met: a luminaire that
+  /// the point is on itself may be found there by rounding.
+  Nearest nearest(const LightSamplingContext& from, Vec3 direction, Vec3 step) const {
     Nearest nearest;
     for_each_on(from, direction, [&](float pdf, float distance, std::size_t element) {
       nearest.pdf += pdf;
       if (!(distance < nearest.distance)) return;
+      const Vec3 normal = elements().point_at(element, from, direction, distance).normal;
+      if (distance * std::fabs(dot(normal, direction)) <=
+          std::copysign(1.0f, dot(normal, direction)) * dot(normal, step)) {
+        return;
+      }
       nearest.distance = distance;
       nearest.element = element;
     });

@@ -45,7 +45,8 @@ void sample_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
   const BatchSample<N>& sample = batch.sample_of(group);
   const Uniform4 u = group.sequence.branch(1).next();
   const LightSamplingContext here = light_context(batch, group, vertex, kernel);
-  const auto light = scene.lights.sample_light(here, vertex.hit.clearance, u[2], u[0], u[1]);
+  const auto light =
+      scene.lights.sample_light(here, vertex.hit.normal, vertex.hit.clearance, u[2], u[0], u[1]);
   if (!light) return;
   const Vec3 wi = vertex.to_local(light->direction);
   if (wi.z <= 0.0f && !kernel.transmits()) return;
