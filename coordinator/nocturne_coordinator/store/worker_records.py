@@ -86,9 +86,9 @@ class WorkerRecords:
         )
 
     def mirror(self, workers: list[WorkerRow], at_work: list[tuple[str, int, str]], now: float) -> None:
-        """Replaces the list of workers by who lives now, and who has which tile of our renders in hand.
+        """Replaces the list of live workers, and of the tiles of our renders that each is tracing.
 
-        Keeps who came and went, and about once a minute what all of them together did.
+        Records worker events (seen first, gone), and about once a minute what all workers together did.
         """
         with self._leases.owned():
             before = {row["id"] for row in self._database.rows("SELECT id FROM worker")}

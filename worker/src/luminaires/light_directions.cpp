@@ -75,19 +75,16 @@ std::optional<LightDirections::LightSample> LightDirections::sample_light(
                     .luminaire = Emission::kNoLuminaire,
                     .normal = {}};
   if (luminaires_share_ > 0.0f) {
-    const Vec3 step = (dot(normal, *direction) >= 0.0f ? clearance : -clearance) * normal;
-    const auto nearest = luminaires_.nearest(from, *direction, step);
+    const auto nearest =
+        luminaires_.nearest(from, *direction, step_off_surface(normal, clearance, *direction));
     light.pdf += luminaires_share_ * nearest.pdf;
     light.distance = nearest.distance;
     if (std::isfinite(nearest.distance)) {
-      const Elements& elements = luminaires_.elements();
-      const ElementPoint point =
-          elements.point_at(nearest.element, from, *direction, nearest.distance);
-      const float cosine = std::max(1e-3f, std::fabs(dot(point.normal, *direction)));
+      const float cosine = std::max(1e-3f, std::fabs(dot(nearest.point.normal, *direction)));
       light.free_distance =
-          std::max(0.0f, nearest.distance - (clearance + point.clearance) / cosine);
-      light.luminaire = elements.luminaire(nearest.element);
-      light.normal = point.normal;
+          std::max(0.0f, nearest.distance - (clearance + nearest.point.clearance) / cosine);
+      light.luminaire = luminaires_.elements().luminaire(nearest.element);
+      light.normal = nearest.point.normal;
     }
   }
   if (sky_share_ > 0.0f) light.pdf += sky_share_ * sky_pdf(from, *direction);

@@ -4,6 +4,7 @@
 // behind glass is no special case.
 #pragma once
 
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -49,6 +50,8 @@ class LuminaireDirections {
     /// m; infinite where there is none.
     float distance = std::numeric_limits<float>::infinity();
     std::size_t element = 0;
+    /// Where it is met.
+    ElementPoint point{};
   };
   /// `step`: from the point to where the ray starts. What lies between is not met: a luminaire that
   /// the point is on itself may be found there by rounding.
@@ -57,13 +60,14 @@ class LuminaireDirections {
     for_each_on(from, direction, [&](float pdf, float distance, std::size_t element) {
       nearest.pdf += pdf;
       if (!(distance < nearest.distance)) return;
-      const Vec3 normal = elements().point_at(element, from, direction, distance).normal;
-      if (distance * std::fabs(dot(normal, direction)) <=
-          std::copysign(1.0f, dot(normal, direction)) * dot(normal, step)) {
+      const ElementPoint point = elements().point_at(element, from, direction, distance);
+      const float towards = dot(point.normal, direction);
+      if (distance * std::fabs(towards) <= std::copysign(1.0f, towards) * dot(point.normal, step)) {
         return;
       }
       nearest.distance = distance;
       nearest.element = element;
+      nearest.point = point;
     });
     return nearest;
   }

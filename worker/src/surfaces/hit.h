@@ -45,10 +45,15 @@ struct Hit {
 ///   sphere    coordinate of the point (the rest is in double precision)
 inline constexpr float kClearanceUnits = 16.0f * std::numeric_limits<float>::epsilon() / 2.0f;
 
-/// Origin of a ray that leaves the hit in `direction`, on the side that it leaves on.
+/// From a surface to where a ray that leaves it in `direction` starts, on the side that it leaves
+/// on.
+inline Vec3 step_off_surface(Vec3 normal, float clearance, Vec3 direction) {
+  return (dot(normal, direction) >= 0.0f ? clearance : -clearance) * normal;
+}
+
+/// Origin of a ray that leaves the hit in `direction`.
 inline Vec3 leave_surface(const Hit& hit, Vec3 direction) {
-  return hit.position +
-         (dot(hit.normal, direction) >= 0.0f ? hit.clearance : -hit.clearance) * hit.normal;
+  return hit.position + step_off_surface(hit.normal, hit.clearance, direction);
 }
 
 /// Way in `direction` from the surface to where a ray that leaves it starts, as of a plane: what is
