@@ -57,24 +57,41 @@ inline void check_blends(const std::vector<AnyKernel>& kernels) {
   }
 }
 
-/// f(bound kernel) for the kernel at `index`; blends as check_blends wants them.
+/// Blends as check_blends wants them.
+template <class Kernel, int N>
+auto bind_kernel(const Kernel& kernel, const std::vector<AnyKernel>& kernels,
+                 const Shading<N>& shading) {
+  if constexpr (requires { kernel.bind(shading); }) {
+    return kernel.bind(shading);
+  } else {
+    return kernel.bind(kernels, shading);
+  }
+}
+
+/// What binding a kernel makes of it.
+template <class Kernel, int N>
+using BoundOf = decltype(bind_kernel(std::declval<const Kernel&>(),
+                                     std::declval<const std::vector<AnyKernel>&>(),
+                                     std::declval<const Shading<N>&>()));
+
+/// f(bound kernel) for the kernel at `index`.
 template <int N, class F>
 decltype(auto) visit_bound(const std::vector<AnyKernel>& kernels, std::size_t index,
                            const Shading<N>& shading, F&& f) {
-  // The commonest kernel without a jump through a table: it is inlined, and plain scenes cost what
-  // they would cost without all others.
-  if (const auto* lambertian = std::get_if<Lambertian>(&kernels[index])) [[likely]] {
-    return f(lambertian->bind(shading));
-  }
   return std::visit(
       [&](const auto& kernel) -> decltype(auto) {
-        if constexpr (requires { kernel.bind(shading); }) {
-          return std::forward<F>(f)(kernel.bind(shading));
-        } else {
-          return std::forward<F>(f)(kernel.bind(kernels, shading));
-        }
+        return std::forward<F>(f)(bind_kernel(kernel, kernels, shading));
       },
       kernels[index]);
+}
+
+/// f.operator()<Kernel>(index of the alternative) for each type that a scene may hold.
+template <class F>
+void for_each_kernel_type(const F& f) {
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    (f.template operator()<std::variant_alternative_t<I, AnyKernel>>(I), ...);
+  }
+  (std::make_index_sequence<std::variant_size_v<AnyKernel>>{});
 }
 
 }  // namespace nocturne

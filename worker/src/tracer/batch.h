@@ -7,6 +7,7 @@
 
 #include "tracer/free_flight.h"
 #include "tracer/group.h"
+#include "tracer/stages/kernel_order.h"
 #include "tracer/vertex.h"
 
 namespace nocturne {
@@ -75,7 +76,8 @@ struct CameraRay {
 ///   connect(sample, place, u, v) and reaches(sample, group, connection).
 template <int N, class Estimator, bool Media>
 struct Batch {
-  static constexpr bool kAdjoint = Estimator::kTransport == Transport::kAdjoint;
+  static constexpr Transport kTransport = Estimator::kTransport;
+  static constexpr bool kAdjoint = kTransport == Transport::kAdjoint;
   static constexpr bool kToCamera = requires(Estimator & e, BatchSample<N> sample, Vec3 place) {
     e.connect(sample, place, 0.0f, 0.0f);
   };
@@ -115,6 +117,7 @@ struct Batch {
   std::vector<std::optional<Hit>> hits;
   std::vector<Encounter> encounters;
   std::vector<Contacts> contacts;
+  KernelOrder by_kernel;
   std::vector<ShadowRay<N>> shadow_rays;
   std::vector<std::uint8_t> blocked;
   std::vector<CameraRay<N>> camera_rays;

@@ -30,6 +30,12 @@ struct Vertex {
   Vec3 to_world(Vec3 direction) const { return frame.to_world(direction); }
 };
 
+/// Index of the kernel on the side that is met.
+inline std::uint32_t kernel_at(const Scene& scene, const Hit& hit, Vec3 direction) {
+  const SurfaceMaterial& material = scene.materials[hit.surface];
+  return dot(hit.normal, direction) < 0.0f ? material.front_kernel : material.back_kernel;
+}
+
 /// What a photon finds that goes through the surface of a hit and all that touches it.
 inline Boundary boundary_at(const Scene& scene, const Hit& hit, const Contacts& contacts,
                             const InteriorList& inside, bool front) {

@@ -3,7 +3,10 @@
 // first surface without a delta lobe: there the one from the kernel carries the whole weight.
 #pragma once
 
+#include <span>
+
 #include "tracer/stages/directions.h"
+#include "tracer/stages/vertices.h"
 
 namespace nocturne {
 
@@ -15,12 +18,10 @@ bool may_see_lights(const Batch& batch, const Group<N>& group, const Vertex<N>& 
          group.inside.current(batch.scene.medium_interfaces) == InteriorList::kOutside;
 }
 
+/// A photon towards lights, through whatever lets it pass.
 template <class Batch, int N, class Kernel>
-void estimate_next_event(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
-                         const Kernel& kernel, float survival) {
-  if (batch.scene.occlusion_decides) {
-    return sample_light(batch, group, vertex, kernel, survival);
-  }
+void send_to_lights(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
+                    const Kernel& kernel, float survival) {
   PhotonSequence sequence = group.sequence.branch(1);
   const Uniform4 u = sequence.next();
   const LightSamplingContext here = light_context(batch, group, vertex, kernel);
@@ -35,49 +36,89 @@ void estimate_next_event(Batch& batch, const Group<N>& group, const Vertex<N>& v
   go_on(batch, photon, vertex, wi, false);
 }
 
-/// Where nothing between can let light through: what the nearest light there brings, if the way is
-/// free.
+/// What the nearest light brings if the way to it is free.
 template <class Batch, int N, class Kernel>
-void sample_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
-                  const Kernel& kernel, float survival) {
-  if (group.depth - group.passes > batch.options.max_depth) return;
+void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
+                   const Kernel& kernel, float survival,
+                   const LightDirections::LightSample& light) {
   const Scene& scene = batch.scene;
   const BatchSample<N>& sample = batch.sample_of(group);
-  const Uniform4 u = group.sequence.branch(1).next();
-  const LightSamplingContext here = light_context(batch, group, vertex, kernel);
-  const auto light =
-      scene.lights.sample_light(here, vertex.hit.normal, vertex.hit.clearance, u[2], u[0], u[1]);
-  if (!light) return;
-  const Vec3 wi = vertex.to_local(light->direction);
+  const Vec3 wi = vertex.to_local(light.direction);
   if (wi.z <= 0.0f && !kernel.transmits()) return;
   // Where a shading normal says one side and the surface the other, nothing goes on.
-  if (dot(vertex.normal, light->direction) * wi.z <= 0.0f) return;
-  const Spectral<N> radiance = light->luminaire == Emission::kNoLuminaire
-                                   ? scene.distant_radiance(light->direction, sample.wavelengths)
-                                   : scene.luminaires[light->luminaire].emitted(
-                                         light->normal, -light->direction, {}, sample.wavelengths);
+  if (dot(vertex.normal, light.direction) * wi.z <= 0.0f) return;
+  const Spectral<N> radiance = light.luminaire == Emission::kNoLuminaire
+                                   ? scene.distant_radiance(light.direction, sample.wavelengths)
+                                   : scene.luminaires[light.luminaire].emitted(
+                                         light.normal, -light.direction, {}, sample.wavelengths);
   Spectral<N> found = group.weight * kernel.value(vertex.wo, wi) * radiance;
   if (!(largest(found) > 0.0f)) return;
-  found *= each([&](float pdf) { return 1.0f / (pdf + light->pdf); },
+  found *= each([&](float pdf) { return 1.0f / (pdf + light.pdf); },
                 survival * kernel.pdf(vertex.wo, wi));
-  batch.shadow_rays.push_back({{{leave_surface(vertex.hit, light->direction), light->direction},
+  batch.shadow_rays.push_back({{{leave_surface(vertex.hit, light.direction), light.direction},
                                 sample.time,
-                                light->free_distance},
+                                light.free_distance},
                                group.sample,
                                found});
 }
 
-/// Such a photon where it meets a surface that has a delta lobe.
+/// Where nothing between can let light through.
+template <class Batch, int N, class Bound>
+void ask_for_lights(Batch& batch, const Chunk<N, Bound>& chunk,
+                    std::span<const std::uint32_t> which) {
+  std::array<Uniform4, kChunk> numbers;
+  std::array<std::optional<LightDirections::LightSample>, kChunk> lights;
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    numbers[k] = chunk.groups[which[k]]->sequence.branch(1).next();
+  }
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    const std::size_t i = which[k];
+    const Vertex<N>& vertex = *chunk.vertices[i];
+    const Uniform4& u = numbers[k];
+    lights[k] = batch.scene.lights.sample_light(
+        light_context(batch, *chunk.groups[i], vertex, *chunk.kernels[i]), vertex.hit.normal,
+        vertex.hit.clearance, u[2], u[0], u[1]);
+  }
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    const std::size_t i = which[k];
+    if (!lights[k]) continue;
+    ask_for_light(batch, *chunk.groups[i], *chunk.vertices[i], *chunk.kernels[i], chunk.survival[i],
+                  *lights[k]);
+  }
+}
+
+template <class Batch, int N, class Bound>
+void estimate_next_events(Batch& batch, const Chunk<N, Bound>& chunk) {
+  std::array<std::uint32_t, kChunk> which;
+  std::size_t count = 0;
+  for (std::uint32_t i = 0; i < chunk.count; ++i) {
+    which[count] = i;
+    const Group<N>& group = *chunk.groups[i];
+    const bool too_deep =
+        batch.scene.occlusion_decides && group.depth - group.passes > batch.options.max_depth;
+    count += chunk.two_photons[i] && !too_deep ? 1 : 0;
+  }
+  if (batch.scene.occlusion_decides)
+    return ask_for_lights(batch, chunk, std::span(which).first(count));
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = which[k];
+    send_to_lights(batch, *chunk.groups[i], *chunk.vertices[i], *chunk.kernels[i],
+                   chunk.survival[i]);
+  }
+}
+
+/// Of a photon that was sent to lights, where it meets a surface that has a delta lobe.
+template <int N, class Kernel>
+float survival_of_passing(const Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel) {
+  return std::min(1.0f, largest(only(kernel.albedo(vertex.wo), alive(group.weight))));
+}
+
 template <class Batch, int N, class Kernel>
-void pass_on(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel) {
-  const Uniform4 u = group.sequence.next();
-  const float survival =
-      std::min(1.0f, largest(only(kernel.albedo(vertex.wo), alive(group.weight))));
-  if (u[2] >= survival) return;
-  for_each_draw(
-      batch, group, vertex, kernel, {u[3], u[0], u[1]}, [&](Group<N>& on, const Draw<N>& draw) {
-        on.weight = draw.delta ? (1.0f / survival) * on.weight * draw.factor : Spectral<N>(0.0f);
-      });
+void pass_on(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
+             const KernelNumbers& numbers, float survival) {
+  for_each_draw(batch, group, vertex, kernel, numbers, [&](Group<N>& on, const Draw<N>& draw) {
+    on.weight = draw.delta ? (1.0f / survival) * on.weight * draw.factor : Spectral<N>(0.0f);
+  });
 }
 
 }  // namespace nocturne

@@ -52,18 +52,35 @@ float survival_at(const Batch& batch, const Group<N>& group, const Vertex<N>& ve
   return survival;
 }
 
+/// Before it is known what becomes of a group, from its next numbers.
+template <class Batch, int N, class Bound>
+void prepare(Batch& batch, Chunk<N, Bound>& chunk) {
+  for (std::size_t i = 0; i < chunk.count; ++i) {
+    chunk.numbers[i] = chunk.groups[i]->sequence.next();
+  }
+  const bool second = batch.kAdjoint && batch.options.estimator == Estimator::kTwoPhotons &&
+                      !batch.scene.lights.empty();
+  for (std::size_t i = 0; i < chunk.count; ++i) {
+    const Group<N>& group = *chunk.groups[i];
+    const Vertex<N>& vertex = *chunk.vertices[i];
+    const Bound& kernel = *chunk.kernels[i];
+    const bool passes_on = group.mis.technique == MisTechnique::kLights;
+    chunk.two_photons[i] =
+        second && !passes_on && kernel.smooth() && may_see_lights(batch, group, vertex);
+    chunk.survival[i] = passes_on ? survival_of_passing(group, vertex, kernel)
+                                  : survival_at(batch, group, vertex, kernel);
+  }
+}
+
+/// A direction for a group that survived.
 template <class Batch, int N, class Kernel>
-void scatter_adjoint(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel) {
-  if (group.mis.technique == MisTechnique::kLights) return pass_on(batch, group, vertex, kernel);
+void draw(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
+          const Uniform4& u, float survival, bool two_photons) {
   const TracingOptions& options = batch.options;
-  const Uniform4 u = group.sequence.next();
-  const float survival = survival_at(batch, group, vertex, kernel);
   const KernelNumbers numbers{u[3], u[0], u[1]};
-  const bool two_photons = options.estimator == Estimator::kTwoPhotons && kernel.smooth() &&
-                           !batch.scene.lights.empty() && may_see_lights(batch, group, vertex);
-  if (two_photons) estimate_next_event(batch, group, vertex, kernel, survival);
-  if (u[2] >= survival) return;
-  if (options.estimator == Estimator::kTwoPhotons || !kernel.smooth()) {
+  if (group.mis.technique == MisTechnique::kLights) {
+    pass_on(batch, group, vertex, kernel, numbers, survival);
+  } else if (!batch.kAdjoint || options.estimator == Estimator::kTwoPhotons || !kernel.smooth()) {
     draw_from_kernel(batch, group, vertex, kernel, numbers, survival, two_photons);
   } else if (options.estimator == Estimator::kSplit && group.depth <= options.split_vertices) {
     split(batch, group, vertex, kernel, numbers, survival);
@@ -73,52 +90,60 @@ void scatter_adjoint(Batch& batch, Group<N>& group, const Vertex<N>& vertex, con
   }
 }
 
-template <class Batch, int N, class Kernel>
-void scatter_forward(Batch& batch, Group<N>& group, const Encounter& met, const Vertex<N>& vertex,
-                     const Kernel& kernel) {
-  const Uniform4 u = group.sequence.next();
-  const float survival = survival_at(batch, group, vertex, kernel);
-  if constexpr (Batch::kToCamera) {
-    if (!(met.connected_in_media && batch.is_medium(vertex.hit))) {
-      connect_to_camera(batch, group, vertex, kernel);
+template <class Batch, int N, class Bound>
+void draw_all(Batch& batch, Chunk<N, Bound>& chunk) {
+  std::array<std::uint32_t, kChunk> left;
+  std::size_t survivors = 0;
+  for (std::uint32_t i = 0; i < chunk.count; ++i) {  // without a jump that nobody can foresee
+    left[survivors] = i;
+    survivors += chunk.numbers[i][2] < chunk.survival[i] ? 1 : 0;
+  }
+  for (std::size_t k = 0; k < survivors; ++k) {
+    const std::size_t i = left[k];
+    draw(batch, *chunk.groups[i], *chunk.vertices[i], *chunk.kernels[i], chunk.numbers[i],
+         chunk.survival[i], chunk.two_photons[i]);
+  }
+}
+
+template <class Batch, int N, class Bound>
+void scatter_chunk(Batch& batch, Chunk<N, Bound>& chunk) {
+  prepare(batch, chunk);
+  if constexpr (Batch::kAdjoint) {
+    estimate_next_events(batch, chunk);
+  } else if constexpr (Batch::kToCamera) {
+    for (std::size_t i = 0; i < chunk.count; ++i) {
+      const Vertex<N>& vertex = *chunk.vertices[i];
+      if (chunk.met[i]->connected_in_media && batch.is_medium(vertex.hit)) continue;
+      connect_to_camera(batch, *chunk.groups[i], vertex, *chunk.kernels[i]);
     }
   }
-  if (u[2] >= survival) return;
-  draw_from_kernel(batch, group, vertex, kernel, {u[3], u[0], u[1]}, survival, false);
+  draw_all(batch, chunk);
+}
+
+/// Those whose kernels are of one type; `which` are indices of groups.
+template <class Kernel, int N, class Estimator, bool Media>
+void scatter_by(Batch<N, Estimator, Media>& batch, std::span<const std::uint32_t> which) {
+  Chunk<N, BoundOf<Kernel, N>> chunk;
+  for (const std::uint32_t i : which) {
+    add_vertex<Kernel>(batch, i, chunk);
+    if (chunk.count < kChunk) continue;
+    scatter_chunk(batch, chunk);
+    chunk.count = 0;
+  }
+  if (chunk.count > 0) scatter_chunk(batch, chunk);
 }
 
 template <int N, class Estimator, bool Media>
 void scatter(Batch<N, Estimator, Media>& batch) {
   const Scene& scene = batch.scene;
-  const Contacts none;
-  for (std::size_t i = 0; i < batch.groups.size(); ++i) {
-    const Encounter& met = batch.encounters[i];
-    if (met.ended) continue;
-    Group<N>& group = batch.groups[i];
-    const Hit& hit = *batch.hits[i];
-    const BatchSample<N>& sample = batch.sample_of(group);
-    const Contacts& contacts =
-        met.contacts == Encounter::kNoContacts ? none : batch.contacts[met.contacts];
-    const auto vertex = make_vertex(scene, hit, contacts, group, sample.wavelengths, sample.time,
-                                    Estimator::kTransport);
-    if (!vertex) {
-      pass_index_matched(scene, group, hit, contacts);
-      batch.next.push_back(group);
-      continue;
-    }
-    // At the limit light still goes straight on, which does not count.
-    if (group.depth++ - group.passes == batch.options.max_depth &&
-        !scene.materials[hit.surface].has_delta_lobe) {
-      continue;
-    }
-    visit_bound<N>(scene.kernels, vertex->kernel, vertex->shading, [&](const auto& kernel) {
-      if constexpr (Batch<N, Estimator, Media>::kAdjoint) {
-        scatter_adjoint(batch, group, *vertex, kernel);
-      } else {
-        scatter_forward(batch, group, met, *vertex, kernel);
-      }
-    });
-  }
+  batch.by_kernel.sort(batch.groups.size(), [&](std::size_t i) -> const AnyKernel* {
+    if (batch.encounters[i].ended) return nullptr;
+    return &scene.kernels[kernel_at(scene, *batch.hits[i], batch.groups[i].ray.direction)];
+  });
+  for_each_kernel_type([&]<class Kernel>(std::size_t type) {
+    const auto which = batch.by_kernel.of(type);
+    if (!which.empty()) scatter_by<Kernel>(batch, which);
+  });
 }
 
 }  // namespace nocturne
