@@ -20,7 +20,7 @@ inline Uniform4 numbers(std::uint32_t index, std::uint32_t seed) {
 
 inline Spectral<4> lanes(float a, float b, float c, float d) {
   Spectral<4> r;
-  r.lane = {a, b, c, d};
+  r.lanes = Spectral<4>::Lanes{a, b, c, d};
   return r;
 }
 

@@ -156,7 +156,7 @@ TEST(Environment, TexelSpectrum) {
   const Spectrum spectrum(400.0f, 300.0f, {1.0f, 4.0f}, false);
   const Environment e(EnvironmentMap(1, 1, {t}, spectrum, {}));
   Spectral<4> nm;
-  nm.lane = {400.0f, 480.0f, 600.0f, 700.0f};
+  nm.lanes = Spectral<4>::Lanes{400.0f, 480.0f, 600.0f, 700.0f};
   const auto radiance = e.radiance(Vec3{0, 0, 1}, nm);
   double mean = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {

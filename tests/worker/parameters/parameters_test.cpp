@@ -62,7 +62,7 @@ TEST_F(Parameters, OneChannelMultipliesTheSpectrum) {
   EXPECT_TRUE(colour.textured());
   EXPECT_FALSE(Colour(spectrum).textured());
   Spectral<4> nm;
-  nm.lane = {500.0f, 550.0f, 600.0f, 650.0f};
+  nm.lanes = Spectral<4>::Lanes{500.0f, 550.0f, 600.0f, 650.0f};
   const Spectral<4> found = colour(kTopLeft, nm);
   EXPECT_FLOAT_EQ(found[0], 0.1f);
   EXPECT_FLOAT_EQ(found[1], 0.15f);

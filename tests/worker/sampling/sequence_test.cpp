@@ -120,6 +120,25 @@ TEST(Sequence, IsUniformAndUncorrelatedOverPixels) {
   }
 }
 
+// Many at once have the numbers that each has by itself, an odd one out, too.
+TEST(Sequence, ManyAtOnceAreThoseOfEach) {
+  for (const SequenceKind kind : {SequenceKind::kSobol, SequenceKind::kIndependent}) {
+    std::vector<PixelSequence> pixels;
+    for (std::uint32_t i = 0; i < 7; ++i) pixels.emplace_back(kind, 11, 100 + i);
+    std::vector<PhotonSequence> together, alone;
+    for (std::uint32_t i = 0; i < 7; ++i) {
+      together.emplace_back(pixels[i], 5 * i);
+      alone.emplace_back(pixels[i], 5 * i);
+    }
+    for (int set = 0; set < 12; ++set) {
+      std::array<Uniform4, 7> u;
+      PhotonSequence::next_of_each(
+          u.size(), [&](std::size_t i) -> PhotonSequence& { return together[i]; }, u.data());
+      for (std::size_t i = 0; i < u.size(); ++i) EXPECT_EQ(u[i], alone[i].next());
+    }
+  }
+}
+
 TEST(Sequence, FractionsAreRoundedOnceAndNeverReachOne) {
   for (const std::uint32_t bits : {0u, 1u, 0xFFFFu, 0x10000u, 0x1000001u, 0x7FFFFFFFu, 0x80000000u,
                                    0xFFFFFF7Fu, 0xFFFFFF80u, ~0u}) {

@@ -293,14 +293,15 @@ TEST(WavelengthDensity, RefusesWhatWouldLoseLight) {
 TEST(WavelengthDensity, Wedges) {
   const WavelengthDensity density({0.0f, 1.0f, 3.0f}, {0.0f, 2.0f, 0.0f});
   for (const float u : {0.0f, 1e-7f, 0.01f, 0.2f, 0.5f, 0.9f, 0x1.fffffep-1f}) {
-    const auto drawn = density.sample(u);
+    const auto all = density.sample(Spectral<1>(u));
+    const float nm = all.nm[0], inverse_density = all.inverse_density[0];
     // Areas of triangles: x^2 of 3 below 1, (3 - x)^2 / 2 of 3 above.
-    const double x = drawn.nm;
+    const double x = nm;
     const double below = x < 1.0 ? x * x / 3.0 : 1.0 - (3.0 - x) * (3.0 - x) / 6.0;
     EXPECT_NEAR(below, u, 2e-7);
-    EXPECT_TRUE(std::isfinite(drawn.inverse_density));
+    EXPECT_TRUE(std::isfinite(inverse_density));
     if (u > 0.001f && u < 0.999f) {
-      EXPECT_NEAR(density.pdf(drawn.nm) * drawn.inverse_density, 1.0, 1e-5);
+      EXPECT_NEAR(density.pdf(nm) * inverse_density, 1.0, 1e-5);
     }
   }
 }

@@ -23,21 +23,18 @@ struct Ball {
   /// Else from inside there is nothing to see.
   bool two_sided;
 
+  /// A direction from the position, by two uniform numbers; empty where there is none.
+  std::optional<ElementSample> draw(Vec3 position, float u1, float u2) const {
+    const View view(sphere, position);
+    if (view.inside && !two_sided) return std::nullopt;
+    const Vec3 direction = view.inside ? UniformSphere::sample(u1, u2) : towards(view, u1, u2);
+    const float distance = distance_to(position, direction);
+    return ElementSample{direction, view.pdf(), distance, point_at(position, direction, distance)};
+  }
   std::optional<Vec3> sample(Vec3 position, float u1, float u2) const {
     const View view(sphere, position);
-    if (view.inside) {
-      if (!two_sided) return std::nullopt;
-      return direction_from_z(1.0f - 2.0f * u1, u2);
-    }
-    const double drop = u1 * view.one_minus_cosine();
-    const double sin_theta = std::sqrt(drop * (2.0 - drop));
-    const double phi = 2.0 * std::numbers::pi * u2;
-    const double inverse = 1.0 / std::sqrt(view.distance2);
-    const Frame frame({static_cast<float>(view.x * inverse), static_cast<float>(view.y * inverse),
-                       static_cast<float>(view.z * inverse)});
-    return frame.to_world({static_cast<float>(sin_theta * std::cos(phi)),
-                           static_cast<float>(sin_theta * std::sin(phi)),
-                           static_cast<float>(1.0 - drop)});
+    if (view.inside && !two_sided) return std::nullopt;
+    return view.inside ? UniformSphere::sample(u1, u2) : towards(view, u1, u2);
   }
 
   float pdf(Vec3 position, Vec3 direction) const { return along(position, direction).pdf; }
@@ -46,15 +43,14 @@ struct Ball {
     const View view(sphere, position);
     if (view.inside) {
       if (!two_sided) return {};
-      return {0.25f * kInvPi, distance_to(position, d)};
+      return {view.pdf(), distance_to(position, d)};
     }
     const double along = view.x * d.x + view.y * d.y + view.z * d.z;
     const double cx = view.y * d.z - view.z * d.y, cy = view.z * d.x - view.x * d.z,
                  cz = view.x * d.y - view.y * d.x;
     const double across2 = cx * cx + cy * cy + cz * cz;
     if (!(along > 0.0) || across2 > view.sin2 * (along * along + across2)) return {};
-    return {static_cast<float>(1.0 / (2.0 * std::numbers::pi * view.one_minus_cosine())),
-            distance_to(position, d)};
+    return {view.pdf(), distance_to(position, d)};
   }
 
   ElementPoint point_at(Vec3 position, Vec3 direction, float distance) const {
@@ -93,7 +89,25 @@ struct Ball {
     }
     // Of the half angle, without cancellation.
     double one_minus_cosine() const { return sin2 / (1.0 + std::sqrt(1.0 - sin2)); }
+    // Of directions drawn towards it, 1/sr.
+    float pdf() const {
+      if (inside) return UniformSphere::pdf();
+      return static_cast<float>(1.0 / (2.0 * std::numbers::pi * one_minus_cosine()));
+    }
   };
+
+  // Into the cone, from outside.
+  static Vec3 towards(const View& view, float u1, float u2) {
+    const double drop = u1 * view.one_minus_cosine();
+    const double sin_theta = std::sqrt(drop * (2.0 - drop));
+    const double phi = 2.0 * std::numbers::pi * u2;
+    const double inverse = 1.0 / std::sqrt(view.distance2);
+    const Frame frame({static_cast<float>(view.x * inverse), static_cast<float>(view.y * inverse),
+                       static_cast<float>(view.z * inverse)});
+    return frame.to_world({static_cast<float>(sin_theta * std::cos(phi)),
+                           static_cast<float>(sin_theta * std::sin(phi)),
+                           static_cast<float>(1.0 - drop)});
+  }
 };
 
 }  // namespace nocturne

@@ -175,6 +175,15 @@ std::optional<Vec3> Elements::sample_moving(const Entry& entry, const LightSampl
   return ball_at(entry, from.time).sample(from.position, u1, u2);
 }
 
+std::optional<ElementSample> Elements::draw_moving(const Entry& entry,
+                                                   const LightSamplingContext& from, float u1,
+                                                   float u2) const {
+  if (entry.kind == Kind::kMovingPatch) {
+    return patch_at(entry, from.time).draw(from.position, u1, u2);
+  }
+  return ball_at(entry, from.time).draw(from.position, u1, u2);
+}
+
 OnHalfLine Elements::moving_along(const Entry& entry, const LightSamplingContext& from,
                                   Vec3 direction) const {
   if (entry.kind == Kind::kMovingPatch) {

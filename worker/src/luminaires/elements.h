@@ -69,6 +69,14 @@ class Elements {
     if (entry.kind == Kind::kBall) return balls_[entry.first].sample(from.position, u1, u2);
     return sample_moving(entry, from, u1, u2);
   }
+  /// The same, with what the direction finds.
+  std::optional<ElementSample> draw(std::size_t i, const LightSamplingContext& from, float u1,
+                                    float u2) const {
+    const Entry& entry = entries_[i];
+    if (entry.kind == Kind::kPatch) return patches_[entry.first].draw(from.position, u1, u2);
+    if (entry.kind == Kind::kBall) return balls_[entry.first].draw(from.position, u1, u2);
+    return draw_moving(entry, from, u1, u2);
+  }
   float pdf(std::size_t i, const LightSamplingContext& from, Vec3 direction) const {
     return along(i, from, direction).pdf;
   }
@@ -98,6 +106,8 @@ class Elements {
   Ball ball_at(const Entry& entry, float time) const;
   std::optional<Vec3> sample_moving(const Entry& entry, const LightSamplingContext& from, float u1,
                                     float u2) const;
+  std::optional<ElementSample> draw_moving(const Entry& entry, const LightSamplingContext& from,
+                                           float u1, float u2) const;
   OnHalfLine moving_along(const Entry& entry, const LightSamplingContext& from,
                           Vec3 direction) const;
 

@@ -48,8 +48,7 @@ class EnvironmentMap {
     const Texel& texel = texels_[std::size_t{place.row} * columns_ + place.column];
     if (texel.scale == 0.0f) return 0.0f;
     const SigmoidSpectrum shape{texel.c0, texel.c1, texel.c2};
-    return texel.scale *
-           (each([&](float nm) { return shape(nm); }, wavelengths) * spectrum_(wavelengths));
+    return texel.scale * (shape(wavelengths) * spectrum_(wavelengths));
   }
 
   /// Over all directions and visible wavelengths.

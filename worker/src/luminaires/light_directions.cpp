@@ -63,35 +63,40 @@ float LightDirections::pdf(const LightSamplingContext& from, Vec3 direction) con
   return sum;
 }
 
-std::optional<LightDirections::LightSample> LightDirections::sample_light(
-    const LightSamplingContext& from, Vec3 normal, float clearance, float choice, float u1,
-    float u2) const {
-  const auto direction = sample(from, choice, u1, u2);
-  if (!direction) return std::nullopt;
-  LightSample light{.direction = *direction,
-                    .pdf = 0.0f,
-                    .distance = std::numeric_limits<float>::infinity(),
-                    .free_distance = std::numeric_limits<float>::infinity(),
-                    .luminaire = Emission::kNoLuminaire,
-                    .normal = {}};
-  if (luminaires_share_ > 0.0f) {
-    const auto nearest =
-        luminaires_.nearest(from, *direction, step_off_surface(normal, clearance, *direction));
-    light.pdf += luminaires_share_ * nearest.pdf;
+bool LightDirections::sample_light(const LightSamplingContext& from, Vec3 normal, float clearance,
+                                   float choice, float u1, float u2, LightSample& light) const {
+  light.pdf = 0.0f;
+  light.distance = light.free_distance = std::numeric_limits<float>::infinity();
+  light.luminaire = Emission::kNoLuminaire;
+  const auto take = [&](const LuminaireDirections::Nearest& nearest) {
+    light.pdf = luminaires_share_ * nearest.pdf;
+    if (!(nearest.distance < std::numeric_limits<float>::infinity())) return;
     light.distance = nearest.distance;
-    if (std::isfinite(nearest.distance)) {
-      const float cosine = std::max(1e-3f, std::fabs(dot(nearest.point.normal, *direction)));
-      light.free_distance =
-          std::max(0.0f, nearest.distance - (clearance + nearest.point.clearance) / cosine);
-      light.luminaire = luminaires_.elements().luminaire(nearest.element);
-      light.normal = nearest.point.normal;
+    light.normal = nearest.point.normal;
+    const float cosine = std::max(1e-3f, std::fabs(dot(light.normal, light.direction)));
+    light.free_distance =
+        std::max(0.0f, nearest.distance - (clearance + nearest.point.clearance) / cosine);
+    light.luminaire = luminaires_.elements().luminaire(nearest.element);
+  };
+  if (choice < luminaires_share_) {
+    const float stretched_choice = stretched(choice, 0.0f, luminaires_share_);
+    const auto drawn = luminaires_.draw(from, normal, clearance, stretched_choice, u1, u2);
+    if (!drawn) return false;
+    light.direction = drawn->direction;
+    take(drawn->nearest);
+  } else {
+    const auto direction = sample(from, choice, u1, u2);
+    if (!direction) return false;
+    light.direction = *direction;
+    if (luminaires_share_ > 0.0f) {
+      take(luminaires_.nearest(from, *direction, normal, clearance));
     }
   }
-  if (sky_share_ > 0.0f) light.pdf += sky_share_ * sky_pdf(from, *direction);
-  if (important_share_ > 0.0f) light.pdf += important_share_ * important_.pdf(from, *direction);
+  if (sky_share_ > 0.0f) light.pdf += sky_share_ * sky_pdf(from, light.direction);
+  if (important_share_ > 0.0f)
+    light.pdf += important_share_ * important_.pdf(from, light.direction);
   // Drawn at a rim and rounded off it.
-  if (!(light.pdf > 0.0f)) return std::nullopt;
-  return light;
+  return light.pdf > 0.0f;
 }
 
 float LightDirections::environment_irradiance() const {

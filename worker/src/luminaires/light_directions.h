@@ -50,9 +50,10 @@ class LightDirections {
     std::uint32_t luminaire;
     Vec3 normal;
   };
-  /// A ray starts `clearance` (m) off its surface, along the unit normal or against it.
-  std::optional<LightSample> sample_light(const LightSamplingContext& from, Vec3 normal,
-                                          float clearance, float choice, float u1, float u2) const;
+  /// A ray starts `clearance` (m) off its surface, along the unit normal or against it. False where
+  /// the drawn way gives no direction.
+  bool sample_light(const LightSamplingContext& from, Vec3 normal, float clearance, float choice,
+                    float u1, float u2, LightSample& light) const;
 
   const std::optional<Environment>& environment() const { return environment_; }
   const std::vector<DistantDisc>& discs() const { return discs_; }

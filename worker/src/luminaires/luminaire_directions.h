@@ -53,23 +53,47 @@ class LuminaireDirections {
     /// Where it is met.
     ElementPoint point{};
   };
-  /// `step`: from the point to where the ray starts. What lies between is not met: a luminaire that
-  /// the point is on itself may be found there by rounding.
-  Nearest nearest(const LightSamplingContext& from, Vec3 direction, Vec3 step) const {
+  /// What a ray in `direction` finds that starts `clearance` (m) off its surface, along the unit
+  /// normal or against it. What lies between is not met: a luminaire that the point is on itself
+  /// may be found there by rounding.
+  Nearest nearest(const LightSamplingContext& from, Vec3 direction, Vec3 normal,
+                  float clearance) const {
+    const Vec3 step = step_off_surface(normal, clearance, direction);
     Nearest nearest;
     for_each_on(from, direction, [&](float pdf, float distance, std::size_t element) {
       nearest.pdf += pdf;
       if (!(distance < nearest.distance)) return;
-      const ElementPoint point = elements().point_at(element, from, direction, distance);
-      const float towards = dot(point.normal, direction);
-      if (distance * std::fabs(towards) <= std::copysign(1.0f, towards) * dot(point.normal, step)) {
-        return;
-      }
-      nearest.distance = distance;
-      nearest.element = element;
-      nearest.point = point;
+      take(nearest, element, distance, direction, step,
+           elements().point_at(element, from, direction, distance));
     });
     return nearest;
+  }
+
+  /// The direction that `sample` draws, and the nearest element on it.
+  struct Drawn {
+    Vec3 direction;
+    Nearest nearest;
+  };
+  /// `normal` and `clearance` as in `nearest`.
+  std::optional<Drawn> draw(const LightSamplingContext& from, Vec3 normal, float clearance,
+                            float choice, float u1, float u2) const {
+    if (empty()) return std::nullopt;
+    const auto chosen = tree_.choose(from, choice);
+    if (!chosen) return std::nullopt;
+    const auto drawn = elements_.draw(chosen->element, from, u1, u2);
+    if (!drawn || !from.sees(drawn->direction)) return std::nullopt;
+    const Vec3 step = step_off_surface(normal, clearance, drawn->direction);
+    Nearest nearest{.pdf = chosen->probability * drawn->pdf};
+    take(nearest, chosen->element, drawn->distance, drawn->direction, step, drawn->point);
+    if (elements_.size() == 1) return Drawn{drawn->direction, nearest};
+    for_each_on(from, drawn->direction, [&](float pdf, float distance, std::size_t element) {
+      if (element == chosen->element) return;
+      nearest.pdf += pdf;
+      if (!(distance < nearest.distance)) return;
+      take(nearest, element, distance, drawn->direction, step,
+           elements().point_at(element, from, drawn->direction, distance));
+    });
+    return Drawn{drawn->direction, nearest};
   }
 
   /// The parts, for what looks inside.
@@ -77,6 +101,18 @@ class LuminaireDirections {
   const LightTree& tree() const { return tree_; }
 
  private:
+  // Unless it lies between the point and where the ray starts.
+  static void take(Nearest& nearest, std::size_t element, float distance, Vec3 direction, Vec3 step,
+                   const ElementPoint& point) {
+    const float towards = dot(point.normal, direction);
+    if (distance * std::fabs(towards) <= std::copysign(1.0f, towards) * dot(point.normal, step)) {
+      return;
+    }
+    nearest.distance = distance;
+    nearest.element = element;
+    nearest.point = point;
+  }
+
   // f(density, distance, element) for all on the half-line, hidden ones too.
   template <class F>
   void for_each_on(const LightSamplingContext& from, Vec3 direction, const F& f) const {

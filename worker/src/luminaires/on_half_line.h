@@ -23,4 +23,14 @@ struct ElementPoint {
   float clearance;
 };
 
+/// A direction drawn towards an element, and what it finds of it.
+struct ElementSample {
+  Vec3 direction;
+  /// Density of such draws, 1/sr.
+  float pdf;
+  /// m; infinite where rounding has drawn it just beside the element.
+  float distance;
+  ElementPoint point;
+};
+
 }  // namespace nocturne

@@ -1,5 +1,6 @@
 #include "luminaires/patch.h"
 
+#include <limits>
 #include <numbers>
 
 #include "luminaires/spherical_triangle.h"
@@ -47,26 +48,31 @@ struct NearView {
 Patch Patch::make(Vec3 corner, Vec3 edge_u, Vec3 edge_v, bool triangle, bool two_sided) {
   const Vec3 n = cross(edge_u, edge_v);
   const float n2 = dot(n, n);
-  Patch p{corner, edge_u, edge_v, n, {}, {}, {}, -1.0f, triangle, two_sided};
+  Patch p{corner, edge_u, edge_v, n, {}, {}, {}, {}, 0.0f, -1.0f, triangle, two_sided};
   p.centre = corner + (triangle ? 1.0f / 3.0f : 0.5f) * (edge_u + edge_v);
   const float inverse = 1.0f / n2;
   if (!(n2 > 0.0f) || !std::isfinite(inverse)) return p;  // no area
   p.dual_u = inverse * cross(edge_v, n);
   p.dual_v = inverse * cross(n, edge_u);
+  p.unit_normal = normalized(n);
+  p.longest_edge = std::max({max_abs(edge_u), max_abs(edge_v), max_abs(edge_v - edge_u)});
   p.near2 = kNearAreas * p.area();
   return p;
 }
 
-std::optional<Vec3> Patch::sample_near(Vec3 position, float u1, float u2) const {
+std::optional<ElementSample> Patch::draw_near(Vec3 position, float u1, float u2) const {
   const NearView view = NearView::make(*this, position);
   if (!view.usable()) return std::nullopt;
   const double target = u1 * view.total;
-  const bool second = !triangle && target >= view.first_angle;
-  const double u = second ? (target - view.first_angle) / (view.total - view.first_angle)
-                          : target / view.first_angle;
-  const DVec3 d = (second ? view.second : view.first).sample(u, u2);
+  const bool second_one = !triangle && target >= view.first_angle;
+  const double u = second_one ? (target - view.first_angle) / (view.total - view.first_angle)
+                              : target / view.first_angle;
+  const DVec3 d = (second_one ? view.second : view.first).sample(u, u2);
   const Vec3 direction{static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z)};
-  return direction;
+  float distance = dot(corner - position, normal) / dot(direction, normal);
+  if (!(distance > 0.0f)) distance = std::numeric_limits<float>::infinity();
+  return ElementSample{direction, static_cast<float>(1.0 / view.total), distance,
+                       meet(position + distance * direction, distance)};
 }
 
 float Patch::near_pdf(Vec3 position) const {

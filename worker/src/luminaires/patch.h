@@ -19,6 +19,8 @@ struct Patch {
   Vec3 normal;          // edge_u x edge_v: the side that emits
   Vec3 dual_u, dual_v;  // u = q . dual_u for q in the plane, from the corner
   Vec3 centre;
+  Vec3 unit_normal;
+  float longest_edge;
   float near2;  // square of the distance up to which solid angle is used; < 0: no area
   bool triangle, two_sided;
 
@@ -27,13 +29,14 @@ struct Patch {
   bool has_area() const { return near2 > 0.0f; }
   float area() const { return (triangle ? 0.5f : 1.0f) * length(normal); }
 
-  /// A unit direction from the position, two uniform numbers; empty where there is none.
-  std::optional<Vec3> sample(Vec3 position, float u1, float u2) const {
+  /// A direction from the position, by two uniform numbers; empty where there is none.
+  std::optional<ElementSample> draw(Vec3 position, float u1, float u2) const {
     if (!has_area()) return std::nullopt;
     const Vec3 to_centre = centre - position;
-    if (!two_sided && dot(corner - position, normal) >= 0.0f) return std::nullopt;
+    const float height = dot(corner - position, normal);
+    if (!two_sided && height >= 0.0f) return std::nullopt;
     if (dot(to_centre, to_centre) < near2) {
-      if (const auto direction = sample_near(position, u1, u2)) return direction;
+      if (const auto near = draw_near(position, u1, u2)) return near;
     }
     float u = u1, v = u2;
     if (triangle) {
@@ -41,10 +44,18 @@ struct Patch {
       u = 1.0f - root;
       v = u2 * root;
     }
-    const Vec3 to = corner + u * edge_u + v * edge_v - position;
+    const Vec3 point = corner + u * edge_u + v * edge_v;
+    const Vec3 to = point - position;
     const float distance = length(to);
-    if (!(distance > 0.0f)) return std::nullopt;
-    return (1.0f / distance) * to;
+    const Vec3 direction = (1.0f / distance) * to;
+    const float towards = dot(direction, normal);
+    if (!(distance > 0.0f) || !(two_sided ? towards != 0.0f : towards < 0.0f)) return std::nullopt;
+    return ElementSample{direction, by_area(distance, towards), distance, meet(point, distance)};
+  }
+  std::optional<Vec3> sample(Vec3 position, float u1, float u2) const {
+    const auto drawn = draw(position, u1, u2);
+    if (!drawn) return std::nullopt;
+    return drawn->direction;
   }
 
   /// Density of `sample`, 1/sr.
@@ -72,20 +83,25 @@ struct Patch {
     if (dot(to_centre, to_centre) < near2) {
       if (const float near = near_pdf(position); near > 0.0f) return {near, distance};
     }
-    // t^2 / (area cosine), with the normal's length in both.
-    return {(triangle ? 2.0f : 1.0f) * distance * distance / std::fabs(towards), distance};
+    return {by_area(distance, towards), distance};
   }
 
   /// Of a point on it. Clearance as of a hit (surfaces/hit.h).
   ElementPoint point_at(Vec3 position, Vec3 direction, float distance) const {
-    const Vec3 point = position + distance * direction;
-    const float edge = std::max({max_abs(edge_u), max_abs(edge_v), max_abs(edge_v - edge_u)});
-    return {normalized(normal), kClearanceUnits * (max_abs(point) + edge + distance)};
+    return meet(position + distance * direction, distance);
   }
 
  private:
+  // distance^2 / (area cosine), with the normal's length in both.
+  float by_area(float distance, float towards) const {
+    return (triangle ? 2.0f : 1.0f) * distance * distance / std::fabs(towards);
+  }
+  ElementPoint meet(Vec3 point, float distance) const {
+    return {unit_normal, kClearanceUnits * (max_abs(point) + longest_edge + distance)};
+  }
+
   // By solid angle; empty and zero where that can't be computed well (the same positions for both).
-  std::optional<Vec3> sample_near(Vec3 position, float u1, float u2) const;
+  std::optional<ElementSample> draw_near(Vec3 position, float u1, float u2) const;
   float near_pdf(Vec3 position) const;
 };
 

@@ -40,7 +40,7 @@ class Colour {
 
     template <int N>
     Spectral<N> at(const SurfacePoint& point, const Spectral<N>& wavelengths) const {
-      if (rgb) return each((*rgb)(use.rgb(point)), wavelengths);
+      if (rgb) return (*rgb)(use.rgb(point))(wavelengths);
       return std::clamp(use.grey(point), 0.0f, most);
     }
   };

@@ -39,6 +39,15 @@ inline Uniform4 to_unit(__m128i fractions) {
   return u;
 }
 
+/// Two times four at once.
+inline __m256 to_unit(__m256i fractions) {
+  const __m256 high = _mm256_cvtepi32_ps(_mm256_srli_epi32(fractions, 16));
+  const __m256 low = _mm256_cvtepi32_ps(_mm256_and_si256(fractions, _mm256_set1_epi32(0xFFFF)));
+  const __m256 whole = _mm256_add_ps(_mm256_mul_ps(high, _mm256_set1_ps(0x1p16f)), low);
+  return _mm256_min_ps(_mm256_mul_ps(whole, _mm256_set1_ps(0x1p-32f)),
+                       _mm256_set1_ps(kOneMinusEpsilon));
+}
+
 /// What the photons of one pixel share. Not safe between threads: it remembers the scrambles of its
 /// first sets.
 class PixelSequence {
@@ -119,6 +128,26 @@ class PhotonSequence {
     const auto randomisation = pixel_->randomisation(set);
     const __m128i point = sobol4(nested_hash(reversed_sample_, randomisation.shuffle));
     return to_unit(reverse_bits(nested_hash(point, randomisation.scrambles)));
+  }
+
+  /// The next four dimensions of many photons, as `next` gives them: sequence_of(i) for each i
+  /// below `count`. Two at a time go through one register.
+  template <class SequenceOf>
+  static void next_of_each(std::size_t count, const SequenceOf& sequence_of, Uniform4* numbers) {
+    std::size_t i = 0;
+    for (; i + 2 <= count; i += 2) {
+      PhotonSequence& a = sequence_of(i);
+      PhotonSequence& b = sequence_of(i + 1);
+      if (a.pixel_->kind() == SequenceKind::kIndependent) break;
+      const auto of_a = a.pixel_->randomisation(a.set_++);
+      const auto of_b = b.pixel_->randomisation(b.set_++);
+      const __m256i points =
+          _mm256_set_m128i(sobol4(nested_hash(b.reversed_sample_, of_b.shuffle)),
+                           sobol4(nested_hash(a.reversed_sample_, of_a.shuffle)));
+      const __m256i scrambles = _mm256_set_m128i(of_b.scrambles, of_a.scrambles);
+      _mm256_storeu_ps(numbers[i].data(), to_unit(reverse_bits(nested_hash(points, scrambles))));
+    }
+    for (; i < count; ++i) numbers[i] = sequence_of(i).next();
   }
 
   /// Numbers of a photon that leaves this one's way: they have nothing in common with what follows

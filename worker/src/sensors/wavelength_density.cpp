@@ -29,7 +29,8 @@ WavelengthDensity::WavelengthDensity(const std::vector<float>& knots,
   }
   cells_.back().before = 1.0f;
 
-  const std::size_t slices = 2 * (cells_.size() - 1);
+  // So many that hardly a draw looks further than at its slice's first cell.
+  const std::size_t slices = 8 * (cells_.size() - 1);
   std::uint32_t cell = 0;
   for (std::size_t slice = 0; slice < slices; ++slice) {
     const float u = static_cast<float>(slice) / static_cast<float>(slices);

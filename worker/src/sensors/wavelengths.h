@@ -48,21 +48,21 @@ class WavelengthSampler {
   /// u in [0, 1). Photon k gets the wavelength that belongs to the fraction of u + k / N.
   template <int N>
   WavelengthSamples<N> sample(float u) const {
+    Spectral<N> shifted;
+    for (std::size_t k = 0; k < N; ++k) shifted[k] = u + static_cast<float>(k) / N;
+    shifted.lanes = shifted.lanes >= 1.0f ? shifted.lanes - 1.0f : shifted.lanes;
+    const auto drawn = density_.sample(shifted);
     WavelengthSamples<N> samples;
+    samples.nm = drawn.nm;
+    samples.inverse_density = drawn.inverse_density;
+    samples.position = inverse_step_ * (drawn.nm + -first_nm_);
     for (std::size_t k = 0; k < N; ++k) {
-      float shifted = u + static_cast<float>(k) / N;
-      if (shifted >= 1.0f) shifted -= 1.0f;
-      const WavelengthDensity::Draw drawn = density_.sample(shifted);
-      const float position = (drawn.nm - first_nm_) * inverse_step_;
-      const std::size_t cell = std::min(static_cast<std::size_t>(position), xyz_.size() - 2);
-      const float t = position - static_cast<float>(cell);
-      samples.position[k] = position;
-      samples.nm[k] = drawn.nm;
-      samples.inverse_density[k] = drawn.inverse_density;
+      const std::size_t cell = cell_at(samples.position[k]);
+      const float t = samples.position[k] - static_cast<float>(cell);
       const auto& low = xyz_[cell];
       const auto& high = xyz_[cell + 1];
       for (std::size_t c = 0; c < 3; ++c) {
-        samples.weight[c][k] = drawn.inverse_density * (low[c] + t * (high[c] - low[c]));
+        samples.weight[c][k] = drawn.inverse_density[k] * (low[c] + t * (high[c] - low[c]));
       }
     }
     return samples;
@@ -76,7 +76,7 @@ class WavelengthSampler {
     const std::vector<float>& values = further_[curve];
     return each(
         [&](float position, float inverse_density) {
-          const std::size_t cell = std::min(static_cast<std::size_t>(position), values.size() - 2);
+          const std::size_t cell = cell_at(position);
           const float t = position - static_cast<float>(cell);
           return inverse_density * (values[cell] + t * (values[cell + 1] - values[cell]));
         },
@@ -87,6 +87,11 @@ class WavelengthSampler {
   float pdf(float nm) const { return density_.pdf(nm); }
 
  private:
+  std::size_t cell_at(float position) const {
+    return std::min<std::size_t>(static_cast<std::uint32_t>(static_cast<std::int32_t>(position)),
+                                 xyz_.size() - 2);
+  }
+
   WavelengthDensity density_;
   float first_nm_, inverse_step_;
   std::vector<std::array<float, 4>> xyz_;  // side by side; the fourth fills the row

@@ -3,24 +3,30 @@
 // Computer Graphics Forum 38(2), 2019, equations 3 and 4.
 #pragma once
 
-#include <cmath>
+#include "spectrum/spectral.h"
 
 namespace nocturne {
 
 /// In [0, 1], for any finite x; without cancellation where it is small.
-inline float sigmoid(float x) {
-  const float a = std::fmin(std::fabs(x), 1e18f);  // its square must stay finite
-  const float root = std::sqrt(1.0f + a * a);
-  const float small = 0.5f / (root * (root + a));
-  return x < 0.0f ? small : 1.0f - small;
+template <int N>
+Spectral<N> sigmoid(const Spectral<N>& argument) {
+  const auto x = argument.lanes;
+  auto a = x < 0.0f ? -x : x;
+  a = a < 1e18f ? a : Spectral<N>(1e18f).lanes;  // its square must stay finite
+  const auto root = sqrt(Spectral<N>(1.0f + a * a)).lanes;
+  const auto small = 0.5f / (root * (root + a));
+  return Spectral<N>(x < 0.0f ? small : 1.0f - small);
 }
+inline float sigmoid(float x) { return sigmoid(Spectral<1>(x))[0]; }
 
 struct SigmoidSpectrum {
   float c0, c1, c2;
 
-  float operator()(float wavelength_nm) const {
-    return sigmoid((c0 * wavelength_nm + c1) * wavelength_nm + c2);
+  template <int N>
+  Spectral<N> operator()(const Spectral<N>& wavelengths_nm) const {
+    return sigmoid(Spectral<N>((c0 * wavelengths_nm.lanes + c1) * wavelengths_nm.lanes + c2));
   }
+  float operator()(float wavelength_nm) const { return (*this)(Spectral<1>(wavelength_nm))[0]; }
 };
 
 }  // namespace nocturne

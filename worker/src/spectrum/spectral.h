@@ -3,22 +3,47 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace nocturne {
 
+// The compiler wants the size of a vector as a plain number.
+template <int N>
+struct LanesOf;
+template <>
+struct LanesOf<1> {
+  using type [[gnu::vector_size(4)]] = float;
+  using integers [[gnu::vector_size(4)]] = std::int32_t;
+};
+template <>
+struct LanesOf<4> {
+  using type [[gnu::vector_size(16)]] = float;
+  using integers [[gnu::vector_size(16)]] = std::int32_t;
+};
+template <>
+struct LanesOf<8> {
+  using type [[gnu::vector_size(32)]] = float;
+  using integers [[gnu::vector_size(32)]] = std::int32_t;
+};
+
 template <int N>
 struct alignas(sizeof(float) * N) Spectral {
-  std::array<float, N> lane;
+  /// One register.
+  using Lanes = typename LanesOf<N>::type;
+  using Integers = typename LanesOf<N>::integers;
+
+  Lanes lanes;
 
   Spectral() = default;
   // Not explicit: a number is the same number for every photon.
-  Spectral(float all) { lane.fill(all); }  // NOLINT(google-explicit-constructor)
+  Spectral(float all) : lanes(all - Lanes{}) {}  // NOLINT(google-explicit-constructor)
+  explicit Spectral(Lanes all) : lanes(all) {}
 
-  float& operator[](std::size_t i) { return lane[i]; }
-  float operator[](std::size_t i) const { return lane[i]; }
+  // A vector may be looked at as its elements (GCC, "Vector Extensions").
+  float& operator[](std::size_t i) { return reinterpret_cast<float*>(&lanes)[i]; }
+  float operator[](std::size_t i) const { return lanes[i]; }
 };
 
 /// f(lane of a, lane of b, ...) for every lane.
@@ -31,27 +56,27 @@ Spectral<N> each(const F& f, const Spectral<N>& a, const Rest&... rest) {
 
 template <int N>
 Spectral<N> operator+(const Spectral<N>& a, const Spectral<N>& b) {
-  return each([](float x, float y) { return x + y; }, a, b);
+  return Spectral<N>(a.lanes + b.lanes);
 }
 template <int N>
 Spectral<N> operator-(const Spectral<N>& a, const Spectral<N>& b) {
-  return each([](float x, float y) { return x - y; }, a, b);
+  return Spectral<N>(a.lanes - b.lanes);
 }
 template <int N>
 Spectral<N> operator*(const Spectral<N>& a, const Spectral<N>& b) {
-  return each([](float x, float y) { return x * y; }, a, b);
+  return Spectral<N>(a.lanes * b.lanes);
 }
 template <int N>
 Spectral<N> operator/(const Spectral<N>& a, const Spectral<N>& b) {
-  return each([](float x, float y) { return x / y; }, a, b);
+  return Spectral<N>(a.lanes / b.lanes);
 }
 template <int N>
 Spectral<N> operator+(const Spectral<N>& a, float b) {
-  return each([b](float x) { return x + b; }, a);
+  return Spectral<N>(a.lanes + b);
 }
 template <int N>
 Spectral<N> operator*(float a, const Spectral<N>& b) {
-  return each([a](float x) { return a * x; }, b);
+  return Spectral<N>(a * b.lanes);
 }
 template <int N>
 Spectral<N> operator/(const Spectral<N>& a, float b) {
@@ -66,6 +91,10 @@ Spectral<N>& operator*=(Spectral<N>& a, const Spectral<N>& b) {
   return a = a * b;
 }
 
+template <int N>
+Spectral<N> sqrt(const Spectral<N>& a) {
+  return each([](float x) { return std::sqrt(x); }, a);
+}
 template <int N>
 float largest(const Spectral<N>& a) {
   float r = a[0];

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -41,7 +43,9 @@ class Spectrum {
 
   template <int N>
   Spectral<N> operator()(const Spectral<N>& wavelengths_nm) const {
-    Spectral<N> all = each([this](float nm) { return in_table(nm); }, wavelengths_nm);
+    // A constant, or the same wherever: no need to look.
+    if (inverse_step_ == 0.0f && !has_lines_) return values_[0];
+    Spectral<N> all = in_table(wavelengths_nm);
     // One branch for a group; most spectra have no lines.
     if (has_lines_) all += each([this](float nm) { return lines_(nm); }, wavelengths_nm);
     return all;
@@ -60,13 +64,31 @@ class Spectrum {
   float mean() const { return static_cast<float>(mean_between(360.0, 830.0)); }
 
  private:
-  float in_table(float wavelength_nm) const {
-    const float position = (wavelength_nm - first_nm_) * inverse_step_;
-    if (zero_outside_ && (position < 0.0f || position > last_)) return 0.0f;
-    const float clamped = std::clamp(position, 0.0f, last_);
-    const std::size_t cell = std::min(static_cast<std::size_t>(clamped), values_.size() - 2);
-    const float t = clamped - static_cast<float>(cell);
-    return values_[cell] + t * (values_[cell + 1] - values_[cell]);
+  float in_table(float wavelength_nm) const { return in_table(Spectral<1>(wavelength_nm))[0]; }
+
+  template <int N>
+  Spectral<N> in_table(const Spectral<N>& wavelengths_nm) const {
+    using Lanes = typename Spectral<N>::Lanes;
+    const Lanes zero{};
+    const auto last_cell = static_cast<std::int32_t>(values_.size()) - 2;
+    const Lanes position = (wavelengths_nm.lanes - first_nm_) * inverse_step_;
+    Lanes t = position > zero ? position : zero;
+    t = t < last_ ? t : zero + last_;
+    auto cell = __builtin_convertvector(t, typename Spectral<N>::Integers);
+    cell = cell < last_cell ? cell : cell - cell + last_cell;
+    t -= __builtin_convertvector(cell, Lanes);
+    Lanes low, high;
+    for (std::size_t i = 0; i < N; ++i) {
+      const float* at = &values_[static_cast<std::size_t>(cell[i])];
+      low[i] = at[0];
+      high[i] = at[1];
+    }
+    Lanes value = low + t * (high - low);
+    if (zero_outside_) {
+      value = position < zero ? zero : value;
+      value = position > last_ ? zero : value;
+    }
+    return Spectral<N>(value);
   }
 
   double table_integral(double first, double last) const {

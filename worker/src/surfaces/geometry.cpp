@@ -13,6 +13,7 @@
 #include <string>
 #include <utility>
 
+#include "math/in_place.h"
 #include "surfaces/embree_callbacks.h"
 #include "surfaces/locate.h"
 
@@ -273,10 +274,11 @@ void Geometry::intersect(std::span<const TimedRay> rays, std::span<std::optional
         hits[first + i].reset();
         continue;
       }
-      hits[first + i] =
-          embree_->located(some[i].ray, some[i].time,
-                           {query.hit.geomID[i], query.hit.instID[0][i], query.hit.primID[i],
-                            query.hit.u[i], query.hit.v[i], query.ray.tfar[i]});
+      hits[first + i].emplace(InPlace{[&] {
+        return embree_->located(some[i].ray, some[i].time,
+                                {query.hit.geomID[i], query.hit.instID[0][i], query.hit.primID[i],
+                                 query.hit.u[i], query.hit.v[i], query.ray.tfar[i]});
+      }});
     }
   }
 }

@@ -50,17 +50,19 @@ struct Start {
 
 template <int N>
 struct Group {
+  explicit Group(const PhotonSequence& numbers) : sequence(numbers) {}
+
   Ray ray;
   /// Which of the batch's samples it belongs to.
-  std::uint32_t sample;
+  std::uint32_t sample = 0;
   /// Way from the last surface to where the ray starts, m; set inside of bodies only.
   float skipped = 0.0f;
   /// From there to where the ray starts; set with it.
   Vec3 step = {0.0f, 0.0f, 0.0f};
   /// Width of the footprint, m.
-  float width;
+  float width = 0.0f;
   /// What each photon carries; zero for those that are gone or went another way.
-  Spectral<N> weight;
+  Spectral<N> weight = 1.0f;
   /// How likely each photon would have been to take the way so far, as media met and turned it by
   /// chance; relative, sum 1 over those that are there.
   Spectral<N> path_pdf_ratio = 1.0f / N;
@@ -92,7 +94,8 @@ Spectral<N> only(const Spectral<N>& weight, std::uint32_t mask) {
 /// a / b, and zero where b is.
 template <int N>
 Spectral<N> ratio(const Spectral<N>& a, const Spectral<N>& b) {
-  return each([](float x, float y) { return y > 0.0f ? x / y : 0.0f; }, a, b);
+  const auto lanes = b.lanes;
+  return Spectral<N>(lanes > 0.0f ? a.lanes / lanes : lanes - lanes);
 }
 
 }  // namespace nocturne

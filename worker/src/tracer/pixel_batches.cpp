@@ -1,5 +1,6 @@
 #include "tracer/pixel_batches.h"
 
+#include "math/in_place.h"
 #include "tracer/response.h"
 #include "tracer/trace_batch.h"
 
@@ -26,7 +27,8 @@ void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums
       last = pixel;
     }
     PhotonSequence sequence(sequences_.back(), at.sample);
-    samples_.push_back(sample_pixel<N>(scene_, film_, at.x, at.y, sequence));
+    samples_.emplace_back(
+        InPlace{[&] { return sample_pixel<N>(scene_, film_, at.x, at.y, sequence); }});
     start(batch_, samples_.back().start, sequence);
   }
   trace_batch(batch_);

@@ -23,8 +23,12 @@ PixelSample<N> sample_pixel(const Scene& scene, Film film, std::uint32_t x, std:
   const SensorSample from = scene.sensor.sample(film, static_cast<float>(x) + u[0],
                                                 static_cast<float>(y) + u[1], v[0], v[1], u[3]);
   PixelSample<N> sample{scene.wavelengths.sample<N>(u[2]), from.weight, {}};
-  sample.start = {from.ray,   sample.wavelengths.nm, scene.sensor_inside, u[3], from.width,
-                  from.spread};
+  sample.start.ray = from.ray;
+  sample.start.wavelengths = sample.wavelengths.nm;
+  sample.start.inside = scene.sensor_inside;
+  sample.start.time = u[3];
+  sample.start.width = from.width;
+  sample.start.spread = from.spread;
   return sample;
 }
 

@@ -13,7 +13,7 @@ namespace nocturne {
 
 template <int N>
 struct Vertex {
-  Hit hit;
+  const Hit& hit;
   /// The kernel's frame: its normal, which may be a shading normal, on the side that the photons
   /// came from.
   Frame frame;
@@ -22,6 +22,8 @@ struct Vertex {
   /// Where they came from, in the frame.
   Vec3 wo;
   std::uint32_t kernel;
+  /// Met from the side that is out.
+  bool front;
   Shading<N> shading;
   /// What they are in once through; as before where the surface bounds no body.
   InteriorList beyond;
@@ -80,33 +82,50 @@ void set_shading_frame(const Scene& scene, const SurfaceMaterial& material, cons
   }
 }
 
+/// What the hit alone says.
+template <int N>
+Vertex<N> vertex_at(const Scene& scene, const Hit& hit, const Group<N>& group,
+                    const Spectral<N>& wavelengths, Transport transport) {
+  const SurfaceMaterial& material = scene.materials[hit.surface];
+  const bool front = dot(hit.normal, group.ray.direction) < 0.0f;
+  const Vec3 normal = front ? hit.normal : -hit.normal;
+  return {.hit = hit,
+          .frame = Frame(normal),
+          .normal = normal,
+          .wo = {},
+          .kernel = front ? material.front_kernel : material.back_kernel,
+          .front = front,
+          .shading = {.wavelengths = wavelengths,
+                      .point = {},
+                      .transport = transport,
+                      .path_pdf_ratio = group.path_pdf_ratio},
+          .beyond = group.inside};
+}
+
+/// What bodies, textures and shading normals say; false where the surface is not seen.
+template <int N>
+bool complete(const Scene& scene, const Contacts& contacts, const Group<N>& group, float time,
+              Vertex<N>& vertex) {
+  const SurfaceMaterial& material = scene.materials[vertex.hit.surface];
+  const bool bounds_body = material.medium_interface != SurfaceMaterial::kNone;
+  if ((bounds_body || !contacts.empty()) &&
+      !enter_boundary(scene, contacts, vertex.front, vertex) && bounds_body &&
+      (material.index_matched_only ||
+       !scene.medium_interfaces[material.medium_interface].index_matched)) {
+    return false;
+  }
+  if (material.needs_detail) set_shading_frame(scene, material, group, time, vertex.front, vertex);
+  vertex.wo = vertex.frame.to_local(-group.ray.direction);
+  return true;
+}
+
 /// Empty where the surface is not seen.
 template <int N>
 std::optional<Vertex<N>> make_vertex(const Scene& scene, const Hit& hit, const Contacts& contacts,
                                      const Group<N>& group, const Spectral<N>& wavelengths,
                                      float time, Transport transport) {
-  const SurfaceMaterial& material = scene.materials[hit.surface];
-  const bool front = dot(hit.normal, group.ray.direction) < 0.0f;
-  const Vec3 normal = front ? hit.normal : -hit.normal;
-  Vertex<N> vertex{.hit = hit,
-                   .frame = Frame(normal),
-                   .normal = normal,
-                   .wo = {},
-                   .kernel = front ? material.front_kernel : material.back_kernel,
-                   .shading = {.wavelengths = wavelengths,
-                               .point = {},
-                               .transport = transport,
-                               .path_pdf_ratio = group.path_pdf_ratio},
-                   .beyond = group.inside};
-  const bool bounds_body = material.medium_interface != SurfaceMaterial::kNone;
-  if ((bounds_body || !contacts.empty()) && !enter_boundary(scene, contacts, front, vertex) &&
-      bounds_body &&
-      (material.index_matched_only ||
-       !scene.medium_interfaces[material.medium_interface].index_matched)) {
-    return std::nullopt;
-  }
-  if (material.needs_detail) set_shading_frame(scene, material, group, time, front, vertex);
-  vertex.wo = vertex.frame.to_local(-group.ray.direction);
+  std::optional<Vertex<N>> vertex(vertex_at(scene, hit, group, wavelengths, transport));
+  if (!complete(scene, contacts, group, time, *vertex)) vertex.reset();
   return vertex;
 }
 

@@ -59,8 +59,8 @@ class RadianceEstimator {
       const bool by_kernel = group.mis.technique == MisTechnique::kKernel;
       // Drawn at a rim and rounded off it. The photon from the kernel has the whole weight there.
       if (!by_kernel && !(towards > 0.0f)) return;
-      found *= each([&](float kernel) { return (by_kernel ? kernel : 1.0f) / (kernel + towards); },
-                    group.mis.kernel_pdf);
+      const Spectral<N>& by_density = group.mis.kernel_pdf;
+      found *= (by_kernel ? by_density : Spectral<N>(1.0f)) / (by_density + towards);
     }
     add(group.sample, found);
   }

@@ -39,14 +39,10 @@ void for_each_draw(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const
     if constexpr (N > 1 && requires { kernel.likelihood(vertex.wo, draw->wi); }) {
       group.path_pdf_ratio *= kernel.likelihood(vertex.wo, draw->wi);
     }
-    if (together == all) {
-      weigh(group, *draw);
-      return go_on(batch, group, vertex, draw->wi, draw->delta);
-    }
-    Group<N> part = group;
-    part.weight = only(group.weight, together);
-    weigh(part, *draw);
-    go_on(batch, part, vertex, draw->wi, draw->delta);
+    go_on(batch, group, vertex, draw->wi, draw->delta, [&](Group<N>& on) {
+      if (together != all) on.weight = only(group.weight, together);
+      weigh(on, *draw);
+    });
   }
 }
 
@@ -107,8 +103,7 @@ void draw_from_mixture(Batch& batch, Group<N>& group, const Vertex<N>& vertex, c
   } else {
     draw.wi = uniform_sample(kernel, numbers.u, numbers.v);
   }
-  weigh(group, draw);
-  go_on(batch, group, vertex, draw.wi, false);
+  go_on(batch, group, vertex, draw.wi, false, [&](Group<N>& on) { weigh(on, draw); });
 }
 
 /// A photon from each density, weighted by the power heuristic with exponent 2 (Veach and Guibas,
@@ -137,9 +132,8 @@ void split(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel&
         kernel.value(vertex.wo, draw.wi), by_kernel);
   };
   for (int drawn_by = 1; drawn_by <= (uniform ? 2 : 1); ++drawn_by) {
-    Group<N> branch = group;
-    branch.sequence = group.sequence.branch(static_cast<std::uint32_t>(drawn_by));
-    const Uniform4 u = branch.sequence.next();
+    PhotonSequence sequence = group.sequence.branch(static_cast<std::uint32_t>(drawn_by));
+    const Uniform4 u = sequence.next();
     Draw<N> draw;
     if (drawn_by == 1) {
       const auto world = lights.sample(here, u[2], u[0], u[1]);
@@ -148,8 +142,10 @@ void split(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel&
     } else {
       draw.wi = uniform_sample(kernel, u[0], u[1]);
     }
-    weigh(branch, draw, drawn_by);
-    go_on(batch, branch, vertex, draw.wi, false);
+    go_on(batch, group, vertex, draw.wi, false, [&](Group<N>& on) {
+      on.sequence = sequence;
+      weigh(on, draw, drawn_by);
+    });
   }
   for_each_draw(batch, group, vertex, kernel, numbers,
                 [&](Group<N>& on, const Draw<N>& draw) { weigh(on, draw, 0); });

@@ -59,10 +59,13 @@ bool leave(const Batch& batch, Group<N>& group, const Vertex<N>& vertex, Vec3 wi
   return true;
 }
 
-/// The same, and on to the next wave.
-template <class Batch, int N>
-void go_on(Batch& batch, Group<N>& group, const Vertex<N>& vertex, Vec3 wi, bool delta) {
-  if (leave(batch, group, vertex, wi, delta)) batch.next.push_back(group);
+/// Sends a copy on to the next wave, after `change` was made to it.
+template <class Batch, int N, class Change>
+void go_on(Batch& batch, const Group<N>& group, const Vertex<N>& vertex, Vec3 wi, bool delta,
+           const Change& change) {
+  Group<N>& on = batch.next.emplace_back(group);
+  change(on);
+  if (!leave(batch, on, vertex, wi, delta)) batch.next.pop_back();
 }
 
 }  // namespace nocturne

@@ -29,11 +29,11 @@ void send_to_lights(Batch& batch, const Group<N>& group, const Vertex<N>& vertex
   if (!direction) return;
   const Vec3 wi = vertex.to_local(*direction);
   if (wi.z <= 0.0f && !kernel.transmits()) return;
-  Group<N> photon = group;
-  photon.sequence = sequence;
-  photon.weight *= kernel.value(vertex.wo, wi);
-  photon.mis = {MisTechnique::kLights, here, *direction, survival * kernel.pdf(vertex.wo, wi)};
-  go_on(batch, photon, vertex, wi, false);
+  go_on(batch, group, vertex, wi, false, [&](Group<N>& photon) {
+    photon.sequence = sequence;
+    photon.weight *= kernel.value(vertex.wo, wi);
+    photon.mis = {MisTechnique::kLights, here, *direction, survival * kernel.pdf(vertex.wo, wi)};
+  });
 }
 
 /// What the nearest light brings if the way to it is free.
@@ -53,37 +53,43 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
                                          light.normal, -light.direction, {}, sample.wavelengths);
   Spectral<N> found = group.weight * kernel.value(vertex.wo, wi) * radiance;
   if (!(largest(found) > 0.0f)) return;
-  found *= each([&](float pdf) { return 1.0f / (pdf + light.pdf); },
-                survival * kernel.pdf(vertex.wo, wi));
-  batch.shadow_rays.push_back({{{leave_surface(vertex.hit, light.direction), light.direction},
-                                sample.time,
-                                light.free_distance},
-                               group.sample,
-                               found});
+  found = found / (survival * kernel.pdf(vertex.wo, wi) + light.pdf);
+  ShadowRay<N>& shadow = batch.shadow_rays.emplace_back();
+  shadow.way.ray.origin = leave_surface(vertex.hit, light.direction);
+  shadow.way.ray.direction = light.direction;
+  shadow.way.time = sample.time;
+  shadow.way.end = light.free_distance;
+  shadow.sample = group.sample;
+  shadow.light = found;
 }
 
 /// Where nothing between can let light through.
 template <class Batch, int N, class Bound>
 void ask_for_lights(Batch& batch, const Chunk<N, Bound>& chunk,
                     std::span<const std::uint32_t> which) {
+  std::array<std::optional<PhotonSequence>, kChunk> sequences;
   std::array<Uniform4, kChunk> numbers;
-  std::array<std::optional<LightDirections::LightSample>, kChunk> lights;
+  std::array<LightDirections::LightSample, kChunk> lights;
+  std::array<bool, kChunk> drawn;
   for (std::size_t k = 0; k < which.size(); ++k) {
-    numbers[k] = chunk.groups[which[k]]->sequence.branch(1).next();
+    sequences[k] = chunk.groups[which[k]]->sequence.branch(1);
   }
+  PhotonSequence::next_of_each(
+      which.size(), [&](std::size_t k) -> PhotonSequence& { return *sequences[k]; },
+      numbers.data());
   for (std::size_t k = 0; k < which.size(); ++k) {
     const std::size_t i = which[k];
     const Vertex<N>& vertex = *chunk.vertices[i];
     const Uniform4& u = numbers[k];
-    lights[k] = batch.scene.lights.sample_light(
+    drawn[k] = batch.scene.lights.sample_light(
         light_context(batch, *chunk.groups[i], vertex, *chunk.kernels[i]), vertex.hit.normal,
-        vertex.hit.clearance, u[2], u[0], u[1]);
+        vertex.hit.clearance, u[2], u[0], u[1], lights[k]);
   }
   for (std::size_t k = 0; k < which.size(); ++k) {
     const std::size_t i = which[k];
-    if (!lights[k]) continue;
+    if (!drawn[k]) continue;
     ask_for_light(batch, *chunk.groups[i], *chunk.vertices[i], *chunk.kernels[i], chunk.survival[i],
-                  *lights[k]);
+                  lights[k]);
   }
 }
 

@@ -55,9 +55,9 @@ float survival_at(const Batch& batch, const Group<N>& group, const Vertex<N>& ve
 /// Before it is known what becomes of a group, from its next numbers.
 template <class Batch, int N, class Bound>
 void prepare(Batch& batch, Chunk<N, Bound>& chunk) {
-  for (std::size_t i = 0; i < chunk.count; ++i) {
-    chunk.numbers[i] = chunk.groups[i]->sequence.next();
-  }
+  PhotonSequence::next_of_each(
+      chunk.count, [&](std::size_t i) -> PhotonSequence& { return chunk.groups[i]->sequence; },
+      chunk.numbers.data());
   const bool second = batch.kAdjoint && batch.options.estimator == Estimator::kTwoPhotons &&
                       !batch.scene.lights.empty();
   for (std::size_t i = 0; i < chunk.count; ++i) {

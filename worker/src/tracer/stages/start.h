@@ -11,17 +11,18 @@ template <int N, class Estimator, bool Media>
 void start(Batch<N, Estimator, Media>& batch, const Start<N>& from,
            const PhotonSequence& sequence) {
   const auto number = static_cast<std::uint32_t>(batch.samples.size());
-  batch.samples.push_back({from.wavelengths, from.time, from.spread, from.flux});
+  BatchSample<N>& sample = batch.samples.emplace_back();
+  sample.wavelengths = from.wavelengths;
+  sample.time = from.time;
+  sample.spread = from.spread;
+  sample.flux = from.flux;
   if constexpr (Media) batch.flights.emplace_back(batch.scene, from.wavelengths);
   if (!(largest(from.flux) > 0.0f)) return;  // nothing was emitted
-  batch.groups.push_back({.ray = from.ray,
-                          .sample = number,
-                          .width = from.width,
-                          .weight = 1.0f,
-                          .inside = from.inside,
-                          .ends = {},
-                          .mis = {},
-                          .sequence = sequence});
+  Group<N>& group = batch.groups.emplace_back(sequence);
+  group.ray = from.ray;
+  group.sample = number;
+  group.width = from.width;
+  group.inside = from.inside;
 }
 
 }  // namespace nocturne

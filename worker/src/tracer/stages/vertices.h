@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "math/in_place.h"
 #include "tracer/stages/travel.h"
 #include "tracer/vertex.h"
 
@@ -39,9 +40,9 @@ void add_vertex(Batch& batch, std::size_t i, Chunk<N, Bound>& chunk) {
   const Contacts& contacts =
       met.contacts == Encounter::kNoContacts ? none : batch.contacts[met.contacts];
   auto& vertex = chunk.vertices[chunk.count];
-  vertex = make_vertex(batch.scene, hit, contacts, group, sample.wavelengths, sample.time,
-                       Batch::kTransport);
-  if (!vertex) {
+  vertex.emplace(InPlace{
+      [&] { return vertex_at(batch.scene, hit, group, sample.wavelengths, Batch::kTransport); }});
+  if (!complete(batch.scene, contacts, group, sample.time, *vertex)) {
     pass_index_matched(batch.scene, group, hit, contacts);
     batch.next.push_back(group);
     return;
@@ -54,7 +55,8 @@ void add_vertex(Batch& batch, std::size_t i, Chunk<N, Bound>& chunk) {
   chunk.groups[chunk.count] = &group;
   chunk.met[chunk.count] = &met;
   const Kernel& kernel = *std::get_if<Kernel>(&batch.scene.kernels[vertex->kernel]);
-  chunk.kernels[chunk.count].emplace(bind_kernel(kernel, batch.scene.kernels, vertex->shading));
+  chunk.kernels[chunk.count].emplace(
+      InPlace{[&] { return bind_kernel(kernel, batch.scene.kernels, vertex->shading); }});
   ++chunk.count;
 }
 
