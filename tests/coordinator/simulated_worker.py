@@ -21,13 +21,14 @@ Alter = Callable[[job_pb2.JobResult], list[job_pb2.JobResult | bytes]]
 
 
 def simulated_sums(job: job_pb2.Job, further_responses: int = 0) -> Sums:
-    """Sums of the job's samples: possible ones, that do not add up exactly."""
+    """Sums of the job's samples: possible ones, that do not add up exactly; later tiles are noisier."""
     place = f"{job.scene.hex()} {job.tile_index} {job.first_sample} {job.end_sample}"
     seed = int.from_bytes(hashlib.sha256(place.encode()).digest()[:8], "little")
     samples = job.end_sample - job.first_sample
     shape = (job.tile.height, job.tile.width, XYZ_SUMS + further_responses)
-    sums = np.random.default_rng(seed).random(shape) * samples
-    sums[..., 3] = sums[..., 1] ** 2 / samples * (1.5 + sums[..., 3] / samples)
+    drawn = np.random.default_rng(seed).random(shape)
+    sums: Sums = (0.5 + drawn) * samples
+    sums[..., 3] = sums[..., 1] ** 2 / samples * (1.0 + 0.5 * (1 + job.tile_index) * (0.5 + drawn[..., 3]))
     return sums
 
 

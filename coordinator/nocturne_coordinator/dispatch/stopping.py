@@ -18,12 +18,6 @@ from nocturne_scene.errors import InputError, Problem
 
 from nocturne_coordinator import limits
 
-MIN_SAMPLES = 16
-"""Per pixel, before an estimated error may end anything: the estimate itself has an error, and one that
-happens to be low would end a tile too early. With fewer samples that is likely (NIST/SEMATECH e-Handbook of
-Statistical Methods, 1.3.5.8: a standard deviation from n samples is itself good to about 1/sqrt(2 (n -
-1)))."""
-
 _CLOCK = re.compile(r"(\d{1,2}):(\d{2})(?::(\d{2}))?\s*(\S+)")
 _EXAMPLES = 'as in "07:00 Europe/Berlin", "07:00+01:00" or "2026-11-22T07:00:00Z"'
 
@@ -33,9 +27,9 @@ class StopConditions:
     """What was asked for; a render ends at the first that is met. 0 or empty: not asked for."""
 
     relative_error: float = 0.0
-    """Of the image, as in Progress."""
+    """Of the image, as in Progress, where it is to be trusted: see trust."""
     tile_relative_error: float = 0.0
-    """Of each tile, from its own pixels; a tile that has it gets no more samples."""
+    """Of each tile, from its own pixels, likewise; a tile that has it gets no more samples."""
     wall_seconds: float = 0.0
     """Of running, pauses left out."""
     cpu_seconds: float = 0.0
@@ -172,19 +166,3 @@ def check_tile_samples(samples: Sequence[int], tiles: int, range_ends: Sequence[
         raise InputError.at(
             f"$.stop.tile_samples[{wrong}]", f"{samples[wrong]} samples are not the end of a planned range"
         )
-
-
-def error_is_met(error: float, samples: int, asked: float) -> bool:
-    """Whether an estimated relative error, 0 where unknown, from `samples` samples per pixel is low enough.
-
-    Unknown, as in a tile that is black so far, is never low enough: its light may just not have been met.
-    """
-    return asked > 0.0 and samples >= MIN_SAMPLES and 0.0 < error <= asked
-
-
-def samples_needed(error: float, samples: float, asked: float) -> float:
-    """Samples at which the error is expected to be met: it falls as one over their root. Infinite if
-    unknown."""
-    if error <= 0.0:
-        return math.inf
-    return max(MIN_SAMPLES, samples * (error / asked) ** 2)

@@ -15,8 +15,8 @@ import OpenEXR
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne_scene.ranges import XYZ_SUMS
 
-from nocturne_coordinator.dispatch.error_estimate import Pixels, variance_of_mean
 from nocturne_coordinator.dispatch.merge import Counts, Sums
+from nocturne_coordinator.dispatch.variance import Pixels, variance_of_mean
 
 # IEC 61966-2-1: XYZ of white D65 to linear sRGB; transposed, for rows of pixels.
 _XYZ_TO_SRGB = np.array(

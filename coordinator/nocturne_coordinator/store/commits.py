@@ -72,12 +72,21 @@ class Commits:
 
     def _write_tiles(self, commit: RenderCommit) -> None:
         self._database.execute_many(
-            """INSERT INTO tile (render_id, tile_index, samples, sums, invalid_samples, revision)
-               VALUES (?1, ?2, ?3, ?4, ?5, (SELECT sequence FROM render WHERE id = ?1))
+            """INSERT INTO tile (render_id, tile_index, samples, sums, invalid_samples, error_before,
+                   revision)
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6, (SELECT sequence FROM render WHERE id = ?1))
                ON CONFLICT DO UPDATE SET samples = excluded.samples, sums = excluded.sums,
-                   invalid_samples = excluded.invalid_samples, revision = excluded.revision""",
+                   invalid_samples = excluded.invalid_samples, error_before = excluded.error_before,
+                   revision = excluded.revision""",
             [
-                (commit.render_id, tile.tile_index, tile.samples, tile.sums, tile.invalid_samples)
+                (
+                    commit.render_id,
+                    tile.tile_index,
+                    tile.samples,
+                    tile.sums,
+                    tile.invalid_samples,
+                    tile.error_before,
+                )
                 for tile in commit.tiles
             ],
         )
@@ -110,9 +119,18 @@ class Commits:
         """A new preview is in its place; tells watchers, keeps its error. LeaseLost if it is another's."""
         with self._leases.holding(render_id, fence):
             self._database.execute(
-                """UPDATE render SET relative_error = ?, worst_share = ?, effective_pixels = ?,
-                       sequence = sequence + 1 WHERE id = ?""",
-                (point.relative_error, point.worst_share, point.effective_pixels, render_id),
+                """UPDATE render SET relative_error = ?, worst_share = ?, effective_pixels = ?, mean = ?,
+                       mean_error = ?, unseen_pixels = ?, doubt = ?, sequence = sequence + 1 WHERE id = ?""",
+                (
+                    point.relative_error,
+                    point.worst_share,
+                    point.effective_pixels,
+                    point.mean,
+                    point.mean_error,
+                    point.unseen_pixels,
+                    point.doubt,
+                    render_id,
+                ),
             )
             if in_history:
                 self._database.execute(
@@ -170,7 +188,8 @@ class Commits:
             self._database.execute(
                 """UPDATE render SET floating_point_profile = '', ranges_done = 0, photons = 0, rays = 0,
                 invalid_samples = 0,
-                       tiles_done = 0, tiles_failed = 0, relative_error = 0, sequence = sequence + 1
+                       tiles_done = 0, tiles_failed = 0, relative_error = 0, mean = 0, mean_error = 0,
+                       unseen_pixels = 0, doubt = '', sequence = sequence + 1
                    WHERE id = ?""",
                 (render_id,),
             )

@@ -71,7 +71,7 @@ class OpenRenders:
         )
         for index in indices:
             row = self._database.row(
-                """SELECT tile_index, samples, sums, invalid_samples FROM tile
+                """SELECT tile_index, samples, sums, invalid_samples, error_before FROM tile
                    WHERE render_id = ? AND tile_index = ?""",
                 (render_id, index["tile_index"]),
             )

@@ -59,7 +59,12 @@ class RenderRow:
     relative_error: float
     worst_share: float
     effective_pixels: float
-    """How the variance is spread at the last preview; see images.Spread."""
+    mean: float
+    mean_error: float
+    unseen_pixels: int
+    """At the last preview; see error_estimate.ErrorEstimate."""
+    doubt: str
+    """Why the error is not to be trusted; empty: it is."""
     photons_per_second: float
     cpu_seconds: float
     stop: StopConditions

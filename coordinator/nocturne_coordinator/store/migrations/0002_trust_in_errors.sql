@@ -1,0 +1,9 @@
+-- What an image says of its own error: the mean of Y over pixels and its standard error, pixels that saw nothing, and why
+-- the error is not to be trusted (empty: it is).
+ALTER TABLE render ADD COLUMN mean REAL NOT NULL DEFAULT 0;
+ALTER TABLE render ADD COLUMN mean_error REAL NOT NULL DEFAULT 0;
+ALTER TABLE render ADD COLUMN unseen_pixels INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE render ADD COLUMN doubt TEXT NOT NULL DEFAULT '';
+
+-- The trusted error of the tile at the range end before its last; 0: unknown. A stop by error needs two in a row.
+ALTER TABLE tile ADD COLUMN error_before REAL NOT NULL DEFAULT 0;
