@@ -23,7 +23,7 @@ from nocturne_coordinator.output.images import (
 
 from tests.coordinator.service import read_exr, read_further_responses, read_rgb
 
-PROVENANCE = Provenance("5c" * 32, '{"width":9}', 1)
+PROVENANCE = Provenance("5c" * 32, '{"width":9}', 1, quantity="luminance")
 
 
 def film(samples: int = 10) -> tuple[Sums, Counts]:

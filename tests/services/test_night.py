@@ -133,13 +133,65 @@ async def test_pause_resume_priority_extend(
     assert again.sequence == extended["sequence"]
 
 
+async def test_an_extension_changes_only_what_it_names(
+    body: dict[str, Any], rest: httpx.AsyncClient, channel: grpc.aio.Channel
+) -> None:
+    asked = {**STOP, "until": "07:00 Europe/Berlin"}
+    render_id = (await rest.post("/v1/renders", json={**body, "stop": asked})).json()["id"]
+    path = f"/v1/renders/{render_id}:extend"
+    more = (await rest.post(path, json={"samples": 64})).json()
+    assert more["samples"] == 64
+    assert {name: more["stop"][name] for name in asked} == asked
+    changed = (await rest.post(path, json={"stop": {"relative_error": 0.02}})).json()["stop"]
+    assert changed == {**more["stop"], "relative_error": 0.02}
+    message = pb.ExtendRenderRequest(id=render_id, drop=["until", "tile_relative_error"])
+    dropped = (await Stub(channel).ExtendRender(message)).stop
+    assert (dropped.until, dropped.until_time, dropped.tile_relative_error) == ("", 0.0, 0.0)
+    assert (dropped.relative_error, dropped.cpu_seconds) == (0.02, changed["cpu_seconds"])
+
+
+@pytest.mark.parametrize(
+    ("change", "place"),
+    [
+        ({"stop": {"relative_error": 0}}, "$.stop.relative_error"),
+        ({"stop": {"until": ""}}, "$.stop.until"),
+        ({"drop": ["patience"]}, "$.drop[0]"),
+        ({"drop": ["until"], "stop": {"until": "08:00Z"}}, "$.stop.until"),
+    ],
+)
+async def test_an_extension_says_what_it_drops(
+    body: dict[str, Any], rest: httpx.AsyncClient, change: dict[str, Any], place: str
+) -> None:
+    render_id = (await rest.post("/v1/renders", json={**body, "stop": STOP})).json()["id"]
+    answer = await rest.post(f"/v1/renders/{render_id}:extend", json=change)
+    assert answer.status_code == 422
+    assert [each["place"] for each in answer.json()["problems"]] == [place]
+
+
+async def test_what_would_end_at_once_is_not_extended(
+    body: dict[str, Any], rest: httpx.AsyncClient, folder: DataFolder
+) -> None:
+    asked = {**body, "stop": {"cpu_seconds": 5.0}}
+    render_id = (await rest.post("/v1/renders", json=asked)).json()["id"]
+    folder.database.execute(
+        "UPDATE render SET state = 'STOPPED_EARLY', cpu_seconds = 6 WHERE id = ?", (render_id,)
+    )
+    path = f"/v1/renders/{render_id}:extend"
+    refused = await rest.post(path, json={"samples": 64})
+    assert refused.status_code == 422
+    assert "cpu_seconds" in refused.json()["detail"]
+    assert (await rest.post(path, json={"samples": 64, "drop": ["cpu_seconds"]})).json()["state"] == "QUEUED"
+
+
 async def test_replay_needs_samples(
     body: dict[str, Any], rest: httpx.AsyncClient, channel: grpc.aio.Channel, folder: DataFolder
 ) -> None:
     render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
     answer = await rest.post(f"/v1/renders/{render_id}:replay", json={"request_id": "again"})
     assert answer.json()["reason"] == "WRONG_STATE"
-    folder.database.execute("INSERT INTO tile VALUES (?, 1, 8, x'00', 1, 0)", (render_id,))
+    folder.database.execute(
+        "INSERT INTO tile (render_id, tile_index, samples, sums) VALUES (?, 1, 8, x'00')", (render_id,)
+    )
     replay = (await rest.post(f"/v1/renders/{render_id}:replay", json={"request_id": "again"})).json()
     assert folder.database.row("SELECT stop FROM render WHERE id = ?", (replay["id"],))["stop"] == (  # type: ignore[index]
         '{"tile_samples":[0,8]}'

@@ -287,13 +287,19 @@ class RunningRender:
 
     @property
     def doubt(self) -> str:
-        """Why the error is not to be trusted, a sentence; empty: it is, as far as an image can tell."""
-        if found := doubt_of(self.estimate):
+        """Why the error is not to be trusted, a sentence; empty: it is, as far as can be told."""
+        if found := self.image_doubt:
             return found
         known_twice = self._before.error and self._now.error
         if known_twice and not falls(self._before, self._now):
             return "It falls more slowly than errors do: brighter samples are still met for the first time."
         return ""
+
+    @property
+    def image_doubt(self) -> str:
+        """The same from the sums alone, whatever was known before: of equal images it is equal."""
+        self._judge()
+        return doubt_of(self.estimate)
 
     def _judge(self) -> None:
         """Estimates the error of what is merged."""

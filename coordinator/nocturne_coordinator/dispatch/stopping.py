@@ -9,7 +9,7 @@ import json
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from datetime import date, datetime, time, timedelta, tzinfo
 from typing import Any, Self
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
@@ -66,6 +66,44 @@ class StopConditions:
 
 EVERYTHING = StopConditions()
 """All samples, however long it takes."""
+
+
+def changed_conditions(
+    before: StopConditions, asked: Mapping[str, Any], drop: Sequence[str], now: datetime
+) -> StopConditions:
+    """The conditions before, with those that are asked for changed and those in `drop` left out.
+
+    A time in the same words as before is the same time. Raises InputError with all problems.
+    """
+    known = {field.name for field in fields(StopConditions)} - {"until_text", "tile_samples"}
+    problems = [
+        Problem(f"$.drop[{index}]", f"{name} is no condition; expected {', '.join(sorted(known))}")
+        for index, name in enumerate(drop)
+        if name not in known
+    ]
+    for name, value in asked.items():
+        if name in drop:
+            problems.append(Problem(f"$.stop.{name}", "is changed and dropped at once"))
+        elif name in known and not value:
+            message = f"is {value!r}, which asks for nothing; name it in `drop` to go on without it"
+            problems.append(Problem(f"$.stop.{name}", message))
+    if problems:
+        raise InputError(problems)
+    others = {name: value for name, value in asked.items() if (name, value) != ("until", before.until_text)}
+    changes = stop_conditions(others, now).asked()
+    left = replace(before, **dict.fromkeys(drop, 0.0))
+    return replace(left if "until" not in drop else replace(left, until_text=""), **changes)
+
+
+def ends_at_once(stop: StopConditions, unix_time: float, ran_seconds: float, cpu_seconds: float) -> str:
+    """Which condition is met before anything more is traced, as a sentence; empty: none."""
+    if stop.until and unix_time >= stop.until:
+        return f"until {stop.until_text} is over"
+    if stop.wall_seconds and ran_seconds >= stop.wall_seconds:
+        return f"wall_seconds: it has run for {ran_seconds:.0f} of {stop.wall_seconds:g} s"
+    if stop.cpu_seconds and cpu_seconds >= stop.cpu_seconds:
+        return f"cpu_seconds: it has used {cpu_seconds:.0f} of {stop.cpu_seconds:g} s"
+    return ""
 
 
 def stop_conditions(asked: Mapping[str, Any], now: datetime) -> StopConditions:

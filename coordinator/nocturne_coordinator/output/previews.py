@@ -113,6 +113,8 @@ def provenance_of(render: RunningRender) -> Provenance:
         render.planned.engine,
         "" if whole else manifest_text(samples),
         render.floating_point_profile,
+        render.planned.schedule.quantity,
+        render.image_doubt,
     )
 
 

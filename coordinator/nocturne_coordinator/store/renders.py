@@ -64,8 +64,8 @@ class Renders:
         self._database.execute(
             """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
                    photons_per_sample, scene_sha256, engine, created, ranges_planned, schedule,
-                   scene_document, stop, priority, owner, tiles, floating_point_profile)
-               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
+                   scene_document, stop, priority, owner, tiles, floating_point_profile, quantity)
+               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
             (
                 render_id,
                 new.request_id,
@@ -86,6 +86,7 @@ class Renders:
                 new.owner,
                 tiles,
                 new.floating_point_profile,
+                new.schedule.quantity,
             ),
         )
         return render_id

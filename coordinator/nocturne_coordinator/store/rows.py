@@ -56,6 +56,8 @@ class RenderRow:
     photons: int
     rays: int
     invalid_samples: int
+    quantity: str
+    """What Y measures; see nocturne_scene.quantities."""
     relative_error: float
     worst_share: float
     effective_pixels: float
@@ -67,6 +69,8 @@ class RenderRow:
     """Why the error is not to be trusted; empty: it is."""
     photons_per_second: float
     cpu_seconds: float
+    ran_seconds: float
+    """Of running, pauses left out."""
     stop: StopConditions
     priority: int
     owner: str

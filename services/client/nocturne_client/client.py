@@ -164,9 +164,18 @@ class Client:
         """Goes on with a paused render; with a degraded one, by tracing its failed tiles again."""
         return self._act(render_id, "resume", {})
 
-    def extend(self, render_id: str, samples: int = 0, stop: Mapping[str, Any] | None = None) -> Render:
-        """More samples per pixel, 0 for as many as before, and conditions instead of those before."""
-        return self._act(render_id, "extend", {"samples": samples, "stop": dict(stop or {})})
+    def extend(
+        self,
+        render_id: str,
+        samples: int = 0,
+        stop: Mapping[str, Any] | None = None,
+        drop: Sequence[str] = (),
+    ) -> Render:
+        """More samples per pixel, 0 for as many as before, and conditions that change; all others stay.
+
+        `drop`: names of conditions to go on without.
+        """
+        return self._act(render_id, "extend", {"samples": samples, "stop": dict(stop or {}), "drop": [*drop]})
 
     def set_priority(self, render_id: str, priority: int) -> Render:
         """The render's weight among those of its owner, 1 to 1000."""

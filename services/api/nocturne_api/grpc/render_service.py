@@ -92,7 +92,8 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
     async def ExtendRender(self, request: pb.ExtendRenderRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
             stop = asked_stop(request.stop)
-            return render_message(await self._operations.controls.extend(request.id, request.samples, stop))
+            extend = self._operations.controls.extend
+            return render_message(await extend(request.id, request.samples, stop, [*request.drop]))
 
     async def SetPriority(self, request: pb.SetPriorityRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):

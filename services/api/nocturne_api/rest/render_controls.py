@@ -47,9 +47,9 @@ async def resume_render(render_id: str, request: Request, operations: Service) -
 
 @router.post("/{render_id}:extend", openapi_extra=body_of(ExtendRenderRequest), responses=_OF_ONE_IN_A_STATE)
 async def extend_render(render_id: str, request: Request, operations: Service) -> Render:
-    """More samples or other conditions, also after the end; nothing is traced again."""
+    """More samples or other conditions, also after the end; what is not named stays as it is."""
     body = await read_json(request, ExtendRenderRequest, SMALL_BODY_BYTES)
-    return await operations.controls.extend(render_id, body.samples, body.stop)
+    return await operations.controls.extend(render_id, body.samples, body.stop, body.drop)
 
 
 @router.post("/{render_id}:setPriority", openapi_extra=body_of(SetPriorityRequest), responses=_OF_ONE)

@@ -16,7 +16,7 @@ from nocturne_client.cli.output import (
     print_renders,
     print_workers,
 )
-from nocturne_client.cli.stops import Cpu, Error, For, Stops, TileError, Until
+from nocturne_client.cli.stops import Cpu, Drop, Error, For, Stops, TileError, Until, dropped
 from nocturne_client.cli.watching import about, follow, graphics_wanted
 from nocturne_client.client import Client
 from nocturne_client.errors import NocturneClientError
@@ -189,13 +189,21 @@ def extend(
     duration: For = "",
     cpu: Cpu = "",
     until: Until = "",
+    drop: Drop = None,
     url: Url = None,
     as_json: AsJson = False,
 ) -> None:
-    """Give a render more samples, or other conditions, also after its end; nothing is traced again."""
+    """Give a render more samples, or other conditions, also after its end; all others stay.
+
+    Nothing is traced again.
+    """
+    stop, names = Stops(error, tile_error, duration, cpu, until).asked(), dropped(drop or [])
     with Client(url) as client:
-        stop = Stops(error, tile_error, duration, cpu, until).asked()
-        print_render(client.extend(render_id, samples, stop), as_json)
+        before = client.get(render_id).stop
+        for option, name in names.items():
+            had = getattr(before, name)
+            ERRORS.print(f"without --{option} from here on; it was {had}" if had else f"it had no --{option}")
+        print_render(client.extend(render_id, samples, stop, [*names.values()]), as_json)
 
 
 def priority(

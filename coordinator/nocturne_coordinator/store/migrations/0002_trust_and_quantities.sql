@@ -7,3 +7,6 @@ ALTER TABLE render ADD COLUMN doubt TEXT NOT NULL DEFAULT '';
 
 -- The trusted error of the tile at the range end before its last; 0: unknown. A stop by error needs two in a row.
 ALTER TABLE tile ADD COLUMN error_before REAL NOT NULL DEFAULT 0;
+
+-- What Y measures; empty for renders from before this was kept.
+ALTER TABLE render ADD COLUMN quantity TEXT NOT NULL DEFAULT '';
