@@ -25,7 +25,7 @@ namespace nocturne {
 namespace {
 
 struct Options {
-  std::string scene, plan, job, blobs, output, statistics;
+  std::string scene, plan, job, blobs, output, statistics, sums;
   Method method = Method::kAdjointPhotons;
   unsigned threads = std::thread::hardware_concurrency();
   std::uint64_t texture_bytes = kTextureMemoryBytes;
@@ -126,6 +126,43 @@ std::function<void(double)> progress_on_stderr(bool quiet) {
   };
 }
 
+// What the sensor's Y is, and the units of Y and of further responses; as
+// nocturne_scene/quantities.py has them.
+struct Quantity {
+  const char* name;
+  const char* unit;
+  const char* response_unit;
+};
+
+Quantity quantity_of(const v1::Sensor& sensor) {
+  switch (sensor.model()) {
+    case v1::SENSOR_MODEL_PLANE:
+      return {"illuminance", "lx", "W m-2"};
+    case v1::SENSOR_MODEL_INTENSITY:
+      return {"luminous intensity", "cd", "W sr-1"};
+    default:
+      return {"luminance", "cd/m2", "W m-2 sr-1"};
+  }
+}
+
+void write_sums(const std::string& path, const TileSums& tile) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(tile.sums.data()),
+             static_cast<std::streamsize>(tile.sums.size() * sizeof(double)));
+  if (!file.flush()) throw std::runtime_error(path + ": can't be written");
+}
+
+// After each range the sums so far go to a file and their samples to standard output; a line "go"
+// on standard input asks for the next range.
+std::function<bool(std::uint32_t, const TileSums&)> asked_on_stdin(const std::string& path) {
+  return [path](std::uint32_t samples, const TileSums& image) {
+    write_sums(path, image);
+    std::cout << samples << std::endl;
+    std::string answer;
+    return std::getline(std::cin, answer) && answer == "go";
+  };
+}
+
 // One job of a service alone: its sums as float64, row by row, just as a worker sends them.
 void run_job(const Options& options) {
   const auto job = read_message<v1::Job>(options.job);
@@ -139,10 +176,7 @@ void run_job(const Options& options) {
                                     .height = job.tile().height(),
                                     .first_sample = job.first_sample(),
                                     .end_sample = job.end_sample()});
-  std::ofstream file(options.output, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(tile.sums.data()),
-             static_cast<std::streamsize>(tile.sums.size() * sizeof(double)));
-  if (!file.flush()) throw std::runtime_error(options.output + ": can't be written");
+  write_sums(options.output, tile);
 }
 
 void run(const Options& options) {
@@ -157,15 +191,21 @@ void run(const Options& options) {
   // Loading is left out of the rates.
   const double cpu_before = process_cpu_seconds();
   const auto wall_before = std::chrono::steady_clock::now();
-  const TileSums image =
-      trace_film(*scene, plan, options.method, options.threads, progress_on_stderr(options.quiet));
+  const auto progress = progress_on_stderr(options.quiet);
+  const auto [image, samples] =
+      options.sums.empty()
+          ? std::pair{trace_film(*scene, plan, options.method, options.threads, progress),
+                      plan.range_ends.back()}
+          : trace_film_by_ranges(*scene, plan, options.method, options.threads, progress,
+                                 asked_on_stdin(options.sums));
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_before;
   const double cpu = process_cpu_seconds() - cpu_before;
 
+  const Quantity quantity = quantity_of(message.sensor());
   write_exr(options.output, plan.film.width, plan.film.height, image.sums, further_responses,
-            plan.range_ends.back(),
+            samples,
             {sha256_of_file(options.scene), schedule_json(plan_message), v1::ENGINE_CURRENT,
-             floating_point_profile()});
+             floating_point_profile(), quantity.name, quantity.unit, quantity.response_unit});
   if (!options.statistics.empty()) {
     write_statistics(options.statistics, image, cpu, wall.count());
   }
@@ -208,6 +248,11 @@ int main(int argc, char** argv) {
       ->transform(CLI::AsSizeValue(false));
   app.add_option("--statistics", options.statistics,
                  "JSON file for photon and ray counts and times");
+  app.add_option(
+      "--ask-after-ranges", options.sums,
+      "After each range of samples, write the sums so far to this file as float64, their "
+      "number of samples to standard output, and go on only if a line \"go\" comes on "
+      "standard input");
   app.add_option("--method", options.method.kind,
                  "adjoint; or, for comparison only, path (path tracing) or march (ray marching)")
       ->transform(CLI::CheckedTransformer(std::map<std::string, nocturne::Method::Kind>{

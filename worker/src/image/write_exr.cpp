@@ -45,9 +45,13 @@ void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint
 
   Imf::Header header(static_cast<int>(width), static_cast<int>(height));
   header.compression() = Imf::ZIP_COMPRESSION;
-  // Channels X, Y, Z are CIE XYZ itself; a luminance of 1 is 1 cd/m2.
+  // Channels X, Y, Z are CIE XYZ itself.
   Imf::addChromaticities(header, {{1, 0}, {0, 1}, {0, 0}, {1.0f / 3, 1.0f / 3}});
-  Imf::addWhiteLuminance(header, 1.0f);
+  // OpenEXR's own: a luminance of 1 is 1 cd/m2.
+  if (provenance.quantity == "luminance") Imf::addWhiteLuminance(header, 1.0f);
+  header.insert("nocturne:quantity", Imf::StringAttribute(provenance.quantity));
+  header.insert("nocturne:unit", Imf::StringAttribute(provenance.unit));
+  header.insert("nocturne:responseUnit", Imf::StringAttribute(provenance.response_unit));
   header.insert("nocturne:scene", Imf::StringAttribute(provenance.scene_sha256));
   header.insert("nocturne:schedule", Imf::StringAttribute(provenance.plan));
   header.insert("nocturne:engine", Imf::IntAttribute(static_cast<int>(provenance.engine)));

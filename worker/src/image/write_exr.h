@@ -14,6 +14,8 @@ struct ImageProvenance {
   std::string plan;
   std::uint32_t engine;
   std::string floating_point_profile;
+  /// What Y measures, its unit, and that of a further response without a unit.
+  std::string quantity, unit, response_unit;
 };
 
 /// Writes means and errors from sums (per pixel, row by row: sum X, Y, Z, Y^2 and one for each

@@ -47,8 +47,8 @@ TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, uns
                     const std::function<void(double)>& progress) {
   const std::uint32_t columns = (plan.film.width + plan.tile_size - 1) / plan.tile_size;
   const std::uint32_t rows = (plan.film.height + plan.tile_size - 1) / plan.tile_size;
-  const double all =
-      static_cast<double>(plan.film.width) * plan.film.height * plan.range_ends.back();
+  const double all = static_cast<double>(plan.film.width) * plan.film.height *
+                     (plan.range_ends.back() - plan.first_sample);
   TileSums image(static_cast<std::size_t>(plan.film.width) * plan.film.height,
                  scene.wavelengths.further_curves());
   std::atomic<std::uint32_t> next = 0;
@@ -57,8 +57,12 @@ TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, uns
 
   const auto work = [&] {
     for (std::uint32_t index = next++; index < columns * rows; index = next++) {
-      TileRange tile{
-          (index % columns) * plan.tile_size, (index / columns) * plan.tile_size, 0, 0, 0, 0};
+      TileRange tile{(index % columns) * plan.tile_size,
+                     (index / columns) * plan.tile_size,
+                     0,
+                     0,
+                     plan.first_sample,
+                     0};
       tile.width = std::min(plan.tile_size, plan.film.width - tile.x);
       tile.height = std::min(plan.tile_size, plan.film.height - tile.y);
       const TileSums sums = trace_ranges(scene, plan, tile, method, [&](std::uint64_t photons) {
@@ -74,6 +78,29 @@ TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, uns
   for (unsigned i = 0; i < std::max(1u, threads); ++i) pool.emplace_back(work);
   pool.clear();  // joins
   return image;
+}
+
+std::pair<TileSums, std::uint32_t> trace_film_by_ranges(
+    const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
+    const std::function<void(double)>& progress,
+    const std::function<bool(std::uint32_t, const TileSums&)>& go_on) {
+  TileSums image(static_cast<std::size_t>(plan.film.width) * plan.film.height,
+                 scene.wavelengths.further_curves());
+  const double all = plan.range_ends.back();
+  std::uint32_t first = 0;
+  for (const std::uint32_t& end : plan.range_ends) {
+    const FilmPlan one{plan.film, plan.tile_size, {&end, 1}, first};
+    const TileSums range = trace_film(scene, one, method, threads, [&](double share) {
+      progress((first + share * (end - first)) / all);
+    });
+    for (std::size_t i = 0; i < image.sums.size(); ++i) image.sums[i] += range.sums[i];
+    image.photons += range.photons;
+    image.rays += range.rays;
+    image.invalid_samples += range.invalid_samples;
+    first = end;
+    if (end != plan.range_ends.back() && !go_on(end, image)) break;
+  }
+  return {std::move(image), first};
 }
 
 }  // namespace nocturne

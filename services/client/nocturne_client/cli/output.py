@@ -65,7 +65,7 @@ def print_render(render: Render, as_json: bool) -> None:
         ("film", f"{render.width} x {render.height}, {render.samples} samples per pixel"),
         ("merged", f"{render.fraction:.1%}, {progress.samples_merged:,} samples, {progress.rays:,} rays"),
         ("relative error", _error(progress)),
-        (f"mean {render.quantity}".strip(), _mean(render)),
+        (_mean_name(render), _mean(render)),
         ("nothing seen", f"in {progress.unseen_pixels:,} of {render.width * render.height:,} pixels"),
         ("invalid samples", f"{progress.invalid_samples:,}"),
         ("processor time", f"{progress.cpu_seconds:,.1f} s"),
@@ -86,6 +86,12 @@ def _error(progress: Progress) -> str:
         return progress.doubt or "not known yet"
     error = f"{progress.relative_error:.3%}"
     return f"{error}, not to be trusted: {progress.doubt}" if progress.doubt else error
+
+
+def _mean_name(render: Render) -> str:
+    """A sensor of one pixel has a value, and no mean."""
+    quantity = render.quantity or "Y"
+    return quantity if render.width * render.height == 1 else f"mean {quantity}"
 
 
 def _mean(render: Render) -> str:

@@ -2,6 +2,7 @@
 
 import sys
 from contextlib import ExitStack
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -143,12 +144,26 @@ def get(
         Path | None, typer.Option("--exr", help="Write the image here: XYZ, error, counts.")
     ] = None,
     png: Annotated[Path | None, typer.Option("--png", help="Write the preview here.")] = None,
+    region: Annotated[
+        str,
+        typer.Option(
+            "--region",
+            metavar="X,Y[,WIDTH,HEIGHT]",
+            help="Print what these pixels show instead: the number, its 95 % interval, its unit.",
+        ),
+    ] = "",
     url: Url = None,
     as_json: AsJson = False,
 ) -> None:
     """Show a render, and fetch its images as they are now."""
     with Client(url) as client:
         render = client.get(render_id)
+        if region:
+            from nocturne_client.readings import parse_region, read_region
+
+            reading = read_region(client, render, parse_region(region))
+            print_json(asdict(reading)) if as_json else typer.echo(reading)
+            return
         if exr is not None:
             client.download(render_id, "exr", exr)
         if png is not None:

@@ -1,6 +1,6 @@
 """Compiles a scene into a folder, without a service."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from nocturne_scene.blobs import BlobStore
@@ -28,9 +28,17 @@ class CompiledFolder:
     """What the compiler left out, with its place."""
 
 
-def compile_to(scene: Path, folder: Path, width: int, height: int, samples: int) -> CompiledFolder:
-    """Writes scene.pb, schedule.pb and blobs/ into `folder`. Raises NocturneClientError with all problems."""
+def compile_to(
+    scene: Path, folder: Path, width: int, height: int, samples: int, seed: int | None = None
+) -> CompiledFolder:
+    """Writes scene.pb, schedule.pb and blobs/ into `folder`. Raises NocturneClientError with all problems.
+
+    `seed` instead of the scene's own.
+    """
     on_disk = read_scene(scene)
+    if seed is not None:
+        tracing = {**on_disk.document.get("tracing", {}), "seed": seed}
+        on_disk = replace(on_disk, document={**on_disk.document, "tracing": tracing})
     try:
         # Problems of the film are told before the work.
         make_schedule(width, height, samples)
