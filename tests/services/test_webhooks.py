@@ -155,7 +155,7 @@ async def test_ends_are_told_and_signed(
     assert told["render.degraded"] == {
         "type": "render.degraded",
         "timestamp": "2001-09-09T01:46:40Z",
-        "data": {"id": "r-DEGRADED", "name": "night", "state": "DEGRADED", "reason": "because"},
+        "data": {"id": "r-DEGRADED", "name": "night", "state": "DEGRADED", "reason": "because", "doubt": ""},
     }
     assert len({headers["webhook-id"] for _, headers, _ in receiver.got}) == 4
     assert [each["last_outcome"] for each in listed] == ["answered 204"]
