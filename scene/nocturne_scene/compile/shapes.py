@@ -1,5 +1,6 @@
 """Shapes where they stand, as messages and blobs."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -65,6 +66,23 @@ class Shapes:
             case InlineMesh():
                 return np.array(shape.vertices)
         return _simple(shape).vertices
+
+    def area(self, shape: Shape) -> float:
+        """Area of a shape before its placement, m2. Raises Unusable, UnusableMeshError."""
+        match shape:
+            case Sphere():
+                return 4 * math.pi * shape.radius**2
+            case MediumBox():
+                raise Unusable("the boundary of a medium emits nothing", ".shape")
+            case InlineMesh():
+                mesh = inline_mesh(shape)
+            case AssetMesh():
+                mesh = self._asset(shape)
+            case _:
+                mesh = _simple(shape)
+        corners = mesh.vertices[mesh.indices]
+        edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        return float(np.linalg.norm(np.cross(*edges), axis=-1).sum()) / 2
 
     def is_flat(self, shape: Shape) -> bool:
         """Whether a shape lies in a plane, within a ten-thousandth of its size."""

@@ -10,7 +10,7 @@ from nocturne_scene.document.node import Node, chosen_by_key, problem_at
 from nocturne_scene.document.placement import Placement
 from nocturne_scene.document.shapes import ShapeDefinition, length, parallel, refuse_without_size
 from nocturne_scene.document.spectra import SpectrumReference
-from nocturne_scene.document.textures import ColourReference
+from nocturne_scene.document.textures import ColourReference, ColourTexture
 
 
 class CosineProfile(Node):
@@ -78,7 +78,19 @@ Profile = Annotated[
 class Luminaire(Node):
     """What makes a surface emit light."""
 
-    radiance: ColourReference = Field(description="Spectral radiance, W m⁻² sr⁻¹ nm⁻¹.")
+    radiance: ColourReference = Field(
+        description="Spectral radiance, W m⁻² sr⁻¹ nm⁻¹; with `lumens`, `watts` or `exitance` only the "
+        "spectrum's shape counts."
+    )
+    lumens: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] | None = Field(
+        default=None, description="Luminous flux of the whole surface, of both sides if both emit, lm."
+    )
+    watts: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] | None = Field(
+        default=None, description="The same as radiant flux from 360 to 830 nm, W."
+    )
+    exitance: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] | None = Field(
+        default=None, description="Luminous exitance of a side that emits, lm m⁻²."
+    )
     two_sided: Switch = Field(
         default=False,
         description="Emit from both sides; otherwise only from the side that the normal points to.",
@@ -87,6 +99,26 @@ class Luminaire(Node):
         default=None,
         description="How the radiance depends on direction. Default: the same in all directions.",
     )
+
+    @property
+    def has_amount(self) -> bool:
+        """Whether something else than its radiance says how much light there is."""
+        return any(each is not None for each in (self.lumens, self.watts, self.exitance))
+
+    @model_validator(mode="after")
+    def _has_one_amount(self) -> Self:
+        given = [name for name in ("lumens", "watts", "exitance") if getattr(self, name) is not None]
+        if len(given) > 1:
+            raise problem_at(
+                f".{given[1]}", f"expected one of lumens, watts and exitance, found {' and '.join(given)}"
+            )
+        if given and isinstance(self.profile, PhotometricProfile):
+            raise problem_at(
+                f".{given[0]}", "a photometric file says how much light there is; scale it by profile.lumens"
+            )
+        if given and isinstance(self.radiance, ColourTexture):
+            raise problem_at(f".{given[0]}", "can't scale a radiance with a texture; scale its spectrum")
+        return self
 
     @model_validator(mode="before")
     @classmethod
