@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 from nocturne.v1 import scene_pb2
 
-from nocturne_scene.compile.environment import compile_map
+from nocturne_scene.compile.environment import compile_map, compile_sky
 from nocturne_scene.compile.photometry import compile_profile
 from nocturne_scene.compile.placement import placement_of
 from nocturne_scene.compile.sensors import unit, vector
@@ -19,6 +19,7 @@ from nocturne_scene.document.luminaires import (
     DistantDisc,
     Luminaire,
     PhotometricProfile,
+    StandardSky,
 )
 from nocturne_scene.document.problems import path
 from nocturne_scene.document.shapes import Sphere
@@ -125,6 +126,8 @@ class Lights:
         if environment is None:
             return None
         with self._workspace.problems_at("$.environment"):
+            if isinstance(environment, StandardSky):
+                return scene_pb2.Environment(map=compile_sky(self._workspace, environment))
             if not isinstance(environment, ConstantEnvironment):
                 return scene_pb2.Environment(map=compile_map(self._workspace, environment))
             radiance = self._emission(environment.radiance, ".radiance")
