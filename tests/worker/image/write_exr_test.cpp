@@ -27,7 +27,8 @@ class WriteExr : public testing::Test {
   void TearDown() override { std::filesystem::remove(path_); }
 
   void write(const std::vector<double>& sums, const std::vector<std::string>& further) const {
-    write_exr(path_, kWidth, kHeight, sums, further, kSamples, {"5c", "{}", 1, "0123456789abcdef"});
+    write_exr(path_, kWidth, kHeight, sums, further, kSamples,
+              {"5c", "{}", 1, "0123456789abcdef", "illuminance", "lx", "W m-2"});
   }
 
   std::map<std::string, std::vector<float>> read() const {

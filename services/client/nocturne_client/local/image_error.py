@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+import OpenEXR
 from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate, estimate_error
 from nocturne_coordinator.dispatch.trust import CONFIDENCE, doubt_of
 from nocturne_scene.quantities import Quantity, quantity_named
@@ -43,15 +43,16 @@ class ImageError:
 
 def image_error(image: Path) -> ImageError:
     """Raises NocturneClientError where the file is none of ours."""
-    buffer = oiio.ImageBuf(str(image))
-    spec = buffer.spec()
-    names = list(spec.channelnames)
-    if buffer.has_error or not {"Y", "Y.stderr", "n"} <= set(names):
-        raise NocturneClientError(f"{image} is no EXR of ours")
-    pixels = np.asarray(buffer.get_pixels(oiio.FLOAT), dtype=np.float64)
-    y, error, n = (pixels[..., names.index(name)] for name in ("Y", "Y.stderr", "n"))
+    try:
+        with OpenEXR.File(str(image), separate_channels=True) as file:
+            channels = file.channels()
+            quantity = quantity_named(file.header().get("nocturne:quantity", ""))
+            found = [np.asarray(channels[name].pixels, dtype=np.float64) for name in ("Y", "Y.stderr", "n")]
+    except (RuntimeError, KeyError) as error:
+        raise NocturneClientError(f"{image} is no EXR of ours") from error
+    y, error_of_y, n = found
     total = y * n
-    squares = error**2 * n * np.maximum(n - 1.0, 0.0) + total**2 / np.maximum(n, 1.0)
+    squares = error_of_y**2 * n * np.maximum(n - 1.0, 0.0) + total**2 / np.maximum(n, 1.0)
     sums = np.stack([total, total, total, squares], axis=-1)
     estimate = estimate_error(sums, n.astype(np.uint32))
-    return ImageError(quantity_named(spec.getattribute("nocturne:quantity") or ""), estimate)
+    return ImageError(quantity, estimate)
