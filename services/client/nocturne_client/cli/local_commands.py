@@ -100,6 +100,8 @@ def compile_scene(
     compiled = compile_to(scene, output, width, height, samples)
     for part in compiled.dropped:
         typer.echo(f"left out: {part}", err=True)
+    for warning in compiled.warnings:
+        typer.echo(f"warning: {warning}", err=True)
     typer.echo(compiled.scene_sha256)
 
 

@@ -26,6 +26,8 @@ class CompiledFolder:
     scene_sha256: str
     dropped: tuple[str, ...] = ()
     """What the compiler left out, with its place."""
+    warnings: tuple[str, ...] = ()
+    """What of the scene can hardly be meant, with its place."""
 
 
 def compile_to(
@@ -49,7 +51,7 @@ def compile_to(
         sha256 = output.scene_sha256
         schedule = schedule_for_scene(blobs, sha256, width, height, samples)
         files = folder / "scene.pb", folder / "schedule.pb", folder / "blobs"
-        compiled = CompiledFolder(*files, sha256, tuple(output.dropped))
+        compiled = CompiledFolder(*files, sha256, tuple(output.dropped), tuple(output.warnings))
         compiled.scene.write_bytes(blobs.path(sha256).read_bytes())
         compiled.schedule.write_bytes(schedule.SerializeToString(deterministic=True))
     except InputError as error:

@@ -51,6 +51,8 @@ def render_scene(asked: LocalRender) -> None:
             raise NocturneClientError(f"{path.absolute().parent}: no such folder")
     with tempfile.TemporaryDirectory(prefix="nocturne-") as folder:
         compiled = compile_to(asked.scene, Path(folder), asked.width, asked.height, asked.samples, asked.seed)
+        for warning in compiled.warnings:
+            ERRORS.print(f"warning: {warning}", markup=False, soft_wrap=True)
         command = [str(program), *_arguments(compiled, asked)]
         if asked.stop:
             sums = Path(folder) / "sums"
