@@ -184,8 +184,8 @@ def _counted(found: list[Ending]) -> Figures:
 
 def wrong_share(figures: Figures, rule: str) -> float:
     """Of all images that ended by their error, those that are off by more than twice."""
-    ended = sum(figures[name][rule]["ended"] for name in SCENES)
-    return sum(figures[name][rule]["wrong"] for name in SCENES) / max(1, ended)
+    ended = sum(int(figures[name][rule]["ended"]) for name in SCENES)
+    return sum(int(figures[name][rule]["wrong"]) for name in SCENES) / max(1, ended)
 
 
 def rows(figures: Figures) -> list[Row]:

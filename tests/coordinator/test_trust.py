@@ -1,6 +1,7 @@
 """When an estimated error is to be trusted, and when two range ends agree on it."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -42,7 +43,7 @@ def test_a_good_estimate_is_trusted() -> None:
         ({"mean": 0.0}, "No light was found"),
     ],
 )
-def test_each_reason_for_doubt_alone_keeps_a_render_going(change: dict[str, float], told: str) -> None:
+def test_each_reason_for_doubt_alone_keeps_a_render_going(change: dict[str, Any], told: str) -> None:
     doubtful = replace(GOOD, **change)
     assert told in doubt_of(doubtful)
     assert RangeEnd.of(doubtful).error == 0.0

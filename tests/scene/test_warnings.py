@@ -53,6 +53,13 @@ def test_an_open_body_of_glass_is_told(
     assert told.startswith(f"{place}bounds a body, and is open: {edges} edges")
 
 
+def test_an_open_body_in_a_group_is_told(document: dict[str, Any], blobs: BlobStore) -> None:
+    document["groups"] = {"glasses": [{"shape": OPEN, "kernel": GLASS}]}
+    document["instances"] = [{"group": "glasses"}]
+    [told] = warnings(document, blobs)
+    assert told.startswith("$.groups.glasses[0].shape: bounds a body, and is open")
+
+
 def test_surfaces_close_a_body_together(document: dict[str, Any], blobs: BlobStore) -> None:
     for triangle in TETRAHEDRON["triangles"]:
         shape = {**TETRAHEDRON, "triangles": [triangle]}

@@ -91,8 +91,10 @@ def changed_conditions(
         raise InputError(problems)
     others = {name: value for name, value in asked.items() if (name, value) != ("until", before.until_text)}
     changes = stop_conditions(others, now).asked()
-    left = replace(before, **dict.fromkeys(drop, 0.0))
-    return replace(left if "until" not in drop else replace(left, until_text=""), **changes)
+    dropped: dict[str, Any] = dict.fromkeys(drop, 0.0)
+    if "until" in drop:
+        dropped["until_text"] = ""
+    return replace(before, **{**dropped, **changes})
 
 
 def ends_at_once(stop: StopConditions, unix_time: float, ran_seconds: float, cpu_seconds: float) -> str:

@@ -93,7 +93,8 @@ def falls(before: RangeEnd, now: RangeEnd) -> bool:
     """Whether an error that is known twice falls with the samples as it should."""
     if not (before.error and now.error and now.samples > before.samples):
         return False
-    return now.error <= before.error * (before.samples / now.samples) ** _SLOWEST_FALL
+    allowed: float = before.error * (before.samples / now.samples) ** _SLOWEST_FALL
+    return now.error <= allowed
 
 
 def samples_to_stop(

@@ -19,6 +19,9 @@ from nocturne_scene.meshes.headers import UnusableMeshError
 _WELDED = 1e-6
 """Of a body's size: corners closer than this are one."""
 
+_MAX_TRIANGLES = 300_000
+"""Of a body that is looked at: a second's work. More come from scanners, which close them."""
+
 _Corners = NDArray[np.float64]
 
 
@@ -48,6 +51,8 @@ def _open_bodies(document: SceneDocument, shapes: Shapes) -> Iterator[str]:
         except (Unusable, UnusableMeshError):
             # Told as an error of the scene.
             continue
+        if sum(map(len, corners)) > _MAX_TRIANGLES:
+            continue
         if edges := _open_edges(np.concatenate(corners)):
             others = f", together with {len(parts) - 1} other surfaces" if len(parts) > 1 else ""
             yield (
@@ -60,8 +65,9 @@ def _surfaces(document: SceneDocument) -> Iterator[tuple[str, str, Surface]]:
     for index, surface in enumerate(document.surfaces):
         yield "", path(("surfaces", index)), surface
     for name, group in document.groups.items():
-        for index, surface in enumerate(group.surfaces):
-            yield name, path(("groups", name, "surfaces", index)), surface
+        for index, part in enumerate(group):
+            if isinstance(part, Surface):
+                yield name, path(("groups", name, index)), part
 
 
 def _encloses(document: SceneDocument, surface: Surface) -> bool:

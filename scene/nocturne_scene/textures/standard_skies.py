@@ -6,6 +6,8 @@ the Sun, each with its value for the zenith taken out. Fifteen types, after Kitt
 the sixteenth is the older overcast sky of Moon and Spencer (1942).
 """
 
+import math
+
 import numpy as np
 
 from nocturne_scene.spectra.published import Floats
@@ -98,6 +100,7 @@ def texels(kind: int, cos_sun: float, rows: int, columns: int) -> Floats:
 
 def illuminance(luminances: Floats) -> float:
     """That of the ground below such a map, lx for cd/m2: the integral of luminance times cosine."""
-    rows, columns = luminances.shape
+    rows = len(luminances)
     z = 1 - 2 * (np.arange(rows) + 0.5) / rows
-    return float((luminances * np.maximum(z, 0.0)[:, None]).sum()) * 4 * np.pi / (rows * columns)
+    whole: float = np.sum(luminances * np.maximum(z, 0.0)[:, None]) * 4 * math.pi
+    return whole / luminances.size
