@@ -152,7 +152,6 @@ def write_image(
     }
     if provenance.manifest:
         header["nocturne:tileSamples"] = provenance.manifest
-    path.parent.mkdir(parents=True, exist_ok=True)
     try:
         with OpenEXR.File(header, _exr_channels(sums, counts, further_responses)) as file:
             file.write(str(path))
@@ -181,7 +180,6 @@ def _planes(names: Sequence[str], pixels: npt.NDArray[np.float32]) -> dict[str, 
 
 
 def _write_png(path: Path, spec: oiio.ImageSpec, pixels: npt.NDArray[np.uint8]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
     output = oiio.ImageOutput.create("png")
     if output is None:
         raise OSError(f"can't write {path}: {oiio.geterror()}")
