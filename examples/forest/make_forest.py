@@ -29,6 +29,40 @@ CLEARING = 17.0
 """Radius around the hut without trees, m."""
 TREE = 10.0
 """Height of a tree before it is scaled, m."""
+SPECTRA: Document = {
+    "needles": {
+        "table": [
+            [400, 0.03],
+            [500, 0.045],
+            [550, 0.11],
+            [600, 0.06],
+            [680, 0.035],
+            [720, 0.2],
+            [760, 0.4],
+        ]
+    },
+    "grass": {
+        "table": [
+            [400, 0.04],
+            [500, 0.07],
+            [550, 0.15],
+            [600, 0.13],
+            [680, 0.09],
+            [720, 0.28],
+            [760, 0.42],
+        ]
+    },
+    "bark": {"table": [[400, 0.05], [550, 0.11], [700, 0.2]]},
+    "planks": {"table": [[400, 0.09], [500, 0.16], [600, 0.28], [700, 0.38]]},
+    "shingles": {"table": [[400, 0.1], [550, 0.13], [620, 0.22], [700, 0.27]]},
+}
+KERNELS: Document = {
+    "needles": {"type": "diffuse_transmitter", "reflectance": "needles", "transmittance": "needles"},
+    "grass": {"type": "lambertian", "reflectance": "grass"},
+    "bark": {"type": "lambertian", "reflectance": "bark"},
+    "planks": {"type": "lambertian", "reflectance": "planks"},
+    "shingles": {"type": "lambertian", "reflectance": "shingles"},
+}
 
 
 def main(folder: Path) -> None:
@@ -239,40 +273,8 @@ def scene(places: list[Document]) -> Document:
         "name": "Forest",
         "source": "Made up by make_forest.py; air after Bodhaine et al. 1999, the Sun after ASTM G173-03.",
         "note": "Instances of instances, smoke of a simulation, the sky and the Sun: figure 1 of the paper.",
-        "spectra": {
-            "needles": {
-                "table": [
-                    [400, 0.03],
-                    [500, 0.045],
-                    [550, 0.11],
-                    [600, 0.06],
-                    [680, 0.035],
-                    [720, 0.2],
-                    [760, 0.4],
-                ]
-            },
-            "grass": {
-                "table": [
-                    [400, 0.04],
-                    [500, 0.07],
-                    [550, 0.15],
-                    [600, 0.13],
-                    [680, 0.09],
-                    [720, 0.28],
-                    [760, 0.42],
-                ]
-            },
-            "bark": {"table": [[400, 0.05], [550, 0.11], [700, 0.2]]},
-            "planks": {"table": [[400, 0.09], [500, 0.16], [600, 0.28], [700, 0.38]]},
-            "shingles": {"table": [[400, 0.1], [550, 0.13], [620, 0.22], [700, 0.27]]},
-        },
-        "kernels": {
-            "needles": {"type": "diffuse_transmitter", "reflectance": "needles", "transmittance": "needles"},
-            "grass": {"type": "lambertian", "reflectance": "grass"},
-            "bark": {"type": "lambertian", "reflectance": "bark"},
-            "planks": {"type": "lambertian", "reflectance": "planks"},
-            "shingles": {"type": "lambertian", "reflectance": "shingles"},
-        },
+        "spectra": SPECTRA,
+        "kernels": KERNELS,
         "media": {
             "smoke": {
                 "absorption": 0.02,
