@@ -140,7 +140,7 @@ def fluence(albedo: float, r: float) -> float:
     return float(pole + integral(cut, 0.0, 1.0, epsrel=1e-10, limit=400)[0]) / (4.0 * pi * r)
 
 
-_SAMPLES = {0.5: 1024, 0.9: 256, 0.99: 48}
+_SAMPLES = {0.5: 512, 0.9: 128, 0.99: 24}
 _SHELL = 0.15
 """Standard deviation of a shell over its radius."""
 
