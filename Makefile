@@ -22,7 +22,7 @@ STAMPS := build/stamps
 PROCESSES := --dist worksteal --numprocesses
 NOT_MINUTES := not soak and not references and not peers and not containers
 
-.PHONY: help packages venv proto web worker build dist containers demo stop test check check-types check-page check-form test-page test-cpp format unit system screenshots soak fuzz references peers stability preflights sanitize bench lock contract docs gallery clean
+.PHONY: help packages venv proto web worker build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-python format unit system screenshots soak fuzz references peers stability preflights sanitize bench lock contract docs gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -75,16 +75,17 @@ demo: build  ## Start the service, render the Cornell box, show where the image 
 stop:  ## Stop the service that `make demo` started
 	@python3 -c "import json, os, signal; os.kill(json.load(open('data/service.json'))['pid'], signal.SIGTERM)"
 
-# What the page promises about time leaves a processor to the C++ tests, which wait half of theirs. Of the tests in Python
-# some trace and some wait, so there are twice as many processes as processors.
+# Beside what the page promises about time runs no more than one C++ test. Of the tests in Python some trace and some wait,
+# so there are twice as many processes as processors.
 test: check  ## All tests
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync test-page test-cpp
-	pytest -m "$(NOT_MINUTES)" --ignore tests/web $(PROCESSES) 4
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync test-cpp test-python
+test-cpp: build
+	ctest --test-dir build/release --output-on-failure --no-tests=error
 test-page: build
 	npm --prefix services/web run --silent test
 	pytest tests/web
-test-cpp: build
-	ctest --test-dir build/release --output-on-failure --no-tests=error
+test-python: test-page
+	pytest -m "$(NOT_MINUTES)" --ignore tests/web $(PROCESSES) 4
 
 check: build  ## Formatting, lint, types, who may import whom
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync check-types check-page check-form
