@@ -255,18 +255,21 @@ def _is_free(x: float, z: float) -> bool:
     return not (-25.0 < from_camera < length and abs(x - line) < 5.0 + 0.09 * max(from_camera, 0.0))
 
 
-def scene(places: list[Document]) -> Document:
-    """The document."""
-    ground_height = at(*HUT)
-    hut = {"translate": [HUT[0], ground_height, HUT[1]], "rotate": {"axis": [0, 1, 0], "degrees": 20}}
+def smoke_place(ground_height: float, size: float) -> list[float]:
+    """Where the smoke's file is put: its source, 0.2 above the file's origin, is at the chimney."""
     chimney = [
         HUT[0] + 1.6 * np.cos(np.radians(20)),
         ground_height + 6.1,
         HUT[1] - 1.6 * np.sin(np.radians(20)),
     ]
+    return [round(float(v), 3) for v in np.array(chimney) - [0.0, 0.2 * size, 0.0]]
+
+
+def scene(places: list[Document]) -> Document:
+    """The document."""
+    ground_height = at(*HUT)
+    hut = {"translate": [HUT[0], ground_height, HUT[1]], "rotate": {"axis": [0, 1, 0], "degrees": 20}}
     size = 14.0
-    # The source of the smoke is 0.2 above the file's origin.
-    smoke_place = [round(float(v), 3) for v in np.array(chimney) - [0.0, 0.2 * size, 0.0]]
     eye = [CAMERA[0], at(*CAMERA) + 3.2, CAMERA[1]]
     return {
         "nocturne": 1,
@@ -284,7 +287,7 @@ def scene(places: list[Document]) -> Document:
                     "asset": "smoke.vdb",
                     "grid": "density",
                     "scale": size,
-                    "translate": smoke_place,
+                    "translate": smoke_place(ground_height, size),
                 },
             }
         },
