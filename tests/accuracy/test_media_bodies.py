@@ -20,7 +20,7 @@ from tests.accuracy.tracing import Document
 
 pytestmark = pytest.mark.system
 
-_SAMPLES = 64
+_SAMPLES = 32
 
 _KERNEL_ONLY: Document = {"estimator": "mixture", "mixture": {"kernel": 1.0, "environment": 0.0}, "h": 1e6}
 """No photon is aimed or dies: where nothing is absorbed, each carries 1 to the end."""
@@ -291,7 +291,8 @@ def test_airlight(case: tuple[float, float, float, float, float, float], tmp_pat
     fog: Document = {"scattering": part * scattering, "absorption": max(extinction - part * scattering, 0.0)}
     fog |= {"phase": {"type": "henyey_greenstein", "g": g}} if g else {}
     document |= {"media": {"fog": fog}, "unbounded_media": ["fog"]}
-    read(document, tmp_path, 8 * _SAMPLES).check(_AIRLIGHTS[case], 4e-4)
+    # Few photons meet the lamp: with fewer than these their mean is not normal.
+    read(document, tmp_path, 16 * _SAMPLES).check(_AIRLIGHTS[case], 4e-4)
 
 
 def test_attenuation_through_air_around_a_planet(tmp_path: Path) -> None:

@@ -1,6 +1,6 @@
 """Slabs of media: how much light they let through and send back.
 
-Truths, with their sources: data/media.json. Standard errors come from 64 pixels, and are about 1 % where half
+Truths, with their sources: data/media.json. Standard errors come from 64 pixels, and are about 1.4 % where half
 of the light comes through, more for fainter light. False alarms: 0.01 for each test.
 """
 
