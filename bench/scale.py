@@ -50,7 +50,7 @@ class Farm:
 
     def merged_cpu_s(self) -> float:
         """Processor seconds of all ranges that are merged and committed."""
-        return self.folder.renders.spent()[1]
+        return self.folder.renders.totals().cpu_seconds
 
     def waiting_cpu_s(self) -> float:
         """The same of ranges whose results wait for earlier ones."""

@@ -71,69 +71,85 @@ def _parser() -> argparse.ArgumentParser:
         help="redis://host:port or unix:///path/to/socket; user and "
         "password come from the environment: NOCTURNE_REDIS_USER, NOCTURNE_REDIS_PASSWORD",
     )
-    parser.add_argument(
-        "--commit-seconds",
-        type=float,
-        default=COMMIT_SECONDS,
-        help="time between commits: what a crash may cost (default %(default)s)",
-    )
-    parser.add_argument(
+    _add_audit_options(parser.add_argument_group("failure policy and audits"))
+    _add_commit_options(parser.add_argument_group("commits and checkpoints"))
+    _add_sharing_options(parser.add_argument_group("several coordinators on one folder"))
+    _add_monitoring_options(parser.add_argument_group("monitoring"))
+    return parser
+
+
+def _add_audit_options(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
         "--overdue-seconds",
         type=_seconds,
         default=MIN_OVERDUE,
         help="a job without a result is published again after that, or 20 times the usual time if that is "
         "longer (default %(default)s)",
     )
-    parser.add_argument(
+    group.add_argument(
         "--audit-share",
         type=_share,
         default=SHARE,
         help="part of all jobs that is traced again by another worker (default %(default)s)",
     )
-    parser.add_argument(
+    group.add_argument(
         "--audit-share-new",
         type=_share,
         default=NEW_SHARE,
         help="the same of the first jobs of a worker (default %(default)s)",
     )
-    parser.add_argument(
+
+
+def _add_commit_options(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        "--commit-seconds",
+        type=float,
+        default=COMMIT_SECONDS,
+        help="time between commits: what a crash may cost (default %(default)s)",
+    )
+    group.add_argument(
         "--checkpoints",
         type=Path,
         metavar="DIR",
         help="where copies of the database go, best on another disk (default: DATA/checkpoints)",
     )
-    parser.add_argument(
+    group.add_argument(
         "--checkpoint-seconds",
         type=float,
         default=CHECKPOINT_SECONDS,
         help="time between two (default %(default)s); 0: none",
     )
-    parser.add_argument(
+
+
+def _add_sharing_options(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
         "--shared",
         action="store_true",
         help="share the folder's renders with other coordinators that are started so",
     )
-    parser.add_argument(
+    group.add_argument(
         "--lease-seconds",
         type=float,
         default=LEASE_SECONDS,
         help="with --shared, after how long without a sign of life others take renders (default %(default)s)",
     )
-    parser.add_argument(
+
+
+def _add_monitoring_options(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
         "--event-log",
         type=Path,
         metavar="FILE",
         help="write down all that decides, at most 1 GiB, for `python -m nocturne_coordinator.replay FILE`; "
         "the last one is kept as FILE.1",
     )
-    parser.add_argument(
+    group.add_argument(
         "--alive",
         type=Path,
         metavar="FILE",
         help="its time is set about every second while the coordinator works on the folder: for probes",
     )
-    parser.add_argument("--log-level", default="info", choices=["debug", "info", "warning", "error"])
-    return parser
+    group.add_argument("--log-level", default="info", choices=["debug", "info", "warning", "error"])
 
 
 def _share(text: str) -> float:

@@ -3,7 +3,7 @@
 import os
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 
 UNFINISHED = ".unfinished-"
@@ -11,11 +11,16 @@ UNFINISHED = ".unfinished-"
 
 
 @contextmanager
-def replacing(path: Path, durable: bool = False, folder: Path | None = None) -> Iterator[Path]:
+def replacing(
+    path: Path,
+    durable: bool = False,
+    folder: Path | None = None,
+    within: AbstractContextManager[object] | None = None,
+) -> Iterator[Path]:
     """An empty file to write to, which becomes `path` at the end of `with`, and is gone after an error.
 
     `durable`: its content is on the disk before it is seen. It lies in `folder`, of the same file system;
-    without one, beside `path`.
+    without one, beside `path`. The renaming alone happens inside `within`, which may refuse it by an error.
     """
     descriptor, name = tempfile.mkstemp(dir=folder or path.parent, prefix=UNFINISHED, suffix=path.suffix)
     os.close(descriptor)
@@ -27,6 +32,7 @@ def replacing(path: Path, durable: bool = False, folder: Path | None = None) -> 
         if durable:
             with unfinished.open("rb") as file:
                 os.fsync(file.fileno())
-        unfinished.replace(path)
+        with within or nullcontext():
+            unfinished.replace(path)
     finally:
         unfinished.unlink(missing_ok=True)

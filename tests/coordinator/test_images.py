@@ -51,7 +51,7 @@ def test_one_sample_has_no_error_yet() -> None:
 def test_exr_keeps_every_bit(tmp_path: Path, count: int) -> None:
     sums, counts = film()
     counts[2, 3] = count
-    path = tmp_path / "new" / "image.exr"
+    path = tmp_path / "image.exr"
     write_image(path, sums, counts, PROVENANCE)
     xyz, stderr, read_counts = read_exr(path)
     assert np.array_equal(read_counts, counts)

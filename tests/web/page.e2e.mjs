@@ -273,9 +273,9 @@ const checks = {
       send("pointerup", 400);
       return (1000 * (painted() - first)) / (performance.now() - start);
     });
-    // Whatever else the machine does only slows it.
-    const rates = [await pan(), await pan(), await pan()];
-    const rate = Math.max(...rates);
+    // Whatever else the machine does only slows it, so the best of three tries counts.
+    let rate = 0;
+    for (let tries = 0; tries < 3 && rate < 30; tries += 1) rate = Math.max(rate, await pan());
     note(`${rate.toFixed(0)} frames a second, painted by the processor`);
     if (quiet()) assert.ok(rate >= 30, `${rate} frames a second`);
   },

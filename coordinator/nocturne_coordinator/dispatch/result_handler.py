@@ -115,9 +115,8 @@ class ResultHandler:
             return
         # The first jobs of a render have none.
         if result.job.floating_point_profile not in ("", render.floating_point_profile):
-            self._refuse_of(
-                render, entry, f"worker={worker}: the job has another floating-point profile", outcome
-            )
+            reason = f"worker={worker}: the job has another floating-point profile"
+            self._refuse_of(render, entry, reason, outcome)
             return
         if result.WhichOneof("outcome") == "failure":
             outcome.settled.append(entry)

@@ -2,7 +2,7 @@
 
 A range of a tile is planned, published, held (its result is here and waits for an earlier range) or
 completed; docs/explanation/queue.md has the table. Kept here: for each running render how far each tile is,
-and what is in flight.
+and what is in flight. One file, though long: each event changes both, so the events stand together.
 """
 
 from collections import deque

@@ -159,7 +159,6 @@ def write_image(
     header |= _measured(provenance.quantity)
     if provenance.doubt:
         header["nocturne:errorDoubt"] = provenance.doubt
-    path.parent.mkdir(parents=True, exist_ok=True)
     try:
         with OpenEXR.File(header, _exr_channels(sums, counts, further_responses)) as file:
             file.write(str(path))
@@ -204,7 +203,6 @@ def _planes(names: Sequence[str], pixels: npt.NDArray[np.float32]) -> dict[str, 
 
 
 def _write_png(path: Path, spec: oiio.ImageSpec, pixels: npt.NDArray[np.uint8]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
     output = oiio.ImageOutput.create("png")
     if output is None:
         raise OSError(f"can't write {path}: {oiio.geterror()}")

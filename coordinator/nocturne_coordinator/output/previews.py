@@ -4,10 +4,12 @@ import json
 import logging
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.errors import NotFound
+from nocturne_scene.replacing import replacing
 
 from nocturne_coordinator.dispatch.records import FailedTile
 from nocturne_coordinator.dispatch.running_render import RunningRender
@@ -83,24 +85,21 @@ class Previews:
             path = place_of(render.id)
         except NotFound:
             raise LeaseLost(render.id) from None
-        written = path.with_name(f".{render.row.fence}-{path.name}")
+        holding = partial(self._ledger.leases.holding, render.id, render.row.fence)
         try:
             try:
-                yield written
+                path.parent.mkdir(parents=True, exist_ok=True)
+                with replacing(path, within=holding()) as unfinished:
+                    yield unfinished
             except OSError:
                 # The folder of a render goes when it is deleted: that is no trouble of ours.
-                with self._ledger.leases.holding(render.id, render.row.fence):
+                with holding():
                     raise
-            with self._ledger.leases.holding(render.id, render.row.fence):
-                written.replace(path)
         except LeaseLost:
-            written.unlink(missing_ok=True)
             # Of a render that was deleted nothing stays behind; a folder with something in it stays.
             with suppress(OSError):
                 path.parent.rmdir()
             raise
-        finally:
-            written.unlink(missing_ok=True)
 
 
 def provenance_of(render: RunningRender) -> Provenance:

@@ -20,7 +20,7 @@ from nocturne_coordinator.dispatch.records import ErrorPoint, RenderState
 from nocturne_coordinator.dispatch.stopping import StopConditions, check_tile_samples
 from nocturne_coordinator.errors import AmbiguousId, Conflict, FilesGone
 from nocturne_coordinator.store.database import Database
-from nocturne_coordinator.store.rows import NewRender, RenderRow
+from nocturne_coordinator.store.rows import MergedTotals, NewRender, RenderRow
 
 _COLUMNS = ", ".join(field.name for field in fields(RenderRow))
 
@@ -176,10 +176,15 @@ class Renders:
         )
         return int(row["open"] or 0) if row is not None else 0
 
-    def spent(self) -> tuple[int, float]:
-        """Photons merged and processor seconds, of all renders."""
-        row = self._database.row("SELECT sum(photons) AS photons, sum(cpu_seconds) AS cpu FROM render")
-        return (int(row["photons"] or 0), float(row["cpu"] or 0.0)) if row is not None else (0, 0.0)
+    def totals(self) -> MergedTotals:
+        """What was merged of all renders, and what it cost."""
+        row = self._database.row(
+            "SELECT sum(photons / photons_per_sample) AS samples, sum(rays) AS rays, "
+            "sum(cpu_seconds) AS cpu FROM render"
+        )
+        if row is None:
+            return MergedTotals(0, 0, 0.0)
+        return MergedTotals(int(row["samples"] or 0), int(row["rays"] or 0), float(row["cpu"] or 0.0))
 
 
 def _render_row(row: sqlite3.Row) -> RenderRow:

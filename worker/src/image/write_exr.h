@@ -20,9 +20,10 @@ struct ImageProvenance {
 
 /// Writes means and errors from sums (per pixel, row by row: sum X, Y, Z, Y^2 and one for each
 /// further response) over `samples` samples of every pixel: channels X, Y, Z (Y in cd/m2), Y.stderr
-/// (float), n (uint) and one with the name of each further response (float). Throws
-/// std::invalid_argument where sums are more or fewer than that or two channels have one name, and
-/// another std::exception where the file can't be written.
+/// (float), n (uint), one with the name of each further response (float), and linear sRGB in R, G,
+/// B (float) for viewers, unless a response has one of these names. Throws std::invalid_argument
+/// where sums are more or fewer than that or two channels have one name, and another std::exception
+/// where the file can't be written.
 void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const double> sums, std::span<const std::string> further_responses,
                std::uint32_t samples, const ImageProvenance& provenance);

@@ -47,10 +47,11 @@ class _Collector:
         yield states
         backlog = "Ranges of queued and running renders that are not merged: what to scale workers by."
         yield GaugeMetricFamily("nocturne_backlog_ranges", backlog, value=self._folder.renders.backlog())
-        photons, cpu_seconds = self._folder.renders.spent()
-        yield CounterMetricFamily("nocturne_photons", "Photons merged, of all renders.", value=photons)
+        totals = self._folder.renders.totals()
+        yield CounterMetricFamily("nocturne_samples", "Samples merged, of all renders.", value=totals.samples)
+        yield CounterMetricFamily("nocturne_rays", "Rays traced for them.", value=totals.rays)
         yield CounterMetricFamily(
-            "nocturne_cpu_seconds", "Processor time of workers, of all renders.", value=cpu_seconds
+            "nocturne_cpu_seconds", "Processor time of workers, of all renders.", value=totals.cpu_seconds
         )
 
     def _workers(self) -> Iterator[Metric]:
@@ -59,8 +60,9 @@ class _Collector:
         yield GaugeMetricFamily(
             "nocturne_workers_in_quarantine", "Workers whose results are not taken.", value=len(quarantined)
         )
-        rate = sum(worker.photons_per_second for worker in workers)
-        yield GaugeMetricFamily("nocturne_photons_per_second", "As workers say themselves.", value=rate)
+        rate = sum(worker.rays_per_second for worker in workers)
+        about = "Rays that workers trace each second, as they report it."
+        yield GaugeMetricFamily("nocturne_rays_per_second", about, value=rate)
 
 
 def metrics_text(folder: DataFolder) -> bytes:

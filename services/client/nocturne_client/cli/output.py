@@ -12,9 +12,9 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Column, Table
 
-from nocturne_client.client import DEFAULT_URL
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Progress, Render, Worker
+from nocturne_client.transport import DEFAULT_URL
 
 CONSOLE = Console(highlight=False)
 # Of up to eight columns beside the ids, which wrap: five characters each.

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
+from nocturne_scene.replacing import replacing
 from rich.markup import escape
 from rich.panel import Panel
 
@@ -149,9 +150,8 @@ class _Stack:
             "pid": os.getpid(),
             "children": {child.name: child.pid for child in self._children},
         }
-        temporary = self._file.with_suffix(".new")
-        temporary.write_text(json.dumps(content, indent=2) + "\n")
-        temporary.replace(self._file)
+        with replacing(self._file) as unfinished:
+            unfinished.write_text(json.dumps(content, indent=2) + "\n")
 
 
 def _redis_command(path: Path) -> list[str]:
