@@ -45,7 +45,8 @@ class ServiceProcesses:
         self.client = Client(self.url)
         self.redis_server = self._program("redis", need_program("redis-server"), *self._redis_words())
         self.coordinator = self._python(
-            *("nocturne_coordinator.main", "--redis", coordinators, "--commit-seconds", "0.2"),
+            # Often, so that a test sees soon that a render is in mid-work.
+            *("nocturne_coordinator.main", "--redis", coordinators, "--commit-seconds", "0.05"),
             *coordinator_words,
         )
         self._api = self._python(
