@@ -46,7 +46,7 @@ class ServiceProcesses:
         self.redis_server = self._program("redis", need_program("redis-server"), *self._redis_words())
         self.coordinator = self._python(
             # Often, so that a test sees soon that a render is in mid-work.
-            *("nocturne_coordinator.main", "--redis", coordinators, "--commit-seconds", "0.05"),
+            *("nocturne_coordinator.main", "--redis", coordinators, "--commit-seconds", "0.1"),
             *coordinator_words,
         )
         self._api = self._python(
