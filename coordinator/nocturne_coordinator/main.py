@@ -17,6 +17,7 @@ from nocturne_scene.errors import NocturneError
 from nocturne_coordinator.clock import Clock
 from nocturne_coordinator.coordinator import Coordinator
 from nocturne_coordinator.dispatch.audit import NEW_SHARE, SHARE
+from nocturne_coordinator.dispatch.job_cost import JOB_SECONDS
 from nocturne_coordinator.dispatch.scheduler import MIN_OVERDUE
 from nocturne_coordinator.dispatch.state import COMMIT_SECONDS, Settings
 from nocturne_coordinator.errors import AlreadyOwned, OwnershipLost, QueueError, QueueTaken, UnusableFolder
@@ -85,6 +86,13 @@ def _add_audit_options(group: argparse._ArgumentGroup) -> None:
         default=MIN_OVERDUE,
         help="a job without a result is published again after that, or 20 times the usual time if that is "
         "longer (default %(default)s)",
+    )
+    group.add_argument(
+        "--job-seconds",
+        type=_seconds,
+        default=JOB_SECONDS,
+        help="processor time that a job should take at most; ranges are cut by what earlier ones took, and a "
+        "job is stopped at ten times that (default %(default)s)",
     )
     group.add_argument(
         "--audit-share",
@@ -185,6 +193,7 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
             options.overdue_seconds,
             options.audit_share,
             options.audit_share_new,
+            options.job_seconds,
         )
         ledger = Ledger(folder.database, ownership)
         if options.checkpoint_seconds > 0.0:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Self
 
 from nocturne.v1 import job_pb2
@@ -115,6 +116,31 @@ def extended_schedule(schedule: job_pb2.RangeSchedule, samples: int) -> job_pb2.
     del extended.range_ends[:]
     extended.range_ends.extend([*before, *(end for end in fresh.range_ends if end > before[-1])])
     return extended
+
+
+def recut_schedule(
+    schedule: job_pb2.RangeSchedule, completed: int, longest: int
+) -> job_pb2.RangeSchedule | None:
+    """The same samples in ranges of at most `longest`, but for ranges that begin before sample `completed`:
+    some tile has those, and all tiles are to be cut alike.
+
+    None where there is nothing to cut, or where there would be more jobs than `limits.MAX_RANGES`.
+    """
+    tiles = TileGrid.of(schedule).count
+    longest = max(longest, FIRST_RANGE)
+    ends: list[int] = []
+    for first, end in pairwise([0, *schedule.range_ends]):
+        if first >= completed and end - first > longest:
+            if (len(ends) + (end - first) // longest) * tiles > limits.MAX_RANGES:
+                return None
+            ends.extend(range(first + longest, end, longest))
+        ends.append(end)
+    if len(ends) == len(schedule.range_ends) or len(ends) * tiles > limits.MAX_RANGES:
+        return None
+    recut = job_pb2.RangeSchedule()
+    recut.CopyFrom(schedule)
+    recut.range_ends[:] = ends
+    return recut
 
 
 def _edge_problems(place: str, edge: int) -> list[Problem]:

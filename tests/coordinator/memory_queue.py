@@ -68,6 +68,7 @@ class MemoryQueue(JobQueue):
         self.result_stream: dict[bytes, bytes] = {}
         self.pending: dict[bytes, Delivery] = {}
         self.delivered: set[bytes] = set()
+        self.stopped: set[bytes] = set()
         self.statuses: dict[str, tuple[bytes, float]] = {}
         self.without_jobs: dict[str, float] = {}
         self.runs: set[str] = set()
@@ -130,6 +131,11 @@ class MemoryQueue(JobQueue):
             self.job_stream.pop(entry, None)
             if entry not in self.pending:
                 self.delivered.discard(entry)
+        self._answered()
+
+    def stop_jobs(self, entries: list[bytes]) -> None:
+        self.check_up()
+        self.stopped.update(entries)
         self._answered()
 
     def results(self, after: bytes, wait_ms: int) -> list[Entry]:

@@ -25,7 +25,7 @@ struct Arguments {
   std::string id;
   unsigned threads = std::max(1U, std::thread::hardware_concurrency());
   unsigned lease_ms = 10000;
-  unsigned grace_seconds = 25;
+  unsigned grace_seconds = 1;
   bool debug = false;
   std::uint64_t texture_bytes = nocturne::kTextureMemoryBytes;
   nocturne::AssetCacheOptions cache;
@@ -76,9 +76,10 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--texture-memory", arguments.texture_bytes,
                  "tiles of textures held in memory; 256MiB")
       ->transform(CLI::AsSizeValue(false));
-  app.add_option("--grace-seconds", arguments.grace_seconds,
-                 "after SIGTERM or SIGINT, how long running jobs may go on before they are handed "
-                 "back; a second signal ends the program at once")
+  app.add_option(
+         "--grace-seconds", arguments.grace_seconds,
+         "after SIGTERM or SIGINT, how long running jobs may go on before they are stopped and "
+         "handed back; a second signal ends the program at once")
       ->check(CLI::Range(0, 3600))
       ->capture_default_str();
   app.add_flag("--debug", arguments.debug, "a log line for every job");
@@ -122,7 +123,8 @@ int run(const Arguments& arguments) {
       .floating_point_profile = nocturne::floating_point_profile(),
       .threads = arguments.threads,
       .lease = std::chrono::milliseconds(arguments.lease_ms)};
-  nocturne::Worker worker(options, [&](const nocturne::v1::Job& job) { return tracer.trace(job); });
+  nocturne::Worker worker(
+      options, [&](const auto& job, auto& running) { return tracer.trace(job, running); });
   const std::string name = "worker=" + options.id;
   log_line(LogLevel::kInfo, name + " threads=" + std::to_string(options.threads) +
                                 " floating_point_profile=" + options.floating_point_profile +

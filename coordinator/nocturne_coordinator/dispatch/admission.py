@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from itertools import pairwise
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.ranges import XYZ_SUMS
@@ -18,6 +19,7 @@ from nocturne_coordinator.dispatch.instructions import (
     LookAgain,
     ReadRenders,
     ReadTiles,
+    Recut,
     StartAnew,
     StartRender,
     Steps,
@@ -124,6 +126,28 @@ class Admission:
                     yield from self._commits.drop(render.id)
                     yield LookAgain()
 
+    def cut_long_ranges(self, at: Moment) -> Steps[None]:
+        """A render whose next jobs would take too long gets shorter ranges, and is taken up again."""
+        for render in list(self._state.renders.values()):
+            if render.recut() is None:
+                continue
+            if not (yield from self._commits.commit(at)) or render.id not in self._state.renders:
+                continue
+            schedule = render.recut()
+            if schedule is None:
+                continue
+            try:
+                yield Recut(render.id, render.row.fence, schedule)
+            except LeaseLost as lost:
+                yield from self._commits.lose(lost.render_id)
+            except FolderTrouble as trouble:
+                yield from self._commits.report(trouble)
+            else:
+                longest = max(end - first for first, end in pairwise([0, *schedule.range_ends]))
+                yield Log(INFO, f"render={render.id} has ranges of at most {longest} samples from here on")
+                yield from self._commits.drop(render.id, jobs_stay=True)
+                yield LookAgain()
+
     def end(self, render: OpenRender, state: RenderState, reason: str) -> Steps[None]:
         """Writes a final state."""
         if (yield EndRender(render, state, reason)):
@@ -165,7 +189,7 @@ class Admission:
         if row.state is RenderState.QUEUED and not (yield StartRender(row.id, row.fence)):
             return
         try:
-            render = RunningRender(row, (yield ReadTiles(row.id)), at.now)
+            render = RunningRender(row, (yield ReadTiles(row.id)), at.now, self._state.settings.job_seconds)
         except ValueError as error:
             reason = f"Its committed samples can't be read: {error}"
             yield from self.end(row, RenderState.FAILED, reason)

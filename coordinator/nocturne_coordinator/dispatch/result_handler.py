@@ -120,7 +120,11 @@ class ResultHandler:
             return
         if result.WhichOneof("outcome") == "failure":
             outcome.settled.append(entry)
-            self._fail(render, key, worker, result.failure[:MAX_REASON], outcome)
+            if result.stopped_too_long and render.stopped_too_long(planned.index, result.job.max_cpu_seconds):
+                outcome.lines.append(Log(WARNING, f"{key} took too long at worker={worker}; it is cut"))
+                self._give_back(key, outcome)
+            else:
+                self._fail(render, key, worker, result.failure[:MAX_REASON], outcome)
             return
         try:
             sums = check_partial(
@@ -144,6 +148,7 @@ class ResultHandler:
             partial.cpu_seconds,
             entry,
             worker,
+            partial.truncated_paths,
         )
         self._merge(render, key, offered, now, draw, outcome, partial)
 

@@ -57,6 +57,7 @@ class Dispatcher:
         self._last_result = FIRST
         self._results_done: list[bytes] = []
         self._jobs_done: list[bytes] = []
+        self._jobs_stopped: list[bytes] = []
         self._newcomers: set[str] = set()
         self._backlog: _Backlog | None = None
         self._without_jobs: Mapping[str, str] = {}
@@ -90,9 +91,11 @@ class Dispatcher:
         """Results to delete."""
         self._results_done.extend(results)
 
-    def withdraw(self, jobs: tuple[bytes, ...]) -> None:
-        """Jobs to take off the stream."""
+    def withdraw(self, jobs: tuple[bytes, ...], stop: bool) -> None:
+        """Jobs to take off the stream; `stop`: who works on one need not end it."""
         self._jobs_done.extend(jobs)
+        if stop:
+            self._jobs_stopped.extend(jobs)
 
     def leave(self) -> None:
         """Deletes what is to be deleted, and gives the lease on Redis back."""
@@ -177,6 +180,7 @@ class Dispatcher:
             self._backlog = None
             self._results_done.clear()
             self._jobs_done.clear()
+            self._jobs_stopped.clear()
         if not ours or not self.in_step:
             self._find_jobs(at)
             _log.info("Redis: in step")
@@ -202,6 +206,9 @@ class Dispatcher:
             self._queue.delete_results(self._results_done)
             self._results_done.clear()
             crash_point("after-acknowledge")
+        if self._jobs_stopped:
+            self._queue.stop_jobs(self._jobs_stopped)
+            self._jobs_stopped.clear()
         if self._jobs_done:
             self._queue.delete_jobs(self._jobs_done)
             self._jobs_done.clear()

@@ -29,6 +29,9 @@ SESSION_SECONDS = 10.0
 _RUN_SECONDS = 60.0
 """How long a run leaves its mark on Redis: longer than it ever takes from one renewal to the next."""
 
+_WITHDRAWN_SECONDS = 60.0
+"""How long workers are told of a job that nobody needs; they ask twice a second."""
+
 _RENEWALS = 5
 """Attempts, as other coordinators of the folder renew the same lease."""
 
@@ -207,6 +210,14 @@ class JobQueue:
     def delete_jobs(self, entries: list[bytes]) -> None:
         """Takes jobs off the stream; who works on one may finish it."""
         self._delete(keys.JOBS, entries)
+
+    @_queue_errors
+    def stop_jobs(self, entries: list[bytes]) -> None:
+        """Tells who works on one of these that nobody needs it any more."""
+        pipeline = self._client.pipeline(transaction=False)
+        for entry in entries:
+            pipeline.set(keys.WITHDRAWN_PREFIX + entry.decode(), b"", px=int(1000 * _WITHDRAWN_SECONDS))
+        pipeline.execute()
 
     @_queue_errors
     def results(self, after: bytes, wait_ms: int) -> list[Entry]:

@@ -25,5 +25,9 @@ WORKER_PREFIX = PREFIX + "worker:"
 QUARANTINE_PREFIX = PREFIX + "quarantine:"
 """Strings `nocturne:quarantine:<worker id>`, the reason, with a time to live: that worker takes no jobs."""
 
+WITHDRAWN_PREFIX = PREFIX + "withdrawn:"
+"""Strings `nocturne:withdrawn:<entry of JOBS>`, empty, with a time to live: nobody needs that job any more,
+and who works on it stops."""
+
 JOB_FIELD = b"job"
 RESULT_FIELD = b"result"

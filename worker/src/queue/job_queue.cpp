@@ -115,6 +115,18 @@ void JobQueue::set_idle(const std::vector<HeldJob>& jobs, milliseconds idle) {
   connection_.pipeline(claims);
 }
 
+std::vector<HeldJob> JobQueue::withdrawn(const std::vector<HeldJob>& jobs) {
+  if (jobs.empty()) return {};
+  RedisCommand question{"MGET"};
+  for (const HeldJob& job : jobs) question.push_back(keys::withdrawn(job.entry_id));
+  const Reply marks = connection_.command(question);
+  std::vector<HeldJob> found;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    if (!marks.at(i).is_nil()) found.push_back(jobs[i]);
+  }
+  return found;
+}
+
 std::optional<std::string> JobQueue::quarantine(const std::string& worker_id) {
   const Reply reason = connection_.command({"GET", keys::quarantine(worker_id)});
   if (reason.is_nil()) return std::nullopt;

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "nocturne/v1/job.pb.h"
-#include "queue/held_jobs.h"
+#include "queue/held_job.h"
 #include "queue/redis_connection.h"
 
 namespace nocturne {
@@ -45,6 +45,13 @@ class JobQueue {
   /// Lets other consumers take these jobs at once instead of after the lease.
   void hand_back(const std::vector<HeldJob>& jobs);
 
+  /// Those of these jobs that the coordinator needs no more: their render was cancelled, paused or
+  /// ended.
+  std::vector<HeldJob> withdrawn(const std::vector<HeldJob>& jobs);
+
+  /// Acknowledges and removes an entry of which nobody needs the result.
+  void drop(const std::string& entry_id);
+
   /// Why the coordinator takes no results of this worker; empty if it does.
   std::optional<std::string> quarantine(const std::string& worker_id);
 
@@ -63,7 +70,6 @@ class JobQueue {
   std::optional<TakenJob> take_new();
   std::optional<TakenJob> take_over();
   std::optional<TakenJob> read_entry(const Reply& entry);
-  void drop(const std::string& entry_id);
   void set_idle(const std::vector<HeldJob>& jobs, std::chrono::milliseconds idle);
 
   RedisConnection connection_;

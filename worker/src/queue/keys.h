@@ -23,6 +23,11 @@ inline std::string quarantine(const std::string& worker_id) {
   return "nocturne:quarantine:" + worker_id;
 }
 
+/// Says that nobody needs the job of this entry any more, with a time to live.
+inline std::string withdrawn(const std::string& entry_id) {
+  return "nocturne:withdrawn:" + entry_id;
+}
+
 /// Name of one thread of a worker in the consumer group.
 inline std::string consumer(const std::string& worker_id, unsigned thread) {
   return worker_id + "/" + std::to_string(thread);

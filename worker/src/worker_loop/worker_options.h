@@ -8,6 +8,7 @@
 
 #include "nocturne/v1/job.pb.h"
 #include "queue/redis_address.h"
+#include "worker_loop/running_jobs.h"
 
 namespace nocturne {
 
@@ -18,8 +19,9 @@ class HandBack : public std::runtime_error {
 };
 
 /// Does a job that check_job() accepts; called by several threads at once. Throws HandBack, or
-/// anything else with the reason why the job can't be done.
-using TraceJob = std::function<v1::Partial(const v1::Job& job)>;
+/// anything else with the reason why the job can't be done; anything after running.stop_token()
+/// said to stop.
+using TraceJob = std::function<v1::Partial(const v1::Job& job, RunningJob& running)>;
 
 struct WorkerOptions {
   RedisAddress redis;
