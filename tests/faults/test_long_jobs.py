@@ -51,7 +51,8 @@ def service(tmp_path: Path) -> Iterator[ServiceProcesses]:
         running.close()
 
 
-def _submit(service: ServiceProcesses, scene: dict[str, Any], samples: int, edge: int = 64) -> str:
+def submit(service: ServiceProcesses, scene: dict[str, Any], samples: int, edge: int = 64) -> str:
+    """Gives its id."""
     asked = {"scene": scene, "width": edge, "height": edge, "samples": samples}
     asked["request_id"] = f"{time.time()}"
     answer = httpx.post(f"{service.url}/v1/renders", json=asked, timeout=30.0)
@@ -70,18 +71,18 @@ def _all_threads_are_held(service: ServiceProcesses) -> bool:
 @pytest.mark.parametrize("verb", ["cancel", "pause"])
 def test_a_render_that_is_let_go_frees_its_threads(verb: str, service: ServiceProcesses) -> None:
     """P2: cancelled or paused, in the middle of photons that would never end."""
-    hostile = _submit(service, ENDLESS, 4)
+    hostile = submit(service, ENDLESS, 4)
     wait_for(lambda: _all_threads_are_held(service), "all threads to be held")
     httpx.post(f"{service.url}/v1/renders/{hostile}:{verb}", json={}).raise_for_status()
     wait_for(lambda: not _held(service), "the threads to be free", FREE_S)
-    good = _submit(service, QUICK, 4, 32)
+    good = submit(service, QUICK, 4, 32)
     wait_for(lambda: has_ended(service.client, good), "another render to end", 10.0)
     assert service.client.get(good).state == "SUCCEEDED"
 
 
 def test_a_worker_told_to_end_frees_its_threads(service: ServiceProcesses) -> None:
     """P2: SIGTERM in the middle of photons that would never end; the jobs are handed back."""
-    _submit(service, ENDLESS, 4)
+    submit(service, ENDLESS, 4)
     wait_for(lambda: _all_threads_are_held(service), "all threads to be held")
     name = next(iter(service.workers))
     began = time.monotonic()
@@ -91,19 +92,19 @@ def test_a_worker_told_to_end_frees_its_threads(service: ServiceProcesses) -> No
 
 def test_a_job_beyond_its_processor_time_fails_and_says_so(service: ServiceProcesses) -> None:
     """P2: nobody cancels it; its first ranges can't be cut any smaller."""
-    hostile = _submit(service, ENDLESS, 4, 32)
+    hostile = submit(service, ENDLESS, 4, 32)
     wait_for(lambda: has_ended(service.client, hostile), "the hostile render to end", 40.0)
     render = service.client.get(hostile)
     assert render.state == "FAILED"
     assert "of processor time" in render.reason
-    good = _submit(service, QUICK, 4, 32)
+    good = submit(service, QUICK, 4, 32)
     wait_for(lambda: has_ended(service.client, good), "another render to end", 10.0)
     assert service.client.get(good).state == "SUCCEEDED"
 
 
 def test_ranges_are_cut_by_what_earlier_ones_took(service: ServiceProcesses) -> None:
     """P2: jobs of a slow scene take about as long as they should, and its threads do other work between."""
-    slow = _submit(service, SLOW, 2048, 16)
+    slow = submit(service, SLOW, 2048, 16)
     planned = service.client.get(slow).progress.ranges_planned
     wait_for(lambda: service.client.get(slow).progress.ranges_planned > planned, "the ranges to be cut")
     wait_for_more_ranges(service.client, slow, 3, 30.0)
@@ -118,7 +119,7 @@ def test_photons_that_are_ended_are_told(tmp_path: Path) -> None:
     try:
         service.start()
         service.have_workers(1)
-        render = _submit(service, ENDLESS, 1, 2)
+        render = submit(service, ENDLESS, 1, 2)
         wait_for(lambda: has_ended(service.client, render), "the render to end", 60.0)
         told = service.client.get(render)
         assert told.state == "SUCCEEDED"

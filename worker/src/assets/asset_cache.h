@@ -34,9 +34,9 @@ class AssetCache {
   /// Throws AssetUnavailable if the folder can't be made, or the authorities can't be read.
   explicit AssetCache(AssetCacheOptions options);
 
-  /// Path of a file whose digest this process has checked. `sha256`: 64 lower-case hexadecimal
-  /// digits. Throws AssetUnavailable (this worker, now) or AssetError (nobody, ever; also for a bad
-  /// digest).
+  /// Path of a file whose digest was checked in this call: others may write to the disk. To be
+  /// called whenever the file is to be read. `sha256`: 64 lower-case hexadecimal digits. Throws
+  /// AssetUnavailable (this worker, now) or AssetError (nobody, ever; also for a bad digest).
   std::filesystem::path find(const std::string& sha256);
 
  private:
@@ -48,7 +48,8 @@ class AssetCache {
 
   AssetCacheOptions options_;
   AssetSource source_;
-  LoadOnce<std::filesystem::path> checked_;
+  /// Calls for one file at the same time.
+  LoadOnce<std::filesystem::path> at_work_;
 };
 
 }  // namespace nocturne
