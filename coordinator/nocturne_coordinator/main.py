@@ -24,6 +24,7 @@ from nocturne_coordinator.errors import AlreadyOwned, OwnershipLost, QueueError,
 from nocturne_coordinator.event_log import EventLog
 from nocturne_coordinator.log_lines import write_log_lines
 from nocturne_coordinator.output.previews import Previews
+from nocturne_coordinator.queue.guard import Guard
 from nocturne_coordinator.queue.job_queue import JobQueue, Session
 from nocturne_coordinator.sign_of_life import SignOfLife
 from nocturne_coordinator.store.checkpoint import CHECKPOINT_SECONDS, Checkpointer
@@ -71,6 +72,12 @@ def _parser() -> argparse.ArgumentParser:
         required=True,
         help="redis://host:port or unix:///path/to/socket; user and "
         "password come from the environment: NOCTURNE_REDIS_USER, NOCTURNE_REDIS_PASSWORD",
+    )
+    parser.add_argument(
+        "--enrolled",
+        action="store_true",
+        help="only workers that enrolled count (nocturne-worker --enrol): each machine gets a user of Redis, "
+        "and signs its results",
     )
     _add_audit_options(parser.add_argument_group("failure policy and audits"))
     _add_commit_options(parser.add_argument_group("commits and checkpoints"))
@@ -178,6 +185,8 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
     data: Path = options.data
     folder, ownership = _open(data, options.shared, options.lease_seconds)
     queue = JobQueue(options.redis)
+    if options.enrolled:
+        queue.guard = Guard(folder.machines.lease_key(), folder.machines.keys())
     session = Session(ownership.folder, ownership.epoch, secrets.token_hex(8), options.shared)
     event_log: EventLog | None = None
     try:

@@ -77,7 +77,8 @@ _WORKERS_PART: list[list[str]] = [
     ["XACK", keys.JOBS, keys.WORKERS_GROUP, "1-1"],
     ["XDEL", keys.JOBS, "1-1"],
     ["EXEC"],
-    ["GET", f"{keys.QUARANTINE_PREFIX}w"],
+    ["MGET", f"{keys.QUARANTINE_PREFIX}w", f"{keys.QUARANTINE_PREFIX}"],
+    ["MGET", f"{keys.WITHDRAWN_PREFIX}1-1"],
     ["SET", f"{keys.WORKER_PREFIX}w", "status", "EX", "10"],
     ["DEL", f"{keys.WORKER_PREFIX}w"],
     ["EXISTS", f"{keys.WORKER_PREFIX}w"],
@@ -100,6 +101,7 @@ def test_the_coordinator_can_do_its_part(queue: JobQueue) -> None:
             "results": (b"0-0", 1),
             "delete_results": ([b"1-1"],),
             "keep_in_quarantine": ({"w": "lied"},),
+            "stop_jobs": ([b"1-1"],),
         }
         if name in ("holders",):
             queue.attend(session)

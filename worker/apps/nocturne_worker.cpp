@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "assets/asset_cache.h"
+#include "assets/enrolment.h"
 #include "job_tracer.h"
 #include "log/log.h"
 #include "rounding/floating_point_profile.h"
@@ -27,6 +28,7 @@ struct Arguments {
   unsigned lease_ms = 10000;
   unsigned grace_seconds = 1;
   bool debug = false;
+  bool enrol = false;
   std::uint64_t texture_bytes = nocturne::kTextureMemoryBytes;
   nocturne::AssetCacheOptions cache;
 };
@@ -56,6 +58,10 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--assets-ca", arguments.cache.authorities,
                  "by TLS, to an asset service whose certificate is signed by one of these (PEM)")
       ->envname("NOCTURNE_ASSETS_CA");
+  app.add_flag(
+      "--enrol", arguments.enrol,
+      "ask the asset service, by the token, to be one of its machines: it gives user and "
+      "password for Redis, and a key that signs results; for coordinators with --enrolled");
   app.add_option("--cache", arguments.cache.folder, "folder for scenes and meshes")->required();
   app.add_option("--threads", arguments.threads, "jobs at the same time")
       ->envname("NOCTURNE_THREADS")
@@ -112,17 +118,30 @@ void wait_for_signal() {
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
 }
 
+/// Until it succeeds, a signal ends the process.
+void enrol(const Arguments& arguments, nocturne::WorkerOptions& options) {
+  const sigset_t signals = stop_signals();
+  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+  const nocturne::Enrolment given = nocturne::enrol(
+      arguments.cache.service, nocturne::authorities_in(arguments.cache.authorities));
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  options.redis.user = given.redis_user;
+  options.redis.password = given.redis_password;
+  options.identity = {given.machine, given.key};
+  options.id = given.machine + "/" + options.id;
+}
+
 int run(const Arguments& arguments) {
   block_signals();
   nocturne::set_texture_memory(arguments.texture_bytes);
   nocturne::AssetCache assets(arguments.cache);
   nocturne::JobTracer tracer(assets);
-  const nocturne::WorkerOptions options{
-      .redis = nocturne::redis_address(arguments.redis),
-      .id = arguments.id.empty() ? default_id() : arguments.id,
-      .floating_point_profile = nocturne::floating_point_profile(),
-      .threads = arguments.threads,
-      .lease = std::chrono::milliseconds(arguments.lease_ms)};
+  nocturne::WorkerOptions options{.redis = nocturne::redis_address(arguments.redis),
+                                  .id = arguments.id.empty() ? default_id() : arguments.id,
+                                  .floating_point_profile = nocturne::floating_point_profile(),
+                                  .threads = arguments.threads,
+                                  .lease = std::chrono::milliseconds(arguments.lease_ms)};
+  if (arguments.enrol) enrol(arguments, options);
   nocturne::Worker worker(
       options, [&](const auto& job, auto& running) { return tracer.trace(job, running); });
   const std::string name = "worker=" + options.id;

@@ -27,7 +27,7 @@ from nocturne_coordinator.dispatch.instructions import (
     TakeUpStreams,
     TellWorkers,
 )
-from nocturne_coordinator.dispatch.profiles import should_start_anew, usual_profile
+from nocturne_coordinator.dispatch.profiles import should_start_anew, usual_profiles
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.state import State
@@ -100,21 +100,22 @@ class Admission:
     def start_odd_ones_anew(self, at: Moment) -> Steps[None]:
         """A render whose first worker rounds as few others do, so that these can't help, loses its start."""
         state = self._state
-        threads = state.fleet.threads_by_profile
+        machines = state.fleet.machines_by_profile
         for render in list(state.renders.values()):
             # A replay is asked for with that very class.
             fixed = bool(render.row.stop.tile_samples)
             cpu_seconds = render.totals.cpu_seconds
-            if fixed or not should_start_anew(render.floating_point_profile, threads, cpu_seconds):
+            if fixed or not should_start_anew(render.floating_point_profile, machines, cpu_seconds):
                 state.odd_since.pop(render.id, None)
             elif at.now - state.odd_since.setdefault(render.id, at.now) >= _ODD_SECONDS:
                 if not (yield from self._commits.commit(at)) or render.id not in state.renders:
                     continue
-                profile, usual = render.floating_point_profile, usual_profile(threads)
+                profile = render.floating_point_profile
+                usual = " or ".join(sorted(usual_profiles(machines)))
                 yield Log(
                     WARNING,
                     f"render={render.id} is started anew: it has floating-point profile {profile}, "
-                    f"most workers {usual}",
+                    f"most machines {usual}",
                 )
                 try:
                     yield StartAnew(render.id, render.row.fence)

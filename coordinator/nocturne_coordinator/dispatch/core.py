@@ -72,7 +72,7 @@ class Core:
             case Tick():
                 yield from self._tick(event.at)
             case ResultCame():
-                outcome = self.results.take(event.entry, event.data, event.at.now, event.draw)
+                outcome = self.results.take(event.entry, event.data, event.at.now, event.draw, event.refusal)
                 yield from self._follow(outcome, event.at)
             case StreamIsReady():
                 yield from self.window.fill(event.at)

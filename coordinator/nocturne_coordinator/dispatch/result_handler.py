@@ -14,6 +14,7 @@ from nocturne_coordinator.dispatch.records import FailedTile
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey
 from nocturne_coordinator.dispatch.state import State
+from nocturne_coordinator.enrolment import machine_of
 from nocturne_coordinator.limits import MAX_FAILED_TILES, MAX_REASON
 
 _MAX_NAME = 128
@@ -53,10 +54,13 @@ class ResultHandler:
         self.merged = 0
         """Ranges merged since the start."""
 
-    def take(self, entry: bytes, data: bytes, now: float, draw: float) -> Outcome:
+    def take(self, entry: bytes, data: bytes, now: float, draw: float, refusal: str = "") -> Outcome:
         """One entry of the results stream; an early one is settled when it is merged. `draw`: see
         ResultCame."""
         outcome = Outcome()
+        if refusal:
+            self._refuse(entry, refusal, outcome)
+            return outcome
         try:
             result = job_pb2.JobResult.FromString(data)
         except DecodeError:
@@ -79,7 +83,7 @@ class ResultHandler:
             self._fail(
                 self._state.renders[key.render_id],
                 key,
-                worker,
+                machine_of(worker),
                 f"worker {worker} died of it",
                 outcome,
                 died=True,
@@ -95,7 +99,7 @@ class ResultHandler:
         draw: float,
         outcome: Outcome,
     ) -> None:
-        worker = result.worker_id[:_MAX_NAME]
+        worker = machine_of(result.worker_id[:_MAX_NAME])
         try:
             planned = render.planned.find(result.job)
         except RefusedResult as refusal:
@@ -108,7 +112,7 @@ class ResultHandler:
             return
         floating_point_profile = profile_of(result.floating_point_profile)
         if reason := refusal_of(
-            render.floating_point_profile, floating_point_profile, self._state.fleet.threads_by_profile
+            render.floating_point_profile, floating_point_profile, self._state.fleet.machines_by_profile
         ):
             self._refuse_of(render, entry, f"worker={worker} has {reason}", outcome)
             self._give_back(key, outcome)

@@ -145,13 +145,13 @@ class Window:
 
     def _without_workers(self) -> list[str]:
         """Renders that no worker can work on though some are there: their jobs would fill the window."""
-        threads = self._state.fleet.threads_by_profile
-        if not threads:
+        machines = self._state.fleet.machines_by_profile
+        if not machines:
             return []
         return [
             render.id
             for render in self._state.renders.values()
-            if render.floating_point_profile and not threads.get(render.floating_point_profile)
+            if render.floating_point_profile and not machines.get(render.floating_point_profile)
         ]
 
     def _is_others(self, data: bytes) -> Steps[bool]:

@@ -31,3 +31,8 @@ and who works on it stops."""
 
 JOB_FIELD = b"job"
 RESULT_FIELD = b"result"
+LEASE_FIELD = b"lease"
+"""Of a job, where workers enrol: a secret of who took it."""
+MACHINE_FIELD = b"machine"
+SIGNATURE_FIELD = b"signature"
+"""Of a result, where workers enrol."""

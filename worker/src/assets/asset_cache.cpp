@@ -30,17 +30,6 @@ void make_folder(const fs::path& folder) {
   if (error) throw AssetUnavailable("cache " + folder.string() + ": " + error.message());
 }
 
-/// The text of a PEM file; empty where there is none to read.
-std::string authorities_in(const fs::path& path) {
-  if (path.empty()) return "";
-  std::ifstream file(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (text.find("-----BEGIN CERTIFICATE-----") == std::string::npos) {
-    throw AssetUnavailable(path.string() + ": has no certificate in PEM, or can't be read");
-  }
-  return text;
-}
-
 /// Whether the cache has the right file; a damaged one is named in the log.
 bool is_intact(const fs::path& path, const std::string& sha256) {
   std::error_code error;
@@ -55,6 +44,16 @@ bool is_intact(const fs::path& path, const std::string& sha256) {
 }
 
 }  // namespace
+
+std::string authorities_in(const fs::path& path) {
+  if (path.empty()) return "";
+  std::ifstream file(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (text.find("-----BEGIN CERTIFICATE-----") == std::string::npos) {
+    throw AssetUnavailable(path.string() + ": has no certificate in PEM, or can't be read");
+  }
+  return text;
+}
 
 AssetCache::AssetCache(AssetCacheOptions options)
     : options_(std::move(options)),

@@ -28,6 +28,9 @@ struct AssetCacheOptions {
   std::chrono::milliseconds first_pause{100};
 };
 
+/// The text of a PEM file; empty where no path is given. Throws AssetUnavailable.
+std::string authorities_in(const std::filesystem::path& path);
+
 /// For all threads; a file that several ask for at once is fetched once.
 class AssetCache {
  public:

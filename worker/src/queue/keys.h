@@ -15,6 +15,11 @@ inline const std::string kJobField = "job";
 inline const std::string kResults = "nocturne:results";
 inline const std::string kResultField = "result";
 
+/// Where workers enrol: of a job, a secret of who took it; of a result, who signed it, and how.
+inline const std::string kLeaseField = "lease";
+inline const std::string kMachineField = "machine";
+inline const std::string kSignatureField = "signature";
+
 /// Serialised v1::WorkerStatus with a time to live.
 inline std::string worker(const std::string& worker_id) { return "nocturne:worker:" + worker_id; }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "nocturne/v1/job.pb.h"
+#include "queue/identity.h"
 #include "queue/redis_address.h"
 #include "worker_loop/running_jobs.h"
 
@@ -25,8 +26,9 @@ using TraceJob = std::function<v1::Partial(const v1::Job& job, RunningJob& runni
 
 struct WorkerOptions {
   RedisAddress redis;
-  /// Unique among the workers of one Redis.
+  /// Unique among the workers of one Redis; of one that enrolled, "<machine>/<name>".
   std::string id;
+  Identity identity{};
   /// See rounding/floating_point_profile.h; jobs of other classes are handed back.
   std::string floating_point_profile;
   unsigned threads = 1;

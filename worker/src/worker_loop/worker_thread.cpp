@@ -69,7 +69,7 @@ WorkerThread::WorkerThread(const WorkerOptions& options, unsigned index, const T
       trace_(trace),
       jobs_(jobs),
       tally_(tally),
-      queue_(options.redis, keys::consumer(options.id, index), options.lease) {}
+      queue_(options.redis, keys::consumer(options.id, index), options.lease, options.identity) {}
 
 void WorkerThread::run(std::stop_token stop) {
   while (!stop.stop_requested()) {
@@ -162,7 +162,7 @@ void WorkerThread::deliver(const TakenJob& taken, const v1::JobResult& result,
   // At least once, also when a stop has been requested meanwhile.
   while (true) {
     try {
-      queue_.complete(taken.entry_id, result);
+      queue_.complete(taken.entry_id, result, taken.lease);
       log_line(LogLevel::kDebug, name_ + ' ' + description(taken.job) + " done");
       return back_off_.reset();
     } catch (const RedisError& error) {
