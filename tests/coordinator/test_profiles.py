@@ -80,8 +80,10 @@ def test_workers_are_told_why_they_get_no_jobs() -> None:
     assert incompatible(workers, (), {""}).keys() == {"b", "old"}
     assert incompatible(workers, (), {A, B}).keys() == {"old"}
     assert incompatible(workers, (), {B, ""}).keys() == {"old"}
-    assert incompatible(workers, {"a"}, {""}) == {
-        "a": f"It rounds otherwise: floating-point profile {A}; the open renders have {B}.",
+    other = f"It rounds otherwise: floating-point profile {A}; the open renders have {B}."
+    assert incompatible(workers, {"a", "c"}, {""}) == {
+        "a": other,
+        "c": other,
         "old": old,
     }
 

@@ -26,10 +26,7 @@ class GuardedRedis(RedisServer):
     """As deploy/redis/start.sh starts it; its client is the coordinator's."""
 
     def start(self) -> None:
-        words = {
-            "NOCTURNE_REDIS_COORDINATOR_PASSWORD": _COORDINATOR,
-            "NOCTURNE_REDIS_WORKER_PASSWORD": "none",
-        }
+        words = {"NOCTURNE_REDIS_COORDINATOR_PASSWORD": _COORDINATOR}
         folder = str(self._socket.parent)
         self._process = subprocess.Popen(
             [_START, "--port", "0", "--unixsocket", str(self._socket), "--dir", folder],
@@ -274,7 +271,7 @@ def test_a_machine_is_revoked_while_it_runs(farm: Farm) -> None:
 
 
 def test_machines_are_known_again_after_redis_lost_all(farm: Farm) -> None:
-    """D1, P3: their users are made anew, and they go on by themselves."""
+    """P3: their users are made anew, and they go on by themselves."""
     render = farm.create(samples=400)
     farm.honest("honest-1")
     wait_until(lambda: farm.row(render.id).ranges_done > 3)

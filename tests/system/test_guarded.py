@@ -24,7 +24,7 @@ from tests.system.waiting import wait_for
 pytestmark = [pytest.mark.system, needs_stunnel]
 
 _START_REDIS = Path(__file__).parents[2] / "deploy" / "redis" / "start.sh"
-_COORDINATOR, _WORKER = "word of the coordinator", "word of the workers"
+_COORDINATOR = "word of the coordinator"
 
 
 class GuardedService:
@@ -46,6 +46,7 @@ class GuardedService:
         self._start(
             "coordinator",
             *(*python, "nocturne_coordinator.main", *data_words, "--redis", f"unix://{folder}/redis.sock"),
+            "--enrolled",
             NOCTURNE_REDIS_USER="coordinator",
             NOCTURNE_REDIS_PASSWORD=_COORDINATOR,
         )
@@ -68,10 +69,8 @@ class GuardedService:
             *(need_program("nocturne-worker"), "--id", name, "--threads", "1"),
             *("--redis", f"tcp://127.0.0.1:{self.tunnel_port}"),
             *("--assets", f"localhost:{self.port + 1}", "--assets-ca", authority),
-            *("--cache", self.folder / f"cache-{name}"),
+            *("--cache", self.folder / f"cache-{name}", "--enrol"),
             NOCTURNE_TOKEN=token,
-            NOCTURNE_REDIS_USER="worker",
-            NOCTURNE_REDIS_PASSWORD=_WORKER,
         )
 
     def close(self) -> None:
@@ -86,7 +85,6 @@ class GuardedService:
             "redis",
             *(_START_REDIS, "--port", "0", "--unixsocket", socket_path, "--dir", self.folder),
             NOCTURNE_REDIS_COORDINATOR_PASSWORD=_COORDINATOR,
-            NOCTURNE_REDIS_WORKER_PASSWORD=_WORKER,
         )
         wait_for(socket_path.exists, "redis-server")
         outside, self.tunnel_port = free_port_pair(), free_port_pair()

@@ -29,6 +29,7 @@ struct Arguments {
   unsigned grace_seconds = 1;
   bool debug = false;
   bool enrol = false;
+  std::string alive;
   std::uint64_t texture_bytes = nocturne::kTextureMemoryBytes;
   nocturne::AssetCacheOptions cache;
 };
@@ -73,6 +74,9 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--id", arguments.id, "name of this worker, unique; default: host and process")
       ->check(check_id);
+  app.add_option("--alive", arguments.alive,
+                 "a file whose time is set every two seconds while Redis hears this worker: for "
+                 "probes");
   app.add_option("--max-asset-bytes", arguments.cache.max_asset_bytes,
                  "larger files are refused; 8GiB")
       ->transform(CLI::AsSizeValue(false));
@@ -140,6 +144,7 @@ int run(const Arguments& arguments) {
                                   .id = arguments.id.empty() ? default_id() : arguments.id,
                                   .floating_point_profile = nocturne::floating_point_profile(),
                                   .threads = arguments.threads,
+                                  .alive = arguments.alive,
                                   .lease = std::chrono::milliseconds(arguments.lease_ms)};
   if (arguments.enrol) enrol(arguments, options);
   nocturne::Worker worker(

@@ -1,6 +1,7 @@
 #include "worker_loop/worker.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <functional>
@@ -8,6 +9,7 @@
 #include <set>
 #include <thread>
 
+#include "digest/sha256.h"
 #include "queue/job_queue.h"
 #include "queue/redis_server.h"
 
@@ -112,6 +114,49 @@ TEST_F(WorkerTest, GoneWorkerHasNoStatus) {
     }));
   }
   EXPECT_EQ(server_.run({"EXISTS", "nocturne:worker:w"}).integer(), 0);
+}
+
+TEST_F(WorkerTest, ProbesSeeThatItLivesWhileRedisHearsIt) {
+  WorkerOptions watched = options("w");
+  watched.alive =
+      std::filesystem::temp_directory_path() /
+      ("nocturne-alive-" + std::to_string(testing::UnitTest::GetInstance()->random_seed()) +
+       std::to_string(getpid()));
+  Worker worker(watched, [](const v1::Job&, RunningJob&) { return some_partial(); });
+  EXPECT_TRUE(eventually([&] { return std::filesystem::exists(watched.alive); }));
+  std::filesystem::remove(watched.alive);
+  EXPECT_TRUE(eventually([&] { return std::filesystem::exists(watched.alive); }));
+  server_.kill();
+  std::this_thread::sleep_for(milliseconds(500));
+  std::filesystem::remove(watched.alive);
+  std::this_thread::sleep_for(seconds(3));
+  EXPECT_FALSE(std::filesystem::exists(watched.alive));
+  server_.start();
+  server_.make_group();
+}
+
+TEST_F(WorkerTest, SignsWithItsKeyAndTheLeaseOfTheJob) {
+  WorkerOptions enrolled = options("m/w");
+  enrolled.identity = {.machine = "m", .key = "the key"};
+  Worker worker(enrolled, [](const v1::Job&, RunningJob&) { return some_partial(); });
+  server_.run(
+      {"XADD", "nocturne:jobs", "*", "job", make_job().SerializeAsString(), "lease", "secret"});
+  ASSERT_TRUE(results_reach(1));
+  const Reply fields = server_.run({"XRANGE", "nocturne:results", "-", "+"}).at(0).at(1);
+  ASSERT_EQ(fields.size(), 6U);
+  const std::string result(fields.at(1).text());
+  EXPECT_EQ(fields.at(3).text(), "m");
+  EXPECT_EQ(fields.at(5).text(), hmac_sha256("the key", "secret" + result));
+}
+
+TEST_F(WorkerTest, InQuarantineOfItsMachineItTakesNoJobs) {
+  server_.run({"SET", "nocturne:quarantine:m", "It lied."});
+  WorkerOptions enrolled = options("m/w");
+  enrolled.identity = {.machine = "m", .key = "the key"};
+  Worker worker(enrolled, [](const v1::Job&, RunningJob&) { return some_partial(); });
+  server_.publish(make_job(0));
+  std::this_thread::sleep_for(milliseconds(300));
+  EXPECT_EQ(server_.pending(), 0U);
 }
 
 TEST_F(WorkerTest, ExceptionBecomesFailure) {

@@ -29,7 +29,8 @@ Enrolment enrol(const std::string& target, const std::string& authorities) {
     if (status.ok()) {
       return {given.machine(), given.key(), given.redis_user(), given.redis_password()};
     }
-    const std::string text = "can't enrol at " + target + ": " + status.error_message();
+    const std::string text = "can't enrol at " + target + ": " + status.error_message() +
+                             " (gRPC status " + std::to_string(status.error_code()) + ")";
     if (!may_pass(status)) throw AssetError(text);
     log_line(LogLevel::kWarning, text + "; trying again");
     std::this_thread::sleep_for(pause);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 
 #include "log/log.h"
 #include "queue/redis_errors.h"
@@ -57,6 +58,7 @@ void Heartbeat::beat() {
   }
   if (now >= next_status_) {
     queue_.publish_status(status());
+    if (!options_.alive.empty()) std::ofstream(options_.alive).flush();
     next_status_ = now + kStatusInterval;
   }
   jobs_.stop_withdrawn(queue_.withdrawn(jobs_.list()));

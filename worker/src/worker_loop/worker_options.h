@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -32,6 +33,8 @@ struct WorkerOptions {
   /// See rounding/floating_point_profile.h; jobs of other classes are handed back.
   std::string floating_point_profile;
   unsigned threads = 1;
+  /// Its time is set whenever Redis has heard that this worker lives, for probes; empty: none.
+  std::filesystem::path alive{};
   /// A job that was not extended for so long is somebody else's; it is extended every third of it.
   std::chrono::milliseconds lease{10000};
 };
