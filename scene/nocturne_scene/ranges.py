@@ -27,6 +27,9 @@ FIRST_RANGE = 4
 MAX_RANGE = 4096
 """Samples: 4 million photons per job, a few seconds of one core."""
 
+MAX_CUT_RANGES = 2**16
+"""Of a tile, in a schedule that was cut: the schedule is read often, and has four bytes for each."""
+
 MAX_JOB = MAX_RANGE * TILE_SIZE**2
 """Photons: shortens the ranges of tiles that are larger than usual."""
 
@@ -124,18 +127,18 @@ def recut_schedule(
     """The same samples in ranges of at most `longest`, but for ranges that begin before sample `completed`:
     some tile has those, and all tiles are to be cut alike.
 
-    None where there is nothing to cut, or where there would be more jobs than `limits.MAX_RANGES`.
+    None where there is nothing to cut, or where there would be more ranges than MAX_CUT_RANGES.
     """
-    tiles = TileGrid.of(schedule).count
+    most = min(MAX_CUT_RANGES, limits.MAX_RANGES // TileGrid.of(schedule).count)
     longest = max(longest, FIRST_RANGE)
     ends: list[int] = []
     for first, end in pairwise([0, *schedule.range_ends]):
         if first >= completed and end - first > longest:
-            if (len(ends) + (end - first) // longest) * tiles > limits.MAX_RANGES:
+            if len(ends) + (end - first) // longest > most:
                 return None
             ends.extend(range(first + longest, end, longest))
         ends.append(end)
-    if len(ends) == len(schedule.range_ends) or len(ends) * tiles > limits.MAX_RANGES:
+    if len(ends) == len(schedule.range_ends) or len(ends) > most:
         return None
     recut = job_pb2.RangeSchedule()
     recut.CopyFrom(schedule)
