@@ -22,7 +22,11 @@ std::shared_ptr<const Scene> fog_without_end() {
   builder.add_quad(0.5f, 1.0f, {-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
   builder.add_unbounded(
       {builder.add_medium(builder.add_spectrum(0.0f), builder.add_spectrum(1e6f), 0.0)});
-  builder.message.mutable_tracing()->set_maximum_depth(0);
+  // As the compiler has it: roulette ends nobody who carries as much as at the start.
+  auto& tracing = *builder.message.mutable_tracing();
+  tracing.set_maximum_depth(0);
+  tracing.set_estimator(v1::ESTIMATOR_TWO_PHOTONS);
+  tracing.set_h(4);
   return builder.load();
 }
 
