@@ -122,13 +122,19 @@ void wait_for_signal() {
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
 }
 
-/// Until it succeeds, a signal ends the process.
-void enrol(const Arguments& arguments, nocturne::WorkerOptions& options) {
+/// Before there is anything to hand back, a signal ends the process.
+void pause_unless_signalled(std::chrono::milliseconds duration) {
   const sigset_t signals = stop_signals();
-  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(duration);
+  const timespec time{.tv_sec = seconds.count(),
+                      .tv_nsec = std::chrono::nanoseconds(duration - seconds).count()};
+  if (sigtimedwait(&signals, nullptr, &time) > 0) std::_Exit(EXIT_SUCCESS);
+}
+
+void enrol(const Arguments& arguments, nocturne::WorkerOptions& options) {
   const nocturne::Enrolment given = nocturne::enrol(
-      arguments.cache.service, nocturne::authorities_in(arguments.cache.authorities));
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+      arguments.cache.service, nocturne::authorities_in(arguments.cache.authorities),
+      pause_unless_signalled);
   options.redis.user = given.redis_user;
   options.redis.password = given.redis_password;
   options.identity = {given.machine, given.key};

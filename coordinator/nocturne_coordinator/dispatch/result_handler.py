@@ -124,9 +124,8 @@ class ResultHandler:
             return
         if result.WhichOneof("outcome") == "failure":
             outcome.settled.append(entry)
-            if result.stopped_too_long and render.stopped_too_long(planned.index, result.job.max_cpu_seconds):
-                outcome.lines.append(Log(WARNING, f"{key} took too long at worker={worker}; it is cut"))
-                self._give_back(key, outcome)
+            if result.stopped_too_long:
+                self._stopped(render, key, worker, result.failure[:MAX_REASON], outcome)
             else:
                 self._fail(render, key, worker, result.failure[:MAX_REASON], outcome)
             return
@@ -155,6 +154,19 @@ class ResultHandler:
             partial.truncated_paths,
         )
         self._merge(render, key, offered, now, draw, outcome, partial)
+
+    def _stopped(
+        self, render: RunningRender, key: JobKey, worker: str, reason: str, outcome: Outcome
+    ) -> None:
+        """A worker stopped a job beyond its processor time: shorter ones take its place, if they can."""
+        # By our own figures: what the worker says it took might be anything.
+        cpu_seconds = render.max_cpu_seconds(render.planned.ranges[key.range_index])
+        self._state.scheduler.charge(render.id, cpu_seconds)
+        if render.stopped_too_long(key.range_index, cpu_seconds):
+            outcome.lines.append(Log(WARNING, f"{key} took too long at worker={worker}; it is cut"))
+            self._give_back(key, outcome)
+        else:
+            self._fail(render, key, worker, reason, outcome)
 
     def _merge(
         self,

@@ -40,8 +40,10 @@ class Guard:
         more."""
         wanted = {redis_user(name): (name, key) for name, key in self.machines.items()}
         # Where the machine was made anew meanwhile, nothing changes for those who are signed on.
+        pipeline = client.pipeline(transaction=False)
         for user, (name, key) in wanted.items():
-            client.execute_command("ACL", "SETUSER", user, *_rules(name, redis_password(key)))
+            pipeline.execute_command("ACL", "SETUSER", user, *_rules(name, redis_password(key)))
+        pipeline.execute()
         there = {name.decode() for name in client.execute_command("ACL", "USERS")}
         gone = [user for user in there if user.startswith(_USER_PREFIX) and user not in wanted]
         if gone:

@@ -1,8 +1,6 @@
 #include "assets/enrolment.h"
 
 #include <algorithm>
-#include <chrono>
-#include <thread>
 
 #include "assets/errors.h"
 #include "assets/service_channel.h"
@@ -12,15 +10,16 @@
 namespace nocturne {
 namespace {
 
-constexpr std::chrono::seconds kDeadline{10};
+constexpr std::chrono::seconds kDeadline{5};
 constexpr std::chrono::milliseconds kShortestPause{100};
 constexpr std::chrono::milliseconds kLongestPause{2000};
 
 }  // namespace
 
-Enrolment enrol(const std::string& target, const std::string& authorities) {
+Enrolment enrol(const std::string& target, const std::string& authorities,
+                const std::function<void(std::chrono::milliseconds)>& pause) {
   const auto stub = v1::WorkerService::NewStub(service_channel(target, authorities));
-  for (auto pause = kShortestPause;; pause = std::min(2 * pause, kLongestPause)) {
+  for (auto next = kShortestPause;; next = std::min(2 * next, kLongestPause)) {
     grpc::ClientContext context;
     context.set_deadline(std::chrono::system_clock::now() + kDeadline);
     add_token(context);
@@ -33,7 +32,7 @@ Enrolment enrol(const std::string& target, const std::string& authorities) {
                              " (gRPC status " + std::to_string(status.error_code()) + ")";
     if (!may_pass(status)) throw AssetError(text);
     log_line(LogLevel::kWarning, text + "; trying again");
-    std::this_thread::sleep_for(pause);
+    pause(next);
   }
 }
 
