@@ -1,8 +1,8 @@
-"""`python -m bench.fleet REDIS WORKERS JOB_S [LEASE_S KILLED_S [KEY]]`: workers that do all but trace.
+"""`python -m bench.fleet REDIS WORKERS JOB_S LEASE_S KILLED_S KEY`: workers that do all but trace.
 
 Each follows docs/explanation/queue.md with a consumer, a status every two seconds and renewed claims of its
 own. What a job takes is waited for; its sums are the same for all jobs of as many samples. Prints one line
-of JSON at SIGTERM. With KEY, hexadecimal, all are of machine MACHINE, and sign.
+of JSON at SIGTERM. With KEY, hexadecimal or empty, all are of machine MACHINE, and sign.
 """
 
 import json
@@ -219,9 +219,9 @@ def main(
     url: str,
     workers: int,
     job_s: float,
-    lease_s: float = _LEASE_S,
-    killed_s: float = 0.0,
-    key: bytes = b"",
+    lease_s: float,
+    killed_s: float,
+    key: bytes,
 ) -> None:
     """Works until SIGTERM."""
     over: list[int] = []
@@ -239,4 +239,5 @@ def main(
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], int(sys.argv[2]), *map(float, sys.argv[3:6]), key=bytes.fromhex("".join(sys.argv[6:])))
+    _, redis_url, count, job, lease, killed, key_hex = sys.argv
+    main(redis_url, int(count), float(job), float(lease), float(killed), bytes.fromhex(key_hex))
