@@ -246,7 +246,9 @@ def test_a_status_in_a_name_that_is_not_its_keys(farm: Farm) -> None:
     """P5: what stands in it is believed of the worker only whose key it is."""
     honest = farm.honest("honest-1")
     liar = Liar(farm)
-    told = job_pb2.WorkerStatus(worker_id=honest.name, engine=job_pb2.ENGINE_1, threads=1, started=time.time())
+    told = job_pb2.WorkerStatus(
+        worker_id=honest.name, engine=job_pb2.ENGINE_1, threads=1, started=time.time()
+    )
     with liar.machine.client(farm.server.url) as client:
         client.set(f"{keys.WORKER_PREFIX}liar/x", told.SerializeToString(), px=10_000)
     assert worker_row("liar/x", told.SerializeToString(), 0.0) is None
