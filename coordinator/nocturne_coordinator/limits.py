@@ -61,5 +61,8 @@ MAX_AUDITS = 1000
 MAX_RAYS_PER_PHOTON = 2**20
 """No path is longer; keeps a wrong count from overflowing the sums of counts."""
 
+MAX_THREADS = 4096
+"""Of a machine: none has more."""
+
 WORKER_SECONDS = 10.0
 """A worker that was not heard of for so long is not listed."""

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from itertools import pairwise
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.ranges import XYZ_SUMS
@@ -18,6 +19,7 @@ from nocturne_coordinator.dispatch.instructions import (
     LookAgain,
     ReadRenders,
     ReadTiles,
+    Recut,
     StartAnew,
     StartRender,
     Steps,
@@ -25,7 +27,7 @@ from nocturne_coordinator.dispatch.instructions import (
     TakeUpStreams,
     TellWorkers,
 )
-from nocturne_coordinator.dispatch.profiles import should_start_anew, usual_profile
+from nocturne_coordinator.dispatch.profiles import should_start_anew, usual_profiles
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.state import State
@@ -98,21 +100,22 @@ class Admission:
     def start_odd_ones_anew(self, at: Moment) -> Steps[None]:
         """A render whose first worker rounds as few others do, so that these can't help, loses its start."""
         state = self._state
-        threads = state.fleet.threads_by_profile
+        machines = state.fleet.machines_by_profile
         for render in list(state.renders.values()):
             # A replay is asked for with that very class.
             fixed = bool(render.row.stop.tile_samples)
             cpu_seconds = render.totals.cpu_seconds
-            if fixed or not should_start_anew(render.floating_point_profile, threads, cpu_seconds):
+            if fixed or not should_start_anew(render.floating_point_profile, machines, cpu_seconds):
                 state.odd_since.pop(render.id, None)
             elif at.now - state.odd_since.setdefault(render.id, at.now) >= _ODD_SECONDS:
                 if not (yield from self._commits.commit(at)) or render.id not in state.renders:
                     continue
-                profile, usual = render.floating_point_profile, usual_profile(threads)
+                profile = render.floating_point_profile
+                usual = " or ".join(sorted(usual_profiles(machines)))
                 yield Log(
                     WARNING,
                     f"render={render.id} is started anew: it has floating-point profile {profile}, "
-                    f"most workers {usual}",
+                    f"most machines {usual}",
                 )
                 try:
                     yield StartAnew(render.id, render.row.fence)
@@ -123,6 +126,28 @@ class Admission:
                 else:
                     yield from self._commits.drop(render.id)
                     yield LookAgain()
+
+    def cut_long_ranges(self, at: Moment) -> Steps[None]:
+        """A render whose next jobs would take too long gets shorter ranges, and is taken up again."""
+        for render in list(self._state.renders.values()):
+            if render.recut() is None:
+                continue
+            if not (yield from self._commits.commit(at)) or render.id not in self._state.renders:
+                continue
+            schedule = render.recut()
+            if schedule is None:
+                continue
+            try:
+                yield Recut(render.id, render.row.fence, schedule)
+            except LeaseLost as lost:
+                yield from self._commits.lose(lost.render_id)
+            except FolderTrouble as trouble:
+                yield from self._commits.report(trouble)
+            else:
+                longest = max(end - first for first, end in pairwise([0, *schedule.range_ends]))
+                yield Log(INFO, f"render={render.id} has ranges of at most {longest} samples from here on")
+                yield from self._commits.drop(render.id, jobs_stay=True)
+                yield LookAgain()
 
     def end(self, render: OpenRender, state: RenderState, reason: str) -> Steps[None]:
         """Writes a final state."""
@@ -165,7 +190,7 @@ class Admission:
         if row.state is RenderState.QUEUED and not (yield StartRender(row.id, row.fence)):
             return
         try:
-            render = RunningRender(row, (yield ReadTiles(row.id)), at.now)
+            render = RunningRender(row, (yield ReadTiles(row.id)), at.now, self._state.settings.job_seconds)
         except ValueError as error:
             reason = f"Its committed samples can't be read: {error}"
             yield from self.end(row, RenderState.FAILED, reason)

@@ -103,7 +103,7 @@ class Commits:
         render = state.renders.pop(render_id)
         if not jobs_stay:
             if jobs:
-                yield Withdraw(tuple(jobs))
+                yield Withdraw(tuple(jobs), stop=True)
             state.settled.setdefault(render_id, []).extend(render.waiting_entries())
         yield LetGo(render_id, render.row.fence)
 

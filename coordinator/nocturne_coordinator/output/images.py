@@ -58,6 +58,8 @@ class Provenance:
     """Samples of each tile where not all have what the schedule ends with: see `manifest_text`."""
     floating_point_profile: str = ""
     """How all workers rounded."""
+    truncated_paths: int = 0
+    """Photons that a limit of the tracer ended, so that their light is missing."""
 
 
 def manifest_text(samples: Sequence[int]) -> str:
@@ -152,6 +154,8 @@ def write_image(
     }
     if provenance.manifest:
         header["nocturne:tileSamples"] = provenance.manifest
+    if provenance.truncated_paths:
+        header["nocturne:truncatedPaths"] = str(provenance.truncated_paths)
     try:
         with OpenEXR.File(header, _exr_channels(sums, counts, further_responses)) as file:
             file.write(str(path))

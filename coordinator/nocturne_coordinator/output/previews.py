@@ -112,6 +112,7 @@ def provenance_of(render: RunningRender) -> Provenance:
         render.planned.engine,
         "" if whole else manifest_text(samples),
         render.floating_point_profile,
+        render.totals.truncated_paths,
     )
 
 

@@ -12,8 +12,8 @@ from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.leases import Leases
 
-_COLUMNS = """id, state, scene_sha256, engine, schedule, photons, rays, invalid_samples, cpu_seconds,
-    audited, refused, stop, priority, owner, ran_seconds, look_first, floating_point_profile,
+_COLUMNS = """id, state, scene_sha256, engine, schedule, photons, rays, invalid_samples, truncated_paths,
+    cpu_seconds, audited, refused, stop, priority, owner, ran_seconds, look_first, floating_point_profile,
     coalesce((SELECT weight FROM token WHERE token.name = render.owner), 100) AS owner_weight,
     coalesce((SELECT fence FROM lease WHERE lease.render_id = render.id), 0) AS fence,
     coalesce((SELECT coordinator.number FROM lease JOIN coordinator ON coordinator.number = lease.coordinator
@@ -92,6 +92,7 @@ class OpenRenders:
                 photons=row["photons"],
                 rays=row["rays"],
                 invalid_samples=row["invalid_samples"],
+                truncated_paths=row["truncated_paths"],
                 cpu_seconds=row["cpu_seconds"],
                 audited=row["audited"],
                 refused=row["refused"],

@@ -56,6 +56,7 @@ class RenderRow:
     photons: int
     rays: int
     invalid_samples: int
+    truncated_paths: int
     relative_error: float
     worst_share: float
     effective_pixels: float

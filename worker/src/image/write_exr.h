@@ -14,6 +14,8 @@ struct ImageProvenance {
   std::string plan;
   std::uint32_t engine;
   std::string floating_point_profile;
+  /// Photons that a limit of the tracer ended; told where there are any.
+  std::uint64_t truncated_paths = 0;
 };
 
 /// Writes means and errors from sums (per pixel, row by row: sum X, Y, Z, Y^2 and one for each

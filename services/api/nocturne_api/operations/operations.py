@@ -12,6 +12,7 @@ from nocturne_api.operations.assets import Assets
 from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.health import Health
 from nocturne_api.operations.images import Images
+from nocturne_api.operations.machines import Machines
 from nocturne_api.operations.preflights import Preflights
 from nocturne_api.operations.render_controls import RenderControls
 from nocturne_api.operations.render_streams import RenderStreams
@@ -43,6 +44,7 @@ class Operations:
         self.images = Images(access, self.renders, archiver)
         self.preflights = Preflights(access, compile_limits)
         self.workers = Workers(access)
+        self.machines = Machines(access)
         self.webhooks = Webhooks(access, webhook_rules)
         self.assets = Assets(access)
         self.tokens = Tokens(access)

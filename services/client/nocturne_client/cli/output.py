@@ -66,6 +66,7 @@ def print_render(render: Render, as_json: bool) -> None:
         ("merged", f"{render.fraction:.1%}, {progress.samples_merged:,} samples, {progress.rays:,} rays"),
         ("relative error", f"{progress.relative_error:.3%}" if progress.relative_error else "not known yet"),
         ("invalid samples", f"{progress.invalid_samples:,}"),
+        *([("truncated paths", _truncated(progress.truncated_paths))] if progress.truncated_paths else []),
         ("processor time", f"{progress.cpu_seconds:,.1f} s"),
         ("stops at", _stop(render)),
         ("forecast", _forecast(render)),
@@ -76,6 +77,10 @@ def print_render(render: Render, as_json: bool) -> None:
     ):
         table.add_row(f"[dim]{name}[/]", escape(text))
     CONSOLE.print(table)
+
+
+def _truncated(paths: int) -> str:
+    return f"{paths:,} photons, ended by the tracer's limit of interactions: the image is too dark"
 
 
 def _stop(render: Render) -> str:
