@@ -66,6 +66,12 @@ class BlobWriter:
             raise InputError.at("asset", f"has SHA-256 {self._digest.hexdigest()}; {sha256} was declared")
 
 
+def check_size(size_bytes: int) -> None:
+    """InputError for a size that no blob may have."""
+    if not 0 <= size_bytes <= MAX_ASSET_BYTES:
+        raise InputError.at("asset", f"has {size_bytes} bytes; expected 0 to {MAX_ASSET_BYTES}")
+
+
 class BlobStore:
     """A folder of blobs: `root/ab/abcdef...`, lower-case hexadecimal. Safe for many processes at once."""
 
@@ -140,8 +146,7 @@ class BlobStore:
         Raises InputError where size or digest differ from what was declared, or the size is over the limit.
         """
         place = self._place(sha256)
-        if not 0 <= size_bytes <= MAX_ASSET_BYTES:
-            raise InputError.at("asset", f"has {size_bytes} bytes; expected 0 to {MAX_ASSET_BYTES}")
+        check_size(size_bytes)
         with replacing(place, durable=True, folder=self._incoming) as unfinished:
             with unfinished.open("wb") as file:
                 writer = BlobWriter(file, size_bytes)

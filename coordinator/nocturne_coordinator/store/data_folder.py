@@ -25,6 +25,7 @@ from nocturne_coordinator.store.render_requests import RenderRequests
 from nocturne_coordinator.store.renders import Renders
 from nocturne_coordinator.store.tiles import Tiles
 from nocturne_coordinator.store.tokens import Tokens
+from nocturne_coordinator.store.uploads import Uploads
 from nocturne_coordinator.store.webhooks import Webhooks
 from nocturne_coordinator.store.workers import Workers
 
@@ -58,6 +59,7 @@ class DataFolder:
         self.archive = Archive(self.database)
         self.webhooks = Webhooks(self.database)
         self.removals = Removals(self.database)
+        self.uploads = Uploads(self.database)
 
     def close(self) -> None:
         self.database.close()

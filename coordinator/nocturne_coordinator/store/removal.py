@@ -69,6 +69,7 @@ def sweep(folder: DataFolder) -> None:
             unused = _unused(folder, files)
             for sha256 in unused:
                 folder.blobs.remove_here(sha256)
+            folder.uploads.forget(unused)
         if folder.object_store is not None:
             folder.object_store.delete_all(f"images/{render_id}")
             for sha256 in unused:

@@ -27,6 +27,13 @@ class Caller:
     name: str
     """Of the token; empty where there is no authentication."""
     scopes: frozenset[str]
+    sees_all: bool = False
+    """Renders of others, too."""
+
+    @property
+    def sees(self) -> str | None:
+        """The owner whose renders the caller may see; None: everybody's."""
+        return None if self.sees_all else self.name
 
     def need(self, scope: str) -> None:
         """Raises Forbidden unless the caller may do what `scope` allows."""
@@ -40,7 +47,7 @@ class Caller:
             raise Forbidden(f"the render is {owner or 'nobody'}'s; to change it takes the scope 'admin'")
 
 
-ANYBODY = Caller("", _IMPLIED["admin"])
+ANYBODY = Caller("", _IMPLIED["admin"], sees_all=True)
 """Without authentication; only loopback and Unix sockets are served then."""
 
 CALLER: ContextVar[Caller] = ContextVar("caller", default=ANYBODY)
@@ -51,7 +58,8 @@ def caller_of(token: Token | None) -> Caller:
     """Raises Unauthenticated where there is no such token."""
     if token is None:
         raise Unauthenticated("the token is not known, or was revoked")
-    return Caller(token.name, frozenset().union(*(_IMPLIED[scope] for scope in token.scopes)))
+    scopes = frozenset().union(*(_IMPLIED[scope] for scope in token.scopes))
+    return Caller(token.name, scopes, sees_all=bool({"read", "admin"} & set(token.scopes)))
 
 
 def secret_in(authorization: str) -> str:

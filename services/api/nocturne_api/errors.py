@@ -5,7 +5,13 @@ import sqlite3
 from dataclasses import dataclass
 
 import grpc
-from nocturne_coordinator.errors import AmbiguousId, Conflict, ObjectStoreUnavailable, WrongState
+from nocturne_coordinator.errors import (
+    AmbiguousId,
+    Conflict,
+    ObjectStoreUnavailable,
+    QuotaUsedUp,
+    WrongState,
+)
 from nocturne_scene.errors import InputError, NocturneError, NotFound, Problem
 
 from nocturne_api.limits import PROBLEM_CHARACTERS, PROBLEMS_PER_ANSWER
@@ -45,6 +51,9 @@ class Kind:
     title: str
     http_status: int
     grpc_status: grpc.StatusCode
+    retry_after_s: int = 0
+    """When the same may succeed, roughly: Retry-After in REST, the trailer `retry-after` in gRPC. 0: not
+    told."""
 
 
 @dataclass(frozen=True)
@@ -91,8 +100,9 @@ TABLE: tuple[tuple[type[Exception], Kind], ...] = (
         ),
     ),
     (Forbidden, Kind("FORBIDDEN", "Not allowed", 403, grpc.StatusCode.PERMISSION_DENIED)),
-    (TooMany, Kind("TOO_MANY", "Too many calls", 429, grpc.StatusCode.RESOURCE_EXHAUSTED)),
-    (Overloaded, Kind("OVERLOADED", "Too much at once", 503, grpc.StatusCode.UNAVAILABLE)),
+    (TooMany, Kind("TOO_MANY", "Too many calls", 429, grpc.StatusCode.RESOURCE_EXHAUSTED, 1)),
+    (QuotaUsedUp, Kind("QUOTA", "Quota used up", 429, grpc.StatusCode.RESOURCE_EXHAUSTED, 60)),
+    (Overloaded, Kind("OVERLOADED", "Too much at once", 503, grpc.StatusCode.UNAVAILABLE, 5)),
     (
         ObjectStoreUnavailable,
         Kind("STORE", "The storage does not answer", 503, grpc.StatusCode.UNAVAILABLE),

@@ -16,6 +16,8 @@ SMALL_BODY_BYTES = MEBIBYTE
 # Compiling is processor work in a thread; two at once, and a short queue whose documents fit in memory.
 COMPILES_AT_ONCE = 2
 COMPILES_WAITING = 16
+# Of those, one owner's: the others' places are for others.
+COMPILES_WAITING_OF_OWNER = 8
 
 # A preflight renders small images on this machine: one at a time, with so much processor time at most,
 # seconds.
@@ -35,12 +37,22 @@ PICTURES_AT_ONCE = 2
 CALLS_PER_SECOND = 100.0
 CALLS_AT_ONCE = 1000.0
 
+# What one owner may have, with authentication; each can be set. As many renders as a list of all still takes
+# less than a second for.
+OWNER_OPEN_RENDERS = 10_000
+# Samples of pixels that an owner's open renders ask for: a farm of 10,000 cores traces them in some two days.
+OWNER_OPEN_SAMPLES = 1e15
+# Uploads and finished renders: a few hundred of the largest films, or a disk of the usual size half full.
+OWNER_STORED_BYTES = 256 * 1024 * MEBIBYTE
+
 # Kept lines of the record of who changed what.
 CALLS_RECORDED = 100_000
 RECORDED_CHARACTERS = 128
 
 # Each watcher holds one connection and the newest state of at most a page of renders.
 WATCHERS = 256
+# Of those, one owner's, with authentication.
+WATCHERS_OF_OWNER = 64
 # How often a change in the data folder is looked for while anybody watches, seconds.
 WATCH_INTERVAL_S = 0.2
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import grpc
 import uvicorn
 from nocturne_coordinator.store.object_store import ObjectStore
+from nocturne_coordinator.store.quotas import Quota
 
 from nocturne_api import limits
 from nocturne_api.addresses import AddressError, check_host, listen
@@ -41,6 +42,10 @@ class Settings:
     compile_seconds: int = CompileLimits.cpu_seconds
     webhook_networks: Sequence[Network] = ()
     """Private networks that webhooks may lead to."""
+    owner_open_renders: float = limits.OWNER_OPEN_RENDERS
+    owner_open_samples: float = limits.OWNER_OPEN_SAMPLES
+    owner_stored_bytes: float = limits.OWNER_STORED_BYTES
+    """What each owner may have, with authentication: see Quota."""
     objects: str = ""
     """Address of an object store for assets and finished images; empty: none."""
 
@@ -134,7 +139,8 @@ async def open_service(settings: Settings) -> Service:
     compile_limits = CompileLimits(settings.compile_memory_bytes, settings.compile_seconds)
     rules = TargetRules(settings.webhook_networks)
     objects = ObjectStore(settings.objects) if settings.objects else None
-    operations = await Operations.open(settings.data, compile_limits, rules, objects)
+    quota = Quota(settings.owner_open_renders, settings.owner_open_samples, settings.owner_stored_bytes)
+    operations = await Operations.open(settings.data, compile_limits, rules, objects, quota)
     try:
         return Service(settings, operations)
     except BaseException:

@@ -2,7 +2,9 @@
 
 import asyncio
 from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 
+from nocturne_scene.blobs import check_size
 from nocturne_scene.errors import InputError, NotFound
 
 from nocturne_api import limits
@@ -35,20 +37,41 @@ class Assets:
         return await asyncio.to_thread(self._blobs.missing, list(dict.fromkeys(digests)))
 
     async def store(self, sha256: str, size_bytes: int, pieces: AsyncIterator[bytes]) -> Asset:
-        """Stores one file under its digest; InputError, and nothing left, where size or digest differ."""
+        """Stores one file under its digest; InputError, and nothing left, where size or digest differ.
+
+        QuotaUsedUp, before the first byte, where the caller would have too much.
+        """
         async with self._access.recorded(f"upload {sha256[: limits.RECORDED_CHARACTERS]}"):
             CALLER.get().need("submit")
             raise_if(digest_problems(sha256, "sha256"))
+            check_size(size_bytes)
             if await asyncio.to_thread(self._blobs.has, sha256):
                 async for _ in pieces:  # Read to the end, so that the sender is not cut off in mid-write.
                     pass
             else:
-                await upload.store(self._blobs, sha256, size_bytes, pieces)
-            return await self.get(sha256)
+                async with self._counted(sha256, size_bytes):
+                    await upload.store(self._blobs, sha256, size_bytes, pieces)
+            return await self._stored(sha256)
+
+    @asynccontextmanager
+    async def _counted(self, sha256: str, size_bytes: int) -> AsyncIterator[None]:
+        """Counts the file as the caller's from its first byte, so that uploads side by side pass no quota."""
+        uploads, owner = self._access.folder.uploads, CALLER.get().name
+        begin = (owner, sha256, size_bytes, self._access.quota)
+        is_new = await self._access.in_database(uploads.begin, *begin)
+        try:
+            yield
+        except BaseException:
+            if is_new:
+                await asyncio.shield(self._access.in_database(uploads.take_back, owner, sha256))
+            raise
 
     async def get(self, sha256: str) -> Asset:
         """One stored file; raises NotFound."""
         _check(sha256)
+        return await self._stored(sha256)
+
+    async def _stored(self, sha256: str) -> Asset:
         size = await asyncio.to_thread(self._blobs.size, sha256)
         return Asset(sha256=sha256, size_bytes=size)
 

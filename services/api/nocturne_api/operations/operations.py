@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Self
 
 from nocturne_coordinator.store.object_store import ObjectStore
+from nocturne_coordinator.store.quotas import NO_QUOTA, Quota
 
 from nocturne_api.background.archiver import Archiver
 from nocturne_api.background.sweeper import Sweeper
@@ -58,9 +59,10 @@ class Operations:
         compile_limits: CompileLimits | None = None,
         webhook_rules: TargetRules | None = None,
         objects: ObjectStore | None = None,
+        quota: Quota = NO_QUOTA,
     ) -> Self:
         """Opens the data folder at `path`, making it if need be."""
-        access = await FolderAccess.open(path, objects)
+        access = await FolderAccess.open(path, objects, quota)
         prepare()
         return cls(access, compile_limits or CompileLimits(), webhook_rules or TargetRules())
 

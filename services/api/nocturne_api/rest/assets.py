@@ -1,6 +1,7 @@
 """Assets: files by content."""
 
 from fastapi import APIRouter, Request
+from nocturne_coordinator.errors import QuotaUsedUp
 from nocturne_scene.errors import InputError, NotFound
 from starlette.responses import Response
 
@@ -22,7 +23,11 @@ async def missing_assets(request: Request, operations: Service) -> BatchMissingR
     return BatchMissingResponse(sha256=await operations.assets.missing(body.sha256))
 
 
-@router.put("/assets/{sha256}", openapi_extra={"requestBody": {"required": True, "content": _FILE}})
+@router.put(
+    "/assets/{sha256}",
+    openapi_extra={"requestBody": {"required": True, "content": _FILE}},
+    responses=errors(QuotaUsedUp),
+)
 async def store_asset(sha256: str, request: Request, operations: Service) -> Asset:
     """Stores a file; its bytes must have this digest and the declared length. Uploading again is harmless."""
     size_bytes = declared_bytes(request)

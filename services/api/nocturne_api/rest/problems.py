@@ -32,6 +32,8 @@ def response_of(failure: Failure, headers: Mapping[str, str] | None = None) -> P
         reason=failure.kind.reason,
         problems=[models.Problem(place=each.place, message=each.message) for each in failure.problems],
     )
+    if failure.kind.retry_after_s:
+        headers = {**(headers or {}), "Retry-After": str(failure.kind.retry_after_s)}
     return ProblemResponse(details.model_dump(), failure.kind.http_status, headers)
 
 
