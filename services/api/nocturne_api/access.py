@@ -1,16 +1,18 @@
 """Who calls, and what that caller may do: one set of rules for REST and gRPC."""
 
+import asyncio
 import base64
 import binascii
 import time
-from collections.abc import Mapping
+from collections import OrderedDict
+from collections.abc import Awaitable, Callable, Mapping
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 
 from nocturne_coordinator.store.tokens import Token
 
+from nocturne_api import limits
 from nocturne_api.errors import Forbidden, TooMany, Unauthenticated
-from nocturne_api.limits import CALLS_AT_ONCE, CALLS_PER_SECOND
 
 _IMPLIED: Mapping[str, frozenset[str]] = {
     "read": frozenset({"read"}),
@@ -81,6 +83,34 @@ def secret_in(authorization: str) -> str:
     raise Unauthenticated("a token is needed: `Authorization: Bearer TOKEN`")
 
 
+class Gate:
+    """Lets callers in by their tokens; one for each endpoint."""
+
+    def __init__(self, identify: Callable[[str], Awaitable[Caller]]) -> None:
+        """`identify` gives who has a secret; raises Unauthenticated."""
+        self._identify = identify
+        self._pace = Pace()
+        self._wrong = Pace(limits.WRONG_TOKENS_PER_SECOND, limits.WRONG_TOKENS_AT_ONCE)
+
+    async def admit(self, secret: str, address: str) -> Caller:
+        """Who has the secret.
+
+        Raises Unauthenticated, and TooMany for too many calls of one caller, or, after a while, for too many
+        wrong tokens from one address.
+        """
+        try:
+            caller = await self._identify(secret)
+        except Unauthenticated:
+            try:
+                self._wrong.take(address)
+            except TooMany:
+                await asyncio.sleep(limits.WRONG_TOKEN_DELAY_S)
+                raise TooMany("too many wrong tokens from this address; look at the one you send") from None
+            raise
+        self._pace.take(caller.name)
+        return caller
+
+
 @dataclass
 class _Bucket:
     left: float
@@ -89,16 +119,21 @@ class _Bucket:
 
 @dataclass
 class Pace:
-    """How many calls each caller may make: CALLS_PER_SECOND in the long run, CALLS_AT_ONCE in a burst."""
+    """How many calls each caller may make: so many a second in the long run, and at once in a burst."""
 
-    _buckets: dict[str, _Bucket] = field(default_factory=dict)
+    per_second: float = field(default_factory=lambda: limits.CALLS_PER_SECOND)
+    at_once: float = field(default_factory=lambda: limits.CALLS_AT_ONCE)
+    _buckets: OrderedDict[str, _Bucket] = field(default_factory=OrderedDict)
 
     def take(self, name: str, now: float | None = None) -> None:
         """Counts a call; raises TooMany."""
         now = time.monotonic() if now is None else now
-        bucket = self._buckets.setdefault(name, _Bucket(CALLS_AT_ONCE, now))
-        bucket.left = min(CALLS_AT_ONCE, bucket.left + (now - bucket.at) * CALLS_PER_SECOND)
+        bucket = self._buckets.setdefault(name, _Bucket(self.at_once, now))
+        self._buckets.move_to_end(name)
+        if len(self._buckets) > limits.ADDRESSES_KEPT:
+            self._buckets.popitem(last=False)
+        bucket.left = min(self.at_once, bucket.left + (now - bucket.at) * self.per_second)
         bucket.at = now
         if bucket.left < 1.0:
-            raise TooMany(f"more than {CALLS_PER_SECOND:g} calls a second; try again in a moment")
+            raise TooMany(f"more than {self.per_second:g} calls a second; try again in a moment")
         bucket.left -= 1.0

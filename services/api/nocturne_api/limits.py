@@ -78,8 +78,30 @@ LINGER_S = 2.0
 PROBLEMS_PER_ANSWER = 20
 PROBLEM_CHARACTERS = 300
 
-# Connections to the REST endpoint; further ones get 503 at once. Watchers hold one each, pages a few.
+# Connections to the REST endpoint; for further ones those go on which nothing is asked, or they get 503 at
+# once. Watchers hold one each, pages a few.
 REST_CONNECTIONS = 2000
+# Of those, one address's: half, so that nobody takes all, and a proxy in front of many is one address.
+CONNECTIONS_OF_ADDRESS = 1000
+
+# A request's head must come in this time, and its body with so many bytes a second after a while: the lower
+# bounds of Apache's mod_reqtimeout, which slow links keep.
+HEAD_SECONDS = 20.0
+BODY_SECONDS = 20.0
+BODY_BYTES_PER_SECOND = 500.0
+# An answer of which nothing is read for so long is given up.
+UNREAD_SECONDS = 60.0
+
+# Wrong tokens of one address, in a burst and a second; further ones are answered late, and by 429.
+WRONG_TOKENS_AT_ONCE = 10.0
+WRONG_TOKENS_PER_SECOND = 1.0
+WRONG_TOKEN_DELAY_S = 1.0
+# Addresses of which that is remembered.
+ADDRESSES_KEPT = 10_000
 
 # Calls in progress at the gRPC endpoint, watchers included; further ones get RESOURCE_EXHAUSTED at once.
 GRPC_CALLS = 1000
+# Of those, one address's, as for REST; further ones get UNAVAILABLE.
+GRPC_CALLS_OF_ADDRESS = 500
+# On one connection: a client with more opens another one.
+GRPC_CALLS_OF_CONNECTION = 200

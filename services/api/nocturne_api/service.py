@@ -17,6 +17,7 @@ from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.grpc.server import GrpcEndpoint
 from nocturne_api.operations.operations import Operations
 from nocturne_api.rest.app import build_rest
+from nocturne_api.rest.protocol import BoundedProtocol
 from nocturne_api.webhooks.targets import Network, TargetRules
 
 # Running calls get this long when the service stops, seconds; streams are ended at once.
@@ -72,6 +73,7 @@ class Service:
         self.grpc_port = self._take_grpc_addresses(settings)
         config = uvicorn.Config(
             build_rest(operations, settings.web, loopback, settings.auth),
+            http=BoundedProtocol,
             ssl_certfile=settings.tls_certificate,
             ssl_keyfile=settings.tls_key,
             log_level="warning",
