@@ -13,7 +13,7 @@ from typing import BinaryIO, Protocol
 
 from nocturne_scene.errors import InputError, NotFound
 from nocturne_scene.limits import MAX_ASSET_BYTES
-from nocturne_scene.replacing import replacing
+from nocturne_scene.replacing import replacing, sync
 
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 _PIECE_BYTES = 2**20
@@ -155,6 +155,8 @@ class BlobStore:
             if self.remote is not None:
                 self.remote.put(_object_name(sha256), unfinished)
             place.parent.mkdir(exist_ok=True)
+        # The folder may be new.
+        sync(self.root)
 
     def put(self, data: bytes) -> str:
         """Stores bytes made here; gives their digest."""

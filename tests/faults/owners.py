@@ -9,6 +9,7 @@ from typing import Any
 
 import grpc
 import httpx
+from nocturne.v1 import render_service_pb2 as pb
 from nocturne_api.service import Service, Settings, open_service
 from nocturne_coordinator.store.data_folder import DataFolder
 
@@ -59,3 +60,10 @@ def request(request_id: str, **changes: Any) -> dict[str, Any]:
 def metadata(token: str) -> tuple[tuple[str, str]]:
     """The same for gRPC."""
     return (("authorization", f"Bearer {token}"),)
+
+
+async def next_of(stream: grpc.aio.UnaryStreamCall[Any, pb.Render]) -> pb.Render:
+    """The next state in a stream that is not over."""
+    found = await stream.read()
+    assert isinstance(found, pb.Render)
+    return found

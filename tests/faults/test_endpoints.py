@@ -17,7 +17,7 @@ from nocturne.v1 import asset_service_pb2, asset_service_pb2_grpc, render_servic
 from nocturne.v1 import render_service_pb2 as pb
 from nocturne_api import limits
 
-from tests.faults.owners import Guarded, guarded, metadata, request
+from tests.faults.owners import Guarded, guarded, metadata, next_of, request
 
 HALF_A_HEAD = b"GET /v1/renders HTTP/1.1\r\nHost: localhost\r\nX-A: "
 # All of 127.0.0.0/8 is this machine: a second caller has another address.
@@ -218,7 +218,7 @@ async def test_calls_of_one_address_are_bounded(
         stub = render_service_pb2_grpc.RenderServiceStub(channel)
         made = pb.CreateRenderRequest(
             request_id="a",
-            scene_json=json.dumps(request("a")["scene"]).encode(),
+            scene_json=json.dumps(request("a")["scene"]),
             width=8,
             height=8,
             samples=1,
@@ -291,7 +291,7 @@ async def test_a_revoked_token_ends_its_streams(service: Guarded) -> None:
             assert await anext(each) == ": watching"
         stub = render_service_pb2_grpc.RenderServiceStub(await stack.enter_async_context(service.grpc()))
         call = stub.WatchRenders(pb.WatchRendersRequest(), metadata=metadata(secrets["eve"]))
-        assert (await call.read()).id == made
+        assert (await next_of(call)).id == made
 
         service.folder.tokens.revoke("eve")
         begun = time.monotonic()

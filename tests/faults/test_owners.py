@@ -4,7 +4,6 @@ import hashlib
 import time
 from collections.abc import AsyncIterator
 from pathlib import Path
-from typing import Any
 
 import grpc
 import httpx
@@ -18,7 +17,7 @@ from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
 
 from tests.coordinator.world import World
-from tests.faults.owners import Guarded, guarded, metadata, request
+from tests.faults.owners import Guarded, guarded, metadata, next_of, request
 
 MANY = 3000
 
@@ -282,12 +281,6 @@ async def test_an_ambiguous_beginning_names_only_ones_own(
     assert all(each in told["detail"] for each in of_alice)
     assert of_bob not in told["detail"]
     assert (await bob.get("/v1/renders/r-")).json()["id"] == of_bob
-
-
-async def next_of(stream: grpc.aio.UnaryStreamCall[Any, pb.Render]) -> pb.Render:
-    found = await stream.read()
-    assert isinstance(found, pb.Render)
-    return found
 
 
 async def test_a_stream_shows_ones_own(service: Guarded, alice: httpx.AsyncClient) -> None:
