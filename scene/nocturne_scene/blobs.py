@@ -4,10 +4,11 @@ With an object store, what is stored is there before it is said to be, and what 
 """
 
 import hashlib
+import os
 import re
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO, Protocol
 
@@ -115,6 +116,25 @@ class BlobStore:
             if _SHA256.fullmatch(place.name):
                 yield place.name
 
+    def older_than(self, unix_time: float) -> Iterator[str]:
+        """The digests of blobs here that nobody stored or asked about since."""
+        for sha256 in self.all():
+            with suppress(FileNotFoundError):
+                if self._place(sha256).stat().st_mtime < unix_time:
+                    yield sha256
+
+    def remove_unfinished(self, unix_time: float) -> None:
+        """What a crash left behind in mid-write before then."""
+        for file in self._incoming.iterdir():
+            with suppress(FileNotFoundError):
+                if file.stat().st_mtime < unix_time:
+                    file.unlink()
+
+    def touch(self, sha256: str) -> None:
+        """Somebody asks about the blob, and is going to use it."""
+        with suppress(FileNotFoundError):
+            os.utime(self._place(sha256))
+
     def is_whole(self, sha256: str) -> bool:
         """Whether the blob is here and has every bit that it had."""
         if not self.has(sha256):
@@ -161,6 +181,7 @@ class BlobStore:
     def put(self, data: bytes) -> str:
         """Stores bytes made here; gives their digest."""
         sha256 = hashlib.sha256(data).hexdigest()
+        self.touch(sha256)
         if not self.has(sha256):
             with self.writer(sha256, len(data)) as writer:
                 writer.write(data)
@@ -168,6 +189,7 @@ class BlobStore:
 
     def put_file(self, sha256: str, file: Path) -> None:
         """Stores a copy of a file made here, whose digest is known."""
+        self.touch(sha256)
         if self.has(sha256):
             return
         with file.open("rb") as stream, self.writer(sha256, file.stat().st_size) as writer:

@@ -39,6 +39,10 @@ class TooMany(NocturneError):
     """The caller calls too often."""
 
 
+class FolderFull(NocturneError):
+    """The data folder has reached its bound."""
+
+
 class TooSlow(NocturneError):
     """The request did not come to its end in time."""
 
@@ -106,6 +110,10 @@ TABLE: tuple[tuple[type[Exception], Kind], ...] = (
     (Forbidden, Kind("FORBIDDEN", "Not allowed", 403, grpc.StatusCode.PERMISSION_DENIED)),
     (TooMany, Kind("TOO_MANY", "Too many calls", 429, grpc.StatusCode.RESOURCE_EXHAUSTED, 1)),
     (QuotaUsedUp, Kind("QUOTA", "Quota used up", 429, grpc.StatusCode.RESOURCE_EXHAUSTED, 60)),
+    (
+        FolderFull,
+        Kind("FOLDER_FULL", "The data folder is full", 507, grpc.StatusCode.RESOURCE_EXHAUSTED, 60),
+    ),
     (TooSlow, Kind("TOO_SLOW", "The request came too slowly", 408, grpc.StatusCode.DEADLINE_EXCEEDED)),
     (Overloaded, Kind("OVERLOADED", "Too much at once", 503, grpc.StatusCode.UNAVAILABLE, 5)),
     (

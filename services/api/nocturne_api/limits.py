@@ -45,6 +45,12 @@ OWNER_OPEN_SAMPLES = 1e15
 # Uploads and finished renders: a few hundred of the largest films, or a disk of the usual size half full.
 OWNER_STORED_BYTES = 256 * 1024 * MEBIBYTE
 
+# Files that no render uses stay for a week: uploads go before the render that names them, and people go home.
+UNUSED_SECONDS = 7 * 86400.0
+# How often the data folder is measured, seconds; at this part of its bound, or of its disk, the log warns.
+MEASURE_S = 30.0
+NEARLY_FULL = 0.9
+
 # Kept lines of the record of who changed what.
 CALLS_RECORDED = 100_000
 RECORDED_CHARACTERS = 128

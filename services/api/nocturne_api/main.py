@@ -67,6 +67,7 @@ def _settings() -> Settings:
         help="processor time that compiling one scene may take (default: %(default)s)",
     )
     _add_quotas(parser)
+    _add_storage(parser)
     parser.add_argument(
         "--objects",
         default="",
@@ -110,6 +111,25 @@ def _add_quotas(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         default=Settings.owner_stored_bytes,
         help="uploads, and sums, images and scenes of renders (default: %(default)s)",
+    )
+
+
+def _add_storage(parser: argparse.ArgumentParser) -> None:
+    storage = parser.add_argument_group("storage")
+    storage.add_argument(
+        "--data-bytes",
+        type=float,
+        metavar="N",
+        default=Settings.data_bytes,
+        help="size of the data folder at which uploads and renders are refused; from nine tenths on the log "
+        "warns; 0: none (default: %(default)g)",
+    )
+    storage.add_argument(
+        "--unused-seconds",
+        type=float,
+        metavar="S",
+        default=Settings.unused_seconds,
+        help="how long files stay that no render uses (default: %(default)g, a week)",
     )
 
 

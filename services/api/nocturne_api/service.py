@@ -13,6 +13,7 @@ from nocturne_coordinator.store.quotas import Quota
 
 from nocturne_api import limits
 from nocturne_api.addresses import AddressError, check_host, listen
+from nocturne_api.background.space import StorageLimits
 from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.grpc.server import GrpcEndpoint
 from nocturne_api.operations.operations import Operations
@@ -47,6 +48,10 @@ class Settings:
     owner_open_samples: float = limits.OWNER_OPEN_SAMPLES
     owner_stored_bytes: float = limits.OWNER_STORED_BYTES
     """What each owner may have, with authentication: see Quota."""
+    unused_seconds: float = limits.UNUSED_SECONDS
+    """How long files stay that no render uses."""
+    data_bytes: float = 0.0
+    """Size of the data folder at which it takes no more; 0: none."""
     objects: str = ""
     """Address of an object store for assets and finished images; empty: none."""
 
@@ -141,8 +146,9 @@ async def open_service(settings: Settings) -> Service:
     compile_limits = CompileLimits(settings.compile_memory_bytes, settings.compile_seconds)
     rules = TargetRules(settings.webhook_networks)
     objects = ObjectStore(settings.objects) if settings.objects else None
+    storage = StorageLimits(settings.unused_seconds, settings.data_bytes)
     quota = Quota(settings.owner_open_renders, settings.owner_open_samples, settings.owner_stored_bytes)
-    operations = await Operations.open(settings.data, compile_limits, rules, objects, quota)
+    operations = await Operations.open(settings.data, compile_limits, rules, objects, quota, storage)
     try:
         return Service(settings, operations)
     except BaseException:

@@ -9,6 +9,7 @@ from nocturne_scene.errors import InputError, NotFound
 
 from nocturne_api import limits
 from nocturne_api.access import CALLER
+from nocturne_api.background.space import Space
 from nocturne_api.files import upload
 from nocturne_api.files.open_file import OpenFile, open_file
 from nocturne_api.models.assets import Asset
@@ -19,8 +20,9 @@ from nocturne_api.operations.submission import digest_problems, raise_if
 class Assets:
     """The files of one data folder, by SHA-256."""
 
-    def __init__(self, access: FolderAccess) -> None:
+    def __init__(self, access: FolderAccess, space: Space) -> None:
         self._access = access
+        self._space = space
         self._blobs = access.folder.blobs
 
     async def missing(self, digests: list[str]) -> list[str]:
@@ -34,24 +36,34 @@ class Assets:
             for index, digest in enumerate(digests)
             for problem in digest_problems(digest, f"$.sha256[{index}]")
         )
-        return await asyncio.to_thread(self._blobs.missing, list(dict.fromkeys(digests)))
+        return await asyncio.to_thread(self._missing, list(dict.fromkeys(digests)))
+
+    def _missing(self, digests: list[str]) -> list[str]:
+        for digest in digests:
+            self._blobs.touch(digest)
+        return self._blobs.missing(digests)
 
     async def store(self, sha256: str, size_bytes: int, pieces: AsyncIterator[bytes]) -> Asset:
         """Stores one file under its digest; InputError, and nothing left, where size or digest differ.
 
-        QuotaUsedUp, before the first byte, where the caller would have too much.
+        QuotaUsedUp or FolderFull, before the first byte, where the caller or all would have too much.
         """
         async with self._access.recorded(f"upload {sha256[: limits.RECORDED_CHARACTERS]}"):
             CALLER.get().need("submit")
             raise_if(digest_problems(sha256, "sha256"))
             check_size(size_bytes)
-            if await asyncio.to_thread(self._blobs.has, sha256):
+            if await asyncio.to_thread(self._has, sha256):
                 async for _ in pieces:  # Read to the end, so that the sender is not cut off in mid-write.
                     pass
             else:
+                self._space.admit(size_bytes)
                 async with self._counted(sha256, size_bytes):
                     await upload.store(self._blobs, sha256, size_bytes, pieces)
             return await self._stored(sha256)
+
+    def _has(self, sha256: str) -> bool:
+        self._blobs.touch(sha256)
+        return self._blobs.has(sha256)
 
     @asynccontextmanager
     async def _counted(self, sha256: str, size_bytes: int) -> AsyncIterator[None]:

@@ -13,6 +13,7 @@ from nocturne_scene.errors import NotFound
 
 from nocturne_api import limits
 from nocturne_api.access import CALLER
+from nocturne_api.background.space import Space
 from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.errors import Overloaded, TooMany
@@ -33,8 +34,11 @@ from nocturne_api.operations.submission import CreateRequest, compiled, raise_if
 class Renders:
     """The renders of one data folder. All but deleting take the beginning of an id for the id."""
 
-    def __init__(self, access: FolderAccess, compile_limits: CompileLimits, sweeper: Sweeper) -> None:
+    def __init__(
+        self, access: FolderAccess, compile_limits: CompileLimits, sweeper: Sweeper, space: Space
+    ) -> None:
         self._access = access
+        self._space = space
         self._compile_limits = compile_limits
         self._sweeper = sweeper
         self._compiling = asyncio.Semaphore(limits.COMPILES_AT_ONCE)
@@ -44,11 +48,12 @@ class Renders:
         """Makes a render, or gives back the one made before with this request id.
 
         Raises InputError with every problem found, Conflict where the caller used the request id for another,
-        QuotaUsedUp where it would have too much, and Overloaded or TooMany where too many scenes wait to be
-        compiled. A failed call leaves nothing behind.
+        QuotaUsedUp or FolderFull where it or all would have too much, Overloaded or TooMany where too many
+        scenes wait to be compiled. A failed call leaves nothing behind.
         """
         async with self._access.recorded("create", request_id=request.request_id) as record:
             CALLER.get().need("submit")
+            self._space.admit(0)
             async with self._compile_slot():
                 created = await self._compiled_and_created(request, CALLER.get().name)
             record.render_id = created.id
@@ -96,6 +101,7 @@ class Renders:
         access = self._access
         async with access.recorded("replay", render_id, request_id):
             CALLER.get().need("submit")
+            self._space.admit(0)
             raise_if(request_id_problems(request_id))
             owner = CALLER.get().name
             whole_id = (await access.in_database(access.folder.renders.find, render_id, CALLER.get().sees)).id
