@@ -39,6 +39,10 @@ class TooMany(NocturneError):
     """The caller calls too often."""
 
 
+class BrokenOff(NocturneError):
+    """The caller went away before the end of the request."""
+
+
 class FolderFull(NocturneError):
     """The data folder has reached its bound."""
 
@@ -114,6 +118,7 @@ TABLE: tuple[tuple[type[Exception], Kind], ...] = (
         FolderFull,
         Kind("FOLDER_FULL", "The data folder is full", 507, grpc.StatusCode.RESOURCE_EXHAUSTED, 60),
     ),
+    (BrokenOff, Kind("BROKEN_OFF", "The request was broken off", 400, grpc.StatusCode.CANCELLED)),
     (TooSlow, Kind("TOO_SLOW", "The request came too slowly", 408, grpc.StatusCode.DEADLINE_EXCEEDED)),
     (Overloaded, Kind("OVERLOADED", "Too much at once", 503, grpc.StatusCode.UNAVAILABLE, 5)),
     (

@@ -9,7 +9,7 @@ from nocturne_api.errors import FolderFull
 from nocturne_api.limits import SMALL_BODY_BYTES
 from nocturne_api.models.assets import Asset, BatchMissingRequest, BatchMissingResponse
 from nocturne_api.rest.access import Service
-from nocturne_api.rest.bodies import declared_bytes, read_json
+from nocturne_api.rest.bodies import declared_bytes, pieces, read_json
 from nocturne_api.rest.contract import body_of, errors
 
 router = APIRouter(prefix="/v1", tags=["assets"])
@@ -34,7 +34,7 @@ async def store_asset(sha256: str, request: Request, operations: Service) -> Ass
     size_bytes = declared_bytes(request)
     if size_bytes < 0:
         raise InputError.at("Content-Length", "the size of the file must be declared")
-    return await operations.assets.store(sha256, size_bytes, request.stream())
+    return await operations.assets.store(sha256, size_bytes, pieces(request))
 
 
 @router.head("/assets/{sha256}", response_class=Response, responses=errors(NotFound))

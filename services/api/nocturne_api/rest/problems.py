@@ -8,7 +8,6 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from nocturne_scene.errors import InputError, Problem
 from starlette.exceptions import HTTPException
-from starlette.requests import ClientDisconnect
 from starlette.responses import JSONResponse, Response
 
 from nocturne_api.errors import TABLE, Failure, failure_of
@@ -55,15 +54,10 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(Exception, _answer)
     app.add_exception_handler(HTTPException, _answer_http)
     app.add_exception_handler(RequestValidationError, _answer_validation)
-    app.add_exception_handler(ClientDisconnect, _answer_nobody)
 
 
 async def _answer(_: Request, error: Exception) -> Response:
     return response_of(failure_of(error))
-
-
-async def _answer_nobody(_: Request, __: Exception) -> Response:
-    return Response(status_code=400)  # Nobody is there to read it.
 
 
 async def _answer_http(_: Request, error: Exception) -> Response:
