@@ -120,7 +120,12 @@ async def test_the_data_folder_has_a_bound(tmp_path: Path, caplog: pytest.LogCap
         assert "of the 2,000,000 that it may have; delete renders" in answer.json()["detail"]
         assert 5 < len(sizes) < 20
         assert str(tmp_path) not in answer.text
-        # The next to come may be small.
+        # What was only announced, and never came, takes no room.
+        small = b"small"
+        for _ in range(3):
+            wrong = await alice.put(f"/v1/assets/{'0' * 64}", content=bytes(90_000))
+            assert wrong.status_code in (422, 507)
+        assert (await alice.put(f"/v1/assets/{hashlib.sha256(small).hexdigest()}", content=small)).is_success
         assert (await alice.get(f"/v1/renders/{made}")).status_code == 200
         assert (await alice.post(f"/v1/renders/{made}:cancel")).status_code == 200
         assert (await alice.delete(f"/v1/renders/{made}")).status_code == 204

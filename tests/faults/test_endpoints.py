@@ -234,6 +234,33 @@ async def test_calls_of_one_address_are_bounded(
             stream.cancel()
 
 
+async def test_uploads_at_once_are_bounded(
+    service: Guarded, connections: Connections, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """P8: each has a thread; one owner leaves room for others, and has room again when its own are over."""
+    monkeypatch.setattr(limits, "UPLOADS_AT_ONCE", 6)
+    monkeypatch.setattr(limits, "UPLOADS_OF_OWNER", 4)
+    alice, bob = service.token("alice", "submit"), service.token("bob", "submit")
+    opened = [await connections.open(upload(alice, 1000, f"{number:064x}") + b"x") for number in range(4)]
+    await asyncio.sleep(0.3)
+    content = b"whole"
+    path = f"/v1/assets/{hashlib.sha256(content).hexdigest()}"
+    async with service.rest(alice) as by_alice, service.rest(bob) as by_bob:
+        refused = await by_alice.put(path, content=content)
+        assert (refused.status_code, refused.json()["reason"]) == (429, "TOO_MANY")
+        for number in range(2):
+            await connections.open(upload(bob, 1000, f"{number:064x}") + b"x")
+        await asyncio.sleep(0.3)
+        assert (await by_bob.put(path, content=content)).status_code == 503
+        for _, writer in opened:
+            writer.close()
+        for _ in range(100):
+            if (await by_alice.put(path, content=content)).status_code == 200:
+                return
+            await asyncio.sleep(0.05)
+    pytest.fail("there is no room again")
+
+
 async def test_wrong_tokens_are_slowed_down(service: Guarded, monkeypatch: pytest.MonkeyPatch) -> None:
     """P8: at both endpoints; who has a token gets in beside them, from the same address too."""
     monkeypatch.setattr(limits, "WRONG_TOKEN_DELAY_S", 0.3)

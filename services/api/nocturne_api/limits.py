@@ -51,6 +51,10 @@ UNUSED_SECONDS = 7 * 86400.0
 MEASURE_S = 30.0
 NEARLY_FULL = 0.9
 
+# Uploads in progress, each with a thread and an open file; and one owner's, with authentication.
+UPLOADS_AT_ONCE = 128
+UPLOADS_OF_OWNER = 32
+
 # Kept lines of the record of who changed what.
 CALLS_RECORDED = 100_000
 RECORDED_CHARACTERS = 128

@@ -4,6 +4,8 @@ import asyncio
 import logging
 import os
 import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,13 +27,14 @@ class StorageLimits:
 
 
 class Space(Background):
-    """One for each API process. What was admitted since the last look is taken as if it were there."""
+    """One for each API process. What is being stored, or was since the last look, counts as there."""
 
     def __init__(self, root: Path, most_bytes: float) -> None:
         """`most_bytes`: size at which nothing more is admitted; 0: none."""
         self._root = root
         self._most_bytes = most_bytes
-        self._bytes = _size(root)
+        self._measured = _size(root)
+        self._coming = self._came = 0
         self._warned = False
         self._warn()
 
@@ -40,18 +43,33 @@ class Space(Background):
         free = shutil.disk_usage(self._root).free
         return {"data_bytes": self._bytes, "data_bytes_bound": self._most_bytes, "disk_free_bytes": free}
 
-    def admit(self, more_bytes: int) -> None:
-        """Counts bytes that are going to be stored; raises FolderFull."""
+    def check(self, more_bytes: int = 0) -> None:
+        """Raises FolderFull where there is no room, or none for so many bytes."""
         if self._most_bytes and self._bytes + more_bytes >= self._most_bytes:
             raise FolderFull(
                 f"{self._has()}; delete renders, or have who runs the service raise --data-bytes"
             )
-        self._bytes += more_bytes
+
+    @contextmanager
+    def taken(self, more_bytes: int) -> Iterator[None]:
+        """Counts bytes that are being stored, unless that fails; raises FolderFull."""
+        self.check(more_bytes)
+        self._coming += more_bytes
+        try:
+            yield
+            self._came += more_bytes
+        finally:
+            self._coming -= more_bytes
+
+    @property
+    def _bytes(self) -> int:
+        return self._measured + self._coming + self._came
 
     async def _run(self) -> None:
         while True:
             await asyncio.sleep(limits.MEASURE_S)
-            self._bytes = await asyncio.to_thread(_size, self._root)
+            self._came = 0
+            self._measured = await asyncio.to_thread(_size, self._root)
             self._warn()
 
     def _warn(self) -> None:

@@ -1,6 +1,7 @@
 """Assets: files by content."""
 
 import asyncio
+from collections import Counter
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -10,6 +11,7 @@ from nocturne_scene.errors import InputError, NotFound
 from nocturne_api import limits
 from nocturne_api.access import CALLER
 from nocturne_api.background.space import Space
+from nocturne_api.errors import Overloaded, TooMany
 from nocturne_api.files import upload
 from nocturne_api.files.open_file import OpenFile, open_file
 from nocturne_api.models.assets import Asset
@@ -24,6 +26,7 @@ class Assets:
         self._access = access
         self._space = space
         self._blobs = access.folder.blobs
+        self._running: Counter[str] = Counter()
 
     async def missing(self, digests: list[str]) -> list[str]:
         """Which of these files are not stored yet, in the order asked, each once. Raises InputError."""
@@ -46,7 +49,8 @@ class Assets:
     async def store(self, sha256: str, size_bytes: int, pieces: AsyncIterator[bytes]) -> Asset:
         """Stores one file under its digest; InputError, and nothing left, where size or digest differ.
 
-        QuotaUsedUp or FolderFull, before the first byte, where the caller or all would have too much.
+        QuotaUsedUp or FolderFull, before the first byte, where the caller or all would have too much; TooMany
+        or Overloaded where it sends, or all send, too many at once.
         """
         async with self._access.recorded(f"upload {sha256[: limits.RECORDED_CHARACTERS]}"):
             CALLER.get().need("submit")
@@ -56,9 +60,9 @@ class Assets:
                 async for _ in pieces:  # Read to the end, so that the sender is not cut off in mid-write.
                     pass
             else:
-                self._space.admit(size_bytes)
-                async with self._counted(sha256, size_bytes):
-                    await upload.store(self._blobs, sha256, size_bytes, pieces)
+                with self._space.taken(size_bytes):
+                    async with self._counted(sha256, size_bytes):
+                        await upload.store(self._blobs, sha256, size_bytes, pieces)
             return await self._stored(sha256)
 
     def _has(self, sha256: str) -> bool:
@@ -67,8 +71,24 @@ class Assets:
 
     @asynccontextmanager
     async def _counted(self, sha256: str, size_bytes: int) -> AsyncIterator[None]:
+        """Bounds how many are in progress."""
+        owner = CALLER.get().name
+        if self._running.total() >= limits.UPLOADS_AT_ONCE:
+            raise Overloaded(f"{limits.UPLOADS_AT_ONCE} files are being uploaded; try again in a moment.")
+        if owner and self._running[owner] >= limits.UPLOADS_OF_OWNER:
+            raise TooMany(f"{self._running[owner]} files of {owner} are being uploaded; send fewer at once")
+        self._running[owner] += 1
+        try:
+            async with self._charged(owner, sha256, size_bytes):
+                yield
+        finally:
+            self._running[owner] -= 1
+            self._running += Counter()
+
+    @asynccontextmanager
+    async def _charged(self, owner: str, sha256: str, size_bytes: int) -> AsyncIterator[None]:
         """Counts the file as the caller's from its first byte, so that uploads side by side pass no quota."""
-        uploads, owner = self._access.folder.uploads, CALLER.get().name
+        uploads = self._access.folder.uploads
         begin = (owner, sha256, size_bytes, self._access.quota)
         is_new = await self._access.in_database(uploads.begin, *begin)
         try:

@@ -53,7 +53,7 @@ class Renders:
         """
         async with self._access.recorded("create", request_id=request.request_id) as record:
             CALLER.get().need("submit")
-            self._space.admit(0)
+            self._space.check()
             async with self._compile_slot():
                 created = await self._compiled_and_created(request, CALLER.get().name)
             record.render_id = created.id
@@ -101,7 +101,7 @@ class Renders:
         access = self._access
         async with access.recorded("replay", render_id, request_id):
             CALLER.get().need("submit")
-            self._space.admit(0)
+            self._space.check()
             raise_if(request_id_problems(request_id))
             owner = CALLER.get().name
             whole_id = (await access.in_database(access.folder.renders.find, render_id, CALLER.get().sees)).id

@@ -5,7 +5,7 @@ from nocturne_coordinator.errors import QuotaUsedUp
 from nocturne_scene.errors import InputError, NotFound
 from starlette.responses import Response
 
-from nocturne_api.errors import FolderFull
+from nocturne_api.errors import FolderFull, Overloaded
 from nocturne_api.limits import SMALL_BODY_BYTES
 from nocturne_api.models.assets import Asset, BatchMissingRequest, BatchMissingResponse
 from nocturne_api.rest.access import Service
@@ -27,7 +27,7 @@ async def missing_assets(request: Request, operations: Service) -> BatchMissingR
 @router.put(
     "/assets/{sha256}",
     openapi_extra={"requestBody": {"required": True, "content": _FILE}},
-    responses=errors(QuotaUsedUp, FolderFull),
+    responses=errors(QuotaUsedUp, FolderFull, Overloaded),
 )
 async def store_asset(sha256: str, request: Request, operations: Service) -> Asset:
     """Stores a file; its bytes must have this digest and the declared length. Uploading again is harmless."""
