@@ -86,7 +86,7 @@ async def test_half_a_request_holds_nobody_up(service: Guarded, connections: Con
     begun = time.monotonic()
     for address in ("127.0.0.1", ELSEWHERE, "127.0.0.1", ELSEWHERE):
         assert await status_at(connections, token, address) == 200
-    assert time.monotonic() - begun < 2.0
+    assert time.monotonic() - begun < 4.0
 
 
 @pytest.mark.usefixtures("few")
@@ -117,7 +117,7 @@ async def test_a_head_has_its_time(
             with contextlib.suppress(OSError):
                 writer.write(b"a")
         assert answer.done()
-        assert 0.9 < time.monotonic() - begun < 2.0
+        assert 0.9 < time.monotonic() - begun < 4.0
         with contextlib.suppress(ConnectionResetError):
             head, _, body = answer.result().partition(b"\r\n\r\n")
             assert head.startswith(b"HTTP/1.1 408")
@@ -145,7 +145,7 @@ async def test_a_body_has_its_time(
         with contextlib.suppress(OSError):
             writer.write(b"a")
     assert answer.done()
-    assert time.monotonic() - begun < 2.0
+    assert time.monotonic() - begun < 4.0
     with contextlib.suppress(ConnectionResetError):
         assert answer.result().startswith(b"HTTP/1.1 408")
     content = bytes(20_000)

@@ -100,7 +100,8 @@ async def api(disk: Disk, tmp_path: Path) -> AsyncIterator[Api]:
 
 @pytest.fixture
 async def rest(api: Api) -> AsyncIterator[httpx.AsyncClient]:
-    async with httpx.AsyncClient(base_url=f"http://127.0.0.1:{api.port}", trust_env=False) as client:
+    address = f"http://127.0.0.1:{api.port}"
+    async with httpx.AsyncClient(base_url=address, timeout=60, trust_env=False) as client:
         yield client
 
 
