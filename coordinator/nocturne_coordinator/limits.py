@@ -33,8 +33,15 @@ MAX_PRIORITY = 1000
 MAX_RUNNING = 8
 """Renders that share the workers; later ones wait as QUEUED."""
 
+MAX_NEWCOMERS = 8
+"""Renders beyond that, each of an owner who has none at work: nobody waits for others' renders to end."""
+
 MAX_RUNNING_SUMS = 2**28
-"""Of all running renders together, 8 bytes each: bounds memory to 2 GiB of sums."""
+"""Of all running renders together, 8 bytes each: bounds memory to 2 GiB of sums, and newcomers' as much."""
+
+MAX_NEXT_OF_OWNER = 2 * MAX_RUNNING
+"""Queued renders of one owner that the coordinator looks at: more can't be taken up at once, and an owner may
+have thousands."""
 
 MIN_WINDOW = 16
 JOBS_PER_THREAD = 4

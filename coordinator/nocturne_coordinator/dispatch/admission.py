@@ -1,6 +1,6 @@
 """Renders that come and go, as the data folder says. Pure."""
 
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
 
@@ -80,6 +80,7 @@ class Admission:
         if changed:
             again: list[OpenRender] = yield ReadRenders()
             rows = {row.id: row for row in again}
+        waiting: list[OpenRender] = []
         for row in rows.values():
             if row.id in state.renders:
                 state.scheduler.set_priority(row.id, row.priority)
@@ -87,8 +88,9 @@ class Admission:
                 if row.state is RenderState.QUEUED:
                     # Paused and resumed between two looks: it runs as before.
                     yield StartRender(row.id, state.renders[row.id].row.fence)
-            elif row.holder in (0, state.settings.number) and len(state.renders) < part:
-                yield from self._admit(row, at)
+            elif row.holder in (0, state.settings.number):
+                waiting.append(row)
+        yield from self._admit_in_turn(waiting, rows.values(), part, at)
         state.fleet.share = _share_of(state.renders, rows.values())
         profiles = {render.id: render.floating_point_profile for render in state.renders.values()}
         wanted = {profiles.get(row.id, row.floating_point_profile) for row in rows.values()}
@@ -165,10 +167,27 @@ class Admission:
                 yield Log(INFO, f"render={render_id} is left to another coordinator")
                 yield from self._commits.drop(render_id, jobs_stay=True)
 
+    def _admit_in_turn(
+        self, waiting: Iterable[OpenRender], rows: Iterable[OpenRender], part: int, at: Moment
+    ) -> Steps[None]:
+        """Resumes renders; then starts those for which there is room, next the owner with fewest at work for
+        its weight."""
+        renders = self._state.renders
+        queues: dict[str, deque[OpenRender]] = {}
+        # Those that ran already hold no one up: their owners had their turn.
+        for row in sorted(waiting, key=lambda each: each.state is RenderState.QUEUED):
+            queues.setdefault(row.owner, deque()).append(row)
+        at_work = Counter(row.owner for row in rows if row.id in renders or _is_at_work(row))
+        while queues and len(renders) < part:
+            owner = min(queues, key=lambda each: at_work[each] / queues[each][0].owner_weight)
+            row = queues[owner].popleft()
+            if not queues[owner]:
+                del queues[owner]
+            if row.state is RenderState.RUNNING or self._has_room(row, newcomer=not at_work[owner]):
+                yield from self._admit(row, at)
+                at_work[owner] += row.id in renders
+
     def _admit(self, row: OpenRender, at: Moment) -> Steps[None]:
-        """Resumes a render, or starts it if there is room."""
-        if row.state is RenderState.QUEUED and not self._has_room(row):
-            return
         taken: OpenRender | None = yield TakeRender(row.id)
         if taken is not None and taken.state in (RenderState.QUEUED, RenderState.RUNNING):
             yield from self._work_on(taken, at)
@@ -220,17 +239,25 @@ class Admission:
         tiles: frozenset[int] = row.look_first.tiles(grid) if row.look_first else frozenset()
         self._state.scheduler.set_first(row.id, tiles)
 
-    def _has_room(self, row: OpenRender) -> bool:
+    def _has_room(self, row: OpenRender, newcomer: bool) -> bool:
+        """Whether there is room for one more; `newcomer`: its owner has none at work."""
         renders = self._state.renders
         if not renders:
             return True
+        most, most_sums = limits.MAX_RUNNING, limits.MAX_RUNNING_SUMS
+        if newcomer:
+            most, most_sums = most + limits.MAX_NEWCOMERS, 2 * most_sums
         held = sum(render.film.sums.size for render in renders.values())
         wanted = row.schedule.width * row.schedule.height * (XYZ_SUMS + len(row.schedule.further_responses))
-        return len(renders) < limits.MAX_RUNNING and held + wanted <= limits.MAX_RUNNING_SUMS
+        return len(renders) < most and held + wanted <= most_sums
 
 
 def _is_lost(render: RunningRender, rows: Mapping[str, OpenRender]) -> bool:
     return render.id in rows and rows[render.id].fence != render.row.fence
+
+
+def _is_at_work(row: OpenRender) -> bool:
+    return row.state is RenderState.RUNNING and row.holder != 0
 
 
 def _share_of(ours: Mapping[str, RunningRender], rows: Iterable[OpenRender]) -> float:

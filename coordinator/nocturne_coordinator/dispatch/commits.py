@@ -138,7 +138,7 @@ class Commits:
 
     def show_final(self, render: RunningRender) -> Steps[None]:
         """The last preview and image of a render, of all that is committed."""
-        yield WriteImage(render.id)
+        yield WriteImage(render.id, final=True)
         yield WritePreview(render.id, final=True)
         yield from self._show_error(render)
 

@@ -209,6 +209,7 @@ class WriteImage:
     """Replace the image file. Answer: the moment when that was done."""
 
     render_id: str
+    final: bool = False
 
 
 Instruction: TypeAlias = (

@@ -138,7 +138,7 @@ class Commits:
 
         The images of one that `has_image` must be in their place. LeaseLost if the render is another's.
         """
-        with self._leases.holding(render.id, render.fence):
+        with self._leases.holding(render.id, render.fence, durable=True):
             changed = self._database.execute(
                 """UPDATE render
                    SET state = ?, reason = ?, ended = ?, image_final = ?, photons_per_second = 0,
@@ -174,7 +174,7 @@ class Commits:
 
     def images_written(self, render_id: str, fence: int) -> None:
         """An ended render's images show all that was committed. LeaseLost if it is another's."""
-        with self._leases.holding(render_id, fence):
+        with self._leases.holding(render_id, fence, durable=True):
             self._database.execute(
                 "UPDATE render SET image_final = 1, sequence = sequence + 1 WHERE id = ?", (render_id,)
             )

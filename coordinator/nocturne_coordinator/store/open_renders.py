@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from nocturne.v1 import job_pb2
 
+from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.records import FailedTile, OpenRender, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.region import Region
 from nocturne_coordinator.dispatch.stopping import StopConditions
@@ -29,10 +30,18 @@ class OpenRenders:
         self._leases = leases
 
     def all(self) -> list[OpenRender]:
-        """All that are to be worked on: by priority, then oldest first."""
+        """All that run, and of each owner those that are next: by priority, then oldest first."""
         rows = self._database.rows(
-            f"""SELECT {_COLUMNS} FROM render WHERE state IN ('QUEUED', 'RUNNING')
-                ORDER BY priority DESC, number"""  # noqa: S608
+            f"""SELECT {_COLUMNS} FROM render WHERE id IN (
+                    SELECT id FROM render WHERE state = 'RUNNING'
+                    UNION SELECT id FROM lease JOIN render ON id = render_id
+                        WHERE coordinator <> 0 AND state = 'QUEUED'
+                    UNION SELECT id FROM (
+                        SELECT id, row_number() OVER of_owner AS place FROM render WHERE state = 'QUEUED'
+                        WINDOW of_owner AS (PARTITION BY owner ORDER BY priority DESC, number)
+                    ) WHERE place <= ?)
+                ORDER BY priority DESC, number""",  # noqa: S608
+            (limits.MAX_NEXT_OF_OWNER,),
         )
         return [self._open_render(row) for row in rows]
 

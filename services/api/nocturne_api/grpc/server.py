@@ -21,6 +21,9 @@ from nocturne_api.operations.operations import Operations
 
 _OPTIONS = (
     ("grpc.max_receive_message_length", limits.GRPC_MESSAGE_BYTES),
+    ("grpc.max_concurrent_streams", limits.GRPC_CALLS_OF_CONNECTION),
+    # Who connects and says nothing.
+    ("grpc.server_handshake_timeout_ms", int(1000 * limits.HEAD_SECONDS)),
     # Two servers on one port would each get half of the calls, silently.
     ("grpc.so_reuseport", 0),
 )

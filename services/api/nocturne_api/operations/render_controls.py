@@ -57,12 +57,14 @@ class RenderControls:
     async def extend(self, render_id: str, samples: int, stop: Mapping[str, Any]) -> Render:
         """More samples, 0 for as many as before, and conditions instead of those before.
 
-        Raises NotFound, InputError, WrongState.
+        Raises NotFound, InputError, WrongState, QuotaUsedUp.
         """
         async with self._access.changing("extend", render_id) as whole_id:
             before = await self._access.in_database(self._folder.renders.get, whole_id)
             checked = checked_stop(stop, before.stop)
             wanted = samples or before.samples
             return Render.of(
-                await self._access.in_database(self._folder.requests.extend, whole_id, wanted, checked)
+                await self._access.in_database(
+                    self._folder.requests.extend, whole_id, wanted, checked, self._access.quota
+                )
             )

@@ -88,7 +88,10 @@ def _queued(situation: Situation) -> str:
     if situation.render.state is not RenderState.QUEUED:
         return ""
     if situation.running >= MAX_RUNNING:
-        return f"It waits until one of {situation.running} running renders ends; high priorities go first."
+        return (
+            f"It waits until one of {situation.running} running renders ends; then the owner with fewest at "
+            "work goes first, with the highest of its priorities."
+        )
     if situation.running:
         return "It waits for memory that running renders use, or is about to start."
     return "It is about to start."
