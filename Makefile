@@ -78,9 +78,10 @@ stop:  ## Stop the service that `make demo` started
 # Beside what the page promises about time runs no more than one C++ test. Of the tests in Python some trace and some wait,
 # so there are twice as many processes as processors.
 test: check  ## All tests
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync test-cpp test-python
+	@$(MAKE) --no-print-directory --jobs 2 test-cpp test-python
 test-cpp: build
-	ctest --test-dir build/release --output-on-failure --no-tests=error
+	@ctest --test-dir build/release --output-on-failure --no-tests=error > build/ctest.log || { cat build/ctest.log; false; }
+	@grep "tests passed" build/ctest.log
 test-page: build
 	npm --prefix services/web run --silent test
 	pytest tests/web

@@ -1,7 +1,7 @@
 """Slabs of media: how much light they let through and send back.
 
-Truths, with their sources: data/media.json. Standard errors come from 64 pixels, and are about 1.4 % where half
-of the light comes through, more for fainter light. False alarms: 0.01 for each test.
+Truths, with their sources: data/media.json. Standard errors come from 64 pixels, and are about 1.4 % where
+half of the light comes through, more for fainter light. False alarms: 0.01 for each test.
 """
 
 import json

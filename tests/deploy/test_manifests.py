@@ -135,7 +135,7 @@ def test_arguments_are_understood(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_workers_may_be_taken_away() -> None:
     worker = pods(base())["nocturne-worker"]["spec"]
-    # Longer than the worker's own grace, 25 s.
+    # Longer than the two seconds in which a worker hands its jobs back.
     assert worker["terminationGracePeriodSeconds"] > 30
     assert worker["priorityClassName"] == "nocturne-worker"
     assert not any("persistentVolumeClaim" in volume for volume in worker["volumes"])

@@ -86,7 +86,8 @@ def test_long_work_waits_for_its_class(service: Service, work: Callable[..., str
         result.partial.cpu_seconds = REDONE_SECONDS
         return [result]
 
-    service.start()
+    # Ranges that cost so much would be cut.
+    service.start("", "--job-seconds", "1e6")
     first = service.work(
         SimulatedWorker(
             service.server.url, costs_much, SOME_DELAY, status_ms=1500, floating_point_profile=ODD

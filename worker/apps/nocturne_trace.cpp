@@ -18,6 +18,7 @@
 #include "rounding/floating_point_profile.h"
 #include "scene/load_scene.h"
 #include "textures/texture.h"
+#include "tracer/path_limits.h"
 #include "tracer/trace_film.h"
 #include "worker_loop/check_job.h"
 
@@ -109,7 +110,8 @@ void write_statistics(const std::string& path, const TileSums& image, double cpu
   std::ofstream file(path);
   file.precision(17);
   file << "{\"photons\": " << image.photons << ", \"rays\": " << image.rays
-       << ", \"invalid_samples\": " << image.invalid_samples << ", \"cpu_seconds\": " << cpu_seconds
+       << ", \"invalid_samples\": " << image.invalid_samples
+       << ", \"truncated_paths\": " << image.truncated_paths << ", \"cpu_seconds\": " << cpu_seconds
        << ", \"wall_seconds\": " << wall_seconds << "}\n";
   if (!file) throw std::runtime_error(path + ": can't be written");
 }
@@ -205,13 +207,19 @@ void run(const Options& options) {
   write_exr(options.output, plan.film.width, plan.film.height, image.sums, further_responses,
             samples,
             {sha256_of_file(options.scene), schedule_json(plan_message), v1::ENGINE_CURRENT,
-             floating_point_profile(), quantity.name, quantity.unit, quantity.response_unit});
+             floating_point_profile(), quantity.name, quantity.unit, quantity.response_unit,
+             image.truncated_paths});
   if (!options.statistics.empty()) {
     write_statistics(options.statistics, image, cpu, wall.count());
   }
   if (image.invalid_samples > 0) {
     std::cerr << "warning: " << image.invalid_samples << " of " << image.photons
               << " samples were invalid (negative or not finite)\n";
+  }
+  if (image.truncated_paths > 0) {
+    std::cerr << "warning: " << image.truncated_paths << " of " << image.photons
+              << " photons were ended by the limit of " << PathLimits::kMaxRays
+              << " interactions: the image is too dark\n";
   }
 }
 

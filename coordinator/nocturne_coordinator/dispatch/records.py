@@ -132,6 +132,7 @@ class Totals:
     cpu_seconds: float = 0.0
     audited: int = 0
     refused: int = 0
+    truncated_paths: int = 0
 
 
 @dataclass(frozen=True, slots=True)

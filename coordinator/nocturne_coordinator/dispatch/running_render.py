@@ -5,10 +5,12 @@ from collections.abc import Iterable
 from typing import cast
 
 from nocturne.v1 import job_pb2
+from nocturne_scene.ranges import FIRST_RANGE, SampleRange, recut_schedule
 
 from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate, estimate_error
 from nocturne_coordinator.dispatch.film import Film
 from nocturne_coordinator.dispatch.forecast import Forecast, Measured, forecast
+from nocturne_coordinator.dispatch.job_cost import JOB_SECONDS, longest_range, max_cpu_seconds
 from nocturne_coordinator.dispatch.merge import Offered, RangeSums
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.records import (
@@ -20,6 +22,7 @@ from nocturne_coordinator.dispatch.records import (
     TileRow,
 )
 from nocturne_coordinator.dispatch.trust import CONFIDENCE, RangeEnd, confirmed, doubt_of, falls
+from nocturne_coordinator.limits import RANGES_AHEAD
 
 _RATE_SECONDS = 10.0
 """Over which photons per second are counted: many jobs, yet soon 0 when the workers are gone."""
@@ -34,7 +37,13 @@ _HISTORY_STEP = 1.01
 class RunningRender:
     """The film and totals of one render in memory."""
 
-    def __init__(self, row: OpenRender, tiles: Iterable[TileRow], now: float = 0.0) -> None:
+    def __init__(
+        self,
+        row: OpenRender,
+        tiles: Iterable[TileRow],
+        now: float = 0.0,
+        job_seconds: float = JOB_SECONDS,
+    ) -> None:
         """Goes on where the committed tiles end, from `now` (any clock, seconds).
 
         ValueError if they do not fit the schedule.
@@ -76,6 +85,9 @@ class RunningRender:
         self.totals.ranges = sum(state.merged for state in self.film.tiles)
         samples = int(self.film.counts.sum(dtype="uint64"))
         self.totals.photons = samples * self.planned.photons_per_sample
+        self._job_seconds = job_seconds
+        self._longest: int | None = None
+        """Samples to which ranges are to be cut; None: they may stay as they are."""
 
     @property
     def id(self) -> str:
@@ -94,8 +106,10 @@ class RunningRender:
             self.totals.photons += merged.photons
             self.totals.rays += merged.rays
             self.totals.invalid_samples += merged.invalid_samples
+            self.totals.truncated_paths += merged.truncated_paths
             self._invalid_samples[tile_index] += merged.invalid_samples
             self.totals.cpu_seconds += merged.cpu_seconds
+            self._learn_cost(merged.index, merged.cpu_seconds)
             self._recent.append((now, merged.photons))
             self._dirty.add(tile_index)
             self._contributors.setdefault(tile_index, set()).add(merged.worker)
@@ -202,6 +216,38 @@ class RunningRender:
         photons = (planned.end - planned.first) * tile.width * tile.height * self.planned.photons_per_sample
         known = self.totals.photons > 0 and self.totals.cpu_seconds > 0.0
         return photons * (self.totals.cpu_seconds / self.totals.photons if known else _USUAL_COST)
+
+    def max_cpu_seconds(self, planned: SampleRange) -> float:
+        """Processor seconds after which a job is stopped."""
+        return max_cpu_seconds(planned.end - planned.first, self.totals.photons > 0, self._job_seconds)
+
+    def stopped_too_long(self, range_index: int, cpu_seconds: float) -> bool:
+        """A job was stopped after so long; whether its range will be cut."""
+        planned = self.planned.ranges[range_index]
+        if planned.first < max(self.film.manifest()) or planned.end - planned.first <= FIRST_RANGE:
+            return False
+        self._learn_cost(range_index, cpu_seconds, ahead=1)
+        return self.recut() is not None
+
+    def _learn_cost(self, range_index: int, cpu_seconds: float, ahead: int = RANGES_AHEAD + 1) -> None:
+        """A range took so long: those of its tile that may be published by now do so for each sample."""
+        took = self.planned.ranges[range_index]
+        last = min(range_index + ahead, len(self.planned.ranges)) - 1
+        following = self.planned.ranges[last]
+        samples = following.end - following.first
+        predicted = cpu_seconds * samples / (took.end - took.first)
+        if wanted := longest_range(predicted, samples, self._job_seconds):
+            self._longest = min(self._longest or wanted, wanted)
+
+    def recut(self) -> job_pb2.RangeSchedule | None:
+        """The schedule with shorter ranges, where those that come next would take too long. A replay keeps
+        its own."""
+        if self._longest is None or self.row.stop.tile_samples:
+            return None
+        schedule = recut_schedule(self.planned.schedule, max(self.film.manifest()), self._longest)
+        if schedule is None:
+            self._longest = None
+        return schedule
 
     def waiting_entries(self) -> list[bytes]:
         """Result entries of ranges that wait for earlier ones."""

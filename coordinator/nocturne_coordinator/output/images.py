@@ -63,6 +63,8 @@ class Provenance:
     """What Y measures; see nocturne_scene.quantities."""
     doubt: str = ""
     """Why the errors are not to be trusted; empty: they are, as far as one image can tell."""
+    truncated_paths: int = 0
+    """Photons that a limit of the tracer ended, so that their light is missing."""
 
 
 def manifest_text(samples: Sequence[int]) -> str:
@@ -159,6 +161,8 @@ def write_image(
     header |= _measured(provenance.quantity)
     if provenance.doubt:
         header["nocturne:errorDoubt"] = provenance.doubt
+    if provenance.truncated_paths:
+        header["nocturne:truncatedPaths"] = str(provenance.truncated_paths)
     try:
         with OpenEXR.File(header, _exr_channels(sums, counts, further_responses)) as file:
             file.write(str(path))

@@ -58,6 +58,7 @@ class RenderRow:
     invalid_samples: int
     quantity: str
     """What Y measures; see nocturne_scene.quantities."""
+    truncated_paths: int
     relative_error: float
     worst_share: float
     effective_pixels: float

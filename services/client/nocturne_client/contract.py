@@ -58,6 +58,8 @@ class Progress:
     """Rays cast for them."""
     invalid_samples: int
     """Contributions left out because they were NaN, infinite or negative."""
+    truncated_paths: int
+    """Photons ended by the tracer's limit of interactions; light that they would have brought is missing."""
     mean_samples: float
     """Mean over pixels of the samples merged."""
     relative_error: float

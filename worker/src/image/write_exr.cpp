@@ -76,6 +76,10 @@ void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint
   header.insert("nocturne:engine", Imf::IntAttribute(static_cast<int>(provenance.engine)));
   header.insert("nocturne:floatingPointProfile",
                 Imf::StringAttribute(provenance.floating_point_profile));
+  if (provenance.truncated_paths > 0) {
+    header.insert("nocturne:truncatedPaths",
+                  Imf::StringAttribute(std::to_string(provenance.truncated_paths)));
+  }
 
   Imf::FrameBuffer buffer;
   const auto add = [&](const std::string& name, Imf::PixelType type, void* first,

@@ -16,6 +16,8 @@ struct ImageProvenance {
   std::string floating_point_profile;
   /// What Y measures, its unit, and that of a further response without a unit.
   std::string quantity, unit, response_unit;
+  /// Photons that a limit of the tracer ended; told where there are any.
+  std::uint64_t truncated_paths = 0;
 };
 
 /// Writes means and errors from sums (per pixel, row by row: sum X, Y, Z, Y^2 and one for each

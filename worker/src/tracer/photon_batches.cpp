@@ -28,11 +28,12 @@ Start<N> emit(const Scene& scene, float time, const Spectral<N>& wavelengths_nm,
 }  // namespace
 
 template <int N, class Estimator, bool Media>
-PhotonBatches<N, Estimator, Media>::PhotonBatches(const Scene& scene, Film film, std::uint32_t most)
+PhotonBatches<N, Estimator, Media>::PhotonBatches(const Scene& scene, Film film, std::uint32_t most,
+                                                  const std::stop_token& stop)
     : scene_(scene),
       scale_(1.0 / (film.width * film.height)),
       estimator_(scene, film),
-      batch_(scene, estimator_) {
+      batch_(scene, estimator_, stop) {
   sequences_.reserve(most);  // groups point to them
 }
 
@@ -55,6 +56,7 @@ void PhotonBatches<N, Estimator, Media>::trace(std::span<const PhotonIndex> phot
   }
   trace_batch(batch_);
   counts.rays += batch_.rays;
+  counts.truncated_paths += batch_.limits.truncated();
   sort_by_sample(estimator_.splats());
 }
 

@@ -22,6 +22,7 @@ TileSums trace_ranges(const Scene& scene, const FilmPlan& plan, TileRange tile, 
     total.photons += range.photons;
     total.rays += range.rays;
     total.invalid_samples += range.invalid_samples;
+    total.truncated_paths += range.truncated_paths;
     tile.first_sample = end;
     merged(range.photons);
   }
@@ -39,6 +40,7 @@ void place(const TileSums& tile, const TileRange& where, Film film, TileSums& im
   image.photons += tile.photons;
   image.rays += tile.rays;
   image.invalid_samples += tile.invalid_samples;
+  image.truncated_paths += tile.truncated_paths;
 }
 
 }  // namespace
@@ -97,6 +99,7 @@ std::pair<TileSums, std::uint32_t> trace_film_by_ranges(
     image.photons += range.photons;
     image.rays += range.rays;
     image.invalid_samples += range.invalid_samples;
+    image.truncated_paths += range.truncated_paths;
     first = end;
     if (end != plan.range_ends.back() && !go_on(end, image)) break;
   }

@@ -128,7 +128,7 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
         request: pb.WatchRendersRequest,  # noqa: ARG002 - it is empty
         context: Context,
     ) -> AsyncIterator[pb.Render]:
-        async with Answering(context), aclosing(self._operations.streams.newest()) as states:
+        async with Answering(context), self._operations.streams.newest() as states:
             async for state in states:
                 yield render_message(state)
 
@@ -142,7 +142,7 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
     async def WatchRender(  # noqa: N802
         self, request: pb.WatchRenderRequest, context: Context
     ) -> AsyncIterator[pb.Render]:
-        async with Answering(context), aclosing(self._operations.streams.one(request.id)) as states:
+        async with Answering(context), self._operations.streams.one(request.id) as states:
             async for state in states:
                 yield render_message(state)
 

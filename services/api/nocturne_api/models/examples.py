@@ -70,6 +70,7 @@ RENDER: dict[str, Any] = {
         "samples_merged": 78643200,
         "rays": 314572800,
         "invalid_samples": 0,
+        "truncated_paths": 0,
         "mean_samples": 256.0,
         "relative_error": 0.021,
         "worst_share": 0.04,

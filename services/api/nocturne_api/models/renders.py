@@ -24,6 +24,10 @@ class Progress(Answer):
     invalid_samples: int = Field(
         description="Contributions left out because they were NaN, infinite or negative."
     )
+    truncated_paths: int = Field(
+        description="Photons ended by the tracer's limit of interactions; light that they would have brought "
+        "is missing."
+    )
     mean_samples: float = Field(description="Mean over pixels of the samples merged.")
     relative_error: float = Field(
         description="Root mean square over pixels of Y's standard error relative to Y, "

@@ -1,6 +1,6 @@
 """The service in the words of Prometheus, read from the data folder at each scrape."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.store.data_folder import DataFolder
@@ -26,9 +26,17 @@ _COUNTS = {
 }
 
 
+_SPACE = {
+    "data_bytes": "Size of the data folder when it was last looked at.",
+    "data_bytes_bound": "Size at which it takes no more uploads and renders; 0: none.",
+    "disk_free_bytes": "What is free on its disk.",
+}
+
+
 class _Collector:
-    def __init__(self, folder: DataFolder) -> None:
+    def __init__(self, folder: DataFolder, space: Mapping[str, float]) -> None:
         self._folder = folder
+        self._space = space
 
     def collect(self) -> Iterator[Metric]:
         meters = self._folder.meters.read()
@@ -36,6 +44,8 @@ class _Collector:
             yield GaugeMetricFamily(f"nocturne_{name}", about, value=meters.get(name, 0.0))
         for name, about in _COUNTS.items():
             yield CounterMetricFamily(f"nocturne_{name}", about, value=meters.get(name, 0.0))
+        for name, about in _SPACE.items():
+            yield GaugeMetricFamily(f"nocturne_{name}", about, value=self._space[name])
         yield from self._renders()
         yield from self._workers()
 
@@ -65,8 +75,8 @@ class _Collector:
         yield GaugeMetricFamily("nocturne_rays_per_second", about, value=rate)
 
 
-def metrics_text(folder: DataFolder) -> bytes:
-    """Prometheus' text format, version 0.0.4."""
+def metrics_text(folder: DataFolder, space: Mapping[str, float]) -> bytes:
+    """Prometheus' text format, version 0.0.4; `space`: by name, as in Space.figures."""
     registry = CollectorRegistry()
-    registry.register(_Collector(folder))
+    registry.register(_Collector(folder, space))
     return generate_latest(registry)

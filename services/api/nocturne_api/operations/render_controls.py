@@ -63,7 +63,7 @@ class RenderControls:
     ) -> Render:
         """More samples, 0 for as many as before; conditions that are named change or are dropped.
 
-        Raises NotFound, InputError, WrongState.
+        Raises NotFound, InputError, WrongState, QuotaUsedUp.
         """
         async with self._access.changing("extend", render_id) as whole_id:
             before = await self._access.in_database(self._folder.renders.get, whole_id)
@@ -79,5 +79,7 @@ class RenderControls:
                     message = f"it would end at once, by {met}; give a new value, or drop the condition"
                     raise InputError.at("$.stop", message)
             return Render.of(
-                await self._access.in_database(self._folder.requests.extend, whole_id, wanted, changed)
+                await self._access.in_database(
+                    self._folder.requests.extend, whole_id, wanted, changed, self._access.quota
+                )
             )

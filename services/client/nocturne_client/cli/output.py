@@ -68,6 +68,7 @@ def print_render(render: Render, as_json: bool) -> None:
         (_mean_name(render), _mean(render)),
         ("nothing seen", f"in {progress.unseen_pixels:,} of {render.width * render.height:,} pixels"),
         ("invalid samples", f"{progress.invalid_samples:,}"),
+        *([("truncated paths", _truncated(progress.truncated_paths))] if progress.truncated_paths else []),
         ("processor time", f"{progress.cpu_seconds:,.1f} s"),
         ("stops at", _stop(render)),
         ("forecast", _forecast(render)),
@@ -101,6 +102,10 @@ def _mean(render: Render) -> str:
         return "-"
     interval = f" +- {1.96 * progress.mean_error:.2g}" if progress.mean_error else ""
     return f"{progress.mean:.5g}{interval} {render.unit} (95 %)".replace("  ", " ")
+
+
+def _truncated(paths: int) -> str:
+    return f"{paths:,} photons, ended by the tracer's limit of interactions: the image is too dark"
 
 
 def _stop(render: Render) -> str:

@@ -83,8 +83,7 @@ void connect(Batch<N, Estimator, Media>& batch) {
   }
   for (CameraRay<N>& to_camera : batch.camera_rays) {
     if constexpr (Batch<N, Estimator, Media>::kToCamera) {
-      while (follow_to_camera(batch, to_camera)) {
-      }
+      while (follow_to_camera(batch, to_camera)) batch.limits.check_stop();
     }
   }
   batch.camera_rays.clear();

@@ -12,7 +12,7 @@ void start(Batch<N, Estimator, Media>& batch, const Start<N>& from,
            const PhotonSequence& sequence) {
   const auto number = static_cast<std::uint32_t>(batch.samples.size());
   batch.samples.push_back({from.wavelengths, from.time, from.spread, from.flux});
-  if constexpr (Media) batch.flights.emplace_back(batch.scene, from.wavelengths);
+  if constexpr (Media) batch.flights.emplace_back(batch.scene, from.wavelengths, batch.limits);
   if (!(largest(from.flux) > 0.0f)) return;  // nothing was emitted
   batch.groups.push_back({.ray = from.ray,
                           .sample = number,
