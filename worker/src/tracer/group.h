@@ -67,6 +67,8 @@ struct Group {
   InteriorList inside;
   /// Interactions so far; those of them with media; those that let it straight through.
   std::uint32_t depth = 0, collisions = 0, passes = 0;
+  /// Latest interactions in a row at which clear surfaces reflected or refracted it.
+  std::uint32_t caught = 0;
   /// Of photons in both directions.
   PathEnds ends;
   MisState<N> mis;
