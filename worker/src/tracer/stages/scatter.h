@@ -113,7 +113,7 @@ void scatter(Batch<N, Estimator, Media>& batch) {
     const auto vertex = make_vertex(scene, hit, contacts, group, sample.wavelengths, sample.time,
                                     Estimator::kTransport);
     if (!vertex) {
-      pass_index_matched(scene, group, hit, contacts);
+      pass_index_matched(scene, group, hit, contacts, sample.time);
       batch.next.push_back(group);
       continue;
     }
