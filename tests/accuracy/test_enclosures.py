@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from tests.accuracy.meters import Measurement, check_equal
-from tests.accuracy.scenes import BLACK, diffuse, disc, film, measured_scene, quad, sphere, surface
+from tests.accuracy.meters import GREY, Measurement, check_equal
+from tests.accuracy.scenes import BLACK, diffuse, disc, film, furnace, measured_scene, quad, sphere, surface
 from tests.accuracy.tracing import Document
 
 pytestmark = pytest.mark.system
@@ -281,3 +281,34 @@ def test_cie_171_5_8_cube(reflectance: str, tmp_path: Path) -> None:
     seen = Measurement(measured_scene(camera, [*walls, lamp]), tmp_path).by_seeds(512)
     indirect = seen * (pi / float(reflectance)) - 10_000.0 / 96.0
     indirect.check(CIE_171["5.8"]["lx"][reflectance], 2e-5 / float(reflectance))
+
+
+_ALBEDOS = [0.9, 0.99, 0.995, 0.999, 0.9995, 0.9999]
+
+
+_CLOSED = [("sphere", "adjoint"), ("sphere", "both"), ("box", "adjoint"), ("box", "both"), ("box", "forward")]
+
+
+@pytest.mark.parametrize("albedo", _ALBEDOS)
+@pytest.mark.parametrize(("shape", "direction"), _CLOSED)
+def test_closed_ones_that_absorb_little(shape: str, direction: str, albedo: float, tmp_path: Path) -> None:
+    """As by default: light is reflected 1 / (1 - albedo) times on average, and many times that counts, too.
+
+    z by the scatter of pixels, within the bound for all of this test's; false alarms: 0.01.
+    """
+    if shape == "box":
+        document = furnace(albedo, 1.0) | {"tracing": {"direction": direction}}
+        document["sensor"] |= GREY
+        truth = 1.0 / (1.0 - albedo)
+        if direction == "forward":
+            document["sensor"] = {**GREY, **film([0.5, 0.5, 0.5], [0, 0, 1], 0.5)}
+            truth *= pi
+    else:
+        # Past the lamp in the middle.
+        camera = {"type": "pinhole", "position": [0.5, 0, 0], "look_at": [0.9, 0.1, 0.3]}
+        document = measured_scene(camera, _integrating_sphere(1.0, albedo, 0.0), direction=direction)
+        truth = albedo / (1.0 - albedo) / pi
+    reading = Measurement(document, tmp_path, 16, 16).by_pixels(16)
+    reading.check(truth, values=len(_CLOSED) * len(_ALBEDOS))
+    # One sample is off by a few times the truth, whatever the albedo.
+    assert reading.error < 0.2 * truth

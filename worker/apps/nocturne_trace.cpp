@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <new>
 #include <string>
 #include <thread>
 #include <vector>
@@ -232,7 +233,8 @@ int main(int argc, char** argv) {
       "Traces a compiled scene on this machine and writes an EXR (X, Y, Z in absolute units, "
       "Y.stderr, n, further "
       "responses).\n"
-      "`nocturne compile SCENE.json -o DIR` makes DIR/scene.pb, DIR/schedule.pb and DIR/blobs.",
+      "`nocturne compile SCENE.json -o DIR` makes DIR/scene.pb, DIR/schedule.pb and DIR/blobs.\n"
+      "Ends with status 0, or with 2 and one sentence where the scene can't be read or traced.",
       "nocturne-trace"};
   app.add_option("scene", options.scene, "Compiled scene (scene.pb)")
       ->required()
@@ -273,9 +275,12 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     nocturne::run(options);
+  } catch (const std::bad_alloc&) {
+    std::cerr << "nocturne-trace: there is not enough memory for this scene and film\n";
+    return 2;
   } catch (const std::exception& error) {
     std::cerr << "nocturne-trace: " << error.what() << '\n';
-    return 1;
+    return 2;
   }
   return 0;
 }

@@ -14,10 +14,14 @@ Start<N> emit(const Scene& scene, float time, const Spectral<N>& wavelengths_nm,
               PhotonSequence& sequence) {
   const Uniform4 first = sequence.next(), second = sequence.next();
   const auto emitted =
-      scene.emitter.emit(scene.luminaires, scene.lights, scene.options.aimed_emission, time,
-                         wavelengths_nm, first, second);
+      scene.emitter.emit(scene.luminaires, scene.lights, scene.geometry,
+                         scene.options.aimed_emission, time, wavelengths_nm, first, second);
   if (!emitted) return {.ray = {}, .wavelengths = wavelengths_nm, .inside = {}, .flux = 0.0f};
-  Start<N> start{.ray = emitted->ray, .wavelengths = wavelengths_nm, .inside = {}, .time = time};
+  Start<N> start{.ray = emitted->ray,
+                 .departure = emitted->departure,
+                 .wavelengths = wavelengths_nm,
+                 .inside = {},
+                 .time = time};
   if (emitted->luminaire != Emitted<N>::kDistant) {
     start.inside = scene.luminaires_inside[emitted->luminaire];
   }

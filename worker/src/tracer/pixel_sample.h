@@ -23,8 +23,8 @@ PixelSample<N> sample_pixel(const Scene& scene, Film film, std::uint32_t x, std:
   const SensorSample from = scene.sensor.sample(film, static_cast<float>(x) + u[0],
                                                 static_cast<float>(y) + u[1], v[0], v[1], u[3]);
   PixelSample<N> sample{scene.wavelengths.sample<N>(u[2]), from.weight, {}};
-  sample.start = {from.ray,   sample.wavelengths.nm, scene.sensor_inside, u[3], from.width,
-                  from.spread};
+  sample.start = {from.ray,   {},         sample.wavelengths.nm, scene.sensor_inside, u[3],
+                  from.width, from.spread};
   return sample;
 }
 

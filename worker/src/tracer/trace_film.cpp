@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <exception>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -56,8 +57,9 @@ TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, uns
   std::atomic<std::uint32_t> next = 0;
   std::mutex mutex;
   double done = 0.0;
+  std::exception_ptr failure;
 
-  const auto work = [&] {
+  const auto trace_tiles = [&] {
     for (std::uint32_t index = next++; index < columns * rows; index = next++) {
       TileRange tile{(index % columns) * plan.tile_size,
                      (index / columns) * plan.tile_size,
@@ -76,9 +78,20 @@ TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, uns
       place(sums, tile, plan.film, image);
     }
   };
+  // A thread that throws stops the others; what it threw is thrown again from here.
+  const auto work = [&] {
+    try {
+      trace_tiles();
+    } catch (...) {
+      next = columns * rows;
+      const std::lock_guard lock(mutex);
+      if (!failure) failure = std::current_exception();
+    }
+  };
   std::vector<std::jthread> pool;
   for (unsigned i = 0; i < std::max(1u, threads); ++i) pool.emplace_back(work);
   pool.clear();  // joins
+  if (failure) std::rethrow_exception(failure);
   return image;
 }
 

@@ -21,7 +21,8 @@ struct FilmPlan {
 
 /// Sums of the film, row by row; photons, rays and invalid samples of all tiles. A tile's ranges
 /// are added up in sample order, so the bits don't depend on the number of threads. `progress` is
-/// told the share of photons traced, from any thread, one at a time.
+/// told the share of photons traced, from any thread, one at a time. Throws what tracing a tile
+/// throws.
 TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
                     const std::function<void(double)>& progress);
 

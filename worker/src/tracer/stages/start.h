@@ -15,6 +15,7 @@ void start(Batch<N, Estimator, Media>& batch, const Start<N>& from,
   if constexpr (Media) batch.flights.emplace_back(batch.scene, from.wavelengths, batch.limits);
   if (!(largest(from.flux) > 0.0f)) return;  // nothing was emitted
   batch.groups.push_back({.ray = from.ray,
+                          .departure = from.departure,
                           .sample = number,
                           .width = from.width,
                           .weight = 1.0f,
