@@ -11,6 +11,8 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 # The compiler cache serves every clone on a machine, not only the folder that filled it.
 export CCACHE_BASEDIR := $(CURDIR)
 export CCACHE_NOHASHDIR := 1
+# Tests start hundreds of Python processes: modules are compiled once, not in each of them.
+unexport PYTHONDONTWRITEBYTECODE
 PROTOS := $(wildcard proto/nocturne/v1/*.proto)
 WEB_SOURCES := $(shell find services/web/src services/web/public -type f 2>/dev/null) \
   $(addprefix services/web/,index.html package.json package-lock.json tsconfig.json vite.config.ts)
@@ -18,8 +20,9 @@ CPP_SOURCES := $(shell find worker tests/worker bench -name '*.cpp' -o -name '*.
 STAMPS := build/stamps
 # Neighbours in a file stay together, for what they share, until a process has nothing left to do.
 PROCESSES := --dist worksteal --numprocesses
+NOT_MINUTES := not soak and not references and not peers and not containers
 
-.PHONY: help packages venv proto web worker build dist containers demo stop test check check-types check-page check-form format unit system screenshots soak fuzz references peers stability preflights sanitize bench lock contract docs gallery clean
+.PHONY: help packages venv proto web worker build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-python format unit system screenshots soak fuzz references peers stability preflights sanitize bench lock contract docs gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -72,7 +75,18 @@ demo: build  ## Start the service, render the Cornell box, show where the image 
 stop:  ## Stop the service that `make demo` started
 	@python3 -c "import json, os, signal; os.kill(json.load(open('data/service.json'))['pid'], signal.SIGTERM)"
 
-test: check unit system  ## All tests
+# Beside what the page promises about time runs no more than one C++ test. Of the tests in Python some trace and some wait,
+# so there are twice as many processes as processors.
+test: check  ## All tests
+	@$(MAKE) --no-print-directory --jobs 2 test-cpp test-python
+test-cpp: build
+	@ctest --test-dir build/release --output-on-failure --no-tests=error > build/ctest.log || { cat build/ctest.log; false; }
+	@grep "tests passed" build/ctest.log
+test-page: build
+	npm --prefix services/web run --silent test
+	pytest tests/web
+test-python: test-page
+	pytest -m "$(NOT_MINUTES)" --ignore tests/web $(PROCESSES) 4
 
 check: build  ## Formatting, lint, types, who may import whom
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync check-types check-page check-form
@@ -91,16 +105,13 @@ format:  ## Put code into the agreed form
 	ruff check --fix-only --quiet .
 	ruff format --quiet .
 
-# Half of the time they wait, so there are twice as many processes as processors.
-unit: build  ## Tests of single parts: C++, Python, page
-	pytest -m "not system and not soak and not references and not peers and not containers" $(PROCESSES) 4
-	ctest --test-dir build/release --parallel 2 --output-on-failure --no-tests=error
+unit: test-cpp  ## Tests of single parts: C++, Python, page
+	pytest -m "not system and $(NOT_MINUTES)" $(PROCESSES) 4
 	npm --prefix services/web run --silent test
 
-# What the page promises about time it promises beside nothing else.
 system: build  ## Tests of the whole: service, workers, browser, images
-	pytest -m "system and not soak" tests/web
-	pytest -m "system and not soak" --ignore tests/web $(PROCESSES) 2
+	pytest -m system tests/web
+	pytest -m "system and $(NOT_MINUTES)" --ignore tests/web $(PROCESSES) 4
 
 screenshots: build  ## Pictures of the page for docs/how-to/page.md, by its test
 	NOCTURNE_SCREENSHOTS=$(CURDIR)/docs/images/page pytest tests/web

@@ -19,6 +19,7 @@ from bench import (
     sampling,
     scale,
     service,
+    stops,
     traversal,
     watchers,
 )
@@ -38,6 +39,7 @@ BENCHES: dict[str, Bench] = {
     "peers": peers,
     "watchers": watchers,
     "error_bars": error_bars,
+    "stops": stops,
     "accumulation": accumulation,
     "plain": plain,
 }

@@ -18,8 +18,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from nocturne_coordinator.dispatch.heavy_tails import HEAVY, tails
 
-from bench.heavy_tails import HEAVY, tails
 from bench.peer.contenders import Film, Ours
 from bench.programs import Channel
 from bench.report import Figures, Row, significant

@@ -1,8 +1,8 @@
-"""`python -m bench.fleet REDIS WORKERS JOB_S [LEASE_S KILLED_S]`: workers that do all but trace.
+"""`python -m bench.fleet REDIS WORKERS JOB_S LEASE_S KILLED_S KEY`: workers that do all but trace.
 
 Each follows docs/explanation/queue.md with a consumer, a status every two seconds and renewed claims of its
 own. What a job takes is waited for; its sums are the same for all jobs of as many samples. Prints one line
-of JSON at SIGTERM.
+of JSON at SIGTERM. With KEY, hexadecimal or empty, all are of machine MACHINE, and sign.
 """
 
 import json
@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import redis
 from nocturne.v1 import job_pb2
+from nocturne_coordinator.enrolment import signature
 from nocturne_coordinator.queue import keys
 from nocturne_scene.ranges import XYZ_SUMS
 
@@ -28,12 +29,16 @@ _BATCH = 200
 _PAUSE_S = 0.01
 
 
+MACHINE = "bench"
+
+
 @dataclass
 class _Worker:
     """One with a single thread."""
 
     name: str
     job: bytes = b""
+    lease: bytes = b""
     entry: bytes = b""
     since: float = 0.0
     """When it took the job."""
@@ -51,6 +56,8 @@ class Fleet:
     lease_s: float = _LEASE_S
     killed_s: float = 0.0
     """Mean time between two deaths of a worker; 0: they live for ever."""
+    key: bytes = b""
+    """Of the machine that they are of; empty: of none."""
     idle: deque[int] = field(default_factory=deque)
     due: list[tuple[float, int]] = field(default_factory=list)
     renewals: list[tuple[float, int]] = field(default_factory=list)
@@ -125,7 +132,7 @@ class Fleet:
                 # It died meanwhile.
                 continue
             result = self._result(worker)
-            pipeline.xadd(keys.RESULTS, {keys.RESULT_FIELD: result})
+            pipeline.xadd(keys.RESULTS, {keys.RESULT_FIELD: result, **self._signed(worker, result)})
             pipeline.xack(keys.JOBS, keys.WORKERS_GROUP, worker.entry)
             pipeline.xdel(keys.JOBS, worker.entry)
             worker.entry = b""
@@ -151,6 +158,7 @@ class Fleet:
                 continue
             worker = self.workers[index]
             worker.entry, worker.job = entries[0][0], entries[0][1][keys.JOB_FIELD]
+            worker.lease = entries[0][1].get(keys.LEASE_FIELD, b"")
             taken += 1
             # Some are twice as quick as others.
             worker.since, worker.due = now, now + self.job_s * self.chance.uniform(2 / 3, 4 / 3)
@@ -169,6 +177,12 @@ class Fleet:
         except redis.ResponseError:
             return []
         return list(answer[1])
+
+    def _signed(self, worker: _Worker, result: bytes) -> dict[bytes, bytes]:
+        if not self.key:
+            return {}
+        signed = signature(self.key, worker.lease, result)
+        return {keys.MACHINE_FIELD: MACHINE.encode(), keys.SIGNATURE_FIELD: signed}
 
     def _result(self, worker: _Worker) -> bytes:
         """A valid one, put together of parts: all sums of as many samples are the same."""
@@ -201,12 +215,21 @@ def _sent(pipeline: Any) -> int:
     return commands
 
 
-def main(url: str, workers: int, job_s: float, lease_s: float = _LEASE_S, killed_s: float = 0.0) -> None:
+def main(
+    url: str,
+    workers: int,
+    job_s: float,
+    lease_s: float,
+    killed_s: float,
+    key: bytes,
+) -> None:
     """Works until SIGTERM."""
     over: list[int] = []
     signal.signal(signal.SIGTERM, lambda number, _: over.append(number))
     client = redis.Redis.from_url(url, protocol=2)
-    fleet = Fleet(client, [_Worker(f"w{index}") for index in range(workers)], job_s, lease_s, killed_s)
+    prefix = f"{MACHINE}/" if key else ""
+    names = [_Worker(f"{prefix}w{index}") for index in range(workers)]
+    fleet = Fleet(client, names, job_s, lease_s, killed_s, key)
     fleet.start()
     while not over:
         fleet.turn()
@@ -216,4 +239,5 @@ def main(url: str, workers: int, job_s: float, lease_s: float = _LEASE_S, killed
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], int(sys.argv[2]), *map(float, sys.argv[3:]))
+    _, redis_url, count, job, lease, killed, key_hex = sys.argv
+    main(redis_url, int(count), float(job), float(lease), float(killed), bytes.fromhex(key_hex))

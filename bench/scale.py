@@ -20,6 +20,7 @@ from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.rows import NewRender
 from nocturne_scene.ranges import make_schedule
 
+from bench.fleet import MACHINE
 from bench.programs import kept_waiting_s, running_cpu_s
 from bench.report import Figures, Row, significant
 
@@ -43,6 +44,8 @@ class Farm:
     coordinator: "subprocess.Popen[bytes]"
     redis_pid: int
     url: str
+    key: bytes = b""
+    """Of the machine that all workers are of; empty: none."""
 
     def merged(self) -> int:
         row = self.folder.database.row("SELECT sum(ranges_done) AS done FROM render")
@@ -50,7 +53,7 @@ class Farm:
 
     def merged_cpu_s(self) -> float:
         """Processor seconds of all ranges that are merged and committed."""
-        return self.folder.renders.spent()[1]
+        return self.folder.renders.totals().cpu_seconds
 
     def waiting_cpu_s(self) -> float:
         """The same of ranges whose results wait for earlier ones."""
@@ -71,11 +74,13 @@ def run(quick: bool) -> Figures:
     workers, flood_s, steady_s = (500, 5.0, 10.0) if quick else (WORKERS, 20.0, 60.0)
     with farm() as here, fleet(here.url, 64, 0.0):
         flood = _watched(here, 3.0, flood_s)
+    with farm(enrolled=True) as here, fleet(here.url, 64, 0.0, key=here.key):
+        signed = _watched(here, 3.0, flood_s)
     job_s = 3.0 if quick else JOB_S
     with farm() as here, fleet(here.url, workers, job_s):
         steady = _watched(here, 1.5 * job_s, steady_s)
     steady["asked_per_s"] = significant(workers / job_s)
-    return {"workers": workers, "job_s": job_s, "flood": flood, "steady": steady}
+    return {"workers": workers, "job_s": job_s, "flood": flood, "signed": signed, "steady": steady}
 
 
 def rows(figures: Figures) -> list[Row]:
@@ -85,6 +90,7 @@ def rows(figures: Figures) -> list[Row]:
     many = f"{figures['workers']} workers, {figures['job_s']:g} s a job"
     return [
         Row("flood: merges/s", f"{flood['merged_per_s']:.3g}"),
+        *_signed_rows(figures),
         Row(
             f"{many}: merges per CPU second of the coordinator, of Redis",
             f"{steady['merged_per_cpu_s']:.4g}, {steady['merged_per_redis_cpu_s']:.4g}",
@@ -103,6 +109,20 @@ def rows(figures: Figures) -> list[Row]:
             f"{many}: memory, coordinator and Redis",
             f"{steady['coordinator_mib']:.0f} MiB, {steady['redis_mib']:.0f} MiB",
         ),
+    ]
+
+
+def _signed_rows(figures: Figures) -> list[Row]:
+    """Where workers enrol; figures of before that have none."""
+    if "signed" not in figures:
+        return []
+    cost = figures["flood"]["merged_per_cpu_s"] / figures["signed"]["merged_per_cpu_s"]
+    return [
+        Row(
+            "flood, signed by a machine: coordinator's CPU for each result, against unsigned",
+            f"{cost:.3g}",
+            "1.1",
+        )
     ]
 
 
@@ -139,7 +159,7 @@ def _resident_bytes(pid: int) -> int:
 
 
 @contextmanager
-def farm(*options: str) -> Iterator[Farm]:
+def farm(*options: str, enrolled: bool = False) -> Iterator[Farm]:
     """Redis, a coordinator with these options, and renders that last the night."""
     with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as place:
         socket = Path(place) / "redis.sock"
@@ -150,6 +170,10 @@ def farm(*options: str) -> Iterator[Farm]:
         )
         folder = DataFolder(Path(place) / "data")
         coordinator = None
+        key = b""
+        if enrolled:
+            folder.tokens.create(MACHINE, ["worker"])
+            key = folder.machines.enrol(MACHINE)
         try:
             schedule = make_schedule(EDGE, EDGE, 2**20)
             for number in range(RENDERS):
@@ -166,11 +190,15 @@ def farm(*options: str) -> Iterator[Farm]:
                 "0",
                 "--log-level",
                 "error",
+                # Jobs here take as long, whatever their samples: they would be cut.
+                "--job-seconds",
+                "1e9",
+                *(["--enrolled"] if enrolled else []),
                 *options,
             ]
             coordinator = subprocess.Popen([sys.executable, "-m", "nocturne_coordinator.main", *words])
             client: Any = redis.Redis.from_url(url, protocol=2)
-            yield Farm(folder, client, coordinator, server.pid, url)
+            yield Farm(folder, client, coordinator, server.pid, url, key)
         finally:
             for process in (coordinator, server):
                 if process is not None:
@@ -181,10 +209,10 @@ def farm(*options: str) -> Iterator[Farm]:
 
 @contextmanager
 def fleet(
-    url: str, workers: int, job_s: float, lease_s: float = 10.0, killed_s: float = 0.0
+    url: str, workers: int, job_s: float, lease_s: float = 10.0, killed_s: float = 0.0, key: bytes = b""
 ) -> Iterator[dict[str, Any]]:
     """Workers in a process of their own; what they say at the end is in the dictionary afterwards."""
-    words = ["-m", "bench.fleet", url, *map(str, (workers, job_s, lease_s, killed_s))]
+    words = ["-m", "bench.fleet", url, *map(str, (workers, job_s, lease_s, killed_s)), key.hex()]
     said: dict[str, Any] = {}
     with subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE) as process:
         yield said

@@ -20,7 +20,7 @@ from nocturne_coordinator.event_log import EventLog
 from nocturne_coordinator.executor import Executor
 from nocturne_coordinator.output.previews import Previews
 from nocturne_coordinator.queue.dispatcher import Dispatcher
-from nocturne_coordinator.queue.job_queue import JobQueue, Session
+from nocturne_coordinator.queue.job_queue import JobQueue, ResultEntry, Session
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
 
@@ -53,6 +53,7 @@ class Coordinator:
         self._ledger = ledger
         self._clock = clock
         self._event_log = event_log
+        self._guard = queue.guard
         self.core = Core(settings)
         self.core.state.fleet.quarantined = ledger.workers.quarantined()
         self._dispatcher = Dispatcher(queue, session, self.tell, clock)
@@ -86,8 +87,8 @@ class Coordinator:
         if begun >= self._next_look:
             self._look_at_folder()
         entries = self._dispatcher.exchange(True, _WAIT_MILLISECONDS)
-        for entry, data in entries or []:
-            self._take(entry, data)
+        for entry in entries or []:
+            self._take(entry)
         self.tell(Tick(self._clock.moment()))
         if entries is None:
             self._clock.wait(_LOOK_SECONDS / 2)
@@ -111,10 +112,12 @@ class Coordinator:
         except StopIteration:
             return
 
-    def _take(self, entry: bytes, data: bytes) -> None:
+    def _take(self, result: ResultEntry) -> None:
         crash_point("received")
         merged = self.core.results.merged
-        self.tell(ResultCame(self._clock.moment(), entry, data, self._clock.draw()))
+        self.tell(
+            ResultCame(self._clock.moment(), result.entry, result.data, self._clock.draw(), result.refusal)
+        )
         if self.core.results.merged > merged:
             crash_point("merged")
 
@@ -132,6 +135,7 @@ class Coordinator:
                 return
             self._next_follow = at.now + _FOLLOW_SECONDS
             self._executor.wants_look = False
+            self._look_at_machines()
             rows, quarantined = tuple(self._ledger.renders.all()), self._ledger.workers.quarantined()
             self.tell(RendersSeen(self._clock.moment(), rows, quarantined, self._coordinators))
             if not self._executor.wants_look:
@@ -142,6 +146,16 @@ class Coordinator:
         except (sqlite3.Error, OSError) as trouble:
             self._executor.wants_look = True
             _log.error("the data folder can't be used: %s; trying again", trouble)
+
+    def _look_at_machines(self) -> None:
+        """Notices which machines enrolled, or are not to work any more."""
+        if self._guard is None:
+            return
+        machines = self._folder.machines.keys()
+        if machines != self._guard.machines:
+            _log.info("machines enrolled: %s", ", ".join(machines) or "none")
+            self._guard.machines = machines
+            self._dispatcher.machines_changed()
 
     def _mirror_workers(self) -> None:
         """Renews our lease on renders, and shows in the folder who works."""

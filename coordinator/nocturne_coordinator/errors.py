@@ -7,6 +7,7 @@ NocturneError
 +-- AmbiguousId     several renders have ids that begin so
 +-- FilesGone       files of a scene were deleted after it was compiled
 +-- WrongState      the render is in a state in which that can't be done
++-- QuotaUsedUp     an owner would have more than it may
 +-- AlreadyOwned    another coordinator works on the data folder
 +-- QueueTaken      Redis serves the coordinator of another data folder
 +-- QueueError      Redis can't be reached, or refuses
@@ -41,6 +42,10 @@ class FilesGone(NocturneError):
 
 class WrongState(NocturneError):
     """The render is in a state in which that can't be done."""
+
+
+class QuotaUsedUp(NocturneError):
+    """An owner would have more than it may."""
 
 
 class QueueTaken(NocturneError):

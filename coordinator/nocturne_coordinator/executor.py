@@ -49,7 +49,7 @@ class Executor:
             case do.Publish():
                 return self._dispatcher.publish(instruction.jobs)
             case do.Withdraw():
-                self._dispatcher.withdraw(instruction.entries)
+                self._dispatcher.withdraw(instruction.entries, instruction.stop)
             case do.Acknowledge():
                 self._dispatcher.acknowledge(instruction.entries)
             case do.TakeUpStreams():
@@ -89,6 +89,8 @@ class Executor:
                 return ledger.commits.end(instruction.render, instruction.state, instruction.reason, unix)
             case do.StartAnew():
                 ledger.commits.start_anew(instruction.render_id, instruction.fence)
+            case do.Recut():
+                ledger.commits.recut(instruction.render_id, instruction.fence, instruction.schedule)
             case do.Quarantine():
                 ledger.workers.quarantine(instruction.worker, instruction.reason, self._clock.moment().unix)
                 return ledger.workers.distrust(instruction.worker) if instruction.lied else []
@@ -103,7 +105,7 @@ class Executor:
                 self._previews.write_thumbnail(self._renders[instruction.render_id])
                 return self._clock.moment()
             case do.WriteImage():
-                self._previews.write_image(self._renders[instruction.render_id])
+                self._previews.write_image(self._renders[instruction.render_id], instruction.final)
                 return self._clock.moment()
         return None
 

@@ -33,8 +33,15 @@ MAX_PRIORITY = 1000
 MAX_RUNNING = 8
 """Renders that share the workers; later ones wait as QUEUED."""
 
+MAX_NEWCOMERS = 8
+"""Renders beyond that, each of an owner who has none at work: nobody waits for others' renders to end."""
+
 MAX_RUNNING_SUMS = 2**28
-"""Of all running renders together, 8 bytes each: bounds memory to 2 GiB of sums."""
+"""Of all running renders together, 8 bytes each: bounds memory to 2 GiB of sums, and newcomers' as much."""
+
+MAX_NEXT_OF_OWNER = 2 * MAX_RUNNING
+"""Queued renders of one owner that the coordinator looks at: more can't be taken up at once, and an owner may
+have thousands."""
 
 MIN_WINDOW = 16
 JOBS_PER_THREAD = 4
@@ -60,6 +67,9 @@ MAX_AUDITS = 1000
 
 MAX_RAYS_PER_PHOTON = 2**20
 """No path is longer; keeps a wrong count from overflowing the sums of counts."""
+
+MAX_THREADS = 4096
+"""Of a machine: none has more."""
 
 WORKER_SECONDS = 10.0
 """A worker that was not heard of for so long is not listed."""

@@ -17,12 +17,14 @@ from nocturne_scene.errors import NocturneError
 from nocturne_coordinator.clock import Clock
 from nocturne_coordinator.coordinator import Coordinator
 from nocturne_coordinator.dispatch.audit import NEW_SHARE, SHARE
+from nocturne_coordinator.dispatch.job_cost import JOB_SECONDS
 from nocturne_coordinator.dispatch.scheduler import MIN_OVERDUE
 from nocturne_coordinator.dispatch.state import COMMIT_SECONDS, Settings
 from nocturne_coordinator.errors import AlreadyOwned, OwnershipLost, QueueError, QueueTaken, UnusableFolder
 from nocturne_coordinator.event_log import EventLog
 from nocturne_coordinator.log_lines import write_log_lines
 from nocturne_coordinator.output.previews import Previews
+from nocturne_coordinator.queue.guard import Guard
 from nocturne_coordinator.queue.job_queue import JobQueue, Session
 from nocturne_coordinator.sign_of_life import SignOfLife
 from nocturne_coordinator.store.checkpoint import CHECKPOINT_SECONDS, Checkpointer
@@ -72,68 +74,97 @@ def _parser() -> argparse.ArgumentParser:
         "password come from the environment: NOCTURNE_REDIS_USER, NOCTURNE_REDIS_PASSWORD",
     )
     parser.add_argument(
-        "--commit-seconds",
-        type=float,
-        default=COMMIT_SECONDS,
-        help="time between commits: what a crash may cost (default %(default)s)",
+        "--enrolled",
+        action="store_true",
+        help="only workers that enrolled count (nocturne-worker --enrol): each machine gets a user of Redis, "
+        "and signs its results",
     )
-    parser.add_argument(
+    _add_audit_options(parser.add_argument_group("failure policy and audits"))
+    _add_commit_options(parser.add_argument_group("commits and checkpoints"))
+    _add_sharing_options(parser.add_argument_group("several coordinators on one folder"))
+    _add_monitoring_options(parser.add_argument_group("monitoring"))
+    return parser
+
+
+def _add_audit_options(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
         "--overdue-seconds",
         type=_seconds,
         default=MIN_OVERDUE,
         help="a job without a result is published again after that, or 20 times the usual time if that is "
         "longer (default %(default)s)",
     )
-    parser.add_argument(
+    group.add_argument(
+        "--job-seconds",
+        type=_seconds,
+        default=JOB_SECONDS,
+        help="processor time that a job should take at most; ranges are cut by what earlier ones took, and a "
+        "job is stopped at ten times that (default %(default)s)",
+    )
+    group.add_argument(
         "--audit-share",
         type=_share,
         default=SHARE,
         help="part of all jobs that is traced again by another worker (default %(default)s)",
     )
-    parser.add_argument(
+    group.add_argument(
         "--audit-share-new",
         type=_share,
         default=NEW_SHARE,
         help="the same of the first jobs of a worker (default %(default)s)",
     )
-    parser.add_argument(
+
+
+def _add_commit_options(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        "--commit-seconds",
+        type=float,
+        default=COMMIT_SECONDS,
+        help="time between commits: what a crash may cost (default %(default)s)",
+    )
+    group.add_argument(
         "--checkpoints",
         type=Path,
         metavar="DIR",
         help="where copies of the database go, best on another disk (default: DATA/checkpoints)",
     )
-    parser.add_argument(
+    group.add_argument(
         "--checkpoint-seconds",
         type=float,
         default=CHECKPOINT_SECONDS,
         help="time between two (default %(default)s); 0: none",
     )
-    parser.add_argument(
+
+
+def _add_sharing_options(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
         "--shared",
         action="store_true",
         help="share the folder's renders with other coordinators that are started so",
     )
-    parser.add_argument(
+    group.add_argument(
         "--lease-seconds",
         type=float,
         default=LEASE_SECONDS,
         help="with --shared, after how long without a sign of life others take renders (default %(default)s)",
     )
-    parser.add_argument(
+
+
+def _add_monitoring_options(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
         "--event-log",
         type=Path,
         metavar="FILE",
         help="write down all that decides, at most 1 GiB, for `python -m nocturne_coordinator.replay FILE`; "
         "the last one is kept as FILE.1",
     )
-    parser.add_argument(
+    group.add_argument(
         "--alive",
         type=Path,
         metavar="FILE",
         help="its time is set about every second while the coordinator works on the folder: for probes",
     )
-    parser.add_argument("--log-level", default="info", choices=["debug", "info", "warning", "error"])
-    return parser
+    group.add_argument("--log-level", default="info", choices=["debug", "info", "warning", "error"])
 
 
 def _share(text: str) -> float:
@@ -154,6 +185,8 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
     data: Path = options.data
     folder, ownership = _open(data, options.shared, options.lease_seconds)
     queue = JobQueue(options.redis)
+    if options.enrolled:
+        queue.guard = Guard(folder.machines.lease_key(), folder.machines.keys())
     session = Session(ownership.folder, ownership.epoch, secrets.token_hex(8), options.shared)
     event_log: EventLog | None = None
     try:
@@ -169,6 +202,7 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
             options.overdue_seconds,
             options.audit_share,
             options.audit_share_new,
+            options.job_seconds,
         )
         ledger = Ledger(folder.database, ownership)
         if options.checkpoint_seconds > 0.0:

@@ -1,6 +1,6 @@
 #!/bin/bash
-# Health check: was a file written within the last seconds? is-fresh FILE SECONDS. The coordinator sets the time of the
-# file that --alive names about every second; a loop that hangs does it no more.
+# Health check: was a file written within the last seconds? is-fresh FILE SECONDS. Coordinator and worker
+# set the time of the file that --alive names every second or two; one that hangs does it no more.
 set -eu
 
 [ -e "$1" ] || { echo "$1: not there yet"; exit 1; }

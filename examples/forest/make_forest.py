@@ -29,6 +29,40 @@ CLEARING = 17.0
 """Radius around the hut without trees, m."""
 TREE = 10.0
 """Height of a tree before it is scaled, m."""
+SPECTRA: Document = {
+    "needles": {
+        "table": [
+            [400, 0.03],
+            [500, 0.045],
+            [550, 0.11],
+            [600, 0.06],
+            [680, 0.035],
+            [720, 0.2],
+            [760, 0.4],
+        ]
+    },
+    "grass": {
+        "table": [
+            [400, 0.04],
+            [500, 0.07],
+            [550, 0.15],
+            [600, 0.13],
+            [680, 0.09],
+            [720, 0.28],
+            [760, 0.42],
+        ]
+    },
+    "bark": {"table": [[400, 0.05], [550, 0.11], [700, 0.2]]},
+    "planks": {"table": [[400, 0.09], [500, 0.16], [600, 0.28], [700, 0.38]]},
+    "shingles": {"table": [[400, 0.1], [550, 0.13], [620, 0.22], [700, 0.27]]},
+}
+KERNELS: Document = {
+    "needles": {"type": "diffuse_transmitter", "reflectance": "needles", "transmittance": "needles"},
+    "grass": {"type": "lambertian", "reflectance": "grass"},
+    "bark": {"type": "lambertian", "reflectance": "bark"},
+    "planks": {"type": "lambertian", "reflectance": "planks"},
+    "shingles": {"type": "lambertian", "reflectance": "shingles"},
+}
 
 
 def main(folder: Path) -> None:
@@ -221,58 +255,29 @@ def _is_free(x: float, z: float) -> bool:
     return not (-25.0 < from_camera < length and abs(x - line) < 5.0 + 0.09 * max(from_camera, 0.0))
 
 
-def scene(places: list[Document]) -> Document:
-    """The document."""
-    ground_height = at(*HUT)
-    hut = {"translate": [HUT[0], ground_height, HUT[1]], "rotate": {"axis": [0, 1, 0], "degrees": 20}}
+def smoke_place(ground_height: float, size: float) -> list[float]:
+    """Where the smoke's file is put: its source, 0.2 above the file's origin, is at the chimney."""
     chimney = [
         HUT[0] + 1.6 * np.cos(np.radians(20)),
         ground_height + 6.1,
         HUT[1] - 1.6 * np.sin(np.radians(20)),
     ]
+    return [round(float(v), 3) for v in np.array(chimney) - [0.0, 0.2 * size, 0.0]]
+
+
+def scene(places: list[Document]) -> Document:
+    """The document."""
+    ground_height = at(*HUT)
+    hut = {"translate": [HUT[0], ground_height, HUT[1]], "rotate": {"axis": [0, 1, 0], "degrees": 20}}
     size = 14.0
-    # The source of the smoke is 0.2 above the file's origin.
-    smoke_place = [round(float(v), 3) for v in np.array(chimney) - [0.0, 0.2 * size, 0.0]]
     eye = [CAMERA[0], at(*CAMERA) + 3.2, CAMERA[1]]
     return {
         "nocturne": 1,
         "name": "Forest",
         "source": "Made up by make_forest.py; air after Bodhaine et al. 1999, the Sun after ASTM G173-03.",
         "note": "Instances of instances, smoke of a simulation, the sky and the Sun: figure 1 of the paper.",
-        "spectra": {
-            "needles": {
-                "table": [
-                    [400, 0.03],
-                    [500, 0.045],
-                    [550, 0.11],
-                    [600, 0.06],
-                    [680, 0.035],
-                    [720, 0.2],
-                    [760, 0.4],
-                ]
-            },
-            "grass": {
-                "table": [
-                    [400, 0.04],
-                    [500, 0.07],
-                    [550, 0.15],
-                    [600, 0.13],
-                    [680, 0.09],
-                    [720, 0.28],
-                    [760, 0.42],
-                ]
-            },
-            "bark": {"table": [[400, 0.05], [550, 0.11], [700, 0.2]]},
-            "planks": {"table": [[400, 0.09], [500, 0.16], [600, 0.28], [700, 0.38]]},
-            "shingles": {"table": [[400, 0.1], [550, 0.13], [620, 0.22], [700, 0.27]]},
-        },
-        "kernels": {
-            "needles": {"type": "diffuse_transmitter", "reflectance": "needles", "transmittance": "needles"},
-            "grass": {"type": "lambertian", "reflectance": "grass"},
-            "bark": {"type": "lambertian", "reflectance": "bark"},
-            "planks": {"type": "lambertian", "reflectance": "planks"},
-            "shingles": {"type": "lambertian", "reflectance": "shingles"},
-        },
+        "spectra": SPECTRA,
+        "kernels": KERNELS,
         "media": {
             "smoke": {
                 "absorption": 0.02,
@@ -282,7 +287,7 @@ def scene(places: list[Document]) -> Document:
                     "asset": "smoke.vdb",
                     "grid": "density",
                     "scale": size,
-                    "translate": smoke_place,
+                    "translate": smoke_place(ground_height, size),
                 },
             }
         },

@@ -4,16 +4,17 @@ With an object store, what is stored is there before it is said to be, and what 
 """
 
 import hashlib
+import os
 import re
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO, Protocol
 
 from nocturne_scene.errors import InputError, NotFound
 from nocturne_scene.limits import MAX_ASSET_BYTES
-from nocturne_scene.replacing import replacing
+from nocturne_scene.replacing import replacing, sync
 
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 _PIECE_BYTES = 2**20
@@ -66,6 +67,12 @@ class BlobWriter:
             raise InputError.at("asset", f"has SHA-256 {self._digest.hexdigest()}; {sha256} was declared")
 
 
+def check_size(size_bytes: int) -> None:
+    """InputError for a size that no blob may have."""
+    if not 0 <= size_bytes <= MAX_ASSET_BYTES:
+        raise InputError.at("asset", f"has {size_bytes} bytes; expected 0 to {MAX_ASSET_BYTES}")
+
+
 class BlobStore:
     """A folder of blobs: `root/ab/abcdef...`, lower-case hexadecimal. Safe for many processes at once."""
 
@@ -109,6 +116,25 @@ class BlobStore:
             if _SHA256.fullmatch(place.name):
                 yield place.name
 
+    def older_than(self, unix_time: float) -> Iterator[str]:
+        """The digests of blobs here that nobody stored or asked about since."""
+        for sha256 in self.all():
+            with suppress(FileNotFoundError):
+                if self._place(sha256).stat().st_mtime < unix_time:
+                    yield sha256
+
+    def remove_unfinished(self, unix_time: float) -> None:
+        """What a crash left behind in mid-write before then."""
+        for file in self._incoming.iterdir():
+            with suppress(FileNotFoundError):
+                if file.stat().st_mtime < unix_time:
+                    file.unlink()
+
+    def touch(self, sha256: str) -> None:
+        """Somebody asks about the blob, and is going to use it."""
+        with suppress(FileNotFoundError):
+            os.utime(self._place(sha256))
+
     def is_whole(self, sha256: str) -> bool:
         """Whether the blob is here and has every bit that it had."""
         if not self.has(sha256):
@@ -140,8 +166,7 @@ class BlobStore:
         Raises InputError where size or digest differ from what was declared, or the size is over the limit.
         """
         place = self._place(sha256)
-        if not 0 <= size_bytes <= MAX_ASSET_BYTES:
-            raise InputError.at("asset", f"has {size_bytes} bytes; expected 0 to {MAX_ASSET_BYTES}")
+        check_size(size_bytes)
         with replacing(place, durable=True, folder=self._incoming) as unfinished:
             with unfinished.open("wb") as file:
                 writer = BlobWriter(file, size_bytes)
@@ -150,10 +175,13 @@ class BlobStore:
             if self.remote is not None:
                 self.remote.put(_object_name(sha256), unfinished)
             place.parent.mkdir(exist_ok=True)
+        # The folder may be new.
+        sync(self.root)
 
     def put(self, data: bytes) -> str:
         """Stores bytes made here; gives their digest."""
         sha256 = hashlib.sha256(data).hexdigest()
+        self.touch(sha256)
         if not self.has(sha256):
             with self.writer(sha256, len(data)) as writer:
                 writer.write(data)
@@ -161,6 +189,7 @@ class BlobStore:
 
     def put_file(self, sha256: str, file: Path) -> None:
         """Stores a copy of a file made here, whose digest is known."""
+        self.touch(sha256)
         if self.has(sha256):
             return
         with file.open("rb") as stream, self.writer(sha256, file.stat().st_size) as writer:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Self
 
 from nocturne.v1 import job_pb2
@@ -25,6 +26,9 @@ FIRST_RANGE = 4
 
 MAX_RANGE = 4096
 """Samples: 4 million photons per job, a few seconds of one core."""
+
+MAX_CUT_RANGES = 2**16
+"""Of a tile, in a schedule that was cut: the schedule is read often, and has four bytes for each."""
 
 MAX_JOB = MAX_RANGE * TILE_SIZE**2
 """Photons: shortens the ranges of tiles that are larger than usual."""
@@ -115,6 +119,31 @@ def extended_schedule(schedule: job_pb2.RangeSchedule, samples: int) -> job_pb2.
     del extended.range_ends[:]
     extended.range_ends.extend([*before, *(end for end in fresh.range_ends if end > before[-1])])
     return extended
+
+
+def recut_schedule(
+    schedule: job_pb2.RangeSchedule, completed: int, longest: int
+) -> job_pb2.RangeSchedule | None:
+    """The same samples in ranges of at most `longest`, but for ranges that begin before sample `completed`:
+    some tile has those, and all tiles are to be cut alike.
+
+    None where there is nothing to cut, or where there would be more ranges than MAX_CUT_RANGES.
+    """
+    most = min(MAX_CUT_RANGES, limits.MAX_RANGES // TileGrid.of(schedule).count)
+    longest = max(longest, FIRST_RANGE)
+    ends: list[int] = []
+    for first, end in pairwise([0, *schedule.range_ends]):
+        if first >= completed and end - first > longest:
+            if len(ends) + (end - first) // longest > most:
+                return None
+            ends.extend(range(first + longest, end, longest))
+        ends.append(end)
+    if len(ends) == len(schedule.range_ends) or len(ends) > most:
+        return None
+    recut = job_pb2.RangeSchedule()
+    recut.CopyFrom(schedule)
+    recut.range_ends[:] = ends
+    return recut
 
 
 def _edge_problems(place: str, edge: int) -> list[Problem]:

@@ -3,19 +3,34 @@
 import os
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 
 UNFINISHED = ".unfinished-"
 """Beginning of the names of files that are being written; those a crash leaves behind may be removed."""
 
 
+def sync(path: Path) -> None:
+    """What a file holds, or the names in a folder, survives a power cut from here on."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
 @contextmanager
-def replacing(path: Path, durable: bool = False, folder: Path | None = None) -> Iterator[Path]:
+def replacing(
+    path: Path,
+    durable: bool = False,
+    folder: Path | None = None,
+    within: AbstractContextManager[object] | None = None,
+) -> Iterator[Path]:
     """An empty file to write to, which becomes `path` at the end of `with`, and is gone after an error.
 
-    `durable`: its content is on the disk before it is seen. It lies in `folder`, of the same file system;
-    without one, beside `path`.
+    `durable`: its content is on the disk before it is seen, and its name at the end. It lies in `folder`, of
+    the same file system; without one, beside `path`. The renaming alone happens inside `within`, which may
+    refuse it by an error.
     """
     descriptor, name = tempfile.mkstemp(dir=folder or path.parent, prefix=UNFINISHED, suffix=path.suffix)
     os.close(descriptor)
@@ -25,8 +40,10 @@ def replacing(path: Path, durable: bool = False, folder: Path | None = None) -> 
         # What mkstemp makes can be read by nobody else.
         unfinished.chmod(0o644)
         if durable:
-            with unfinished.open("rb") as file:
-                os.fsync(file.fileno())
-        unfinished.replace(path)
+            sync(unfinished)
+        with within or nullcontext():
+            unfinished.replace(path)
+        if durable:
+            sync(path.parent)
     finally:
         unfinished.unlink(missing_ok=True)

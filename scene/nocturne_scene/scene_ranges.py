@@ -3,6 +3,7 @@
 from nocturne.v1 import job_pb2, scene_pb2
 
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.quantities import quantity_of
 from nocturne_scene.ranges import make_schedule
 
 
@@ -18,7 +19,7 @@ def schedule_of(
     scene: scene_pb2.CompiledScene, width: int, height: int, samples: int
 ) -> job_pb2.RangeSchedule:
     """The same of a scene in memory. Raises InputError as `make_schedule`."""
-    return make_schedule(
+    schedule = make_schedule(
         width,
         height,
         samples,
@@ -26,3 +27,5 @@ def schedule_of(
         one_tile=scene.tracing.direction != scene_pb2.DIRECTION_ADJOINT,
         photons_per_sample=scene.tracing.group,
     )
+    schedule.quantity = quantity_of(scene.sensor).name
+    return schedule

@@ -102,16 +102,16 @@ def _film_inside_glass() -> Document:
 _INTENSITY = {"type": "intensity_meter", "position": [0, 0, -0.1], "lamp_radius": 0.25, "axis": [0, 0, 1]}
 
 SCENES = {
-    "plain": BothDirections(_plain(), (32, 32), {"adjoint": 1024, "forward": 2048}),
-    "growing lamp": BothDirections(_growing(), (16, 16), {"adjoint": 1024, "forward": 2048}),
+    "plain": BothDirections(_plain(), (16, 16), {"adjoint": 1024, "forward": 2048}),
+    "growing lamp": BothDirections(_growing(), (8, 8), {"adjoint": 1024, "forward": 2048}),
     "prism": BothDirections(_prism(), (8, 8), {"adjoint": 65536, "forward": 65536}),
     "mirror, film": BothDirections(
         _mirror(film([0, 0, 0.3], [0, 0, -1], 0.4, up=[0, 1, 0])),
-        (16, 16),
+        (8, 8),
         {"adjoint": 4096, "forward": 2048},
     ),
-    "mirror, intensity": BothDirections(_mirror(_INTENSITY), (16, 16), {"adjoint": 4096, "forward": 1024}),
-    "port": BothDirections(_port(), (16, 16), {"adjoint": 512, "forward": 2048}),
-    "lamp in glass": BothDirections(_inside_glass(), (16, 16), {"adjoint": 8192, "forward": 4096}),
-    "film in glass": BothDirections(_film_inside_glass(), (16, 16), {"adjoint": 8192, "forward": 4096}),
+    "mirror, intensity": BothDirections(_mirror(_INTENSITY), (8, 8), {"adjoint": 4096, "forward": 1024}),
+    "port": BothDirections(_port(), (8, 8), {"adjoint": 512, "forward": 2048}),
+    "lamp in glass": BothDirections(_inside_glass(), (8, 8), {"adjoint": 8192, "forward": 4096}),
+    "film in glass": BothDirections(_film_inside_glass(), (8, 8), {"adjoint": 8192, "forward": 4096}),
 }

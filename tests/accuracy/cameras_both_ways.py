@@ -19,7 +19,7 @@ class SeenBothWays:
     document: Document
     pixels: tuple[int, int] = (16, 16)
     """Edges are multiples of 8."""
-    samples: int = 1024
+    samples: int = 512
 
 
 def _scene(sensor: Document, surfaces: list[Document], **further: Any) -> Document:
@@ -110,7 +110,7 @@ SCENES = {
     ),
     "ball, lens": SeenBothWays(_scene(_pinhole(**_LENS), [_FLOOR, _LAMP_ABOVE, _BALL, _WALL])),
     "ball, all around": SeenBothWays(_scene(_PANORAMA, [_FLOOR, _LAMP_ABOVE, _BALL, _WALL]), (32, 16)),
-    "lamp in glass in fog": SeenBothWays(_fog(_pinhole()), samples=2048),
+    "lamp in glass in fog": SeenBothWays(_fog(_pinhole()), samples=1024),
     "panes": SeenBothWays(_panes()),
     "Sun and sky": SeenBothWays(_distant()),
     "motion": SeenBothWays(_moving()),

@@ -1,7 +1,7 @@
 """R_A = R: adjoint photons from the sensor and forward photons from the luminaires measure the same.
 
 Morley et al., "Image Synthesis using Adjoint Photons", GI 2006. Independent random numbers, so that standard
-errors are right; single pixels have enough hits to be near normal. A difference of the means of 1.2 to 3.5 %,
+errors are right; single pixels have enough hits to be near normal. A difference of the means of 2 to 7 %,
 by scene, would be seen. Where a closed form exists, test_form_factors.py and test_enclosures.py compare both
 directions with it.
 """

@@ -86,7 +86,7 @@ def _lamp(radiance: object) -> Document:
     }
 
 
-def _mean(radiance: object, folder: Path, samples: int = 4096) -> tuple[np.ndarray, np.ndarray]:
+def _mean(radiance: object, folder: Path, samples: int = 2048) -> tuple[np.ndarray, np.ndarray]:
     """X, Y, Z and their standard errors, from 64 pixels."""
     pixels = trace(_lamp(radiance), folder, 8, samples).xyz.astype(np.float64).reshape(-1, 3)
     return pixels.mean(axis=0), pixels.std(axis=0, ddof=1) / 8
@@ -145,7 +145,7 @@ def test_lines(lamp: str, width: float, tmp_path: Path) -> None:
     """
     lines, x, y, luminance = LINES[lamp]
     radiance = {"lines": [{"nm": nm, "power": power, "width": width} for nm, power in lines]}
-    xyz, error = _mean(radiance, tmp_path, 8192)
+    xyz, error = _mean(radiance, tmp_path, 4096)
     truth = luminance / y * 683.0 * np.array([x, y, 1.0 - x - y])
     # Z of light at the red end is nearly nothing.
     allowed = sidak_bound(36) * error + 5e-4 * truth + 1e-5 * truth.max()

@@ -94,7 +94,7 @@ def test_glass_on_a_white_table(reflectance: float, turned: bool, tmp_path: Path
     truth = 0.04 + 0.96 / 1.5**2 * back
     plate, table = slab(0.0, 0.02, _WIDE, _glass()), level(0.0, 2 * _WIDE, diffuse(reflectance))
     document = _seen([plate, table], turned, below=False)
-    measure(document, tmp_path, 2048).check(truth, _BOUND, (reflectance, turned))
+    measure(document, tmp_path, 1024).check(truth, _BOUND, (reflectance, turned))
 
 
 @pytest.mark.parametrize("turned", [False, True], ids=["upright", "turned"])
@@ -104,7 +104,7 @@ def test_three_liquids(order: tuple[int, int, int], turned: bool, tmp_path: Path
     bodies = [slab(-1.0 - i, -float(i), _WIDE, _glass(n)) for i, n in enumerate((1.8, 1.33, 1.5))]
     truth = _stack(1.8, 1.8 / 1.33, 1.5 / 1.33, 1.5)
     document = _seen([bodies[i] for i in order], turned, below=True)
-    estimate = measure(document, tmp_path, 2048)
+    estimate = measure(document, tmp_path, 1024)
     estimate.check(truth, _BOUND, (order, turned))
     assert estimate.error < 2e-3
 

@@ -18,7 +18,7 @@ from tests.system.images import Image
 
 pytestmark = pytest.mark.system
 
-_EDGE = 24
+_EDGE = 16
 
 
 def _independent(seed: int, **tracing: Any) -> Document:

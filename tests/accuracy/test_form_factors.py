@@ -137,7 +137,7 @@ def test_all_ways_read_the_factor(case: _Case, tmp_path: Path) -> None:
     to_part = case.meter_area / case.lamp_area
     adjoint = _read(case, measured_scene(case.meter, scene), tmp_path / "adjoint", 1024) * to_part
     forward = (
-        _read(case, measured_scene(case.meter, scene, direction="forward"), tmp_path / "forward", 8192)
+        _read(case, measured_scene(case.meter, scene, direction="forward"), tmp_path / "forward", 4096)
         * to_part
     )
     white = measured_scene(case.camera, [surface(case.receiver, diffuse(1.0)), case.lamp])

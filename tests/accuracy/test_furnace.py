@@ -16,7 +16,7 @@ from tests.accuracy.tracing import trace
 pytestmark = pytest.mark.system
 
 # A fault shows in every pixel alike: more samples of fewer pixels find a smaller one at the same cost.
-_EDGE = 16
+_EDGE = 8
 _SAMPLES = 1024
 
 _RADIANCE = 2.0

@@ -18,7 +18,7 @@ from tests.accuracy.tracing import Document, trace
 pytestmark = pytest.mark.system
 
 _EDGE = 16
-_SAMPLES = 256
+_SAMPLES = 128
 
 LINES = {
     # Powers (1 together), x, y, and Y per unit of radiance over K_m: the CIE 1931 table, linear in between.

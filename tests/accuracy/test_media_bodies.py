@@ -20,7 +20,7 @@ from tests.accuracy.tracing import Document
 
 pytestmark = pytest.mark.system
 
-_SAMPLES = 64
+_SAMPLES = 32
 
 _KERNEL_ONLY: Document = {"estimator": "mixture", "mixture": {"kernel": 1.0, "environment": 0.0}, "h": 1e6}
 """No photon is aimed or dies: where nothing is absorbed, each carries 1 to the end."""
@@ -163,7 +163,8 @@ def _grey(measurement: Measurement, samples: int, seed: int = 0) -> Values:
     ("thickness", "truth", "samples"),
     [
         pytest.param(50.0, 0.025929798, 64, id="50"),
-        pytest.param(1000.0, 0.0013314415, 16, id="1000"),
+        # Eleven photons of 8192 come through: a third of what 50 tells of them, at ten times its time.
+        pytest.param(1000.0, 0.0013314415, 16, id="1000", marks=pytest.mark.soak),
         # About five minutes: as many collisions as it takes for seven photons to come through.
         pytest.param(1e4, 0.00013331439, 96, id="10000", marks=pytest.mark.soak),
     ],
@@ -190,7 +191,7 @@ def test_a_very_thick_slab(thickness: float, truth: float, samples: int, tmp_pat
     ("thickness", "truth", "samples"),
     [
         pytest.param(50.0, 0.032648698, 256, id="50"),
-        pytest.param(1000.0, 0.0016764431, 64, id="1000"),
+        pytest.param(1000.0, 0.0016764431, 64, id="1000", marks=pytest.mark.soak),
         # As long as it takes for eight photons to come through.
         pytest.param(1e4, 0.00016785867, 768, id="10000", marks=pytest.mark.soak),
     ],
@@ -290,7 +291,8 @@ def test_airlight(case: tuple[float, float, float, float, float, float], tmp_pat
     fog: Document = {"scattering": part * scattering, "absorption": max(extinction - part * scattering, 0.0)}
     fog |= {"phase": {"type": "henyey_greenstein", "g": g}} if g else {}
     document |= {"media": {"fog": fog}, "unbounded_media": ["fog"]}
-    read(document, tmp_path, 8 * _SAMPLES).check(_AIRLIGHTS[case], 4e-4)
+    # Few photons meet the lamp: with fewer than these their mean is not normal.
+    read(document, tmp_path, 16 * _SAMPLES).check(_AIRLIGHTS[case], 4e-4)
 
 
 def test_attenuation_through_air_around_a_planet(tmp_path: Path) -> None:

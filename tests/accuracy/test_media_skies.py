@@ -23,7 +23,7 @@ pytestmark = pytest.mark.system
 
 TRUTHS: dict[str, Any] = json.loads((Path(__file__).parent / "data" / "media.json").read_text())
 _AIR = {"phase": {"type": "rayleigh"}}
-_SAMPLES = 64
+_SAMPLES = 32
 
 
 def _layer(scattering: Any, sensor: Document, ground: float, light: Document) -> Document:

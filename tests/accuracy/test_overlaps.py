@@ -11,7 +11,7 @@ import pytest
 from tests.accuracy.agreement import compare
 from tests.accuracy.tracing import Document, trace
 
-_EDGE, _SAMPLES = 32, 256
+_EDGE, _SAMPLES = 16, 256
 
 _PROFILE: Document = {"layers": [[-3, 1.6], [3, 0.4]], "above": {"point": [0, 0, 0], "up": [0, 0, 1]}}
 """Along the view, of all media here, so that sums of them have it too; nothing beyond 3 m."""

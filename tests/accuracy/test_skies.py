@@ -31,7 +31,7 @@ the opening's edge that is wrong by up to half of a texel's change, 4 % near the
 _COLOUR = 1e-4
 """Of a luminance: the spectrum that stands for a grey texel."""
 
-_SAMPLES = 128
+_SAMPLES = 64
 
 
 def _document(picture: Path, sensor: Document, surfaces: list[Document]) -> Document:

@@ -114,7 +114,7 @@ def test_a_pile(index: float, plates: int, thickness: float, tmp_path: Path) -> 
     glass = {"type": "dielectric", "index": index}
     half_edge = 10.0 if thickness == 1.0 else 0.01
     pile = [slab(-(2 * i + 1) * thickness, -2 * i * thickness, half_edge, glass) for i in range(plates)]
-    estimate = measure(_one_sided(pile, 0, True), tmp_path, 2048)
+    estimate = measure(_one_sided(pile, 0, True), tmp_path, 1024)
     estimate.check(PILES[index, plates], _BOUND, f"{plates} plates of {thickness} m")
 
 
@@ -141,7 +141,7 @@ def test_water_in_glass(reach: float, truth: float, first: str, tmp_path: Path) 
     bodies = [glass, water] if first == "glass" else [water, glass]
     document = _one_sided(bodies, 0, True)
     document["sensor"] |= {"position": [0, 0, 3]}
-    estimate = measure(document, tmp_path, 2048)
+    estimate = measure(document, tmp_path, 1024)
     estimate.check(truth, _BOUND, (reach, first))
     assert estimate.error < 2e-3
 

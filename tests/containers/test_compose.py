@@ -145,7 +145,7 @@ def _first_line(stack: Stack, container: str, header: str) -> str:
 
 def test_a_worker_has_its_own_secrets_only(stack: Stack) -> None:
     worker = stack.engine.container("worker")
-    assert stack.engine.exec(worker, "ls", "/secrets").stdout.split() == ["redis-worker", "token-worker"]
+    assert stack.engine.exec(worker, "ls", "/secrets").stdout.split() == ["token-worker"]
     token = stack.engine.exec(worker, "cat", "/secrets/token-worker/token").stdout.strip()
     # The API takes its token for assets, and nothing without one.
     assert " 401 " in _first_line(stack, worker, "X-Nobody: yes")
@@ -160,12 +160,11 @@ def test_no_secret_stands_in_the_settings_of_a_container(stack: Stack) -> None:
         stack.engine.exec(stack.engine.container(service), "cat", f"/secrets/{name}").stdout.strip()
         for service, name in (
             ("redis", "redis-coordinator/password"),
-            ("redis", "redis-worker/password"),
             ("worker", "token-worker/token"),
             ("api", "token-admin/token"),
         )
     }
-    assert len(secrets) == 4
+    assert len(secrets) == 3
     assert all(len(secret) >= 43 for secret in secrets)
     for service in ("redis", "coordinator", "api", "worker"):
         settings = json.dumps(stack.engine.inspect(stack.engine.container(service)))

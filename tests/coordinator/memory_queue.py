@@ -9,7 +9,7 @@ from nocturne_coordinator.clock import Clock
 from nocturne_coordinator.dispatch.events import Moment
 from nocturne_coordinator.dispatch.liveness import Holder
 from nocturne_coordinator.errors import QueueError
-from nocturne_coordinator.queue.job_queue import Entry, JobQueue, Session
+from nocturne_coordinator.queue.job_queue import Entry, JobQueue, ResultEntry, Session
 
 from tests.coordinator.simulated_worker import Alter, simulated_result, unaltered
 
@@ -64,10 +64,12 @@ class MemoryQueue(JobQueue):
 
     def __init__(self, clock: VirtualClock) -> None:
         self._clock = clock
+        self.guard = None
         self.job_stream: dict[bytes, bytes] = {}
         self.result_stream: dict[bytes, bytes] = {}
         self.pending: dict[bytes, Delivery] = {}
         self.delivered: set[bytes] = set()
+        self.stopped: set[bytes] = set()
         self.statuses: dict[str, tuple[bytes, float]] = {}
         self.without_jobs: dict[str, float] = {}
         self.runs: set[str] = set()
@@ -132,11 +134,17 @@ class MemoryQueue(JobQueue):
                 self.delivered.discard(entry)
         self._answered()
 
-    def results(self, after: bytes, wait_ms: int) -> list[Entry]:
+    def stop_jobs(self, entries: list[bytes]) -> None:
+        self.check_up()
+        self.stopped.update(entries)
+        self._answered()
+
+    def results(self, after: bytes, wait_ms: int) -> list[ResultEntry]:
         self.check_up()
 
-        def found() -> list[Entry]:
-            return [each for each in self.result_stream.items() if _place(each[0]) > _place(after)][:64]
+        def found() -> list[ResultEntry]:
+            later = [each for each in self.result_stream.items() if _place(each[0]) > _place(after)]
+            return [ResultEntry(*each) for each in later[:64]]
 
         if wait_ms and not found():
             self._clock.advance(self._clock.now + wait_ms / 1000, lambda: bool(found()))
@@ -155,11 +163,11 @@ class MemoryQueue(JobQueue):
             self.result_stream.pop(entry, None)
         self._answered()
 
-    def workers(self) -> list[tuple[bytes, int]]:
+    def workers(self) -> list[tuple[str, bytes, int]]:
         self.check_up()
         now = self._clock.now
         self.statuses = {name: each for name, each in self.statuses.items() if each[1] > now}
-        return [(status, int(1000 * (until - now))) for status, until in self.statuses.values()]
+        return [(name, status, int(1000 * (until - now))) for name, (status, until) in self.statuses.items()]
 
     def holders(self) -> list[Holder]:
         return [Holder(entry, delivery.worker) for entry, delivery in self.pending.items()]

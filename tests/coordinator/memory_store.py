@@ -231,6 +231,10 @@ class MemoryLedger(Ledger):
                 render_id, floating_point_profile="", totals=totals, failed_tiles=(), fence=fence + 1
             )
 
+    def recut(self, render_id: str, fence: int, schedule: job_pb2.RangeSchedule) -> None:
+        with self.holding(render_id, fence):
+            self._store.change(render_id, schedule=schedule)
+
     def write_meters(self, values: Mapping[str, float]) -> None:
         assert all(np.isfinite(value) for value in values.values())
 
@@ -269,7 +273,7 @@ class MemoryPreviews(Previews):
     def write_thumbnail(self, render: RunningRender) -> None:
         self.write_preview(render)
 
-    def write_image(self, render: RunningRender) -> None:
+    def write_image(self, render: RunningRender, final: bool = False) -> None:
         with self._memory.holding(render.id, render.row.fence):
             image = {
                 index: (render.film.samples(index), render.film.tile_bytes(index))

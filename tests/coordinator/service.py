@@ -13,10 +13,10 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import redis
 from nocturne.v1 import job_pb2
-from nocturne_coordinator.dispatch.error_estimate import variance_of_mean
 from nocturne_coordinator.dispatch.merge import Counts, Sums
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
+from nocturne_coordinator.dispatch.variance import variance_of_mean
 from nocturne_coordinator.output.images import mean_further_responses, mean_xyz
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.rows import NewRender, RenderRow

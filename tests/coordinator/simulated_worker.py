@@ -6,13 +6,14 @@ import random
 import threading
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import redis
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.merge import Sums
+from nocturne_coordinator.enrolment import machine_of, redis_password, redis_user, signature
 from nocturne_coordinator.queue import keys
 from nocturne_scene.ranges import XYZ_SUMS
 
@@ -21,13 +22,14 @@ Alter = Callable[[job_pb2.JobResult], list[job_pb2.JobResult | bytes]]
 
 
 def simulated_sums(job: job_pb2.Job, further_responses: int = 0) -> Sums:
-    """Sums of the job's samples: possible ones, that do not add up exactly."""
+    """Sums of the job's samples: possible ones, that do not add up exactly; later tiles are noisier."""
     place = f"{job.scene.hex()} {job.tile_index} {job.first_sample} {job.end_sample}"
     seed = int.from_bytes(hashlib.sha256(place.encode()).digest()[:8], "little")
     samples = job.end_sample - job.first_sample
     shape = (job.tile.height, job.tile.width, XYZ_SUMS + further_responses)
-    sums = np.random.default_rng(seed).random(shape) * samples
-    sums[..., 3] = sums[..., 1] ** 2 / samples * (1.5 + sums[..., 3] / samples)
+    drawn = np.random.default_rng(seed).random(shape)
+    sums: Sums = (0.5 + drawn) * samples
+    sums[..., 3] = sums[..., 1] ** 2 / samples * (1.0 + 0.5 * (1 + job.tile_index) * (0.5 + drawn[..., 3]))
     return sums
 
 
@@ -48,6 +50,26 @@ def simulated_result(
     )
 
 
+class Machine(NamedTuple):
+    """What a machine is told when it enrols."""
+
+    name: str
+    key: bytes
+
+    def client(self, url: str) -> Any:
+        """Signed on to Redis as this machine."""
+        return redis.Redis.from_url(
+            url, protocol=2, username=redis_user(self.name), password=redis_password(self.key)
+        )
+
+    def signed(self, lease: bytes, data: bytes) -> dict[bytes, bytes]:
+        """What stands beside a result."""
+        return {
+            keys.MACHINE_FIELD: self.name.encode(),
+            keys.SIGNATURE_FIELD: signature(self.key, lease, data),
+        }
+
+
 def unaltered(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
     return [result]
 
@@ -65,15 +87,18 @@ class SimulatedWorker(threading.Thread):
         dies: Callable[[job_pb2.JobResult], bool] = lambda _: False,
         status_ms: int = 10_000,
         floating_point_profile: str = "",
+        machine: Machine | None = None,
     ) -> None:
         """`dies`: the process ends, without a word, at jobs for which it is true; `status_ms` later that
         shows.
 
         `floating_point_profile` is told only: jobs of others are done as well, for the coordinator to refuse.
+        `machine`: what it enrolled as.
         """
         super().__init__(daemon=True)
         self._further_responses = further_responses
-        self._client: Any = redis.Redis.from_url(url, protocol=2)
+        self._machine = machine
+        self._client: Any = machine.client(url) if machine else redis.Redis.from_url(url, protocol=2)
         self._alter = alter
         self._delay = delay
         self._lease_ms = lease_ms
@@ -82,7 +107,8 @@ class SimulatedWorker(threading.Thread):
         self._floating_point_profile = floating_point_profile
         self._since = time.time()
         self._stopping = threading.Event()
-        self.name = f"worker-{os.urandom(4).hex()}"
+        own = f"worker-{os.urandom(4).hex()}"
+        self.name = f"{machine.name}/{own}" if machine else own
         self.jobs_done = 0
 
     def stop(self) -> None:
@@ -106,7 +132,7 @@ class SimulatedWorker(threading.Thread):
             floating_point_profile=self._floating_point_profile,
         )
         self._client.set(keys.WORKER_PREFIX + self.name, status.SerializeToString(), px=self._status_ms)
-        if self._client.exists(keys.QUARANTINE_PREFIX + self.name):
+        if any(self._client.mget([keys.QUARANTINE_PREFIX + of for of in (self.name, machine_of(self.name))])):
             self._stopping.wait(0.05)
             return
         taken = self._client.xreadgroup(
@@ -120,7 +146,7 @@ class SimulatedWorker(threading.Thread):
                 self._client.xack(keys.JOBS, keys.WORKERS_GROUP, entry)
                 self._client.xdel(keys.JOBS, entry)
             else:
-                self._work(entry, job)
+                self._work(entry, job, fields.get(keys.LEASE_FIELD, b""))
 
     def _claimed(self) -> list[Any]:
         answer = self._client.xautoclaim(
@@ -128,7 +154,7 @@ class SimulatedWorker(threading.Thread):
         )
         return list(answer[1])
 
-    def _work(self, entry: bytes, job: job_pb2.Job) -> None:
+    def _work(self, entry: bytes, job: job_pb2.Job, lease: bytes) -> None:
         self._stopping.wait(self._delay)
         result = simulated_result(job, self.name, self._further_responses)
         result.floating_point_profile = self._floating_point_profile
@@ -138,17 +164,18 @@ class SimulatedWorker(threading.Thread):
         results = self._alter(result)
         while not self._stopping.is_set():
             try:
-                self._send(entry, results)
+                self._send(entry, results, lease)
                 self.jobs_done += 1
                 return
             except redis.RedisError:
                 self._stopping.wait(0.05)
 
-    def _send(self, entry: bytes, results: list[job_pb2.JobResult | bytes]) -> None:
+    def _send(self, entry: bytes, results: list[job_pb2.JobResult | bytes], lease: bytes) -> None:
         pipeline = self._client.pipeline(transaction=True)
         for result in results:
             data = result if isinstance(result, bytes) else result.SerializeToString()
-            pipeline.xadd(keys.RESULTS, {keys.RESULT_FIELD: data})
+            signed = self._machine.signed(lease, data) if self._machine else {}
+            pipeline.xadd(keys.RESULTS, {keys.RESULT_FIELD: data, **signed})
         pipeline.xack(keys.JOBS, keys.WORKERS_GROUP, entry)
         pipeline.xdel(keys.JOBS, entry)
         pipeline.execute()

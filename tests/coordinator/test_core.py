@@ -170,7 +170,11 @@ def test_jobs_that_are_there_are_adopted_and_others_withdrawn() -> None:
     followed = shell.tell(
         JobsFound(at(0.1), ((b"1-1", job), (b"1-2", job), (b"1-3", b"\xff"), (b"1-4", foreign)))
     )
-    assert followed == [do.IsOpen("elsewhere"), do.Withdraw((b"1-2", b"1-3", b"1-4"))]
+    assert followed == [
+        do.IsOpen("elsewhere"),
+        do.Withdraw((b"1-2",)),
+        do.Withdraw((b"1-3", b"1-4"), stop=True),
+    ]
     (published,) = shell.tell(StreamIsReady(at(0.2)))
     assert isinstance(published, do.Publish)
     assert ("r", 1, 0) not in published.keys

@@ -8,8 +8,9 @@ import numpy as np
 import OpenEXR
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
-from nocturne_coordinator.dispatch.error_estimate import Spread, relative_error, spread_of, variance_of_mean
+from nocturne_coordinator.dispatch.error_estimate import estimate_error
 from nocturne_coordinator.dispatch.merge import Counts, Sums
+from nocturne_coordinator.dispatch.variance import variance_of_mean
 from nocturne_coordinator.output.images import (
     FINAL_COMPRESSION,
     LIVE_COMPRESSION,
@@ -22,7 +23,7 @@ from nocturne_coordinator.output.images import (
 
 from tests.coordinator.service import read_exr, read_further_responses, read_rgb
 
-PROVENANCE = Provenance("5c" * 32, '{"width":9}', 1)
+PROVENANCE = Provenance("5c" * 32, '{"width":9}', 1, quantity="luminance")
 
 
 def film(samples: int = 10) -> tuple[Sums, Counts]:
@@ -37,20 +38,20 @@ def test_variance_is_that_of_the_mean() -> None:
     assert variance_of_mean(*film()) == pytest.approx(expected)
     y = draws[..., 1].mean(axis=0)
     relative_variance = expected / (y**2 + 0.01 * y.mean() ** 2)
-    assert relative_error(*film()) == pytest.approx(np.sqrt(relative_variance.mean()))
+    assert estimate_error(*film()).relative_error == pytest.approx(np.sqrt(relative_variance.mean()))
 
 
 def test_one_sample_has_no_error_yet() -> None:
     sums, counts = film(1)
     assert not variance_of_mean(sums, counts).any()
-    assert relative_error(sums, counts) == 0.0
+    assert estimate_error(sums, counts).relative_error == 0.0
 
 
 @pytest.mark.parametrize("count", [0, 1, 2**24 + 1, 3 * 2**20 + 1, 2**31, 2**32 - 1])
 def test_exr_keeps_every_bit(tmp_path: Path, count: int) -> None:
     sums, counts = film()
     counts[2, 3] = count
-    path = tmp_path / "new" / "image.exr"
+    path = tmp_path / "image.exr"
     write_image(path, sums, counts, PROVENANCE)
     xyz, stderr, read_counts = read_exr(path)
     assert np.array_equal(read_counts, counts)
@@ -166,21 +167,29 @@ def test_spread_of_even_noise_and_of_one_firefly() -> None:
     sums = np.zeros((40, 50, 4))
     sums[..., :3] = 4.0
     sums[..., 3] = 4.0 + 12.0 * 0.01
-    even = spread_of(sums, counts)
-    assert even.relative_error == pytest.approx(relative_error(sums, counts), rel=1e-12)
+    even = estimate_error(sums, counts)
     assert even.relative_error == pytest.approx(np.sqrt(0.01 / 1.01), rel=1e-9)
     assert even.effective_pixels == pytest.approx(2000.0)
     assert even.worst_share == pytest.approx(0.01)
     sums[7, 9, 3] += 1e6
-    spoiled = spread_of(sums, counts)
+    spoiled = estimate_error(sums, counts)
     assert spoiled.effective_pixels == pytest.approx(1.0, abs=0.01)
     assert spoiled.worst_share == pytest.approx(1.0, abs=0.01)
 
 
-def test_spread_is_unknown_below_two_samples_and_in_the_dark() -> None:
+def test_the_error_is_unknown_below_two_samples_and_in_the_dark() -> None:
     counts = np.ones((4, 4), dtype=np.uint32)
-    assert spread_of(np.ones((4, 4, 4)), counts) == Spread()
-    assert spread_of(np.zeros((4, 4, 4)), counts + 7) == Spread()
+    once = estimate_error(np.ones((4, 4, 4)), counts)
+    assert (once.relative_error, once.effective_pixels, once.mean, once.unseen_pixels) == (0.0, 0.0, 1.0, 0)
+    dark = estimate_error(np.zeros((4, 4, 4)), counts + 7)
+    assert (dark.relative_error, dark.mean, dark.mean_error, dark.unseen_pixels) == (0.0, 0.0, 0.0, 16)
+
+
+def test_the_means_error_is_that_of_independent_pixels() -> None:
+    sums, counts = film()
+    estimate = estimate_error(sums, counts)
+    assert estimate.mean == pytest.approx(sums[..., 1].sum() / counts.sum())
+    assert estimate.mean_error == pytest.approx(np.sqrt(variance_of_mean(sums, counts).sum()) / 63)
 
 
 def test_a_thumbnail_has_the_films_shape_and_its_mean_light(tmp_path: Path) -> None:

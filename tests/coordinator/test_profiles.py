@@ -9,11 +9,11 @@ from nocturne_coordinator.dispatch.audit import Auditor
 from nocturne_coordinator.dispatch.profiles import (
     REDONE_SECONDS,
     incompatible,
+    machines_by_profile,
     profile_of,
     refusal_of,
     should_start_anew,
-    threads_by_profile,
-    usual_profile,
+    usual_profiles,
 )
 from nocturne_coordinator.dispatch.records import UNKNOWN_CLASS, OpenRender, RenderState, Totals, WorkerRow
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
@@ -42,13 +42,14 @@ def test_what_is_no_digest_is_one_class(told: str) -> None:
     assert profile_of(A) == A
 
 
-def test_threads_count_not_workers() -> None:
-    workers = [worker("1", A), worker("2", A), worker("3", B, 3), worker("4", A, 9, ENGINE - 1)]
-    assert threads_by_profile(workers, ()) == {A: 2, B: 3}
-    assert usual_profile(threads_by_profile(workers, ())) == B
-    assert usual_profile(threads_by_profile(workers, {"3"})) == A
-    assert usual_profile({B: 2, A: 2}) == A
-    assert usual_profile({}) == ""
+def test_machines_count_not_workers_or_threads() -> None:
+    workers = [worker("1/a", A), worker("2", A), worker("3", B, 3), worker("4", A, 9, ENGINE - 1)]
+    workers += [worker("3/b", B, 4096), worker("3/c", B)]
+    assert machines_by_profile(workers, ()) == {A: 2, B: 1}
+    assert usual_profiles(machines_by_profile(workers, ())) == {A}
+    assert usual_profiles(machines_by_profile(workers, {"1", "2"})) == {B}
+    assert usual_profiles({B: 2, A: 2, UNKNOWN_CLASS: 1}) == {A, B}
+    assert usual_profiles({}) == set()
 
 
 def test_a_result_must_have_its_renders_class() -> None:
@@ -57,7 +58,7 @@ def test_a_result_must_have_its_renders_class() -> None:
 
 
 def test_the_first_result_may_not_be_of_a_rare_class() -> None:
-    assert refusal_of("", B, {A: 2, B: 1}) == f"floating-point profile {B}, most workers have {A}"
+    assert refusal_of("", B, {A: 2, B: 1}) == f"floating-point profile {B}, most machines have {A}"
     for alike in ({A: 2, B: 2}, {B: 1}, {}):
         assert refusal_of("", B, alike) == ""
 
@@ -67,18 +68,22 @@ def test_only_a_short_start_is_made_anew() -> None:
     assert not should_start_anew(B, {A: 2, B: 1}, 2 * REDONE_SECONDS + 1.0)
     assert not should_start_anew(B, {A: 2, B: 2}, 0.0)
     assert not should_start_anew("", {A: 2}, 0.0)
+    # What one machine says of itself discards nothing.
+    assert not should_start_anew(B, {A: 1}, 0.0)
     assert not should_start_anew(B, {}, 0.0)
 
 
 def test_workers_are_told_why_they_get_no_jobs() -> None:
-    workers = [worker("a", A, 2), worker("b", B), worker("old", A, 1, ENGINE - 1)]
+    workers = [worker("a", A), worker("c", A), worker("b", B), worker("old", A, 1, ENGINE - 1)]
     old = f"It has engine {ENGINE - 1}, and the service engine {ENGINE}."
     assert incompatible(workers, (), ()) == {"old": old}
     assert incompatible(workers, (), {""}).keys() == {"b", "old"}
     assert incompatible(workers, (), {A, B}).keys() == {"old"}
     assert incompatible(workers, (), {B, ""}).keys() == {"old"}
-    assert incompatible(workers, {"a"}, {""}) == {
-        "a": f"It rounds otherwise: floating-point profile {A}; the open renders have {B}.",
+    other = f"It rounds otherwise: floating-point profile {A}; the open renders have {B}."
+    assert incompatible(workers, {"a", "c"}, {""}) == {
+        "a": other,
+        "c": other,
         "old": old,
     }
 

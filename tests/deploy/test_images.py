@@ -233,7 +233,6 @@ def _mounts() -> dict[str, set[str]]:
 def test_secrets_are_seen_by_their_role_only() -> None:
     mounts = _mounts()
     assert mounts["redis-coordinator"] == {"passwords", "redis", "coordinator"}
-    assert mounts["redis-worker"] == {"passwords", "redis", "worker"}
     assert mounts["token-worker"] == {"tokens", "worker"}
     assert mounts["token-admin"] == {"tokens", "api"}
     assert mounts["token-read"] == {"tokens", "prometheus"}

@@ -9,23 +9,25 @@ import pytest
 import redis
 from nocturne_coordinator.errors import QueueError
 from nocturne_coordinator.queue import keys
+from nocturne_coordinator.queue.guard import Guard
 from nocturne_coordinator.queue.job_queue import JobQueue, Session
 from redis.exceptions import AuthenticationError, NoPermissionError
 
 from tests.coordinator.service import wait_until
+from tests.coordinator.simulated_worker import Machine
 
 ROOT = Path(__file__).parents[2]
 START = ROOT / "deploy" / "redis" / "start.sh"
-PASSWORDS = {"coordinator": "the first word", "worker": "another/word&"}
+_COORDINATOR = "the first/word&"
+_MACHINE = Machine("m", b"k" * 32)
 _ENVIRONMENT = {
-    "NOCTURNE_REDIS_COORDINATOR_PASSWORD": PASSWORDS["coordinator"],
-    "NOCTURNE_REDIS_WORKER_PASSWORD": PASSWORDS["worker"],
+    "NOCTURNE_REDIS_COORDINATOR_PASSWORD": _COORDINATOR,
     "PATH": "/usr/bin:/bin",
 }
 
 
 class Guarded:
-    """redis-server as deploy/redis/start.sh starts it."""
+    """redis-server as deploy/redis/start.sh starts it, with a machine that enrolled."""
 
     def __init__(self, folder: Path) -> None:
         self.url = f"unix://{folder / 'redis.sock'}"
@@ -35,15 +37,19 @@ class Guarded:
             stdout=subprocess.DEVNULL,
         )
         wait_until(self._answers)
+        with self.as_("coordinator") as client:
+            Guard(b"", {_MACHINE.name: _MACHINE.key}).admit(client)
 
     def as_(self, role: str | None) -> Any:
-        word = PASSWORDS[role] if role else None
+        if role == "worker":
+            return _MACHINE.client(self.url)
+        word = _COORDINATOR if role else None
         return redis.Redis.from_url(self.url, protocol=2, username=role, password=word)
 
     def _answers(self) -> bool:
         assert self.process.poll() is None
         try:
-            with self.as_("worker") as client:
+            with self.as_("coordinator") as client:
                 return bool(client.ping())
         except redis.RedisError:
             return False
@@ -60,7 +66,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Guarded]:
 @pytest.fixture
 def queue(server: Guarded, monkeypatch: pytest.MonkeyPatch) -> Iterator[JobQueue]:
     monkeypatch.setenv("NOCTURNE_REDIS_USER", "coordinator")
-    monkeypatch.setenv("NOCTURNE_REDIS_PASSWORD", PASSWORDS["coordinator"])
+    monkeypatch.setenv("NOCTURNE_REDIS_PASSWORD", _COORDINATOR)
     queue = JobQueue(server.url)
     yield queue
     queue.close()
@@ -77,10 +83,10 @@ _WORKERS_PART: list[list[str]] = [
     ["XACK", keys.JOBS, keys.WORKERS_GROUP, "1-1"],
     ["XDEL", keys.JOBS, "1-1"],
     ["EXEC"],
-    ["GET", f"{keys.QUARANTINE_PREFIX}w"],
-    ["SET", f"{keys.WORKER_PREFIX}w", "status", "EX", "10"],
-    ["DEL", f"{keys.WORKER_PREFIX}w"],
-    ["EXISTS", f"{keys.WORKER_PREFIX}w"],
+    ["MGET", f"{keys.QUARANTINE_PREFIX}w", f"{keys.QUARANTINE_PREFIX}"],
+    ["MGET", f"{keys.WITHDRAWN_PREFIX}1-1"],
+    ["SET", f"{keys.WORKER_PREFIX}m/w", "status", "EX", "10"],
+    ["DEL", f"{keys.WORKER_PREFIX}m/w"],
     ["PING"],
 ]
 
@@ -100,6 +106,7 @@ def test_the_coordinator_can_do_its_part(queue: JobQueue) -> None:
             "results": (b"0-0", 1),
             "delete_results": ([b"1-1"],),
             "keep_in_quarantine": ({"w": "lied"},),
+            "stop_jobs": ([b"1-1"],),
         }
         if name in ("holders",):
             queue.attend(session)
@@ -127,7 +134,12 @@ def test_a_worker_can_do_its_part(server: Guarded, queue: JobQueue) -> None:
         ["DEL", f"{keys.QUARANTINE_PREFIX}w"],
         ["SET", f"{keys.QUARANTINE_PREFIX}w", ""],
         ["GET", f"{keys.WORKER_PREFIX}w"],
-        ["SET", f"{keys.WORKER_PREFIX}w", "x", "GET"],
+        ["SET", f"{keys.WORKER_PREFIX}m/w", "x", "GET"],
+        ["SET", f"{keys.WORKER_PREFIX}other/w", "x"],
+        ["SET", f"{keys.WORKER_PREFIX}m", "x"],
+        ["DEL", f"{keys.WORKER_PREFIX}other/w"],
+        ["ACL", "SETUSER", "machine-m", "+@all"],
+        ["ACL", "USERS"],
         ["SET", "anything", "x"],
         ["XADD", keys.JOBS, "*", "job", "mine"],
         ["XDEL", keys.RESULTS, "1-1"],
@@ -197,11 +209,24 @@ def test_wrong_words_are_refused(server: Guarded, monkeypatch: pytest.MonkeyPatc
     queue.close()
 
 
-@pytest.mark.parametrize("missing", ["COORDINATOR", "WORKER"])
-def test_it_does_not_start_without_passwords(missing: str) -> None:
-    environment = {name: word for name, word in _ENVIRONMENT.items() if missing not in name}
+def test_it_does_not_start_without_a_password() -> None:
+    environment = {"PATH": _ENVIRONMENT["PATH"]}
     started = subprocess.run(
         [START], env=environment, capture_output=True, text=True, timeout=20, check=False
     )
     assert started.returncode != 0
-    assert f"NOCTURNE_REDIS_{missing}_PASSWORD: is not set" in started.stderr
+    assert "NOCTURNE_REDIS_COORDINATOR_PASSWORD: is not set" in started.stderr
+
+
+def test_a_machine_that_is_not_enrolled_any_more_is_gone_at_once(server: Guarded) -> None:
+    other = Machine("other", b"o" * 32)
+    with server.as_("coordinator") as coordinator, other.client(server.url) as client:
+        guard = Guard(b"", {each.name: each.key for each in (_MACHINE, other)})
+        guard.admit(coordinator)
+        assert client.ping()
+        guard.machines = {_MACHINE.name: _MACHINE.key}
+        guard.admit(coordinator)
+        with pytest.raises(redis.RedisError):
+            client.ping()
+    with server.as_("worker") as client:
+        assert client.ping()

@@ -18,7 +18,7 @@ from tests.system.free_ports import free_port_pair
 
 DEPLOY = Path(__file__).parents[2] / "deploy"
 _ANY_ADDRESS = "0.0.0.0"  # noqa: S104 - what is tested
-PASSWORDS = {"coordinator": "the first word", "worker": "another/word&"}
+PASSWORDS = {"coordinator": "the first/word&"}
 
 
 @dataclass
@@ -74,29 +74,16 @@ def started(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Started]:
             process.wait()
 
 
-def test_both_roles_reach_redis_over_the_network(started: Started) -> None:
+def test_the_coordinator_reaches_redis_over_the_network(started: Started) -> None:
     assert started.cli("coordinator", "SET", keys.SESSION, "folder:1", "EX", "60") == "OK"
-    assert started.cli("worker", "SET", f"{keys.WORKER_PREFIX}w", "status", "EX", "60") == "OK"
     assert started.cli("coordinator", "GET", keys.SESSION) == "folder:1"
 
 
 def test_a_stranger_gets_nothing_over_the_network(started: Started) -> None:
     assert "NOAUTH" in started.cli("", "PING")
     assert "NOAUTH" in started.cli("", "EXISTS", keys.SESSION)
-    assert "WRONGPASS" in started.cli("", "AUTH", "worker", PASSWORDS["coordinator"])
+    assert "WRONGPASS" in started.cli("", "AUTH", "machine-m", PASSWORDS["coordinator"])
     assert "WRONGPASS" in started.cli("", "AUTH", "default", "")
-
-
-def test_a_health_check_finds_a_worker_by_its_own_password(started: Started) -> None:
-    key, address = f"{keys.WORKER_PREFIX}alive", (started.other.us, str(started.port))
-    who = {"NOCTURNE_REDIS_USER": "worker", "NOCTURNE_REDIS_PASSWORD": PASSWORDS["worker"]}
-    missing = started.check("redis-has.sh", key, *address, **who)
-    assert (missing.returncode, missing.stdout) == (1, f"{key}: :0\n")
-    started.cli("worker", "SET", key, "status", "EX", "60")
-    assert started.check("redis-has.sh", key, *address, **who).returncode == 0
-    wrong = started.check("redis-has.sh", key, *address, **{**who, "NOCTURNE_REDIS_PASSWORD": "wrong"})
-    assert wrong.returncode == 1
-    assert "WRONGPASS" in wrong.stdout
 
 
 def test_redis_that_hangs_does_not_answer(started: Started) -> None:

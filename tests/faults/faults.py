@@ -22,10 +22,16 @@ def kill_worker(service: ServiceProcesses, render_id: str) -> bool:
 def stop_worker_for_three_leases(service: ServiceProcesses, render_id: str) -> bool:
     """SIGSTOP for a worker that has a job in hand; SIGCONT when another has long taken the job over."""
     name, victim = _stopped_with_a_job(service, render_id)
-    held = service.jobs_held_by(name)
-    time.sleep(3 * LEASE_MS / 1000)
-    hit = held != [] and service.jobs_held_by(name) == [] and is_in_mid_work(service.client, render_id)
-    victim.go_on()
+    held, begun = service.jobs_held_by(name), time.monotonic()
+    wait_for(lambda: service.jobs_held_by(name) == [], "the job to be taken over")
+    # Or the others would be through with everything before the three leases are over.
+    others = [worker for each, worker in service.workers.items() if each != name]
+    for worker in others:
+        worker.pause()
+    time.sleep(max(0.0, begun + 3 * LEASE_MS / 1000 - time.monotonic()))
+    hit = held != [] and is_in_mid_work(service.client, render_id)
+    for worker in (victim, *others):
+        worker.go_on()
     return hit
 
 

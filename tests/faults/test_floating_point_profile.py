@@ -86,7 +86,8 @@ def test_long_work_waits_for_its_class(service: Service, work: Callable[..., str
         result.partial.cpu_seconds = REDONE_SECONDS
         return [result]
 
-    service.start()
+    # Ranges that cost so much would be cut.
+    service.start("", "--job-seconds", "1e6")
     first = service.work(
         SimulatedWorker(
             service.server.url, costs_much, SOME_DELAY, status_ms=1500, floating_point_profile=ODD
@@ -96,6 +97,9 @@ def test_long_work_waits_for_its_class(service: Service, work: Callable[..., str
     wait_until(lambda: service.row(long.id).ranges_done >= 6)
     first.stop()
     wait_until(lambda: service.folder.workers.alive() == [], 20.0)
+    # Results go when they are committed, which may be later than their worker.
+    with service.server.client() as client:
+        wait_until(lambda: client.xlen(keys.RESULTS) == 0)
     before = service.row(long.id).ranges_done
     # Created before its workers come, or these would have to wait until they are told that they are of use.
     other = service.create(request_id="b", samples=100)

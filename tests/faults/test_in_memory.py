@@ -2,7 +2,8 @@
 clock.
 
 Each runs in milliseconds, so each runs at every place and with many seeds; the state is validated after
-every event. The same rows on real processes: the other files here."""
+every event. The same rows on real processes: the other files here. One file, though long: it is the matrix of
+docs/explanation/reliability.md in its order, to be read beside it."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

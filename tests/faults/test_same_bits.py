@@ -107,6 +107,7 @@ def _image_in_turns(
         return render.finished_image()
 
 
+@pytest.mark.soak
 def test_every_result_delivered_twice(services: Services, traced_alone: Image) -> None:
     """T3: coordinator and workers take turns, so that no result gets by without its copy."""
     service = services(2)
@@ -134,7 +135,8 @@ def test_all_faults_in_a_random_order(services: Services, traced_alone: Image) -
     assert differing_values(image, traced_alone) == {}
 
 
-@pytest.mark.parametrize("order", [pytest.param("reversed", marks=pytest.mark.soak), "random"])
+@pytest.mark.soak
+@pytest.mark.parametrize("order", ["reversed", "random"])
 def test_jobs_dispatched_in_another_order(order: str, services: Services, traced_alone: Image) -> None:
     """S2: whatever is on the stream is taken from its end, or in a random order."""
     service, chance = services(2), random.Random(5)

@@ -224,7 +224,7 @@ def test_a_third_of_the_fleet_is_restarted_again_and_again(service: Service) -> 
 def test_a_worker_of_another_engine_does_nothing(service: Service) -> None:
     """W8: it refuses every job, as `worker_test.cpp` shows of the real one, and then gets none.
 
-    What `nocturne explain` says of it: `tests/services/test_night.py`.
+    What `nocturne explain` says of it: `tests/services/test_status_reason.py`.
     """
 
     def refusing(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:

@@ -160,7 +160,7 @@ def test_the_mixture_is_scaled_to_one(document: dict[str, Any], compiled: Compil
     document["tracing"] = {"mixture": {"kernel": 1, "luminaires": 2, "uniform": 1}, "seed": 2**64 - 1}
     tracing = compiled(document).tracing
     assert (tracing.weight_kernel, tracing.weight_luminaires, tracing.weight_uniform) == (0.25, 0.5, 0.25)
-    assert (tracing.h, tracing.roulette_after, tracing.maximum_depth) == (4, 2, 1000)
+    assert (tracing.h, tracing.roulette_after, tracing.maximum_depth) == (4, 2, 0)
     assert tracing.seed == 2**64 - 1
     assert tracing.sequence == scene_pb2.SAMPLE_SEQUENCE_SOBOL
 

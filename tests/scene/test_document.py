@@ -113,7 +113,7 @@ _TABLE = ("spectra", "white", "table")
             ("surfaces", 1, "luminaire", "power"),
             1,
             "$.surfaces[1].luminaire.power",
-            '"radiance", "two_sided"',
+            '"radiance", "lumens"',
         ),
         (("spectra", "white", "unit"), 1, "$.spectra.white.unit", '"table", "outside", "luminance"'),
         (("sensor",), _DELETE, "$.sensor", "missing"),

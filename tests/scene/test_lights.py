@@ -39,6 +39,68 @@ def test_a_cosine_power_is_kept(document: dict[str, Any], compiled: Compile) -> 
     assert compiled(document).luminaires[0].cosine_power == 30
 
 
+@pytest.mark.parametrize(
+    ("shape", "area", "allowed"),
+    [
+        ({"type": "quad", "corner": [0, 0, 0], "edge_u": [2, 0, 0], "edge_v": [0, 0, 3]}, 6.0, 1e-12),
+        ({"type": "sphere", "centre": [0, 0, 0], "radius": 0.5}, math.pi, 1e-12),
+        # The area of its triangles: see the document.
+        ({"type": "disc", "centre": [0, 0, 0], "normal": [0, 1, 0], "radius": 2}, 4 * math.pi, 1.1e-4),
+        ({"type": "box", "minimum": [0, 0, 0], "maximum": [1, 2, 3]}, 22.0, 1e-12),
+        (
+            {"type": "mesh", "vertices": [[0, 0, 0], [3, 0, 0], [0, 4, 0]], "triangles": [[0, 1, 2]]},
+            6.0,
+            1e-12,
+        ),
+    ],
+)
+@pytest.mark.parametrize("two_sided", [False, True])
+@pytest.mark.parametrize("power", [None, 0, 30])
+def test_a_flux_comes_to_its_luminance(
+    document: dict[str, Any],
+    compiled: Compile,
+    shape: dict[str, Any],
+    area: float,
+    allowed: float,
+    two_sided: bool,
+    power: float | None,
+) -> None:
+    """L = flux / (area sides integral of cos^(power + 1)): for an ideal diffuse lamp flux / (pi area)."""
+    lamp = document["surfaces"][1]
+    lamp.update({"shape": shape, "scale": 2.0})
+    lamp["luminaire"] = {"radiance": {"illuminant": "A"}, "two_sided": two_sided}
+    if power is not None:
+        lamp["luminaire"]["profile"] = {"cosine_power": power}
+    per_luminance = area * 4 * (1 + two_sided) * 2 * math.pi / ((power or 0) + 2)
+
+    def spectrum(**amount: float) -> scene_pb2.Spectrum:
+        scene = compiled({**document, "surfaces": [document["surfaces"][0], with_(lamp, amount)]})
+        return scene.spectra[scene.luminaires[0].radiance.spectrum]
+
+    near = pytest.approx(800 / per_luminance, rel=allowed + 1e-6)
+    assert spectra.luminance(spectrum(lumens=800)) == near
+    watts = spectra.integral(spectrum(watts=9), np.ones(visible_wavelengths().shape))
+    assert float(watts) == pytest.approx(9 / per_luminance, rel=allowed + 1e-6)
+    exitance = spectra.luminance(spectrum(exitance=500))
+    assert exitance == pytest.approx(500 * ((power or 0) + 2) / (2 * math.pi), rel=1e-6)
+
+
+def with_(lamp: dict[str, Any], amount: dict[str, float]) -> dict[str, Any]:
+    return {**lamp, "luminaire": {**lamp["luminaire"], **amount}}
+
+
+def test_a_lamp_has_one_amount(document: dict[str, Any], blobs: BlobStore) -> None:
+    lamp = document["surfaces"][1]
+    lamp["luminaire"] = {"radiance": {"illuminant": "A"}, "lumens": 800, "watts": 9}
+    expect_problem(document, blobs, "$.surfaces[1].luminaire.watts", "expected one of lumens, watts")
+    lamp["luminaire"] = {
+        "radiance": {"illuminant": "A"},
+        "lumens": 800,
+        "profile": {"asset": photometric(blobs)},
+    }
+    expect_problem(document, blobs, "$.surfaces[1].luminaire.lumens", "scale it by profile.lumens")
+
+
 def test_a_photometric_file_gives_its_candelas(
     document: dict[str, Any], compiled: Compile, blobs: BlobStore
 ) -> None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from nocturne.v1 import scene_pb2
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import compile_scene
-from nocturne_scene.compile.tracing import DEPTH, NO_LIMIT
+from nocturne_scene.compile.tracing import NO_LIMIT
 from nocturne_scene.document.read import check_document
 from nocturne_scene.spectra import tables as spectra
 from nocturne_scene.spectra.published import visible_wavelengths
@@ -54,14 +54,13 @@ def test_a_scene_without_media_is_compiled_as_before(document: Document, compile
     assert not scene.media
     assert not scene.interiors
     assert not scene.unbounded_interiors
-    assert scene.tracing.maximum_depth == DEPTH == 1000
 
 
-def test_photons_in_media_have_no_limit_but_the_documents(document: Document, compiled: Compile) -> None:
-    scene = with_media(document, fog={"scattering": 1})
-    assert compiled(scene).tracing.maximum_depth == NO_LIMIT == 0
-    scene["tracing"] = {"maximum_depth": 12}
-    assert compiled(scene).tracing.maximum_depth == 12
+def test_photons_have_no_limit_but_the_documents(document: Document, compiled: Compile) -> None:
+    for scene in (document, with_media(document, fog={"scattering": 1})):
+        assert compiled(scene).tracing.maximum_depth == NO_LIMIT == 0
+        limited = scene | {"tracing": {"maximum_depth": 12}}
+        assert compiled(limited).tracing.maximum_depth == 12
 
 
 def test_photons_travel_together_but_forward_in_media(document: Document, compiled: Compile) -> None:

@@ -112,3 +112,22 @@ def test_a_mesh_whose_own_coordinates_are_far_out(document: Document, compiled: 
     mesh["vertices"] = [[a + b for a, b in zip(v, by, strict=True)] for v in mesh["vertices"]]
     document["sensor"] |= {"position": [by[0], 0, by[2] - 2], "look_at": by}
     assert compiled(document).surfaces[0].mesh == near
+
+
+def test_what_is_far_away_has_fine_numbers(compiled: Compile) -> None:
+    """A pane of a tenth of a micrometre, 100 km from the sensor and from the document's origin."""
+    pane = {"type": "box", "minimum": [-1, -1, 100_000.0], "maximum": [1, 1, 100_000.0 + 1e-7]}
+    scene = compiled(
+        {
+            "nocturne": 1,
+            "sensor": {
+                "type": "pinhole",
+                "position": [0, 0, 0],
+                "look_at": [0, 0, 1],
+                "vertical_field_of_view_degrees": 1,
+            },
+            "surfaces": [{"shape": pane, "kernel": {"type": "dielectric", "index": 1.5}}],
+            "environment": {"radiance": 1.0},
+        }
+    )
+    assert scene.sensor.position.z == pytest.approx(-100_000.0, abs=1.0)

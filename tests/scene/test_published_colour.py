@@ -2,6 +2,7 @@
 
 import warnings
 from importlib import import_module
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -238,3 +239,19 @@ def test_limb_darkening_has_the_means_that_its_authors_give() -> None:
     for mu in (0.0, 0.1, 0.5, 1.0):
         values = darkening @ mu ** np.arange(6)
         assert np.all((values > 0.05) & (values < 1 + 1e-9))
+
+
+@pytest.mark.parametrize("damage", [b"", b"\x93NUMPY\x01\x00 not a table"])
+def test_a_table_is_read_once_and_again_if_it_is_damaged(
+    damage: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    read = published.observer.__wrapped__
+    first = read("CIE 1931 2 degree")
+    [kept] = (tmp_path / "nocturne").iterdir()
+    with monkeypatch.context() as without:
+        without.setattr(published, "_colour", lambda: pytest.fail("colour-science was asked again"))
+        assert read("CIE 1931 2 degree").tobytes() == first.tobytes()
+    kept.write_bytes(damage)
+    assert read("CIE 1931 2 degree").tobytes() == first.tobytes()
+    assert np.load(kept).tobytes() == first.tobytes()

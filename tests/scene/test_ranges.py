@@ -116,7 +116,9 @@ def test_a_scene_says_how_its_film_is_cut(tmp_path: Path) -> None:
     scene.tracing.group = 4
     blobs = BlobStore(tmp_path)
     schedule = schedule_for_scene(blobs, blobs.put(scene.SerializeToString()), 70, 33, 20)
-    assert schedule == make_schedule(70, 33, 20, ["rod", "far-red"], photons_per_sample=4)
+    expected = make_schedule(70, 33, 20, ["rod", "far-red"], photons_per_sample=4)
+    expected.quantity = "luminance"
+    assert schedule == expected
     scene.tracing.direction = scene_pb2.DIRECTION_FORWARD
     schedule = schedule_for_scene(blobs, blobs.put(scene.SerializeToString()), 70, 33, 20)
     assert (schedule.tile_size, schedule.photons_per_sample) == (70, 4)

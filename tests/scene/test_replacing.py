@@ -1,5 +1,7 @@
 """Write, then rename: who reads a file meets the old one or the new one."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -36,3 +38,16 @@ def test_a_folder_of_its_own_keeps_unfinished_files_apart(tmp_path: Path) -> Non
         assert [path.name for path in tmp_path.iterdir()] == ["incoming"]
         assert list(incoming.iterdir()) == [unfinished]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "incoming"]
+
+
+def test_what_guards_the_renaming_may_refuse_it(tmp_path: Path) -> None:
+    path = tmp_path / "a"
+
+    @contextmanager
+    def refusing() -> Iterator[None]:
+        raise PermissionError
+        yield
+
+    with pytest.raises(PermissionError), replacing(path, within=refusing()) as unfinished:
+        unfinished.write_text("whole")
+    assert list(tmp_path.iterdir()) == []

@@ -107,7 +107,7 @@ async def test_watch_to_the_end(url: str, scene_path: Path, folder: DataFolder) 
 
 
 def test_watch_connects_again_and_asks_for_later_states_only(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("nocturne_client.client._RETRY_DELAYS_S", (0.0, 0.0))
+    monkeypatch.setattr("nocturne_client.transport.RETRY_DELAYS_S", (0.0, 0.0))
     asked: list[str | None] = []
 
     def answer(request: httpx.Request) -> httpx.Response:
@@ -124,7 +124,7 @@ def test_watch_connects_again_and_asks_for_later_states_only(monkeypatch: pytest
 
 @pytest.mark.parametrize(("status", "calls"), [(503, 3), (500, 1), (404, 1), (422, 1)])
 def test_only_unavailable_is_retried(status: int, calls: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("nocturne_client.client._RETRY_DELAYS_S", (0.0, 0.0))
+    monkeypatch.setattr("nocturne_client.transport.RETRY_DELAYS_S", (0.0, 0.0))
     made = 0
 
     def answer(_: httpx.Request) -> httpx.Response:
@@ -242,7 +242,7 @@ async def test_command_line(
 
 def test_no_service_there_is_a_clear_error() -> None:
     with Client("http://127.0.0.1:9") as client, pytest.raises(NotReachedError, match="nocturne up"):
-        client._call("GET", "/readyz")
+        client.workers()
 
 
 def test_exit_statuses_are_what_the_help_says() -> None:

@@ -193,12 +193,12 @@ async def test_a_scene_whose_files_went_meanwhile_is_compiled_again(
     create = Renders.create
     refused: list[FilesGone] = []
 
-    def late(self: Renders, new: Any) -> Any:
+    def late(self: Renders, new: Any, quota: Any) -> Any:
         if not refused:
             delete_render(folder, first)
             sweep(folder)
         try:
-            return create(self, new)
+            return create(self, new, quota)
         except FilesGone as gone:
             refused.append(gone)
             raise

@@ -11,11 +11,18 @@ from nocturne_coordinator.output.images import Provenance, write_image
 from nocturne_scene.photometry import ies as photometric_files
 
 
-def _image(folder: Path, width: int, height: int) -> Path:
+def _image(folder: Path, width: int, height: int, quantity: str = "luminous intensity") -> Path:
     path = folder / "image.exr"
     sums = np.ones((height, width, 4))
-    write_image(path, sums, np.ones((height, width), dtype=np.uint32), Provenance("0" * 64, "{}", 2))
+    provenance = Provenance("0" * 64, "{}", 2, quantity=quantity)
+    write_image(path, sums, np.ones((height, width), dtype=np.uint32), provenance)
     return path
+
+
+@pytest.mark.parametrize("quantity", ["luminance", "illuminance", ""])
+def test_the_image_of_another_sensor_is_refused(tmp_path: Path, quantity: str) -> None:
+    with pytest.raises(NocturneClientError, match=r"image\.exr is of .*made of an intensity_meter's image"):
+        write_photometry(_image(tmp_path, 1, 3, quantity), tmp_path / "lamp.ies")
 
 
 def test_one_column_is_a_lamp_that_is_the_same_all_around(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ def preflight_body(scene: dict[str, Any]) -> dict[str, Any]:
         "shape": {"type": "sphere", "centre": [0.5, 0.5, 1], "radius": 0.3},
         "kernel": {"type": "dielectric", "index": "N-BK7"},
     }
-    return {"scene": scene, "width": 24, "height": 16, "error": 0.1, "budget_seconds": 2.0}
+    return {"scene": scene, "width": 24, "height": 16, "error": 0.1, "budget_seconds": 1.0}
 
 
 async def test_both_endpoints_tell_what_a_scene_needs(
@@ -71,10 +71,10 @@ async def test_one_plan_at_a_time_and_none_for_ever(
 ) -> None:
     """A preflight that takes too long is ended, and its processes with it; meanwhile a second one is
     refused."""
-    monkeypatch.setattr(pool, "PREFLIGHT_WALL_S", 4.0)
+    monkeypatch.setattr(pool, "PREFLIGHT_WALL_S", 2.5)
     preflight_body |= {"budget_seconds": 120.0, "error": 1e-4}
     first = asyncio.create_task(rest.post("/v1/preflights", json=preflight_body, timeout=60))
-    await asyncio.sleep(1.5)
+    await asyncio.sleep(0.5)
     second = await rest.post("/v1/preflights", json=preflight_body, timeout=60)
     assert second.status_code == 503
     assert "another preflight" in second.json()["detail"]

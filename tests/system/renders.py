@@ -18,10 +18,10 @@ from tests.system.waiting import LIMIT_S, wait_for
 ROOT = Path(__file__).parents[2]
 CORNELL = ROOT / "examples" / "cornell" / "scene.json"
 
-# 12 tiles, 9 ranges each; the last two hold more than half of the four million photons, so much is left
+# 12 tiles, 8 ranges each; the last two hold more than half of the three million photons, so much is left
 # to do when the first ranges are committed.
-WIDTH, HEIGHT, SAMPLES = 100, 70, 600
-RANGES = 12 * 9
+WIDTH, HEIGHT, SAMPLES = 100, 70, 400
+RANGES = 12 * 8
 
 _POLL_S = 0.05
 

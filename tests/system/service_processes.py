@@ -45,7 +45,8 @@ class ServiceProcesses:
         self.client = Client(self.url)
         self.redis_server = self._program("redis", need_program("redis-server"), *self._redis_words())
         self.coordinator = self._python(
-            *("nocturne_coordinator.main", "--redis", coordinators, "--commit-seconds", "0.2"),
+            # Often, so that a test sees soon that a render is in mid-work.
+            *("nocturne_coordinator.main", "--redis", coordinators, "--commit-seconds", "0.1"),
             *coordinator_words,
         )
         self._api = self._python(
@@ -181,7 +182,7 @@ class ServiceProcesses:
             wait_for(_is_zero(count), what)
         known = {keys.JOBS, keys.RESULTS, keys.SESSION}
         names = {name.decode() for name in self.queue.keys("*")}
-        lapsing = (keys.WORKER_PREFIX, keys.RUN_PREFIX, keys.QUARANTINE_PREFIX)
+        lapsing = (keys.WORKER_PREFIX, keys.RUN_PREFIX, keys.QUARANTINE_PREFIX, keys.WITHDRAWN_PREFIX)
         assert {name for name in names - known if not name.startswith(lapsing)} == set()
 
     # Inside

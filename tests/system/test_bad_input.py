@@ -92,7 +92,7 @@ def test_both_endpoints_name_place_and_reason(
     spoil: Any, place: str, message: str, body: dict[str, Any], running_service: Up
 ) -> None:
     spoil(body)
-    answer = httpx.post(f"{running_service.url}/v1/renders", content=_text(body), trust_env=False)
+    answer = httpx.post(f"{running_service.url}/v1/renders", content=_text(body), trust_env=False, timeout=60)
     assert (answer.status_code, answer.headers["content-type"]) == (422, "application/problem+json")
     problem = answer.json()["problems"][0]
     assert problem["place"] == place

@@ -102,7 +102,7 @@ const checks = {
 
   async "every view, white and tone shows something else"({ page }) {
     const seen = new Map([["colour", (await canvasStatistics(page)).mean]]);
-    for (const [label, options] of [["White", ["D50", "E", "D65"]], ["Tone", ["Linear", "Filmic", "Reinhard"]], ["View", ["Luminance", "Standard error", "Relative error", "Samples"]]]) {
+    for (const [label, options] of [["White", ["D50", "E", "D65"]], ["Tone", ["Linear", "Filmic", "Reinhard"]], ["View", ["Value", "Standard error", "Relative error", "Samples"]]]) {
       for (const option of options) {
         await page.getByRole("combobox", { name: label }).selectOption(option);
         seen.set(option, (await canvasStatistics(page)).mean);
@@ -111,7 +111,7 @@ const checks = {
     assert.equal(seen.get("D65"), seen.get("colour"));
     assert.equal(seen.get("Reinhard"), seen.get("colour"));
     assert.equal(new Set(seen.values()).size, seen.size - 2, JSON.stringify([...seen]));
-    await page.getByRole("combobox", { name: "View" }).selectOption("Luminance");
+    await page.getByRole("combobox", { name: "View" }).selectOption("Value");
     await page.getByRole("group", { name: "Legend" }).getByText("Luminance, cd/m²").waitFor();
     await look(page, "render");
     await page.getByRole("combobox", { name: "View" }).selectOption("Colour");
@@ -273,9 +273,9 @@ const checks = {
       send("pointerup", 400);
       return (1000 * (painted() - first)) / (performance.now() - start);
     });
-    // Whatever else the machine does only slows it.
-    const rates = [await pan(), await pan(), await pan()];
-    const rate = Math.max(...rates);
+    // Whatever else the machine does only slows it, so the best of three tries counts.
+    let rate = 0;
+    for (let tries = 0; tries < 3 && rate < 30; tries += 1) rate = Math.max(rate, await pan());
     note(`${rate.toFixed(0)} frames a second, painted by the processor`);
     if (quiet()) assert.ok(rate >= 30, `${rate} frames a second`);
   },

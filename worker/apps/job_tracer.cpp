@@ -31,6 +31,7 @@ v1::Partial to_partial(const TileSums& tile, double cpu_seconds) {
   partial.set_photons(tile.photons);
   partial.set_rays(tile.rays);
   partial.set_invalid_samples(tile.invalid_samples);
+  partial.set_truncated_paths(tile.truncated_paths);
   partial.set_cpu_seconds(cpu_seconds);
   return partial;
 }
@@ -57,16 +58,17 @@ std::shared_ptr<const Scene> JobTracer::load(const std::string& sha256) {
   return scene;
 }
 
-v1::Partial JobTracer::trace(const v1::Job& job) {
+v1::Partial JobTracer::trace(const v1::Job& job, RunningJob& running) {
   std::shared_ptr<const Scene> scene;
   try {
     scene = scenes_.get(to_hex(job.scene()), [this](const std::string& key) { return load(key); });
   } catch (const AssetUnavailable& reason) {
     throw HandBack(reason.what());
   }
+  running.begin_tracing();
   const double start = thread_cpu_seconds();
-  const TileSums tile =
-      trace_tile(*scene, Film{job.film_width(), job.film_height()}, to_range(job));
+  const TileSums tile = trace_tile(*scene, Film{job.film_width(), job.film_height()}, to_range(job),
+                                   Method::kAdjointPhotons, kBatchGroups, running.stop_token());
   return to_partial(tile, thread_cpu_seconds() - start);
 }
 

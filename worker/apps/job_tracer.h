@@ -8,6 +8,7 @@
 #include "assets/load_once.h"
 #include "nocturne/v1/job.pb.h"
 #include "scene/load_scene.h"
+#include "worker_loop/running_jobs.h"
 
 namespace nocturne {
 
@@ -18,7 +19,7 @@ class JobTracer {
   explicit JobTracer(AssetCache& assets) : assets_(assets), scenes_(kScenes) {}
 
   /// Throws HandBack if a file can't be had now, else what says why the job can't be done.
-  v1::Partial trace(const v1::Job& job);
+  v1::Partial trace(const v1::Job& job, RunningJob& running);
 
  private:
   // The coordinator takes turns between running renders; more than two at a time load again.

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <new>
 #include <string>
 #include <thread>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "rounding/floating_point_profile.h"
 #include "scene/load_scene.h"
 #include "textures/texture.h"
+#include "tracer/path_limits.h"
 #include "tracer/trace_film.h"
 #include "worker_loop/check_job.h"
 
@@ -25,7 +27,7 @@ namespace nocturne {
 namespace {
 
 struct Options {
-  std::string scene, plan, job, blobs, output, statistics;
+  std::string scene, plan, job, blobs, output, statistics, sums;
   Method method = Method::kAdjointPhotons;
   unsigned threads = std::thread::hardware_concurrency();
   std::uint64_t texture_bytes = kTextureMemoryBytes;
@@ -109,7 +111,8 @@ void write_statistics(const std::string& path, const TileSums& image, double cpu
   std::ofstream file(path);
   file.precision(17);
   file << "{\"photons\": " << image.photons << ", \"rays\": " << image.rays
-       << ", \"invalid_samples\": " << image.invalid_samples << ", \"cpu_seconds\": " << cpu_seconds
+       << ", \"invalid_samples\": " << image.invalid_samples
+       << ", \"truncated_paths\": " << image.truncated_paths << ", \"cpu_seconds\": " << cpu_seconds
        << ", \"wall_seconds\": " << wall_seconds << "}\n";
   if (!file) throw std::runtime_error(path + ": can't be written");
 }
@@ -126,6 +129,43 @@ std::function<void(double)> progress_on_stderr(bool quiet) {
   };
 }
 
+// What the sensor's Y is, and the units of Y and of further responses; as
+// nocturne_scene/quantities.py has them.
+struct Quantity {
+  const char* name;
+  const char* unit;
+  const char* response_unit;
+};
+
+Quantity quantity_of(const v1::Sensor& sensor) {
+  switch (sensor.model()) {
+    case v1::SENSOR_MODEL_PLANE:
+      return {"illuminance", "lx", "W m-2"};
+    case v1::SENSOR_MODEL_INTENSITY:
+      return {"luminous intensity", "cd", "W sr-1"};
+    default:
+      return {"luminance", "cd/m2", "W m-2 sr-1"};
+  }
+}
+
+void write_sums(const std::string& path, const TileSums& tile) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(tile.sums.data()),
+             static_cast<std::streamsize>(tile.sums.size() * sizeof(double)));
+  if (!file.flush()) throw std::runtime_error(path + ": can't be written");
+}
+
+// After each range the sums so far go to a file and their samples to standard output; a line "go"
+// on standard input asks for the next range.
+std::function<bool(std::uint32_t, const TileSums&)> asked_on_stdin(const std::string& path) {
+  return [path](std::uint32_t samples, const TileSums& image) {
+    write_sums(path, image);
+    std::cout << samples << std::endl;
+    std::string answer;
+    return std::getline(std::cin, answer) && answer == "go";
+  };
+}
+
 // One job of a service alone: its sums as float64, row by row, just as a worker sends them.
 void run_job(const Options& options) {
   const auto job = read_message<v1::Job>(options.job);
@@ -139,10 +179,7 @@ void run_job(const Options& options) {
                                     .height = job.tile().height(),
                                     .first_sample = job.first_sample(),
                                     .end_sample = job.end_sample()});
-  std::ofstream file(options.output, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(tile.sums.data()),
-             static_cast<std::streamsize>(tile.sums.size() * sizeof(double)));
-  if (!file.flush()) throw std::runtime_error(options.output + ": can't be written");
+  write_sums(options.output, tile);
 }
 
 void run(const Options& options) {
@@ -157,21 +194,33 @@ void run(const Options& options) {
   // Loading is left out of the rates.
   const double cpu_before = process_cpu_seconds();
   const auto wall_before = std::chrono::steady_clock::now();
-  const TileSums image =
-      trace_film(*scene, plan, options.method, options.threads, progress_on_stderr(options.quiet));
+  const auto progress = progress_on_stderr(options.quiet);
+  const auto [image, samples] =
+      options.sums.empty()
+          ? std::pair{trace_film(*scene, plan, options.method, options.threads, progress),
+                      plan.range_ends.back()}
+          : trace_film_by_ranges(*scene, plan, options.method, options.threads, progress,
+                                 asked_on_stdin(options.sums));
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_before;
   const double cpu = process_cpu_seconds() - cpu_before;
 
+  const Quantity quantity = quantity_of(message.sensor());
   write_exr(options.output, plan.film.width, plan.film.height, image.sums, further_responses,
-            plan.range_ends.back(),
+            samples,
             {sha256_of_file(options.scene), schedule_json(plan_message), v1::ENGINE_CURRENT,
-             floating_point_profile()});
+             floating_point_profile(), quantity.name, quantity.unit, quantity.response_unit,
+             image.truncated_paths});
   if (!options.statistics.empty()) {
     write_statistics(options.statistics, image, cpu, wall.count());
   }
   if (image.invalid_samples > 0) {
     std::cerr << "warning: " << image.invalid_samples << " of " << image.photons
               << " samples were invalid (negative or not finite)\n";
+  }
+  if (image.truncated_paths > 0) {
+    std::cerr << "warning: " << image.truncated_paths << " of " << image.photons
+              << " photons were ended by the limit of " << PathLimits::kMaxRays
+              << " interactions: the image is too dark\n";
   }
 }
 
@@ -184,7 +233,8 @@ int main(int argc, char** argv) {
       "Traces a compiled scene on this machine and writes an EXR (X, Y, Z in absolute units, "
       "Y.stderr, n, further "
       "responses).\n"
-      "`nocturne compile SCENE.json -o DIR` makes DIR/scene.pb, DIR/schedule.pb and DIR/blobs.",
+      "`nocturne compile SCENE.json -o DIR` makes DIR/scene.pb, DIR/schedule.pb and DIR/blobs.\n"
+      "Ends with status 0, or with 2 and one sentence where the scene can't be read or traced.",
       "nocturne-trace"};
   app.add_option("scene", options.scene, "Compiled scene (scene.pb)")
       ->required()
@@ -208,6 +258,11 @@ int main(int argc, char** argv) {
       ->transform(CLI::AsSizeValue(false));
   app.add_option("--statistics", options.statistics,
                  "JSON file for photon and ray counts and times");
+  app.add_option(
+      "--ask-after-ranges", options.sums,
+      "After each range of samples, write the sums so far to this file as float64, their "
+      "number of samples to standard output, and go on only if a line \"go\" comes on "
+      "standard input");
   app.add_option("--method", options.method.kind,
                  "adjoint; or, for comparison only, path (path tracing) or march (ray marching)")
       ->transform(CLI::CheckedTransformer(std::map<std::string, nocturne::Method::Kind>{
@@ -220,9 +275,12 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     nocturne::run(options);
+  } catch (const std::bad_alloc&) {
+    std::cerr << "nocturne-trace: there is not enough memory for this scene and film\n";
+    return 2;
   } catch (const std::exception& error) {
     std::cerr << "nocturne-trace: " << error.what() << '\n';
-    return 1;
+    return 2;
   }
   return 0;
 }

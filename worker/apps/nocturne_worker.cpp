@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "assets/asset_cache.h"
+#include "assets/enrolment.h"
 #include "job_tracer.h"
 #include "log/log.h"
 #include "rounding/floating_point_profile.h"
@@ -25,8 +26,10 @@ struct Arguments {
   std::string id;
   unsigned threads = std::max(1U, std::thread::hardware_concurrency());
   unsigned lease_ms = 10000;
-  unsigned grace_seconds = 25;
+  unsigned grace_seconds = 1;
   bool debug = false;
+  bool enrol = false;
+  std::string alive;
   std::uint64_t texture_bytes = nocturne::kTextureMemoryBytes;
   nocturne::AssetCacheOptions cache;
 };
@@ -56,6 +59,10 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--assets-ca", arguments.cache.authorities,
                  "by TLS, to an asset service whose certificate is signed by one of these (PEM)")
       ->envname("NOCTURNE_ASSETS_CA");
+  app.add_flag(
+      "--enrol", arguments.enrol,
+      "ask the asset service, by the token, to be one of its machines: it gives user and "
+      "password for Redis, and a key that signs results; for coordinators with --enrolled");
   app.add_option("--cache", arguments.cache.folder, "folder for scenes and meshes")->required();
   app.add_option("--threads", arguments.threads, "jobs at the same time")
       ->envname("NOCTURNE_THREADS")
@@ -67,6 +74,9 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--id", arguments.id, "name of this worker, unique; default: host and process")
       ->check(check_id);
+  app.add_option("--alive", arguments.alive,
+                 "a file whose time is set every two seconds while Redis hears this worker: for "
+                 "probes");
   app.add_option("--max-asset-bytes", arguments.cache.max_asset_bytes,
                  "larger files are refused; 8GiB")
       ->transform(CLI::AsSizeValue(false));
@@ -76,9 +86,10 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--texture-memory", arguments.texture_bytes,
                  "tiles of textures held in memory; 256MiB")
       ->transform(CLI::AsSizeValue(false));
-  app.add_option("--grace-seconds", arguments.grace_seconds,
-                 "after SIGTERM or SIGINT, how long running jobs may go on before they are handed "
-                 "back; a second signal ends the program at once")
+  app.add_option(
+         "--grace-seconds", arguments.grace_seconds,
+         "after SIGTERM or SIGINT, how long running jobs may go on before they are stopped and "
+         "handed back; a second signal ends the program at once")
       ->check(CLI::Range(0, 3600))
       ->capture_default_str();
   app.add_flag("--debug", arguments.debug, "a log line for every job");
@@ -111,18 +122,39 @@ void wait_for_signal() {
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
 }
 
+/// Before there is anything to hand back, a signal ends the process.
+void pause_unless_signalled(std::chrono::milliseconds duration) {
+  const sigset_t signals = stop_signals();
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(duration);
+  const timespec time{.tv_sec = seconds.count(),
+                      .tv_nsec = std::chrono::nanoseconds(duration - seconds).count()};
+  if (sigtimedwait(&signals, nullptr, &time) > 0) std::_Exit(EXIT_SUCCESS);
+}
+
+void enrol(const Arguments& arguments, nocturne::WorkerOptions& options) {
+  const nocturne::Enrolment given = nocturne::enrol(
+      arguments.cache.service, nocturne::authorities_in(arguments.cache.authorities),
+      pause_unless_signalled);
+  options.redis.user = given.redis_user;
+  options.redis.password = given.redis_password;
+  options.identity = {given.machine, given.key};
+  options.id = given.machine + "/" + options.id;
+}
+
 int run(const Arguments& arguments) {
   block_signals();
   nocturne::set_texture_memory(arguments.texture_bytes);
   nocturne::AssetCache assets(arguments.cache);
   nocturne::JobTracer tracer(assets);
-  const nocturne::WorkerOptions options{
-      .redis = nocturne::redis_address(arguments.redis),
-      .id = arguments.id.empty() ? default_id() : arguments.id,
-      .floating_point_profile = nocturne::floating_point_profile(),
-      .threads = arguments.threads,
-      .lease = std::chrono::milliseconds(arguments.lease_ms)};
-  nocturne::Worker worker(options, [&](const nocturne::v1::Job& job) { return tracer.trace(job); });
+  nocturne::WorkerOptions options{.redis = nocturne::redis_address(arguments.redis),
+                                  .id = arguments.id.empty() ? default_id() : arguments.id,
+                                  .floating_point_profile = nocturne::floating_point_profile(),
+                                  .threads = arguments.threads,
+                                  .alive = arguments.alive,
+                                  .lease = std::chrono::milliseconds(arguments.lease_ms)};
+  if (arguments.enrol) enrol(arguments, options);
+  nocturne::Worker worker(
+      options, [&](const auto& job, auto& running) { return tracer.trace(job, running); });
   const std::string name = "worker=" + options.id;
   log_line(LogLevel::kInfo, name + " threads=" + std::to_string(options.threads) +
                                 " floating_point_profile=" + options.floating_point_profile +

@@ -1,7 +1,8 @@
 """Renders that come and go, as the data folder says. Pure."""
 
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Iterable, Mapping
+from itertools import pairwise
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.ranges import XYZ_SUMS
@@ -18,6 +19,7 @@ from nocturne_coordinator.dispatch.instructions import (
     LookAgain,
     ReadRenders,
     ReadTiles,
+    Recut,
     StartAnew,
     StartRender,
     Steps,
@@ -25,7 +27,7 @@ from nocturne_coordinator.dispatch.instructions import (
     TakeUpStreams,
     TellWorkers,
 )
-from nocturne_coordinator.dispatch.profiles import should_start_anew, usual_profile
+from nocturne_coordinator.dispatch.profiles import should_start_anew, usual_profiles
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.state import State
@@ -78,6 +80,7 @@ class Admission:
         if changed:
             again: list[OpenRender] = yield ReadRenders()
             rows = {row.id: row for row in again}
+        waiting: list[OpenRender] = []
         for row in rows.values():
             if row.id in state.renders:
                 state.scheduler.set_priority(row.id, row.priority)
@@ -85,8 +88,9 @@ class Admission:
                 if row.state is RenderState.QUEUED:
                     # Paused and resumed between two looks: it runs as before.
                     yield StartRender(row.id, state.renders[row.id].row.fence)
-            elif row.holder in (0, state.settings.number) and len(state.renders) < part:
-                yield from self._admit(row, at)
+            elif row.holder in (0, state.settings.number):
+                waiting.append(row)
+        yield from self._admit_in_turn(waiting, rows.values(), part, at)
         state.fleet.share = _share_of(state.renders, rows.values())
         profiles = {render.id: render.floating_point_profile for render in state.renders.values()}
         wanted = {profiles.get(row.id, row.floating_point_profile) for row in rows.values()}
@@ -98,21 +102,22 @@ class Admission:
     def start_odd_ones_anew(self, at: Moment) -> Steps[None]:
         """A render whose first worker rounds as few others do, so that these can't help, loses its start."""
         state = self._state
-        threads = state.fleet.threads_by_profile
+        machines = state.fleet.machines_by_profile
         for render in list(state.renders.values()):
             # A replay is asked for with that very class.
             fixed = bool(render.row.stop.tile_samples)
             cpu_seconds = render.totals.cpu_seconds
-            if fixed or not should_start_anew(render.floating_point_profile, threads, cpu_seconds):
+            if fixed or not should_start_anew(render.floating_point_profile, machines, cpu_seconds):
                 state.odd_since.pop(render.id, None)
             elif at.now - state.odd_since.setdefault(render.id, at.now) >= _ODD_SECONDS:
                 if not (yield from self._commits.commit(at)) or render.id not in state.renders:
                     continue
-                profile, usual = render.floating_point_profile, usual_profile(threads)
+                profile = render.floating_point_profile
+                usual = " or ".join(sorted(usual_profiles(machines)))
                 yield Log(
                     WARNING,
                     f"render={render.id} is started anew: it has floating-point profile {profile}, "
-                    f"most workers {usual}",
+                    f"most machines {usual}",
                 )
                 try:
                     yield StartAnew(render.id, render.row.fence)
@@ -123,6 +128,28 @@ class Admission:
                 else:
                     yield from self._commits.drop(render.id)
                     yield LookAgain()
+
+    def cut_long_ranges(self, at: Moment) -> Steps[None]:
+        """A render whose next jobs would take too long gets shorter ranges, and is taken up again."""
+        for render in list(self._state.renders.values()):
+            if render.recut() is None:
+                continue
+            if not (yield from self._commits.commit(at)) or render.id not in self._state.renders:
+                continue
+            schedule = render.recut()
+            if schedule is None:
+                continue
+            try:
+                yield Recut(render.id, render.row.fence, schedule)
+            except LeaseLost as lost:
+                yield from self._commits.lose(lost.render_id)
+            except FolderTrouble as trouble:
+                yield from self._commits.report(trouble)
+            else:
+                longest = max(end - first for first, end in pairwise([0, *schedule.range_ends]))
+                yield Log(INFO, f"render={render.id} has ranges of at most {longest} samples from here on")
+                yield from self._commits.drop(render.id, jobs_stay=True)
+                yield LookAgain()
 
     def end(self, render: OpenRender, state: RenderState, reason: str) -> Steps[None]:
         """Writes a final state."""
@@ -140,10 +167,27 @@ class Admission:
                 yield Log(INFO, f"render={render_id} is left to another coordinator")
                 yield from self._commits.drop(render_id, jobs_stay=True)
 
+    def _admit_in_turn(
+        self, waiting: Iterable[OpenRender], rows: Iterable[OpenRender], part: int, at: Moment
+    ) -> Steps[None]:
+        """Resumes renders; then starts those for which there is room, next the owner with fewest at work for
+        its weight."""
+        renders = self._state.renders
+        queues: dict[str, deque[OpenRender]] = {}
+        # Those that ran already hold no one up: their owners had their turn.
+        for row in sorted(waiting, key=lambda each: each.state is RenderState.QUEUED):
+            queues.setdefault(row.owner, deque()).append(row)
+        at_work = Counter(row.owner for row in rows if row.id in renders or _is_at_work(row))
+        while queues and len(renders) < part:
+            owner = min(queues, key=lambda each: at_work[each] / queues[each][0].owner_weight)
+            row = queues[owner].popleft()
+            if not queues[owner]:
+                del queues[owner]
+            if row.state is RenderState.RUNNING or self._has_room(row, newcomer=not at_work[owner]):
+                yield from self._admit(row, at)
+                at_work[owner] += row.id in renders
+
     def _admit(self, row: OpenRender, at: Moment) -> Steps[None]:
-        """Resumes a render, or starts it if there is room."""
-        if row.state is RenderState.QUEUED and not self._has_room(row):
-            return
         taken: OpenRender | None = yield TakeRender(row.id)
         if taken is not None and taken.state in (RenderState.QUEUED, RenderState.RUNNING):
             yield from self._work_on(taken, at)
@@ -165,7 +209,7 @@ class Admission:
         if row.state is RenderState.QUEUED and not (yield StartRender(row.id, row.fence)):
             return
         try:
-            render = RunningRender(row, (yield ReadTiles(row.id)), at.now)
+            render = RunningRender(row, (yield ReadTiles(row.id)), at.now, self._state.settings.job_seconds)
         except ValueError as error:
             reason = f"Its committed samples can't be read: {error}"
             yield from self.end(row, RenderState.FAILED, reason)
@@ -195,17 +239,25 @@ class Admission:
         tiles: frozenset[int] = row.look_first.tiles(grid) if row.look_first else frozenset()
         self._state.scheduler.set_first(row.id, tiles)
 
-    def _has_room(self, row: OpenRender) -> bool:
+    def _has_room(self, row: OpenRender, newcomer: bool) -> bool:
+        """Whether there is room for one more; `newcomer`: its owner has none at work."""
         renders = self._state.renders
         if not renders:
             return True
+        most, most_sums = limits.MAX_RUNNING, limits.MAX_RUNNING_SUMS
+        if newcomer:
+            most, most_sums = most + limits.MAX_NEWCOMERS, 2 * most_sums
         held = sum(render.film.sums.size for render in renders.values())
         wanted = row.schedule.width * row.schedule.height * (XYZ_SUMS + len(row.schedule.further_responses))
-        return len(renders) < limits.MAX_RUNNING and held + wanted <= limits.MAX_RUNNING_SUMS
+        return len(renders) < most and held + wanted <= most_sums
 
 
 def _is_lost(render: RunningRender, rows: Mapping[str, OpenRender]) -> bool:
     return render.id in rows and rows[render.id].fence != render.row.fence
+
+
+def _is_at_work(row: OpenRender) -> bool:
+    return row.state is RenderState.RUNNING and row.holder != 0
 
 
 def _share_of(ours: Mapping[str, RunningRender], rows: Iterable[OpenRender]) -> float:

@@ -29,7 +29,8 @@ _ASKS = 6
 def digest_of(partial: job_pb2.Partial) -> bytes:
     """What must be equal wherever a job is done: all but the processor time."""
     digest = hashlib.sha256(partial.sums)
-    digest.update(f"{partial.photons} {partial.rays} {partial.invalid_samples}".encode())
+    counts = (partial.photons, partial.rays, partial.invalid_samples, partial.truncated_paths)
+    digest.update(" ".join(map(str, counts)).encode())
     return digest.digest()
 
 

@@ -103,7 +103,7 @@ class Commits:
         render = state.renders.pop(render_id)
         if not jobs_stay:
             if jobs:
-                yield Withdraw(tuple(jobs))
+                yield Withdraw(tuple(jobs), stop=True)
             state.settled.setdefault(render_id, []).extend(render.waiting_entries())
         yield LetGo(render_id, render.row.fence)
 
@@ -138,7 +138,7 @@ class Commits:
 
     def show_final(self, render: RunningRender) -> Steps[None]:
         """The last preview and image of a render, of all that is committed."""
-        yield WriteImage(render.id)
+        yield WriteImage(render.id, final=True)
         yield WritePreview(render.id, final=True)
         yield from self._show_error(render)
 

@@ -72,7 +72,7 @@ class Core:
             case Tick():
                 yield from self._tick(event.at)
             case ResultCame():
-                outcome = self.results.take(event.entry, event.data, event.at.now, event.draw)
+                outcome = self.results.take(event.entry, event.data, event.at.now, event.draw, event.refusal)
                 yield from self._follow(outcome, event.at)
             case StreamIsReady():
                 yield from self.window.fill(event.at)
@@ -93,6 +93,7 @@ class Core:
         while self.state.lost:
             yield from self._follow(self.results.lost_worker(*self.state.lost.pop()), at)
         yield from self._admission.start_odd_ones_anew(at)
+        yield from self._admission.cut_long_ranges(at)
         yield from self._endings.finish(at)
         state = self.state
         if any(render.is_unseen for render in state.renders.values()):

@@ -32,6 +32,8 @@ class ResultCame:
     data: bytes
     draw: float
     """At random in [0, 1), not to be foreseen: whether the job is audited."""
+    refusal: str = ""
+    """Why it does not count, whatever it says: no machine that had the job has signed it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,10 +5,11 @@ from bisect import bisect_left
 
 import numpy as np
 
-from nocturne_coordinator.dispatch.error_estimate import relative_error
+from nocturne_coordinator.dispatch.error_estimate import estimate_error
 from nocturne_coordinator.dispatch.merge import Counts, Offered, RangeSums, Sums, TileState
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
-from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions, error_is_met, samples_needed
+from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
+from nocturne_coordinator.dispatch.trust import RangeEnd, confirmed, samples_to_stop
 
 
 class Film:
@@ -29,17 +30,21 @@ class Film:
         self._last = [len(render.ranges)] * len(self.tiles)
         if self._stop.tile_samples:
             self._last = [render.ranges.merged_at(end) if end else 0 for end in self._stop.tile_samples]
+        self._before = [RangeEnd()] * len(self.tiles)
+        self._now = [RangeEnd()] * len(self.tiles)
         self._expected = [float(self._end(last)) for last in self._last]
         for tile, last in zip(self.tiles, self._last, strict=True):
             tile.closed = last == 0
         self._unfinished = sum(not tile.closed for tile in self.tiles)
 
-    def load(self, tile_index: int, samples: int, sums: bytes) -> None:
-        """Puts back a tile as it was committed; ValueError if it doesn't fit the schedule."""
+    def load(self, tile_index: int, samples: int, sums: bytes, error_before: float = 0.0) -> None:
+        """Puts back a tile as it was committed; ValueError if it doesn't fit the schedule. `error_before`:
+        see `error_before`."""
         state = self.tiles[tile_index]
         state.sums[...] = np.frombuffer(sums, dtype="<f8").reshape(state.sums.shape)
         state.merged = self._render.ranges.merged_at(samples)
         closed = state.closed
+        self._now[tile_index] = RangeEnd(self._end(state.merged - 1), error_before)
         state.closed = closed or self._enough(tile_index, state)
         self._advance(tile_index, not closed)
 
@@ -81,8 +86,7 @@ class Film:
         state = self.tiles[tile_index]
         if not self._stop.tile_relative_error:
             return self._last[tile_index]
-        # A little below: an error that is met a range earlier makes the range after it useless.
-        reached = bisect_left(self._render.schedule.range_ends, 0.9 * self._expected[tile_index]) + 1
+        reached = bisect_left(self._render.schedule.range_ends, self._expected[tile_index]) + 1
         known = state.merged > 0 and math.isfinite(self._expected[tile_index])
         return min(self._last[tile_index], max(state.merged + 1, reached if known else 0))
 
@@ -94,25 +98,32 @@ class Film:
         """Samples of each tile."""
         return [self.samples(index) for index in range(len(self.tiles))]
 
+    def error_before(self, tile_index: int) -> float:
+        """The trusted error of a tile at the range end before its last, which a stop by error goes by, too;
+        0: unknown."""
+        return self._before[tile_index].error
+
     def tile_bytes(self, tile_index: int) -> bytes:
         """A tile's sums as they are committed: float64, little endian, row by row."""
         return self.tiles[tile_index].sums.astype("<f8", copy=False).tobytes()
 
     def _end(self, merged: int) -> int:
-        return self._render.ranges[merged - 1].end if merged else 0
+        return self._render.ranges[merged - 1].end if merged > 0 else 0
 
     def _enough(self, tile_index: int, state: TileState) -> bool:
-        """Whether a tile needs no more: asked at the end of a range, answered from its own sums."""
+        """Whether a tile needs no more: asked at the end of each range, answered from its own sums."""
         if state.merged >= self._last[tile_index]:
             return True
         asked = self._stop.tile_relative_error
         if not asked:
             return False
         samples = self._end(state.merged)
-        error = relative_error(state.sums, np.full(state.sums.shape[:2], samples, dtype=np.uint32))
-        last = float(self._end(self._last[tile_index]))
-        self._expected[tile_index] = min(last, max(samples, samples_needed(error, samples, asked)))
-        return error_is_met(error, samples, asked)
+        estimate = estimate_error(state.sums, np.full(state.sums.shape[:2], samples, dtype=np.uint32))
+        before, now = self._now[tile_index], RangeEnd.of(estimate)
+        self._before[tile_index], self._now[tile_index] = before, now
+        expected = samples_to_stop(estimate, samples, asked, self._render.schedule.range_ends)
+        self._expected[tile_index] = min(float(self._end(self._last[tile_index])), expected)
+        return confirmed(before, now, asked)
 
     def _advance(self, tile_index: int, was_open: bool) -> None:
         state = self.tiles[tile_index]

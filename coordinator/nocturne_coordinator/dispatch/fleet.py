@@ -1,10 +1,13 @@
 """The workers as they were last seen, and which of them take jobs. Pure."""
 
+from collections import Counter
 from collections.abc import Collection, Mapping
 
 from nocturne_coordinator.dispatch.liveness import Liveness
-from nocturne_coordinator.dispatch.profiles import incompatible, threads_by_profile
+from nocturne_coordinator.dispatch.profiles import incompatible, machines_by_profile
 from nocturne_coordinator.dispatch.records import WorkerRow
+from nocturne_coordinator.enrolment import machine_of
+from nocturne_coordinator.limits import MAX_THREADS
 
 
 class Fleet:
@@ -19,7 +22,7 @@ class Fleet:
         """Workers that are to take no jobs though they are not in quarantine, and why."""
         self.threads = 0
         """Of all workers that take jobs."""
-        self.threads_by_profile: Mapping[str, int] = {}
+        self.machines_by_profile: Mapping[str, int] = {}
         """Of all that could, whatever the renders need."""
         self.jobs_of_others = 0
         """On the stream, of other coordinators."""
@@ -30,24 +33,29 @@ class Fleet:
         self._live_of: tuple[object, object, object] = (None, None, None)
 
     def live(self, floating_point_profile: str = "") -> set[str]:
-        """Names of the workers that take jobs; of one floating-point profile, unless it is empty."""
+        """Machines whose workers take jobs; of one floating-point profile, unless it is empty."""
         # Asked for often, and long where there are thousands.
         now = (self.workers, self.quarantined, self.incompatible)
         if any(a is not b for a, b in zip(now, self._live_of, strict=True)):
             self._live, self._live_of = {"": set()}, now
             for worker in self.workers:
-                if worker.id not in self.quarantined and worker.id not in self.incompatible:
-                    self._live[""].add(worker.id)
-                    self._live.setdefault(worker.floating_point_profile, set()).add(worker.id)
+                if self._takes_jobs(worker):
+                    machine = machine_of(worker.id)
+                    self._live[""].add(machine)
+                    self._live.setdefault(worker.floating_point_profile, set()).add(machine)
         return self._live.get(floating_point_profile, set())
 
     def seen(self, workers: tuple[WorkerRow, ...]) -> dict[str, str]:
         """Who is there now; gives those that are newly incompatible, and why."""
         self.workers = workers
-        self.threads_by_profile = threads_by_profile(workers, self.quarantined)
+        self.machines_by_profile = machines_by_profile(workers, self.quarantined)
         found = self._find_incompatible()
-        live = self.live()
-        self.threads = sum(each.threads for each in workers if each.id in live)
+        threads: Counter[str] = Counter()
+        for worker in workers:
+            if self._takes_jobs(worker):
+                threads[machine_of(worker.id)] += worker.threads
+        # A machine may say what it likes of its workers.
+        self.threads = sum(min(each, MAX_THREADS) for each in threads.values())
         return found
 
     def set_profiles(self, profiles: Collection[str]) -> dict[str, str]:
@@ -59,8 +67,11 @@ class Fleet:
         return self._find_incompatible()
 
     def without_jobs(self) -> dict[str, str]:
-        """All workers that are to take no jobs, and why."""
+        """All workers and machines that are to take no jobs, and why."""
         return {**self.incompatible, **self.quarantined}
+
+    def _takes_jobs(self, worker: WorkerRow) -> bool:
+        return machine_of(worker.id) not in self.quarantined and worker.id not in self.incompatible
 
     def _find_incompatible(self) -> dict[str, str]:
         before, found = self.incompatible, incompatible(self.workers, self.quarantined, self._profiles)

@@ -1,9 +1,12 @@
 """When a render will end and what it will have cost, from its measured rate and error. Pure."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from nocturne_coordinator.dispatch.stopping import StopConditions, samples_needed
+from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate
+from nocturne_coordinator.dispatch.stopping import StopConditions
+from nocturne_coordinator.dispatch.trust import samples_to_stop
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,8 +17,8 @@ class Measured:
     photons_wanted: float
     """Until the last sample, or until all tiles are expected to have met their error."""
     mean_samples: float
-    relative_error: float
-    """0: unknown."""
+    estimate: ErrorEstimate
+    range_ends: Sequence[int]
     photons_per_second: float
     cpu_seconds: float
     ran_seconds: float
@@ -46,8 +49,10 @@ def forecast(measured: Measured, stop: StopConditions, now: float) -> Forecast:
     cpu_per_photon = measured.cpu_seconds / measured.photons
     cpu_rate = cpu_per_photon * measured.photons_per_second
     photons = measured.photons_wanted
-    if stop.relative_error and measured.relative_error and measured.mean_samples:
-        needed = samples_needed(measured.relative_error, measured.mean_samples, stop.relative_error)
+    if stop.relative_error and measured.estimate.relative_error and measured.mean_samples:
+        needed = samples_to_stop(
+            measured.estimate, measured.mean_samples, stop.relative_error, measured.range_ends
+        )
         photons = min(photons, measured.photons * needed / measured.mean_samples)
     seconds = [(photons - measured.photons) / measured.photons_per_second]
     if stop.wall_seconds:

@@ -8,6 +8,8 @@ from collections.abc import Generator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias, TypeVar
 
+from nocturne.v1 import job_pb2
+
 from nocturne_coordinator.dispatch.records import (
     ErrorPoint,
     FailedTile,
@@ -45,6 +47,8 @@ class Withdraw:
     """Take jobs off the stream, soon."""
 
     entries: tuple[bytes, ...]
+    stop: bool = False
+    """Nobody needs them any more: who works on one is to stop."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,6 +142,15 @@ class StartAnew:
 
 
 @dataclass(frozen=True, slots=True)
+class Recut:
+    """Give a render that runs a schedule of the same samples in shorter ranges."""
+
+    render_id: str
+    fence: int
+    schedule: job_pb2.RangeSchedule
+
+
+@dataclass(frozen=True, slots=True)
 class LetGo:
     """Give the lease of a render back; if that fails, it runs out by itself."""
 
@@ -196,6 +209,7 @@ class WriteImage:
     """Replace the image file. Answer: the moment when that was done."""
 
     render_id: str
+    final: bool = False
 
 
 Instruction: TypeAlias = (
@@ -214,6 +228,7 @@ Instruction: TypeAlias = (
     | Commit
     | EndRender
     | StartAnew
+    | Recut
     | LetGo
     | Quarantine
     | WriteBundle

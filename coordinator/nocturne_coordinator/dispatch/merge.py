@@ -37,6 +37,7 @@ class RangeSums:
     """The result stream's entry that brought it."""
     worker: str = ""
     """Who traced it."""
+    truncated_paths: int = 0
 
 
 class Verdict(Enum):

@@ -61,8 +61,8 @@ class PlannedRender:
     def find(self, job: job_pb2.Job) -> SampleRange:
         """The range that the job is for; RefusedResult unless it is, in every field, a job of this render.
 
-        But for the floating-point profile, of which the first jobs of a render have none: results tell their
-        own.
+        But for the floating-point profile, of which the first jobs of a render have none (results tell their
+        own), and the bound on processor time, which follows what was learned of the render.
         """
         planned = self.ranges.find(job.first_sample, job.end_sample)
         if planned is None:
@@ -71,6 +71,7 @@ class PlannedRender:
             raise RefusedResult(f"tile {job.tile_index} of {self.grid.count}")
         asked = self.job(job.tile_index, planned)
         asked.floating_point_profile = job.floating_point_profile
+        asked.max_cpu_seconds = job.max_cpu_seconds
         if job != asked:
             raise RefusedResult("tile, scene, film or engine differ from the schedule")
         return planned
@@ -113,6 +114,8 @@ def _check_counts(partial: job_pb2.Partial, photons: int) -> None:
         raise RefusedResult(f"{partial.photons} photons; expected {photons}")
     if partial.invalid_samples > photons:
         raise RefusedResult(f"{partial.invalid_samples} invalid_samples of {photons} photons")
+    if partial.truncated_paths > partial.rays:
+        raise RefusedResult(f"{partial.truncated_paths} truncated_paths of {partial.rays} rays")
     if partial.rays > photons * MAX_RAYS_PER_PHOTON:
         raise RefusedResult(f"{partial.rays} rays for {photons} photons")
     if not 0.0 <= partial.cpu_seconds < np.inf:

@@ -11,11 +11,15 @@ from collections.abc import Collection, Iterable, Mapping
 from nocturne.v1 import job_pb2
 
 from nocturne_coordinator.dispatch.records import UNKNOWN_CLASS, WorkerRow
+from nocturne_coordinator.enrolment import machine_of
 
 _DIGEST = re.compile(r"[0-9a-f]{16}")
 
 REDONE_SECONDS = 60.0
-"""What was done by an odd worker may be done again, if it takes the others so long, in all."""
+"""What was done by an odd machine may be done again, if it takes a thread of each other so long, in all."""
+
+_TO_DISCARD = 2
+"""Machines that must round otherwise before anything is done again."""
 
 
 def profile_of(told: str) -> str:
@@ -23,21 +27,24 @@ def profile_of(told: str) -> str:
     return told if _DIGEST.fullmatch(told) else UNKNOWN_CLASS
 
 
-def threads_by_profile(workers: Iterable[WorkerRow], quarantined: Collection[str]) -> Counter[str]:
-    """Of the workers that could take jobs."""
-    threads: Counter[str] = Counter()
-    for worker in workers:
-        if worker.engine == job_pb2.ENGINE_CURRENT and worker.id not in quarantined:
-            threads[worker.floating_point_profile] += worker.threads
-    return threads
+def machines_by_profile(workers: Iterable[WorkerRow], quarantined: Collection[str]) -> Counter[str]:
+    """Of the workers that could take jobs. A machine counts once, whatever it says of itself: with threads or
+    workers, one could outvote all others."""
+    found = {
+        (worker.floating_point_profile, machine_of(worker.id))
+        for worker in workers
+        if worker.engine == job_pb2.ENGINE_CURRENT and machine_of(worker.id) not in quarantined
+    }
+    return Counter(floating_point_profile for floating_point_profile, _ in found)
 
 
-def usual_profile(threads: Mapping[str, int]) -> str:
-    """What most threads have; empty where there are none."""
-    return min(threads, key=lambda each: (-threads[each], each), default="")
+def usual_profiles(machines: Mapping[str, int]) -> set[str]:
+    """What most machines have: several, where as many have each; none where there are no machines."""
+    most = max(machines.values(), default=0)
+    return {each for each, count in machines.items() if count == most}
 
 
-def refusal_of(of_render: str, of_result: str, threads: Mapping[str, int]) -> str:
+def refusal_of(of_render: str, of_result: str, machines: Mapping[str, int]) -> str:
     """Why a result may not be merged into a render; empty: it may.
 
     Until something is merged (`of_render` is empty) it may not be of a rare class, or one odd worker that
@@ -47,20 +54,21 @@ def refusal_of(of_render: str, of_result: str, threads: Mapping[str, int]) -> st
         if of_result == of_render:
             return ""
         return f"floating-point profile {of_result}, the render has {of_render}"
-    usual = usual_profile(threads)
-    if threads.get(usual, 0) <= threads.get(of_result, 0):
+    if not machines or max(machines.values()) <= machines.get(of_result, 0):
         return ""
-    return f"floating-point profile {of_result}, most workers have {usual}"
+    usual = " or ".join(sorted(usual_profiles(machines)))
+    return f"floating-point profile {of_result}, most machines have {usual}"
 
 
-def should_start_anew(of_render: str, threads: Mapping[str, int], cpu_seconds: float) -> bool:
-    """Whether most workers can't help with a render, and would soon have done again what it has.
+def should_start_anew(of_render: str, machines: Mapping[str, int], cpu_seconds: float) -> bool:
+    """Whether most machines can't help with a render, and would soon have done again what it has. What one
+    says discards nothing: it takes two.
 
     `cpu_seconds`: all that it has cost, so that this does not go on for ever.
     """
-    usual = usual_profile(threads)
-    more = threads.get(usual, 0) - threads.get(of_render, 0)
-    return bool(of_render) and more > 0 and cpu_seconds <= REDONE_SECONDS * threads[usual]
+    most = max(machines.values(), default=0)
+    others = most > machines.get(of_render, 0)
+    return bool(of_render) and others and most >= _TO_DISCARD and cpu_seconds <= REDONE_SECONDS * most
 
 
 def incompatible(
@@ -71,8 +79,8 @@ def incompatible(
     `renders`: floating-point profiles of all open renders, empty for one that has none yet. Without any
     render, no floating-point profile is wrong.
     """
-    usual = usual_profile(threads_by_profile(workers, quarantined))
-    wanted = {each or usual for each in renders} - {""}
+    usual = usual_profiles(machines_by_profile(workers, quarantined))
+    wanted = {each for each in renders if each} | (usual if "" in renders else set())
     found = {}
     for worker in workers:
         if worker.engine != job_pb2.ENGINE_CURRENT:

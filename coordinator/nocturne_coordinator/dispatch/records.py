@@ -73,7 +73,12 @@ class ErrorPoint:
     relative_error: float
     worst_share: float = 0.0
     effective_pixels: float = 0.0
-    """See images.Spread."""
+    mean: float = 0.0
+    mean_error: float = 0.0
+    unseen_pixels: int = 0
+    """See error_estimate.ErrorEstimate."""
+    doubt: str = ""
+    """Why the error is not to be trusted; see trust."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +132,7 @@ class Totals:
     cpu_seconds: float = 0.0
     audited: int = 0
     refused: int = 0
+    truncated_paths: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,6 +144,8 @@ class TileRow:
     sums: bytes
     invalid_samples: int = 0
     """Photons left out of them."""
+    error_before: float = 0.0
+    """See Film.error_before."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,6 +14,7 @@ from nocturne_coordinator.dispatch.records import FailedTile
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey
 from nocturne_coordinator.dispatch.state import State
+from nocturne_coordinator.enrolment import machine_of
 from nocturne_coordinator.limits import MAX_FAILED_TILES, MAX_REASON
 
 _MAX_NAME = 128
@@ -53,10 +54,13 @@ class ResultHandler:
         self.merged = 0
         """Ranges merged since the start."""
 
-    def take(self, entry: bytes, data: bytes, now: float, draw: float) -> Outcome:
+    def take(self, entry: bytes, data: bytes, now: float, draw: float, refusal: str = "") -> Outcome:
         """One entry of the results stream; an early one is settled when it is merged. `draw`: see
         ResultCame."""
         outcome = Outcome()
+        if refusal:
+            self._refuse(entry, refusal, outcome)
+            return outcome
         try:
             result = job_pb2.JobResult.FromString(data)
         except DecodeError:
@@ -79,7 +83,7 @@ class ResultHandler:
             self._fail(
                 self._state.renders[key.render_id],
                 key,
-                worker,
+                machine_of(worker),
                 f"worker {worker} died of it",
                 outcome,
                 died=True,
@@ -95,7 +99,7 @@ class ResultHandler:
         draw: float,
         outcome: Outcome,
     ) -> None:
-        worker = result.worker_id[:_MAX_NAME]
+        worker = machine_of(result.worker_id[:_MAX_NAME])
         try:
             planned = render.planned.find(result.job)
         except RefusedResult as refusal:
@@ -108,20 +112,22 @@ class ResultHandler:
             return
         floating_point_profile = profile_of(result.floating_point_profile)
         if reason := refusal_of(
-            render.floating_point_profile, floating_point_profile, self._state.fleet.threads_by_profile
+            render.floating_point_profile, floating_point_profile, self._state.fleet.machines_by_profile
         ):
             self._refuse_of(render, entry, f"worker={worker} has {reason}", outcome)
             self._give_back(key, outcome)
             return
         # The first jobs of a render have none.
         if result.job.floating_point_profile not in ("", render.floating_point_profile):
-            self._refuse_of(
-                render, entry, f"worker={worker}: the job has another floating-point profile", outcome
-            )
+            reason = f"worker={worker}: the job has another floating-point profile"
+            self._refuse_of(render, entry, reason, outcome)
             return
         if result.WhichOneof("outcome") == "failure":
             outcome.settled.append(entry)
-            self._fail(render, key, worker, result.failure[:MAX_REASON], outcome)
+            if result.stopped_too_long:
+                self._stopped(render, key, worker, result.failure[:MAX_REASON], outcome)
+            else:
+                self._fail(render, key, worker, result.failure[:MAX_REASON], outcome)
             return
         try:
             sums = check_partial(
@@ -145,8 +151,22 @@ class ResultHandler:
             partial.cpu_seconds,
             entry,
             worker,
+            partial.truncated_paths,
         )
         self._merge(render, key, offered, now, draw, outcome, partial)
+
+    def _stopped(
+        self, render: RunningRender, key: JobKey, worker: str, reason: str, outcome: Outcome
+    ) -> None:
+        """A worker stopped a job beyond its processor time: shorter ones take its place, if they can."""
+        # By our own figures: what the worker says it took might be anything.
+        cpu_seconds = render.max_cpu_seconds(render.planned.ranges[key.range_index])
+        self._state.scheduler.charge(render.id, cpu_seconds)
+        if render.stopped_too_long(key.range_index, cpu_seconds):
+            outcome.lines.append(Log(WARNING, f"{key} took too long at worker={worker}; it is cut"))
+            self._give_back(key, outcome)
+        else:
+            self._fail(render, key, worker, reason, outcome)
 
     def _merge(
         self,

@@ -5,10 +5,12 @@ from collections.abc import Iterable
 from typing import cast
 
 from nocturne.v1 import job_pb2
+from nocturne_scene.ranges import FIRST_RANGE, SampleRange, recut_schedule
 
-from nocturne_coordinator.dispatch.error_estimate import spread_of
+from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate, estimate_error
 from nocturne_coordinator.dispatch.film import Film
 from nocturne_coordinator.dispatch.forecast import Forecast, Measured, forecast
+from nocturne_coordinator.dispatch.job_cost import JOB_SECONDS, longest_range, max_cpu_seconds
 from nocturne_coordinator.dispatch.merge import Offered, RangeSums
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.records import (
@@ -19,7 +21,8 @@ from nocturne_coordinator.dispatch.records import (
     RenderState,
     TileRow,
 )
-from nocturne_coordinator.dispatch.stopping import error_is_met
+from nocturne_coordinator.dispatch.trust import CONFIDENCE, RangeEnd, confirmed, doubt_of, falls
+from nocturne_coordinator.limits import RANGES_AHEAD
 
 _RATE_SECONDS = 10.0
 """Over which photons per second are counted: many jobs, yet soon 0 when the workers are gone."""
@@ -34,7 +37,13 @@ _HISTORY_STEP = 1.01
 class RunningRender:
     """The film and totals of one render in memory."""
 
-    def __init__(self, row: OpenRender, tiles: Iterable[TileRow], now: float = 0.0) -> None:
+    def __init__(
+        self,
+        row: OpenRender,
+        tiles: Iterable[TileRow],
+        now: float = 0.0,
+        job_seconds: float = JOB_SECONDS,
+    ) -> None:
         """Goes on where the committed tiles end, from `now` (any clock, seconds).
 
         ValueError if they do not fit the schedule.
@@ -51,8 +60,10 @@ class RunningRender:
         self.floating_point_profile = row.floating_point_profile
         """How all its workers round; empty before the first result."""
         self.failed_tiles = {each.tile_index: each for each in row.failed_tiles}
-        self.relative_error = 0.0
-        """At the last preview; 0: unknown."""
+        self.estimate = ErrorEstimate()
+        """Of the error, at the last preview."""
+        self._before = self._now = RangeEnd()
+        self._judged_photons = 0
         self.next_preview = 0.0
         self.next_figures = 0.0
         self.next_image = 0.0
@@ -67,13 +78,16 @@ class RunningRender:
         self._since = now
         self._invalid_samples = [0] * len(self.film.tiles)
         for tile in tiles:
-            self.film.load(tile.tile_index, tile.samples, tile.sums)
+            self.film.load(tile.tile_index, tile.samples, tile.sums, tile.error_before)
             self._invalid_samples[tile.tile_index] = tile.invalid_samples
         for tile_index in self.failed_tiles:
             self.film.give_up(tile_index)
         self.totals.ranges = sum(state.merged for state in self.film.tiles)
         samples = int(self.film.counts.sum(dtype="uint64"))
         self.totals.photons = samples * self.planned.photons_per_sample
+        self._job_seconds = job_seconds
+        self._longest: int | None = None
+        """Samples to which ranges are to be cut; None: they may stay as they are."""
 
     @property
     def id(self) -> str:
@@ -92,8 +106,10 @@ class RunningRender:
             self.totals.photons += merged.photons
             self.totals.rays += merged.rays
             self.totals.invalid_samples += merged.invalid_samples
+            self.totals.truncated_paths += merged.truncated_paths
             self._invalid_samples[tile_index] += merged.invalid_samples
             self.totals.cpu_seconds += merged.cpu_seconds
+            self._learn_cost(merged.index, merged.cpu_seconds)
             self._recent.append((now, merged.photons))
             self._dirty.add(tile_index)
             self._contributors.setdefault(tile_index, set()).add(merged.worker)
@@ -128,13 +144,8 @@ class RunningRender:
         stop = self.row.stop
         if self.film.complete:
             return RenderState.SUCCEEDED, self._complete()
-        if stop.relative_error and error_is_met(
-            self.relative_error, int(self.film.counts.min()), stop.relative_error
-        ):
-            reached = (
-                f"Relative error {self.relative_error:.3%} reached; {stop.relative_error:.3%} was asked for."
-            )
-            return RenderState.SUCCEEDED, reached
+        if stop.relative_error and confirmed(self._before, self._now, stop.relative_error):
+            return RenderState.SUCCEEDED, f"{self._error_in_words()} {stop.relative_error:.3%} was asked for."
         if stop.until and unix_time >= stop.until:
             return RenderState.STOPPED_EARLY, f"Stopped at {stop.until_text or 'the time'}, as asked."
         if stop.wall_seconds and self.ran_seconds(now) >= stop.wall_seconds:
@@ -145,15 +156,31 @@ class RunningRender:
         return None
 
     def _complete(self) -> str:
-        stop = self.row.stop
+        self._judge()
+        stop, last = self.row.stop, self.planned.schedule.range_ends[-1]
+        if self.estimate.mean <= 0.0:
+            return f"No light was found: all pixels are black after {self.estimate.samples} samples."
         if stop.tile_samples:
             return "Has the samples that its manifest lists."
+        if stop.relative_error:
+            used = f"All {last} samples are used up. {self._error_in_words()}"
+            return f"{used} {stop.relative_error:.3%} was asked for."
         if not stop.tile_relative_error:
             return ""
-        last = self.planned.schedule.range_ends[-1]
         full = sum(samples == last for samples in self.film.manifest())
         met = len(self.film.tiles) - len(self.failed_tiles) - full
-        return f"{met} tiles have relative error {stop.tile_relative_error:.3%}, {full} all {last} samples."
+        have = f"{met} tiles have relative error {stop.tile_relative_error:.3%}"
+        return f"{have}, {full} all {last} samples: they do not, or their error is not to be trusted."
+
+    def _error_in_words(self) -> str:
+        estimate, doubt = self.estimate, self.doubt
+        if estimate.relative_error <= 0.0:
+            return "The error is unknown."
+        error = f"{estimate.relative_error:.3%}"
+        if doubt:
+            return f"The relative error of {error} is not to be trusted: {doubt}"
+        interval = CONFIDENCE * estimate.mean_error
+        return f"Relative error {error}, mean {estimate.mean:.4g} +- {interval:.2g} (95 %)."
 
     def _degraded(self) -> str:
         places = []
@@ -175,7 +202,8 @@ class RunningRender:
             photons=self.totals.photons,
             photons_wanted=self.film.expected_samples * per_sample,
             mean_samples=self.totals.photons / (schedule.width * schedule.height * per_sample),
-            relative_error=self.relative_error,
+            estimate=self.estimate,
+            range_ends=schedule.range_ends,
             photons_per_second=rate,
             cpu_seconds=self.totals.cpu_seconds,
             ran_seconds=self.ran_seconds(now),
@@ -189,6 +217,38 @@ class RunningRender:
         known = self.totals.photons > 0 and self.totals.cpu_seconds > 0.0
         return photons * (self.totals.cpu_seconds / self.totals.photons if known else _USUAL_COST)
 
+    def max_cpu_seconds(self, planned: SampleRange) -> float:
+        """Processor seconds after which a job is stopped."""
+        return max_cpu_seconds(planned.end - planned.first, self.totals.photons > 0, self._job_seconds)
+
+    def stopped_too_long(self, range_index: int, cpu_seconds: float) -> bool:
+        """A job was stopped after so long; whether its range will be cut."""
+        planned = self.planned.ranges[range_index]
+        if planned.first < max(self.film.manifest()) or planned.end - planned.first <= FIRST_RANGE:
+            return False
+        self._learn_cost(range_index, cpu_seconds, ahead=1)
+        return self.recut() is not None
+
+    def _learn_cost(self, range_index: int, cpu_seconds: float, ahead: int = RANGES_AHEAD + 1) -> None:
+        """A range took so long: those of its tile that may be published by now do so for each sample."""
+        took = self.planned.ranges[range_index]
+        last = min(range_index + ahead, len(self.planned.ranges)) - 1
+        following = self.planned.ranges[last]
+        samples = following.end - following.first
+        predicted = cpu_seconds * samples / (took.end - took.first)
+        if wanted := longest_range(predicted, samples, self._job_seconds):
+            self._longest = min(self._longest or wanted, wanted)
+
+    def recut(self) -> job_pb2.RangeSchedule | None:
+        """The schedule with shorter ranges, where those that come next would take too long. A replay keeps
+        its own."""
+        if self._longest is None or self.row.stop.tile_samples:
+            return None
+        schedule = recut_schedule(self.planned.schedule, max(self.film.manifest()), self._longest)
+        if schedule is None:
+            self._longest = None
+        return schedule
+
     def waiting_entries(self) -> list[bytes]:
         """Result entries of ranges that wait for earlier ones."""
         return [early.entry for state in self.film.tiles for early in state.waiting.values()]
@@ -201,10 +261,7 @@ class RunningRender:
         if not (self._dirty or self._dirty_totals) and (rate > 0.0 or self._last_rate == 0.0):
             return None
         self._last_rate = rate
-        tiles = [
-            TileRow(tile, self.film.samples(tile), self.film.tile_bytes(tile), self._invalid_samples[tile])
-            for tile in sorted(self._dirty)
-        ]
+        tiles = [self._tile_row(tile) for tile in sorted(self._dirty)]
         return RenderCommit(
             self.id,
             self.row.fence,
@@ -217,6 +274,16 @@ class RunningRender:
             contributors=self._contributors,
             failed_tiles=tuple(self.failed_tiles.values()),
             floating_point_profile=self.floating_point_profile,
+        )
+
+    def _tile_row(self, tile: int) -> TileRow:
+        film = self.film
+        return TileRow(
+            tile,
+            film.samples(tile),
+            film.tile_bytes(tile),
+            self._invalid_samples[tile],
+            film.error_before(tile),
         )
 
     @property
@@ -244,18 +311,49 @@ class RunningRender:
     def error_point(self, unix_time: float) -> tuple[ErrorPoint, bool]:
         """The error now, and whether enough was added since the last point for the history."""
         schedule = self.planned.schedule
-        spread = spread_of(self.film.sums, self.film.counts)
+        self._judge()
+        estimate = self.estimate
         point = ErrorPoint(
             unix_time=unix_time,
             photons=self.totals.photons,
             samples=self.totals.photons
             / (schedule.width * schedule.height * self.planned.photons_per_sample),
-            relative_error=spread.relative_error,
-            worst_share=spread.worst_share,
-            effective_pixels=spread.effective_pixels,
+            relative_error=estimate.relative_error,
+            worst_share=estimate.worst_share,
+            effective_pixels=estimate.effective_pixels,
+            mean=estimate.mean,
+            mean_error=estimate.mean_error,
+            unseen_pixels=estimate.unseen_pixels,
+            doubt=self.doubt,
         )
-        self.relative_error = point.relative_error
         in_history = point.relative_error > 0.0 and point.photons >= self._history_photons
         if in_history:
             self._history_photons = point.photons * _HISTORY_STEP
         return point, in_history
+
+    @property
+    def doubt(self) -> str:
+        """Why the error is not to be trusted, a sentence; empty: it is, as far as can be told."""
+        if found := self.image_doubt:
+            return found
+        known_twice = self._before.error and self._now.error
+        if known_twice and not falls(self._before, self._now):
+            return "It falls more slowly than errors do: brighter samples are still met for the first time."
+        return ""
+
+    @property
+    def image_doubt(self) -> str:
+        """The same from the sums alone, whatever was known before: of equal images it is equal."""
+        self._judge()
+        return doubt_of(self.estimate)
+
+    def _judge(self) -> None:
+        """Estimates the error of what is merged."""
+        if self._judged_photons == self.totals.photons:
+            return
+        self._judged_photons = self.totals.photons
+        self.estimate = estimate_error(self.film.sums, self.film.counts)
+        now = RangeEnd.of(self.estimate)
+        if now.samples > self._now.samples:
+            self._before = self._now
+        self._now = now

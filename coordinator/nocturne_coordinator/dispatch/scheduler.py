@@ -2,7 +2,7 @@
 
 A range of a tile is planned, published, held (its result is here and waits for an earlier range) or
 completed; docs/explanation/queue.md has the table. Kept here: for each running render how far each tile is,
-and what is in flight.
+and what is in flight. One file, though long: each event changes both, so the events stand together.
 """
 
 from collections import deque
@@ -184,6 +184,14 @@ class Scheduler:
                 heappush(queue.again, (key.range_index, key.tile_index))
         return [] if published is None else published.entries
 
+    def charge(self, render_id: str, cost: float) -> None:
+        """A render has cost that much for nothing, in the unit of `cost`: the others come before it for as
+        long."""
+        queue = self._queues[render_id]
+        queue.share.virtual_time += cost / queue.share.weight
+        owner = self._owners[queue.owner]
+        owner.virtual_time += cost / owner.weight
+
     def lost(self) -> None:
         """The stream was emptied: all that was on it is to be published again."""
         for key in list(self._outstanding):
@@ -229,10 +237,7 @@ class Scheduler:
                     least = min((each.share for each in able.values()), key=lambda share: share.virtual_time)
                     queue.share.virtual_time = max(queue.share.virtual_time, least.virtual_time)
                 continue
-            cost = queue.cost(key.range_index)
-            queue.share.virtual_time += cost / queue.share.weight
-            owner = self._owners[queue.owner]
-            owner.virtual_time += cost / owner.weight
+            self.charge(render_id, queue.cost(key.range_index))
             jobs.append(key)
         return jobs
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from nocturne_coordinator.dispatch.audit import NEW_SHARE, SHARE, Auditor
 from nocturne_coordinator.dispatch.failure_policy import FailurePolicy
 from nocturne_coordinator.dispatch.fleet import Fleet
+from nocturne_coordinator.dispatch.job_cost import JOB_SECONDS
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import MIN_OVERDUE, JobKey, Scheduler
 
@@ -22,6 +23,7 @@ class Settings:
     overdue_seconds: float = MIN_OVERDUE
     audit_share: float = SHARE
     audit_share_new: float = NEW_SHARE
+    job_seconds: float = JOB_SECONDS
 
 
 @dataclass(slots=True)

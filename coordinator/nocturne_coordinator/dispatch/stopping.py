@@ -9,7 +9,7 @@ import json
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from datetime import date, datetime, time, timedelta, tzinfo
 from typing import Any, Self
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
@@ -17,12 +17,6 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 from nocturne_scene.errors import InputError, Problem
 
 from nocturne_coordinator import limits
-
-MIN_SAMPLES = 16
-"""Per pixel, before an estimated error may end anything: the estimate itself has an error, and one that
-happens to be low would end a tile too early. With fewer samples that is likely (NIST/SEMATECH e-Handbook of
-Statistical Methods, 1.3.5.8: a standard deviation from n samples is itself good to about 1/sqrt(2 (n -
-1)))."""
 
 _CLOCK = re.compile(r"(\d{1,2}):(\d{2})(?::(\d{2}))?\s*(\S+)")
 _EXAMPLES = 'as in "07:00 Europe/Berlin", "07:00+01:00" or "2026-11-22T07:00:00Z"'
@@ -33,9 +27,9 @@ class StopConditions:
     """What was asked for; a render ends at the first that is met. 0 or empty: not asked for."""
 
     relative_error: float = 0.0
-    """Of the image, as in Progress."""
+    """Of the image, as in Progress, where it is to be trusted: see trust."""
     tile_relative_error: float = 0.0
-    """Of each tile, from its own pixels; a tile that has it gets no more samples."""
+    """Of each tile, from its own pixels, likewise; a tile that has it gets no more samples."""
     wall_seconds: float = 0.0
     """Of running, pauses left out."""
     cpu_seconds: float = 0.0
@@ -72,6 +66,46 @@ class StopConditions:
 
 EVERYTHING = StopConditions()
 """All samples, however long it takes."""
+
+
+def changed_conditions(
+    before: StopConditions, asked: Mapping[str, Any], drop: Sequence[str], now: datetime
+) -> StopConditions:
+    """The conditions before, with those that are asked for changed and those in `drop` left out.
+
+    A time in the same words as before is the same time. Raises InputError with all problems.
+    """
+    known = {field.name for field in fields(StopConditions)} - {"until_text", "tile_samples"}
+    problems = [
+        Problem(f"$.drop[{index}]", f"{name} is no condition; expected {', '.join(sorted(known))}")
+        for index, name in enumerate(drop)
+        if name not in known
+    ]
+    for name, value in asked.items():
+        if name in drop:
+            problems.append(Problem(f"$.stop.{name}", "is changed and dropped at once"))
+        elif name in known and not value:
+            message = f"is {value!r}, which asks for nothing; name it in `drop` to go on without it"
+            problems.append(Problem(f"$.stop.{name}", message))
+    if problems:
+        raise InputError(problems)
+    others = {name: value for name, value in asked.items() if (name, value) != ("until", before.until_text)}
+    changes = stop_conditions(others, now).asked()
+    dropped: dict[str, Any] = dict.fromkeys(drop, 0.0)
+    if "until" in drop:
+        dropped["until_text"] = ""
+    return replace(before, **{**dropped, **changes})
+
+
+def ends_at_once(stop: StopConditions, unix_time: float, ran_seconds: float, cpu_seconds: float) -> str:
+    """Which condition is met before anything more is traced, as a sentence; empty: none."""
+    if stop.until and unix_time >= stop.until:
+        return f"until {stop.until_text} is over"
+    if stop.wall_seconds and ran_seconds >= stop.wall_seconds:
+        return f"wall_seconds: it has run for {ran_seconds:.0f} of {stop.wall_seconds:g} s"
+    if stop.cpu_seconds and cpu_seconds >= stop.cpu_seconds:
+        return f"cpu_seconds: it has used {cpu_seconds:.0f} of {stop.cpu_seconds:g} s"
+    return ""
 
 
 def stop_conditions(asked: Mapping[str, Any], now: datetime) -> StopConditions:
@@ -172,19 +206,3 @@ def check_tile_samples(samples: Sequence[int], tiles: int, range_ends: Sequence[
         raise InputError.at(
             f"$.stop.tile_samples[{wrong}]", f"{samples[wrong]} samples are not the end of a planned range"
         )
-
-
-def error_is_met(error: float, samples: int, asked: float) -> bool:
-    """Whether an estimated relative error, 0 where unknown, from `samples` samples per pixel is low enough.
-
-    Unknown, as in a tile that is black so far, is never low enough: its light may just not have been met.
-    """
-    return asked > 0.0 and samples >= MIN_SAMPLES and 0.0 < error <= asked
-
-
-def samples_needed(error: float, samples: float, asked: float) -> float:
-    """Samples at which the error is expected to be met: it falls as one over their root. Infinite if
-    unknown."""
-    if error <= 0.0:
-        return math.inf
-    return max(MIN_SAMPLES, samples * (error / asked) ** 2)

@@ -66,7 +66,10 @@ class Window:
     def adopt(self, event: JobsFound) -> Steps[None]:
         """Makes use of jobs that an earlier run, or a call whose answer was lost, left on the stream."""
         scheduler, auditor = self._state.scheduler, self._state.auditor
-        adopted, unwanted = 0, []
+        adopted = 0
+        # Copies, and jobs of renders that nobody works on.
+        surplus: list[bytes] = []
+        unwanted: list[bytes] = []
         for entry, data in event.jobs:
             key = self._key_of(data)
             if key is not None and scheduler.wants(key):
@@ -76,9 +79,11 @@ class Window:
                 if not (yield from self._is_others(data)):
                     unwanted.append(entry)
             elif not (scheduler.has_entry(key, entry) or auditor.has_entry(key, entry)):
-                unwanted.append(entry)
+                surplus.append(entry)
+        if surplus:
+            yield Withdraw(tuple(surplus))
         if unwanted:
-            yield Withdraw(tuple(unwanted))
+            yield Withdraw(tuple(unwanted), stop=True)
         yield Log(INFO, f"{adopted} jobs found on the stream")
 
     def fill(self, at: Moment) -> Steps[None]:
@@ -140,13 +145,13 @@ class Window:
 
     def _without_workers(self) -> list[str]:
         """Renders that no worker can work on though some are there: their jobs would fill the window."""
-        threads = self._state.fleet.threads_by_profile
-        if not threads:
+        machines = self._state.fleet.machines_by_profile
+        if not machines:
             return []
         return [
             render.id
             for render in self._state.renders.values()
-            if render.floating_point_profile and not threads.get(render.floating_point_profile)
+            if render.floating_point_profile and not machines.get(render.floating_point_profile)
         ]
 
     def _is_others(self, data: bytes) -> Steps[bool]:
@@ -173,4 +178,5 @@ class Window:
         render = self._state.renders[key.render_id]
         job = render.planned.job(key.tile_index, render.planned.ranges[key.range_index])
         job.floating_point_profile = render.floating_point_profile
+        job.max_cpu_seconds = render.max_cpu_seconds(render.planned.ranges[key.range_index])
         return job.SerializeToString()

@@ -13,10 +13,11 @@ import numpy as np
 import numpy.typing as npt
 import OpenEXR
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from nocturne_scene.quantities import LUMINANCE, quantity_named
 from nocturne_scene.ranges import XYZ_SUMS
 
-from nocturne_coordinator.dispatch.error_estimate import Pixels, variance_of_mean
 from nocturne_coordinator.dispatch.merge import Counts, Sums
+from nocturne_coordinator.dispatch.variance import Pixels, variance_of_mean
 
 # IEC 61966-2-1: XYZ of white D65 to linear sRGB; transposed, for rows of pixels.
 _XYZ_TO_SRGB = np.array(
@@ -58,6 +59,12 @@ class Provenance:
     """Samples of each tile where not all have what the schedule ends with: see `manifest_text`."""
     floating_point_profile: str = ""
     """How all workers rounded."""
+    quantity: str = ""
+    """What Y measures; see nocturne_scene.quantities."""
+    doubt: str = ""
+    """Why the errors are not to be trusted; empty: they are, as far as one image can tell."""
+    truncated_paths: int = 0
+    """Photons that a limit of the tracer ended, so that their light is missing."""
 
 
 def manifest_text(samples: Sequence[int]) -> str:
@@ -142,9 +149,8 @@ def write_image(
     header = {
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,
-        # Of R, G, B; X, Y, Z are CIE XYZ itself. A luminance of 1 is 1 cd/m2.
+        # Of R, G, B; X, Y, Z are CIE XYZ itself.
         "chromaticities": _SRGB_CHROMATICITIES,
-        "whiteLuminance": 1.0,
         "nocturne:scene": provenance.scene_sha256,
         "nocturne:schedule": provenance.schedule_json,
         "nocturne:engine": provenance.engine,
@@ -152,12 +158,32 @@ def write_image(
     }
     if provenance.manifest:
         header["nocturne:tileSamples"] = provenance.manifest
-    path.parent.mkdir(parents=True, exist_ok=True)
+    header |= _measured(provenance.quantity)
+    if provenance.doubt:
+        header["nocturne:errorDoubt"] = provenance.doubt
+    if provenance.truncated_paths:
+        header["nocturne:truncatedPaths"] = str(provenance.truncated_paths)
     try:
         with OpenEXR.File(header, _exr_channels(sums, counts, further_responses)) as file:
             file.write(str(path))
     except RuntimeError as trouble:
         raise OSError(f"can't write {path}: {trouble}") from trouble
+
+
+def _measured(name: str) -> dict[str, Any]:
+    """What the numbers are, and their units."""
+    if not name:
+        return {}
+    quantity = quantity_named(name)
+    attributes: dict[str, Any] = {
+        "nocturne:quantity": quantity.name,
+        "nocturne:unit": quantity.unit,
+        "nocturne:responseUnit": quantity.response_unit,
+    }
+    if quantity is LUMINANCE:
+        # OpenEXR's own: a luminance of 1 is 1 cd/m2.
+        attributes["whiteLuminance"] = 1.0
+    return attributes
 
 
 def _exr_channels(
@@ -181,7 +207,6 @@ def _planes(names: Sequence[str], pixels: npt.NDArray[np.float32]) -> dict[str, 
 
 
 def _write_png(path: Path, spec: oiio.ImageSpec, pixels: npt.NDArray[np.uint8]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
     output = oiio.ImageOutput.create("png")
     if output is None:
         raise OSError(f"can't write {path}: {oiio.geterror()}")

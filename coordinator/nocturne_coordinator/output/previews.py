@@ -4,10 +4,12 @@ import json
 import logging
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.errors import NotFound
+from nocturne_scene.replacing import replacing, sync
 
 from nocturne_coordinator.dispatch.records import FailedTile
 from nocturne_coordinator.dispatch.running_render import RunningRender
@@ -54,7 +56,7 @@ class Previews:
                 _log.error("render=%s has no image: %s", row.id, error)
             else:
                 if render.totals.ranges:
-                    self.write_image(render)
+                    self.write_image(render, final=True)
                     self.write_preview(render, final=True)
                     self.write_thumbnail(render)
                     point, in_history = render.error_point(unix_time)
@@ -64,43 +66,49 @@ class Previews:
 
     def write_preview(self, render: RunningRender, final: bool = False) -> None:
         compression = FINAL_COMPRESSION if final else LIVE_COMPRESSION
-        with self._in_place(render, self._folder.preview_path) as path:
+        with self._in_place(render, self._folder.preview_path, durable=final) as path:
             write_preview(path, render.film.sums, render.film.counts, compression)
 
     def write_thumbnail(self, render: RunningRender) -> None:
         with self._in_place(render, self._folder.thumbnail_path) as path:
             write_thumbnail(path, render.film.sums, render.film.counts)
 
-    def write_image(self, render: RunningRender) -> None:
+    def write_image(self, render: RunningRender, final: bool = False) -> None:
         names = render.planned.schedule.further_responses
-        with self._in_place(render, self._folder.image_path) as path:
+        with self._in_place(render, self._folder.image_path, durable=final) as path:
             write_image(path, render.film.sums, render.film.counts, provenance_of(render), names)
 
     @contextmanager
-    def _in_place(self, render: RunningRender, place_of: Callable[[str], Path]) -> Iterator[Path]:
-        """Where to write a picture that is put into its place only if the render is still ours."""
+    def _in_place(
+        self, render: RunningRender, place_of: Callable[[str], Path], durable: bool = False
+    ) -> Iterator[Path]:
+        """Where to write a picture that is put into its place only if the render is still ours.
+
+        `durable`: it survives a power cut, for the render's end is told after it.
+        """
         try:
             path = place_of(render.id)
         except NotFound:
             raise LeaseLost(render.id) from None
-        written = path.with_name(f".{render.row.fence}-{path.name}")
+        holding = partial(self._ledger.leases.holding, render.id, render.row.fence)
         try:
             try:
-                yield written
+                path.parent.mkdir(parents=True, exist_ok=True)
+                with replacing(path, durable, within=holding()) as unfinished:
+                    yield unfinished
+                if durable:
+                    # The render's folder may be new.
+                    sync(path.parent.parent)
+                    sync(self._folder.root)
             except OSError:
                 # The folder of a render goes when it is deleted: that is no trouble of ours.
-                with self._ledger.leases.holding(render.id, render.row.fence):
+                with holding():
                     raise
-            with self._ledger.leases.holding(render.id, render.row.fence):
-                written.replace(path)
         except LeaseLost:
-            written.unlink(missing_ok=True)
             # Of a render that was deleted nothing stays behind; a folder with something in it stays.
             with suppress(OSError):
                 path.parent.rmdir()
             raise
-        finally:
-            written.unlink(missing_ok=True)
 
 
 def provenance_of(render: RunningRender) -> Provenance:
@@ -113,6 +121,9 @@ def provenance_of(render: RunningRender) -> Provenance:
         render.planned.engine,
         "" if whole else manifest_text(samples),
         render.floating_point_profile,
+        render.planned.schedule.quantity,
+        render.image_doubt,
+        render.totals.truncated_paths,
     )
 
 

@@ -17,7 +17,7 @@ from nocturne_coordinator.dispatch.events import (
 )
 from nocturne_coordinator.dispatch.planned_render import render_of
 from nocturne_coordinator.errors import QueueError
-from nocturne_coordinator.queue.job_queue import FIRST, Entry, JobQueue, Session
+from nocturne_coordinator.queue.job_queue import FIRST, JobQueue, ResultEntry, Session
 from nocturne_coordinator.queue.worker_status import worker_row
 
 _log = logging.getLogger(__name__)
@@ -57,9 +57,11 @@ class Dispatcher:
         self._last_result = FIRST
         self._results_done: list[bytes] = []
         self._jobs_done: list[bytes] = []
+        self._jobs_stopped: list[bytes] = []
         self._newcomers: set[str] = set()
         self._backlog: _Backlog | None = None
         self._without_jobs: Mapping[str, str] = {}
+        self._machines_changed = True
         self._wait = _MIN_WAIT
         self._next_attempt = 0.0
         self._next_attend = 0.0
@@ -86,13 +88,20 @@ class Dispatcher:
         """What others left on the streams of a render is to be made use of, before anything is published."""
         self._newcomers.add(render_id)
 
+    def machines_changed(self) -> None:
+        """Others may sign on from the next round on."""
+        self._machines_changed = True
+        self._next_attend = 0.0
+
     def acknowledge(self, results: tuple[bytes, ...]) -> None:
         """Results to delete."""
         self._results_done.extend(results)
 
-    def withdraw(self, jobs: tuple[bytes, ...]) -> None:
-        """Jobs to take off the stream."""
+    def withdraw(self, jobs: tuple[bytes, ...], stop: bool) -> None:
+        """Jobs to take off the stream; `stop`: who works on one need not end it."""
         self._jobs_done.extend(jobs)
+        if stop:
+            self._jobs_stopped.extend(jobs)
 
     def leave(self) -> None:
         """Deletes what is to be deleted, and gives the lease on Redis back."""
@@ -104,7 +113,7 @@ class Dispatcher:
 
     # --- rounds ---
 
-    def exchange(self, publish: bool, wait_ms: int) -> list[Entry] | None:
+    def exchange(self, publish: bool, wait_ms: int) -> list[ResultEntry] | None:
         """One round: tidy up, let the core fill the window, read results. None while Redis can't be talked
         to."""
         at = self._clock.moment()
@@ -143,7 +152,7 @@ class Dispatcher:
     def _find_jobs(self, at: Moment) -> None:
         self._tell(JobsFound(at, tuple(self._queue.jobs())))
 
-    def _read_backlog(self, backlog: _Backlog) -> list[Entry]:
+    def _read_backlog(self, backlog: _Backlog) -> list[ResultEntry]:
         """Some more of it: the renders' own, and what nobody here has read."""
         batch = self._queue.results(backlog.at, 0)
         backlog.left -= len(batch)
@@ -154,9 +163,7 @@ class Dispatcher:
         backlog.at = batch[-1][0]
         read = _place(self._last_result)
         entries = [
-            (entry, data)
-            for entry, data in batch
-            if _place(entry) > read or render_of(data) in backlog.renders
+            each for each in batch if _place(each.entry) > read or render_of(each.data) in backlog.renders
         ]
         if _place(backlog.at) > read:
             self._last_result = backlog.at
@@ -177,6 +184,10 @@ class Dispatcher:
             self._backlog = None
             self._results_done.clear()
             self._jobs_done.clear()
+            self._jobs_stopped.clear()
+        if self._machines_changed or not ours or not self.in_step:
+            self._queue.admit_machines()
+            self._machines_changed = False
         if not ours or not self.in_step:
             self._find_jobs(at)
             _log.info("Redis: in step")
@@ -190,7 +201,7 @@ class Dispatcher:
         self._next_attend = at.now + _ATTEND_SECONDS
 
     def _look_at_workers(self, at: Moment) -> None:
-        found = [(worker_row(status, at.unix), left) for status, left in self._queue.workers()]
+        found = [(worker_row(name, status, at.unix), left) for name, status, left in self._queue.workers()]
         rows = tuple(row for row, _ in found if row is not None)
         left = {row.id: left for row, left in found if row is not None}
         holders = tuple(self._queue.holders())
@@ -202,6 +213,9 @@ class Dispatcher:
             self._queue.delete_results(self._results_done)
             self._results_done.clear()
             crash_point("after-acknowledge")
+        if self._jobs_stopped:
+            self._queue.stop_jobs(self._jobs_stopped)
+            self._jobs_stopped.clear()
         if self._jobs_done:
             self._queue.delete_jobs(self._jobs_done)
             self._jobs_done.clear()

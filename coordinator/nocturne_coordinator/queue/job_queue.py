@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import wraps
-from typing import Any, ParamSpec, TypeVar, cast
+from typing import Any, NamedTuple, ParamSpec, TypeVar, cast
 
 import redis
 from redis.backoff import NoBackoff
@@ -16,9 +16,21 @@ from redis.retry import Retry
 from nocturne_coordinator.dispatch.liveness import Holder
 from nocturne_coordinator.errors import OwnershipLost, QueueError, QueueTaken, UnusableQueue
 from nocturne_coordinator.queue import keys
+from nocturne_coordinator.queue.guard import Guard
 
 Entry = tuple[bytes, bytes]
 """An entry's id, and the one field that it should have; empty where it is missing."""
+
+
+class ResultEntry(NamedTuple):
+    """An entry of the results."""
+
+    entry: bytes
+    data: bytes
+    """Empty where there are none."""
+    refusal: str = ""
+    """Why it does not count, whatever it says; empty: it may."""
+
 
 FIRST = b"0-0"
 """Before all entries."""
@@ -28,6 +40,9 @@ SESSION_SECONDS = 10.0
 
 _RUN_SECONDS = 60.0
 """How long a run leaves its mark on Redis: longer than it ever takes from one renewal to the next."""
+
+_WITHDRAWN_SECONDS = 60.0
+"""How long workers are told of a job that nobody needs; they ask twice a second."""
 
 _RENEWALS = 5
 """Attempts, as other coordinators of the folder renew the same lease."""
@@ -114,6 +129,8 @@ class JobQueue:
             retry=Retry(NoBackoff(), 0),
         )
         self._batch = _FIRST_BATCH
+        self.guard: Guard | None = None
+        """Where workers enrol."""
 
     def close(self) -> None:
         self._client.close()
@@ -190,7 +207,8 @@ class JobQueue:
         """Adds jobs; gives their entries."""
         pipeline = self._client.pipeline(transaction=False)
         for job in jobs:
-            pipeline.xadd(keys.JOBS, {keys.JOB_FIELD: job})
+            lease = {keys.LEASE_FIELD: self.guard.lease(job)} if self.guard else {}
+            pipeline.xadd(keys.JOBS, {keys.JOB_FIELD: job, **lease})
         return cast(list[bytes], pipeline.execute())
 
     @_queue_errors
@@ -209,14 +227,20 @@ class JobQueue:
         self._delete(keys.JOBS, entries)
 
     @_queue_errors
-    def results(self, after: bytes, wait_ms: int) -> list[Entry]:
+    def stop_jobs(self, entries: list[bytes]) -> None:
+        """Tells who works on one of these that nobody needs it any more."""
+        pipeline = self._client.pipeline(transaction=False)
+        for entry in entries:
+            pipeline.set(keys.WITHDRAWN_PREFIX + entry.decode(), b"", px=int(1000 * _WITHDRAWN_SECONDS))
+        pipeline.execute()
+
+    @_queue_errors
+    def results(self, after: bytes, wait_ms: int) -> list[ResultEntry]:
         """The next results after an entry, waiting for the first one for up to wait_ms; 0: not at all."""
         answer = self._client.xread({keys.RESULTS: after}, count=self._batch, block=wait_ms or None)
-        entries = [
-            _entry(entry, fields, keys.RESULT_FIELD) for _, batch in answer or [] for entry, fields in batch
-        ]
+        entries = [self._result(entry, fields or {}) for _, batch in answer or [] for entry, fields in batch]
         if entries:
-            largest = max(len(data) for _, data in entries)
+            largest = max(len(each.data) for each in entries)
             self._batch = max(1, min(_MAX_BATCH, _BATCH_BYTES // max(1, largest)))
         return entries
 
@@ -236,11 +260,11 @@ class JobQueue:
         self._delete(keys.RESULTS, entries)
 
     @_queue_errors
-    def workers(self) -> list[tuple[bytes, int]]:
-        """Serialised WorkerStatus of every live worker, and how many milliseconds it holds without
+    def workers(self) -> list[tuple[str, bytes, int]]:
+        """Name and serialised WorkerStatus of every live worker, and how many milliseconds it holds without
         another."""
         names = list(self._client.scan_iter(match=f"{keys.WORKER_PREFIX}*", count=1000))
-        found: list[tuple[bytes, int]] = []
+        found: list[tuple[str, bytes, int]] = []
         for start in range(0, len(names), _CHUNK):
             chunk = names[start : start + _CHUNK]
             pipeline = self._client.pipeline(transaction=False)
@@ -248,7 +272,11 @@ class JobQueue:
             for name in chunk:
                 pipeline.pttl(name)
             statuses, *left = pipeline.execute()
-            found += [pair for pair in zip(statuses, left, strict=True) if pair[0] is not None]
+            found += [
+                (name.decode(errors="replace").removeprefix(keys.WORKER_PREFIX), status, milliseconds)
+                for name, status, milliseconds in zip(chunk, statuses, left, strict=True)
+                if status is not None
+            ]
         return found
 
     @_queue_errors
@@ -268,6 +296,16 @@ class JobQueue:
         for worker, reason in workers.items():
             pipeline.set(keys.QUARANTINE_PREFIX + worker, reason, px=int(1000 * SESSION_SECONDS))
         pipeline.execute()
+
+    @_queue_errors
+    def admit_machines(self) -> None:
+        """Lets the machines sign on that are enrolled now, and no others."""
+        if self.guard is not None:
+            self.guard.admit(self._client)
+
+    def _result(self, entry: bytes, fields: Mapping[bytes, bytes]) -> ResultEntry:
+        refusal = self.guard.refusal(fields) if self.guard else ""
+        return ResultEntry(entry, fields.get(keys.RESULT_FIELD, b""), refusal)
 
     def _delete(self, stream: str, entries: list[bytes]) -> None:
         for start in range(0, len(entries), _CHUNK):

@@ -25,5 +25,14 @@ WORKER_PREFIX = PREFIX + "worker:"
 QUARANTINE_PREFIX = PREFIX + "quarantine:"
 """Strings `nocturne:quarantine:<worker id>`, the reason, with a time to live: that worker takes no jobs."""
 
+WITHDRAWN_PREFIX = PREFIX + "withdrawn:"
+"""Strings `nocturne:withdrawn:<entry of JOBS>`, empty, with a time to live: nobody needs that job any more,
+and who works on it stops."""
+
 JOB_FIELD = b"job"
 RESULT_FIELD = b"result"
+LEASE_FIELD = b"lease"
+"""Of a job, where workers enrol: a secret of who took it."""
+MACHINE_FIELD = b"machine"
+SIGNATURE_FIELD = b"signature"
+"""Of a result, where workers enrol."""

@@ -7,25 +7,25 @@ from nocturne.v1 import job_pb2
 
 from nocturne_coordinator.dispatch.profiles import profile_of
 from nocturne_coordinator.dispatch.records import WorkerRow
+from nocturne_coordinator.limits import MAX_THREADS
 
 _LARGEST = 2**63 - 1
 _MAX_ID = 128
-_MAX_THREADS = 4096
 
 
-def worker_row(data: bytes, seen: float) -> WorkerRow | None:
-    """A serialised WorkerStatus as a row; None where it makes no sense."""
+def worker_row(name: str, data: bytes, seen: float) -> WorkerRow | None:
+    """A serialised WorkerStatus, found under that worker's name, as a row; None where it makes no sense."""
     try:
         status = job_pb2.WorkerStatus.FromString(data)
     except DecodeError:
         return None
     sensible = math.isfinite(status.photons_per_second) and math.isfinite(status.started)
-    if not sensible or not 1 <= len(status.worker_id) <= _MAX_ID:
+    if not sensible or status.worker_id != name or not 1 <= len(name) <= _MAX_ID:
         return None
     return WorkerRow(
         id=status.worker_id,
         engine=status.engine,
-        threads=min(status.threads, _MAX_THREADS),
+        threads=min(status.threads, MAX_THREADS),
         photons=min(status.photons, _LARGEST),
         rays=min(status.rays, _LARGEST),
         photons_per_second=status.photons_per_second,

@@ -2,6 +2,9 @@
 
 import json
 
+from nocturne.v1 import job_pb2
+from nocturne_scene.ranges import TileGrid
+
 from nocturne_coordinator.dispatch.records import ErrorPoint, OpenRender, RenderCommit, RenderState
 from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.leases import Leases
@@ -45,7 +48,8 @@ class Commits:
     def _write_totals(self, commit: RenderCommit) -> bool:
         totals = commit.totals
         changed = self._database.execute(
-            """UPDATE render SET ranges_done = ?, photons = ?, rays = ?, invalid_samples = ?, cpu_seconds = ?,
+            """UPDATE render SET ranges_done = ?, photons = ?, rays = ?, invalid_samples = ?,
+                   truncated_paths = ?, cpu_seconds = ?,
                    audited = ?, refused = ?, photons_per_second = iif(state = 'RUNNING', ?, 0), ran_seconds =
                    ?, tiles_done = ?, tiles_failed = ?, predicted_end = ?, predicted_cpu_seconds = ?,
                    floating_point_profile = ?, sequence = sequence + 1
@@ -55,6 +59,7 @@ class Commits:
                 totals.photons,
                 min(totals.rays, _LARGEST),
                 totals.invalid_samples,
+                min(totals.truncated_paths, _LARGEST),
                 totals.cpu_seconds,
                 totals.audited,
                 totals.refused,
@@ -72,12 +77,21 @@ class Commits:
 
     def _write_tiles(self, commit: RenderCommit) -> None:
         self._database.execute_many(
-            """INSERT INTO tile (render_id, tile_index, samples, sums, invalid_samples, revision)
-               VALUES (?1, ?2, ?3, ?4, ?5, (SELECT sequence FROM render WHERE id = ?1))
+            """INSERT INTO tile (render_id, tile_index, samples, sums, invalid_samples, error_before,
+                   revision)
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6, (SELECT sequence FROM render WHERE id = ?1))
                ON CONFLICT DO UPDATE SET samples = excluded.samples, sums = excluded.sums,
-                   invalid_samples = excluded.invalid_samples, revision = excluded.revision""",
+                   invalid_samples = excluded.invalid_samples, error_before = excluded.error_before,
+                   revision = excluded.revision""",
             [
-                (commit.render_id, tile.tile_index, tile.samples, tile.sums, tile.invalid_samples)
+                (
+                    commit.render_id,
+                    tile.tile_index,
+                    tile.samples,
+                    tile.sums,
+                    tile.invalid_samples,
+                    tile.error_before,
+                )
                 for tile in commit.tiles
             ],
         )
@@ -110,9 +124,18 @@ class Commits:
         """A new preview is in its place; tells watchers, keeps its error. LeaseLost if it is another's."""
         with self._leases.holding(render_id, fence):
             self._database.execute(
-                """UPDATE render SET relative_error = ?, worst_share = ?, effective_pixels = ?,
-                       sequence = sequence + 1 WHERE id = ?""",
-                (point.relative_error, point.worst_share, point.effective_pixels, render_id),
+                """UPDATE render SET relative_error = ?, worst_share = ?, effective_pixels = ?, mean = ?,
+                       mean_error = ?, unseen_pixels = ?, doubt = ?, sequence = sequence + 1 WHERE id = ?""",
+                (
+                    point.relative_error,
+                    point.worst_share,
+                    point.effective_pixels,
+                    point.mean,
+                    point.mean_error,
+                    point.unseen_pixels,
+                    point.doubt,
+                    render_id,
+                ),
             )
             if in_history:
                 self._database.execute(
@@ -133,7 +156,7 @@ class Commits:
 
         The images of one that `has_image` must be in their place. LeaseLost if the render is another's.
         """
-        with self._leases.holding(render.id, render.fence):
+        with self._leases.holding(render.id, render.fence, durable=True):
             changed = self._database.execute(
                 """UPDATE render
                    SET state = ?, reason = ?, ended = ?, image_final = ?, photons_per_second = 0,
@@ -151,9 +174,25 @@ class Commits:
             )
         return changed == 1
 
+    def recut(self, render_id: str, fence: int, schedule: job_pb2.RangeSchedule) -> None:
+        """A render that runs has a schedule of the same samples in shorter ranges.
+
+        LeaseLost if it is another's.
+        """
+        with self._leases.holding(render_id, fence):
+            self._database.execute(
+                """UPDATE render SET schedule = ?, ranges_planned = ?, sequence = sequence + 1
+                   WHERE id = ? AND state = 'RUNNING'""",
+                (
+                    schedule.SerializeToString(deterministic=True),
+                    TileGrid.of(schedule).count * len(schedule.range_ends),
+                    render_id,
+                ),
+            )
+
     def images_written(self, render_id: str, fence: int) -> None:
         """An ended render's images show all that was committed. LeaseLost if it is another's."""
-        with self._leases.holding(render_id, fence):
+        with self._leases.holding(render_id, fence, durable=True):
             self._database.execute(
                 "UPDATE render SET image_final = 1, sequence = sequence + 1 WHERE id = ?", (render_id,)
             )
@@ -169,8 +208,9 @@ class Commits:
                 self._database.execute(f"DELETE FROM {table} WHERE render_id = ?", (render_id,))  # noqa: S608
             self._database.execute(
                 """UPDATE render SET floating_point_profile = '', ranges_done = 0, photons = 0, rays = 0,
-                invalid_samples = 0,
-                       tiles_done = 0, tiles_failed = 0, relative_error = 0, sequence = sequence + 1
+                       invalid_samples = 0, truncated_paths = 0, tiles_done = 0, tiles_failed = 0,
+                       relative_error = 0, mean = 0, mean_error = 0, unseen_pixels = 0, doubt = '',
+                       sequence = sequence + 1
                    WHERE id = ?""",
                 (render_id,),
             )

@@ -13,11 +13,13 @@ import sqlite3
 from pathlib import Path
 
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.replacing import sync
 
 from nocturne_coordinator.errors import UnusableFolder
 from nocturne_coordinator.store.archive import Archive
 from nocturne_coordinator.store.calls import Calls
 from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.machines import Machines
 from nocturne_coordinator.store.meters import Meters
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_coordinator.store.removals import Removals
@@ -25,6 +27,7 @@ from nocturne_coordinator.store.render_requests import RenderRequests
 from nocturne_coordinator.store.renders import Renders
 from nocturne_coordinator.store.tiles import Tiles
 from nocturne_coordinator.store.tokens import Tokens
+from nocturne_coordinator.store.uploads import Uploads
 from nocturne_coordinator.store.webhooks import Webhooks
 from nocturne_coordinator.store.workers import Workers
 
@@ -40,24 +43,27 @@ class DataFolder:
         """
         self.root = path
         try:
-            path.mkdir(parents=True, exist_ok=True)
+            _make(path)
             if not (path / "nocturne.db").exists() and any((path / "checkpoints").glob("*.json")):
                 raise UnusableFolder(f"{path / 'nocturne.db'} is gone; run nocturne restore")
             self.database = Database(path / "nocturne.db")
             self.object_store = objects
             self.blobs = BlobStore(path / "blobs", objects)
+            sync(path)
         except (OSError, sqlite3.Error) as trouble:
             raise UnusableFolder.because(path, trouble) from trouble
         self.tiles = Tiles(self.database)
         self.renders = Renders(self.database, self.blobs.here)
         self.requests = RenderRequests(self.database, self.renders, self.tiles)
         self.workers = Workers(self.database)
+        self.machines = Machines(self.database)
         self.meters = Meters(self.database)
         self.calls = Calls(self.database)
         self.tokens = Tokens(self.database)
         self.archive = Archive(self.database)
         self.webhooks = Webhooks(self.database)
         self.removals = Removals(self.database)
+        self.uploads = Uploads(self.database)
 
     def close(self) -> None:
         self.database.close()
@@ -86,3 +92,11 @@ class DataFolder:
     def change_counter(self) -> int:
         """Another number whenever anything in the folder's database changed; cheap enough to ask often."""
         return self.database.change_counter()
+
+
+def _make(path: Path) -> None:
+    """Makes the folder and those above it, with their names on the disk."""
+    missing = [each for each in (path, *path.parents) if not each.exists()]
+    path.mkdir(parents=True, exist_ok=True)
+    for each in missing:
+        sync(each.parent)

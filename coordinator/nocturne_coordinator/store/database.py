@@ -21,6 +21,7 @@ class Database:
     def __init__(self, path: Path) -> None:
         """Opens or creates the file; UnusableFolder if another version wrote it, or if it is damaged."""
         self._lock = threading.RLock()
+        self._durable: bool | None = None
         self._connection = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
         try:
             self._prepare(path)
@@ -41,8 +42,6 @@ class Database:
         self._connection.execute(f"PRAGMA busy_timeout = {_BUSY_MILLISECONDS}")
         self._connection.execute(f"PRAGMA page_size = {_PAGE_BYTES}")
         self._connection.execute("PRAGMA journal_mode = WAL")
-        # A commit lost with the machine's power is only work to be done again; no promise hangs on it.
-        self._connection.execute("PRAGMA synchronous = NORMAL")
         with self.transaction():
             migrate(self._connection, str(path))
         # After an upgrade that makes tables anew: dropping the old one must not delete the rows that refer to
@@ -50,9 +49,14 @@ class Database:
         self._connection.execute("PRAGMA foreign_keys = ON")
 
     @contextmanager
-    def transaction(self) -> Iterator[None]:
-        """Everything executed inside happens, or nothing does; other processes can't write meanwhile."""
+    def transaction(self, durable: bool = True) -> Iterator[None]:
+        """Everything executed inside happens, or nothing does; other processes can't write meanwhile.
+
+        `durable`: it survives a power cut, with all that was committed before. Without that it survives the
+        end of any process, and does not wait for the disk: for work that can be done again.
+        """
         with self._lock:
+            self._wait_for_disk(durable)
             self._connection.execute("BEGIN IMMEDIATE")
             try:
                 yield
@@ -64,14 +68,24 @@ class Database:
                 raise
 
     def execute(self, statement: str, values: tuple[Any, ...] | dict[str, Any] = ()) -> int:
-        """Executes one statement; gives the number of rows it changed."""
+        """Executes one statement, outside a transaction durably; gives the number of rows it changed."""
         with self._lock:
+            if not self._connection.in_transaction:
+                self._wait_for_disk(True)
             return self._connection.execute(statement, values).rowcount
 
     def execute_many(self, statement: str, rows: list[tuple[Any, ...]]) -> None:
         """Executes one statement for each row of values."""
         with self._lock:
+            if not self._connection.in_transaction:
+                self._wait_for_disk(True)
             self._connection.executemany(statement, rows)
+
+    def _wait_for_disk(self, durable: bool) -> None:
+        """Whether the next commit does; can't be changed inside a transaction."""
+        if durable != self._durable:
+            self._connection.execute(f"PRAGMA synchronous = {'FULL' if durable else 'NORMAL'}")
+            self._durable = durable
 
     def rows(self, query: str, values: tuple[Any, ...] = ()) -> list[sqlite3.Row]:
         with self._lock:

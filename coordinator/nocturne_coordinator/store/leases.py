@@ -30,9 +30,12 @@ class Leases:
         return self._ownership.lease_seconds
 
     @contextmanager
-    def owned(self) -> Iterator[None]:
-        """A transaction in which the data folder is ours; OwnershipLost if it is not."""
-        with self._database.transaction():
+    def owned(self, durable: bool = False) -> Iterator[None]:
+        """A transaction in which the data folder is ours; OwnershipLost if it is not.
+
+        `durable`: somebody is told of what is written.
+        """
+        with self._database.transaction(durable):
             self._ownership.check()
             yield
 
@@ -71,9 +74,9 @@ class Leases:
             )
 
     @contextmanager
-    def holding(self, render_id: str, fence: int) -> Iterator[None]:
+    def holding(self, render_id: str, fence: int, durable: bool = False) -> Iterator[None]:
         """A transaction in which the render is ours and stays so; LeaseLost if it is not."""
-        with self.owned():
+        with self.owned(durable):
             if not self.holds(render_id, fence):
                 raise LeaseLost(render_id)
             yield

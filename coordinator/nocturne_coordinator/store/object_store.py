@@ -15,6 +15,7 @@ from urllib.parse import urlsplit
 
 import obstore
 from nocturne_scene.errors import InputError, NotFound
+from nocturne_scene.library_words import without_paths
 from nocturne_scene.replacing import replacing
 from obstore.exceptions import BaseError
 from obstore.store import LocalStore, S3Store
@@ -96,7 +97,7 @@ def _told(name: str) -> Iterator[None]:
         raise NotFound(f"there is no {name} in the object store") from None
     except BaseError as error:
         # The first line says what; the rest is the answer of the store, and long.
-        reason = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
+        reason = without_paths(str(error).splitlines()[0]) if str(error) else type(error).__name__
         raise ObjectStoreUnavailable(f"the object store does not take or give {name}: {reason}") from error
 
 

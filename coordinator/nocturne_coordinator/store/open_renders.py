@@ -6,14 +6,15 @@ from collections.abc import Iterator
 
 from nocturne.v1 import job_pb2
 
+from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.records import FailedTile, OpenRender, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.region import Region
 from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.leases import Leases
 
-_COLUMNS = """id, state, scene_sha256, engine, schedule, photons, rays, invalid_samples, cpu_seconds,
-    audited, refused, stop, priority, owner, ran_seconds, look_first, floating_point_profile,
+_COLUMNS = """id, state, scene_sha256, engine, schedule, photons, rays, invalid_samples, truncated_paths,
+    cpu_seconds, audited, refused, stop, priority, owner, ran_seconds, look_first, floating_point_profile,
     coalesce((SELECT weight FROM token WHERE token.name = render.owner), 100) AS owner_weight,
     coalesce((SELECT fence FROM lease WHERE lease.render_id = render.id), 0) AS fence,
     coalesce((SELECT coordinator.number FROM lease JOIN coordinator ON coordinator.number = lease.coordinator
@@ -29,10 +30,18 @@ class OpenRenders:
         self._leases = leases
 
     def all(self) -> list[OpenRender]:
-        """All that are to be worked on: by priority, then oldest first."""
+        """All that run, and of each owner those that are next: by priority, then oldest first."""
         rows = self._database.rows(
-            f"""SELECT {_COLUMNS} FROM render WHERE state IN ('QUEUED', 'RUNNING')
-                ORDER BY priority DESC, number"""  # noqa: S608
+            f"""SELECT {_COLUMNS} FROM render WHERE id IN (
+                    SELECT id FROM render WHERE state = 'RUNNING'
+                    UNION SELECT id FROM lease JOIN render ON id = render_id
+                        WHERE coordinator <> 0 AND state = 'QUEUED'
+                    UNION SELECT id FROM (
+                        SELECT id, row_number() OVER of_owner AS place FROM render WHERE state = 'QUEUED'
+                        WINDOW of_owner AS (PARTITION BY owner ORDER BY priority DESC, number)
+                    ) WHERE place <= ?)
+                ORDER BY priority DESC, number""",  # noqa: S608
+            (limits.MAX_NEXT_OF_OWNER,),
         )
         return [self._open_render(row) for row in rows]
 
@@ -71,7 +80,7 @@ class OpenRenders:
         )
         for index in indices:
             row = self._database.row(
-                """SELECT tile_index, samples, sums, invalid_samples FROM tile
+                """SELECT tile_index, samples, sums, invalid_samples, error_before FROM tile
                    WHERE render_id = ? AND tile_index = ?""",
                 (render_id, index["tile_index"]),
             )
@@ -92,6 +101,7 @@ class OpenRenders:
                 photons=row["photons"],
                 rays=row["rays"],
                 invalid_samples=row["invalid_samples"],
+                truncated_paths=row["truncated_paths"],
                 cpu_seconds=row["cpu_seconds"],
                 audited=row["audited"],
                 refused=row["refused"],

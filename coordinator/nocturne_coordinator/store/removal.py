@@ -7,12 +7,14 @@ called again, by any process, and does what is left to do.
 import re
 import shutil
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from google.protobuf.message import DecodeError, Message
 from nocturne.v1 import scene_pb2
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.errors import NotFound
+from nocturne_scene.replacing import sync
 
 from nocturne_coordinator.errors import WrongState
 from nocturne_coordinator.store.data_folder import DataFolder
@@ -64,11 +66,15 @@ def sweep(folder: DataFolder) -> None:
     ObjectStoreUnavailable; what is left is done the next time."""
     for render_id, files in folder.removals.open():
         _remove(folder.root / "images" / render_id)
+        _forget_names(folder.root / "images")
         # Who makes a render looks at its files in the transaction that makes it, so this is one too.
         with folder.database.transaction():
             unused = _unused(folder, files)
             for sha256 in unused:
                 folder.blobs.remove_here(sha256)
+            folder.uploads.forget(unused)
+        for sha256 in unused:
+            _forget_names(folder.blobs.root / sha256[:2])
         if folder.object_store is not None:
             folder.object_store.delete_all(f"images/{render_id}")
             for sha256 in unused:
@@ -83,6 +89,12 @@ def _remove(images: Path) -> None:
         shutil.rmtree(images, ignore_errors=True)
     if images.exists():
         raise OSError(f"{images} can't be removed")
+
+
+def _forget_names(folder: Path) -> None:
+    """What is gone from the folder does not come back after a power cut, when nobody would look for it."""
+    with suppress(FileNotFoundError):
+        sync(folder)
 
 
 def _unused(folder: DataFolder, files: list[str]) -> list[str]:

@@ -13,6 +13,7 @@ from nocturne_coordinator.dispatch.region import Region
 from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.errors import WrongState
 from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.quotas import NO_QUOTA, Quota, check_quota
 from nocturne_coordinator.store.renders import Renders, check_priority
 from nocturne_coordinator.store.rows import NewRender, RenderRow
 from nocturne_coordinator.store.tiles import Tiles
@@ -83,11 +84,13 @@ class RenderRequests:
         )
         return self._renders.get(render_id)
 
-    def extend(self, render_id: str, samples: int, stop: StopConditions) -> RenderRow:
+    def extend(
+        self, render_id: str, samples: int, stop: StopConditions, quota: Quota = NO_QUOTA
+    ) -> RenderRow:
         """More samples, or other conditions, for a render in any state but FAILED; nothing is traced again.
 
         `samples` is what each pixel is to have in all, at least as many as before; the conditions replace
-        those before. Repeating it changes nothing. Raises NotFound, InputError and WrongState.
+        those before. Repeating it changes nothing. Raises NotFound, InputError, WrongState and QuotaUsedUp.
         """
         with self._database.transaction():
             render = self._renders.get(render_id)
@@ -111,13 +114,14 @@ class RenderRequests:
                     render_id,
                 ),
             )
+            check_quota(self._database, render.owner, quota)
         return self._renders.get(render_id)
 
-    def replay(self, render_id: str, request_id: str, owner: str = "") -> RenderRow:
+    def replay(self, render_id: str, request_id: str, owner: str = "", quota: Quota = NO_QUOTA) -> RenderRow:
         """A render of the same scene and schedule, with the samples that each tile has now, by workers of the
         same floating-point profile: it gives the same bits.
 
-        Raises NotFound, WrongState where there are no samples, and Conflict.
+        Raises NotFound, WrongState where there are no samples, Conflict and QuotaUsedUp.
         """
         original = self._renders.get(render_id)
         manifest = self._tiles.manifest(render_id)
@@ -136,7 +140,8 @@ class RenderRequests:
                 stop=StopConditions(tile_samples=manifest),
                 owner=owner,
                 floating_point_profile=original.floating_point_profile,
-            )
+            ),
+            quota,
         )
 
     def _change_state(self, render_id: str, to: str, reason: str, of: tuple[str, ...]) -> None:

@@ -13,19 +13,23 @@ from pathlib import Path
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.errors import InputError, NotFound, Problem
-from nocturne_scene.ranges import TileGrid
+from nocturne_scene.ranges import XYZ_SUMS, TileGrid
 
 from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.records import ErrorPoint, RenderState
 from nocturne_coordinator.dispatch.stopping import StopConditions, check_tile_samples
 from nocturne_coordinator.errors import AmbiguousId, Conflict, FilesGone
 from nocturne_coordinator.store.database import Database
-from nocturne_coordinator.store.rows import NewRender, RenderRow
+from nocturne_coordinator.store.quotas import NO_QUOTA, Quota, check_quota
+from nocturne_coordinator.store.rows import MergedTotals, NewRender, RenderRow
 
 _COLUMNS = ", ".join(field.name for field in fields(RenderRow))
 
 # SQLite integers are signed 64 bits.
 _NEWEST = 2**63 - 1
+
+# X, Y, Z, R, G, B, the error of Y and the samples, 4 bytes each.
+_EXR_CHANNELS = 8
 
 
 class Renders:
@@ -36,20 +40,23 @@ class Renders:
         self._database = database
         self._blob_here = blob_here
 
-    def create(self, new: NewRender) -> RenderRow:
-        """Queues a render; the same request again gives the render made before.
+    def create(self, new: NewRender, quota: Quota = NO_QUOTA) -> RenderRow:
+        """Queues a render; the same request of the same owner again gives the render made before.
 
-        Raises InputError for a bad request id or name, Conflict if the id was used with other content,
-        FilesGone if a file of the scene is not there any more.
+        Raises InputError for a bad request id or name, Conflict if the owner used the id with other content,
+        FilesGone if a file of the scene is not there any more, QuotaUsedUp if the owner would have too much.
         """
         _check_texts(new)
         digest = _request_digest(new)
         with self._database.transaction():
             before = self._database.row(
-                "SELECT id, request_digest FROM render WHERE request_id = ?", (new.request_id,)
+                "SELECT id, request_digest FROM render WHERE owner = ? AND request_id = ?",
+                (new.owner, new.request_id),
             )
             if before is None:
-                return self.get(self._insert(new, digest))
+                made = self.get(self._insert(new, digest))
+                check_quota(self._database, new.owner, quota)
+                return made
             if before["request_digest"] != digest:
                 raise Conflict(f"request_id {new.request_id!r} was used before with other content")
             return self.get(before["id"])
@@ -64,8 +71,9 @@ class Renders:
         self._database.execute(
             """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
                    photons_per_sample, scene_sha256, engine, created, ranges_planned, schedule,
-                   scene_document, stop, priority, owner, tiles, floating_point_profile)
-               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
+                   scene_document, stop, priority, owner, tiles, floating_point_profile, quantity,
+                   stored_bytes)
+               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
             (
                 render_id,
                 new.request_id,
@@ -86,13 +94,26 @@ class Renders:
                 new.owner,
                 tiles,
                 new.floating_point_profile,
+                new.schedule.quantity,
+                self._bytes_of(new),
             ),
         )
         return render_id
 
-    def find_request(self, request_id: str) -> RenderRow | None:
-        """The render that this request id made, if there is one."""
-        row = self._database.row(f"SELECT {_COLUMNS} FROM render WHERE request_id = ?", (request_id,))  # noqa: S608
+    def _bytes_of(self, new: NewRender) -> int:
+        """What the render takes of the disk when it is done: sums, image, scene and its files."""
+        further = len(new.schedule.further_responses)
+        pixel = 8 * (XYZ_SUMS + further) + 4 * (_EXR_CHANNELS + further)
+        files = (self._blob_here(sha256) for sha256 in new.files)
+        here = sum(file.stat().st_size for file in files if file is not None)
+        return new.width * new.height * pixel + len(new.scene_document) + here
+
+    def find_request(self, owner: str, request_id: str) -> RenderRow | None:
+        """The render that the owner made with this request id, if there is one."""
+        row = self._database.row(
+            f"SELECT {_COLUMNS} FROM render WHERE owner = ? AND request_id = ?",  # noqa: S608
+            (owner, request_id),
+        )
         return None if row is None else _render_row(row)
 
     def get(self, render_id: str) -> RenderRow:
@@ -102,12 +123,16 @@ class Renders:
             raise NotFound(f"there is no render {render_id!r}")
         return _render_row(row)
 
-    def find(self, start: str) -> RenderRow:
-        """The render with this id, or the one whose id begins so. Raises NotFound, AmbiguousId."""
+    def find(self, start: str, owner: str | None = None) -> RenderRow:
+        """The render with this id, or the one whose id begins so; of one owner only, or of all.
+
+        Raises NotFound, AmbiguousId.
+        """
         # No character of an id comes after the last that there is, so all that begin so lie below it.
         rows = self._database.rows(
-            f"SELECT {_COLUMNS} FROM render WHERE id >= ? AND id < ? ORDER BY id LIMIT ?",  # noqa: S608
-            (start, start + chr(sys.maxunicode), limits.IDS_SHOWN + 1),
+            f"""SELECT {_COLUMNS} FROM render WHERE id >= ?1 AND id < ?2 AND (?3 IS NULL OR owner = ?3)
+                ORDER BY id LIMIT ?4""",  # noqa: S608
+            (start, start + chr(sys.maxunicode), owner, limits.IDS_SHOWN + 1),
         )
         if not rows or not start:
             raise NotFound(f"there is no render {start!r}")
@@ -118,17 +143,21 @@ class Renders:
         more = ", and more" if len(rows) > limits.IDS_SHOWN else ""
         raise AmbiguousId(f"more than one render has an id that begins with {start!r}: {shown}{more}")
 
-    def page(self, page_size: int, page_token: str) -> tuple[list[RenderRow], str]:
-        """Newest first; the next page's token, empty on the last. A page size of 0 means 50, at most 200.
+    def page(self, page_size: int, page_token: str, owner: str | None = None) -> tuple[list[RenderRow], str]:
+        """Newest first, of one owner or of all; the next page's token, empty on the last.
+
+        A page size of 0 means 50, at most 200 come.
 
         Raises InputError for a page token that was not given out, or a negative size.
         """
         if page_size < 0:
             raise InputError.at("page_size", f"is {page_size}; expected 0 to {limits.MAX_PAGE}")
         size = min(page_size or limits.DEFAULT_PAGE, limits.MAX_PAGE)
+        of_owner = "" if owner is None else "owner = ? AND"
         rows = self._database.rows(
-            f"SELECT number, {_COLUMNS} FROM render WHERE number < ? ORDER BY number DESC LIMIT ?",  # noqa: S608
-            (_decode_page_token(page_token), size + 1),
+            f"""SELECT number, {_COLUMNS} FROM render WHERE {of_owner} number < ?
+                ORDER BY number DESC LIMIT ?""",  # noqa: S608
+            (*(() if owner is None else (owner,)), _decode_page_token(page_token), size + 1),
         )
         token = _encode_page_token(rows[size - 1]["number"]) if len(rows) > size else ""
         return [_render_row(row) for row in rows[:size]], token
@@ -175,10 +204,15 @@ class Renders:
         )
         return int(row["open"] or 0) if row is not None else 0
 
-    def spent(self) -> tuple[int, float]:
-        """Photons merged and processor seconds, of all renders."""
-        row = self._database.row("SELECT sum(photons) AS photons, sum(cpu_seconds) AS cpu FROM render")
-        return (int(row["photons"] or 0), float(row["cpu"] or 0.0)) if row is not None else (0, 0.0)
+    def totals(self) -> MergedTotals:
+        """What was merged of all renders, and what it cost."""
+        row = self._database.row(
+            "SELECT sum(photons / photons_per_sample) AS samples, sum(rays) AS rays, "
+            "sum(cpu_seconds) AS cpu FROM render"
+        )
+        if row is None:
+            return MergedTotals(0, 0, 0.0)
+        return MergedTotals(int(row["samples"] or 0), int(row["rays"] or 0), float(row["cpu"] or 0.0))
 
 
 def _render_row(row: sqlite3.Row) -> RenderRow:

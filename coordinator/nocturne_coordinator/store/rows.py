@@ -56,12 +56,22 @@ class RenderRow:
     photons: int
     rays: int
     invalid_samples: int
+    quantity: str
+    """What Y measures; see nocturne_scene.quantities."""
+    truncated_paths: int
     relative_error: float
     worst_share: float
     effective_pixels: float
-    """How the variance is spread at the last preview; see images.Spread."""
+    mean: float
+    mean_error: float
+    unseen_pixels: int
+    """At the last preview; see error_estimate.ErrorEstimate."""
+    doubt: str
+    """Why the error is not to be trusted; empty: it is."""
     photons_per_second: float
     cpu_seconds: float
+    ran_seconds: float
+    """Of running, pauses left out."""
     stop: StopConditions
     priority: int
     owner: str
@@ -115,3 +125,12 @@ class RatePoint:
     unix_time: float
     threads: int
     rays_per_second: float
+
+
+@dataclass(frozen=True, slots=True)
+class MergedTotals:
+    """What was merged of all renders, and the workers' processor time for it in seconds."""
+
+    samples: int
+    rays: int
+    cpu_seconds: float

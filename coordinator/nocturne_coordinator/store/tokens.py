@@ -3,7 +3,7 @@
 import hashlib
 import secrets
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Set
 from dataclasses import dataclass
 
 from nocturne_scene.errors import InputError, NotFound
@@ -13,8 +13,8 @@ from nocturne_coordinator.limits import DEFAULT_PRIORITY, MAX_NAME, MAX_PRIORITY
 from nocturne_coordinator.store.database import Database
 
 SCOPES = ("read", "submit", "worker", "admin")
-"""read: see everything. submit: read, upload, and do anything to one's own renders. worker: fetch assets.
-admin: all."""
+"""read: see everybody's renders. submit: upload, make renders, see and change one's own. worker: fetch
+assets. admin: all. A token may have several."""
 
 PREFIX = "nct_"
 """So that a token that got somewhere by mistake is known for what it is."""
@@ -70,6 +70,11 @@ class Tokens:
     def list(self) -> "list[Token]":
         """All, oldest first."""
         return [_token(dict(row)) for row in self._database.rows(f"{_SELECT} ORDER BY created")]
+
+    def revoked(self, names: Set[str]) -> Set[str]:
+        """Those of the tokens, by name, that let nobody in."""
+        rows = self._database.rows("SELECT name FROM token WHERE revoked = 0")
+        return names - {str(row["name"]) for row in rows}
 
     def revoke(self, name: str) -> None:
         """From now on nobody gets in with it. Raises NotFound."""

@@ -46,6 +46,8 @@ class WebhookMessage:
     name: str
     state: str
     reason: str
+    doubt: str
+    """Why the image's error is not to be trusted; empty: it is."""
     unix_time: float
     attempts: int
 
@@ -99,7 +101,7 @@ class Webhooks:
         with self._database.transaction():
             rows = self._database.rows(
                 """SELECT number, webhook_id, url, secret, message_id, render_id, name, state, reason,
-                       unix_time, attempts
+                       doubt, unix_time, attempts
                    FROM webhook_message JOIN webhook ON webhook.id = webhook_id
                    WHERE due <= ? ORDER BY due, number LIMIT ?""",
                 (now, most),

@@ -28,7 +28,7 @@ class WorkerRecords:
 
     def quarantine(self, worker_id: str, reason: str, now: float) -> None:
         """Takes no more results of a worker, until somebody releases it."""
-        with self._leases.owned():
+        with self._leases.owned(durable=True):
             if self._database.execute(
                 "INSERT OR IGNORE INTO quarantine VALUES (?, ?, ?)", (worker_id, reason, now)
             ):
@@ -40,7 +40,7 @@ class WorkerRecords:
         A render that had ended is worked on again, until each tile has the samples that it had. Whoever has
         one of them in memory has lost it.
         """
-        with self._leases.owned():
+        with self._leases.owned(durable=True):
             rows = self._database.rows(
                 """SELECT DISTINCT render_id, state FROM contribution JOIN render ON render.id = render_id
                    WHERE worker_id = ?""",

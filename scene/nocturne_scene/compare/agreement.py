@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy import special
 
 Values = NDArray[np.float64]
 
@@ -138,7 +138,7 @@ def _p_values(
     weighed: Values = np.sum([part**2 / (degrees * spread) for part, degrees in parts], axis=0)
     degrees = np.divide(variance**2, weighed, out=np.full_like(variance, np.inf), where=weighed > 0)
     z = np.divide(np.abs(difference), np.sqrt(variance), out=np.zeros_like(variance), where=variance > 0)
-    p = np.where(np.isfinite(degrees), 2 * stats.t.sf(z, np.minimum(degrees, 1e9)), 2 * stats.norm.sf(z))
+    p = np.where(np.isfinite(degrees), 2 * special.stdtr(np.minimum(degrees, 1e9), -z), 2 * special.ndtr(-z))
     return np.where(variance > 0, p, np.where(np.abs(difference) <= rounding, 1.0, 0.0))
 
 

@@ -4,7 +4,7 @@ A checked document in, the tracer's message and its blobs out, addressed by cont
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import islice
 
 from nocturne.v1 import scene_pb2
@@ -23,6 +23,7 @@ from nocturne_scene.compile.surfaces import Surfaces
 from nocturne_scene.compile.textures import Textures
 from nocturne_scene.compile.tracing import compile_tracing
 from nocturne_scene.compile.unseen import met_surfaces
+from nocturne_scene.compile.warnings import warnings_of
 from nocturne_scene.compile.wavelengths import put_wavelength_density
 from nocturne_scene.compile.workspace import Workspace
 from nocturne_scene.document import bounds
@@ -43,6 +44,8 @@ class CompiledOutput:
 
     scene_sha256: str
     dropped: list[str]
+    warnings: list[str] = field(default_factory=list)
+    """What can hardly be meant, in words with their places."""
 
 
 def compile_scene(document: SceneDocument, blobs: BlobStore) -> CompiledOutput:
@@ -58,7 +61,7 @@ def compile_scene(document: SceneDocument, blobs: BlobStore) -> CompiledOutput:
     finally:
         workspace.clean_up()
     scene_sha256 = blobs.put(message.SerializeToString(deterministic=True))
-    return CompiledOutput(scene_sha256, workspace.dropped)
+    return CompiledOutput(scene_sha256, workspace.dropped, workspace.warnings)
 
 
 def _compile(workspace: Workspace) -> scene_pb2.CompiledScene:
@@ -100,6 +103,7 @@ def _compile(workspace: Workspace) -> scene_pb2.CompiledScene:
         compile_tracing(workspace, message, scatters=kernels.scatters() or media.scatters())
     )
     workspace.report_unused()
+    workspace.warnings.extend(warnings_of(workspace.document, shapes))
     return message
 
 

@@ -8,10 +8,42 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile.sensors import unit, vector
 from nocturne_scene.compile.workspace import Unusable, Workspace
-from nocturne_scene.document.luminaires import EnvironmentMap
+from nocturne_scene.document.luminaires import EnvironmentMap, StandardSky
 from nocturne_scene.spectra import rgb as rgb_spectra
 from nocturne_scene.spectra import tables as spectra
-from nocturne_scene.textures import environment_maps
+from nocturne_scene.textures import environment_maps, standard_skies
+
+_SKY_ROWS, _SKY_COLUMNS = 256, 512
+"""Texels of a standard sky, which has no detail finer than some degrees: 0.3 msr each."""
+
+
+def compile_sky(workspace: Workspace, sky: StandardSky) -> scene_pb2.EnvironmentMap:
+    """Return a standard sky as a map, with z up and the Sun at azimuth 0."""
+    z = unit(np.array(sky.up))
+    sun = unit(np.array(sky.sun)) if sky.sun is not None else z
+    luminances = standard_skies.texels(sky.cie, float(sun @ z), _SKY_ROWS, _SKY_COLUMNS)
+    if sky.zenith_luminance is not None:
+        luminances = luminances * sky.zenith_luminance
+    else:
+        luminances = luminances * ((sky.illuminance or 0.0) / standard_skies.illuminance(luminances))
+    # Of one colour, so of one shape: that of white, times a scale.
+    scale, coefficients = rgb_spectra.emission(np.ones(3))
+    texels = np.empty((_SKY_ROWS, _SKY_COLUMNS, 4))
+    texels[..., 0], texels[..., 1:] = luminances * float(scale), coefficients
+    ahead = sun - (sun @ z) * z
+    if np.linalg.norm(ahead) < 1e-9:
+        ahead = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
+    x = unit(ahead)
+    _, d65 = rgb_spectra.d65_of_luminance(1.0)
+    return scene_pb2.EnvironmentMap(
+        blob=workspace.keep(texels.astype("<f4").tobytes()),
+        columns=_SKY_COLUMNS,
+        rows=_SKY_ROWS,
+        spectrum=workspace.spectra.index_of(spectra.at_visible(d65)),
+        x=vector(x),
+        y=vector(np.cross(z, x)),
+        z=vector(z),
+    )
 
 
 def compile_map(workspace: Workspace, environment: EnvironmentMap) -> scene_pb2.EnvironmentMap:

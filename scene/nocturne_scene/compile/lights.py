@@ -1,11 +1,12 @@
 """What emits: luminaires on surfaces, the environment, discs at infinity; and important directions."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from nocturne.v1 import scene_pb2
 
-from nocturne_scene.compile.environment import compile_map
+from nocturne_scene.compile.environment import compile_map, compile_sky
 from nocturne_scene.compile.photometry import compile_profile
 from nocturne_scene.compile.placement import placement_of
 from nocturne_scene.compile.sensors import unit, vector
@@ -18,6 +19,7 @@ from nocturne_scene.document.luminaires import (
     DistantDisc,
     Luminaire,
     PhotometricProfile,
+    StandardSky,
 )
 from nocturne_scene.document.problems import path
 from nocturne_scene.document.shapes import Sphere
@@ -45,8 +47,8 @@ class Lights:
             return None
         message = scene_pb2.Luminaire(surface=index, two_sided=luminaire.two_sided)
         with self._workspace.problems_at(f"{place}.luminaire"):
-            flux = isinstance(luminaire.profile, PhotometricProfile)
-            colour = self._textures.radiance(luminaire.radiance, ".radiance", normalised=flux)
+            luminance_of = self._amount(surface, luminaire, in_group=in_group)
+            colour = self._textures.radiance(luminaire.radiance, ".radiance", luminance_of=luminance_of)
             self._report_lines(luminaire.radiance, f"{place}.luminaire.radiance")
             if colour is None:
                 self._workspace.dropped.append(f"{place}.luminaire: emits no visible light")
@@ -67,6 +69,35 @@ class Lights:
             self._put_profile(message, surface, luminaire)
             return message
         return None
+
+    def _amount(
+        self, surface: Surface, luminaire: Luminaire, *, in_group: bool
+    ) -> Callable[[scene_pb2.Spectrum], float] | None:
+        """The luminance at normal incidence, cd/m2, that a luminaire's flux or exitance comes to, from its
+        spectrum at 1 cd/m2; None: its radiance says it."""
+        if isinstance(luminaire.profile, PhotometricProfile):
+            return lambda _: 1.0
+        power = luminaire.profile.cosine_power if isinstance(luminaire.profile, CosineProfile) else 0.0
+        # Exitance over luminance: the integral of cos^(power + 1) over the hemisphere.
+        factor = 2 * math.pi / (power + 2)
+        if luminaire.exitance is not None:
+            from_exitance = luminaire.exitance / factor
+            return lambda _: from_exitance
+        flux = luminaire.lumens or luminaire.watts
+        if flux is None:
+            return None
+        if in_group:
+            raise Unusable(
+                "is the flux of one surface, and instances show this one again, perhaps larger; give its "
+                "exitance or its radiance",
+                ".lumens" if luminaire.lumens else ".watts",
+            )
+        area = self._shapes.area(surface.shape) * surface.scale**2 * (2 if luminaire.two_sided else 1)
+        per_unit = flux / (factor * area)
+        if luminaire.watts is None:
+            return lambda _: per_unit
+        ones = np.ones(published.visible_wavelengths().shape)
+        return lambda spectrum: per_unit / float(spectra.integral(spectrum, ones))
 
     def _put_profile(self, message: scene_pb2.Luminaire, surface: Surface, luminaire: Luminaire) -> None:
         match luminaire.profile:
@@ -95,6 +126,8 @@ class Lights:
         if environment is None:
             return None
         with self._workspace.problems_at("$.environment"):
+            if isinstance(environment, StandardSky):
+                return scene_pb2.Environment(map=compile_sky(self._workspace, environment))
             if not isinstance(environment, ConstantEnvironment):
                 return scene_pb2.Environment(map=compile_map(self._workspace, environment))
             radiance = self._emission(environment.radiance, ".radiance")

@@ -20,21 +20,36 @@ _STEP = 1024.0
 """m, the grid of origins: cameras that stand side by side share their meshes' blobs, and most scenes have
 the document's own origin."""
 
+_FAR_AWAY = 100.0
+"""Sizes of all surfaces together from which they are seen from afar: then theirs must be the fine numbers."""
+
 _Point = NDArray[np.float64]
 
 
 def frame_of(document: SceneDocument, shapes: Shapes) -> Similarity:
-    """Return what comes after every placement: a shift to the sensor if all surfaces are that far out."""
+    """Return what comes after every placement: a shift to the sensor if all surfaces are that far out; to the
+    surfaces if they are far from both."""
     sensor = np.array(document.sensor.position)
-    origin = _STEP * np.round(sensor / _STEP)
-    if not np.any(origin):
-        return IDENTITY
-    here, there = np.inf, np.inf
+    there, here = np.inf, np.inf
+    all_low, all_high = np.full(3, np.inf), np.full(3, -np.inf)
     for low, high in _extents(document, shapes):
         there = min(there, _distance(sensor, low, high))
         here = min(here, _distance(np.zeros(3), low, high))
+        all_low, all_high = np.minimum(all_low, low), np.maximum(all_high, high)
+    if not np.isfinite(here):
+        return IDENTITY
+    # How large instances are, and what holds media, is not known here.
+    only_surfaces = not (document.instances or document.media or document.atmosphere)
+    far_away = max(_FAR_AWAY * float(np.max(all_high - all_low)), _STEP)
+    if only_surfaces and min(here, there) > far_away:
+        return _shift(0.5 * (all_low + all_high), 1.0)
     far_out = here > 0.5 * float(np.linalg.norm(sensor))
-    return Similarity(1.0, np.eye(3), -origin) if far_out and there < 0.5 * here else IDENTITY
+    return _shift(sensor, _STEP) if far_out and there < 0.5 * here else IDENTITY
+
+
+def _shift(to: _Point, step: float) -> Similarity:
+    origin = step * np.round(to / step)
+    return Similarity(1.0, np.eye(3), -origin) if np.any(origin) else IDENTITY
 
 
 def _extents(document: SceneDocument, shapes: Shapes) -> Iterator[tuple[_Point, _Point]]:

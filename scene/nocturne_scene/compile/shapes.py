@@ -1,5 +1,6 @@
 """Shapes where they stand, as messages and blobs."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -65,6 +66,29 @@ class Shapes:
             case InlineMesh():
                 return np.array(shape.vertices)
         return _simple(shape).vertices
+
+    def triangles(self, shape: Shape) -> Triangles:
+        """A shape that consists of triangles, before its placement. Raises Unusable, UnusableMeshError."""
+        match shape:
+            case Sphere() | MediumBox():
+                raise Unusable("is no shape of triangles", ".shape")
+            case InlineMesh():
+                try:
+                    return inline_mesh(shape)
+                except BadVertexError as error:
+                    raise Unusable(error.reason, f".vertices[{error.index}]") from None
+            case AssetMesh():
+                return self._asset(shape)
+        return _simple(shape)
+
+    def area(self, shape: Shape) -> float:
+        """Area of a shape before its placement, m2. Raises Unusable, UnusableMeshError."""
+        if isinstance(shape, Sphere):
+            return 4 * math.pi * shape.radius**2
+        mesh = self.triangles(shape)
+        corners = mesh.vertices[mesh.indices]
+        edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        return float(np.linalg.norm(np.cross(*edges), axis=-1).sum()) / 2
 
     def is_flat(self, shape: Shape) -> bool:
         """Whether a shape lies in a plane, within a ten-thousandth of its size."""

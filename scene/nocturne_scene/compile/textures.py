@@ -1,5 +1,6 @@
 """Textures, and values that may vary by one."""
 
+from collections.abc import Callable
 from typing import Literal
 
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
@@ -50,11 +51,15 @@ class Textures:
         return scene_pb2.Colour(spectrum=spectrum, texture=self._colour_use(value, suffix))
 
     def radiance(
-        self, value: Reference | ColourTexture, suffix: str, *, normalised: bool = False
+        self,
+        value: Reference | ColourTexture,
+        suffix: str,
+        *,
+        luminance_of: Callable[[scene_pb2.Spectrum], float] | None = None,
     ) -> scene_pb2.Colour | None:
         """Return a radiance that may vary, None if it is black; raises Unusable.
 
-        `normalised`: scaled to the luminance of 1 cd/m2.
+        `luminance_of`: which luminance the spectrum is to have, cd/m2, from it at 1 cd/m2; None: as it is.
         """
         texture = value if isinstance(value, ColourTexture) else None
         if texture is not None:
@@ -65,8 +70,10 @@ class Textures:
             )
             if spectra.is_black(message):
                 return None
-            if normalised:
+            if luminance_of is not None:
                 message = spectra.scaled_to_luminance(message, 1.0)
+                message = spectra.scaled_to_luminance(message, luminance_of(message))
+                spectra.check_finite(message)
         except spectra.NotCompilableError as error:
             raise Unusable(str(error), suffix) from None
         colour = scene_pb2.Colour(spectrum=self._workspace.spectra.index_of(message))

@@ -10,8 +10,7 @@ from nocturne_scene.document.tracing import Mixture, Tracing
 # Part of the weight for what is aimed at, where the document does not say.
 AIMED = 0.35
 
-# Interactions of a photon where the document does not say, without and with media.
-DEPTH = 1000
+# Interactions of a photon where the document does not say.
 NO_LIMIT = 0
 
 _SEQUENCES = {
@@ -61,7 +60,7 @@ def compile_tracing(
         h=_H[tracing.roulette] if tracing.h is None else tracing.h,
         roulette=_ROULETTES[tracing.roulette],
         roulette_after=tracing.roulette_after,
-        maximum_depth=_depth(tracing, scene),
+        maximum_depth=NO_LIMIT if tracing.maximum_depth is None else tracing.maximum_depth,
         weight_kernel=share["kernel"],
         weight_luminaires=share["luminaires"],
         weight_uniform=share["uniform"],
@@ -100,12 +99,6 @@ def _aimed_emission(workspace: Workspace, scene: scene_pb2.CompiledScene) -> flo
         return tracing.aimed_emission
     workspace.dropped.append(f"$.tracing.aimed_emission: {why}")
     return 0.0
-
-
-def _depth(tracing: Tracing, scene: scene_pb2.CompiledScene) -> int:
-    if tracing.maximum_depth is not None:
-        return tracing.maximum_depth
-    return NO_LIMIT if scene.media else DEPTH
 
 
 def _group(tracing: Tracing, scene: scene_pb2.CompiledScene) -> int:

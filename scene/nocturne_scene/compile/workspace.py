@@ -67,6 +67,7 @@ class Workspace:
         self.notes: dict[str, str] = {}
         """To be noted in the blob store once they are written, by what they are about."""
         self.dropped: list[str] = []
+        self.warnings: list[str] = []
         self.problems: list[Problem] = []
         self.spectra: Pool[scene_pb2.Spectrum] = Pool()
         self.kernels: Pool[scene_pb2.Kernel] = Pool()

@@ -116,7 +116,7 @@ def _luminaire_problems(document: SceneDocument, surface: Surface, place: str) -
     if luminaire is None:
         return
     used, at = _spectrum_of(luminaire.radiance, f"{place}.luminaire.radiance")
-    relative = isinstance(luminaire.profile, PhotometricProfile)
+    relative = isinstance(luminaire.profile, PhotometricProfile) or luminaire.has_amount
     yield from radiance_problems(resolve_spectrum(document, used), used, at, may_be_relative=relative)
 
 

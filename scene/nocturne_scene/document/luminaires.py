@@ -10,7 +10,8 @@ from nocturne_scene.document.node import Node, chosen_by_key, problem_at
 from nocturne_scene.document.placement import Placement
 from nocturne_scene.document.shapes import ShapeDefinition, length, parallel, refuse_without_size
 from nocturne_scene.document.spectra import SpectrumReference
-from nocturne_scene.document.textures import ColourReference
+from nocturne_scene.document.textures import ColourReference, ColourTexture
+from nocturne_scene.textures import standard_skies
 
 
 class CosineProfile(Node):
@@ -78,7 +79,19 @@ Profile = Annotated[
 class Luminaire(Node):
     """What makes a surface emit light."""
 
-    radiance: ColourReference = Field(description="Spectral radiance, W m⁻² sr⁻¹ nm⁻¹.")
+    radiance: ColourReference = Field(
+        description="Spectral radiance, W m⁻² sr⁻¹ nm⁻¹; with `lumens`, `watts` or `exitance` only the "
+        "spectrum's shape counts."
+    )
+    lumens: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] | None = Field(
+        default=None, description="Luminous flux of the whole surface, of both sides if both emit, lm."
+    )
+    watts: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] | None = Field(
+        default=None, description="The same as radiant flux from 360 to 830 nm, W."
+    )
+    exitance: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] | None = Field(
+        default=None, description="Luminous exitance of a side that emits, lm m⁻²."
+    )
     two_sided: Switch = Field(
         default=False,
         description="Emit from both sides; otherwise only from the side that the normal points to.",
@@ -87,6 +100,26 @@ class Luminaire(Node):
         default=None,
         description="How the radiance depends on direction. Default: the same in all directions.",
     )
+
+    @property
+    def has_amount(self) -> bool:
+        """Whether something else than its radiance says how much light there is."""
+        return any(each is not None for each in (self.lumens, self.watts, self.exitance))
+
+    @model_validator(mode="after")
+    def _has_one_amount(self) -> Self:
+        given = [name for name in ("lumens", "watts", "exitance") if getattr(self, name) is not None]
+        if len(given) > 1:
+            raise problem_at(
+                f".{given[1]}", f"expected one of lumens, watts and exitance, found {' and '.join(given)}"
+            )
+        if given and isinstance(self.profile, PhotometricProfile):
+            raise problem_at(
+                f".{given[0]}", "a photometric file says how much light there is; scale it by profile.lumens"
+            )
+        if given and isinstance(self.radiance, ColourTexture):
+            raise problem_at(f".{given[0]}", "can't scale a radiance with a texture; scale its spectrum")
+        return self
 
     @model_validator(mode="before")
     @classmethod
@@ -134,11 +167,53 @@ class EnvironmentMap(Node):
         return self
 
 
+class StandardSky(Node):
+    """A CIE standard general sky (CIE S 011:2003), in the light of D65, without the Sun's disc, over a dark
+    ground.
+
+    1 is the overcast sky with a steep gradation, 5 a sky of uniform luminance, 12 the clear sky of low
+    turbidity; 16 is the older overcast sky. Give one of `zenith_luminance` and `illuminance`. The Sun is a
+    disc in `distant`.
+    """
+
+    cie: Annotated[int, Field(strict=True, ge=1, le=standard_skies.OVERCAST)] = Field(
+        description="Type of the sky, 1 to 16."
+    )
+    sun: Vector | None = Field(
+        default=None, description="Towards the Sun, above the horizon. Not needed for types 1, 3, 5 and 16."
+    )
+    zenith_luminance: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] | None = Field(
+        default=None, description="Luminance of the zenith, cd/m²."
+    )
+    illuminance: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] | None = Field(
+        default=None, description="Illuminance of level ground by the whole sky without the Sun, lx."
+    )
+    up: Vector = Field(default=(0.0, 1.0, 0.0), description="Direction of the zenith.")
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if (self.zenith_luminance is None) == (self.illuminance is None):
+            raise problem_at("", "expected one of zenith_luminance and illuminance")
+        if length(self.up) < bounds.MIN_LENGTH:
+            raise problem_at(".up", "up has no length")
+        if self.sun is None:
+            if standard_skies.needs_sun(self.cie):
+                raise problem_at(".sun", f"missing; sky {self.cie} is brighter near the Sun")
+            return self
+        if length(self.sun) < bounds.MIN_LENGTH:
+            raise problem_at(".sun", "sun has no length")
+        if sum(one * other for one, other in zip(self.sun, self.up, strict=True)) <= 0:
+            raise problem_at(".sun", "is below the horizon; these skies are those of the day")
+        return self
+
+
 _environment_check, _environment_choice = chosen_by_key(
-    {"asset": "<map>", "radiance": "<constant radiance>"}, _only_objects, ""
+    {"asset": "<map>", "radiance": "<constant radiance>", "cie": "<standard sky>"}, _only_objects, ""
 )
 EnvironmentDefinition = Annotated[
-    Annotated[ConstantEnvironment, Tag("<constant radiance>")] | Annotated[EnvironmentMap, Tag("<map>")],
+    Annotated[ConstantEnvironment, Tag("<constant radiance>")]
+    | Annotated[EnvironmentMap, Tag("<map>")]
+    | Annotated[StandardSky, Tag("<standard sky>")],
     _environment_choice,
     _environment_check,
 ]

@@ -77,6 +77,7 @@ _ORDER = (
     "PhotometricProfile",
     "ConstantEnvironment",
     "EnvironmentMap",
+    "StandardSky",
     "DistantDisc",
     "ImportantDirection",
     "ConstantSpectrum",

@@ -57,9 +57,8 @@ class Tracing(Node):
     maximum_depth: Annotated[int, Field(strict=True, ge=1, le=bounds.DEPTH)] | None = Field(
         default=None,
         description="Interactions with surfaces and media after which a photon is absorbed; what it passes "
-        "straight through, as a pane or a mask, does not count. Default: 1000; "
-        "none in a scene with media, where a photon ends by leaving, or by roulette once absorption has made "
-        "it light.",
+        "straight through, as a pane or a mask, does not count. Default: no limit; "
+        "a photon ends by leaving, or by roulette once absorption has made it light.",
     )
     estimator: Literal["two_photons", "mixture", "split"] = Field(
         default="two_photons",

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from nocturne_scene.library_words import without_paths
 from nocturne_scene.programs import find_program
 
 PROGRAM = "nocturne-grid"
@@ -121,5 +122,5 @@ def _run(*words: str | Path) -> bytes:
         raise UnusableGridError(f"took longer than {_TIMEOUT} s") from None
     if done.returncode != 0:
         said = done.stderr.decode("utf-8", "replace").strip().splitlines() or ["no reason given"]
-        raise UnusableGridError(said[-1].removeprefix(f"{PROGRAM}: ")[:1000])
+        raise UnusableGridError(without_paths(said[-1].removeprefix(f"{PROGRAM}: "), 1000))
     return done.stdout

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from trimesh.resolvers import Resolver
 
 from nocturne_scene.document.fields import MeshFormat
+from nocturne_scene.library_words import without_paths
 from nocturne_scene.meshes.headers import UnusableMeshError, check_counts, check_header
 from nocturne_scene.meshes.triangles import Triangles, check_indices, merge
 
@@ -80,9 +81,16 @@ def _load(file: BinaryIO, file_format: MeshFormat) -> trimesh.Scene:
     except MemoryError:
         raise UnusableMeshError("the file needs more memory than there is") from None
     except Exception as error:
-        raise UnusableMeshError(
-            f"not a usable {file_format} file: {type(error).__name__}: {str(error)[:200]}"
-        ) from error
+        raise UnusableMeshError(f"not a usable {file_format} file: {_words_of(error)}") from error
+
+
+def _words_of(error: Exception) -> str:
+    """What the loader means; what it says of its own variables and indices helps no one."""
+    if isinstance(error, IndexError):
+        return "a number in it points beyond what there is"
+    if isinstance(error, ValueError | FileNotFoundError):
+        return without_paths(str(error))
+    return "something that it needs is missing in it"
 
 
 def _has_coordinates_of_corners(file: BinaryIO) -> bool:

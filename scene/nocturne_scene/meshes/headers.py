@@ -19,6 +19,7 @@ _PLY_TYPE_BYTES = {
     **dict.fromkeys(("int", "uint", "int32", "uint32", "float", "float32"), 4),
     **dict.fromkeys(("double", "float64"), 8),
 }
+_PLY_FORMAT = re.compile(rb"^format (ascii|binary_little_endian|binary_big_endian) 1\.0\s*$", re.MULTILINE)
 _STL_HEADER_BYTES = 84
 _STL_TRIANGLE_BYTES = 50
 _GLTF_JSON_BYTES = 64 * 2**20
@@ -59,18 +60,29 @@ def _check_ply(file: BinaryIO, size: int) -> None:
     header, end, _ = head.partition(b"end_header")
     if not head.startswith(b"ply") or not end:
         raise UnusableMeshError("not a PLY file: no header")
+    if not _PLY_FORMAT.search(header):
+        raise UnusableMeshError('not a PLY file: its header has no line "format ascii 1.0", or binary')
     binary = b"format binary" in header
     counts: dict[str, int] = {}
+    properties: dict[str, list[str]] = {}
     name, needed = "", 0
     for line in header.decode("ascii", "replace").splitlines():
         words = line.split()
         if words[:1] == ["element"]:
             name, count = _ply_element(words)
             counts[name] = count
-        elif words[:1] == ["property"] and name:
+            properties[name] = []
+        elif words[:1] == ["property"]:
+            if not name:
+                raise UnusableMeshError("not a PLY file: a property stands before the first element")
+            properties[name].append(_ply_property(words))
             # An ASCII number and its separator take at least two bytes; a binary list at least its count.
             needed += counts[name] * (_ply_property_bytes(words) if binary else 2)
     check_counts(counts.get("vertex", 0), counts.get("face", 0))
+    if missing := {"x", "y", "z"} - set(properties.get("vertex", "")):
+        raise UnusableMeshError(f"the vertices have no property {' and no '.join(sorted(missing))}")
+    if counts.get("face") and not {"vertex_indices", "vertex_index"} & set(properties["face"]):
+        raise UnusableMeshError('the faces have no property "list ... vertex_indices"')
     if needed > size:
         raise UnusableMeshError(f"the header promises at least {needed} bytes, the file has {size}")
     if not binary:
@@ -94,6 +106,21 @@ def _ply_element(words: list[str]) -> tuple[str, int]:
     if len(words) != 3 or not re.fullmatch(r"[0-9]{1,18}", words[2]):
         raise UnusableMeshError(f'not a PLY file: "{" ".join(words)[:80]}"')
     return words[1], int(words[2])
+
+
+def _ply_property(words: list[str]) -> str:
+    """Its name."""
+    match words:
+        case ["property", "list", count, kind, name]:
+            kinds = {count, kind}
+        case ["property", kind, name]:
+            kinds = {kind}
+        case _:
+            kinds, name = {""}, ""
+    if not kinds <= _PLY_TYPE_BYTES.keys():
+        expected = ", ".join(_PLY_TYPE_BYTES)
+        raise UnusableMeshError(f'"{" ".join(words)[:80]}" is no property; its type is one of {expected}')
+    return name
 
 
 def _ply_property_bytes(words: list[str]) -> int:

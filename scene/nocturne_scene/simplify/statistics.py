@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy import special
 
 Values = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ def bias(full: Values, simple: Values, confidence: float) -> Bias:
     count = _checked(full, simple)
     if not full.any():
         raise ValueError("the full model's image is black")
-    student = float(stats.t.ppf(0.5 + 0.5 * confidence, count - 1))
+    student = float(special.stdtrit(count - 1, 0.5 + 0.5 * confidence))
     means, others = full.mean(axis=1), simple.mean(axis=1)
     ratio = float(others.mean() / means.mean())
     # Of a ratio of means, to first order: W. G. Cochran, Sampling Techniques, 1977, section 2.11.
@@ -137,7 +137,8 @@ def _pairs(full: Values) -> Iterator[tuple[int, int, Values]]:
 def ratio_of_costs(full: Values, simple: Values, confidence: float) -> Interval:
     """Processor time of the simpler model over the full one's; shape (R,), rendered in turn."""
     logs = np.log(simple / full)
-    error = float(stats.t.ppf(0.5 + 0.5 * confidence, len(logs) - 1) * logs.std(ddof=1) / np.sqrt(len(logs)))
+    student = special.stdtrit(len(logs) - 1, 0.5 + 0.5 * confidence)
+    error = float(student * logs.std(ddof=1) / np.sqrt(len(logs)))
     middle = float(logs.mean())
     low, high = np.exp(middle - error), np.exp(middle + error)
     return Interval(float(np.exp(middle)), float(low), float(high))
@@ -149,7 +150,7 @@ def resolvable(noise_of_render: float, renders: int, pixels: int, confidence: fl
     `noise_of_render` as `noise` gives it; of two models, twice. By the variance of a U-statistic of pairs,
     2 / (R (R - 1)) of the squared variance of a difference, over the pixels.
     """
-    student = float(stats.t.ppf(0.5 + 0.5 * confidence, renders - 1))
+    student = float(special.stdtrit(renders - 1, 0.5 + 0.5 * confidence))
     return float(np.sqrt(student * np.sqrt(2 / (renders * (renders - 1) * pixels)) * 2 * noise_of_render))
 
 

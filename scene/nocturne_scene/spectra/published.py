@@ -6,14 +6,17 @@ The package's own files in `scene/data` are read here too.
 
 import tomllib
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import lru_cache
-from importlib import resources
+from importlib import metadata, resources
 from types import ModuleType
 from typing import Any
 
 import numpy as np
+import platformdirs
 from numpy.typing import NDArray
+
+from nocturne_scene.replacing import replacing
 
 Floats = NDArray[np.float64]
 
@@ -77,6 +80,31 @@ def _colour() -> ModuleType:
     return colour
 
 
+def _kept(name: str, read: Callable[[], Floats]) -> Floats:
+    """Return a table of colour-science from the user's cache, or by `read`, and keep it there.
+
+    Importing colour-science would take most of a short command's time.
+    """
+    version = metadata.version("colour-science")
+    place = platformdirs.user_cache_path("nocturne") / f"colour-{version}-{name}.npy"
+    try:
+        return np.asarray(np.load(place), dtype=np.float64)
+    except (OSError, ValueError, EOFError):
+        table = read()
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with replacing(place) as unfinished:
+            np.save(unfinished, table)
+    except OSError:
+        pass  # nowhere to keep it: read again next time
+    return table
+
+
+def _spectrum(found: Any) -> Floats:
+    """A row of wavelengths and a row of values."""
+    return np.stack([np.asarray(found.wavelengths), np.asarray(found.values)])
+
+
 def visible_wavelengths() -> Floats:
     """Return FIRST to LAST in steps of STEP, nm: 471 numbers."""
     return np.arange(FIRST, LAST + STEP / 2, STEP)
@@ -89,9 +117,13 @@ def observer(name: str) -> Floats:
 
     CIE 018:2019 and CIE 015:2018.
     """
-    found = _colour().MSDS_CMFS[OBSERVERS[name]]
-    visible = (found.wavelengths >= FIRST) & (found.wavelengths <= LAST)
-    return np.asarray(found.values[visible], dtype=np.float64)
+
+    def read() -> Floats:
+        found = _colour().MSDS_CMFS[OBSERVERS[name]]
+        visible = (found.wavelengths >= FIRST) & (found.wavelengths <= LAST)
+        return np.asarray(found.values[visible], dtype=np.float64)
+
+    return _kept(f"observer-{name}", read)
 
 
 @lru_cache(maxsize=len(ILLUMINANTS))
@@ -107,8 +139,7 @@ def illuminant(name: str) -> tuple[Floats, Floats]:
     if name == "A":
         wavelengths = visible_wavelengths()
         return wavelengths, _illuminant_a(wavelengths)
-    found = _colour().SDS_ILLUMINANTS[name]
-    wavelengths, values = np.asarray(found.wavelengths), np.asarray(found.values)
+    wavelengths, values = _kept(f"illuminant-{name}", lambda: _spectrum(_colour().SDS_ILLUMINANTS[name]))
     if name not in _DAYLIGHTS:
         return wavelengths, values
     beyond = np.arange(wavelengths[-1] + 5.0, LAST + 2.5, 5.0)
@@ -128,8 +159,12 @@ def chart_patch(name: str) -> tuple[Floats, Floats]:
     `name` is a key of CHART_PATCHES. Averages over 30 charts: D. Pascale, BabelColor, 2012, in
     colour-science.
     """
-    found = _colour().SDS_COLOURCHECKERS["BabelColor Average"][CHART_PATCHES[name]]
-    return np.asarray(found.wavelengths), np.asarray(found.values)
+
+    def read() -> Floats:
+        return _spectrum(_colour().SDS_COLOURCHECKERS["BabelColor Average"][CHART_PATCHES[name]])
+
+    wavelengths, values = _kept(f"patch-{name}", read)
+    return wavelengths, values
 
 
 @lru_cache(maxsize=1)
@@ -140,9 +175,14 @@ def srgb_basis() -> tuple[Floats, Floats]:
     C. Yuksel, "Spectral primary decomposition for rendering with sRGB reflectance", EGSR 2019, in
     colour-science.
     """
-    found = _colour().recovery.MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019
-    values = np.asarray(found.values, dtype=np.float64)
-    return np.asarray(found.wavelengths), values / values.sum(axis=1, keepdims=True)
+
+    def read() -> Floats:
+        found = _colour().recovery.MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019
+        return np.column_stack([found.wavelengths, found.values])
+
+    table = _kept("srgb-basis", read)
+    values = np.ascontiguousarray(table[:, 1:])
+    return np.ascontiguousarray(table[:, 0]), values / values.sum(axis=1, keepdims=True)
 
 
 @lru_cache(maxsize=8)

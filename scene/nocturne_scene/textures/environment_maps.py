@@ -20,6 +20,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from numpy.typing import NDArray
 
+from nocturne_scene.library_words import without_paths
 from nocturne_scene.spectra.published import Floats
 from nocturne_scene.spectra.rgb import emission
 
@@ -100,7 +101,7 @@ def opened(source: Path) -> Iterator[Any]:
     """Open a picture, its header read and nothing more."""
     picture = oiio.ImageInput.open(str(source))
     if picture is None:
-        raise UnusableImageError(f"no picture that OpenImageIO can read: {oiio.geterror()[:200]}")
+        raise UnusableImageError(f"no picture that OpenImageIO can read: {without_paths(oiio.geterror())}")
     try:
         yield picture
     finally:
@@ -143,7 +144,7 @@ def _rows(picture: Any, spec: Any) -> Iterator[_Pixels]:
             pixels = picture.read_scanlines(0, 0, start, end, 0, 0, 3, oiio.FLOAT)
         if pixels is None:
             raise UnusableImageError(
-                f"the rows from {start - spec.y} on can't be read: {picture.geterror()[:200]}"
+                f"the rows from {start - spec.y} on can't be read: {without_paths(picture.geterror())}"
             )
         block = np.asarray(pixels, dtype=np.float32).reshape(end - start, spec.width, 3)
         if not np.all(np.abs(block) <= LARGEST):

@@ -1,16 +1,18 @@
 """Who calls, and what that caller may do: one set of rules for REST and gRPC."""
 
+import asyncio
 import base64
 import binascii
 import time
-from collections.abc import Mapping
+from collections import OrderedDict
+from collections.abc import Awaitable, Callable, Mapping
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 
 from nocturne_coordinator.store.tokens import Token
 
+from nocturne_api import limits
 from nocturne_api.errors import Forbidden, TooMany, Unauthenticated
-from nocturne_api.limits import CALLS_AT_ONCE, CALLS_PER_SECOND
 
 _IMPLIED: Mapping[str, frozenset[str]] = {
     "read": frozenset({"read"}),
@@ -27,6 +29,13 @@ class Caller:
     name: str
     """Of the token; empty where there is no authentication."""
     scopes: frozenset[str]
+    sees_all: bool = False
+    """Renders of others, too."""
+
+    @property
+    def sees(self) -> str | None:
+        """The owner whose renders the caller may see; None: everybody's."""
+        return None if self.sees_all else self.name
 
     def need(self, scope: str) -> None:
         """Raises Forbidden unless the caller may do what `scope` allows."""
@@ -40,7 +49,7 @@ class Caller:
             raise Forbidden(f"the render is {owner or 'nobody'}'s; to change it takes the scope 'admin'")
 
 
-ANYBODY = Caller("", _IMPLIED["admin"])
+ANYBODY = Caller("", _IMPLIED["admin"], sees_all=True)
 """Without authentication; only loopback and Unix sockets are served then."""
 
 CALLER: ContextVar[Caller] = ContextVar("caller", default=ANYBODY)
@@ -51,7 +60,8 @@ def caller_of(token: Token | None) -> Caller:
     """Raises Unauthenticated where there is no such token."""
     if token is None:
         raise Unauthenticated("the token is not known, or was revoked")
-    return Caller(token.name, frozenset().union(*(_IMPLIED[scope] for scope in token.scopes)))
+    scopes = frozenset().union(*(_IMPLIED[scope] for scope in token.scopes))
+    return Caller(token.name, scopes, sees_all=bool({"read", "admin"} & set(token.scopes)))
 
 
 def secret_in(authorization: str) -> str:
@@ -73,6 +83,34 @@ def secret_in(authorization: str) -> str:
     raise Unauthenticated("a token is needed: `Authorization: Bearer TOKEN`")
 
 
+class Gate:
+    """Lets callers in by their tokens; one for each endpoint."""
+
+    def __init__(self, identify: Callable[[str], Awaitable[Caller]]) -> None:
+        """`identify` gives who has a secret; raises Unauthenticated."""
+        self._identify = identify
+        self._pace = Pace()
+        self._wrong = Pace(limits.WRONG_TOKENS_PER_SECOND, limits.WRONG_TOKENS_AT_ONCE)
+
+    async def admit(self, secret: str, address: str) -> Caller:
+        """Who has the secret.
+
+        Raises Unauthenticated, and TooMany for too many calls of one caller, or, after a while, for too many
+        wrong tokens from one address.
+        """
+        try:
+            caller = await self._identify(secret)
+        except Unauthenticated:
+            try:
+                self._wrong.take(address)
+            except TooMany:
+                await asyncio.sleep(limits.WRONG_TOKEN_DELAY_S)
+                raise TooMany("too many wrong tokens from this address; look at the one you send") from None
+            raise
+        self._pace.take(caller.name)
+        return caller
+
+
 @dataclass
 class _Bucket:
     left: float
@@ -81,16 +119,21 @@ class _Bucket:
 
 @dataclass
 class Pace:
-    """How many calls each caller may make: CALLS_PER_SECOND in the long run, CALLS_AT_ONCE in a burst."""
+    """How many calls each caller may make: so many a second in the long run, and at once in a burst."""
 
-    _buckets: dict[str, _Bucket] = field(default_factory=dict)
+    per_second: float = field(default_factory=lambda: limits.CALLS_PER_SECOND)
+    at_once: float = field(default_factory=lambda: limits.CALLS_AT_ONCE)
+    _buckets: OrderedDict[str, _Bucket] = field(default_factory=OrderedDict)
 
     def take(self, name: str, now: float | None = None) -> None:
         """Counts a call; raises TooMany."""
         now = time.monotonic() if now is None else now
-        bucket = self._buckets.setdefault(name, _Bucket(CALLS_AT_ONCE, now))
-        bucket.left = min(CALLS_AT_ONCE, bucket.left + (now - bucket.at) * CALLS_PER_SECOND)
+        bucket = self._buckets.setdefault(name, _Bucket(self.at_once, now))
+        self._buckets.move_to_end(name)
+        if len(self._buckets) > limits.ADDRESSES_KEPT:
+            self._buckets.popitem(last=False)
+        bucket.left = min(self.at_once, bucket.left + (now - bucket.at) * self.per_second)
         bucket.at = now
         if bucket.left < 1.0:
-            raise TooMany(f"more than {CALLS_PER_SECOND:g} calls a second; try again in a moment")
+            raise TooMany(f"more than {self.per_second:g} calls a second; try again in a moment")
         bucket.left -= 1.0

@@ -5,7 +5,13 @@ import sqlite3
 from dataclasses import dataclass
 
 import grpc
-from nocturne_coordinator.errors import AmbiguousId, Conflict, ObjectStoreUnavailable, WrongState
+from nocturne_coordinator.errors import (
+    AmbiguousId,
+    Conflict,
+    ObjectStoreUnavailable,
+    QuotaUsedUp,
+    WrongState,
+)
 from nocturne_scene.errors import InputError, NocturneError, NotFound, Problem
 
 from nocturne_api.limits import PROBLEM_CHARACTERS, PROBLEMS_PER_ANSWER
@@ -33,6 +39,18 @@ class TooMany(NocturneError):
     """The caller calls too often."""
 
 
+class BrokenOff(NocturneError):
+    """The caller went away before the end of the request."""
+
+
+class FolderFull(NocturneError):
+    """The data folder has reached its bound."""
+
+
+class TooSlow(NocturneError):
+    """The request did not come to its end in time."""
+
+
 class CantPreflight(NocturneError):
     """The service can't preflight this scene, or no scene at all; says why."""
 
@@ -45,6 +63,9 @@ class Kind:
     title: str
     http_status: int
     grpc_status: grpc.StatusCode
+    retry_after_s: int = 0
+    """When the same may succeed, roughly: Retry-After in REST, the trailer `retry-after` in gRPC. 0: not
+    told."""
 
 
 @dataclass(frozen=True)
@@ -91,8 +112,15 @@ TABLE: tuple[tuple[type[Exception], Kind], ...] = (
         ),
     ),
     (Forbidden, Kind("FORBIDDEN", "Not allowed", 403, grpc.StatusCode.PERMISSION_DENIED)),
-    (TooMany, Kind("TOO_MANY", "Too many calls", 429, grpc.StatusCode.RESOURCE_EXHAUSTED)),
-    (Overloaded, Kind("OVERLOADED", "Too much at once", 503, grpc.StatusCode.UNAVAILABLE)),
+    (TooMany, Kind("TOO_MANY", "Too many calls", 429, grpc.StatusCode.RESOURCE_EXHAUSTED, 1)),
+    (QuotaUsedUp, Kind("QUOTA", "Quota used up", 429, grpc.StatusCode.RESOURCE_EXHAUSTED, 60)),
+    (
+        FolderFull,
+        Kind("FOLDER_FULL", "The data folder is full", 507, grpc.StatusCode.RESOURCE_EXHAUSTED, 60),
+    ),
+    (BrokenOff, Kind("BROKEN_OFF", "The request was broken off", 400, grpc.StatusCode.CANCELLED)),
+    (TooSlow, Kind("TOO_SLOW", "The request came too slowly", 408, grpc.StatusCode.DEADLINE_EXCEEDED)),
+    (Overloaded, Kind("OVERLOADED", "Too much at once", 503, grpc.StatusCode.UNAVAILABLE, 5)),
     (
         ObjectStoreUnavailable,
         Kind("STORE", "The storage does not answer", 503, grpc.StatusCode.UNAVAILABLE),

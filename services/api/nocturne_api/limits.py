@@ -16,6 +16,8 @@ SMALL_BODY_BYTES = MEBIBYTE
 # Compiling is processor work in a thread; two at once, and a short queue whose documents fit in memory.
 COMPILES_AT_ONCE = 2
 COMPILES_WAITING = 16
+# Of those, one owner's: the others' places are for others.
+COMPILES_WAITING_OF_OWNER = 8
 
 # A preflight renders small images on this machine: one at a time, with so much processor time at most,
 # seconds.
@@ -35,12 +37,32 @@ PICTURES_AT_ONCE = 2
 CALLS_PER_SECOND = 100.0
 CALLS_AT_ONCE = 1000.0
 
+# What one owner may have, with authentication; each can be set. As many renders as a list of all still takes
+# less than a second for.
+OWNER_OPEN_RENDERS = 10_000
+# Samples of pixels that an owner's open renders ask for: a farm of 10,000 cores traces them in some two days.
+OWNER_OPEN_SAMPLES = 1e15
+# Uploads and finished renders: a few hundred of the largest films, or a disk of the usual size half full.
+OWNER_STORED_BYTES = 256 * 1024 * MEBIBYTE
+
+# Files that no render uses stay for a week: uploads go before the render that names them, and people go home.
+UNUSED_SECONDS = 7 * 86400.0
+# How often the data folder is measured, seconds; at this part of its bound, or of its disk, the log warns.
+MEASURE_S = 30.0
+NEARLY_FULL = 0.9
+
+# Uploads in progress, each with a thread and an open file; and one owner's, with authentication.
+UPLOADS_AT_ONCE = 128
+UPLOADS_OF_OWNER = 32
+
 # Kept lines of the record of who changed what.
 CALLS_RECORDED = 100_000
 RECORDED_CHARACTERS = 128
 
 # Each watcher holds one connection and the newest state of at most a page of renders.
 WATCHERS = 256
+# Of those, one owner's, with authentication.
+WATCHERS_OF_OWNER = 64
 # How often a change in the data folder is looked for while anybody watches, seconds.
 WATCH_INTERVAL_S = 0.2
 
@@ -66,8 +88,30 @@ LINGER_S = 2.0
 PROBLEMS_PER_ANSWER = 20
 PROBLEM_CHARACTERS = 300
 
-# Connections to the REST endpoint; further ones get 503 at once. Watchers hold one each, pages a few.
+# Connections to the REST endpoint; for further ones those go on which nothing is asked, or they get 503 at
+# once. Watchers hold one each, pages a few.
 REST_CONNECTIONS = 2000
+# Of those, one address's: half, so that nobody takes all, and a proxy in front of many is one address.
+CONNECTIONS_OF_ADDRESS = 1000
+
+# A request's head must come in this time, and its body with so many bytes a second after a while: the lower
+# bounds of Apache's mod_reqtimeout, which slow links keep.
+HEAD_SECONDS = 20.0
+BODY_SECONDS = 20.0
+BODY_BYTES_PER_SECOND = 500.0
+# An answer of which nothing is read for so long is given up.
+UNREAD_SECONDS = 60.0
+
+# Wrong tokens of one address, in a burst and a second; further ones are answered late, and by 429.
+WRONG_TOKENS_AT_ONCE = 10.0
+WRONG_TOKENS_PER_SECOND = 1.0
+WRONG_TOKEN_DELAY_S = 1.0
+# Addresses of which that is remembered.
+ADDRESSES_KEPT = 10_000
 
 # Calls in progress at the gRPC endpoint, watchers included; further ones get RESOURCE_EXHAUSTED at once.
 GRPC_CALLS = 1000
+# Of those, one address's, as for REST; further ones get UNAVAILABLE.
+GRPC_CALLS_OF_ADDRESS = 500
+# On one connection: a client with more opens another one.
+GRPC_CALLS_OF_CONNECTION = 200

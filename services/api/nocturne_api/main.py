@@ -66,6 +66,8 @@ def _settings() -> Settings:
         default=CompileLimits.cpu_seconds,
         help="processor time that compiling one scene may take (default: %(default)s)",
     )
+    _add_quotas(parser)
+    _add_storage(parser)
     parser.add_argument(
         "--objects",
         default="",
@@ -83,6 +85,52 @@ def _settings() -> Settings:
         help="a private network that webhooks may lead to, also by http; may be given several times",
     )
     return Settings(**vars(parser.parse_args()))
+
+
+def _add_quotas(parser: argparse.ArgumentParser) -> None:
+    quotas = parser.add_argument_group(
+        "quotas", "What each owner (each token) may have; more is answered by 429 or RESOURCE_EXHAUSTED."
+    )
+    quotas.add_argument(
+        "--owner-open-renders",
+        type=float,
+        metavar="N",
+        default=Settings.owner_open_renders,
+        help="renders that are queued, running or paused (default: %(default)s)",
+    )
+    quotas.add_argument(
+        "--owner-open-samples",
+        type=float,
+        metavar="N",
+        default=Settings.owner_open_samples,
+        help="samples of pixels (width x height x samples) that these ask for (default: %(default)g)",
+    )
+    quotas.add_argument(
+        "--owner-stored-bytes",
+        type=float,
+        metavar="N",
+        default=Settings.owner_stored_bytes,
+        help="uploads, and sums, images and scenes of renders (default: %(default)s)",
+    )
+
+
+def _add_storage(parser: argparse.ArgumentParser) -> None:
+    storage = parser.add_argument_group("storage")
+    storage.add_argument(
+        "--data-bytes",
+        type=float,
+        metavar="N",
+        default=Settings.data_bytes,
+        help="size of the data folder at which uploads and renders are refused; from nine tenths on the log "
+        "warns; 0: none (default: %(default)g)",
+    )
+    storage.add_argument(
+        "--unused-seconds",
+        type=float,
+        metavar="S",
+        default=Settings.unused_seconds,
+        help="how long files stay that no render uses (default: %(default)g, a week)",
+    )
 
 
 async def _run(settings: Settings) -> None:

@@ -9,13 +9,16 @@ from pathlib import Path
 import grpc
 import uvicorn
 from nocturne_coordinator.store.object_store import ObjectStore
+from nocturne_coordinator.store.quotas import Quota
 
 from nocturne_api import limits
 from nocturne_api.addresses import AddressError, check_host, listen
+from nocturne_api.background.space import StorageLimits
 from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.grpc.server import GrpcEndpoint
 from nocturne_api.operations.operations import Operations
 from nocturne_api.rest.app import build_rest
+from nocturne_api.rest.protocol import BoundedProtocol
 from nocturne_api.webhooks.targets import Network, TargetRules
 
 # Running calls get this long when the service stops, seconds; streams are ended at once.
@@ -41,6 +44,14 @@ class Settings:
     compile_seconds: int = CompileLimits.cpu_seconds
     webhook_networks: Sequence[Network] = ()
     """Private networks that webhooks may lead to."""
+    owner_open_renders: float = limits.OWNER_OPEN_RENDERS
+    owner_open_samples: float = limits.OWNER_OPEN_SAMPLES
+    owner_stored_bytes: float = limits.OWNER_STORED_BYTES
+    """What each owner may have, with authentication: see Quota."""
+    unused_seconds: float = limits.UNUSED_SECONDS
+    """How long files stay that no render uses."""
+    data_bytes: float = 0.0
+    """Size of the data folder at which it takes no more; 0: none."""
     objects: str = ""
     """Address of an object store for assets and finished images; empty: none."""
 
@@ -67,6 +78,7 @@ class Service:
         self.grpc_port = self._take_grpc_addresses(settings)
         config = uvicorn.Config(
             build_rest(operations, settings.web, loopback, settings.auth),
+            http=BoundedProtocol,
             ssl_certfile=settings.tls_certificate,
             ssl_keyfile=settings.tls_key,
             log_level="warning",
@@ -134,7 +146,9 @@ async def open_service(settings: Settings) -> Service:
     compile_limits = CompileLimits(settings.compile_memory_bytes, settings.compile_seconds)
     rules = TargetRules(settings.webhook_networks)
     objects = ObjectStore(settings.objects) if settings.objects else None
-    operations = await Operations.open(settings.data, compile_limits, rules, objects)
+    storage = StorageLimits(settings.unused_seconds, settings.data_bytes)
+    quota = Quota(settings.owner_open_renders, settings.owner_open_samples, settings.owner_stored_bytes)
+    operations = await Operations.open(settings.data, compile_limits, rules, objects, quota, storage)
     try:
         return Service(settings, operations)
     except BaseException:

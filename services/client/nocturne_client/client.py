@@ -1,8 +1,6 @@
 """The client: every operation of the service as one method."""
 
-import json
 import os
-import ssl
 import tempfile
 import time
 import uuid
@@ -10,33 +8,30 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal
 from urllib.parse import quote
 
 import httpx
 
 from nocturne_client.decoding import decode
-from nocturne_client.errors import NocturneClientError, NotReachedError, Problem
+from nocturne_client.errors import NocturneClientError
 from nocturne_client.events import data_of
 from nocturne_client.models import Explanation, NewWebhook, PreflightReport, Render, Webhook, Worker
 from nocturne_client.scene_files import SceneOnDisk, digest, read_scene
+from nocturne_client.transport import RETRY_DELAYS_S, Transport
 
 if TYPE_CHECKING:
     from nocturne_client.tiles import TileAnswer
 
-DEFAULT_URL = "http://127.0.0.1:7070"
 ImageKind = Literal["exr", "png"]
 UploadProgress = Callable[[Path, int, int], None]
 
 _PATHS: dict[ImageKind, str] = {"exr": "image.exr", "png": "preview.png"}
-_TIMEOUT = httpx.Timeout(60.0, connect=5.0)
 # The service sends a comment every 15 s, so a longer silence is a lost connection.
 _WATCH_TIMEOUT = httpx.Timeout(40.0, connect=5.0)
-_RETRY_DELAYS_S = (0.2, 0.5, 1.0)
 # A preflight's small renders; the service ends it before that.
 _PREFLIGHT_TIMEOUT = httpx.Timeout(1000.0, connect=5.0)
 _PIECE_BYTES = 1024 * 1024
-_T = TypeVar("_T")
 
 
 class Client:
@@ -56,20 +51,8 @@ class Client:
 
         The PEM file NOCTURNE_CA, where it is set, says whose certificates are believed.
         """
-        self.url = (url or os.environ.get("NOCTURNE_URL") or DEFAULT_URL).rstrip("/")
-        token = token or os.environ.get("NOCTURNE_TOKEN")
-        headers = {"Authorization": f"Bearer {token}"} if token else {}
-        try:
-            self._http = httpx.Client(
-                base_url=self.url,
-                timeout=_TIMEOUT,
-                transport=transport,
-                trust_env=False,
-                headers=headers,
-                verify=_trusted(),
-            )
-        except httpx.InvalidURL as error:
-            raise NocturneClientError(f"{self.url!r} is not an address: {error}") from error
+        self._transport = Transport(url, transport, token)
+        self.url = self._transport.url
 
     def __enter__(self) -> "Client":
         return self
@@ -81,7 +64,7 @@ class Client:
 
     def close(self) -> None:
         """Lets go of the connections."""
-        self._http.close()
+        self._transport.close()
 
     def upload(self, path: Path, sha256: str | None = None, progress: UploadProgress | None = None) -> str:
         """Stores a file and gives its SHA-256; `progress` gets path, bytes sent and size."""
@@ -90,9 +73,11 @@ class Client:
 
         def send() -> None:
             headers = {"Content-Length": str(size), "Content-Type": "application/octet-stream"}
-            self._call("PUT", f"/v1/assets/{sha256}", content=_pieces(path, progress), headers=headers)
+            self._transport.send(
+                "PUT", f"/v1/assets/{sha256}", content=_pieces(path, progress), headers=headers
+            )
 
-        self._retrying(send)
+        self._transport.retrying(send)
         return sha256
 
     def submit(
@@ -124,7 +109,7 @@ class Client:
             "stop": dict(stop or {}),
             "priority": priority,
         }
-        return decode(Render, self._json("POST", "/v1/renders", body))
+        return decode(Render, self._transport.post("/v1/renders", body))
 
     def preflight(
         self, scene: Path, width: int, height: int, error: float = 0.02, budget_seconds: float = 60.0
@@ -136,25 +121,23 @@ class Client:
         on_disk = self._uploaded(scene, None)
         asked = {"error": error, "budget_seconds": budget_seconds}
         body = {"scene": on_disk.document, "width": width, "height": height, **asked}
-        content, headers = json.dumps(body).encode(), {"Content-Type": "application/json"}
-        answer = self._call(
-            "POST", "/v1/preflights", content=content, headers=headers, timeout=_PREFLIGHT_TIMEOUT
-        )
-        return decode(PreflightReport, answer.json())
+        # Not repeated: a second one would take minutes again.
+        answer = self._transport.send_json("POST", "/v1/preflights", body, timeout=_PREFLIGHT_TIMEOUT)
+        return decode(PreflightReport, answer)
 
     def get(self, render_id: str) -> Render:
         """One render."""
-        return decode(Render, self._json("GET", f"/v1/renders/{_part(render_id)}"))
+        return decode(Render, self._transport.get(f"/v1/renders/{_part(render_id)}"))
 
     def cancel(self, render_id: str, request_id: str | None = None) -> Render:
         """Stops a render; what was merged stays."""
         body = {"request_id": request_id or str(uuid.uuid4())}
-        return decode(Render, self._json("POST", f"/v1/renders/{_part(render_id)}:cancel", body))
+        return decode(Render, self._transport.post(f"/v1/renders/{_part(render_id)}:cancel", body))
 
     def delete(self, render_id: str) -> None:
         """Forgets a render that has ended, with its images and the files that no other render uses."""
         # Not repeated: the second time there is no such render.
-        self._call("DELETE", f"/v1/renders/{_part(render_id)}")
+        self._transport.send("DELETE", f"/v1/renders/{_part(render_id)}")
 
     def pause(self, render_id: str) -> Render:
         """No more work on a render until it is resumed."""
@@ -164,9 +147,18 @@ class Client:
         """Goes on with a paused render; with a degraded one, by tracing its failed tiles again."""
         return self._act(render_id, "resume", {})
 
-    def extend(self, render_id: str, samples: int = 0, stop: Mapping[str, Any] | None = None) -> Render:
-        """More samples per pixel, 0 for as many as before, and conditions instead of those before."""
-        return self._act(render_id, "extend", {"samples": samples, "stop": dict(stop or {})})
+    def extend(
+        self,
+        render_id: str,
+        samples: int = 0,
+        stop: Mapping[str, Any] | None = None,
+        drop: Sequence[str] = (),
+    ) -> Render:
+        """More samples per pixel, 0 for as many as before, and conditions that change; all others stay.
+
+        `drop`: names of conditions to go on without.
+        """
+        return self._act(render_id, "extend", {"samples": samples, "stop": dict(stop or {}), "drop": [*drop]})
 
     def set_priority(self, render_id: str, priority: int) -> Render:
         """The render's weight among those of its owner, 1 to 1000."""
@@ -175,20 +167,22 @@ class Client:
     def replay(self, render_id: str, request_id: str | None = None) -> Render:
         """A new render with the samples per tile that this one has: its image has the same bits."""
         body = {"request_id": request_id or str(uuid.uuid4())}
-        return decode(Render, self._json("POST", f"/v1/renders/{_part(render_id)}:replay", body))
+        return decode(Render, self._transport.post(f"/v1/renders/{_part(render_id)}:replay", body))
 
     def explain(self, render_id: str) -> str:
         """What the render waits for, in one sentence."""
-        answer = self._json("GET", f"/v1/renders/{_part(render_id)}/explanation")
+        answer = self._transport.get(f"/v1/renders/{_part(render_id)}/explanation")
         return decode(Explanation, answer).sentence
 
     def release_worker(self, worker_id: str) -> None:
         """Takes the results of a worker in quarantine again."""
-        self._retrying(partial(self._call, "POST", f"/v1/workers/{_part(worker_id)}:release"))
+        self._transport.retrying(
+            partial(self._transport.send, "POST", f"/v1/workers/{_part(worker_id)}:release")
+        )
 
     def workers(self) -> Sequence[Worker]:
         """The workers heard of in the last ten seconds."""
-        return [decode(Worker, each) for each in self._json("GET", "/v1/workers")["workers"]]
+        return [decode(Worker, each) for each in self._transport.get("/v1/workers")["workers"]]
 
     def tiles(self, render_id: str, since: str = "") -> "TileAnswer":
         """What of the image changed since an earlier answer's cursor, as floats; about 4 MiB at once.
@@ -197,27 +191,23 @@ class Client:
         """
         from nocturne_client.tiles import decode_tiles
 
-        call = partial(self._call, "GET", f"/v1/renders/{_part(render_id)}/tiles", params={"since": since})
-        return decode_tiles(self._retrying(call).content)
+        call = partial(
+            self._transport.send, "GET", f"/v1/renders/{_part(render_id)}/tiles", params={"since": since}
+        )
+        return decode_tiles(self._transport.retrying(call).content)
 
     def create_webhook(self, url: str) -> NewWebhook:
         """Tells `url` how this caller's renders end; the only answer that has the secret."""
         # Not repeated: each call makes one.
-        call = self._call(
-            "POST",
-            "/v1/webhooks",
-            content=json.dumps({"url": url}).encode(),
-            headers={"Content-Type": "application/json"},
-        )
-        return decode(NewWebhook, call.json())
+        return decode(NewWebhook, self._transport.send_json("POST", "/v1/webhooks", {"url": url}))
 
     def webhooks(self) -> Sequence[Webhook]:
         """This caller's, oldest first; an admin gets everybody's."""
-        return [decode(Webhook, each) for each in self._json("GET", "/v1/webhooks")["webhooks"]]
+        return [decode(Webhook, each) for each in self._transport.get("/v1/webhooks")["webhooks"]]
 
     def delete_webhook(self, webhook_id: str) -> None:
         """Tells it nothing more."""
-        self._call("DELETE", f"/v1/webhooks/{_part(webhook_id)}")
+        self._transport.send("DELETE", f"/v1/webhooks/{_part(webhook_id)}")
 
     def watch(self, render_id: str) -> Iterator[Render]:
         """The render now and after every change, until it has ended. Connects again when cut off."""
@@ -230,19 +220,21 @@ class Client:
                     yield state
             except NocturneClientError as error:
                 failures += 1
-                if not error.can_be_retried or failures > len(_RETRY_DELAYS_S):
+                if not error.can_be_retried or failures > len(RETRY_DELAYS_S):
                     raise
-                time.sleep(_RETRY_DELAYS_S[failures - 1])
+                time.sleep(RETRY_DELAYS_S[failures - 1])
 
     def download(self, render_id: str, kind: ImageKind, path: Path) -> Path:
         """Writes the image ("exr") or the preview ("png") as it is now; `path` is whole or untouched."""
-        self._retrying(lambda: self._download_once(f"/v1/renders/{_part(render_id)}/{_PATHS[kind]}", path))
+        self._transport.retrying(
+            lambda: self._download_once(f"/v1/renders/{_part(render_id)}/{_PATHS[kind]}", path)
+        )
         return path
 
     def is_ready(self) -> bool:
         """Whether the service answers."""
         try:
-            self._call("GET", "/readyz")
+            self._transport.send("GET", "/readyz")
         except NocturneClientError:
             return False
         return True
@@ -253,7 +245,7 @@ class Client:
         token = ""
         while len(found) < limit:
             params = {"page_size": min(200, limit - len(found)), "page_token": token}
-            page = self._json("GET", "/v1/renders", params=params)
+            page = self._transport.get("/v1/renders", params=params)
             found += [decode(Render, each) for each in page["renders"]]
             token = page["next_page_token"]
             if not token:
@@ -264,32 +256,25 @@ class Client:
 
     def _act(self, render_id: str, verb: str, body: dict[str, Any]) -> Render:
         # Each of these is safe to repeat: it says what is to be, not what is to change.
-        return decode(Render, self._json("POST", f"/v1/renders/{_part(render_id)}:{verb}", body))
+        return decode(Render, self._transport.post(f"/v1/renders/{_part(render_id)}:{verb}", body))
 
     def _missing(self, digests: Sequence[str]) -> Sequence[str]:
         if not digests:
             return []
-        answer = self._json("POST", "/v1/assets:batchMissing", {"sha256": [*digests]})
+        answer = self._transport.post("/v1/assets:batchMissing", {"sha256": [*digests]})
         return [str(sha256) for sha256 in answer["sha256"]]
 
     def _watch_once(self, render_id: str, last: Render | None) -> Iterator[Render]:
         headers = {"Last-Event-ID": str(last.sequence)} if last else {}
         path = f"/v1/renders/{_part(render_id)}/events"
-        try:
-            with self._http.stream("GET", path, headers=headers, timeout=_WATCH_TIMEOUT) as response:
-                _raise_for(response)
-                for value in data_of(response.iter_lines()):
-                    yield decode(Render, value)
-        except httpx.TransportError as error:
-            raise self._not_reached(error) from error
+        with self._transport.stream("GET", path, headers=headers, timeout=_WATCH_TIMEOUT) as response:
+            for value in data_of(response.iter_lines()):
+                yield decode(Render, value)
 
     def _download_once(self, address: str, path: Path) -> None:
         try:
-            with self._http.stream("GET", address) as response:
-                _raise_for(response)
+            with self._transport.stream("GET", address) as response:
                 _write_atomically(path, response.iter_bytes(_PIECE_BYTES))
-        except httpx.TransportError as error:
-            raise self._not_reached(error) from error
         except OSError as error:
             raise NocturneClientError(f"{path}: {error.strerror}") from error
 
@@ -299,48 +284,6 @@ class Client:
         for sha256 in self._missing(sorted(on_disk.files)):
             self.upload(on_disk.files[sha256], sha256, progress)
         return on_disk
-
-    def _json(self, method: str, path: str, body: Any = None, params: dict[str, Any] | None = None) -> Any:
-        # Not httpx's own encoding: NaN must reach the service, which says where in the scene it stands.
-        content = None if body is None else json.dumps(body).encode()
-        headers = {} if body is None else {"Content-Type": "application/json"}
-        call = partial(self._call, method, path, content=content, headers=headers, params=params)
-        return self._retrying(call).json()
-
-    def _call(self, method: str, path: str, **arguments: Any) -> httpx.Response:
-        try:
-            response = self._http.request(method, path, **arguments)
-        except httpx.TransportError as error:
-            raise self._not_reached(error) from error
-        _raise_for(response)
-        return response
-
-    def _retrying(self, call: Callable[[], _T]) -> _T:
-        for delay in _RETRY_DELAYS_S:
-            try:
-                return call()
-            except NocturneClientError as error:
-                if not error.can_be_retried:
-                    raise
-            time.sleep(delay)
-        return call()
-
-    def _not_reached(self, error: Exception) -> NotReachedError:
-        return NotReachedError(
-            f"no answer from {self.url} ({error}). Start a service with `nocturne up`, or say where it is "
-            "with --url or NOCTURNE_URL."
-        )
-
-
-def _trusted() -> ssl.SSLContext | bool:
-    """Whose certificates are believed: those in the PEM file NOCTURNE_CA, else what httpx believes."""
-    path = os.environ.get("NOCTURNE_CA")
-    if not path:
-        return True
-    try:
-        return ssl.create_default_context(cafile=path)
-    except (OSError, ssl.SSLError) as error:
-        raise NocturneClientError(f"NOCTURNE_CA: {path}: {error}") from error
 
 
 def _part(text: str) -> str:
@@ -359,6 +302,7 @@ def _pieces(path: Path, progress: UploadProgress | None) -> Iterator[bytes]:
 
 
 def _write_atomically(path: Path, pieces: Iterator[bytes]) -> None:
+    # Not by nocturne_scene.replacing: the client is installed without the scene language.
     descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     temporary = Path(name)
     try:
@@ -369,17 +313,3 @@ def _write_atomically(path: Path, pieces: Iterator[bytes]) -> None:
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
-
-
-def _raise_for(response: httpx.Response) -> None:
-    """Raises what a problem document says; any other error answer as its status."""
-    if response.status_code < 400:
-        return
-    response.read()
-    try:
-        body = response.json()
-        problems = [Problem(each["place"], each["message"]) for each in body.get("problems", [])]
-        raise NocturneClientError(body["detail"], response.status_code, problems)
-    except (ValueError, KeyError, TypeError, AttributeError):
-        message = f"{response.request.url} answered {response.status_code} {response.reason_phrase}"
-        raise NocturneClientError(message, response.status_code) from None

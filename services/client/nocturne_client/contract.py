@@ -58,6 +58,8 @@ class Progress:
     """Rays cast for them."""
     invalid_samples: int
     """Contributions left out because they were NaN, infinite or negative."""
+    truncated_paths: int
+    """Photons ended by the tracer's limit of interactions; light that they would have brought is missing."""
     mean_samples: float
     """Mean over pixels of the samples merged."""
     relative_error: float
@@ -70,6 +72,14 @@ class Progress:
     """Effective sample size (Kish) of the pixels that carry the error, (sum v)^2 / sum v^2 of their
     relative variances; 0: unknown.
     """
+    mean: float
+    """Mean of Y over pixels, in the render's unit; 0: unknown."""
+    mean_error: float
+    """Standard error of the mean; its 95 % interval is 1.96 of it to each side."""
+    unseen_pixels: int
+    """Pixels in which no sample found any light: nothing is known of them but that it is rare."""
+    doubt: str
+    """Why relative_error is not to be trusted, a sentence; empty: it is, as far as one image can tell."""
     samples_per_second: float
     """Rate of the last minutes; 0 when nothing comes back."""
     rays_per_second: float
@@ -111,6 +121,14 @@ class Render:
     """SHA-256 of the compiled scene, hexadecimal."""
     floating_point_profile: str
     """How its workers round, which all do alike; empty before the first result."""
+    quantity: str
+    """What Y measures: "luminance", "illuminance" or "luminous intensity"; empty: not kept, in renders of
+    older programs.
+    """
+    unit: str
+    """Unit of Y: "cd/m2", "lx" or "cd"."""
+    response_unit: str
+    """Unit of further responses, for one without a unit: "W m-2 sr-1", "W m-2" or "W sr-1"."""
     sequence: int
     """Grows with every change that watchers should see."""
     created: float

@@ -1,4 +1,7 @@
-"""Media of other renderers as parts of a document, and as they come back from an export."""
+"""Media of other renderers as parts of a document, and as they come back from an export.
+
+One file, though long: both directions are checked against the same grids.
+"""
 
 import json
 import struct

@@ -22,7 +22,7 @@ from scipy import stats
 
 Values = NDArray[np.float64]
 
-RENDERS, PIXELS, TRIALS = 8, 256, 400
+RENDERS, PIXELS, TRIALS = 8, 256, 200
 
 
 def _truth() -> Values:

@@ -116,7 +116,7 @@ def _light_guide(length: float) -> Case:
         (1.0 - r) / (1.0 + r),
         "sides lose nothing; two ends: (1 - r) / (1 + r)",
         samples=64,
-        remedy="raise $.tracing.maximum_depth (1000 unless given)",
+        remedy="no limit of $.tracing.maximum_depth",
     )
 
 

@@ -99,8 +99,7 @@ def _white_box(albedo: float, depth: int | None) -> Case:
         pi / (1.0 - albedo),
         "energy balance: irradiance pi L / (1 - albedo) in a closed box",
         samples=4 if albedo > 0.99 else 32,
-        remedy="raise $.tracing.maximum_depth (1000 unless given); beyond 1000 bounces photons end by chance "
-        "with ever larger weights, so an albedo above 0.99 needs very many of them",
+        remedy="none given: paths have no limit; one that is set in $.tracing.maximum_depth is missing light",
     )
 
 

@@ -1,10 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { toCurve, together } from "../../../services/web/src/convergence/points.ts";
-import { doubts, slope, uncertainty } from "../../../services/web/src/convergence/trust.ts";
+import { uncertainty } from "../../../services/web/src/convergence/trust.ts";
 import type { ConvergencePoint } from "../../../services/web/src/service/types.ts";
-
-const pixels = 10_000;
 
 function end<Value>(values: readonly Value[]): Value {
   return values[values.length - 1] as Value;
@@ -17,22 +15,6 @@ function history(power: number, about: Partial<ConvergencePoint> = {}): Converge
     return { time_s: 2 * samples, samples, relative_error: samples ** power, worst_share: 0.03, effective_pixels: 8000, ...about };
   });
 }
-
-test("the slope of a power is that power", () => {
-  for (const power of [-0.5, -0.2]) assert.ok(Math.abs((slope(history(power)) ?? 0) - power) < 1e-12);
-  assert.equal(slope(history(-0.5).slice(-3)), undefined);
-});
-
-test("even noise that falls as 1/sqrt(N) is trusted", () => {
-  assert.deepEqual(doubts(history(-0.5), pixels), []);
-  assert.deepEqual(doubts([], pixels), []);
-});
-
-test("few pixels that carry the error, and a share of the worst, each raise a doubt with its reason", () => {
-  assert.match(doubts(history(-0.5, { effective_pixels: 4 }), pixels).join(), /About 4.0 of 10000 pixels .* 50 %/);
-  assert.match(doubts(history(-0.5, { worst_share: 0.8 }), pixels).join(), /80 % of the variance/);
-  assert.match(doubts(history(-0.2), pixels).join(), /power -0.20/);
-});
 
 test("the band: two standard deviations of a root of a mean of n", () => {
   assert.equal(uncertainty(400), 0.05);

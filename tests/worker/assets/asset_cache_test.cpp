@@ -238,6 +238,20 @@ TEST_F(AssetCacheTest, DamagedFileInTheCacheIsFetchedAgain) {
   EXPECT_EQ(service_.calls, 2);
 }
 
+TEST_F(AssetCacheTest, FileDamagedAfterItWasCheckedIsFetchedAgain) {
+  const std::string sha = service_.put(many_bytes());
+  AssetCache cache(options());
+  const fs::path path = cache.find(sha);
+  {
+    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(175000);
+    file.put('\x7f');
+  }
+  ASSERT_NE(content(path), many_bytes());
+  EXPECT_EQ(content(cache.find(sha)), many_bytes());
+  EXPECT_EQ(service_.calls, 2);
+}
+
 TEST_F(AssetCacheTest, FileThatVanishedIsFetchedAgain) {
   const std::string sha = service_.put(many_bytes());
   AssetCache cache(options());

@@ -4,6 +4,7 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
+#include <ImfStandardAttributes.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,7 +28,8 @@ class WriteExr : public testing::Test {
   void TearDown() override { std::filesystem::remove(path_); }
 
   void write(const std::vector<double>& sums, const std::vector<std::string>& further) const {
-    write_exr(path_, kWidth, kHeight, sums, further, kSamples, {"5c", "{}", 1, "0123456789abcdef"});
+    write_exr(path_, kWidth, kHeight, sums, further, kSamples,
+              {"5c", "{}", 1, "0123456789abcdef", "illuminance", "lx", "W m-2"});
   }
 
   std::map<std::string, std::vector<float>> read() const {
@@ -71,7 +73,7 @@ TEST_F(WriteExr, HoldsMeansErrorsAndCounts) {
   values[3] += 42.0 * 9.0;  // pixel 0: variance of the mean 42 x 9 / (7 x 6)
   write(values, {});
   const auto image = read();
-  EXPECT_EQ(image.size(), 5u);
+  EXPECT_EQ(image.size(), 8u);
   expect_means(image.at("X"), 0);
   expect_means(image.at("Y"), 1);
   expect_means(image.at("Z"), 2);
@@ -82,11 +84,37 @@ TEST_F(WriteExr, HoldsMeansErrorsAndCounts) {
 TEST_F(WriteExr, HasAChannelForEachFurtherResponse) {
   write(sums(6), {"rod", "A.far-red"});
   const auto image = read();
-  EXPECT_EQ(image.size(), 7u);
+  EXPECT_EQ(image.size(), 10u);
   expect_means(image.at("Z"), 2);
   EXPECT_EQ(image.at("Y.stderr"), std::vector<float>(kPixels, 0));
   expect_means(image.at("rod"), 4);
   expect_means(image.at("A.far-red"), 5);
+}
+
+// Viewers show R, G and B: the white of sRGB (x 0.3127, y 0.3290) has as much of each.
+TEST_F(WriteExr, HasSrgbForViewers) {
+  std::vector<double> white;
+  for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {
+    const double y = kSamples * (1.0 + static_cast<double>(pixel));
+    white.insert(white.end(), {y * 0.3127 / 0.3290, y, y * 0.3583 / 0.3290, y * y / kSamples});
+  }
+  write(white, {});
+  const auto image = read();
+  for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {
+    const float y = 1.0f + static_cast<float>(pixel);
+    // The matrix has four decimals.
+    for (const char* name : {"R", "G", "B"})
+      EXPECT_NEAR(image.at(name)[pixel], y, 5e-4f * y) << name;
+  }
+  const Imf::InputFile file(path_.c_str());
+  EXPECT_EQ(Imf::chromaticities(file.header()).red, Imath::V2f(0.64f, 0.33f));
+}
+
+TEST_F(WriteExr, AResponseMayBeCalledR) {
+  write(sums(5), {"R"});
+  const auto image = read();
+  EXPECT_EQ(image.size(), 6u);
+  expect_means(image.at("R"), 4);
 }
 
 TEST_F(WriteExr, RefusesSumsOfOtherChannels) {

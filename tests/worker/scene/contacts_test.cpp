@@ -19,20 +19,21 @@ using test::any_numbers;
 constexpr std::uint32_t kAir = InteriorList::kOutside;
 
 // The dielectrics that a straight line goes through, where nothing is refracted.
-std::vector<std::uint32_t> bodies_on(const Scene& scene, Ray ray) {
+std::vector<std::uint32_t> bodies_on(const Scene& scene, const Ray& ray) {
   InteriorList inside;
   std::vector<std::uint32_t> met{kAir};
+  DepartingRay from{ray, {}};
   for (int i = 0; i < 100; ++i) {
-    auto hit = scene.geometry.intersect(ray, 0.0f);
+    auto hit = scene.geometry.intersect(from.ray, 0.0f, from.departure);
     if (!hit) break;
-    const Contacts contacts = contacts_of(scene, ray, 0.0f, *hit);
+    const Contacts contacts = contacts_of(scene, from.ray, 0.0f, from.departure, *hit);
     const std::uint32_t body = scene.materials[hit->surface].medium_interface;
     const Crossing own{body, dot(hit->normal, ray.direction) < 0.0f};
     inside = cross_boundary(inside, scene.medium_interfaces, own, contacts).beyond;
     if (inside.current(scene.medium_interfaces) != met.back()) {
       met.push_back(inside.current(scene.medium_interfaces));
     }
-    ray.origin = leave_surface(*hit, ray.direction);
+    from = scene.geometry.depart(*hit, ray.direction, 0.0f);
   }
   return met;
 }
@@ -82,7 +83,7 @@ TEST(Contacts, AWideFloorIsFarFromWhatStandsAboveIt) {
   auto hit = scene->geometry.intersect(down, 0.0f);
   ASSERT_TRUE(hit);
   const std::uint32_t top = hit->surface;
-  EXPECT_TRUE(contacts_of(*scene, down, 0.0f, *hit).empty());
+  EXPECT_TRUE(contacts_of(*scene, down, 0.0f, {}, *hit).empty());
   EXPECT_EQ(hit->surface, top);
 }
 
@@ -104,7 +105,7 @@ TEST(Contacts, ASheetHidesTheBodyOnIt) {
     auto hit = scene->geometry.intersect(ray, 0.0f);
     ASSERT_TRUE(hit);
     if (hit->distance < 0.29f) continue;  // of the glass, a side
-    const Contacts contacts = contacts_of(*scene, ray, 0.0f, *hit);
+    const Contacts contacts = contacts_of(*scene, ray, 0.0f, {}, *hit);
     ASSERT_EQ(hit->surface, paper);
     ASSERT_FALSE(contacts.empty());
     EXPECT_EQ(contacts.begin()->body, 0u);
@@ -116,7 +117,7 @@ TEST(Contacts, NothingIsLookedForWithoutBodies) {
   test::SceneBuilder builder;
   builder.add_furnace(0.5f, 1.0f);
   const auto scene = builder.load();
-  for (const SurfaceMaterial& material : scene->materials) EXPECT_EQ(material.contact_reach, 0.0f);
+  for (const SurfaceMaterial& material : scene->materials) EXPECT_FALSE(material.close);
 }
 
 // Spheres and instances are found as triangles are.
@@ -127,14 +128,15 @@ TEST(Contacts, OthersOfEveryKindAreFound) {
   const Ray ray{{0.01f, 0.02f, 3}, {0, 0, -1}};
   const auto hit = geometry.intersect(ray, 0.0f);
   ASSERT_TRUE(hit);
-  std::array<Hit, 8> found;
-  const std::size_t count = geometry.others_near(ray, 0.0f, *hit, 1e-3f, found);
-  ASSERT_EQ(count, 2u);
-  std::vector<std::uint32_t> surfaces{hit->surface, found[0].surface, found[1].surface};
+  std::array<NearCrossing, 8> found;
+  const std::size_t count = geometry.crossings_near(ray, 0.0f, {}, *hit, 1e-3f, found);
+  ASSERT_EQ(count, 3u);
+  std::vector<std::uint32_t> surfaces{found[0].hit.surface, found[1].hit.surface,
+                                      found[2].hit.surface};
   std::ranges::sort(surfaces);
   EXPECT_EQ(surfaces, (std::vector<std::uint32_t>{0, 1, 2}));
-  for (std::size_t i = 0; i < count; ++i) EXPECT_NEAR(found[i].position.z, 1.0, 1e-3);
-  EXPECT_EQ(geometry.others_near(ray, 0.0f, *hit, 1e-3f, std::span(found).first(1)), 1u);
+  for (std::size_t i = 0; i < count; ++i) EXPECT_NEAR(found[i].hit.position.z, 1.0, 1e-3);
+  EXPECT_EQ(geometry.crossings_near(ray, 0.0f, {}, *hit, 1e-3f, std::span(found).first(1)), 1u);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "worker_loop/worker.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <functional>
@@ -8,6 +9,7 @@
 #include <set>
 #include <thread>
 
+#include "digest/sha256.h"
 #include "queue/job_queue.h"
 #include "queue/redis_server.h"
 
@@ -64,7 +66,7 @@ class WorkerTest : public testing::Test {
 TEST_F(WorkerTest, InQuarantineItTakesNoJobs) {
   server_.run({"SET", "nocturne:quarantine:w", "It lied."});
   std::atomic<int> traced = 0;
-  Worker worker(options("w"), [&](const v1::Job&) {
+  Worker worker(options("w"), [&](const v1::Job&, RunningJob&) {
     ++traced;
     return some_partial();
   });
@@ -77,7 +79,7 @@ TEST_F(WorkerTest, InQuarantineItTakesNoJobs) {
 }
 
 TEST_F(WorkerTest, DoesAllJobsAndSaysSo) {
-  Worker worker(options("w", 2), [](const v1::Job&) { return some_partial(); });
+  Worker worker(options("w", 2), [](const v1::Job&, RunningJob&) { return some_partial(); });
   for (std::uint32_t i = 0; i < 20; ++i) server_.publish(make_job(i));
   ASSERT_TRUE(results_reach(20));
   std::set<std::uint32_t> tiles;
@@ -106,7 +108,7 @@ TEST_F(WorkerTest, DoesAllJobsAndSaysSo) {
 
 TEST_F(WorkerTest, GoneWorkerHasNoStatus) {
   {
-    Worker worker(options("w"), [](const v1::Job&) { return some_partial(); });
+    Worker worker(options("w"), [](const v1::Job&, RunningJob&) { return some_partial(); });
     EXPECT_TRUE(eventually([&] {
       return server_.run({"EXISTS", "nocturne:worker:w"}).integer() == 1;
     }));
@@ -114,8 +116,51 @@ TEST_F(WorkerTest, GoneWorkerHasNoStatus) {
   EXPECT_EQ(server_.run({"EXISTS", "nocturne:worker:w"}).integer(), 0);
 }
 
+TEST_F(WorkerTest, ProbesSeeThatItLivesWhileRedisHearsIt) {
+  WorkerOptions watched = options("w");
+  watched.alive =
+      std::filesystem::temp_directory_path() /
+      ("nocturne-alive-" + std::to_string(testing::UnitTest::GetInstance()->random_seed()) +
+       std::to_string(getpid()));
+  Worker worker(watched, [](const v1::Job&, RunningJob&) { return some_partial(); });
+  EXPECT_TRUE(eventually([&] { return std::filesystem::exists(watched.alive); }));
+  std::filesystem::remove(watched.alive);
+  EXPECT_TRUE(eventually([&] { return std::filesystem::exists(watched.alive); }));
+  server_.kill();
+  std::this_thread::sleep_for(milliseconds(500));
+  std::filesystem::remove(watched.alive);
+  std::this_thread::sleep_for(seconds(3));
+  EXPECT_FALSE(std::filesystem::exists(watched.alive));
+  server_.start();
+  server_.make_group();
+}
+
+TEST_F(WorkerTest, SignsWithItsKeyAndTheLeaseOfTheJob) {
+  WorkerOptions enrolled = options("m/w");
+  enrolled.identity = {.machine = "m", .key = "the key"};
+  Worker worker(enrolled, [](const v1::Job&, RunningJob&) { return some_partial(); });
+  server_.run(
+      {"XADD", "nocturne:jobs", "*", "job", make_job().SerializeAsString(), "lease", "secret"});
+  ASSERT_TRUE(results_reach(1));
+  const Reply fields = server_.run({"XRANGE", "nocturne:results", "-", "+"}).at(0).at(1);
+  ASSERT_EQ(fields.size(), 6U);
+  const std::string result(fields.at(1).text());
+  EXPECT_EQ(fields.at(3).text(), "m");
+  EXPECT_EQ(fields.at(5).text(), hmac_sha256("the key", "secret" + result));
+}
+
+TEST_F(WorkerTest, InQuarantineOfItsMachineItTakesNoJobs) {
+  server_.run({"SET", "nocturne:quarantine:m", "It lied."});
+  WorkerOptions enrolled = options("m/w");
+  enrolled.identity = {.machine = "m", .key = "the key"};
+  Worker worker(enrolled, [](const v1::Job&, RunningJob&) { return some_partial(); });
+  server_.publish(make_job(0));
+  std::this_thread::sleep_for(milliseconds(300));
+  EXPECT_EQ(server_.pending(), 0U);
+}
+
 TEST_F(WorkerTest, ExceptionBecomesFailure) {
-  Worker worker(options("w"), [](const v1::Job&) -> v1::Partial {
+  Worker worker(options("w"), [](const v1::Job&, RunningJob&) -> v1::Partial {
     throw std::runtime_error("no such kernel \xff");
   });
   server_.publish(make_job());
@@ -127,7 +172,7 @@ TEST_F(WorkerTest, ExceptionBecomesFailure) {
 
 TEST_F(WorkerTest, BadJobIsRefusedBeforeItIsTraced) {
   std::atomic<bool> traced = false;
-  Worker worker(options("w"), [&](const v1::Job&) {
+  Worker worker(options("w"), [&](const v1::Job&, RunningJob&) {
     traced = true;
     return some_partial();
   });
@@ -139,7 +184,7 @@ TEST_F(WorkerTest, BadJobIsRefusedBeforeItIsTraced) {
 }
 
 TEST_F(WorkerTest, OtherEngineIsRefusedInWords) {
-  Worker worker(options("w"), [](const v1::Job&) { return some_partial(); });
+  Worker worker(options("w"), [](const v1::Job&, RunningJob&) { return some_partial(); });
   v1::Job job = make_job();
   job.set_engine(static_cast<v1::Engine>(77));
   server_.publish(job);
@@ -153,7 +198,7 @@ TEST_F(WorkerTest, JobOfAnotherFloatingPointProfileIsLeftToThatClass) {
   job.set_floating_point_profile("b2");
   std::atomic<int> traced_by_stranger = 0;
   testing::internal::CaptureStderr();
-  Worker stranger(options("stranger"), [&](const v1::Job&) {
+  Worker stranger(options("stranger"), [&](const v1::Job&, RunningJob&) {
     ++traced_by_stranger;
     return some_partial();
   });
@@ -161,7 +206,7 @@ TEST_F(WorkerTest, JobOfAnotherFloatingPointProfileIsLeftToThatClass) {
   ASSERT_TRUE(eventually([&] { return server_.pending() == 1; }));
   WorkerOptions fitting = options("fitting");
   fitting.floating_point_profile = "b2";
-  Worker other(fitting, [](const v1::Job&) { return some_partial(); });
+  Worker other(fitting, [](const v1::Job&, RunningJob&) { return some_partial(); });
   EXPECT_EQ(only_result().worker_id(), "fitting");
   EXPECT_EQ(traced_by_stranger, 0);
   EXPECT_NE(testing::internal::GetCapturedStderr().find(
@@ -172,14 +217,14 @@ TEST_F(WorkerTest, JobOfAnotherFloatingPointProfileIsLeftToThatClass) {
 TEST_F(WorkerTest, JobHandedBackIsDoneByAnother) {
   std::atomic<int> refused = 0;
   testing::internal::CaptureStderr();
-  Worker full(options("full"), [&](const v1::Job&) -> v1::Partial {
+  Worker full(options("full"), [&](const v1::Job&, RunningJob&) -> v1::Partial {
     ++refused;
     throw HandBack("disk full");
   });
   v1::Job job = make_job();
   server_.publish(job);
   ASSERT_TRUE(eventually([&] { return refused > 0; }));
-  Worker good(options("good"), [](const v1::Job&) { return some_partial(); });
+  Worker good(options("good"), [](const v1::Job&, RunningJob&) { return some_partial(); });
   EXPECT_EQ(only_result().worker_id(), "good");
   const std::string samples =
       std::to_string(job.first_sample()) + ".." + std::to_string(job.end_sample());
@@ -191,7 +236,7 @@ TEST_F(WorkerTest, JobHandedBackIsDoneByAnother) {
 
 TEST_F(WorkerTest, JobLongerThanTheLeaseIsDoneOnce) {
   std::atomic<int> traced = 0;
-  const TraceJob slow = [&](const v1::Job&) {
+  const TraceJob slow = [&](const v1::Job&, RunningJob&) {
     ++traced;
     std::this_thread::sleep_for(4 * kLease);
     return some_partial();
@@ -205,7 +250,7 @@ TEST_F(WorkerTest, JobLongerThanTheLeaseIsDoneOnce) {
 
 TEST_F(WorkerTest, ResultSurvivesARestartOfRedis) {
   std::promise<void> tracing, go_on;
-  Worker worker(options("w"), [&](const v1::Job&) {
+  Worker worker(options("w"), [&](const v1::Job&, RunningJob&) {
     tracing.set_value();
     go_on.get_future().wait();
     return some_partial();
@@ -220,7 +265,7 @@ TEST_F(WorkerTest, ResultSurvivesARestartOfRedis) {
 }
 
 TEST_F(WorkerTest, GoesOnAfterFlushAll) {
-  Worker worker(options("w"), [](const v1::Job&) { return some_partial(); });
+  Worker worker(options("w"), [](const v1::Job&, RunningJob&) { return some_partial(); });
   server_.publish(make_job(1));
   ASSERT_TRUE(results_reach(1));
   server_.run({"FLUSHALL"});
@@ -232,7 +277,7 @@ TEST_F(WorkerTest, GoesOnAfterFlushAll) {
 
 TEST_F(WorkerTest, ResultWaitsForMemoryInRedis) {
   std::promise<void> tracing, go_on;
-  Worker worker(options("w"), [&](const v1::Job&) {
+  Worker worker(options("w"), [&](const v1::Job&, RunningJob&) {
     tracing.set_value();
     go_on.get_future().wait();
     return some_partial();
@@ -249,7 +294,7 @@ TEST_F(WorkerTest, ResultWaitsForMemoryInRedis) {
 
 TEST_F(WorkerTest, StopWaitsForTheJobAtHand) {
   std::promise<void> tracing;
-  Worker worker(options("w"), [&](const v1::Job&) {
+  Worker worker(options("w"), [&](const v1::Job&, RunningJob&) {
     tracing.set_value();
     std::this_thread::sleep_for(milliseconds(300));
     return some_partial();
@@ -261,12 +306,59 @@ TEST_F(WorkerTest, StopWaitsForTheJobAtHand) {
   EXPECT_EQ(server_.results().size(), 1U);
 }
 
-TEST_F(WorkerTest, JobThatOutlastsTheGraceIsHandedBack) {
+// Traces until it is told to stop, and takes processor time for it.
+v1::Partial trace_for_ever(const v1::Job&, RunningJob& running) {
+  running.begin_tracing();
+  while (!running.stop_token().stop_requested()) {
+  }
+  throw std::runtime_error("stopped");
+}
+
+TEST_F(WorkerTest, JobThatIsWithdrawnFreesItsThreadWithinTwoSeconds) {
+  Worker worker(options("w"), [](const v1::Job& job, RunningJob& running) {
+    return job.tile_index() == 1 ? trace_for_ever(job, running) : some_partial();
+  });
+  const std::string entry = server_.publish(make_job(1));
+  ASSERT_TRUE(eventually([&] { return server_.pending() == 1; }));
+  const auto start = std::chrono::steady_clock::now();
+  server_.run({"SET", "nocturne:withdrawn:" + entry, "", "EX", "60"});
+  server_.publish(make_job(2));
+  EXPECT_EQ(only_result().job().tile_index(), 2U);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, seconds(2));
+  EXPECT_EQ(server_.pending(), 0U);
+}
+
+TEST_F(WorkerTest, JobBeyondItsProcessorTimeIsAFailureThatSaysSo) {
+  Worker worker(options("w"), trace_for_ever);
+  v1::Job job = make_job();
+  job.set_max_cpu_seconds(0.25);
+  server_.publish(job);
+  EXPECT_EQ(only_result().failure(),
+            "it was stopped after 0.25 s of processor time, far more than its samples should take");
+}
+
+TEST_F(WorkerTest, JobThatOutlastsTheGraceIsStoppedAndHandedBack) {
+  WorkerOptions slow = options("w", 2);
+  slow.lease = seconds(60);
+  Worker worker(slow, trace_for_ever);
+  server_.publish(make_job(3));
+  ASSERT_TRUE(eventually([&] { return server_.pending() == 1; }));
+  const auto start = std::chrono::steady_clock::now();
+  // The other thread waits for a job, a second at most.
+  EXPECT_TRUE(worker.stop(milliseconds(1100)));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, seconds(2));
+  JobQueue other(server_.address(), "other/0", seconds(60));
+  const auto taken = other.take();
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->job.tile_index(), 3U);
+}
+
+TEST_F(WorkerTest, JobThatCanNotBeStoppedIsHandedBackAllTheSame) {
   constexpr seconds kLongLease{60};
   WorkerOptions slow = options("w");
   slow.lease = kLongLease;
   std::promise<void> tracing, go_on;
-  Worker worker(slow, [&](const v1::Job&) {
+  Worker worker(slow, [&](const v1::Job&, RunningJob&) {
     tracing.set_value();
     go_on.get_future().wait();
     return some_partial();

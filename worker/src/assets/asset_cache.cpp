@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Files that this process remembers to have checked; one forgotten is only checked again.
-constexpr std::size_t kRemembered = 1024;
+// More files at the same time are only checked once more.
+constexpr std::size_t kAtOnce = 1024;
 constexpr std::chrono::milliseconds kLongestPause{2000};
 // A download that still runs has written more recently than this.
 constexpr std::chrono::hours kAbandonedAfter{1};
@@ -28,17 +28,6 @@ void make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw AssetUnavailable("cache " + folder.string() + ": " + error.message());
-}
-
-/// The text of a PEM file; empty where there is none to read.
-std::string authorities_in(const fs::path& path) {
-  if (path.empty()) return "";
-  std::ifstream file(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (text.find("-----BEGIN CERTIFICATE-----") == std::string::npos) {
-    throw AssetUnavailable(path.string() + ": has no certificate in PEM, or can't be read");
-  }
-  return text;
 }
 
 /// Whether the cache has the right file; a damaged one is named in the log.
@@ -56,10 +45,20 @@ bool is_intact(const fs::path& path, const std::string& sha256) {
 
 }  // namespace
 
+std::string authorities_in(const fs::path& path) {
+  if (path.empty()) return "";
+  std::ifstream file(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (text.find("-----BEGIN CERTIFICATE-----") == std::string::npos) {
+    throw AssetUnavailable(path.string() + ": has no certificate in PEM, or can't be read");
+  }
+  return text;
+}
+
 AssetCache::AssetCache(AssetCacheOptions options)
     : options_(std::move(options)),
       source_(options_.service, authorities_in(options_.authorities)),
-      checked_(kRemembered) {
+      at_work_(kAtOnce) {
   make_folder(options_.folder);
   remove_abandoned_downloads();
   trim();
@@ -68,13 +67,13 @@ AssetCache::AssetCache(AssetCacheOptions options)
 fs::path AssetCache::find(const std::string& sha256) {
   // It becomes part of a path.
   if (!is_sha256_hex(sha256)) throw AssetError("not a SHA-256 in hexadecimal: " + sha256);
-  const auto load = [this](const std::string& key) { return checked_or_fetched(key); };
-  const fs::path path = checked_.get(sha256, load);
+  const fs::path path = at_work_.get(sha256, [this](const std::string& key) {
+    fs::path found = checked_or_fetched(key);
+    // Who asks from here on wants it checked again.
+    at_work_.forget(key);
+    return found;
+  });
   std::error_code error;
-  if (!fs::exists(path, error)) {
-    checked_.forget(sha256);
-    return checked_.get(sha256, load);
-  }
   // Its time says when it was last used; a folder that can't be written is only trimmed less well.
   fs::last_write_time(path, fs::file_time_type::clock::now(), error);
   return path;

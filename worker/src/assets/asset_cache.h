@@ -28,15 +28,18 @@ struct AssetCacheOptions {
   std::chrono::milliseconds first_pause{100};
 };
 
+/// The text of a PEM file; empty where no path is given. Throws AssetUnavailable.
+std::string authorities_in(const std::filesystem::path& path);
+
 /// For all threads; a file that several ask for at once is fetched once.
 class AssetCache {
  public:
   /// Throws AssetUnavailable if the folder can't be made, or the authorities can't be read.
   explicit AssetCache(AssetCacheOptions options);
 
-  /// Path of a file whose digest this process has checked. `sha256`: 64 lower-case hexadecimal
-  /// digits. Throws AssetUnavailable (this worker, now) or AssetError (nobody, ever; also for a bad
-  /// digest).
+  /// Path of a file whose digest was checked in this call: others may write to the disk. To be
+  /// called whenever the file is to be read. `sha256`: 64 lower-case hexadecimal digits. Throws
+  /// AssetUnavailable (this worker, now) or AssetError (nobody, ever; also for a bad digest).
   std::filesystem::path find(const std::string& sha256);
 
  private:
@@ -48,7 +51,8 @@ class AssetCache {
 
   AssetCacheOptions options_;
   AssetSource source_;
-  LoadOnce<std::filesystem::path> checked_;
+  /// Calls for one file at the same time.
+  LoadOnce<std::filesystem::path> at_work_;
 };
 
 }  // namespace nocturne

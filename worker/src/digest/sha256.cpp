@@ -1,6 +1,7 @@
 #include "digest/sha256.h"
 
 #include <openssl/evp.h>
+#include <openssl/hmac.h>
 
 #include <algorithm>
 #include <fstream>
@@ -42,6 +43,17 @@ std::string sha256_of_file(const std::filesystem::path& path) {
   }
   if (!file.eof()) throw std::runtime_error("can't read " + path.string());
   return digest.hex();
+}
+
+std::string hmac_sha256(std::string_view key, std::string_view bytes) {
+  unsigned char digest[EVP_MAX_MD_SIZE];
+  unsigned int length = 0;
+  if (HMAC(EVP_sha256(), key.data(), static_cast<int>(key.size()),
+           reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), digest,
+           &length) == nullptr) {
+    throw std::runtime_error("OpenSSL: HMAC failed");
+  }
+  return {reinterpret_cast<const char*>(digest), length};
 }
 
 std::string to_hex(std::string_view bytes) {

@@ -27,6 +27,9 @@ class Sha256 {
 /// Digest of a file's bytes. Throws std::runtime_error if it can't be read.
 std::string sha256_of_file(const std::filesystem::path& path);
 
+/// HMAC-SHA-256 (RFC 2104), 32 bytes.
+std::string hmac_sha256(std::string_view key, std::string_view bytes);
+
 /// Bytes as lower-case hexadecimal digits.
 std::string to_hex(std::string_view bytes);
 

@@ -30,10 +30,10 @@ void PhotonEmitter::add(Element element, const Luminaire& what) {
 }
 
 void PhotonEmitter::add_triangle(std::uint32_t luminaire, const Luminaire& what,
-                                 std::vector<std::array<Vec3, 3>> corners) {
+                                 std::vector<std::array<Vec3, 3>> corners, Place place) {
   const auto& first = corners.front();
   const float area = 0.5f * length(cross(first[1] - first[0], first[2] - first[0]));
-  Element element{luminaire, area, {}, 0.0f};
+  Element element{luminaire, area, {}, 0.0f, place};
   for (const auto& triangle : corners) {
     element.points.insert(element.points.end(), triangle.begin(), triangle.end());
   }
@@ -42,7 +42,8 @@ void PhotonEmitter::add_triangle(std::uint32_t luminaire, const Luminaire& what,
 
 void PhotonEmitter::add_sphere(std::uint32_t luminaire, const Luminaire& what,
                                std::vector<Vec3> centres, float radius) {
-  add({luminaire, 4.0f * kPi * radius * radius, std::move(centres), radius}, what);
+  add({luminaire, 4.0f * kPi * radius * radius, std::move(centres), radius, {Hit::kNoInstance, 0}},
+      what);
 }
 
 void PhotonEmitter::finish(std::span<const DistantDisc> discs,
@@ -61,9 +62,9 @@ void PhotonEmitter::finish(std::span<const DistantDisc> discs,
   for (const double flux : fluxes_) {
     if (!(total > 0.0)) break;
     sum += flux;
-    cumulative_.push_back(static_cast<float>(sum / total));
+    cumulative_.push_back(sum / total);
   }
-  if (!cumulative_.empty()) cumulative_.back() = 1.0f;
+  if (!cumulative_.empty()) cumulative_.back() = 1.0;
   fluxes_ = {};
 }
 
@@ -85,14 +86,22 @@ std::optional<PhotonEmitter::Leaving> PhotonEmitter::leave(const LightSamplingCo
   return Leaving{direction, cosine / pdf};
 }
 
-std::size_t PhotonEmitter::choose(float u) const {
-  return static_cast<std::size_t>(std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u) -
-                                  cumulative_.begin());
+PhotonEmitter::Choice PhotonEmitter::choose(float coarse, float fine) const {
+  // Uniform floats below 1 keep at least the steps of 2^-24 (sequence.h).
+  constexpr double kSteps = 0x1p24;
+  const double u = (std::floor(double{coarse} * kSteps) + double{fine}) / kSteps;
+  const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u);
+  const double start = found == cumulative_.begin() ? 0.0 : *(found - 1);
+  const double width = *found - start;
+  return {static_cast<std::size_t>(found - cumulative_.begin()), static_cast<float>(width),
+          std::clamp(static_cast<float>((u - start) / width), 0.0f, kOneMinusEpsilon)};
 }
 
 PhotonEmitter::EmissionPoint PhotonEmitter::point_on(const Element& element, float time, float u,
                                                      float v) {
   Hit hit{};
+  hit.instance = element.place.instance;
+  hit.primitive = element.place.primitive;
   if (element.radius > 0.0f) {
     const Vec3 centre = at_time(element.points, 1, 0, time);
     hit.normal = UniformSphere::sample(u, v);
@@ -104,7 +113,9 @@ PhotonEmitter::EmissionPoint PhotonEmitter::point_on(const Element& element, flo
   const Vec3 edge_u = at_time(element.points, 3, 1, time) - corner;
   const Vec3 edge_v = at_time(element.points, 3, 2, time) - corner;
   const float root = std::sqrt(u);
-  hit.position = corner + (1.0f - root) * edge_u + (v * root) * edge_v;
+  hit.u = 1.0f - root;
+  hit.v = v * root;
+  hit.position = corner + hit.u * edge_u + hit.v * edge_v;
   const Vec3 across = cross(edge_u, edge_v);
   const float twice_the_area = length(across);
   hit.normal = (1.0f / twice_the_area) * across;

@@ -25,6 +25,7 @@ struct Emitted {
   static constexpr std::uint32_t kDistant = ~0u;
 
   Ray ray;
+  Departure departure;
   Spectral<N> flux;
   /// Index of the luminaire, or kDistant.
   std::uint32_t luminaire;
@@ -32,9 +33,14 @@ struct Emitted {
 
 class PhotonEmitter {
  public:
+  /// Which triangle of a mesh, as in Hit.
+  struct Place {
+    std::uint32_t instance, primitive;
+  };
+
   /// Corners or centres at equally spaced times over the shutter, at least one.
   void add_triangle(std::uint32_t luminaire, const Luminaire& what,
-                    std::vector<std::array<Vec3, 3>> corners);
+                    std::vector<std::array<Vec3, 3>> corners, Place place);
   void add_sphere(std::uint32_t luminaire, const Luminaire& what, std::vector<Vec3> centres,
                   float radius);
   /// After the last element. `bounds` holds the scene: distant light is emitted from a disc of its
@@ -47,29 +53,30 @@ class PhotonEmitter {
   /// Empty where nothing is emitted from the drawn place.
   template <int N>
   std::optional<Emitted<N>> emit(std::span<const Luminaire> luminaires,
-                                 const LightDirections& lights, float aimed, float time,
-                                 const Spectral<N>& wavelengths_nm, const Uniform4& a,
-                                 const Uniform4& b) const {
+                                 const LightDirections& lights, const Geometry& geometry,
+                                 float aimed, float time, const Spectral<N>& wavelengths_nm,
+                                 const Uniform4& a, const Uniform4& b) const {
     if (cumulative_.empty()) return std::nullopt;
-    const std::size_t chosen = choose(a[2]);
-    const float probability = cumulative_[chosen] - (chosen > 0 ? cumulative_[chosen - 1] : 0.0f);
+    const auto [chosen, probability, rest] = choose(a[2], a[3]);
     if (chosen >= elements_.size()) {
       return emit_distant<N>(chosen - elements_.size(), lights.discs(), lights.environment(),
-                             wavelengths_nm, a, b, probability);
+                             wavelengths_nm, {a[0], a[1], a[2], rest}, b, probability);
     }
     const Element& element = elements_[chosen];
     const Luminaire& luminaire = luminaires[element.luminaire];
-    const bool back = luminaire.two_sided() && a[3] < 0.5f;
+    const bool back = luminaire.two_sided() && rest < 0.5f;
     const float sides = luminaire.two_sided() ? 2.0f : 1.0f;
-    const auto [from, area] = point_on(element, time, a[0], a[1]);
+    auto [from, area] = point_on(element, time, a[0], a[1]);
+    from.surface = luminaire.surface;
     const Vec3 normal = back ? -from.normal : from.normal;
     const auto leaving = leave({from.position, normal, false, time}, lights.important(), aimed, b);
     if (!leaving) return std::nullopt;
     const Vec3 direction = leaving->direction;
     // Radiance x cosine over the density of the direction x 1/area x 1/sides.
     const float scale = leaving->cosine_over_pdf * area * sides / probability;
+    const DepartingRay leaves = geometry.depart(from, direction, time);
     return Emitted<N>{
-        {leave_surface(from, direction), direction},
+        leaves.ray, leaves.departure,
         scale * luminaire.emitted(from.normal, direction, SurfacePoint{}, wavelengths_nm),
         element.luminaire};
   }
@@ -82,6 +89,7 @@ class PhotonEmitter {
     /// Three corners for each time step; or one centre, and a radius.
     std::vector<Vec3> points;
     float radius;
+    Place place;
   };
 
   struct Leaving {
@@ -93,7 +101,15 @@ class PhotonEmitter {
                                       const LuminaireDirections& important, float aimed,
                                       const Uniform4& u);
 
-  std::size_t choose(float u) const;
+  struct Choice {
+    std::size_t index;
+    float probability;
+    /// What is left of the two numbers, uniform in [0, 1).
+    float rest;
+  };
+  /// By two uniform numbers, as one float alone has steps that are wider than the share of a weak
+  /// luminaire beside a strong one.
+  Choice choose(float coarse, float fine) const;
   /// A point, and the element's area at that time, m2: motion may change it.
   struct EmissionPoint {
     Hit hit;
@@ -128,13 +144,15 @@ class PhotonEmitter {
     const float r = bounds_.radius;
     const Vec3 origin =
         bounds_.centre + r * (towards + disc.x * frame.tangent + disc.y * frame.bitangent);
-    return Emitted<N>{
-        {origin, -towards}, (kPi * r * r / (pdf * probability)) * radiance, Emitted<N>::kDistant};
+    return Emitted<N>{{origin, -towards},
+                      {},
+                      (kPi * r * r / (pdf * probability)) * radiance,
+                      Emitted<N>::kDistant};
   }
 
   std::vector<Element> elements_;
-  std::vector<double> fluxes_;     // only while building
-  std::vector<float> cumulative_;  // elements, discs, environment
+  std::vector<double> fluxes_;      // only while building
+  std::vector<double> cumulative_;  // elements, discs, environment
   Geometry::Ball bounds_{};
 };
 

@@ -1,5 +1,6 @@
 #include "queue/job_queue.h"
 
+#include "digest/sha256.h"
 #include "log/log.h"
 #include "queue/keys.h"
 #include "queue/redis_errors.h"
@@ -25,8 +26,12 @@ std::optional<std::string> field(const Reply& pairs, const std::string& name) {
 
 }  // namespace
 
-JobQueue::JobQueue(RedisAddress address, std::string consumer, milliseconds lease)
-    : connection_(std::move(address)), consumer_(std::move(consumer)), lease_(lease) {}
+JobQueue::JobQueue(RedisAddress address, std::string consumer, milliseconds lease,
+                   Identity identity)
+    : connection_(std::move(address)),
+      consumer_(std::move(consumer)),
+      lease_(lease),
+      identity_(std::move(identity)) {}
 
 std::optional<TakenJob> JobQueue::take() {
   const auto now = std::chrono::steady_clock::now();
@@ -65,7 +70,10 @@ std::optional<TakenJob> JobQueue::read_entry(const Reply& entry) {
   TakenJob taken{.entry_id = std::string(entry.at(0).text()), .job = {}};
   const Reply fields = entry.at(1);
   const auto bytes = fields.is_nil() ? std::nullopt : field(fields, keys::kJobField);
-  if (bytes && taken.job.ParseFromString(*bytes)) return taken;
+  if (bytes && taken.job.ParseFromString(*bytes)) {
+    taken.lease = field(fields, keys::kLeaseField).value_or("");
+    return taken;
+  }
   log_line(LogLevel::kWarning, "consumer=" + consumer_ + " dropped entry " + taken.entry_id +
                                    " of " + keys::kJobs + ": its field '" + keys::kJobField +
                                    "' is not a job");
@@ -78,13 +86,20 @@ void JobQueue::drop(const std::string& entry_id) {
   connection_.command({"XDEL", keys::kJobs, entry_id});
 }
 
-void JobQueue::complete(const std::string& entry_id, const v1::JobResult& result) {
-  const std::vector<Reply> replies = connection_.pipeline(
-      {{"MULTI"},
-       {"XADD", keys::kResults, "*", keys::kResultField, result.SerializeAsString()},
-       {"XACK", keys::kJobs, keys::kGroup, entry_id},
-       {"XDEL", keys::kJobs, entry_id},
-       {"EXEC"}});
+void JobQueue::complete(const std::string& entry_id, const v1::JobResult& result,
+                        const std::string& lease) {
+  RedisCommand add{"XADD", keys::kResults, "*", keys::kResultField, result.SerializeAsString()};
+  if (!identity_.machine.empty()) {
+    const std::string signature = hmac_sha256(identity_.key, lease + add.back());
+    add.insert(add.end(),
+               {keys::kMachineField, identity_.machine, keys::kSignatureField, signature});
+  }
+  const std::vector<Reply> replies =
+      connection_.pipeline({{"MULTI"},
+                            add,
+                            {"XACK", keys::kJobs, keys::kGroup, entry_id},
+                            {"XDEL", keys::kJobs, entry_id},
+                            {"EXEC"}});
   // In order, so that the reason (-OOM of the XADD) comes before its consequence (-EXECABORT).
   for (const Reply& reply : replies) reply.throw_if_error();
   const Reply& executed = replies.back();
@@ -115,10 +130,25 @@ void JobQueue::set_idle(const std::vector<HeldJob>& jobs, milliseconds idle) {
   connection_.pipeline(claims);
 }
 
+std::vector<HeldJob> JobQueue::withdrawn(const std::vector<HeldJob>& jobs) {
+  if (jobs.empty()) return {};
+  RedisCommand question{"MGET"};
+  for (const HeldJob& job : jobs) question.push_back(keys::withdrawn(job.entry_id));
+  const Reply marks = connection_.command(question);
+  std::vector<HeldJob> found;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    if (!marks.at(i).is_nil()) found.push_back(jobs[i]);
+  }
+  return found;
+}
+
 std::optional<std::string> JobQueue::quarantine(const std::string& worker_id) {
-  const Reply reason = connection_.command({"GET", keys::quarantine(worker_id)});
-  if (reason.is_nil()) return std::nullopt;
-  return std::string(reason.text());
+  const Reply reasons = connection_.command(
+      {"MGET", keys::quarantine(worker_id), keys::quarantine(identity_.machine)});
+  for (std::size_t i = 0; i < reasons.size(); ++i) {
+    if (!reasons.at(i).is_nil()) return std::string(reasons.at(i).text());
+  }
+  return std::nullopt;
 }
 
 void JobQueue::publish_status(const v1::WorkerStatus& status) {

@@ -15,12 +15,22 @@ inline const std::string kJobField = "job";
 inline const std::string kResults = "nocturne:results";
 inline const std::string kResultField = "result";
 
+/// Where workers enrol: of a job, a secret of who took it; of a result, who signed it, and how.
+inline const std::string kLeaseField = "lease";
+inline const std::string kMachineField = "machine";
+inline const std::string kSignatureField = "signature";
+
 /// Serialised v1::WorkerStatus with a time to live.
 inline std::string worker(const std::string& worker_id) { return "nocturne:worker:" + worker_id; }
 
 /// Why the worker's results are not taken, with a time to live; missing: they are.
 inline std::string quarantine(const std::string& worker_id) {
   return "nocturne:quarantine:" + worker_id;
+}
+
+/// Says that nobody needs the job of this entry any more, with a time to live.
+inline std::string withdrawn(const std::string& entry_id) {
+  return "nocturne:withdrawn:" + entry_id;
 }
 
 /// Name of one thread of a worker in the consumer group.

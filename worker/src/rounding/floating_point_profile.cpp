@@ -141,7 +141,7 @@ void add_hit(Answers& answers, const Hit& hit) {
 void add_hits(Answers& answers) {
   answers.add_text(Geometry::library());
   const Geometry scene = landscape();
-  std::array<Hit, 8> others{};
+  std::array<NearCrossing, 8> others{};
   for (int i = 0; i < kRays; ++i) {
     const auto at = [i](int step) { return static_cast<float>(spread(5 * i + step)); };
     const Ray ray{{32.0f * at(0), 32.0f * at(1), 12.0f},
@@ -150,8 +150,8 @@ void add_hits(Answers& answers) {
     answers.add(hit.has_value());
     if (!hit) continue;
     add_hit(answers, *hit);
-    const std::size_t near = scene.others_near(ray, 0.0f, *hit, 1e-3f, others);
-    for (std::size_t j = 0; j < near; ++j) add_hit(answers, others[j]);
+    const std::size_t near = scene.crossings_near(ray, 0.0f, {}, *hit, 1e-3f, others);
+    for (std::size_t j = 0; j < near; ++j) add_hit(answers, others[j].hit);
   }
 }
 

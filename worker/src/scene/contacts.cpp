@@ -7,14 +7,18 @@
 #include <limits>
 #include <tuple>
 
+#include "surfaces/thin_shapes.h"
+
 namespace nocturne {
 namespace {
 
-// Of normals: surfaces that only cross each other have no area in common.
-constexpr float kParallel = 0.999f;
 // At more grazing incidence the reach along the ray is not that much longer.
 constexpr float kMinCosine = 1e-3f;
 constexpr std::size_t kMaxNear = 24;
+// Clearances. Where a medium scatters is rounded, too, and in one of every so many times the
+// thickness over the rounding ends up outside of a body: in a hundredth of the width that is one of
+// some 1e5, where a face is as near.
+constexpr double kThinMedium = 1e4;
 
 // A box at all times, and a bound on the clearance of any hit in it.
 struct Extent {
@@ -79,52 +83,89 @@ std::vector<Extent> extents_of(const Geometry& geometry, std::span<const std::ui
   return shown;
 }
 
-// Whether photons that start off `a` may step over `b`.
-bool reaches(const Extent& a, const Extent& b) {
+// Whether they may be so close that single precision does not tell them apart; `seen_from` is the
+// error of a hit that is seen from afar.
+bool reaches(const Extent& a, const Extent& b, double seen_from) {
   const Double3 gap_up = b.lower - a.upper, gap_down = a.lower - b.upper;
   return std::max({gap_up.x, gap_up.y, gap_up.z, gap_down.x, gap_down.y, gap_down.z}) <=
-         a.clearance;
+         std::max(a.clearance, b.clearance) + seen_from;
+}
+
+// The part of a shape's box that its triangles fill may be far less: whether any of them reaches
+// the other's box.
+bool any_part_reaches(const Shape& shape, const Extent& whole, const Extent& other,
+                      double seen_from) {
+  const auto* mesh = std::get_if<TriangleMesh>(&shape);
+  if (mesh == nullptr || mesh->time_steps > 1) return true;
+  return std::ranges::any_of(mesh->triangles, [&](const auto& triangle) {
+    Extent part;
+    for (const std::uint32_t corner : triangle) part.add(Double3(mesh->vertices[corner]));
+    part.clearance = whole.clearance;
+    return reaches(part, other, seen_from);
+  });
 }
 
 bool is_body(const SurfaceMaterial& material) {
   return material.medium_interface != SurfaceMaterial::kNone;
 }
 
+// Photons may be on both sides.
+bool is_passed(const SurfaceMaterial& material) { return is_body(material) || material.may_pass; }
+
 }  // namespace
 
-void find_contacts(const Geometry& geometry, std::span<const std::uint32_t> groups,
-                   std::vector<SurfaceMaterial>& materials) {
+std::vector<CloseSurface> find_close(const Geometry& geometry,
+                                     std::span<const std::uint32_t> groups,
+                                     const std::vector<SurfaceMaterial>& materials,
+                                     std::span<const MediumInterface> medium_interfaces,
+                                     float longest_view) {
   const std::size_t surfaces = geometry.shapes().size();
-  if (std::none_of(materials.begin(), materials.end(), is_body)) return;
-  const std::vector<Extent> extents = extents_of(geometry, groups);
+  std::vector<CloseSurface> close(surfaces);
   for (std::size_t i = 0; i < surfaces; ++i) {
-    SurfaceMaterial& material = materials[i];
-    if (!is_body(material) && !material.may_pass) continue;
+    close[i].body = is_body(materials[i]);
+    close[i].luminaire = materials[i].luminaire != SurfaceMaterial::kNone;
+    close[i].straight = materials[i].index_matched_only ||
+                        (!close[i].body && materials[i].may_pass && materials[i].has_delta_lobe);
+  }
+  const auto end = materials.begin() + static_cast<std::ptrdiff_t>(surfaces);
+  if (std::none_of(materials.begin(), end, is_passed)) return close;
+  const std::vector<Extent> extents = extents_of(geometry, groups);
+  const double seen_from = kClearanceUnits * static_cast<double>(longest_view);
+  const auto meet = [&](std::size_t i, std::size_t j) {
+    if (!reaches(extents[i], extents[j], seen_from)) return false;
+    return (groups[i] != 0 ||
+            any_part_reaches(geometry.shapes()[i], extents[i], extents[j], seen_from)) &&
+           (groups[j] != 0 ||
+            any_part_reaches(geometry.shapes()[j], extents[j], extents[i], seen_from));
+  };
+  const auto set = [&](std::size_t i) {
+    close[i].reach = static_cast<float>(extents[i].clearance);
+  };
+  for (std::size_t i = 0; i < surfaces; ++i) {
+    if (!is_passed(materials[i])) continue;
+    const bool media =
+        close[i].body && !medium_interfaces[materials[i].medium_interface].media.empty();
+    const double thin = (media ? kThinMedium : 2.0) * extents[i].clearance + seen_from;
+    // What is shown more than once may touch itself.
+    if (groups[i] != 0 || may_be_thin(geometry.shapes()[i], thin)) set(i);
     for (std::size_t j = 0; j < surfaces; ++j) {
-      // A surface that is shown more than once may touch itself.
-      if (i == j ? extents[i].count < 2 : !reaches(extents[i], extents[j])) continue;
-      if (!is_body(material) && !is_body(materials[j])) continue;
-      material.contact_reach = static_cast<float>(extents[i].clearance);
+      if (i == j || (close[i].reach > 0.0f && close[j].reach > 0.0f) || !meet(i, j)) continue;
+      set(i);
+      set(j);
     }
   }
+  return close;
 }
 
 Contacts search_contacts(const Geometry& geometry, std::span<const SurfaceMaterial> materials,
                          std::span<const MediumInterface> medium_interfaces, const Ray& ray,
-                         float time, Hit& hit) {
-  std::array<Hit, kMaxNear> near;
+                         float time, const Departure& departure, Hit& hit) {
+  std::array<NearCrossing, kMaxNear> near;
   const float cosine = std::max(kMinCosine, std::fabs(dot(hit.normal, ray.direction)));
-  const float reach =
-      (materials[hit.surface].contact_reach + kClearanceUnits * hit.distance) / cosine;
-  std::size_t count = geometry.others_near(ray, time, hit, reach, near);
-  const auto apart = [&hit](const Hit& other) {
-    return std::fabs(dot(hit.normal, other.normal)) < kParallel ||
-           std::fabs(dot(hit.normal, other.position - hit.position)) > hit.clearance;
-  };
-  const auto end =
-      std::remove_if(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), apart);
+  const float reach = (geometry.close(hit.surface).reach + kClearanceUnits * hit.distance) / cosine;
+  const std::size_t count = geometry.crossings_near(ray, time, departure, hit, reach, near);
   Contacts contacts;
-  if (end == near.begin()) return contacts;
+  if (count == 0) return contacts;
 
   // The one that is seen comes first.
   const auto order = [&](const Hit& h) {
@@ -135,22 +176,23 @@ Contacts search_contacts(const Geometry& geometry, std::span<const SurfaceMateri
     const std::int64_t priority = body ? medium_interfaces[material.medium_interface].priority : 0;
     return std::tuple(kind, -priority, h.surface, h.instance, h.primitive);
   };
-  const Hit first = hit;
-  for (auto other = near.begin(); other != end; ++other) {
-    if (order(*other) < order(hit)) hit = *other;
+  const auto touching = std::span(near).first(count);
+  hit = near[0].hit;
+  for (const NearCrossing& each : touching) {
+    if (each.touches_first && order(each.hit) < order(hit)) hit = each.hit;
   }
-  const auto cross = [&](const Hit& h) {
-    hit.clearance = std::max(hit.clearance, h.clearance);
-    const std::uint32_t body = materials[h.surface].medium_interface;
+  const auto cross = [&](const NearCrossing& crossing) {
+    const std::uint32_t body = materials[crossing.hit.surface].medium_interface;
     if (body == SurfaceMaterial::kNone) return;
-    const Crossing crossing{body, dot(h.normal, ray.direction) < 0.0f};
+    const Crossing made{body, crossing.at.entering()};
     // Once at an edge that two triangles share.
     const bool own = body == materials[hit.surface].medium_interface &&
-                     crossing.entering == (dot(hit.normal, ray.direction) < 0.0f);
-    if (!own) contacts.add(crossing);
+                     made.entering == (dot(hit.normal, ray.direction) < 0.0f);
+    if (!own) contacts.add(made);
   };
-  cross(first);
-  std::for_each(near.begin(), end, cross);
+  for (const NearCrossing& each : touching) {
+    if (each.touches_first) cross(each);
+  }
   return contacts;
 }
 

@@ -1,6 +1,7 @@
-// Surfaces that touch. A photon that leaves a hit starts a little off it, and would step over all
-// that lies in the same place: glass on a table, water in a glass, two banks of fog side by side.
-// So it meets them all at once (docs/decisions/0029-surfaces-that-touch.md).
+// Surfaces that lie close together, or touch: the two faces of a thin pane, a lamp behind a mask,
+// glass on a table, water in a glass. Single precision does not tell which of them comes first:
+// they are met in the order that double precision tells (docs/decisions/0053), and those that lie
+// in the same place all at once (docs/decisions/0029).
 #pragma once
 
 #include <span>
@@ -13,26 +14,33 @@
 
 namespace nocturne {
 
-/// Sets `contact_reach` of all materials: of bodies whose box meets another surface's, and of what
-/// else photons go through where its box meets a body's. Groups are as Geometry takes them.
-void find_contacts(const Geometry& geometry, std::span<const std::uint32_t> groups,
-                   std::vector<SurfaceMaterial>& materials);
+/// For Geometry::set_close: what photons go through and is close to something, be it to itself, and
+/// what is close to that. Groups are as Geometry takes them; `longest_view` is how far away a hit
+/// may be from where its ray starts, m.
+std::vector<CloseSurface> find_close(const Geometry& geometry,
+                                     std::span<const std::uint32_t> groups,
+                                     const std::vector<SurfaceMaterial>& materials,
+                                     std::span<const MediumInterface> medium_interfaces,
+                                     float longest_view);
 
-/// What touches a hit. The hit becomes the one that is seen: a surface that bounds no body hides
-/// the bodies' own; of bodies, that of the highest priority.
+/// What touches a hit. The hit becomes the first of those that are close together; of those that
+/// touch, the one that is seen: a surface that bounds no body hides the bodies' own; of bodies,
+/// that of the highest priority.
 Contacts search_contacts(const Geometry& geometry, std::span<const SurfaceMaterial> materials,
                          std::span<const MediumInterface> medium_interfaces, const Ray& ray,
-                         float time, Hit& hit);
+                         float time, const Departure& departure, Hit& hit);
 
-/// Most hits are on surfaces that touch nothing.
+/// Most hits are on surfaces that nothing is close to.
 inline Contacts contacts_of(const Geometry& geometry, std::span<const SurfaceMaterial> materials,
                             std::span<const MediumInterface> medium_interfaces, const Ray& ray,
-                            float time, Hit& hit) {
-  if (!(materials[hit.surface].contact_reach > 0.0f)) return {};
-  return search_contacts(geometry, materials, medium_interfaces, ray, time, hit);
+                            float time, const Departure& departure, Hit& hit) {
+  if (!materials[hit.surface].close) return {};
+  return search_contacts(geometry, materials, medium_interfaces, ray, time, departure, hit);
 }
-inline Contacts contacts_of(const Scene& scene, const Ray& ray, float time, Hit& hit) {
-  return contacts_of(scene.geometry, scene.materials, scene.medium_interfaces, ray, time, hit);
+inline Contacts contacts_of(const Scene& scene, const Ray& ray, float time,
+                            const Departure& departure, Hit& hit) {
+  return contacts_of(scene.geometry, scene.materials, scene.medium_interfaces, ray, time, departure,
+                     hit);
 }
 
 }  // namespace nocturne

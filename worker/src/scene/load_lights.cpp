@@ -9,6 +9,7 @@
 #include "scene/load_mesh.h"
 #include "scene/load_surfaces.h"
 #include "scene/load_textures.h"
+#include "surfaces/octahedron.h"
 #include "surfaces/sphere_intersection.h"
 #include "surfaces/triangle_at.h"
 
@@ -28,6 +29,11 @@ void for_each_place(const Geometry& geometry, std::uint32_t group, const Use& us
   for (const PlacedInstance& instance : geometry.instances()) {
     if (instance.group() == group) use(&instance);
   }
+}
+
+std::uint32_t index_of(const Geometry& geometry, const PlacedInstance* instance) {
+  return instance == nullptr ? Hit::kNoInstance
+                             : static_cast<std::uint32_t>(instance - geometry.instances().data());
 }
 
 // Steps of the shape or of the instance, whichever are more: directions drawn towards it need not
@@ -178,6 +184,38 @@ std::optional<Environment> load_environment(const LoadContext& context) {
   return Environment(context.spectrum(message.constant()));
 }
 
+// A point of a surface at the first time, as if it had been hit.
+Hit a_point_on(const Shape& shape, const PlacedInstance* instance, std::uint32_t surface,
+               const Geometry& geometry) {
+  constexpr float kU = 0.3f, kV = 0.3f;
+  Vec3 point, normal;
+  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
+    const auto& t = mesh->triangles.front();
+    const Vec3 a = placed(instance, 0.0f, mesh->vertices[t[0]]);
+    const Vec3 b = placed(instance, 0.0f, mesh->vertices[t[1]]);
+    const Vec3 c = placed(instance, 0.0f, mesh->vertices[t[2]]);
+    normal = normalized(cross(b - a, c - a));
+    point = a + kU * (b - a) + kV * (c - a);
+  } else {
+    const auto& s = std::get<Sphere>(shape);
+    const Double3 out = fold(kU, kV);
+    const Double3 at = Double3{s.x, s.y, s.z} + s.radius * out;
+    const auto placement =
+        instance == nullptr ? std::nullopt : std::optional(instance->placement(0.0f));
+    point = (placement ? placement->point_to_scene(at) : at).rounded();
+    normal = normalized((placement ? placement->normal_to_scene(out) : out).rounded());
+  }
+  return {.position = point,
+          .normal = normal,
+          .surface = surface,
+          .distance = 0.0f,
+          .clearance = 1e-5f * std::max(max_abs(point), 1e-3f),
+          .instance = index_of(geometry, instance),
+          .primitive = 0,
+          .u = kU,
+          .v = kV};
+}
+
 std::vector<DistantDisc> load_discs(const LoadContext& context) {
   std::vector<DistantDisc> discs;
   for (const auto& disc : context.message.distant_discs()) {
@@ -239,10 +277,12 @@ PhotonEmitter load_emitter(const std::vector<Luminaire>& luminaires, const Light
       const std::size_t steps = time_steps(shape, instance);
       if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
         const auto vertices = placed_vertices(*mesh, instance, steps);
-        for (const auto& t : mesh->triangles) {
+        const std::uint32_t shown_by = index_of(geometry, instance);
+        for (std::uint32_t triangle = 0; triangle < mesh->triangles.size(); ++triangle) {
+          const auto& t = mesh->triangles[triangle];
           std::vector<std::array<Vec3, 3>> corners;
           for (const auto& v : vertices) corners.push_back({v[t[0]], v[t[1]], v[t[2]]});
-          emitter.add_triangle(i, luminaire, std::move(corners));
+          emitter.add_triangle(i, luminaire, std::move(corners), {shown_by, triangle});
         }
         return;
       }
@@ -273,22 +313,7 @@ std::vector<InteriorList> load_luminaires_inside(
     bool first = true;
     for_each_place(geometry, groups[luminaire.surface], [&](const PlacedInstance* instance) {
       if (!std::exchange(first, false)) return;
-      Vec3 point, normal;
-      if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
-        const auto& t = mesh->triangles.front();
-        const Vec3 a = placed(instance, 0.0f, mesh->vertices[t[0]]);
-        const Vec3 b = placed(instance, 0.0f, mesh->vertices[t[1]]);
-        const Vec3 c = placed(instance, 0.0f, mesh->vertices[t[2]]);
-        normal = normalized(cross(b - a, c - a));
-        point = a + 0.3f * (b - a) + 0.3f * (c - a);
-      } else {
-        const auto& s = std::get<Sphere>(shape);
-        normal = {0, 0, 1};
-        point = placed(
-            instance, 0.0f,
-            {static_cast<float>(s.x), static_cast<float>(s.y), static_cast<float>(s.z + s.radius)});
-      }
-      list = bodies_around(point + 1e-5f * std::max(max_abs(point), 1e-3f) * normal, geometry,
+      list = bodies_around({}, a_point_on(shape, instance, luminaire.surface, geometry), geometry,
                            materials, medium_interfaces, everywhere);
     });
     inside.push_back(list);

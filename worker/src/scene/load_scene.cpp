@@ -174,6 +174,17 @@ std::optional<Geometry::Ball> find_all_in_fog(const Geometry& geometry, Vec3 sen
   return ball;
 }
 
+// What is close together, for the searches and for what follows from a hit.
+void set_close(Geometry& geometry, const std::vector<std::uint32_t>& groups, Vec3 sensor,
+               const std::vector<MediumInterface>& medium_interfaces,
+               std::vector<SurfaceMaterial>& materials) {
+  const Geometry::Ball ball = geometry.bounds();
+  std::vector<CloseSurface> close = find_close(geometry, groups, materials, medium_interfaces,
+                                               2.0f * ball.radius + length(sensor - ball.centre));
+  for (std::size_t i = 0; i < close.size(); ++i) materials[i].close = close[i].reach > 0.0f;
+  geometry.set_close(std::move(close));
+}
+
 bool occlusion_decides(const TracingOptions& options, const std::vector<SurfaceMaterial>& materials,
                        const std::vector<MediumInterface>& medium_interfaces,
                        const LightDirections& lights, const std::vector<Luminaire>& luminaires,
@@ -181,6 +192,7 @@ bool occlusion_decides(const TracingOptions& options, const std::vector<SurfaceM
   return options.estimator == Estimator::kTwoPhotons && options.direction == Direction::kAdjoint &&
          medium_interfaces.empty() && lights.important().empty() &&
          std::ranges::none_of(materials, &SurfaceMaterial::has_delta_lobe) &&
+         std::ranges::none_of(materials, &SurfaceMaterial::close) &&
          std::ranges::none_of(luminaires, [&](const Luminaire& luminaire) {
            return luminaire.textured() || groups[luminaire.surface] != 0;
          });
@@ -203,13 +215,14 @@ std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message,
   const InteriorList everywhere = load_unbounded(context);
   return checked([&] {
     Geometry geometry(std::move(loaded.shapes), loaded.groups, std::move(loaded.instances));
-    find_contacts(geometry, loaded.groups, materials);
     auto luminaires = load_luminaires(context, geometry, materials);
+    set_close(geometry, loaded.groups, sensor_start(message.sensor()), medium_interfaces,
+              materials);
     auto media = load_media(context, kernels, materials);
     auto lights = load_light_directions(context, luminaires, geometry, loaded.groups);
     const TracingOptions options = load_tracing(message.tracing(), lights.empty());
     auto sensor = load_sensor(message.sensor());
-    const InteriorList sensor_inside = bodies_around(sensor_start(message.sensor()), geometry,
+    const InteriorList sensor_inside = bodies_around(sensor_start(message.sensor()), {}, geometry,
                                                      materials, medium_interfaces, everywhere);
     PhotonEmitter emitter;
     std::vector<InteriorList> luminaires_inside;

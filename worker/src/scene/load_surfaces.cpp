@@ -166,13 +166,16 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
   return materials;
 }
 
-InteriorList bodies_around(Vec3 position, const Geometry& geometry,
+InteriorList bodies_around(Vec3 position, const std::optional<Hit>& on, const Geometry& geometry,
                            const std::vector<SurfaceMaterial>& materials,
                            const std::vector<MediumInterface>& medium_interfaces,
                            const InteriorList& everywhere) {
   constexpr int kMaxSurfaces = 10'000;
   // No axis, no diagonal: few scenes have edges there.
-  Ray ray{position, normalized(Vec3{0.5317f, 0.7621f, 0.3694f})};
+  Vec3 direction = normalized(Vec3{0.5317f, 0.7621f, 0.3694f});
+  if (on && dot(on->normal, direction) < 0.0f) direction = -direction;
+  DepartingRay from{{position, direction}, {}};
+  if (on) from = geometry.depart(*on, direction, 0.0f);
   std::vector<std::uint32_t> entered, left;
   const auto cross = [&](const Crossing& crossing) {
     if (crossing.entering) {
@@ -185,13 +188,14 @@ InteriorList bodies_around(Vec3 position, const Geometry& geometry,
     }
   };
   for (int i = 0; i < kMaxSurfaces; ++i) {
-    auto hit = geometry.intersect(ray, 0.0f);
+    auto hit = geometry.intersect(from.ray, 0.0f, from.departure);
     if (!hit) break;
-    const Contacts contacts = contacts_of(geometry, materials, medium_interfaces, ray, 0.0f, *hit);
-    ray.origin = leave_surface(*hit, ray.direction);
+    const Contacts contacts =
+        contacts_of(geometry, materials, medium_interfaces, from.ray, 0.0f, from.departure, *hit);
+    from = geometry.depart(*hit, direction, 0.0f);
     std::ranges::for_each(contacts, cross);
     const std::uint32_t body = materials[hit->surface].medium_interface;
-    if (body != SurfaceMaterial::kNone) cross({body, dot(hit->normal, ray.direction) < 0.0f});
+    if (body != SurfaceMaterial::kNone) cross({body, dot(hit->normal, direction) < 0.0f});
   }
   InteriorList inside = everywhere;
   std::ranges::for_each(left.rbegin(), left.rend(), [&](std::uint32_t b) { inside.enter(b); });

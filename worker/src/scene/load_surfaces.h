@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "scene/bump_map.h"
@@ -33,8 +34,8 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
                                             const std::vector<Shape>& shapes);
 
 /// The bodies around a point: those that are everywhere, and those that a straight line from it
-/// leaves.
-InteriorList bodies_around(Vec3 position, const Geometry& geometry,
+/// leaves. Where the point is on a surface, `on` is its hit, and the side is that of the normal.
+InteriorList bodies_around(Vec3 position, const std::optional<Hit>& on, const Geometry& geometry,
                            const std::vector<SurfaceMaterial>& materials,
                            const std::vector<MediumInterface>& medium_interfaces,
                            const InteriorList& everywhere);

@@ -33,11 +33,11 @@ struct SurfaceMaterial {
   bool has_delta_lobe = false;
   /// Photons may go through.
   bool may_pass = false;
+  /// Something is so close to it that single precision does not tell which comes first
+  /// (contacts.h).
+  bool close = false;
   /// Bounds an index-matched body and does nothing else.
   bool index_matched_only = false;
-  /// How far from a hit, along the normal, what touches it is looked for, m; 0 where nothing does
-  /// (contacts.h).
-  float contact_reach = 0.0f;
   /// Something depends on texture coordinates, tangents or shading normals.
   bool needs_detail = false;
 };

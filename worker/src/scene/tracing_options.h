@@ -34,10 +34,17 @@ enum class Direction {
 
 struct TracingOptions {
   static constexpr std::uint32_t kMaxSplitVertices = 8;
-  /// A photon caught in clear glass never ends by itself. After so many surfaces it survives each
-  /// further one with this probability, and carries as much more: no bias, whatever the depth.
-  static constexpr std::uint32_t kManyBounces = 1000;
-  static constexpr float kSurvivalOfMany = 0.99f;
+  /// A photon caught in clear glass never ends by itself. After so many interactions in a row that
+  /// absorb nothing and only reflect or refract, it survives each further one with this
+  /// probability.
+  static constexpr std::uint32_t kCaughtAfter = 1000;
+  static constexpr float kSurvivalOfCaught = 0.99f;
+  /// Among surfaces that absorb nothing no photon ends by itself either. Beyond so many, the n-th
+  /// is survived with at most 1 - 2 / n: n are survived with a probability that falls as 1 / n^2,
+  /// so that paths end, and weights grow as n^2, which the albedo's n-th power outweighs in all
+  /// moments wherever it is below 1. A constant survival s has a finite second moment only for
+  /// albedos below the square root of s.
+  static constexpr std::uint32_t kManyBounces = 100'000;
 
   /// A photon survives a vertex with probability min(1, H h), times its weight inside the minimum
   /// where roulette_by_weight says so.

@@ -45,16 +45,22 @@ void sphere_bounds(const RTCBoundsFunctionArguments* arguments) {
 // A ray of a packet of n, as single rays are.
 RTCRay ray_at(RTCRayN* rays, unsigned n, unsigned i) { return rtcGetRayFromRayN(rays, n, i); }
 
-// The first crossing within (near, far) of the ray.
-std::optional<float> first_crossing(const Sphere& sphere, const RTCRay& ray) {
-  const auto crossings =
-      cross_sphere(centre_at(sphere, ray.time), sphere.radius, {ray.org_x, ray.org_y, ray.org_z},
-                   {ray.dir_x, ray.dir_y, ray.dir_z});
-  if (!crossings) return std::nullopt;
+Double3 origin_of(const RTCRay& ray) { return {ray.org_x, ray.org_y, ray.org_z}; }
+
+// Null in a search without a filter.
+ExactContext* exact_context(RTCIntersectContext* context) {
+  return context->filter == nullptr ? nullptr : reinterpret_cast<ExactContext*>(context);
+}
+
+// take(t) for the crossings within (near, far) of the ray, in order, until it takes one.
+template <class Take>
+void take_crossing(const Sphere& sphere, Double3 origin, const RTCRay& ray, const Take& take) {
+  const auto crossings = cross_sphere(centre_at(sphere, ray.time), sphere.radius, origin,
+                                      {ray.dir_x, ray.dir_y, ray.dir_z});
+  if (!crossings) return;
   for (const double t : {crossings->near, crossings->far}) {
-    if (t > ray.tnear && t < ray.tfar) return static_cast<float>(t);
+    if (t > ray.tnear && t < ray.tfar && take(static_cast<float>(t))) return;
   }
-  return std::nullopt;
 }
 
 RTCHit hit_of(const EmbreeSpheres::One& sphere, const RTCIntersectContext& context) {
@@ -64,8 +70,8 @@ RTCHit hit_of(const EmbreeSpheres::One& sphere, const RTCIntersectContext& conte
   return hit;
 }
 
-// To the search's filter, which keeps no hit.
-void offer(const RTCIntersectFunctionNArguments* arguments, RTCRay ray, RTCHit hit) {
+// To the search's filter: whether it takes the hit.
+bool offer(const RTCIntersectFunctionNArguments* arguments, RTCRay ray, RTCHit hit) {
   int valid = -1;
   RTCFilterFunctionNArguments offered{&valid,
                                       arguments->geometryUserPtr,
@@ -74,6 +80,7 @@ void offer(const RTCIntersectFunctionNArguments* arguments, RTCRay ray, RTCHit h
                                       reinterpret_cast<RTCHitN*>(&hit),
                                       1};
   arguments->context->filter(&offered);
+  return valid != 0;
 }
 
 void sphere_intersect(const RTCIntersectFunctionNArguments* arguments) {
@@ -83,17 +90,18 @@ void sphere_intersect(const RTCIntersectFunctionNArguments* arguments) {
   RTCHitN* hits = RTCRayHitN_HitN(arguments->rayhit, n);
   for (unsigned i = 0; i < n; ++i) {
     if (arguments->valid[i] == 0) continue;
-    RTCRay ray = ray_at(rays, n, i);
-    const auto t = first_crossing(*sphere.sphere, ray);
-    if (!t) continue;
-    RTCHit hit = hit_of(sphere, *arguments->context);
-    if (arguments->context->filter != nullptr) {
-      ray.tfar = *t;
-      offer(arguments, ray, hit);
-      continue;
-    }
-    RTCRayN_tfar(rays, n, i) = *t;
-    rtcCopyHitToHitN(hits, &hit, n, i);
+    const RTCRay ray = ray_at(rays, n, i);
+    const RTCHit hit = hit_of(sphere, *arguments->context);
+    const ExactContext* exact = exact_context(arguments->context);
+    const Double3 origin = exact != nullptr ? exact->origin : origin_of(ray);
+    take_crossing(*sphere.sphere, origin, ray, [&](float t) {
+      RTCRay until = ray;
+      until.tfar = t;
+      if (exact != nullptr && !offer(arguments, until, hit)) return false;
+      RTCRayN_tfar(rays, n, i) = t;
+      rtcCopyHitToHitN(hits, &hit, n, i);
+      return true;
+    });
   }
 }
 
@@ -105,9 +113,11 @@ void sphere_occluded(const RTCOccludedFunctionNArguments* arguments) {
   const EmbreeSpheres::One& sphere = sphere_of(arguments->geometryUserPtr, arguments->primID);
   for (unsigned i = 0; i < n; ++i) {
     if (arguments->valid[i] == 0) continue;
-    if (first_crossing(*sphere.sphere, ray_at(arguments->ray, n, i))) {
+    const RTCRay ray = ray_at(arguments->ray, n, i);
+    take_crossing(*sphere.sphere, origin_of(ray), ray, [&](float) {
       RTCRayN_tfar(arguments->ray, n, i) = kOccluded;
-    }
+      return true;
+    });
   }
 }
 
@@ -136,10 +146,13 @@ void instance_bounds(const RTCBoundsFunctionArguments* arguments) {
 
 // The ray as the group sees it; empty where the group can't be seen. Distances along the ray stay
 // what they are, as the direction is carried along unnormalised.
-std::optional<RTCRay> ray_in_group(const PlacedInstance& instance, RTCRay ray) {
+std::optional<RTCRay> ray_in_group(const PlacedInstance& instance, RTCRay ray,
+                                   ExactContext* exact) {
   const Placement placement = instance.placement(ray.time);
   if (!placement.valid()) return std::nullopt;
-  const Vec3 origin = placement.point_to_group(Vec3{ray.org_x, ray.org_y, ray.org_z}).rounded();
+  const Double3 start = placement.point_to_group(exact != nullptr ? exact->origin : origin_of(ray));
+  if (exact != nullptr) exact->origin = start;
+  const Vec3 origin = start.rounded();
   const Vec3 direction =
       (placement.inverse * Double3(Vec3{ray.dir_x, ray.dir_y, ray.dir_z})).rounded();
   ray.org_x = origin.x;
@@ -163,11 +176,14 @@ void instance_intersect(const RTCIntersectFunctionNArguments* arguments) {
   arguments->context->instID[0] = one.index;
   for (unsigned i = 0; i < n; ++i) {
     if (arguments->valid[i] == 0) continue;
-    const auto ray = ray_in_group(*one.instance, ray_at(rays, n, i));
+    ExactContext* const exact = exact_context(arguments->context);
+    const Double3 outside = exact != nullptr ? exact->origin : Double3();
+    const auto ray = ray_in_group(*one.instance, ray_at(rays, n, i), exact);
     if (!ray) continue;
     RTCRayHit in_group{*ray, {}};
     in_group.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(one.scene, arguments->context, &in_group);
+    if (exact != nullptr) exact->origin = outside;
     if (in_group.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
     RTCRayN_tfar(rays, n, i) = in_group.ray.tfar;
     rtcCopyHitToHitN(hits, &in_group.hit, n, i);
@@ -180,7 +196,7 @@ void instance_occluded(const RTCOccludedFunctionNArguments* arguments) {
   const EmbreeInstances::One& one = instance_of(arguments->geometryUserPtr, arguments->primID);
   for (unsigned i = 0; i < n; ++i) {
     if (arguments->valid[i] == 0) continue;
-    auto ray = ray_in_group(*one.instance, ray_at(arguments->ray, n, i));
+    auto ray = ray_in_group(*one.instance, ray_at(arguments->ray, n, i), nullptr);
     if (!ray) continue;
     rtcOccluded1(one.scene, arguments->context, &*ray);
     if (ray->tfar < 0.0f) RTCRayN_tfar(arguments->ray, n, i) = kOccluded;

@@ -12,6 +12,13 @@
 
 namespace nocturne {
 
+/// Every search with a filter: what Embree hands back a pointer to, and where its ray starts before
+/// that is rounded.
+struct ExactContext {
+  RTCIntersectContext context;
+  Double3 origin;
+};
+
 /// Spheres with the same number of time steps: one Embree geometry, a primitive each.
 struct EmbreeSpheres {
   struct One {

@@ -11,6 +11,7 @@
 #include <map>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "math/in_place.h"
@@ -70,24 +71,16 @@ void fill(Packet& packet, std::span<const TimedRay> rays, std::span<int> valid) 
   }
 }
 
-// Takes down every hit that a search comes across, and lets it go on.
-struct Collector {
-  RTCIntersectContext context;  // first: Embree hands back a pointer to it
-  std::array<Found, 32> found;
-  std::size_t count = 0;
+// What a single ray's search offers its filter.
+Found offered(const RTCFilterFunctionNArguments* arguments) {
+  RTCHitN* hit = arguments->hit;
+  return {RTCHitN_geomID(hit, 1, 0), RTCHitN_instID(hit, 1, 0, 0),
+          RTCHitN_primID(hit, 1, 0), RTCHitN_u(hit, 1, 0),
+          RTCHitN_v(hit, 1, 0),      RTCRayN_tfar(arguments->ray, 1, 0)};
+}
 
-  static void take(const RTCFilterFunctionNArguments* arguments) {
-    // Geometry asks for single rays only, so N is 1.
-    auto& self = *reinterpret_cast<Collector*>(arguments->context);
-    RTCHitN* hit = arguments->hit;
-    if (self.count < self.found.size()) {
-      self.found[self.count++] = {RTCHitN_geomID(hit, 1, 0), RTCHitN_instID(hit, 1, 0, 0),
-                                  RTCHitN_primID(hit, 1, 0), RTCHitN_u(hit, 1, 0),
-                                  RTCHitN_v(hit, 1, 0),      RTCRayN_tfar(arguments->ray, 1, 0)};
-    }
-    arguments->valid[0] = 0;
-  }
-};
+// Of the surfaces that a line crosses close together.
+constexpr std::size_t kMaxNear = 32;
 
 }  // namespace
 
@@ -101,7 +94,7 @@ struct Geometry::Embree {
 
   Embree(std::vector<Shape> s, const std::vector<std::uint32_t>& group_of_shape,
          std::vector<Instance> all)
-      : shapes(std::move(s)) {
+      : shapes(std::move(s)), close(shapes.size()) {
     if (group_of_shape.size() != shapes.size()) {
       throw std::invalid_argument("every shape needs a group");
     }
@@ -152,7 +145,8 @@ struct Geometry::Embree {
 
   RTCScene new_scene() const {
     RTCScene made = rtcNewScene(device);
-    // Watertight: a closed box must lose no photon through its edges. Filters: others_near.
+    // Watertight: a closed box must lose no photon through its edges. Filters: nearest_ahead,
+    // crossings_near.
     rtcSetSceneFlags(made, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     return made;
   }
@@ -204,15 +198,158 @@ struct Geometry::Embree {
   }
 
   // From Embree's numbers. Inline: 4 % of the Cornell box.
-  [[gnu::always_inline]] Hit located(const Ray& ray, float time, Found found) const {
+  [[gnu::always_inline]] Hit located(Double3 origin, Vec3 direction, float time,
+                                     Found found) const {
     if (found.instance != Hit::kNoInstance) {
       found.surface = (*instance_surfaces[found.instance])[found.surface];
-      return locate(shapes[found.surface], instances[found.instance].placement(time), ray, found,
-                    time);
+      return locate(shapes[found.surface], instances[found.instance].placement(time), origin,
+                    direction, found, time);
     }
     const Shape& shape = shapes[found.surface];
     if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) return locate(*mesh, found, time);
-    return locate(std::get<Sphere>(shape), ray, found, time);
+    return locate(std::get<Sphere>(shape), origin, direction, found, time);
+  }
+
+  // f(shape, placement or null) of what a hit is on.
+  template <class F>
+  auto with_placement(std::uint32_t surface, std::uint32_t instance, float time, const F& f) const {
+    if (instance == Hit::kNoInstance) return f(shapes[surface], nullptr);
+    const Placement placement = instances[instance].placement(time);
+    return f(shapes[surface], &placement);
+  }
+
+  // A line, and what was left where it starts. Embree measures from `back` metres behind that.
+  struct Line {
+    Double3 origin;
+    Vec3 direction;
+    float time;
+    double back = 0.0;
+    std::optional<Crossed> left = {};
+  };
+
+  Crossed crossed(const Line& line, Found found) const {
+    if (found.instance != Hit::kNoInstance) {
+      found.surface = (*instance_surfaces[found.instance])[found.surface];
+    }
+    return crossed_shape(line, found);
+  }
+  Crossed crossed_shape(const Line& line, Found found) const {
+    found.distance = static_cast<float>(found.distance - line.back);
+    const auto cross = [&](const Shape& shape, const Placement* placement) {
+      return cross_exactly(shape, placement, line.origin, line.direction, found, line.time);
+    };
+    return {found.surface, found.instance, found.primitive,
+            with_placement(found.surface, found.instance, line.time, cross)};
+  }
+
+  Line line_of(const Ray& ray, float time, const Departure& departure) const {
+    Line line{departure.start(ray), ray.direction, time};
+    if (departure.surface == Departure::kNothing) return line;
+    line.left = crossed_shape(
+        line, {departure.surface, departure.instance, departure.primitive, 0.0f, 0.0f, 0.0f});
+    line.left->at.distance = 0.0;
+    return line;
+  }
+
+  // What a line crosses close together, what it left among it.
+  struct Picture {
+    Picture() {}  // what is not there need not be zero
+
+    std::array<Crossed, kMaxNear + 1> crossed;
+    std::array<Found, kMaxNear> found;
+    std::size_t count = 0;
+
+    void add(const Crossed& at, const Found& as_found) {
+      if (count == found.size()) return;
+      found[count] = as_found;
+      crossed[count++] = at;
+    }
+    // The last is what was left.
+    std::span<const Crossed> with(const Line& line) {
+      if (!line.left) return std::span(crossed).first(count);
+      crossed[count] = *line.left;
+      return std::span(crossed).first(count + 1);
+    }
+  };
+
+  // f(index) of those that lie before a ray along the line, and were not crossed where it starts.
+  template <class F>
+  void for_each_ahead(const Line& line, Picture& picture, const F& f) const {
+    const auto all = picture.with(line);
+    for (std::size_t i = 0; i < picture.count; ++i) {
+      if (!(all[i].at.distance > 0.0)) continue;
+      if (line.left && (same_crossing(shapes[all[i].surface], *line.left, all[i]) ||
+                        touch(all, picture.count, i, close))) {
+        continue;
+      }
+      f(i);
+    }
+  }
+
+  // Near the start takes down every hit, to be looked at in double precision; beyond finds the
+  // nearest.
+  struct NearestAhead {
+    ExactContext context;  // first: Embree hands back a pointer to it
+    const Embree& geometry;
+    const Line& line;
+    // From here on Embree's numbers tell.
+    float certain;
+    bool grazing;
+    Picture picture;
+
+    NearestAhead(const Embree& all, const Line& along, float certain_from, bool is_grazing)
+        : geometry(all), line(along), certain(certain_from), grazing(is_grazing) {
+      rtcInitIntersectContext(&context.context);
+      context.context.filter = decide;
+      context.origin = along.origin - along.back * Double3(along.direction);
+    }
+
+    static void decide(const RTCFilterFunctionNArguments* arguments) {
+      auto& self = *reinterpret_cast<NearestAhead*>(arguments->context);
+      const Found found = offered(arguments);
+      if (found.distance > self.certain) {
+        if (self.grazing && self.leaves_here(found)) arguments->valid[0] = 0;
+        return;
+      }
+      self.picture.add(self.geometry.crossed(self.line, found), found);
+      arguments->valid[0] = 0;
+    }
+    // A neighbour of what was left, all but parallel to the ray.
+    bool leaves_here(const Found& found) const {
+      const Crossed again = geometry.crossed(line, found);
+      return line.left && same_crossing(geometry.shapes[again.surface], *line.left, again);
+    }
+  };
+
+  std::optional<Hit> nearest_ahead(const Ray& ray, float time, const Departure& departure) const {
+    // Closer to the tangent a hit may be wrong by more along the ray than the search looks back.
+    constexpr double kMinCosine = 1e-3, kGrazing = 1e-2;
+    Line line = line_of(ray, time, departure);
+    // From within a medium what is met may be at any angle.
+    const double cosine = line.left ? std::fabs(line.left->at.facing) : kMinCosine;
+    const double reach = line.left ? close[line.left->surface].reach : largest_reach;
+    line.back = 2.0 * reach / std::max(kMinCosine, cosine);
+    const Double3 from = line.origin - line.back * Double3(ray.direction);
+    NearestAhead search(*this, line, static_cast<float>(3.0 * line.back), cosine < kGrazing);
+    RTCRayHit query = embree_query({from.rounded(), ray.direction}, time);
+    rtcIntersect1(scene, &search.context.context, &query);
+    std::size_t first = kMaxNear;
+    for_each_ahead(line, search.picture, [&](std::size_t i) {
+      const auto distance = [&](std::size_t j) { return search.picture.crossed[j].at.distance; };
+      if (first == kMaxNear || distance(i) < distance(first)) first = i;
+    });
+    if (first != kMaxNear) {
+      Hit hit = located(from, ray.direction, time, search.picture.found[first]);
+      hit.distance = static_cast<float>(search.picture.crossed[first].at.distance);
+      return hit;
+    }
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    const Found found{query.hit.geomID, query.hit.instID[0], query.hit.primID,
+                      query.hit.u,      query.hit.v,         query.ray.tfar};
+    Hit hit = located(from, ray.direction, time, found);
+    // A medium scatters up to the surface exactly.
+    hit.distance = static_cast<float>(crossed(line, found).at.distance);
+    return hit;
   }
 
   void release() {
@@ -228,6 +365,8 @@ struct Geometry::Embree {
   std::list<EmbreeInstances> instance_sets;
   std::map<std::uint32_t, Group> groups;
   std::vector<const std::vector<std::uint32_t>*> instance_surfaces;  // by instance
+  std::vector<CloseSurface> close;                                   // by surface
+  float largest_reach = 0.0f;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 };
@@ -255,7 +394,36 @@ Geometry::Ball Geometry::bounds() const {
   return {0.5f * (low + high), 0.5005f * length(high - low)};
 }
 
+void Geometry::set_close(std::vector<CloseSurface> close) {
+  embree_->largest_reach = 0.0f;
+  for (const CloseSurface& each : close) {
+    embree_->largest_reach = std::max(embree_->largest_reach, each.reach);
+  }
+  embree_->close = std::move(close);
+}
+const CloseSurface& Geometry::close(std::uint32_t surface) const { return embree_->close[surface]; }
+bool Geometry::any_close() const { return embree_->largest_reach > 0.0f; }
+
 void Geometry::intersect(std::span<const TimedRay> rays, std::span<std::optional<Hit>> hits) const {
+  if (!any_close()) return intersect_packets(rays, hits);
+  // Those that depart exactly are searched for one by one, the others together.
+  std::vector<TimedRay> others;
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (rays[i].departure != nullptr && rays[i].departure->exact) {
+      hits[i] = embree_->nearest_ahead(rays[i].ray, rays[i].time, *rays[i].departure);
+    } else {
+      others.push_back(rays[i]);
+      places.push_back(i);
+    }
+  }
+  std::vector<std::optional<Hit>> found(others.size());
+  intersect_packets(others, found);
+  for (std::size_t i = 0; i < places.size(); ++i) hits[places[i]] = found[i];
+}
+
+void Geometry::intersect_packets(std::span<const TimedRay> rays,
+                                 std::span<std::optional<Hit>> hits) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
@@ -275,7 +443,7 @@ void Geometry::intersect(std::span<const TimedRay> rays, std::span<std::optional
         continue;
       }
       hits[first + i].emplace(InPlace{[&] {
-        return embree_->located(some[i].ray, some[i].time,
+        return embree_->located(some[i].ray.origin, some[i].ray.direction, some[i].time,
                                 {query.hit.geomID[i], query.hit.instID[0][i], query.hit.primID[i],
                                  query.hit.u[i], query.hit.v[i], query.ray.tfar[i]});
       }});
@@ -303,28 +471,64 @@ std::optional<Hit> Geometry::intersect(const Ray& ray, float time) const {
   RTCRayHit query = embree_query(ray, time);
   rtcIntersect1(embree_->scene, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  return embree_->located(ray, time,
+  return embree_->located(ray.origin, ray.direction, time,
                           {query.hit.geomID, query.hit.instID[0], query.hit.primID, query.hit.u,
                            query.hit.v, query.ray.tfar});
 }
 
-std::size_t Geometry::others_near(const Ray& ray, float time, const Hit& hit, float reach,
-                                  std::span<Hit> found) const {
-  Collector collector;
-  rtcInitIntersectContext(&collector.context);
-  collector.context.filter = Collector::take;
-  RTCRayHit query = embree_query(ray, time);
-  query.ray.tnear = std::max(0.0f, hit.distance - reach);
-  query.ray.tfar = hit.distance + reach;
-  rtcIntersect1(embree_->scene, &collector.context, &query);
+std::optional<Hit> Geometry::intersect(const Ray& ray, float time,
+                                       const Departure& departure) const {
+  return departure.exact ? embree_->nearest_ahead(ray, time, departure) : intersect(ray, time);
+}
+
+DepartingRay Geometry::depart(const Hit& hit, Vec3 direction, float time) const {
+  if (!(close(hit.surface).reach > 0.0f)) return {{leave_surface(hit, direction), direction}, {}};
+  const auto point = [&](const Shape& shape, const Placement* placement) {
+    return exact_point(shape, placement, hit, time);
+  };
+  DepartingRay ray = DepartingRay::from(
+      embree_->with_placement(hit.surface, hit.instance, time, point), direction);
+  ray.departure.surface = hit.surface;
+  ray.departure.instance = hit.instance;
+  ray.departure.primitive = hit.primitive;
+  return ray;
+}
+
+std::size_t Geometry::crossings_near(const Ray& ray, float time, const Departure& departure,
+                                     const Hit& hit, float reach,
+                                     std::span<NearCrossing> found) const {
+  Embree::Line line = embree_->line_of(ray, time, departure);
+  line.back = reach - static_cast<double>(hit.distance);
+  // From close by, where Embree's numbers are small.
+  const Double3 from = line.origin - line.back * Double3(ray.direction);
+  Embree::NearestAhead search(*embree_, line, std::numeric_limits<float>::infinity(), false);
+  RTCRayHit query = embree_query({from.rounded(), ray.direction}, time);
+  query.ray.tfar = 2.0f * reach;
+  rtcIntersect1(embree_->scene, &search.context.context, &query);
+  Embree::Picture& picture = search.picture;
+  std::array<std::size_t, kMaxNear> ahead;
   std::size_t count = 0;
-  for (std::size_t i = 0; i < collector.count && count < found.size(); ++i) {
-    const Hit other = embree_->located(ray, time, collector.found[i]);
-    if (other.surface == hit.surface && other.instance == hit.instance &&
-        other.primitive == hit.primitive) {
-      continue;
+  embree_->for_each_ahead(line, picture, [&](std::size_t i) { ahead[count++] = i; });
+  const auto order = [&](std::size_t i) {
+    const Crossed& c = picture.crossed[i];
+    return std::tuple(c.at.distance, c.surface, c.instance, c.primitive);
+  };
+  std::sort(ahead.begin(), ahead.begin() + static_cast<std::ptrdiff_t>(count),
+            [&](std::size_t a, std::size_t b) { return order(a) < order(b); });
+  const auto all = picture.with(line);
+  if (count > 0 && departure.exact && !line.left) {
+    // In a medium, between surfaces that touch: what lies behind was not crossed either.
+    for (std::size_t i = 0; i < picture.count; ++i) {
+      if (!(all[i].at.distance > 0.0) && touch(all, ahead[0], i, embree_->close)) {
+        ahead[count++] = i;
+      }
     }
-    found[count++] = other;
+  }
+  count = std::min(count, found.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    found[i] = {embree_->located(from, ray.direction, time, picture.found[ahead[i]]),
+                all[ahead[i]].at, i == 0 || touch(all, ahead[0], ahead[i], embree_->close)};
+    found[i].hit.distance = static_cast<float>(found[i].at.distance);
   }
   return count;
 }

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "math/ray.h"
+#include "surfaces/departure.h"
+#include "surfaces/exact_crossing.h"
 #include "surfaces/hit.h"
 #include "surfaces/instance.h"
 #include "surfaces/shapes.h"
@@ -23,6 +25,16 @@ struct TimedRay {
   Ray ray;
   float time;
   float end = std::numeric_limits<float>::infinity();
+  /// Null for one that starts at its origin, off what it left.
+  const Departure* departure = nullptr;
+};
+
+/// One of the surfaces that a line crosses close together.
+struct NearCrossing {
+  Hit hit;
+  ExactCrossing at;
+  /// Lies where the first of them does.
+  bool touches_first;
 };
 
 class Geometry {
@@ -39,20 +51,35 @@ class Geometry {
   Geometry(const Geometry&) = delete;
   Geometry& operator=(const Geometry&) = delete;
 
+  /// What is close to each surface; to be told once, before rays are traced. Until then nothing is
+  /// close to anything.
+  void set_close(std::vector<CloseSurface> close);
+  const CloseSurface& close(std::uint32_t surface) const;
+  /// Whether anything is close to anything.
+  bool any_close() const;
+
   /// The nearest hit in front of the origin, at a time within the shutter, [0, 1]. Safe from any
   /// number of threads.
   std::optional<Hit> intersect(const Ray& ray, float time) const;
+  /// The same for a ray from where something was left; only what it left itself, and what touches
+  /// that, is left out.
+  std::optional<Hit> intersect(const Ray& ray, float time, const Departure& departure) const;
 
   /// The same for many: what is found for a ray does not depend on the others.
   void intersect(std::span<const TimedRay> rays, std::span<std::optional<Hit>> hits) const;
 
+  /// A ray that leaves a hit: from its point itself where anything is close to the surface, else
+  /// from a little off it.
+  DepartingRay depart(const Hit& hit, Vec3 direction, float time) const;
+
   /// 1 where there is anything in front of the origin, nearer than the ray's end, else 0.
   void occluded(std::span<const TimedRay> rays, std::span<std::uint8_t> blocked) const;
 
-  /// Other hits of a hit's ray, at the same time, no further from it than `reach` metres along the
-  /// ray. Returns how many there are in `found`: the first, if it has not room for all.
-  std::size_t others_near(const Ray& ray, float time, const Hit& hit, float reach,
-                          std::span<Hit> found) const;
+  /// What a hit's ray crosses, at the same time, no further from the hit than `reach` metres along
+  /// the ray, in exact order; mostly the hit is among them, though a little beside an edge it need
+  /// not be. Returns how many there are in `found`: the first, if it has not room for all.
+  std::size_t crossings_near(const Ray& ray, float time, const Departure& departure, const Hit& hit,
+                             float reach, std::span<NearCrossing> found) const;
 
   /// What is more to say about a hit, at the time at which it was found.
   SurfaceDetail detail(const Hit& hit, float time) const;
@@ -72,6 +99,8 @@ class Geometry {
   static std::string library();
 
  private:
+  void intersect_packets(std::span<const TimedRay> rays, std::span<std::optional<Hit>> hits) const;
+
   struct Embree;
   std::unique_ptr<Embree> embree_;
 };

@@ -43,11 +43,11 @@ Hit locate_in_group(const TriangleMesh& mesh, const Placement& placement, const 
   return in_scene(placement, position, (1.0 / length(n)) * n, kClearanceUnits * reach, found);
 }
 
-Hit locate_in_group(const Sphere& sphere, const Placement& placement, const Ray& ray, Found found,
-                    float time) {
+Hit locate_in_group(const Sphere& sphere, const Placement& placement, Double3 origin,
+                    Double3 direction, Found found, float time) {
   const Double3 centre = centre_at(sphere, time);
-  const Double3 n = on_sphere(centre, placement.point_to_group(ray.origin),
-                              placement.inverse * Double3(ray.direction), found.distance);
+  const Double3 n = on_sphere(centre, placement.point_to_group(origin),
+                              placement.inverse * direction, found.distance);
   const auto [u, v] = unfold(n);
   found.u = u;
   found.v = v;
@@ -60,9 +60,10 @@ Hit locate_in_group(const Sphere& sphere, const Placement& placement, const Ray&
 
 }  // namespace
 
-Hit locate(const Sphere& sphere, const Ray& ray, const Found& found, float time) {
+Hit locate(const Sphere& sphere, Double3 origin, Double3 direction, const Found& found,
+           float time) {
   const Double3 centre = centre_at(sphere, time);
-  const Double3 n = on_sphere(centre, ray.origin, ray.direction, found.distance);
+  const Double3 n = on_sphere(centre, origin, direction, found.distance);
   const Vec3 position = (centre + sphere.radius * n).rounded();
   return {.position = position,
           .normal = n.rounded(),
@@ -76,12 +77,12 @@ Hit locate(const Sphere& sphere, const Ray& ray, const Found& found, float time)
           .v = 0.0f};
 }
 
-Hit locate(const Shape& shape, const Placement& placement, const Ray& ray, const Found& found,
-           float time) {
+Hit locate(const Shape& shape, const Placement& placement, Double3 origin, Double3 direction,
+           const Found& found, float time) {
   if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
     return locate_in_group(*mesh, placement, found, time);
   }
-  return locate_in_group(std::get<Sphere>(shape), placement, ray, found, time);
+  return locate_in_group(std::get<Sphere>(shape), placement, origin, direction, found, time);
 }
 
 }  // namespace nocturne

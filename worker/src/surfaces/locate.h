@@ -32,11 +32,11 @@ inline Hit locate(const TriangleMesh& mesh, const Found& found, float time) {
           .v = found.v};
 }
 
-/// A sphere in the scene itself.
-Hit locate(const Sphere& sphere, const Ray& ray, const Found& found, float time);
+/// A sphere in the scene itself. The line is the ray's.
+Hit locate(const Sphere& sphere, Double3 origin, Double3 direction, const Found& found, float time);
 
 /// A shape in an instance that stands at `placement`.
-Hit locate(const Shape& shape, const Placement& placement, const Ray& ray, const Found& found,
-           float time);
+Hit locate(const Shape& shape, const Placement& placement, Double3 origin, Double3 direction,
+           const Found& found, float time);
 
 }  // namespace nocturne

@@ -26,6 +26,8 @@ struct TileSums {
   std::uint64_t rays = 0;
   /// Photons left out because their contribution was negative or not finite.
   std::uint64_t invalid_samples = 0;
+  /// Photons ended by a limit of the tracer that is no property of the scene: bias.
+  std::uint64_t truncated_paths = 0;
 
   explicit TileSums(std::size_t pixels = 0, std::size_t further_responses = 0)
       : channels(kXyzChannels + further_responses), sums(channels * pixels) {}

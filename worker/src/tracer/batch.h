@@ -1,6 +1,7 @@
 // The photons that go through the stages together, and what is known of each between two stages.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -82,17 +83,27 @@ struct Batch {
     e.connect(sample, place, 0.0f, 0.0f);
   };
 
-  Batch(const Scene& traced, Estimator& counts)
+  Batch(const Scene& traced, Estimator& counts, std::stop_token stop)
       : scene(traced),
         options(traced.options),
         both(traced.options.direction == Direction::kBoth),
-        estimator(counts) {}
+        estimator(counts),
+        limits(std::move(stop)) {}
 
   void clear() {
+    limits.begin();
     samples.clear();
     flights.clear();
     groups.clear();
     rays = 0;
+  }
+
+  /// Ends all groups of this wave.
+  void truncate() {
+    for (const Group<N>& group : groups) {
+      limits.truncate(static_cast<std::uint32_t>(std::popcount(alive(group.weight))));
+    }
+    groups.clear();
   }
 
   const BatchSample<N>& sample_of(const Group<N>& group) const { return samples[group.sample]; }
@@ -106,6 +117,7 @@ struct Batch {
   const TracingOptions& options;
   const bool both;
   Estimator& estimator;
+  PathLimits limits;
 
   std::vector<BatchSample<N>> samples;
   /// By sample, where there are media.

@@ -10,6 +10,7 @@
 #include "math/ray.h"
 #include "media/majorants.h"
 #include "sampling/sequence.h"
+#include "tracer/path_limits.h"
 
 namespace nocturne {
 
@@ -50,10 +51,11 @@ struct Tentative {
 };
 
 /// f(tentative collision) for each before `end`, in order, until it says false. `extinction`: the
-/// largest of all photons, 1/m at density 1.
+/// largest of all photons, 1/m at density 1. False where there are more than a flight may have.
 template <class Density, class F>
-void for_each_tentative(const Density& density, float extinction, const Ray& ray, float end,
-                        FlightNumbers& numbers, const F& f) {
+bool for_each_tentative(const Density& density, float extinction, const Ray& ray, float end,
+                        FlightNumbers& numbers, const PathLimits& limits, const F& f) {
+  std::uint32_t tried = 0;
   typename Density::Majorants majorants(density, ray, end);
   float position = 0.0f, depth = exponential(numbers.first());
   for (MajorantSegment segment; majorants.next(segment); position = segment.end) {
@@ -70,9 +72,14 @@ void for_each_tentative(const Density& density, float extinction, const Ray& ray
       // Rounding may lift a density above its majorant by a unit in the last place.
       const float here =
           std::min(density.at(ray.origin + position * ray.direction), segment.majorant);
-      if (!f(Tentative{position, here, majorant})) return;
+      if (!f(Tentative{position, here, majorant})) return true;
+      if (++tried % PathLimits::kTentativeUnwatched == 0) {
+        limits.check_stop();
+        if (tried == PathLimits::kMaxTentative) return false;
+      }
     }
   }
+  return true;
 }
 
 }  // namespace nocturne

@@ -26,14 +26,15 @@
 #include "tracer/delta_tracking.h"
 #include "tracer/fixed_stack.h"
 #include "tracer/group.h"
+#include "tracer/path_limits.h"
 
 namespace nocturne {
 
 template <int N>
 class FreeFlight {
  public:
-  FreeFlight(const Scene& scene, const Spectral<N>& wavelengths_nm)
-      : scene_(scene), wavelengths_(wavelengths_nm) {}
+  FreeFlight(const Scene& scene, const Spectral<N>& wavelengths_nm, PathLimits& limits)
+      : scene_(scene), wavelengths_(wavelengths_nm), limits_(limits) {}
 
   /// What follows is about the media in these bodies; false where there are none.
   bool enter(const InteriorList& inside) {
@@ -56,7 +57,10 @@ class FreeFlight {
         way.medium = choose_constant(lead, FlightNumbers(seed(u, kMaxPresent))());
       }
     }
-    fly(ray, u, lead, end, way);
+    if (!fly(ray, u, lead, end, way)) {
+      truncate(group);
+      return std::nullopt;
+    }
     weigh(group, lead, way);
     if (way.medium == kNone) return std::nullopt;
     return hit_at(group, way.medium, way.distance);
@@ -118,11 +122,19 @@ class FreeFlight {
       std::visit(
           [&](const auto& density) {
             if constexpr (!kIsConstant<decltype(density)>) {
-              group.weight *= transmitted(density, present.extinction, ray, end, numbers(u, i));
+              const auto left = transmitted(density, present.extinction, ray, end, numbers(u, i));
+              if (!left) return truncate(group);
+              group.weight *= *left;
             }
           },
           scene_.media[present.index].density);
     }
+  }
+
+  // The group ends here, though something might have come of it.
+  void truncate(Group<N>& group) const {
+    limits_.truncate(static_cast<std::uint32_t>(std::popcount(alive(group.weight))));
+    group.weight = 0.0f;
   }
 
   // Of media at one point.
@@ -292,29 +304,33 @@ class FreeFlight {
   }
 
   // Through the media that vary. Where a later one is hit before an earlier one's way ended, what
-  // the earlier did beyond is taken back by doing it once more.
-  void fly(const Ray& ray, const Uniform4& u, std::size_t lead, float end, Way& way) const {
+  // the earlier did beyond is taken back by doing it once more. False where it took too long.
+  bool fly(const Ray& ray, const Uniform4& u, std::size_t lead, float end, Way& way) const {
     bool shortened = false;
     for (std::size_t i = 0; i < present_.size(); ++i) {
-      const bool hit = fly_one(i, ray, u, lead, end, way);
-      shortened = shortened || (hit && i > 0);
+      const Tracked tracked = fly_one(i, ray, u, lead, end, way);
+      if (tracked == Tracked::kTruncated) return false;
+      shortened = shortened || (tracked == Tracked::kHit && i > 0);
     }
-    if (!shortened || N == 1) return;
+    if (!shortened || N == 1) return true;
     way.probability = 1.0f;
     for (std::size_t i = 0; i < present_.size(); ++i) fly_one(i, ray, u, lead, end, way);
+    return true;
   }
 
-  bool fly_one(std::size_t i, const Ray& ray, const Uniform4& u, std::size_t lead, float end,
-               Way& way) const {
+  enum class Tracked { kPassed, kHit, kTruncated };
+
+  Tracked fly_one(std::size_t i, const Ray& ray, const Uniform4& u, std::size_t lead, float end,
+                  Way& way) const {
     return std::visit(
         [&](const auto& density) {
           if constexpr (!kIsConstant<decltype(density)>) {
-            const bool hit =
+            const Tracked tracked =
                 track(density, present_[i].extinction, lead, ray, end, numbers(u, i), way);
-            if (hit) way.medium = i;
-            return hit;
+            if (tracked == Tracked::kHit) way.medium = i;
+            return tracked;
           } else {
-            return false;
+            return Tracked::kPassed;
           }
         },
         scene_.media[present_[i].index].density);
@@ -323,11 +339,10 @@ class FreeFlight {
   // Delta tracking (Woodcock et al. 1965) under majorants that are constant over segments. One
   // serves the whole group, so that only the share of null collisions tells photons apart.
   template <class Density>
-  static bool track(const Density& density, const Spectral<N>& extinction, std::size_t lead,
-                    const Ray& ray, float end, FlightNumbers numbers, Way& way) {
-    const float largest_extinction = largest(extinction);
+  Tracked track(const Density& density, const Spectral<N>& extinction, std::size_t lead,
+                const Ray& ray, float end, FlightNumbers numbers, Way& way) const {
     bool hit = false;
-    for_each_tentative(density, largest_extinction, ray, end, numbers, [&](const Tentative& at) {
+    const auto meet = [&](const Tentative& at) {
       if (at.distance > way.distance) return false;
       hit = numbers() * at.majorant < at.density * extinction[lead];
       if (hit) way.distance = at.distance;
@@ -336,8 +351,11 @@ class FreeFlight {
         normalise(way.probability);
       }
       return !hit;
-    });
-    return hit;
+    };
+    if (!for_each_tentative(density, largest(extinction), ray, end, numbers, limits_, meet)) {
+      return Tracked::kTruncated;
+    }
+    return hit ? Tracked::kHit : Tracked::kPassed;
   }
 
   static void normalise(Spectral<N>& probability) {
@@ -347,18 +365,22 @@ class FreeFlight {
     }
   }
 
+  // Empty where it took too long.
   template <class Density>
-  static Spectral<N> transmitted(const Density& density, const Spectral<N>& extinction,
-                                 const Ray& ray, float end, FlightNumbers numbers) {
+  std::optional<Spectral<N>> transmitted(const Density& density, const Spectral<N>& extinction,
+                                         const Ray& ray, float end, FlightNumbers numbers) const {
     Spectral<N> left = 1.0f;
-    for_each_tentative(density, largest(extinction), ray, end, numbers, [&](const Tentative& at) {
+    const auto meet = [&](const Tentative& at) {
       left *= Spectral<N>(1.0f) - (at.density / at.majorant) * extinction;
       const float best = largest(left);
       if (best >= kSmallTransmittance) return true;
       const bool survives = numbers() * kSmallTransmittance < best;
       left = survives ? (kSmallTransmittance / best) * left : Spectral<N>(0.0f);
       return survives;
-    });
+    };
+    if (!for_each_tentative(density, largest(extinction), ray, end, numbers, limits_, meet)) {
+      return std::nullopt;
+    }
     return left;
   }
 
@@ -382,6 +404,7 @@ class FreeFlight {
 
   const Scene& scene_;
   const Spectral<N> wavelengths_;
+  PathLimits& limits_;
   InteriorList inside_;
   // Extinction of all media that are the same everywhere, 1/m.
   Spectral<N> constant_ = 0.0f;

@@ -8,6 +8,7 @@
 #include "sampling/sequence.h"
 #include "scene/interior_list.h"
 #include "spectrum/spectral.h"
+#include "surfaces/departure.h"
 #include "tracer/path_partition.h"
 
 namespace nocturne {
@@ -36,6 +37,7 @@ struct MisState {
 template <int N>
 struct Start {
   Ray ray;
+  Departure departure = {};
   /// nm.
   Spectral<N> wavelengths;
   /// Bodies that it starts inside of.
@@ -53,9 +55,12 @@ struct Group {
   explicit Group(const PhotonSequence& numbers) : sequence(numbers) {}
 
   Ray ray;
+  /// Where that starts exactly, near surfaces that are close together.
+  Departure departure = {};
   /// Which of the batch's samples it belongs to.
   std::uint32_t sample = 0;
-  /// Way from the last surface to where the ray starts, m; set inside of bodies only.
+  /// Way from the last surface to where the ray starts, m; set inside of bodies only, and zero
+  /// where the departure is exact.
   float skipped = 0.0f;
   /// From there to where the ray starts; set with it.
   Vec3 step = {0.0f, 0.0f, 0.0f};
@@ -69,6 +74,8 @@ struct Group {
   InteriorList inside;
   /// Interactions so far; those of them with media; those that let it straight through.
   std::uint32_t depth = 0, collisions = 0, passes = 0;
+  /// Latest interactions in a row at which clear surfaces reflected or refracted it.
+  std::uint32_t caught = 0;
   /// Of photons in both directions.
   PathEnds ends;
   MisState<N> mis;

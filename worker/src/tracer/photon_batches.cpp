@@ -14,10 +14,14 @@ Start<N> emit(const Scene& scene, float time, const Spectral<N>& wavelengths_nm,
               PhotonSequence& sequence) {
   const Uniform4 first = sequence.next(), second = sequence.next();
   const auto emitted =
-      scene.emitter.emit(scene.luminaires, scene.lights, scene.options.aimed_emission, time,
-                         wavelengths_nm, first, second);
+      scene.emitter.emit(scene.luminaires, scene.lights, scene.geometry,
+                         scene.options.aimed_emission, time, wavelengths_nm, first, second);
   if (!emitted) return {.ray = {}, .wavelengths = wavelengths_nm, .inside = {}, .flux = 0.0f};
-  Start<N> start{.ray = emitted->ray, .wavelengths = wavelengths_nm, .inside = {}, .time = time};
+  Start<N> start{.ray = emitted->ray,
+                 .departure = emitted->departure,
+                 .wavelengths = wavelengths_nm,
+                 .inside = {},
+                 .time = time};
   if (emitted->luminaire != Emitted<N>::kDistant) {
     start.inside = scene.luminaires_inside[emitted->luminaire];
   }
@@ -28,11 +32,12 @@ Start<N> emit(const Scene& scene, float time, const Spectral<N>& wavelengths_nm,
 }  // namespace
 
 template <int N, class Estimator, bool Media>
-PhotonBatches<N, Estimator, Media>::PhotonBatches(const Scene& scene, Film film, std::uint32_t most)
+PhotonBatches<N, Estimator, Media>::PhotonBatches(const Scene& scene, Film film, std::uint32_t most,
+                                                  const std::stop_token& stop)
     : scene_(scene),
       scale_(1.0 / (film.width * film.height)),
       estimator_(scene, film),
-      batch_(scene, estimator_) {
+      batch_(scene, estimator_, stop) {
   sequences_.reserve(most);  // groups point to them
 }
 
@@ -55,6 +60,7 @@ void PhotonBatches<N, Estimator, Media>::trace(std::span<const PhotonIndex> phot
   }
   trace_batch(batch_);
   counts.rays += batch_.rays;
+  counts.truncated_paths += batch_.limits.truncated();
   sort_by_sample(estimator_.splats());
 }
 

@@ -22,9 +22,9 @@ template <int N, class Estimator, bool Media>
 class PhotonBatches {
  public:
   /// Traces up to `most` photons at once.
-  PhotonBatches(const Scene& scene, Film film, std::uint32_t most);
+  PhotonBatches(const Scene& scene, Film film, std::uint32_t most, const std::stop_token& stop);
 
-  /// Adds rays to `counts`.
+  /// Adds rays and truncated paths to `counts`.
   void trace(std::span<const PhotonIndex> photons, TileSums& counts);
 
   /// What they brought: by photon (index in `photons`), then as it was counted.

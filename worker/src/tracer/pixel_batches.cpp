@@ -7,8 +7,9 @@
 namespace nocturne {
 
 template <int N, bool Media>
-PixelBatches<N, Media>::PixelBatches(const Scene& scene, Film film, std::uint32_t most)
-    : scene_(scene), film_(film), estimator_(scene), batch_(scene, estimator_) {
+PixelBatches<N, Media>::PixelBatches(const Scene& scene, Film film, std::uint32_t most,
+                                     const std::stop_token& stop)
+    : scene_(scene), film_(film), estimator_(scene), batch_(scene, estimator_, stop) {
   sequences_.reserve(most);  // groups point to them
 }
 
@@ -33,6 +34,7 @@ void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums
   }
   trace_batch(batch_);
   counts.rays += batch_.rays;
+  counts.truncated_paths += batch_.limits.truncated();
   for (std::size_t i = 0; i < samples.size(); ++i, values += counts.channels) {
     const Response<N> response(scene_.wavelengths, samples_[i].wavelengths);
     counts.invalid_samples += response.add(estimator_.radiance(i), samples_[i].weight, values);

@@ -22,7 +22,7 @@ template <int N, bool Media>
 class PixelBatches {
  public:
   /// Traces up to `most` samples at once.
-  PixelBatches(const Scene& scene, Film film, std::uint32_t most);
+  PixelBatches(const Scene& scene, Film film, std::uint32_t most, const std::stop_token& stop);
 
   /// Adds what sample i measures to the channels from
   /// values[i * counts.channels] on, Y^2 left out, and rays and invalid samples to `counts`.

@@ -17,10 +17,13 @@
 
 namespace nocturne {
 
-/// Follows all groups of a batch until they are absorbed or out of the scene.
+/// Follows all groups of a batch until they are absorbed, out of the scene, or at the limit of
+/// rays. Throws TracingStopped.
 template <int N, class Estimator, bool Media>
 void trace_batch(Batch<N, Estimator, Media>& batch) {
-  while (!batch.groups.empty()) {
+  for (std::uint32_t rays = 0; !batch.groups.empty(); ++rays) {
+    batch.limits.check_stop();
+    if (rays == PathLimits::kMaxRays) return batch.truncate();
     intersect(batch);                 // the nearest surface
     if constexpr (Media) fly(batch);  // media before it: which are met, what passes
     count(batch);                     // light that is met, with its MIS weight

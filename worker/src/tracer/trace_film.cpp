@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <exception>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -22,6 +23,7 @@ TileSums trace_ranges(const Scene& scene, const FilmPlan& plan, TileRange tile, 
     total.photons += range.photons;
     total.rays += range.rays;
     total.invalid_samples += range.invalid_samples;
+    total.truncated_paths += range.truncated_paths;
     tile.first_sample = end;
     merged(range.photons);
   }
@@ -39,6 +41,7 @@ void place(const TileSums& tile, const TileRange& where, Film film, TileSums& im
   image.photons += tile.photons;
   image.rays += tile.rays;
   image.invalid_samples += tile.invalid_samples;
+  image.truncated_paths += tile.truncated_paths;
 }
 
 }  // namespace
@@ -47,18 +50,23 @@ TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, uns
                     const std::function<void(double)>& progress) {
   const std::uint32_t columns = (plan.film.width + plan.tile_size - 1) / plan.tile_size;
   const std::uint32_t rows = (plan.film.height + plan.tile_size - 1) / plan.tile_size;
-  const double all =
-      static_cast<double>(plan.film.width) * plan.film.height * plan.range_ends.back();
+  const double all = static_cast<double>(plan.film.width) * plan.film.height *
+                     (plan.range_ends.back() - plan.first_sample);
   TileSums image(static_cast<std::size_t>(plan.film.width) * plan.film.height,
                  scene.wavelengths.further_curves());
   std::atomic<std::uint32_t> next = 0;
   std::mutex mutex;
   double done = 0.0;
+  std::exception_ptr failure;
 
-  const auto work = [&] {
+  const auto trace_tiles = [&] {
     for (std::uint32_t index = next++; index < columns * rows; index = next++) {
-      TileRange tile{
-          (index % columns) * plan.tile_size, (index / columns) * plan.tile_size, 0, 0, 0, 0};
+      TileRange tile{(index % columns) * plan.tile_size,
+                     (index / columns) * plan.tile_size,
+                     0,
+                     0,
+                     plan.first_sample,
+                     0};
       tile.width = std::min(plan.tile_size, plan.film.width - tile.x);
       tile.height = std::min(plan.tile_size, plan.film.height - tile.y);
       const TileSums sums = trace_ranges(scene, plan, tile, method, [&](std::uint64_t photons) {
@@ -70,10 +78,45 @@ TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, uns
       place(sums, tile, plan.film, image);
     }
   };
+  // A thread that throws stops the others; what it threw is thrown again from here.
+  const auto work = [&] {
+    try {
+      trace_tiles();
+    } catch (...) {
+      next = columns * rows;
+      const std::lock_guard lock(mutex);
+      if (!failure) failure = std::current_exception();
+    }
+  };
   std::vector<std::jthread> pool;
   for (unsigned i = 0; i < std::max(1u, threads); ++i) pool.emplace_back(work);
   pool.clear();  // joins
+  if (failure) std::rethrow_exception(failure);
   return image;
+}
+
+std::pair<TileSums, std::uint32_t> trace_film_by_ranges(
+    const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
+    const std::function<void(double)>& progress,
+    const std::function<bool(std::uint32_t, const TileSums&)>& go_on) {
+  TileSums image(static_cast<std::size_t>(plan.film.width) * plan.film.height,
+                 scene.wavelengths.further_curves());
+  const double all = plan.range_ends.back();
+  std::uint32_t first = 0;
+  for (const std::uint32_t& end : plan.range_ends) {
+    const FilmPlan one{plan.film, plan.tile_size, {&end, 1}, first};
+    const TileSums range = trace_film(scene, one, method, threads, [&](double share) {
+      progress((first + share * (end - first)) / all);
+    });
+    for (std::size_t i = 0; i < image.sums.size(); ++i) image.sums[i] += range.sums[i];
+    image.photons += range.photons;
+    image.rays += range.rays;
+    image.invalid_samples += range.invalid_samples;
+    image.truncated_paths += range.truncated_paths;
+    first = end;
+    if (end != plan.range_ends.back() && !go_on(end, image)) break;
+  }
+  return {std::move(image), first};
 }
 
 }  // namespace nocturne

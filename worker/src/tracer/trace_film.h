@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <span>
+#include <utility>
 
 #include "tracer/trace_tile.h"
 
@@ -14,12 +15,23 @@ struct FilmPlan {
   Film film;
   std::uint32_t tile_size;
   std::span<const std::uint32_t> range_ends;
+  /// Where the first range begins.
+  std::uint32_t first_sample = 0;
 };
 
 /// Sums of the film, row by row; photons, rays and invalid samples of all tiles. A tile's ranges
 /// are added up in sample order, so the bits don't depend on the number of threads. `progress` is
-/// told the share of photons traced, from any thread, one at a time.
+/// told the share of photons traced, from any thread, one at a time. Throws what tracing a tile
+/// throws.
 TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
                     const std::function<void(double)>& progress);
+
+/// The same bits, one range of the whole film after the other: `go_on` is asked after each but the
+/// last one, with the samples of every pixel so far and their sums, and ends the image there by
+/// false. Gives the samples that every pixel has, too.
+std::pair<TileSums, std::uint32_t> trace_film_by_ranges(
+    const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
+    const std::function<void(double)>& progress,
+    const std::function<bool(std::uint32_t, const TileSums&)>& go_on);
 
 }  // namespace nocturne

@@ -10,11 +10,12 @@ namespace nocturne {
 
 /// Sums over the samples of a tile. A pixel's are added in their order, whatever the batches.
 template <int N, bool Media>
-TileSums trace_pixels(const Scene& scene, Film film, const TileRange& range, std::uint32_t groups) {
+TileSums trace_pixels(const Scene& scene, Film film, const TileRange& range, std::uint32_t groups,
+                      const std::stop_token& stop) {
   TileSums tile(static_cast<std::size_t>(range.width) * range.height,
                 scene.wavelengths.further_curves());
   const std::uint32_t size = samples_in_batch(scene.options, groups);
-  PixelBatches<N, Media> batches(scene, film, size);
+  PixelBatches<N, Media> batches(scene, film, size, stop);
   std::vector<PixelIndex> samples;
   std::vector<double> values;
   const auto trace = [&] {

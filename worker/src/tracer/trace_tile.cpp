@@ -53,10 +53,10 @@ TileSums trace_alone(const Scene& scene, Film film, const TileRange& range, cons
 }
 
 template <int N, bool Media>
-TileSums trace_photons(const Scene& scene, Film film, const TileRange& range,
-                       std::uint32_t groups) {
+TileSums trace_photons(const Scene& scene, Film film, const TileRange& range, std::uint32_t groups,
+                       const std::stop_token& stop) {
   if (scene.options.direction == Direction::kAdjoint) {
-    return trace_pixels<N, Media>(scene, film, range, groups);
+    return trace_pixels<N, Media>(scene, film, range, groups, stop);
   }
   if (range.width != film.width || range.height != film.height) {
     throw std::invalid_argument("a tile with forward photons that is not the whole film");
@@ -65,19 +65,19 @@ TileSums trace_photons(const Scene& scene, Film film, const TileRange& range,
     return whole_film.trace(range.first_sample, range.end_sample);
   };
   return scene.options.direction == Direction::kForward
-             ? trace(WholeFilm<N, SensorEstimator<N>, Media>(scene, film, groups))
-             : trace(WholeFilm<N, CameraEstimator<N>, Media>(scene, film, groups));
+             ? trace(WholeFilm<N, SensorEstimator<N>, Media>(scene, film, groups, stop))
+             : trace(WholeFilm<N, CameraEstimator<N>, Media>(scene, film, groups, stop));
 }
 
 template <int N>
 TileSums trace_in_groups(const Scene& scene, Film film, const TileRange& range,
-                         std::uint32_t groups) {
-  return scene.media.empty() ? trace_photons<N, false>(scene, film, range, groups)
-                             : trace_photons<N, true>(scene, film, range, groups);
+                         std::uint32_t groups, const std::stop_token& stop) {
+  return scene.media.empty() ? trace_photons<N, false>(scene, film, range, groups, stop)
+                             : trace_photons<N, true>(scene, film, range, groups, stop);
 }
 
 TileSums trace_any(const Scene& scene, Film film, const TileRange& range, Method method,
-                   std::uint32_t groups) {
+                   std::uint32_t groups, const std::stop_token& stop) {
   if (method.kind == Method::kRayMarching) {
     return trace_alone(scene, film, range, [&](const auto& s, const auto& start, const auto& u) {
       return baselines::march_ray(s, start, u, method.steps);
@@ -89,20 +89,20 @@ TileSums trace_any(const Scene& scene, Film film, const TileRange& range, Method
   }
   switch (scene.options.group) {
     case 4:
-      return trace_in_groups<4>(scene, film, range, groups);
+      return trace_in_groups<4>(scene, film, range, groups, stop);
     case 8:
-      return trace_in_groups<8>(scene, film, range, groups);
+      return trace_in_groups<8>(scene, film, range, groups, stop);
     default:
-      return trace_in_groups<1>(scene, film, range, groups);
+      return trace_in_groups<1>(scene, film, range, groups, stop);
   }
 }
 
 }  // namespace
 
 TileSums trace_tile(const Scene& scene, Film film, const TileRange& range, Method method,
-                    std::uint32_t batch_groups) {
+                    std::uint32_t batch_groups, const std::stop_token& stop) {
   const FlushDenormals flush;
-  TileSums tile = trace_any(scene, film, range, method, batch_groups);
+  TileSums tile = trace_any(scene, film, range, method, batch_groups, stop);
   const std::uint32_t together = method.kind != Method::kAdjointPhotons ? 1 : scene.options.group;
   tile.photons = static_cast<std::uint64_t>(range.width) * range.height *
                  (range.end_sample - range.first_sample) * together;

@@ -27,9 +27,10 @@ struct Method {
 
 /// Sums over the range's samples in sample order: a pure function of its arguments, bit for bit,
 /// and the same for any size of batches. The range must lie in the film. Throws
-/// std::invalid_argument where the method can't trace the scene.
+/// std::invalid_argument where the method can't trace the scene, TracingStopped within milliseconds
+/// after a stop was requested.
 TileSums trace_tile(const Scene& scene, Film film, const TileRange& range,
                     Method method = Method::kAdjointPhotons,
-                    std::uint32_t batch_groups = kBatchGroups);
+                    std::uint32_t batch_groups = kBatchGroups, const std::stop_token& stop = {});
 
 }  // namespace nocturne

@@ -57,15 +57,15 @@ class FilmSamples {
 template <int N, class Estimator, bool Media>
 class WholeFilm {
  public:
-  WholeFilm(const Scene& scene, Film film, std::uint32_t groups)
+  WholeFilm(const Scene& scene, Film film, std::uint32_t groups, const std::stop_token& stop)
       : both_(scene.options.direction == Direction::kBoth),
         width_(film.width),
         pixels_(film.width * film.height),
         batch_size_(samples_in_batch(scene.options, groups)),
         // Small films several samples at a time, so that batches are full.
         samples_at_once_(std::max(1u, batch_size_ / pixels_)),
-        photons_(scene, film, batch_size_),
-        from_pixels_(scene, film, batch_size_),
+        photons_(scene, film, batch_size_, stop),
+        from_pixels_(scene, film, batch_size_, stop),
         sums_(pixels_, scene.wavelengths.further_curves()),
         samples_(samples_at_once_, pixels_, sums_.channels),
         measured_(batch_size_ * sums_.channels) {}

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 
 #include "log/log.h"
 #include "queue/redis_errors.h"
@@ -21,9 +22,9 @@ double unix_seconds() {
 
 }  // namespace
 
-Heartbeat::Heartbeat(const WorkerOptions& options, const HeldJobs& held, const Tally& tally)
+Heartbeat::Heartbeat(const WorkerOptions& options, RunningJobs& jobs, const Tally& tally)
     : options_(options),
-      held_(held),
+      jobs_(jobs),
       tally_(tally),
       queue_(options.redis, options.id, options.lease),
       started_(unix_seconds()) {}
@@ -49,15 +50,18 @@ void Heartbeat::run(std::stop_token stop) {
 }
 
 void Heartbeat::beat() {
+  jobs_.stop_too_long();
   const auto now = Clock::now();
   if (now >= next_extension_) {
-    queue_.extend(held_.list());
+    queue_.extend(jobs_.list());
     next_extension_ = now + options_.lease / 3;
   }
   if (now >= next_status_) {
     queue_.publish_status(status());
+    if (!options_.alive.empty()) std::ofstream(options_.alive).flush();
     next_status_ = now + kStatusInterval;
   }
+  jobs_.stop_withdrawn(queue_.withdrawn(jobs_.list()));
 }
 
 v1::WorkerStatus Heartbeat::status() const {

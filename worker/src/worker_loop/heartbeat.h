@@ -1,11 +1,11 @@
 // Tells Redis that this worker lives: its status every two seconds, the leases of its jobs every
-// third of a lease.
+// third of a lease. Stops jobs that nobody needs any more, and those that take too long.
 #pragma once
 
 #include <stop_token>
 
-#include "queue/held_jobs.h"
 #include "queue/job_queue.h"
+#include "worker_loop/running_jobs.h"
 #include "worker_loop/tally.h"
 #include "worker_loop/worker_options.h"
 
@@ -14,7 +14,7 @@ namespace nocturne {
 class Heartbeat {
  public:
   /// All arguments must outlive this.
-  Heartbeat(const WorkerOptions& options, const HeldJobs& held, const Tally& tally);
+  Heartbeat(const WorkerOptions& options, RunningJobs& jobs, const Tally& tally);
 
   /// Returns when a stop is requested; withdraws the status then. Never throws.
   void run(std::stop_token stop);
@@ -24,7 +24,7 @@ class Heartbeat {
   v1::WorkerStatus status() const;
 
   const WorkerOptions& options_;
-  const HeldJobs& held_;
+  RunningJobs& jobs_;
   const Tally& tally_;
   JobQueue queue_;
   double started_;

@@ -8,6 +8,12 @@
 #include "worker_loop/worker_thread.h"
 
 namespace nocturne {
+namespace {
+
+// The tracer stops within milliseconds, and a job is given back in one call.
+constexpr std::chrono::milliseconds kToStop{500};
+
+}  // namespace
 
 Worker::Worker(WorkerOptions options, TraceJob trace)
     : options_(std::move(options)),
@@ -15,7 +21,7 @@ Worker::Worker(WorkerOptions options, TraceJob trace)
       tally_(options_.threads),
       running_(options_.threads) {
   heartbeat_ =
-      std::jthread([this](std::stop_token stop) { Heartbeat(options_, held_, tally_).run(stop); });
+      std::jthread([this](std::stop_token stop) { Heartbeat(options_, jobs_, tally_).run(stop); });
   for (unsigned index = 0; index < options_.threads; ++index) {
     threads_.emplace_back([this, index](std::stop_token stop) { run_thread(index, stop); });
   }
@@ -26,7 +32,7 @@ Worker::~Worker() {
 }
 
 void Worker::run_thread(unsigned index, std::stop_token stop) {
-  WorkerThread(options_, index, trace_, held_, tally_).run(stop);
+  WorkerThread(options_, index, trace_, jobs_, tally_).run(stop);
   {
     const std::lock_guard lock(mutex_);
     --running_;
@@ -37,7 +43,10 @@ void Worker::run_thread(unsigned index, std::stop_token stop) {
 bool Worker::stop(std::chrono::milliseconds grace) {
   for (std::jthread& thread : threads_) thread.request_stop();
   std::unique_lock lock(mutex_);
-  return thread_ended_.wait_for(lock, grace, [this] { return running_ == 0; });
+  const auto all_ended = [this] { return running_ == 0; };
+  if (thread_ended_.wait_for(lock, grace, all_ended)) return true;
+  jobs_.shut_down();
+  return thread_ended_.wait_for(lock, kToStop, all_ended);
 }
 
 void Worker::hand_back() {
@@ -45,7 +54,7 @@ void Worker::hand_back() {
   heartbeat_.join();
   try {
     JobQueue queue(options_.redis, options_.id, options_.lease);
-    queue.hand_back(held_.list());
+    queue.hand_back(jobs_.list());
   } catch (const std::exception& error) {
     // The jobs' leases run out.
     log_line(LogLevel::kWarning,

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "queue/held_jobs.h"
+#include "worker_loop/running_jobs.h"
 #include "worker_loop/tally.h"
 #include "worker_loop/worker_options.h"
 
@@ -24,11 +24,12 @@ class Worker {
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /// Takes no new jobs. Waits for the jobs at hand, at most `grace`; whether all are done.
+  /// Takes no new jobs. Waits for the jobs at hand, at most `grace`, then stops tracing them, and
+  /// gives them back; whether all threads have ended. They have not where a scene is being loaded.
   bool stop(std::chrono::milliseconds grace);
 
-  /// Lets other workers have the jobs that did not end within the grace. Only right before the
-  /// process ends: their threads still run.
+  /// Lets other workers have the jobs of threads that have not ended. Only right before the process
+  /// ends: they still run.
   void hand_back();
 
  private:
@@ -36,7 +37,7 @@ class Worker {
 
   const WorkerOptions options_;
   const TraceJob trace_;
-  HeldJobs held_;
+  RunningJobs jobs_;
   Tally tally_;
   std::mutex mutex_;
   std::condition_variable thread_ended_;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <new>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -41,6 +42,13 @@ void check_engine(const v1::Job& job, const std::string& worker_id) {
                  ": run coordinator and workers of the same version");
 }
 
+std::string too_long(const v1::Job& job) {
+  std::ostringstream text;
+  text << "it was stopped after " << job.max_cpu_seconds()
+       << " s of processor time, far more than its samples should take";
+  return text.str();
+}
+
 /// Not the job's fault: workers of its class do it.
 void check_floating_point_profile(const v1::Job& job, const std::string& floating_point_profile) {
   if (job.floating_point_profile().empty() ||
@@ -54,14 +62,14 @@ void check_floating_point_profile(const v1::Job& job, const std::string& floatin
 }  // namespace
 
 WorkerThread::WorkerThread(const WorkerOptions& options, unsigned index, const TraceJob& trace,
-                           HeldJobs& held, Tally& tally)
+                           RunningJobs& jobs, Tally& tally)
     : options_(options),
       index_(index),
       name_("worker=" + options.id + " thread=" + std::to_string(index)),
       trace_(trace),
-      held_(held),
+      jobs_(jobs),
       tally_(tally),
-      queue_(options.redis, keys::consumer(options.id, index), options.lease) {}
+      queue_(options.redis, keys::consumer(options.id, index), options.lease, options.identity) {}
 
 void WorkerThread::run(std::stop_token stop) {
   while (!stop.stop_requested()) {
@@ -100,13 +108,15 @@ void WorkerThread::step(std::stop_token stop) {
 
 void WorkerThread::work(const TakenJob& taken, std::stop_token stop) {
   if (stop.stop_requested()) return give_back(taken);
-  std::optional<HeldJobs::Hold> hold;
-  hold.emplace(held_, HeldJob{queue_.consumer(), taken.entry_id});
+  std::optional<RunningJob> running;
+  running.emplace(jobs_, HeldJob{queue_.consumer(), taken.entry_id}, taken.job.max_cpu_seconds());
   const auto start = Clock::now();
-  const std::optional<v1::JobResult> result = result_of(taken.job);
+  const std::optional<v1::JobResult> result = result_of(taken.job, *running);
   if (!result) {
+    const StopReason reason = running->stop_reason();
     // Else the heartbeat would keep it.
-    hold.reset();
+    running.reset();
+    if (reason == StopReason::kWithdrawn) return queue_.drop(taken.entry_id);
     give_back(taken);
     // So that another worker, which may be in mid-job now, takes it before this one sees it again.
     return wait_unless_stopped(stop, options_.lease + JobQueue::kTakeOverInterval);
@@ -118,21 +128,27 @@ void WorkerThread::work(const TakenJob& taken, std::stop_token stop) {
   deliver(taken, *result, stop);
 }
 
-/// Empty if the job has to go back.
-std::optional<v1::JobResult> WorkerThread::result_of(const v1::Job& job) {
+/// Empty if the job has to go back, or nobody needs it any more.
+std::optional<v1::JobResult> WorkerThread::result_of(const v1::Job& job, RunningJob& running) {
   v1::JobResult result;
   try {
     check_engine(job, options_.id);
     check_job(job);
     check_floating_point_profile(job, options_.floating_point_profile);
-    *result.mutable_partial() = trace_(job);
+    *result.mutable_partial() = trace_(job, running);
   } catch (const HandBack& reason) {
     report_trouble(description(job) + " handed back: " + reason.what());
     return std::nullopt;
   } catch (const std::bad_alloc&) {
     result.set_failure("worker " + options_.id + " has not enough memory for this job");
   } catch (const std::exception& error) {
-    result.set_failure(printable(error.what()));
+    const StopReason stopped = running.stop_reason();
+    if (stopped == StopReason::kWithdrawn || stopped == StopReason::kShutdown) {
+      log_line(LogLevel::kDebug, name_ + ' ' + description(job) + " stopped");
+      return std::nullopt;
+    }
+    result.set_stopped_too_long(stopped == StopReason::kTooLong);
+    result.set_failure(stopped == StopReason::kTooLong ? too_long(job) : printable(error.what()));
   }
   *result.mutable_job() = job;
   result.set_worker_id(options_.id);
@@ -146,7 +162,7 @@ void WorkerThread::deliver(const TakenJob& taken, const v1::JobResult& result,
   // At least once, also when a stop has been requested meanwhile.
   while (true) {
     try {
-      queue_.complete(taken.entry_id, result);
+      queue_.complete(taken.entry_id, result, taken.lease);
       log_line(LogLevel::kDebug, name_ + ' ' + description(taken.job) + " done");
       return back_off_.reset();
     } catch (const RedisError& error) {

@@ -4,9 +4,9 @@
 #include <optional>
 #include <stop_token>
 
-#include "queue/held_jobs.h"
 #include "queue/job_queue.h"
 #include "worker_loop/back_off.h"
+#include "worker_loop/running_jobs.h"
 #include "worker_loop/tally.h"
 #include "worker_loop/worker_options.h"
 
@@ -15,8 +15,8 @@ namespace nocturne {
 class WorkerThread {
  public:
   /// All arguments must outlive this; `index` counts from 0 within the worker.
-  WorkerThread(const WorkerOptions& options, unsigned index, const TraceJob& trace, HeldJobs& held,
-               Tally& tally);
+  WorkerThread(const WorkerOptions& options, unsigned index, const TraceJob& trace,
+               RunningJobs& jobs, Tally& tally);
 
   /// Returns after the job at hand when a stop is requested. Never throws: what goes wrong with
   /// Redis is tried again, what goes wrong with a job is reported as the job's failure.
@@ -25,7 +25,7 @@ class WorkerThread {
  private:
   void step(std::stop_token stop);
   void work(const TakenJob& taken, std::stop_token stop);
-  std::optional<v1::JobResult> result_of(const v1::Job& job);
+  std::optional<v1::JobResult> result_of(const v1::Job& job, RunningJob& running);
   void deliver(const TakenJob& taken, const v1::JobResult& result, std::stop_token stop);
   void give_back(const TakenJob& taken);
   void report_trouble(const std::string& text);
@@ -35,7 +35,7 @@ class WorkerThread {
   // As it stands in logs.
   std::string name_;
   const TraceJob& trace_;
-  HeldJobs& held_;
+  RunningJobs& jobs_;
   Tally& tally_;
   JobQueue queue_;
   BackOff back_off_;

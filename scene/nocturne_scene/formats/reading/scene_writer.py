@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.formats.reading import shapes
+from nocturne_scene.library_words import without_paths
 from nocturne_scene.meshes.triangles import Triangles
 
 Json = Any
@@ -76,7 +77,7 @@ class SceneWriter:
         spec.attribute("compression", "zip")
         output = oiio.ImageOutput.create(str(path))
         if output is None or not output.open(str(path), spec):
-            raise InputError.at(name, f"can't be written: {oiio.geterror()[:200]}")
+            raise InputError.at(name, f"can't be written: {without_paths(oiio.geterror())}")
         output.write_image(np.ascontiguousarray(pixels, dtype=np.float32))
         output.close()
         return name

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 from nocturne.v1 import job_pb2
-from nocturne_coordinator.dispatch.error_estimate import variance_of_mean
+from nocturne_coordinator.dispatch.variance import variance_of_mean
 from nocturne_coordinator.output.images import mean_xyz
 from nocturne_coordinator.store.rows import TileChange
 from nocturne_scene.compare.images import Picture

@@ -1,14 +1,20 @@
 """Authenticates every gRPC call, and refuses messages that can't be read. The operations decide what the
 caller may do."""
 
+import asyncio
+import time
+from collections import Counter
 from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
 from typing import Any, TypeAlias
 
 import grpc
 from google.protobuf.message import DecodeError
 from nocturne_scene.errors import InputError
 
-from nocturne_api.access import CALLER, Caller, Pace, secret_in
+from nocturne_api import limits
+from nocturne_api.access import CALLER, Caller, Gate, secret_in
+from nocturne_api.errors import Overloaded, TooSlow
 from nocturne_api.grpc.failures import Answering
 
 Context = grpc.aio.ServicerContext[Any, Any]
@@ -26,8 +32,8 @@ class AuthInterceptor(grpc.aio.ServerInterceptor):
 
     def __init__(self, identify: Callable[[str], Awaitable[Caller]] | None) -> None:
         """`identify` gives who has a secret; without it, anybody may do anything."""
-        self._identify = identify
-        self._pace = Pace()
+        self._gate = None if identify is None else Gate(identify)
+        self._calls: Counter[str] = Counter()
 
     async def intercept_service(
         self,
@@ -45,8 +51,9 @@ class AuthInterceptor(grpc.aio.ServerInterceptor):
             method = handler.unary_stream or handler.stream_stream
 
             async def stream(request: Any, context: Context) -> AsyncIterator[Any]:
-                async for answer in method(await self._admitted(request, context), context):
-                    yield answer
+                async with self._counted(context):
+                    async for answer in method(await self._admitted(request, context), context):
+                        yield answer
 
             make = (
                 grpc.stream_stream_rpc_method_handler
@@ -57,7 +64,8 @@ class AuthInterceptor(grpc.aio.ServerInterceptor):
         call = handler.unary_unary or handler.stream_unary
 
         async def answer_one(request: Any, context: Context) -> Any:
-            return await call(await self._admitted(request, context), context)
+            async with self._counted(context):
+                return await call(await self._admitted(request, context), context)
 
         make_one = (
             grpc.stream_unary_rpc_method_handler
@@ -66,14 +74,28 @@ class AuthInterceptor(grpc.aio.ServerInterceptor):
         )
         return make_one(answer_one, read, handler.response_serializer)
 
+    @asynccontextmanager
+    async def _counted(self, context: Context) -> AsyncIterator[None]:
+        """Ends the call where its address has too many in progress."""
+        address = _address(context.peer())
+        async with Answering(context):
+            if self._calls[address] >= limits.GRPC_CALLS_OF_ADDRESS:
+                most = limits.GRPC_CALLS_OF_ADDRESS
+                raise Overloaded(f"{most} calls of this address are in progress; end some and try again.")
+        self._calls[address] += 1
+        try:
+            yield
+        finally:
+            self._calls[address] -= 1
+            self._calls += Counter()
+
     async def _admitted(self, request: Any, context: Context) -> Any:
         """The request, or those that stream in, once the caller is known; else the call ends here."""
         async with Answering(context):
-            if self._identify is not None and not context.peer().startswith("unix:"):
+            if self._gate is not None and not context.peer().startswith("unix:"):
                 metadata = dict(context.invocation_metadata() or ())
-                caller = await self._identify(secret_in(str(metadata.get("authorization", ""))))
-                self._pace.take(caller.name)
-                CALLER.set(caller)
+                secret = secret_in(str(metadata.get("authorization", "")))
+                CALLER.set(await self._gate.admit(secret, _address(context.peer())))
             return _all_readable(request) if hasattr(request, "__aiter__") else _readable(request)
 
 
@@ -94,5 +116,23 @@ def _readable(request: Any) -> Any:
 
 
 async def _all_readable(requests: AsyncIterator[Any]) -> AsyncIterator[Any]:
-    async for request in requests:
+    """As they come, unless they come too slowly."""
+    left = limits.BODY_SECONDS
+    while True:
+        begun = time.monotonic()
+        try:
+            request = await asyncio.wait_for(anext(requests, None), left)
+        except TimeoutError:
+            raise TooSlow("the messages of this call came too slowly; try again") from None
+        if request is None:
+            return
         yield _readable(request)
+        size = 0 if request is _UNREADABLE else request.ByteSize()
+        # Time that was not used is not saved up, but for what came.
+        left += size / limits.BODY_BYTES_PER_SECOND - (time.monotonic() - begun)
+        left = min(max(left, 0.0), limits.BODY_SECONDS)
+
+
+def _address(peer: str) -> str:
+    """Without its port: "ipv4:192.0.2.1:5000" is "ipv4:192.0.2.1"."""
+    return peer if peer.startswith("unix:") else peer.rpartition(":")[0]

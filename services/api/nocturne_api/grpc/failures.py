@@ -10,6 +10,8 @@ from nocturne_api.errors import Failure, failure_of
 
 # Trailing metadata with the problem as UTF-8 JSON: {"reason", "detail", "problems": [{"place", "message"}]}.
 PROBLEM_KEY = "nocturne-problem-bin"
+# Seconds after which the same may succeed, as in REST's Retry-After.
+RETRY_KEY = "retry-after"
 # Metadata of one answer must stay below 8 KiB, and the message travels in it too.
 _PROBLEM_BYTES = 4096
 
@@ -28,8 +30,10 @@ class Answering:
     ) -> None:
         if isinstance(error, Exception) and not isinstance(error, grpc.aio.AbortError):
             failure = failure_of(error)
-            trailer = ((PROBLEM_KEY, _encoded(failure)),)
-            await self._context.abort(failure.kind.grpc_status, failure.detail, trailer)
+            trailer: list[tuple[str, str | bytes]] = [(PROBLEM_KEY, _encoded(failure))]
+            if failure.kind.retry_after_s:
+                trailer.append((RETRY_KEY, str(failure.kind.retry_after_s)))
+            await self._context.abort(failure.kind.grpc_status, failure.detail, tuple(trailer))
 
 
 def _encoded(failure: Failure) -> bytes:

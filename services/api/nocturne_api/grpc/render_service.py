@@ -92,7 +92,8 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
     async def ExtendRender(self, request: pb.ExtendRenderRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
             stop = asked_stop(request.stop)
-            return render_message(await self._operations.controls.extend(request.id, request.samples, stop))
+            extend = self._operations.controls.extend
+            return render_message(await extend(request.id, request.samples, stop, [*request.drop]))
 
     async def SetPriority(self, request: pb.SetPriorityRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
@@ -127,7 +128,7 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
         request: pb.WatchRendersRequest,  # noqa: ARG002 - it is empty
         context: Context,
     ) -> AsyncIterator[pb.Render]:
-        async with Answering(context), aclosing(self._operations.streams.newest()) as states:
+        async with Answering(context), self._operations.streams.newest() as states:
             async for state in states:
                 yield render_message(state)
 
@@ -141,7 +142,7 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
     async def WatchRender(  # noqa: N802
         self, request: pb.WatchRenderRequest, context: Context
     ) -> AsyncIterator[pb.Render]:
-        async with Answering(context), aclosing(self._operations.streams.one(request.id)) as states:
+        async with Answering(context), self._operations.streams.one(request.id) as states:
             async for state in states:
                 yield render_message(state)
 

@@ -1,4 +1,4 @@
-"""Puts the gRPC endpoint together: both services, health and reflection."""
+"""Puts the gRPC endpoint together: its services, health and reflection."""
 
 import grpc
 from grpc_health.v1 import health, health_pb2, health_pb2_grpc
@@ -8,22 +8,29 @@ from nocturne.v1 import (
     asset_service_pb2_grpc,
     render_service_pb2,
     render_service_pb2_grpc,
+    worker_service_pb2,
+    worker_service_pb2_grpc,
 )
 
 from nocturne_api import limits
 from nocturne_api.grpc.asset_service import AssetService
 from nocturne_api.grpc.auth_interceptor import AuthInterceptor
 from nocturne_api.grpc.render_service import RenderService
+from nocturne_api.grpc.worker_service import WorkerService
 from nocturne_api.operations.operations import Operations
 
 _OPTIONS = (
     ("grpc.max_receive_message_length", limits.GRPC_MESSAGE_BYTES),
+    ("grpc.max_concurrent_streams", limits.GRPC_CALLS_OF_CONNECTION),
+    # Who connects and says nothing.
+    ("grpc.server_handshake_timeout_ms", int(1000 * limits.HEAD_SECONDS)),
     # Two servers on one port would each get half of the calls, silently.
     ("grpc.so_reuseport", 0),
 )
 _SERVICES = (
     render_service_pb2.DESCRIPTOR.services_by_name["RenderService"].full_name,
     asset_service_pb2.DESCRIPTOR.services_by_name["AssetService"].full_name,
+    worker_service_pb2.DESCRIPTOR.services_by_name["WorkerService"].full_name,
 )
 
 
@@ -39,6 +46,7 @@ class GrpcEndpoint:
         self._health = health.aio.HealthServicer()
         render_service_pb2_grpc.add_RenderServiceServicer_to_server(RenderService(operations), self.server)
         asset_service_pb2_grpc.add_AssetServiceServicer_to_server(AssetService(operations), self.server)
+        worker_service_pb2_grpc.add_WorkerServiceServicer_to_server(WorkerService(operations), self.server)
         health_pb2_grpc.add_HealthServicer_to_server(self._health, self.server)
         names = (*_SERVICES, health.SERVICE_NAME, reflection.SERVICE_NAME)
         reflection.enable_server_reflection(names, self.server)

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Self
 from nocturne_coordinator.dispatch import region, stopping
 from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.store.rows import RenderRow
+from nocturne_scene.quantities import quantity_named
 from pydantic import ConfigDict, Field
 
 from nocturne_api.models import examples
@@ -23,6 +24,10 @@ class Progress(Answer):
     invalid_samples: int = Field(
         description="Contributions left out because they were NaN, infinite or negative."
     )
+    truncated_paths: int = Field(
+        description="Photons ended by the tracer's limit of interactions; light that they would have brought "
+        "is missing."
+    )
     mean_samples: float = Field(description="Mean over pixels of the samples merged.")
     relative_error: float = Field(
         description="Root mean square over pixels of Y's standard error relative to Y, "
@@ -34,6 +39,17 @@ class Progress(Answer):
     effective_pixels: float = Field(
         description="Effective sample size (Kish) of the pixels that carry the error, (sum v)^2 / sum v^2 of "
         "their relative variances; 0: unknown."
+    )
+    mean: float = Field(description="Mean of Y over pixels, in the render's unit; 0: unknown.")
+    mean_error: float = Field(
+        description="Standard error of the mean; its 95 % interval is 1.96 of it to each side."
+    )
+    unseen_pixels: int = Field(
+        description="Pixels in which no sample found any light: nothing is known of them but that it is rare."
+    )
+    doubt: str = Field(
+        description="Why relative_error is not to be trusted, a sentence; empty: it is, as far as one image "
+        "can tell."
     )
     samples_per_second: float = Field(description="Rate of the last minutes; 0 when nothing comes back.")
     rays_per_second: float = Field(description="The same in rays.")
@@ -113,6 +129,14 @@ class Render(Answer):
     floating_point_profile: str = Field(
         description="How its workers round, which all do alike; empty before the first result."
     )
+    quantity: str = Field(
+        description='What Y measures: "luminance", "illuminance" or "luminous intensity"; empty: not '
+        "kept, in renders of older programs."
+    )
+    unit: str = Field(description='Unit of Y: "cd/m2", "lx" or "cd".')
+    response_unit: str = Field(
+        description='Unit of further responses, for one without a unit: "W m-2 sr-1", "W m-2" or "W sr-1".'
+    )
     sequence: int = Field(description="Grows with every change that watchers should see.")
     created: float = Field(description="Unix time, seconds.")
     started: float = Field(description="Unix time, seconds; 0 before the start.")
@@ -133,12 +157,15 @@ class Render(Answer):
     @classmethod
     def of(cls, row: RenderRow) -> Self:
         """The public side of a row of the data folder."""
-        converted = {"progress", "stop", "look_first"}
+        converted = {"progress", "stop", "look_first", "unit", "response_unit"}
+        quantity = quantity_named(row.quantity)
         first = region.Region.from_json(row.look_first) if row.look_first else None
         return cls(
             progress=Progress.of(row),
             stop=StopConditions.of(row.stop),
             look_first=Region.model_validate(first) if first else None,
+            unit=quantity.unit,
+            response_unit=quantity.response_unit,
             **{name: getattr(row, name) for name in cls.model_fields.keys() - converted},
         )
 
@@ -238,12 +265,17 @@ class RenderActionRequest(RequestBody):
 
 
 class ExtendRenderRequest(RenderActionRequest):
-    """More samples, or other conditions."""
+    """More samples, or other conditions: what is not named stays as it is."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"samples": 4096}]})
 
     samples: int = Field(default=0, description="In all, at least as many as before; 0 means as many.")
-    stop: Stop = Field(default_factory=dict, description="Instead of those before.")
+    stop: Stop = Field(
+        default_factory=dict, description="Those named here change; all others stay as they are."
+    )
+    drop: list[str] = Field(
+        default_factory=list, description="Names of conditions that are dropped, such as `relative_error`."
+    )
 
 
 class SetPriorityRequest(RenderActionRequest):

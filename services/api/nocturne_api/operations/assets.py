@@ -1,12 +1,17 @@
 """Assets: files by content."""
 
 import asyncio
+from collections import Counter
 from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 
+from nocturne_scene.blobs import check_size
 from nocturne_scene.errors import InputError, NotFound
 
 from nocturne_api import limits
 from nocturne_api.access import CALLER
+from nocturne_api.background.space import Space
+from nocturne_api.errors import Overloaded, TooMany
 from nocturne_api.files import upload
 from nocturne_api.files.open_file import OpenFile, open_file
 from nocturne_api.models.assets import Asset
@@ -17,9 +22,11 @@ from nocturne_api.operations.submission import digest_problems, raise_if
 class Assets:
     """The files of one data folder, by SHA-256."""
 
-    def __init__(self, access: FolderAccess) -> None:
+    def __init__(self, access: FolderAccess, space: Space) -> None:
         self._access = access
+        self._space = space
         self._blobs = access.folder.blobs
+        self._running: Counter[str] = Counter()
 
     async def missing(self, digests: list[str]) -> list[str]:
         """Which of these files are not stored yet, in the order asked, each once. Raises InputError."""
@@ -32,23 +39,71 @@ class Assets:
             for index, digest in enumerate(digests)
             for problem in digest_problems(digest, f"$.sha256[{index}]")
         )
-        return await asyncio.to_thread(self._blobs.missing, list(dict.fromkeys(digests)))
+        return await asyncio.to_thread(self._missing, list(dict.fromkeys(digests)))
+
+    def _missing(self, digests: list[str]) -> list[str]:
+        for digest in digests:
+            self._blobs.touch(digest)
+        return self._blobs.missing(digests)
 
     async def store(self, sha256: str, size_bytes: int, pieces: AsyncIterator[bytes]) -> Asset:
-        """Stores one file under its digest; InputError, and nothing left, where size or digest differ."""
+        """Stores one file under its digest; InputError, and nothing left, where size or digest differ.
+
+        QuotaUsedUp or FolderFull, before the first byte, where the caller or all would have too much; TooMany
+        or Overloaded where it sends, or all send, too many at once.
+        """
         async with self._access.recorded(f"upload {sha256[: limits.RECORDED_CHARACTERS]}"):
             CALLER.get().need("submit")
             raise_if(digest_problems(sha256, "sha256"))
-            if await asyncio.to_thread(self._blobs.has, sha256):
+            check_size(size_bytes)
+            if await asyncio.to_thread(self._has, sha256):
                 async for _ in pieces:  # Read to the end, so that the sender is not cut off in mid-write.
                     pass
             else:
-                await upload.store(self._blobs, sha256, size_bytes, pieces)
-            return await self.get(sha256)
+                with self._space.taken(size_bytes):
+                    async with self._counted(sha256, size_bytes):
+                        await upload.store(self._blobs, sha256, size_bytes, pieces)
+            return await self._stored(sha256)
+
+    def _has(self, sha256: str) -> bool:
+        self._blobs.touch(sha256)
+        return self._blobs.has(sha256)
+
+    @asynccontextmanager
+    async def _counted(self, sha256: str, size_bytes: int) -> AsyncIterator[None]:
+        """Bounds how many are in progress."""
+        owner = CALLER.get().name
+        if self._running.total() >= limits.UPLOADS_AT_ONCE:
+            raise Overloaded(f"{limits.UPLOADS_AT_ONCE} files are being uploaded; try again in a moment.")
+        if owner and self._running[owner] >= limits.UPLOADS_OF_OWNER:
+            raise TooMany(f"{self._running[owner]} files of {owner} are being uploaded; send fewer at once")
+        self._running[owner] += 1
+        try:
+            async with self._charged(owner, sha256, size_bytes):
+                yield
+        finally:
+            self._running[owner] -= 1
+            self._running += Counter()
+
+    @asynccontextmanager
+    async def _charged(self, owner: str, sha256: str, size_bytes: int) -> AsyncIterator[None]:
+        """Counts the file as the caller's from its first byte, so that uploads side by side pass no quota."""
+        uploads = self._access.folder.uploads
+        begin = (owner, sha256, size_bytes, self._access.quota)
+        is_new = await self._access.in_database(uploads.begin, *begin)
+        try:
+            yield
+        except BaseException:
+            if is_new:
+                await asyncio.shield(self._access.in_database(uploads.take_back, owner, sha256))
+            raise
 
     async def get(self, sha256: str) -> Asset:
         """One stored file; raises NotFound."""
         _check(sha256)
+        return await self._stored(sha256)
+
+    async def _stored(self, sha256: str) -> Asset:
         size = await asyncio.to_thread(self._blobs.size, sha256)
         return Asset(sha256=sha256, size_bytes=size)
 

@@ -11,6 +11,7 @@ from typing import ParamSpec, Self, TypeVar
 
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.object_store import ObjectStore
+from nocturne_coordinator.store.quotas import NO_QUOTA, Quota
 
 from nocturne_api import limits
 from nocturne_api.access import CALLER
@@ -33,16 +34,23 @@ class FolderAccess:
     Compiling and file reads run elsewhere, never in front of them.
     """
 
-    def __init__(self, folder: DataFolder, database: ThreadPoolExecutor) -> None:
+    def __init__(self, folder: DataFolder, database: ThreadPoolExecutor, quota: Quota = NO_QUOTA) -> None:
+        """`quota`: what each owner may have."""
         self.folder = folder
+        self._quota = quota
         self._database = database
 
     @classmethod
-    async def open(cls, path: Path, objects: ObjectStore | None) -> Self:
+    async def open(cls, path: Path, objects: ObjectStore | None, quota: Quota = NO_QUOTA) -> Self:
         """Opens the data folder at `path`, making it if need be."""
         database = ThreadPoolExecutor(max_workers=1, thread_name_prefix="data-folder")
         folder = await asyncio.get_running_loop().run_in_executor(database, DataFolder, path, objects)
-        return cls(folder, database)
+        return cls(folder, database, quota)
+
+    @property
+    def quota(self) -> Quota:
+        """What the caller may have; without authentication there is nobody to share with."""
+        return self._quota if CALLER.get().name else NO_QUOTA
 
     async def close(self) -> None:
         """Lets go of the data folder."""
@@ -58,7 +66,7 @@ class FolderAccess:
     async def changing(self, what: str, render_id: str, request_id: str = "") -> AsyncIterator[str]:
         """For a call that changes a render, the caller's own unless it may change all; gives the whole id."""
         async with self.recorded(what, render_id, request_id) as record:
-            render = await self.in_database(self.folder.renders.find, render_id)
+            render = await self.in_database(self.folder.renders.find, render_id, CALLER.get().sees)
             record.render_id = render.id
             CALLER.get().need_own(render.owner)
             yield render.id

@@ -4,14 +4,17 @@ from pathlib import Path
 from typing import Self
 
 from nocturne_coordinator.store.object_store import ObjectStore
+from nocturne_coordinator.store.quotas import NO_QUOTA, Quota
 
 from nocturne_api.background.archiver import Archiver
+from nocturne_api.background.space import Space, StorageLimits
 from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits, prepare
 from nocturne_api.operations.assets import Assets
 from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.health import Health
 from nocturne_api.operations.images import Images
+from nocturne_api.operations.machines import Machines
 from nocturne_api.operations.preflights import Preflights
 from nocturne_api.operations.render_controls import RenderControls
 from nocturne_api.operations.render_streams import RenderStreams
@@ -27,26 +30,32 @@ class Operations:
     """What the service can do. Errors are the classes in nocturne_api.errors, whatever the transport."""
 
     def __init__(
-        self, access: FolderAccess, compile_limits: CompileLimits, webhook_rules: TargetRules
+        self,
+        access: FolderAccess,
+        compile_limits: CompileLimits,
+        webhook_rules: TargetRules,
+        storage: StorageLimits,
     ) -> None:
         folder = access.folder
         objects = folder.object_store
         archiver = None if objects is None else Archiver(folder, access.in_database, objects)
-        sweeper = Sweeper(folder)
+        sweeper = Sweeper(folder, storage.unused_seconds)
+        space = Space(folder.root, storage.data_bytes)
         sender = WebhookSender(folder.webhooks, access.in_database, webhook_rules)
         self._access = access
-        self._background = [sender, *([archiver] if archiver else []), sweeper]
+        self._background = [sender, *([archiver] if archiver else []), sweeper, space]
 
-        self.renders = Renders(access, compile_limits, sweeper)
+        self.renders = Renders(access, compile_limits, sweeper, space)
         self.controls = RenderControls(access)
         self.streams = RenderStreams(access, self.renders)
         self.images = Images(access, self.renders, archiver)
         self.preflights = Preflights(access, compile_limits)
         self.workers = Workers(access)
+        self.machines = Machines(access)
         self.webhooks = Webhooks(access, webhook_rules)
-        self.assets = Assets(access)
+        self.assets = Assets(access, space)
         self.tokens = Tokens(access)
-        self.health = Health(access)
+        self.health = Health(access, space)
 
         for task in self._background:
             task.start()
@@ -58,11 +67,14 @@ class Operations:
         compile_limits: CompileLimits | None = None,
         webhook_rules: TargetRules | None = None,
         objects: ObjectStore | None = None,
+        quota: Quota = NO_QUOTA,
+        storage: StorageLimits | None = None,
     ) -> Self:
         """Opens the data folder at `path`, making it if need be."""
-        access = await FolderAccess.open(path, objects)
+        access = await FolderAccess.open(path, objects, quota)
         prepare()
-        return cls(access, compile_limits or CompileLimits(), webhook_rules or TargetRules())
+        rules = webhook_rules or TargetRules()
+        return cls(access, compile_limits or CompileLimits(), rules, storage or StorageLimits())
 
     async def close(self) -> None:
         """Ends all streams and lets go of the data folder."""

@@ -1,6 +1,6 @@
 """The service in the words of Prometheus, read from the data folder at each scrape."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.store.data_folder import DataFolder
@@ -26,9 +26,17 @@ _COUNTS = {
 }
 
 
+_SPACE = {
+    "data_bytes": "Size of the data folder when it was last looked at.",
+    "data_bytes_bound": "Size at which it takes no more uploads and renders; 0: none.",
+    "disk_free_bytes": "What is free on its disk.",
+}
+
+
 class _Collector:
-    def __init__(self, folder: DataFolder) -> None:
+    def __init__(self, folder: DataFolder, space: Mapping[str, float]) -> None:
         self._folder = folder
+        self._space = space
 
     def collect(self) -> Iterator[Metric]:
         meters = self._folder.meters.read()
@@ -36,6 +44,8 @@ class _Collector:
             yield GaugeMetricFamily(f"nocturne_{name}", about, value=meters.get(name, 0.0))
         for name, about in _COUNTS.items():
             yield CounterMetricFamily(f"nocturne_{name}", about, value=meters.get(name, 0.0))
+        for name, about in _SPACE.items():
+            yield GaugeMetricFamily(f"nocturne_{name}", about, value=self._space[name])
         yield from self._renders()
         yield from self._workers()
 
@@ -47,10 +57,11 @@ class _Collector:
         yield states
         backlog = "Ranges of queued and running renders that are not merged: what to scale workers by."
         yield GaugeMetricFamily("nocturne_backlog_ranges", backlog, value=self._folder.renders.backlog())
-        photons, cpu_seconds = self._folder.renders.spent()
-        yield CounterMetricFamily("nocturne_photons", "Photons merged, of all renders.", value=photons)
+        totals = self._folder.renders.totals()
+        yield CounterMetricFamily("nocturne_samples", "Samples merged, of all renders.", value=totals.samples)
+        yield CounterMetricFamily("nocturne_rays", "Rays traced for them.", value=totals.rays)
         yield CounterMetricFamily(
-            "nocturne_cpu_seconds", "Processor time of workers, of all renders.", value=cpu_seconds
+            "nocturne_cpu_seconds", "Processor time of workers, of all renders.", value=totals.cpu_seconds
         )
 
     def _workers(self) -> Iterator[Metric]:
@@ -59,12 +70,13 @@ class _Collector:
         yield GaugeMetricFamily(
             "nocturne_workers_in_quarantine", "Workers whose results are not taken.", value=len(quarantined)
         )
-        rate = sum(worker.photons_per_second for worker in workers)
-        yield GaugeMetricFamily("nocturne_photons_per_second", "As workers say themselves.", value=rate)
+        rate = sum(worker.rays_per_second for worker in workers)
+        about = "Rays that workers trace each second, as they report it."
+        yield GaugeMetricFamily("nocturne_rays_per_second", about, value=rate)
 
 
-def metrics_text(folder: DataFolder) -> bytes:
-    """Prometheus' text format, version 0.0.4."""
+def metrics_text(folder: DataFolder, space: Mapping[str, float]) -> bytes:
+    """Prometheus' text format, version 0.0.4; `space`: by name, as in Space.figures."""
     registry = CollectorRegistry()
-    registry.register(_Collector(folder))
+    registry.register(_Collector(folder, space))
     return generate_latest(registry)

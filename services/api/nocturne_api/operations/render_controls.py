@@ -1,13 +1,17 @@
 """Changing renders that are there: cancel, pause, resume, extend, and what goes first."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from datetime import UTC, datetime
 from typing import Any
 
 from nocturne_coordinator.dispatch.region import Region
+from nocturne_coordinator.dispatch.stopping import changed_conditions, ends_at_once
+from nocturne_scene.errors import InputError
 
 from nocturne_api.models.renders import Render
 from nocturne_api.operations.folder_access import FolderAccess
-from nocturne_api.operations.submission import checked_stop, raise_if, request_id_problems
+from nocturne_api.operations.submission import raise_if, request_id_problems
 
 
 class RenderControls:
@@ -54,15 +58,28 @@ class RenderControls:
                 await self._access.in_database(self._folder.requests.look_first, whole_id, region)
             )
 
-    async def extend(self, render_id: str, samples: int, stop: Mapping[str, Any]) -> Render:
-        """More samples, 0 for as many as before, and conditions instead of those before.
+    async def extend(
+        self, render_id: str, samples: int, stop: Mapping[str, Any], drop: Sequence[str] = ()
+    ) -> Render:
+        """More samples, 0 for as many as before; conditions that are named change or are dropped.
 
-        Raises NotFound, InputError, WrongState.
+        Raises NotFound, InputError, WrongState, QuotaUsedUp.
         """
         async with self._access.changing("extend", render_id) as whole_id:
             before = await self._access.in_database(self._folder.renders.get, whole_id)
-            checked = checked_stop(stop, before.stop)
+            now = datetime.now(UTC)
+            changed = changed_conditions(before.stop, stop, drop, now)
+            if samples > before.samples:
+                # A manifest says which samples there are: with more of them there is another.
+                changed = replace(changed, tile_samples=())
             wanted = samples or before.samples
+            if (wanted, changed) != (before.samples, before.stop) and before.state.ended:
+                met = ends_at_once(changed, now.timestamp(), before.ran_seconds, before.cpu_seconds)
+                if met:
+                    message = f"it would end at once, by {met}; give a new value, or drop the condition"
+                    raise InputError.at("$.stop", message)
             return Render.of(
-                await self._access.in_database(self._folder.requests.extend, whole_id, wanted, checked)
+                await self._access.in_database(
+                    self._folder.requests.extend, whole_id, wanted, changed, self._access.quota
+                )
             )

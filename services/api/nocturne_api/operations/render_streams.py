@@ -1,6 +1,10 @@
-"""Streams of render states: one render to its end, some of them, or the newest."""
+"""Streams of render states: one render to its end, some of them, or the newest.
 
-from collections.abc import AsyncGenerator
+Each is a context: what refuses a stream is raised when it is entered, before the first byte of an answer.
+"""
+
+from collections.abc import AsyncIterator, Set
+from contextlib import asynccontextmanager
 
 from nocturne_coordinator.limits import MAX_PAGE
 from nocturne_scene.errors import NotFound
@@ -11,55 +15,74 @@ from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.renders import Renders
 from nocturne_api.operations.watchers import Watchers, states
 
+States = AsyncIterator[Render]
+
 
 class RenderStreams:
-    """States of renders, now and after every change. A slow reader gets the newest state, never a backlog."""
+    """States of renders, now and after every change. A slow reader gets the newest state, never a backlog.
+
+    All raise Overloaded; a stream whose token is revoked raises Unauthenticated within a second.
+    """
 
     def __init__(self, access: FolderAccess, renders: Renders) -> None:
         self._renders = renders
-        self._watchers = Watchers(
-            lambda: access.in_database(access.folder.change_counter), self._find, self._newest
-        )
+        self._watchers = Watchers(_Folder(access, renders))
 
     async def close(self) -> None:
         """Ends all streams after the states at hand."""
         await self._watchers.close()
 
-    async def one(self, render_id: str, last_sequence: int = -1) -> AsyncGenerator[Render, None]:
+    @asynccontextmanager
+    async def one(self, render_id: str, last_sequence: int = -1) -> AsyncIterator[States]:
         """One render until it has ended, without states up to `last_sequence`. Raises NotFound."""
         whole_id = (await self._renders.get(render_id)).id
-        with self._watchers.watching(frozenset({whole_id})) as watcher:
+        with self._watchers.watching(frozenset({whole_id}), CALLER.get()) as watcher:
             watcher.already_has(whole_id, last_sequence)
             render = await self._renders.get(whole_id)
             watcher.offer(render)
             if render.has_ended and render.sequence <= last_sequence:
-                return
-            async for state in states(watcher, to_the_end=True):
-                yield state
+                watcher.close()
+            yield states(watcher, to_the_end=True)
 
-    async def some(self, render_ids: frozenset[str]) -> AsyncGenerator[Render, None]:
+    @asynccontextmanager
+    async def some(self, render_ids: frozenset[str]) -> AsyncIterator[States]:
         """These renders, also after their ends. Raises NotFound."""
         whole_ids = frozenset([(await self._renders.get(render_id)).id for render_id in render_ids])
-        with self._watchers.watching(whole_ids) as watcher:
+        with self._watchers.watching(whole_ids, CALLER.get()) as watcher:
             for render_id in sorted(whole_ids):
                 watcher.offer(await self._renders.get(render_id))
-            async for state in states(watcher):
-                yield state
+            yield states(watcher)
 
-    async def newest(self) -> AsyncGenerator[Render, None]:
-        """The newest page of renders, oldest of them first, then each after every change."""
-        CALLER.get().need("read")
-        with self._watchers.watching(None) as watcher:
-            for render in reversed(await self._newest()):
+    @asynccontextmanager
+    async def newest(self) -> AsyncIterator[States]:
+        """The newest page of renders that the caller may see, oldest of them first, then each after every
+        change."""
+        caller = CALLER.get()
+        caller.need("read")
+        with self._watchers.watching(None, caller) as watcher:
+            for render in reversed((await self._renders.page_of(caller.sees, MAX_PAGE)).renders):
                 watcher.offer(render)
-            async for state in states(watcher):
-                yield state
+            yield states(watcher)
 
-    async def _find(self, render_id: str) -> Render | None:
+
+class _Folder:
+    """The data folder as watchers see it; who may see what was decided when a stream began."""
+
+    def __init__(self, access: FolderAccess, renders: Renders) -> None:
+        self._access = access
+        self._renders = renders
+
+    async def change_counter(self) -> int:
+        return await self._access.in_database(self._access.folder.change_counter)
+
+    async def get(self, render_id: str) -> Render | None:
         try:
-            return await self._renders.get(render_id)
+            return Render.of(await self._access.in_database(self._access.folder.renders.get, render_id))
         except NotFound:
             return None
 
-    async def _newest(self) -> list[Render]:
-        return (await self._renders.list(MAX_PAGE)).renders
+    async def newest(self, owner: str | None) -> list[Render]:
+        return (await self._renders.page_of(owner, MAX_PAGE)).renders
+
+    async def revoked(self, names: Set[str]) -> Set[str]:
+        return await self._access.in_database(self._access.folder.tokens.revoked, names)

@@ -2,6 +2,7 @@
 
 import asyncio
 import time
+from collections import Counter
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 
@@ -12,9 +13,10 @@ from nocturne_scene.errors import NotFound
 
 from nocturne_api import limits
 from nocturne_api.access import CALLER
+from nocturne_api.background.space import Space
 from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits
-from nocturne_api.errors import Overloaded
+from nocturne_api.errors import Overloaded, TooMany
 from nocturne_api.models.renders import (
     Convergence,
     ConvergencePoint,
@@ -32,36 +34,53 @@ from nocturne_api.operations.submission import CreateRequest, compiled, raise_if
 class Renders:
     """The renders of one data folder. All but deleting take the beginning of an id for the id."""
 
-    def __init__(self, access: FolderAccess, compile_limits: CompileLimits, sweeper: Sweeper) -> None:
+    def __init__(
+        self, access: FolderAccess, compile_limits: CompileLimits, sweeper: Sweeper, space: Space
+    ) -> None:
         self._access = access
+        self._space = space
         self._compile_limits = compile_limits
         self._sweeper = sweeper
         self._compiling = asyncio.Semaphore(limits.COMPILES_AT_ONCE)
-        self._waiting = 0
+        self._waiting: Counter[str] = Counter()
 
     async def create(self, request: CreateRequest) -> Render:
         """Makes a render, or gives back the one made before with this request id.
 
-        Raises InputError with every problem found, Conflict where the request id was used for something
-        else, and Overloaded where too many scenes wait to be compiled. A failed call leaves nothing behind.
+        Raises InputError with every problem found, Conflict where the caller used the request id for another,
+        QuotaUsedUp or FolderFull where it or all would have too much, Overloaded or TooMany where too many
+        scenes wait to be compiled. A failed call leaves nothing behind.
         """
         async with self._access.recorded("create", request_id=request.request_id) as record:
             CALLER.get().need("submit")
+            self._space.check()
             async with self._compile_slot():
                 created = await self._compiled_and_created(request, CALLER.get().name)
             record.render_id = created.id
             return Render.of(created)
 
     async def get(self, render_id: str) -> Render:
-        """The render with this id, or whose id alone begins so; raises NotFound, AmbiguousId."""
+        """The render with this id, or whose id alone begins so, among those that the caller may see.
+
+        Raises NotFound, AmbiguousId.
+        """
         CALLER.get().need("read")
-        return Render.of(await self._access.in_database(self._access.folder.renders.find, render_id))
+        caller = CALLER.get()
+        return Render.of(
+            await self._access.in_database(self._access.folder.renders.find, render_id, caller.sees)
+        )
 
     async def list(self, page_size: int = 0, page_token: str = "") -> RenderPage:
-        """One page of renders, newest first; a size of 0 means 50, at most 200 come. Raises InputError."""
-        CALLER.get().need("read")
+        """One page of the renders that the caller may see, newest first; a size of 0 means 50, at most 200
+        come. Raises InputError."""
+        caller = CALLER.get()
+        caller.need("read")
+        return await self.page_of(caller.sees, page_size, page_token)
+
+    async def page_of(self, owner: str | None, page_size: int = 0, page_token: str = "") -> RenderPage:
+        """One page of an owner's renders, or of everybody's, whoever asks."""
         rows, next_token = await self._access.in_database(
-            self._access.folder.renders.page, page_size, page_token
+            self._access.folder.renders.page, page_size, page_token, owner
         )
         return RenderPage(renders=[Render.of(row) for row in rows], next_page_token=next_token)
 
@@ -82,11 +101,14 @@ class Renders:
         access = self._access
         async with access.recorded("replay", render_id, request_id):
             CALLER.get().need("submit")
+            self._space.check()
             raise_if(request_id_problems(request_id))
             owner = CALLER.get().name
-            whole_id = (await access.in_database(access.folder.renders.find, render_id)).id
+            whole_id = (await access.in_database(access.folder.renders.find, render_id, CALLER.get().sees)).id
             return Render.of(
-                await access.in_database(access.folder.requests.replay, whole_id, request_id, owner)
+                await access.in_database(
+                    access.folder.requests.replay, whole_id, request_id, owner, access.quota
+                )
             )
 
     async def explain(self, render_id: str) -> Explanation:
@@ -120,20 +142,28 @@ class Renders:
     async def _compiled_and_created(self, request: CreateRequest, owner: str) -> RenderRow:
         folder = self._access.folder
         while True:
-            new = await asyncio.to_thread(compiled, request, folder, owner, self._compile_limits)
+            new = await asyncio.to_thread(
+                compiled, request, folder, owner, self._compile_limits, self._access.quota
+            )
             # Files that were deleted in between are made again, or found missing by the compiler.
             with suppress(FilesGone):
-                return await self._access.in_database(folder.renders.create, new)
+                return await self._access.in_database(folder.renders.create, new, self._access.quota)
 
     @asynccontextmanager
     async def _compile_slot(self) -> AsyncIterator[None]:
-        if self._waiting >= limits.COMPILES_WAITING:
+        owner = CALLER.get().name
+        if self._waiting.total() >= limits.COMPILES_WAITING:
             raise Overloaded(
                 f"{limits.COMPILES_WAITING} scenes are waiting to be compiled; try again in a moment."
             )
-        self._waiting += 1
+        if owner and self._waiting[owner] >= limits.COMPILES_WAITING_OF_OWNER:
+            raise TooMany(
+                f"{self._waiting[owner]} scenes of {owner} are being compiled; send them one by one"
+            )
+        self._waiting[owner] += 1
         try:
             async with self._compiling:
                 yield
         finally:
-            self._waiting -= 1
+            self._waiting[owner] -= 1
+            self._waiting += Counter()

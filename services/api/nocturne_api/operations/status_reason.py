@@ -4,8 +4,9 @@ import time
 from dataclasses import dataclass
 
 from nocturne.v1 import job_pb2
-from nocturne_coordinator.dispatch.profiles import threads_by_profile
+from nocturne_coordinator.dispatch.profiles import machines_by_profile
 from nocturne_coordinator.dispatch.records import RenderState, WorkerRow
+from nocturne_coordinator.enrolment import machine_of
 from nocturne_coordinator.limits import MAX_RUNNING, WORKER_SECONDS
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.rows import RenderRow
@@ -59,7 +60,7 @@ def _trouble(situation: Situation, now: float) -> str:
     if not meters.get("redis_in_step"):
         return "The coordinator can't reach Redis; its log has the reason."
     engines = {worker.engine for worker in situation.workers}
-    able = [worker for worker in situation.workers if worker.id not in situation.quarantined]
+    able = [worker for worker in situation.workers if machine_of(worker.id) not in situation.quarantined]
     if not engines:
         return "No worker is there."
     if not able:
@@ -73,7 +74,7 @@ def _trouble(situation: Situation, now: float) -> str:
 
 def _other_profile(needed: str, situation: Situation) -> str:
     """Nobody there rounds as what the render has so far was rounded."""
-    found = threads_by_profile(situation.workers, situation.quarantined)
+    found = machines_by_profile(situation.workers, situation.quarantined)
     if not needed or found[needed]:
         return ""
     return (
@@ -87,7 +88,10 @@ def _queued(situation: Situation) -> str:
     if situation.render.state is not RenderState.QUEUED:
         return ""
     if situation.running >= MAX_RUNNING:
-        return f"It waits until one of {situation.running} running renders ends; high priorities go first."
+        return (
+            f"It waits until one of {situation.running} running renders ends; then the owner with fewest at "
+            "work goes first, with the highest of its priorities."
+        )
     if situation.running:
         return "It waits for memory that running renders use, or is about to start."
     return "It is about to start."

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions, stop_conditions
 from nocturne_coordinator.limits import DEFAULT_PRIORITY, MAX_NAME, MAX_REQUEST_ID
 from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.quotas import Quota, check_quota
 from nocturne_coordinator.store.removal import blobs_of_scene
 from nocturne_coordinator.store.renders import check_priority
 from nocturne_coordinator.store.rows import NewRender
@@ -42,11 +43,12 @@ class CreateRequest:
 
 
 def compiled(
-    request: CreateRequest, folder: DataFolder, owner: str, compile_limits: CompileLimits
+    request: CreateRequest, folder: DataFolder, owner: str, compile_limits: CompileLimits, quota: Quota
 ) -> NewRender:
     """The render that `request` asks for, its scene compiled into the folder's blobs.
 
-    Raises InputError with all problems, and then leaves nothing behind. Can take seconds of processor time.
+    Raises InputError with all problems, and then leaves nothing behind; QuotaUsedUp, before it compiles, if
+    the owner may have no more renders. Can take seconds of processor time.
     """
     found = _Problems()
     found.add(request_id_problems(request.request_id))
@@ -55,13 +57,14 @@ def compiled(
     schedule = found.collect(lambda: make_schedule(*film))
     document = found.collect(lambda: check_document(request.scene))
     # A request id used before decides without the scene, so a conflict leaves no blobs behind.
-    before = folder.renders.find_request(request.request_id) if not found.problems else None
+    before = folder.renders.find_request(owner, request.request_id) if not found.problems else None
     stop = found.collect(lambda: checked_stop(request.stop, before.stop if before else EVERYTHING))
     priority = request.priority or DEFAULT_PRIORITY
     found.collect(lambda: check_priority(priority))
     if found.problems or schedule is None or document is None or stop is None:
         raise InputError(found.problems)
     if before is None:
+        check_quota(folder.database, owner, quota, more_renders=1)
         scene_sha256 = compile_in_child(document, folder.blobs, compile_limits)
         schedule = schedule_for_scene(folder.blobs, scene_sha256, *film)
         files = blobs_of_scene(folder.blobs, scene_sha256)

@@ -6,11 +6,13 @@ change overwrites. The poller runs only while somebody watches.
 
 import asyncio
 import logging
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Iterator
+from collections.abc import AsyncIterator, Iterable, Iterator, Set
 from contextlib import contextmanager, suppress
+from typing import Protocol
 
-from nocturne_api.errors import Overloaded
-from nocturne_api.limits import WATCH_INTERVAL_S, WATCHERS
+from nocturne_api.access import Caller
+from nocturne_api.errors import Overloaded, Unauthenticated
+from nocturne_api.limits import WATCH_INTERVAL_S, WATCHERS, WATCHERS_OF_OWNER
 from nocturne_api.models.renders import Render
 
 _log = logging.getLogger(__name__)
@@ -19,13 +21,15 @@ _log = logging.getLogger(__name__)
 class Watcher:
     """The newest unread state of each render that one caller watches."""
 
-    def __init__(self, render_ids: frozenset[str] | None) -> None:
-        """`render_ids`: None for the newest, whichever they are."""
+    def __init__(self, render_ids: frozenset[str] | None, caller: Caller) -> None:
+        """`render_ids`: None for the newest that the caller may see."""
         self.render_ids = render_ids
+        self.caller = caller
         self._newest: dict[str, Render] = {}
         self._sent: dict[str, int] = {}
         self._awake = asyncio.Event()
         self._closed = False
+        self._why: Exception | None = None
 
     def offer(self, render: Render) -> None:
         """Takes a state, unless this watcher has seen it or one after it."""
@@ -42,9 +46,17 @@ class Watcher:
         self._closed = True
         self._awake.set()
 
+    def shut(self, why: Exception) -> None:
+        """Ends the stream with an error, before the states at hand."""
+        self._why = why
+        self._newest.clear()
+        self.close()
+
     async def next(self) -> Render | None:
-        """The next state, waiting for one; None when the stream is over."""
+        """The next state, waiting for one; None when the stream is over. Raises what it was shut for."""
         while not self._newest:
+            if self._why is not None:
+                raise self._why
             if self._closed:
                 return None
             self._awake.clear()
@@ -60,32 +72,42 @@ class Watcher:
         self._sent = {key: value for key, value in self._sent.items() if key in kept}
 
 
+class Source(Protocol):
+    """Where states come from."""
+
+    async def change_counter(self) -> int:
+        """Cheap, and another whenever something changed."""
+
+    async def get(self, render_id: str) -> Render | None:
+        """One render, whoever may see it; None if it is gone."""
+
+    async def newest(self, owner: str | None) -> list[Render]:
+        """The newest page of an owner's renders, or of everybody's."""
+
+    async def revoked(self, names: Set[str]) -> Set[str]:
+        """Those of the tokens, by name, that were revoked."""
+
+
 class Watchers:
-    """All watchers of this process, and the task that feeds them.
+    """All watchers of this process, and the task that feeds them."""
 
-    `change_counter` is cheap and differs whenever something changed; `get_one` gives one render, None if it
-    is gone; `newest` gives the newest page of renders, for those who watch all.
-    """
-
-    def __init__(
-        self,
-        change_counter: Callable[[], Awaitable[int]],
-        get_one: Callable[[str], Awaitable[Render | None]],
-        newest: Callable[[], Awaitable[list[Render]]],
-    ) -> None:
-        self._change_counter = change_counter
-        self._get_one = get_one
-        self._newest = newest
+    def __init__(self, source: Source) -> None:
+        self._source = source
         self._watchers: set[Watcher] = set()
         self._poller: asyncio.Task[None] | None = None
         self._closed = False
 
     @contextmanager
-    def watching(self, render_ids: frozenset[str] | None) -> Iterator[Watcher]:
-        """A watcher of these renders, or of all where that is None; raises Overloaded."""
+    def watching(self, render_ids: frozenset[str] | None, caller: Caller) -> Iterator[Watcher]:
+        """A watcher of these renders, or where that is None of all that the caller sees; Overloaded."""
         if len(self._watchers) >= WATCHERS:
             raise Overloaded(f"{WATCHERS} watchers are connected to this service; close some and try again.")
-        watcher = Watcher(render_ids)
+        of_caller = sum(each.caller.name == caller.name for each in self._watchers)
+        if caller.name and of_caller >= WATCHERS_OF_OWNER:
+            raise Overloaded(
+                f"{of_caller} watchers of {caller.name} are connected; close some and try again."
+            )
+        watcher = Watcher(render_ids, caller)
         self._watchers.add(watcher)
         if self._closed:
             watcher.close()
@@ -111,10 +133,11 @@ class Watchers:
         last: int | None = None
         try:
             while self._watchers:
-                counter = await self._change_counter()
+                counter = await self._source.change_counter()
                 # A counter seen before the read: a change in between is read twice rather than lost.
                 if counter != last:
                     last = counter
+                    await self._shut_out()
                     await self._feed()
                 await asyncio.sleep(WATCH_INTERVAL_S)
         except Exception:
@@ -122,20 +145,30 @@ class Watchers:
             for watcher in self._watchers:
                 watcher.close()
 
+    async def _shut_out(self) -> None:
+        """Ends the streams of tokens that were revoked."""
+        names = {each.caller.name for each in self._watchers} - {""}
+        revoked = await self._source.revoked(names) if names else set()
+        for watcher in [each for each in self._watchers if each.caller.name in revoked]:
+            watcher.shut(Unauthenticated("the token was revoked"))
+
     async def _feed(self) -> None:
         for render_id in frozenset().union(*(each.render_ids or () for each in self._watchers)):
-            render = await self._get_one(render_id)
+            render = await self._source.get(render_id)
             for watcher in [each for each in self._watchers if render_id in (each.render_ids or ())]:
                 if render is None:
                     watcher.close()
                 else:
                     watcher.offer(render)
-        if any(each.render_ids is None for each in self._watchers):
-            await self._feed_all()
+        for owner in {each.caller.sees for each in self._watchers if each.render_ids is None}:
+            await self._feed_newest(owner)
 
-    async def _feed_all(self) -> None:
-        renders = await self._newest()
-        for watcher in [each for each in self._watchers if each.render_ids is None]:
+    async def _feed_newest(self, owner: str | None) -> None:
+        """Those who watch the newest renders, of one owner or of all."""
+        renders = await self._source.newest(owner)
+        for watcher in [
+            each for each in self._watchers if each.render_ids is None and each.caller.sees == owner
+        ]:
             # Oldest first, so that a page which shows newest on top ends in the right order.
             for render in reversed(renders):
                 watcher.offer(render)

@@ -1,5 +1,7 @@
 """Workers: who is there, what happened to them, and letting them out of quarantine."""
 
+from nocturne_coordinator.enrolment import machine_of
+
 from nocturne_api import limits
 from nocturne_api.access import CALLER
 from nocturne_api.models.workers import Worker, WorkerHistory, WorkerList
@@ -22,7 +24,8 @@ class Workers:
         )
         return WorkerList(
             workers=[
-                Worker.of(row, quarantined.get(row.id, ""), incompatible.get(row.id, "")) for row in rows
+                Worker.of(row, quarantined.get(machine_of(row.id), ""), incompatible.get(row.id, ""))
+                for row in rows
             ]
         )
 

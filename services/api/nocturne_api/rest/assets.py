@@ -1,13 +1,15 @@
 """Assets: files by content."""
 
 from fastapi import APIRouter, Request
+from nocturne_coordinator.errors import QuotaUsedUp
 from nocturne_scene.errors import InputError, NotFound
 from starlette.responses import Response
 
+from nocturne_api.errors import FolderFull, Overloaded
 from nocturne_api.limits import SMALL_BODY_BYTES
 from nocturne_api.models.assets import Asset, BatchMissingRequest, BatchMissingResponse
 from nocturne_api.rest.access import Service
-from nocturne_api.rest.bodies import declared_bytes, read_json
+from nocturne_api.rest.bodies import declared_bytes, pieces, read_json
 from nocturne_api.rest.contract import body_of, errors
 
 router = APIRouter(prefix="/v1", tags=["assets"])
@@ -22,13 +24,17 @@ async def missing_assets(request: Request, operations: Service) -> BatchMissingR
     return BatchMissingResponse(sha256=await operations.assets.missing(body.sha256))
 
 
-@router.put("/assets/{sha256}", openapi_extra={"requestBody": {"required": True, "content": _FILE}})
+@router.put(
+    "/assets/{sha256}",
+    openapi_extra={"requestBody": {"required": True, "content": _FILE}},
+    responses=errors(QuotaUsedUp, FolderFull, Overloaded),
+)
 async def store_asset(sha256: str, request: Request, operations: Service) -> Asset:
     """Stores a file; its bytes must have this digest and the declared length. Uploading again is harmless."""
     size_bytes = declared_bytes(request)
     if size_bytes < 0:
         raise InputError.at("Content-Length", "the size of the file must be declared")
-    return await operations.assets.store(sha256, size_bytes, request.stream())
+    return await operations.assets.store(sha256, size_bytes, pieces(request))
 
 
 @router.head("/assets/{sha256}", response_class=Response, responses=errors(NotFound))

@@ -1,14 +1,20 @@
 """Reads request bodies within bounds: what is too big is not read to the end, declared or not."""
 
 import asyncio
+import logging
+from collections.abc import AsyncIterator
 from typing import TypeVar
 
 from fastapi import Request
 from nocturne_scene.document.json_text import decode_json
 from nocturne_scene.errors import InputError
 from pydantic import BaseModel, ValidationError
+from starlette.requests import ClientDisconnect
 
+from nocturne_api.errors import BrokenOff
 from nocturne_api.rest.problems import problems_of
+
+_log = logging.getLogger(__name__)
 
 _Model = TypeVar("_Model", bound=BaseModel)
 
@@ -23,6 +29,16 @@ async def read_json(request: Request, model: type[_Model], limit_bytes: int) -> 
         raise InputError(problems_of([{**each, "loc": ("body", *each["loc"])} for each in details])) from None
 
 
+async def pieces(request: Request) -> AsyncIterator[bytes]:
+    """The body as it comes; BrokenOff where the caller goes away before its end."""
+    try:
+        async for piece in request.stream():
+            yield piece
+    except ClientDisconnect:
+        _log.info("a request to %s was broken off by its caller", request.url.path[:100])
+        raise BrokenOff("the caller went away before the end of the request") from None
+
+
 async def _read(request: Request, limit_bytes: int) -> bytes:
     too_big = InputError.at(
         "$", f"the request body has more than {limit_bytes} bytes; put large meshes into assets"
@@ -30,7 +46,7 @@ async def _read(request: Request, limit_bytes: int) -> bytes:
     if declared_bytes(request) > limit_bytes:
         raise too_big
     body = bytearray()
-    async for piece in request.stream():
+    async for piece in pieces(request):
         body += piece
         if len(body) > limit_bytes:
             raise too_big

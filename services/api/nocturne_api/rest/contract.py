@@ -7,7 +7,7 @@ from nocturne_coordinator.errors import ObjectStoreUnavailable
 from nocturne_scene.errors import InputError
 from pydantic import BaseModel
 
-from nocturne_api.errors import INTERNAL, TABLE, Forbidden, Kind, Refused, TooMany, Unauthenticated
+from nocturne_api.errors import INTERNAL, TABLE, Forbidden, Kind, Refused, TooMany, TooSlow, Unauthenticated
 from nocturne_api.models.events import TilesEvent
 from nocturne_api.models.problems import ProblemDetails
 from nocturne_api.models.renders import SceneDocument, StopRequest
@@ -22,8 +22,9 @@ DESCRIBED: list[type[BaseModel]] = [ProblemDetails, SceneDocument, StopRequest, 
 PROBLEMS: dict[str, dict[str, Any]] = {}
 """The error answers of all routes, by the reasons that they can have."""
 
-# Any call can end so: a value that is not valid, no right to make it, too many, or storage that is away.
-_ALWAYS = (InputError, Unauthenticated, Forbidden, Refused, TooMany, ObjectStoreUnavailable)
+# Any call can end so: a value that is not valid, no right to make it, too many, too slow, or storage that is
+# away.
+_ALWAYS = (InputError, Unauthenticated, Forbidden, Refused, TooMany, TooSlow, ObjectStoreUnavailable)
 
 
 def reference_to(model: type[BaseModel]) -> dict[str, str]:

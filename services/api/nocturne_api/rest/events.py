@@ -3,23 +3,19 @@
 What can refuse a stream stands in dependencies: they end before the first byte, so the answer has its status.
 """
 
-from collections.abc import AsyncGenerator, AsyncIterator
-from contextlib import aclosing
+from collections.abc import AsyncIterator
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Header, Query, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 from nocturne_scene.errors import InputError, NocturneError
 
-from nocturne_api.access import CALLER
 from nocturne_api.limits import RENDERS_PER_STREAM
 from nocturne_api.models.events import TilesEvent
-from nocturne_api.models.renders import Render
+from nocturne_api.operations.render_streams import States
 from nocturne_api.rest.access import Service
 
 router = APIRouter(prefix="/v1", tags=["events"])
-
-States = AsyncGenerator[Render, None]
 
 _BEGUN = ServerSentEvent(comment="watching")
 """Sent at once: some proxies hold an answer back until it has a body."""
@@ -32,7 +28,7 @@ async def _states_of_one(
     render = await operations.renders.get(render_id)
     if render.has_ended and render.sequence <= known:
         response.status_code = 204
-    async with aclosing(operations.streams.one(render_id, known)) as states:
+    async with operations.streams.one(render_id, known) as states:
         yield states
 
 
@@ -59,14 +55,10 @@ async def _states_of_many(
     operations: Service,
     render: Annotated[list[str] | None, Query(description="Only these, with their tiles.")] = None,
 ) -> AsyncIterator[States]:
-    CALLER.get().need("read")
     if len(render or ()) > RENDERS_PER_STREAM:
         raise InputError.at("query.render", f"at most {RENDERS_PER_STREAM} in one stream")
-    for render_id in render or ():
-        await operations.renders.get(render_id)
-    async with aclosing(
-        operations.streams.some(frozenset(render)) if render else operations.streams.newest()
-    ) as states:
+    stream = operations.streams.some(frozenset(render)) if render else operations.streams.newest()
+    async with stream as states:
         yield states
 
 

@@ -17,7 +17,7 @@ from nocturne_api.errors import Overloaded
 from nocturne_api.files.tiles import MEDIA_TYPE
 from nocturne_api.limits import CHUNK_BYTES, PICTURE_BYTES
 from nocturne_api.pictures.pool import picture_as_tiles
-from nocturne_api.rest.bodies import declared_bytes
+from nocturne_api.rest.bodies import declared_bytes, pieces
 from nocturne_api.rest.contract import answers, errors
 
 router = APIRouter(prefix="/v1/pictures", tags=["images"])
@@ -65,7 +65,7 @@ async def _receive(request: Request, file: Path) -> None:
         raise too_big
     received = 0
     with file.open("wb") as out:
-        async for piece in request.stream():
+        async for piece in pieces(request):
             received += len(piece)
             if received > PICTURE_BYTES:
                 raise too_big

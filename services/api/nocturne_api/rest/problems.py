@@ -8,7 +8,6 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from nocturne_scene.errors import InputError, Problem
 from starlette.exceptions import HTTPException
-from starlette.requests import ClientDisconnect
 from starlette.responses import JSONResponse, Response
 
 from nocturne_api.errors import TABLE, Failure, failure_of
@@ -32,6 +31,8 @@ def response_of(failure: Failure, headers: Mapping[str, str] | None = None) -> P
         reason=failure.kind.reason,
         problems=[models.Problem(place=each.place, message=each.message) for each in failure.problems],
     )
+    if failure.kind.retry_after_s:
+        headers = {**(headers or {}), "Retry-After": str(failure.kind.retry_after_s)}
     return ProblemResponse(details.model_dump(), failure.kind.http_status, headers)
 
 
@@ -53,15 +54,10 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(Exception, _answer)
     app.add_exception_handler(HTTPException, _answer_http)
     app.add_exception_handler(RequestValidationError, _answer_validation)
-    app.add_exception_handler(ClientDisconnect, _answer_nobody)
 
 
 async def _answer(_: Request, error: Exception) -> Response:
     return response_of(failure_of(error))
-
-
-async def _answer_nobody(_: Request, __: Exception) -> Response:
-    return Response(status_code=400)  # Nobody is there to read it.
 
 
 async def _answer_http(_: Request, error: Exception) -> Response:

@@ -2,7 +2,7 @@
 
 from fastapi import APIRouter, Request
 from nocturne_coordinator.dispatch.region import Region
-from nocturne_coordinator.errors import AmbiguousId, WrongState
+from nocturne_coordinator.errors import AmbiguousId, QuotaUsedUp, WrongState
 from nocturne_scene.errors import NotFound
 
 from nocturne_api.limits import SMALL_BODY_BYTES
@@ -45,11 +45,15 @@ async def resume_render(render_id: str, request: Request, operations: Service) -
     return await operations.controls.resume(render_id)
 
 
-@router.post("/{render_id}:extend", openapi_extra=body_of(ExtendRenderRequest), responses=_OF_ONE_IN_A_STATE)
+@router.post(
+    "/{render_id}:extend",
+    openapi_extra=body_of(ExtendRenderRequest),
+    responses=errors(NotFound, AmbiguousId, WrongState, QuotaUsedUp),
+)
 async def extend_render(render_id: str, request: Request, operations: Service) -> Render:
-    """More samples or other conditions, also after the end; nothing is traced again."""
+    """More samples or other conditions, also after the end; what is not named stays as it is."""
     body = await read_json(request, ExtendRenderRequest, SMALL_BODY_BYTES)
-    return await operations.controls.extend(render_id, body.samples, body.stop)
+    return await operations.controls.extend(render_id, body.samples, body.stop, body.drop)
 
 
 @router.post("/{render_id}:setPriority", openapi_extra=body_of(SetPriorityRequest), responses=_OF_ONE)

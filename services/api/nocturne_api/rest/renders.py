@@ -3,11 +3,11 @@
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
-from nocturne_coordinator.errors import AmbiguousId, Conflict, WrongState
+from nocturne_coordinator.errors import AmbiguousId, Conflict, QuotaUsedUp, WrongState
 from nocturne_scene.errors import NotFound
 from starlette.responses import Response
 
-from nocturne_api.errors import Overloaded
+from nocturne_api.errors import FolderFull, Overloaded
 from nocturne_api.limits import CREATE_BODY_BYTES, SMALL_BODY_BYTES
 from nocturne_api.models.renders import (
     Convergence,
@@ -32,7 +32,7 @@ _OF_ONE = errors(NotFound, AmbiguousId)
     "",
     status_code=201,
     openapi_extra=body_of(CreateRenderRequest),
-    responses=errors(Conflict, Overloaded),
+    responses=errors(Conflict, QuotaUsedUp, FolderFull, Overloaded),
 )
 async def create_render(request: Request, operations: Service) -> Render:
     """Submits a scene. Repeating a request_id gives back the render made before."""
@@ -69,7 +69,7 @@ async def delete_render(render_id: str, operations: Service) -> Response:
     "/{render_id}:replay",
     status_code=201,
     openapi_extra=body_of(ReplayRenderRequest),
-    responses=errors(NotFound, AmbiguousId, Conflict, WrongState),
+    responses=errors(NotFound, AmbiguousId, Conflict, QuotaUsedUp, FolderFull, WrongState),
 )
 async def replay_render(render_id: str, request: Request, operations: Service) -> Render:
     """A new render with the samples per tile that this one has now: its image has the same bits."""

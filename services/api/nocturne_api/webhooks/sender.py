@@ -128,6 +128,7 @@ def body_of(message: WebhookMessage) -> bytes:
             "name": message.name,
             "state": message.state,
             "reason": message.reason,
+            "doubt": message.doubt,
         },
     }
     return json.dumps(content, separators=(",", ":"), ensure_ascii=False).encode("utf-8", "replace")

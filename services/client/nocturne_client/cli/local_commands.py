@@ -8,6 +8,7 @@ import typer
 
 from nocturne_client.cli.output import CONSOLE, ERRORS, AsJson, print_json
 from nocturne_client.cli.service_commands import Height, Samples, ScenePath, Width
+from nocturne_client.cli.stops import Error, For, Stops
 
 Threads = Annotated[int, typer.Option("--threads", min=0, help="0: one per processor.")]
 
@@ -56,11 +57,22 @@ def render(
     height: Height = 512,
     samples: Samples = 256,
     threads: Threads = 0,
+    seed: Annotated[int | None, typer.Option("--seed", min=0, help="Instead of the scene's own.")] = None,
+    statistics: Annotated[
+        Path | None, typer.Option("--statistics", metavar="OUT.json", help="Write counts and times here.")
+    ] = None,
+    error: Error = "",
+    duration: For = "",
 ) -> None:
-    """Render one scene on this machine without a service; the same bits as from the service."""
-    from nocturne_client.local.render import render_scene
+    """Render one scene on this machine without a service; the same bits as from the service.
 
-    render_scene(scene, output, width, height, samples, threads or len(os.sched_getaffinity(0)))
+    With --error or --for it ends where a range of samples does: at the last one that fits into the time.
+    """
+    from nocturne_client.local.render import LocalRender, render_scene
+
+    stop = Stops(error, duration=duration).asked()
+    threads = threads or len(os.sched_getaffinity(0))
+    render_scene(LocalRender(scene, output, width, height, samples, threads, seed, statistics, stop))
     typer.echo(output)
 
 
@@ -88,6 +100,8 @@ def compile_scene(
     compiled = compile_to(scene, output, width, height, samples)
     for part in compiled.dropped:
         typer.echo(f"left out: {part}", err=True)
+    for warning in compiled.warnings:
+        typer.echo(f"warning: {warning}", err=True)
     typer.echo(compiled.scene_sha256)
 
 

@@ -12,9 +12,9 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Column, Table
 
-from nocturne_client.client import DEFAULT_URL
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.models import Render, Worker
+from nocturne_client.models import Progress, Render, Worker
+from nocturne_client.transport import DEFAULT_URL
 
 CONSOLE = Console(highlight=False)
 # Of up to eight columns beside the ids, which wrap: five characters each.
@@ -64,8 +64,11 @@ def print_render(render: Render, as_json: bool) -> None:
         ("state", f"{render.state} {render.reason}".strip()),
         ("film", f"{render.width} x {render.height}, {render.samples} samples per pixel"),
         ("merged", f"{render.fraction:.1%}, {progress.samples_merged:,} samples, {progress.rays:,} rays"),
-        ("relative error", f"{progress.relative_error:.3%}" if progress.relative_error else "not known yet"),
+        ("relative error", _error(progress)),
+        (_mean_name(render), _mean(render)),
+        ("nothing seen", f"in {progress.unseen_pixels:,} of {render.width * render.height:,} pixels"),
         ("invalid samples", f"{progress.invalid_samples:,}"),
+        *([("truncated paths", _truncated(progress.truncated_paths))] if progress.truncated_paths else []),
         ("processor time", f"{progress.cpu_seconds:,.1f} s"),
         ("stops at", _stop(render)),
         ("forecast", _forecast(render)),
@@ -76,6 +79,33 @@ def print_render(render: Render, as_json: bool) -> None:
     ):
         table.add_row(f"[dim]{name}[/]", escape(text))
     CONSOLE.print(table)
+
+
+def _error(progress: Progress) -> str:
+    """The relative error, and why it is not to be trusted, if so."""
+    if not progress.relative_error:
+        return progress.doubt or "not known yet"
+    error = f"{progress.relative_error:.3%}"
+    return f"{error}, not to be trusted: {progress.doubt}" if progress.doubt else error
+
+
+def _mean_name(render: Render) -> str:
+    """A sensor of one pixel has a value, and no mean."""
+    quantity = render.quantity or "Y"
+    return quantity if render.width * render.height == 1 else f"mean {quantity}"
+
+
+def _mean(render: Render) -> str:
+    """The mean over pixels and its 95 % interval."""
+    progress = render.progress
+    if not progress.mean:
+        return "-"
+    interval = f" +- {1.96 * progress.mean_error:.2g}" if progress.mean_error else ""
+    return f"{progress.mean:.5g}{interval} {render.unit} (95 %)".replace("  ", " ")
+
+
+def _truncated(paths: int) -> str:
+    return f"{paths:,} photons, ended by the tracer's limit of interactions: the image is too dark"
 
 
 def _stop(render: Render) -> str:
@@ -141,7 +171,7 @@ def print_renders(renders: list[Render], as_json: bool) -> None:
             render.state,
             f"{render.width}x{render.height}",
             f"{render.fraction:.0%}",
-            f"{error:.2%}" if error else "",
+            f"{error:.2%}{', not to be trusted' if render.progress.doubt else ''}" if error else "",
             "" if render.has_ended or render.seconds_left is None else duration(render.seconds_left),
             duration(time.time() - render.created),
         )

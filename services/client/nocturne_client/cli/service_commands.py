@@ -2,6 +2,7 @@
 
 import sys
 from contextlib import ExitStack
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,7 +17,7 @@ from nocturne_client.cli.output import (
     print_renders,
     print_workers,
 )
-from nocturne_client.cli.stops import Cpu, Error, For, Stops, TileError, Until
+from nocturne_client.cli.stops import Cpu, Drop, Error, For, Stops, TileError, Until, dropped
 from nocturne_client.cli.watching import about, follow, graphics_wanted
 from nocturne_client.client import Client
 from nocturne_client.errors import NocturneClientError
@@ -143,12 +144,26 @@ def get(
         Path | None, typer.Option("--exr", help="Write the image here: XYZ, error, counts.")
     ] = None,
     png: Annotated[Path | None, typer.Option("--png", help="Write the preview here.")] = None,
+    region: Annotated[
+        str,
+        typer.Option(
+            "--region",
+            metavar="X,Y[,WIDTH,HEIGHT]",
+            help="Print what these pixels show instead: the number, its 95 % interval, its unit.",
+        ),
+    ] = "",
     url: Url = None,
     as_json: AsJson = False,
 ) -> None:
     """Show a render, and fetch its images as they are now."""
     with Client(url) as client:
         render = client.get(render_id)
+        if region:
+            from nocturne_client.readings import parse_region, read_region
+
+            reading = read_region(client, render, parse_region(region))
+            print_json(asdict(reading)) if as_json else typer.echo(reading)
+            return
         if exr is not None:
             client.download(render_id, "exr", exr)
         if png is not None:
@@ -189,13 +204,21 @@ def extend(
     duration: For = "",
     cpu: Cpu = "",
     until: Until = "",
+    drop: Drop = None,
     url: Url = None,
     as_json: AsJson = False,
 ) -> None:
-    """Give a render more samples, or other conditions, also after its end; nothing is traced again."""
+    """Give a render more samples, or other conditions, also after its end; all others stay.
+
+    Nothing is traced again.
+    """
+    stop, names = Stops(error, tile_error, duration, cpu, until).asked(), dropped(drop or [])
     with Client(url) as client:
-        stop = Stops(error, tile_error, duration, cpu, until).asked()
-        print_render(client.extend(render_id, samples, stop), as_json)
+        before = client.get(render_id).stop
+        for option, name in names.items():
+            had = getattr(before, name)
+            ERRORS.print(f"without --{option} from here on; it was {had}" if had else f"it had no --{option}")
+        print_render(client.extend(render_id, samples, stop, [*names.values()]), as_json)
 
 
 def priority(

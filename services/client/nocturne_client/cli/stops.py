@@ -1,14 +1,15 @@
 """Stop conditions as people type them: 2 %, 90 min, until 07:00."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Annotated, Any
 
 import typer
 
-_DURATION = re.compile(r"(\d+(?:\.\d+)?)\s*(s|m|min|h|d)?")
-_SECONDS = {"": 1.0, "s": 1.0, "m": 60.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+_DURATION = re.compile(r"(\d+(?:\.\d+)?)\s*(s|m|min|h|d)")
+_SECONDS = {"s": 1.0, "m": 60.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 _SHARE = re.compile(r"(\d+(?:\.\d+)?)\s*(%)?")
 _CLOCK = re.compile(r"(\d{1,2}):(\d{2})")
 
@@ -27,6 +28,21 @@ Until = Annotated[
         "--until", help='Stop at this time: "07:00" here, "07:00 Europe/Berlin", "2026-11-22T07:00:00Z".'
     ),
 ]
+
+
+Drop = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--drop", metavar="CONDITION", help="Go on without it: error, tile-error, for, cpu or until."
+    ),
+]
+_NAMES = {
+    "error": "relative_error",
+    "tile-error": "tile_relative_error",
+    "for": "wall_seconds",
+    "cpu": "cpu_seconds",
+    "until": "until",
+}
 
 
 @dataclass(frozen=True)
@@ -69,6 +85,14 @@ def with_zone(text: str, now: datetime) -> str:
     return moment.astimezone().isoformat()
 
 
+def dropped(options: Sequence[str]) -> dict[str, str]:
+    """The service's names of conditions, by those of the options; typer.BadParameter for others."""
+    wrong = next((each for each in options if each.removeprefix("--") not in _NAMES), None)
+    if wrong is not None:
+        raise typer.BadParameter(f"{wrong!r}: expected {', '.join(_NAMES)}", param_hint="--drop")
+    return {each.removeprefix("--"): _NAMES[each.removeprefix("--")] for each in options}
+
+
 def share(text: str, option: str) -> float:
     """A part of one, such as 1 % or 0.01; 0 where nothing was typed. Raises typer.BadParameter."""
     if not text:
@@ -76,6 +100,8 @@ def share(text: str, option: str) -> float:
     match = _SHARE.fullmatch(text.strip())
     if match is None:
         raise typer.BadParameter(f'{text!r}: expected "1%" or 0.01', param_hint=option)
+    if not float(match[1]):
+        raise typer.BadParameter(_nothing(text), param_hint=option)
     return float(match[1]) / (100.0 if match[2] else 1.0)
 
 
@@ -84,5 +110,13 @@ def _seconds(text: str, option: str) -> float:
         return 0.0
     match = _DURATION.fullmatch(text.strip())
     if match is None:
-        raise typer.BadParameter(f'{text!r}: expected "90 s", "15 min", "8h" or "2 d"', param_hint=option)
-    return float(match[1]) * _SECONDS[match[2] or ""]
+        raise typer.BadParameter(
+            f'{text!r}: expected a number with its unit, "90 s", "15 min", "8h" or "2 d"', param_hint=option
+        )
+    if not float(match[1]):
+        raise typer.BadParameter(_nothing(text), param_hint=option)
+    return float(match[1]) * _SECONDS[match[2]]
+
+
+def _nothing(text: str) -> str:
+    return f"{text!r} is never met or met at once; leave the option out to go on without it"

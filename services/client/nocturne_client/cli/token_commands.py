@@ -20,7 +20,12 @@ Data = Annotated[
 def create(
     name: Annotated[str, typer.Argument(help="Who it is for; renders carry it.")],
     scope: Annotated[
-        list[str], typer.Option("--scope", help="read, submit, worker, admin; may be given several times.")
+        list[str],
+        typer.Option(
+            "--scope",
+            help="read (everybody's renders), submit (make renders, see and change one's own), worker, "
+            "admin; may be given several times.",
+        ),
     ],
     weight: Annotated[int, typer.Option("--weight", help="1 to 1000; share of the workers.")] = 100,
     data: Data = None,

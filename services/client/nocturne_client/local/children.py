@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from nocturne_client.errors import NocturneClientError
+from nocturne_client.local.probes import Watch
 
 _LAUNCHER = Path(__file__).with_name("die_with_parent.py")
 _FIRST_DELAY_S = 0.5
@@ -16,13 +17,26 @@ _MAX_DELAY_S = 30.0
 # A child that lived this long was healthy: its next death is a new matter.
 _HEALTHY_S = 60.0
 _TAIL_BYTES = 2000
+# Ten times what a busy machine takes for an answer, and less than a render is missed for.
+_SILENT_S = 20.0
 
 
 class Child:
     """One program with its log file; `start` it, look after it with `supervise`, `stop` it."""
 
-    def __init__(self, name: str, command: Sequence[str], log: Path) -> None:
+    def __init__(
+        self,
+        name: str,
+        command: Sequence[str],
+        log: Path,
+        answers: Callable[[], bool] | None = None,
+        silent_s: float = _SILENT_S,
+    ) -> None:
+        """`answers`: whether it does what it is for; not for `silent_s` seconds, and it is ended and started
+        again."""
         self.name = name
+        self._watch = None if answers is None else Watch(answers)
+        self._silent_s = silent_s
         self._command = command
         self._log = log
         self._process: subprocess.Popen[bytes] | None = None
@@ -52,10 +66,19 @@ class Child:
             )
         self._started = time.monotonic()
         self._restart_at = None
+        if self._watch is not None:
+            self._watch.begin()
 
     def supervise(self, say: Callable[[str], None]) -> bool:
-        """Starts the process again when it has died, after a pause that doubles; whether it did so now."""
-        if self._process is None or self.is_alive():
+        """Starts the process again when it has died, or hangs, after a pause that doubles; whether it did so
+        now."""
+        if self._process is None:
+            return False
+        if self.is_alive() and self._watch is not None and self._watch.silent_s() > self._silent_s:
+            say(f"{self.name} has not answered for {self._silent_s:g} s; ending it. {self.tail()}")
+            self._process.kill()
+            self._process.wait()
+        if self.is_alive():
             return False
         now = time.monotonic()
         if self._restart_at is None:
@@ -69,7 +92,12 @@ class Child:
             self._delay = min(2 * self._delay, _MAX_DELAY_S)
         if now < self._restart_at:
             return False
-        self.start()
+        try:
+            self.start()
+        except OSError as error:
+            self._restart_at = now + self._delay
+            say(f"{self.name} can't be started: {error}; trying again in {self._delay:g} s")
+            return False
         return True
 
     def wait_until(self, ready: Callable[[], bool], timeout_s: float) -> None:
@@ -84,6 +112,8 @@ class Child:
 
     def stop(self, grace_s: float) -> None:
         """Asks the process to end, and kills it after `grace_s` seconds."""
+        if self._watch is not None:
+            self._watch.close()
         process, self._process = self._process, None
         if process is None:
             return
@@ -100,7 +130,7 @@ class Child:
             text = self._log.read_bytes()[-_TAIL_BYTES:].decode(errors="replace").strip()
         except OSError:
             text = ""
-        last = text.splitlines()[-1] if text else "it said nothing"
+        last = text.splitlines()[-1] if text else "it said nothing, perhaps as its disk is full"
         return f"Its last line: {last} (all of it: {self._log})"
 
 

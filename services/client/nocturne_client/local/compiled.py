@@ -1,6 +1,6 @@
 """Compiles a scene into a folder, without a service."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from nocturne_scene.blobs import BlobStore
@@ -26,11 +26,21 @@ class CompiledFolder:
     scene_sha256: str
     dropped: tuple[str, ...] = ()
     """What the compiler left out, with its place."""
+    warnings: tuple[str, ...] = ()
+    """What of the scene can hardly be meant, with its place."""
 
 
-def compile_to(scene: Path, folder: Path, width: int, height: int, samples: int) -> CompiledFolder:
-    """Writes scene.pb, schedule.pb and blobs/ into `folder`. Raises NocturneClientError with all problems."""
+def compile_to(
+    scene: Path, folder: Path, width: int, height: int, samples: int, seed: int | None = None
+) -> CompiledFolder:
+    """Writes scene.pb, schedule.pb and blobs/ into `folder`. Raises NocturneClientError with all problems.
+
+    `seed` instead of the scene's own.
+    """
     on_disk = read_scene(scene)
+    if seed is not None:
+        tracing = {**on_disk.document.get("tracing", {}), "seed": seed}
+        on_disk = replace(on_disk, document={**on_disk.document, "tracing": tracing})
     try:
         # Problems of the film are told before the work.
         make_schedule(width, height, samples)
@@ -41,7 +51,7 @@ def compile_to(scene: Path, folder: Path, width: int, height: int, samples: int)
         sha256 = output.scene_sha256
         schedule = schedule_for_scene(blobs, sha256, width, height, samples)
         files = folder / "scene.pb", folder / "schedule.pb", folder / "blobs"
-        compiled = CompiledFolder(*files, sha256, tuple(output.dropped))
+        compiled = CompiledFolder(*files, sha256, tuple(output.dropped), tuple(output.warnings))
         compiled.scene.write_bytes(blobs.path(sha256).read_bytes())
         compiled.schedule.write_bytes(schedule.SerializeToString(deterministic=True))
     except InputError as error:

@@ -3,47 +3,106 @@
 import re
 import subprocess
 import tempfile
+import threading
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
+from nocturne.v1 import job_pb2
 from rich.progress import Progress
 
 from nocturne_client.cli.output import ERRORS
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import CompiledFolder, compile_to
+from nocturne_client.local.image_error import image_error
+from nocturne_client.local.local_stop import LocalStop
 from nocturne_client.local.programs import need_program
 
 _PERCENT = re.compile(r"\s*([0-9.]+) %")
 
 
-def render_scene(scene: Path, output: Path, width: int, height: int, samples: int, threads: int) -> None:
-    """Compiles and traces `scene` into the EXR `output`, with a progress bar. Raises NocturneClientError."""
+@dataclass(frozen=True)
+class LocalRender:
+    """What is to be rendered, and how."""
+
+    scene: Path
+    output: Path
+    width: int
+    height: int
+    samples: int
+    threads: int
+    seed: int | None = None
+    """Instead of the scene's own."""
+    statistics: Path | None = None
+    """Where counts and times go, as JSON."""
+    stop: Mapping[str, Any] = field(default_factory=dict)
+    """Of the service's conditions, relative_error and wall_seconds."""
+
+
+def render_scene(asked: LocalRender) -> None:
+    """Compiles and traces a scene into an EXR, with a progress bar; says its error at the end.
+
+    Raises NocturneClientError.
+    """
     program = need_program("nocturne-trace")
-    if not output.absolute().parent.is_dir():
-        raise NocturneClientError(f"{output.absolute().parent}: no such folder")
+    for path in filter(None, (asked.output, asked.statistics)):
+        if not path.absolute().parent.is_dir():
+            raise NocturneClientError(f"{path.absolute().parent}: no such folder")
     with tempfile.TemporaryDirectory(prefix="nocturne-") as folder:
-        compiled = compile_to(scene, Path(folder), width, height, samples)
-        _trace([str(program), *_arguments(compiled, output, threads)], scene.name)
+        compiled = compile_to(asked.scene, Path(folder), asked.width, asked.height, asked.samples, asked.seed)
+        for warning in compiled.warnings:
+            ERRORS.print(f"warning: {warning}", markup=False, soft_wrap=True)
+        command = [str(program), *_arguments(compiled, asked)]
+        if asked.stop:
+            sums = Path(folder) / "sums"
+            schedule = job_pb2.RangeSchedule.FromString(compiled.schedule.read_bytes())
+            stop = LocalStop(asked.stop, schedule)
+            _trace([*command, "--ask-after-ranges", str(sums)], asked.scene.name, stop, sums)
+        else:
+            _trace(command, asked.scene.name)
+    said = str(image_error(asked.output))
+    if wanted := asked.stop.get("relative_error"):
+        said += f" {wanted:.3%} was asked for."
+    ERRORS.print(said, markup=False, soft_wrap=True)
 
 
-def _arguments(compiled: CompiledFolder, output: Path, threads: int) -> list[str]:
+def _arguments(compiled: CompiledFolder, asked: LocalRender) -> list[str]:
     files = [str(compiled.scene), "--schedule", str(compiled.schedule), "--blobs", str(compiled.blobs)]
-    return [*files, "-o", str(output), "--threads", str(threads)]
+    statistics = ["--statistics", str(asked.statistics)] if asked.statistics else []
+    return [*files, "-o", str(asked.output), "--threads", str(asked.threads), *statistics]
 
 
-def _trace(command: list[str], name: str) -> None:
+def _trace(command: list[str], name: str, stop: LocalStop | None = None, sums: Path | None = None) -> None:
+    pipe = subprocess.PIPE if stop else None
     # Text mode reads the program's carriage returns as line ends.
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, errors="replace")  # noqa: S603
+    process = subprocess.Popen(  # noqa: S603
+        command, stdin=pipe, stdout=pipe, stderr=subprocess.PIPE, text=True, errors="replace"
+    )
+    answering = threading.Thread(target=_answer, args=(process, stop, sums), daemon=True)
     with process:
         try:
+            if stop:
+                answering.start()
             said = _show(process.stderr, name)
         except BaseException:
             process.terminate()
             raise
+    if stop:
+        answering.join()
     if process.returncode != 0:
         raise NocturneClientError(f"nocturne-trace failed ({process.returncode}): {said}")
     if said:
         ERRORS.print(said, markup=False)
+
+
+def _answer(process: "subprocess.Popen[str]", stop: LocalStop, sums: Path) -> None:
+    """Tells the program after each range whether it is to go on."""
+    for line in process.stdout or ():
+        answer = "stop" if stop.is_met(int(line), sums) else "go"
+        if process.stdin is not None:
+            process.stdin.write(f"{answer}\n")
+            process.stdin.flush()
 
 
 def _show(lines: IO[str] | None, name: str) -> str:

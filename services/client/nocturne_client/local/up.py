@@ -1,7 +1,6 @@
 """`nocturne up`: the whole service as children of one process, on one data folder."""
 
 import fcntl
-import http.client
 import json
 import os
 import signal
@@ -9,18 +8,21 @@ import socket
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from types import FrameType
 
+from nocturne_scene.replacing import replacing
 from rich.markup import escape
 from rich.panel import Panel
 
 from nocturne_client.cli.output import CONSOLE, ERRORS
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.children import Child
+from nocturne_client.local.probes import api_answers, is_fresh, redis_answers, worker_is_heard_of
 from nocturne_client.local.programs import need_program
 from nocturne_client.local.tokens import first_token
 
@@ -29,6 +31,8 @@ _START_S = 120.0
 # A worker finishes or hands back its job; the others have nothing that takes long.
 _GRACE_S = 5.0
 _TEND_S = 0.2
+# An empty database with its log, and first lines of logs.
+_PROBE_BYTES = 2**20
 
 
 @dataclass(frozen=True)
@@ -52,7 +56,12 @@ def run_up(settings: UpSettings) -> None:
 
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, ask_to_stop)
-    _make_folder(settings.data)
+    with _told(settings.data):
+        _make_folder(settings.data)
+        _run(settings, stop)
+
+
+def _run(settings: UpSettings, stop: threading.Event) -> None:
     with (
         only_one_service(settings.data),
         tempfile.TemporaryDirectory(prefix="nocturne-", ignore_cleanup_errors=True) as sockets,
@@ -82,20 +91,26 @@ class _Stack:
             log.unlink()
         redis_url = f"unix://{self._redis_socket}"
         grpc_socket = sockets / "grpc.sock"
-        self._redis = self._child("redis", *_redis_command(self._redis_socket))
+        redis, port, alive = self._redis_socket, settings.port, sockets / "coordinator.alive"
+        self._redis = self._child("redis", lambda: redis_answers(redis), *_redis_command(redis))
         python = (sys.executable, "-m")
         data = ("--data", str(settings.data))
         self._coordinator = self._child(
-            "coordinator", *python, "nocturne_coordinator.main", *data, "--redis", redis_url
+            "coordinator",
+            lambda: is_fresh(alive),
+            *(*python, "nocturne_coordinator.main", *data, "--redis", redis_url, "--alive", str(alive)),
         )
-        ports = ("--port", str(settings.port), "--grpc-port", str(settings.port + 1))
+        ports = ("--port", str(port), "--grpc-port", str(port + 1))
         self._api = self._child(
-            *("api", *python, "nocturne_api.main", *data, *ports, "--grpc-unix", str(grpc_socket)),
+            "api",
+            lambda: api_answers(port),
+            *(*python, "nocturne_api.main", *data, *ports, "--grpc-unix", str(grpc_socket)),
             *(["--auth"] if settings.auth else []),
         )
         self._workers = [
             self._child(
                 f"worker-{number}",
+                partial(worker_is_heard_of, redis, f"worker-{number}"),
                 str(need_program("nocturne-worker")),
                 *("--redis", redis_url),
                 *("--assets", f"unix:{grpc_socket}"),
@@ -119,10 +134,10 @@ class _Stack:
     def start(self, stop: threading.Event) -> None:
         """Starts all in order, each when what it needs answers; ends early when `stop` is set."""
         self._redis.start()
-        self._redis.wait_until(lambda: stop.is_set() or _answers_ping(self._redis_socket), _START_S)
+        self._redis.wait_until(lambda: stop.is_set() or redis_answers(self._redis_socket), _START_S)
         self._coordinator.start()
         self._api.start()
-        self._api.wait_until(lambda: stop.is_set() or _is_ready(self._settings.port), _START_S)
+        self._api.wait_until(lambda: stop.is_set() or api_answers(self._settings.port, "/readyz"), _START_S)
         if not self._coordinator.is_alive():
             raise NocturneClientError(f"coordinator did not start. {self._coordinator.tail()}")
         for worker in self._workers:
@@ -130,16 +145,19 @@ class _Stack:
         self._write_file()
 
     def supervise(self) -> None:
-        """Starts again what has died."""
+        """Starts again what has died, or hangs."""
         restarted = [
             child.supervise(lambda text: ERRORS.print(escape(text), soft_wrap=True))
             for child in self._children
         ]
         if any(restarted):
-            self._write_file()
+            try:
+                self._write_file()
+            except OSError as error:
+                ERRORS.print(f"{self._file} is out of date: {error}", markup=False, soft_wrap=True)
 
-    def _child(self, name: str, *command: str) -> Child:
-        return Child(name, command, self._logs / f"{name}.log")
+    def _child(self, name: str, answers: Callable[[], bool], *command: str) -> Child:
+        return Child(name, command, self._logs / f"{name}.log", answers)
 
     def _write_file(self) -> None:
         """Tells other programs where the service is."""
@@ -149,9 +167,8 @@ class _Stack:
             "pid": os.getpid(),
             "children": {child.name: child.pid for child in self._children},
         }
-        temporary = self._file.with_suffix(".new")
-        temporary.write_text(json.dumps(content, indent=2) + "\n")
-        temporary.replace(self._file)
+        with replacing(self._file) as unfinished:
+            unfinished.write_text(json.dumps(content, indent=2) + "\n")
 
 
 def _redis_command(path: Path) -> list[str]:
@@ -172,10 +189,24 @@ def _redis_command(path: Path) -> list[str]:
 
 
 def _make_folder(data: Path) -> None:
+    """Tries a piece that a start needs: a full disk is told before anything is begun."""
+    data.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryFile(dir=data) as probe:
+        probe.write(bytes(_PROBE_BYTES))
+        probe.flush()
+        os.fsync(probe.fileno())
+
+
+@contextmanager
+def _told(data: Path) -> Iterator[None]:
+    """What the system refuses, in a sentence."""
     try:
-        data.mkdir(parents=True, exist_ok=True)
+        yield
     except OSError as error:
-        raise NocturneClientError(f"can't make the data folder {data}: {error.strerror}") from error
+        raise NocturneClientError(
+            f"{data} can't be written ({error.strerror or error}); see to its rights, make room on its disk, "
+            "or choose another folder with --data"
+        ) from error
 
 
 @contextmanager
@@ -208,29 +239,6 @@ def _check_ports(port: int) -> None:
                     f"port {number} is taken; choose another one with --port (gRPC takes the one above it)"
                 )
                 raise NocturneClientError(message) from error
-
-
-def _answers_ping(path: Path) -> bool:
-    try:
-        with socket.socket(socket.AF_UNIX) as connection:
-            connection.settimeout(1.0)
-            connection.connect(str(path))
-            connection.sendall(b"PING\r\n")
-            return connection.recv(16).startswith(b"+PONG")
-    except OSError:
-        return False
-
-
-def _is_ready(port: int) -> bool:
-    # Asked fifty times a second while the API starts; a client of httpx costs 60 ms of processor to make.
-    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=2.0)
-    try:
-        connection.request("GET", "/readyz")
-        return connection.getresponse().status == 200
-    except (OSError, http.client.HTTPException):
-        return False
-    finally:
-        connection.close()
 
 
 def _url(port: int) -> str:

@@ -7,7 +7,7 @@ import { levelFor, type Placement } from "./placement.ts";
 import { fragmentShader, type Variant, vertexShader } from "./shaders.ts";
 
 const names = [
-  "canvas", "film", "middle", "chosen", "scale", "exposure", "wipe", "tileSize", "tileSizeB",
+  "canvas", "film", "middle", "chosen", "scale", "exposure", "wipe", "tileSize", "tileSizeB", "meanY",
   "level", "tone", "warnings", "overlay", "range", "logarithmic", "display",
 ] as const;
 
@@ -80,6 +80,7 @@ export class GlPainter {
     gl.uniform1i(places.overlay, Number(look.workers));
     gl.uniform1f(places.wipe, look.wipe);
     gl.uniform1f(places.exposure, look.exposure);
+    gl.uniform1f(places.meanY, look.measured.mean);
     gl.uniform2f(places.range, look.scale.low, look.scale.high);
     gl.uniform1i(places.logarithmic, Number(look.scale.logarithmic));
     gl.uniformMatrix3fv(places.display, true, displayMatrix(look.white).flat());

@@ -3,6 +3,7 @@ import type { Scale } from "./colour_maps.ts";
 import type { Film, Region } from "./film.ts";
 import { decades } from "./colour_maps.ts";
 import type { Triple } from "./colour.ts";
+import type { Render } from "../service/types.ts";
 
 /** In the order of the shader's numbers. */
 export const shows = ["colour", "luminance", "error", "relative error", "samples", "invalid_samples", "difference"] as const;
@@ -13,7 +14,7 @@ export type Tone = (typeof tones)[number];
 
 export interface Look {
   show: Show;
-  /** What Y is multiplied by, per cd/m2. */
+  /** What Y is multiplied by, per unit. */
   exposure: number;
   /** XYZ that is to look white. */
   white: Triple;
@@ -28,6 +29,7 @@ export interface Look {
   wipe: number;
   scale: Scale;
   chosen: Region | undefined;
+  measured: Measured;
 }
 
 /** Middle grey, and the exposure that gives it to a luminance. */
@@ -60,13 +62,33 @@ export function scaleOf(show: Show, film: Film): Scale {
   }
 }
 
+/** What Y is of an image, and its mean over pixels. */
+export interface Measured {
+  quantity: string;
+  unit: string;
+  mean: number;
+}
+
+/** What an image's numbers are; those of older renders are not named. */
+export function measured({ quantity, unit, progress }: Pick<Render, "quantity" | "unit" | "progress">): Measured {
+  return { quantity: quantity || "Y", unit: unit.replace("m2", "m²"), mean: progress.mean };
+}
+
 /** What the numbers beside the colour map are. */
-export const units: Record<Show, string> = {
-  colour: "",
-  luminance: "Luminance, cd/m²",
-  error: "Standard error of luminance, cd/m²",
-  "relative error": "Standard error over luminance",
-  samples: "Samples per pixel",
-  invalid_samples: "Invalid samples per tile",
-  difference: "Difference in standard errors",
-};
+export function legendTitle(show: Show, { quantity, unit }: Measured): string {
+  const ofUnit = unit ? `, ${unit}` : "";
+  const titles: Record<Show, string> = {
+    colour: "",
+    luminance: `${capital(quantity)}${ofUnit}`,
+    error: `Standard error of ${quantity}${ofUnit}`,
+    "relative error": "Relative error: σ / √(Y² + 0.01 M²), M the image's mean",
+    samples: "Samples per pixel",
+    invalid_samples: "Invalid samples per tile",
+    difference: "Difference in standard errors",
+  };
+  return titles[show];
+}
+
+export function capital(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}

@@ -26,7 +26,7 @@ precision highp sampler2D;
 uniform sampler2D filmA, filmB, gridA, gridB, map;
 uniform vec2 canvas, film, middle;
 uniform vec4 chosen;
-uniform float scale, exposure, wipe, tileSize, tileSizeB;
+uniform float scale, exposure, wipe, tileSize, tileSizeB, meanY;
 uniform int level, tone, warnings, overlay;
 uniform vec2 range;
 uniform bool logarithmic;
@@ -74,7 +74,7 @@ vec3 one(vec4 texel, vec4 tile) {
 #if SHOW == 0
   return seen(texel);
 #else
-  return mapped(float[](0.0, texel.y, texel.w, texel.w / max(texel.y, 1e-30), tile.x, tile.y, 0.0)[SHOW]);
+  return mapped(float[](0.0, texel.y, texel.w, texel.w / max(sqrt(texel.y * texel.y + 0.01 * meanY * meanY), 1e-30), tile.x, tile.y, 0.0)[SHOW]);
 #endif
 }
 

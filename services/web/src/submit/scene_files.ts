@@ -80,7 +80,7 @@ function namesFile(value: object): value is Part {
   return "asset" in value && typeof value.asset === "string" && !value.asset.startsWith(digestPrefix);
 }
 
-export async function digest(file: Blob): Promise<string> {
+async function digest(file: Blob): Promise<string> {
   // Browsers give it to pages from this machine or over TLS only; types do not say so.
   const subtle = crypto.subtle as SubtleCrypto | undefined;
   if (!subtle) throw new Error("Files can be sent over HTTPS or from this machine only: browsers give no SHA-256 otherwise.");

@@ -6,7 +6,7 @@ const endBytes = 22;
 const longestComment = 65535;
 
 export const mostFiles = 10_000;
-export const mostBytes = 4 * 2 ** 30;
+const mostBytes = 4 * 2 ** 30;
 
 /** Files by path. Throws Error, fit to be shown. */
 export async function readZip(archive: Blob): Promise<Map<string, Blob>> {

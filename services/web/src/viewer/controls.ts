@@ -6,7 +6,7 @@ import { middleGrey, type Show, shows, type Tone, tones } from "../image/look.ts
 import type { Viewer } from "./viewer.ts";
 
 const showNames: Record<Show, string> = {
-  colour: "Colour", luminance: "Luminance", error: "Standard error", "relative error": "Relative error",
+  colour: "Colour", luminance: "Value", error: "Standard error", "relative error": "Relative error",
   samples: "Samples", invalid_samples: "Invalid samples", difference: "Difference",
 };
 const toneNames: Record<Tone, string> = { linear: "Linear", reinhard: "Reinhard", filmic: "Filmic" };
@@ -75,7 +75,7 @@ function exposureSlider(viewer: Viewer): { node: HTMLElement; refresh: () => voi
       input.value = "0";
     }
     const stops = input.valueAsNumber;
-    const grey = `${formatValue(middleGrey / viewer.look.exposure, 3)} cd/m²`;
+    const grey = `${formatValue(middleGrey / viewer.look.exposure, 3)} ${viewer.look.measured.unit}`.trim();
     setText(value, `${formatStops(stops)} · middle grey ${grey}`);
     input.setAttribute("aria-valuetext", `${stops.toFixed(1)} stops; middle grey is ${grey}`);
     auto.disabled = viewer.isAuto;

@@ -2,7 +2,7 @@
 import { element } from "../dom.ts";
 import { formatValue } from "../format.ts";
 import { mapBytes, maps, mapSize, ticks } from "../image/colour_maps.ts";
-import { type Look, units } from "../image/look.ts";
+import { legendTitle, type Look } from "../image/look.ts";
 
 export function legend(): { node: HTMLElement; show: (look: Look) => void } {
   const strip = element("canvas", { width: `${mapSize}`, height: "1", "aria-hidden": "true" });
@@ -14,10 +14,10 @@ export function legend(): { node: HTMLElement; show: (look: Look) => void } {
     node,
     show: (look) => {
       node.hidden = look.show === "colour";
-      const key = JSON.stringify([look.show, look.scale]);
+      const key = JSON.stringify([look.show, look.scale, look.measured.unit]);
       if (node.hidden || key === shown) return;
       shown = key;
-      title.textContent = units[look.show];
+      title.textContent = legendTitle(look.show, look.measured);
       const colours = look.show === "difference" ? maps.diverging : maps.viridis;
       strip.getContext("2d")?.putImageData(new ImageData(new Uint8ClampedArray(mapBytes(colours)), mapSize, 1), 0, 0);
       numbers.replaceChildren(

@@ -1,6 +1,7 @@
 /** A render's image with its tools: fetched tile by tile, followed as it grows. */
 import { announce, element, setText } from "../dom.ts";
 import type { Film, Region } from "../image/film.ts";
+import { type Measured, measured } from "../image/look.ts";
 import { FilmSource } from "../image/film_source.ts";
 import { tilesAddress } from "../service/client.ts";
 import { hasEnded, type Render } from "../service/types.ts";
@@ -54,6 +55,7 @@ export function renderImage(id: string, hooks: { onFilm?: (film: Film) => void; 
     node,
     viewer: parts?.viewer,
     show: (render) => {
+      parts?.measure(measured(render));
       canvas.setAttribute("aria-label", `Image of ${render.name}, ${samplesText(render)}`);
       setText(waiting, whyNothingIsShown(render));
     },
@@ -70,6 +72,7 @@ interface Parts {
   viewer: Viewer;
   inspector: ReturnType<typeof inspector>;
   begin: (film: Film) => void;
+  measure: (measured: Measured) => void;
 }
 
 /** Puts tools, image, legend and inspector into `node`; a sentence only, where images can't be shown. */
@@ -88,7 +91,7 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
     return undefined;
   }
   const looked: { pixel?: Region } = {};
-  const numbers = inspector(() => viewer.films[viewer.look.side === "second" ? "second" : "first"]);
+  const numbers = inspector(() => viewer.films[viewer.look.side === "second" ? "second" : "first"], () => viewer.look.measured);
   const tools = controls(viewer, {
     neutral: () => {
       const region = viewer.look.chosen ?? looked.pixel;
@@ -117,6 +120,10 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
   return {
     viewer,
     inspector: numbers,
+    measure: (now) => {
+      const { measured: before } = viewer.look;
+      if (before.unit !== now.unit || before.mean !== now.mean) viewer.change({ measured: now });
+    },
     begin: (film) => {
       try {
         viewer.setFilm("first", film);

@@ -21,6 +21,7 @@ export class Viewer {
   look: Look = {
     show: "colour", exposure: 1, white: whites.D65, tone: "reinhard", warnClipped: false, warnGamut: false, workers: false,
     side: "first", wipe: 0.5, scale: { low: 0, high: 1, logarithmic: false }, chosen: undefined,
+    measured: { quantity: "Y", unit: "", mean: 0 },
   };
   readonly #painter: GlPainter;
   readonly #listener: ViewerListener;

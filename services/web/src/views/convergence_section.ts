@@ -1,7 +1,6 @@
 /** How the error falls: the history from the service, continued by live events. */
 import { ConvergenceChart, type Line } from "../convergence/chart.ts";
 import { type Abscissa, type Aim, appended, type Curve, toCurve } from "../convergence/points.ts";
-import { doubts } from "../convergence/trust.ts";
 import { element, setText } from "../dom.ts";
 import { formatDuration, formatRelativeError } from "../format.ts";
 import { getConvergence } from "../service/client.ts";
@@ -32,7 +31,7 @@ export function convergenceSection(id: string): ConvergenceSection {
     chart.show({ x: curve.x, lines: linesOf(curve) }, abscissa);
     figure.dataset.points = `${curve.error.filter((error) => error !== null).length}`;
     setText(caption, captionText(points));
-    showDoubts(warning, render ? doubts(points, render.width * render.height) : []);
+    showDoubt(warning, render?.progress.doubt ?? "");
   };
   const choice = abscissaChoice((chosen) => {
     abscissa = chosen;
@@ -103,13 +102,11 @@ function linesOf(curve: Curve): Line[] {
   return lines;
 }
 
-function showDoubts(node: HTMLElement, sentences: string[]): void {
-  node.hidden = sentences.length === 0;
-  const text = sentences.join("\n");
-  if (node.dataset.text === text) return;
-  node.dataset.text = text;
-  const items = sentences.map((sentence) => element("li", {}, sentence));
-  node.replaceChildren(element("strong", {}, "The error is not to be trusted"), element("ul", {}, ...items));
+function showDoubt(node: HTMLElement, sentence: string): void {
+  node.hidden = sentence === "";
+  if (node.dataset.text === sentence) return;
+  node.dataset.text = sentence;
+  node.replaceChildren(element("strong", {}, "The error is not to be trusted"), element("p", {}, sentence));
 }
 
 function abscissaChoice(onChoice: (abscissa: Abscissa) => void): HTMLElement {

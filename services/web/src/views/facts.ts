@@ -1,12 +1,12 @@
 /** The figures of one render. */
 import { element, setText } from "../dom.ts";
-import { formatCount, formatDuration, formatRelativeError, formatSamples } from "../format.ts";
+import { formatCount, formatDuration, formatRelativeError, formatSamples, formatValue } from "../format.ts";
 import { elapsedSeconds } from "../service/clock.ts";
 import { hasEnded, type Render } from "../service/types.ts";
 
 const errorMeaning =
-  "The standard error of the luminance Y: how far a pixel typically is from its true value, from the scatter of its own samples. " +
-  "Root mean square over all pixels, divided by the mean Y. Halving it takes four times the samples.";
+  "How far a pixel typically is from its true value, from the scatter of its own samples: the root mean square, over pixels, of the " +
+  "standard error of Y over √(Y² + 0.01 M²), with M the image's mean Y. Halving it takes four times the samples.";
 
 interface Fact {
   label: string;
@@ -19,6 +19,16 @@ const facts: Fact[] = [
     label: "Relative error",
     value: (render) => formatRelativeError(render.progress.relative_error),
     meaning: errorMeaning,
+  },
+  {
+    label: "Trust in it",
+    value: ({ progress }) => (progress.relative_error <= 0 ? "–" : progress.doubt || "yes, as far as one image can tell"),
+  },
+  { label: "Mean", value: meanText, meaning: "Of Y over all pixels, with its 95 % interval." },
+  {
+    label: "Nothing seen",
+    value: ({ progress, width, height }) => `${formatCount(progress.unseen_pixels)} of ${formatCount(width * height)} pixels`,
+    meaning: "Pixels in which no sample has found light. They are not known to be black: light may reach them in few samples.",
   },
   {
     label: "Samples per pixel",
@@ -35,6 +45,7 @@ const facts: Fact[] = [
   },
   { label: "CPU time", value: (render) => formatDuration(render.progress.cpu_seconds) },
   { label: "Invalid samples", value: (render) => formatCount(render.progress.invalid_samples), meaning: "Contributions that were NaN, infinite or negative; they are left out of the image." },
+  { label: "Truncated paths", value: (render) => formatCount(render.progress.truncated_paths), meaning: "Photons ended by the tracer's limit of interactions; light that they would have brought is missing." },
   { label: "Film", value: (render) => `${render.width} × ${render.height}` },
 ];
 
@@ -53,6 +64,12 @@ export function factsList(): { node: HTMLElement; show: (render: Render) => void
       });
     },
   };
+}
+
+function meanText({ progress: { mean, mean_error }, unit }: Render): string {
+  if (mean <= 0) return "–";
+  const interval = mean_error > 0 ? `\u00a0±\u00a0${formatValue(1.96 * mean_error, 2)}` : "";
+  return `${formatValue(mean, 4)}${interval} ${unit.replace("m2", "m²")}`.trimEnd();
 }
 
 function timeLeft(render: Render): string {

@@ -19,7 +19,7 @@ export function listItem(): ListItem {
   const badge = stateBadge();
   const size = element("span");
   const bar = progressBar();
-  const error = element("span", { class: "error", title: "Relative standard error, and what was asked for" });
+  const error = element("span", { class: "error", title: "Relative error, and what was asked for" });
   const finish = element("span", { class: "finish" });
   const cost = element("span", { class: "cost", title: "Processor time of workers, so far and as predicted" });
   const node = element(
@@ -50,7 +50,8 @@ function samplesShort(render: Render): string {
 
 function errorText({ progress, stop }: Render): string {
   const target = stop.relative_error > 0 ? ` → ${formatRelativeError(stop.relative_error)}` : "";
-  return progress.relative_error > 0 ? `± ${formatRelativeError(progress.relative_error)}${target}` : target;
+  const doubt = progress.doubt ? " (not to be trusted)" : "";
+  return progress.relative_error > 0 ? `± ${formatRelativeError(progress.relative_error)}${doubt}${target}` : target;
 }
 
 function finishText(render: Render): string {

@@ -80,7 +80,7 @@ export function begin(id: string, renders: Renders, problem: HTMLElement): () =>
   };
 }
 
-export function followTiles(id: string, renders: Renders, image: RenderImage): () => void {
+function followTiles(id: string, renders: Renders, image: RenderImage): () => void {
   image.refresh();
   return renders.subscribeTiles((event) => {
     if (event.render === id) image.refresh();
@@ -96,7 +96,7 @@ interface Reactions {
 }
 
 /** Calls the reactions as the render changes; returns what stops it. */
-export function followChanges(id: string, renders: Renders, reactions: Reactions): () => void {
+function followChanges(id: string, renders: Renders, reactions: Reactions): () => void {
   let connections = 0;
   let shown: Render | undefined;
   let state: RenderState | undefined;

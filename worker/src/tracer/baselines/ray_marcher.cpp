@@ -43,7 +43,7 @@ class March {
       auto hit = scene_.geometry.intersect(ray, start_.time);
       if (!hit)
         return radiance + left * scene_.distant_radiance<1>(ray.direction, start_.wavelengths)[0];
-      const Contacts contacts = contacts_of(scene_, ray, start_.time, *hit);
+      const Contacts contacts = contacts_of(scene_, ray, start_.time, {}, *hit);
       const Piece piece = on_piece(ray, inside, hit->distance);
       radiance += left * piece.added;
       left *= piece.passed;

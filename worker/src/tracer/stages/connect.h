@@ -36,7 +36,7 @@ bool follow_to_camera(Batch& batch, CameraRay<N>& to_camera) {
   Group<N>& group = to_camera.group;
   const BatchSample<N>& sample = batch.sample_of(group);
   ++batch.rays;
-  auto hit = batch.scene.geometry.intersect(group.ray, sample.time);
+  auto hit = batch.scene.geometry.intersect(group.ray, sample.time, group.departure);
   if (hit && hit->distance >= to_camera.left) hit.reset();
   const float end = hit ? hit->distance : to_camera.left;
   if (!batch.flights.empty()) {
@@ -50,12 +50,12 @@ bool follow_to_camera(Batch& batch, CameraRay<N>& to_camera) {
     batch.estimator.reaches(sample, group, to_camera.connection);
     return false;
   }
-  const Contacts contacts = contacts_of(batch.scene, group.ray, sample.time, *hit);
+  const Contacts contacts = contacts_of(batch.scene, group.ray, sample.time, group.departure, *hit);
   if (make_vertex(batch.scene, *hit, contacts, group, sample.wavelengths, sample.time,
                   Transport::kForward)) {
     return false;
   }
-  pass_index_matched(batch.scene, group, *hit, contacts);
+  pass_index_matched(batch.scene, group, *hit, contacts, sample.time);
   to_camera.left -= hit->distance;
   return true;
 }
@@ -83,8 +83,7 @@ void connect(Batch<N, Estimator, Media>& batch) {
   }
   for (CameraRay<N>& to_camera : batch.camera_rays) {
     if constexpr (Batch<N, Estimator, Media>::kToCamera) {
-      while (follow_to_camera(batch, to_camera)) {
-      }
+      while (follow_to_camera(batch, to_camera)) batch.limits.check_stop();
     }
   }
   batch.camera_rays.clear();

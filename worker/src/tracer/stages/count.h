@@ -34,7 +34,8 @@ void count(Batch<N, Estimator, Media>& batch) {
     std::optional<Hit>& hit = batch.hits[i];
     const BatchSample<N>& sample = batch.sample_of(group);
     if (hit) {
-      const Contacts touching = contacts_of(batch.scene, group.ray, sample.time, *hit);
+      const Contacts touching =
+          contacts_of(batch.scene, group.ray, sample.time, group.departure, *hit);
       if (!touching.empty()) {
         met.contacts = static_cast<std::uint32_t>(batch.contacts.size());
         batch.contacts.push_back(touching);

@@ -10,7 +10,8 @@ void intersect(Batch<N, Estimator, Media>& batch) {
   batch.rays += batch.groups.size();
   batch.timed_rays.clear();
   for (const Group<N>& group : batch.groups) {
-    batch.timed_rays.push_back({group.ray, batch.sample_of(group).time});
+    batch.timed_rays.push_back(
+        {.ray = group.ray, .time = batch.sample_of(group).time, .departure = &group.departure});
   }
   batch.hits.resize(batch.groups.size());
   batch.scene.geometry.intersect(batch.timed_rays, batch.hits);

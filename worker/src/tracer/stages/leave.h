@@ -55,7 +55,7 @@ bool leave(const Batch& batch, Group<N>& group, const Vertex<N>& vertex, Vec3 wi
           std::fabs(cosine * vertex.wo.z / (dot(vertex.normal, group.ray.direction) * wi.z)));
     }
   }
-  start_off(group, vertex.hit, direction);
+  start_off(batch.scene, group, vertex.hit, direction, batch.sample_of(group).time);
   return true;
 }
 

@@ -28,24 +28,35 @@ float chance_to_stay(const Batch& batch, const Group<N>& group, Vec3 position) {
   return std::min(1.0f, largest(group.weight) * radius * radius / dot(away, away));
 }
 
+/// What ends photons that roulette by albedo would not, whatever their number of surfaces.
+template <int N>
+float survival_of_many(const Group<N>& group) {
+  const std::uint32_t surfaces = group.depth - group.collisions;
+  const float of_caught =
+      group.caught > TracingOptions::kCaughtAfter ? TracingOptions::kSurvivalOfCaught : 1.0f;
+  return surfaces > TracingOptions::kManyBounces
+             ? std::min(of_caught, 1.0f - 2.0f / static_cast<float>(surfaces))
+             : of_caught;
+}
+
 /// The paper's survival probability is H h. Times the weight that the photon carries, light photons
 /// die and heavy ones stay (docs/decisions/0004-roulette-by-weight.md). One probability for the
 /// group: it stays together as long as one of them is worth it.
 template <class Batch, int N, class Kernel>
-float survival_at(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
+float survival_at(const Batch& batch, Group<N>& group, const Vertex<N>& vertex,
                   const Kernel& kernel) {
+  constexpr float kClear = 1.0f - 1e-6f;
   const TracingOptions& options = batch.options;
   float survival = 1.0f;
   if (group.depth > options.roulette_after) {
     Spectral<N> albedo = kernel.albedo(vertex.wo);
+    group.caught = !kernel.smooth() && largest(albedo) >= kClear ? group.caught + 1 : 0;
     if (batch.kAdjoint && !group.inside.empty()) albedo *= square_of_index(batch, group);
     survival = std::min(
         1.0f, options.h * largest(options.roulette_by_weight ? albedo * group.weight
                                                              : only(albedo, alive(group.weight))));
   }
-  if (group.depth - group.collisions > TracingOptions::kManyBounces) {
-    survival = std::min(survival, TracingOptions::kSurvivalOfMany);
-  }
+  survival = std::min(survival, survival_of_many(group));
   if (batch.scene.all_in_fog) {
     survival = std::min(survival, chance_to_stay(batch, group, vertex.hit.position));
   }
@@ -61,7 +72,7 @@ void prepare(Batch& batch, Chunk<N, Bound>& chunk) {
   const bool second = batch.kAdjoint && batch.options.estimator == Estimator::kTwoPhotons &&
                       !batch.scene.lights.empty();
   for (std::size_t i = 0; i < chunk.count; ++i) {
-    const Group<N>& group = *chunk.groups[i];
+    Group<N>& group = *chunk.groups[i];
     const Vertex<N>& vertex = *chunk.vertices[i];
     const Bound& kernel = *chunk.kernels[i];
     const bool passes_on = group.mis.technique == MisTechnique::kLights;

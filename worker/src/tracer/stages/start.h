@@ -16,10 +16,11 @@ void start(Batch<N, Estimator, Media>& batch, const Start<N>& from,
   sample.time = from.time;
   sample.spread = from.spread;
   sample.flux = from.flux;
-  if constexpr (Media) batch.flights.emplace_back(batch.scene, from.wavelengths);
+  if constexpr (Media) batch.flights.emplace_back(batch.scene, from.wavelengths, batch.limits);
   if (!(largest(from.flux) > 0.0f)) return;  // nothing was emitted
   Group<N>& group = batch.groups.emplace_back(sequence);
   group.ray = from.ray;
+  group.departure = from.departure;
   group.sample = number;
   group.width = from.width;
   group.inside = from.inside;

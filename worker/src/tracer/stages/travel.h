@@ -14,7 +14,8 @@ template <int N>
 float way_to(const Group<N>& group, const Hit& hit) {
   constexpr float kMinCosine = 1e-3f;
   const float cosine = dot(hit.normal, group.ray.direction);
-  if (hit.clearance == 0.0f || std::fabs(cosine) < kMinCosine) return hit.distance + group.skipped;
+  if (hit.clearance == 0.0f || group.departure.exact || std::fabs(cosine) < kMinCosine)
+    return hit.distance + group.skipped;
   return std::max(0.0f, hit.distance + dot(group.step, hit.normal) / cosine);
 }
 
@@ -24,10 +25,31 @@ void absorb(const Batch& batch, Group<N>& group, float way) {
   group.weight *= batch.scene.transmittance(group.inside, way, batch.sample_of(group).wavelengths);
 }
 
+/// Where a collision in a medium is, as exactly as its ray's start.
+template <int N>
+DepartingRay depart_in_medium(const Group<N>& group, const Hit& hit, Vec3 direction) {
+  return DepartingRay::from(group.departure.start(group.ray) +
+                                static_cast<double>(hit.distance) * Double3(group.ray.direction),
+                            direction);
+}
+
 /// Sends a group on from a hit. What absorbs begins at the surface.
 template <int N>
-void start_off(Group<N>& group, const Hit& hit, Vec3 direction) {
+void start_off(const Scene& scene, Group<N>& group, const Hit& hit, Vec3 direction, float time) {
+  const bool in_medium = scene.is_medium(hit.surface);
+  if (in_medium ? scene.geometry.any_close() : scene.materials[hit.surface].close) {
+    const DepartingRay from = in_medium ? depart_in_medium(group, hit, direction)
+                                        : scene.geometry.depart(hit, direction, time);
+    group.ray = from.ray;
+    group.departure = from.departure;
+    group.skipped = 0.0f;
+    group.step = {0.0f, 0.0f, 0.0f};
+    return;
+  }
   group.ray = {leave_surface(hit, direction), direction};
+  group.departure.exact = false;
+  group.departure.residual = {0.0f, 0.0f, 0.0f};
+  group.departure.surface = Departure::kNothing;
   if (group.inside.empty()) return;
   group.skipped = way_skipped(hit, direction);
   group.step = group.ray.origin - hit.position;
@@ -36,10 +58,10 @@ void start_off(Group<N>& group, const Hit& hit, Vec3 direction) {
 /// Straight on through a boundary that has no kernel of its own.
 template <int N>
 void pass_index_matched(const Scene& scene, Group<N>& group, const Hit& hit,
-                        const Contacts& contacts) {
+                        const Contacts& contacts, float time) {
   const bool front = dot(hit.normal, group.ray.direction) < 0.0f;
   group.inside = boundary_at(scene, hit, contacts, group.inside, front).beyond;
-  start_off(group, hit, group.ray.direction);
+  start_off(scene, group, hit, group.ray.direction, time);
 }
 
 }  // namespace nocturne

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from nocturne.v1 import scene_pb2
 
-from nocturne_scene.document.luminaires import EnvironmentMap
+from nocturne_scene.document.luminaires import EnvironmentMap, StandardSky
 from nocturne_scene.formats.pbrt.write.context import Context
 from nocturne_scene.formats.pbrt.write.directives import (
     directive,
@@ -99,6 +99,8 @@ def _add_environment(context: Context) -> None:
         case "constant":
             radiance = light("L", context.compiled.table(message.environment.constant))
             context.world.append(directive("LightSource", quoted("infinite"), *radiance))
+        case "map" if isinstance(context.compiled.document.environment, StandardSky):
+            context.findings.lost("$.environment", "a standard sky can't be exported; use a picture of it")
         case "map":
             context.world += _sky(context, message.environment.map)
 

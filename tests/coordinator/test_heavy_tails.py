@@ -5,8 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 import pytest
-
-from bench.heavy_tails import Tails, tails
+from nocturne_coordinator.dispatch.heavy_tails import Tails, tails
 
 Values = npt.NDArray[np.float64]
 Draw = Callable[[np.random.Generator, tuple[int, ...]], Values]

@@ -1,0 +1,69 @@
+"""Lets only machines that enrolled work through Redis, and believes only what they signed."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from google.protobuf.message import DecodeError
+from nocturne.v1 import job_pb2
+
+from nocturne_coordinator.enrolment import lease_of, redis_password, redis_user, refusal_of
+from nocturne_coordinator.queue import keys
+
+_USER_PREFIX = redis_user("")
+
+
+class Guard:
+    """The machines that are enrolled, and the secret of this folder's leases."""
+
+    def __init__(self, lease_key: bytes, machines: Mapping[str, bytes]) -> None:
+        """`machines`: keys by name."""
+        self._lease_key = lease_key
+        self.machines = machines
+
+    def lease(self, job: bytes) -> bytes:
+        """Of a serialised Job."""
+        return lease_of(self._lease_key, job_pb2.Job.FromString(job))
+
+    def refusal(self, fields: Mapping[bytes, bytes]) -> str:
+        """Why a result does not count; empty: it does, or is no result at all."""
+        data = fields.get(keys.RESULT_FIELD, b"")
+        try:
+            result = job_pb2.JobResult.FromString(data)
+        except DecodeError:
+            return ""
+        machine = fields.get(keys.MACHINE_FIELD, b"").decode(errors="replace")
+        signed = fields.get(keys.SIGNATURE_FIELD, b"")
+        return refusal_of(result, data, machine, signed, self.machines, self._lease_key)
+
+    def admit(self, client: Any) -> None:
+        """Makes Redis users of all machines, as they are, and ends the connections of those that are not any
+        more."""
+        wanted = {redis_user(name): (name, key) for name, key in self.machines.items()}
+        # Where the machine was made anew meanwhile, nothing changes for those who are signed on.
+        pipeline = client.pipeline(transaction=False)
+        for user, (name, key) in wanted.items():
+            pipeline.execute_command("ACL", "SETUSER", user, *_rules(name, redis_password(key)))
+        pipeline.execute()
+        there = {name.decode() for name in client.execute_command("ACL", "USERS")}
+        gone = [user for user in there if user.startswith(_USER_PREFIX) and user not in wanted]
+        if gone:
+            client.execute_command("ACL", "DELUSER", *gone)
+
+
+def _rules(machine: str, password: str) -> list[str]:
+    """What a machine may do: take jobs, add results, say how its own workers are, and be told to stop."""
+    nothing = ("resetkeys", "resetchannels", "-@all")
+    parts = (
+        f"~{keys.JOBS} resetchannels -@all +xreadgroup +xautoclaim +xclaim +xpending +xack +xdel",
+        f"%W~{keys.RESULTS} resetchannels -@all +xadd",
+        f"%R~{keys.QUARANTINE_PREFIX}* %R~{keys.WITHDRAWN_PREFIX}* resetchannels -@all +mget",
+        f"%W~{keys.WORKER_PREFIX}{machine}/* resetchannels -@all +set +del",
+    )
+    return [
+        "reset",
+        "on",
+        f">{password}",
+        *nothing,
+        *("+ping", "+multi", "+exec", "+discard"),
+        *(f"({part})" for part in parts),
+    ]

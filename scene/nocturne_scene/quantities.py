@@ -1,0 +1,42 @@
+"""What the pixels of each kind of sensor measure, and in which unit."""
+
+from dataclasses import dataclass
+
+from nocturne.v1 import scene_pb2
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Of Y, and of a sensor's further responses."""
+
+    name: str
+    symbol: str
+    unit: str
+    """Of Y, in ASCII."""
+    response_unit: str
+    """Of a further response without a unit of its own: the integral of spectral radiance (irradiance,
+    intensity) times the response, over wavelength."""
+
+
+LUMINANCE = Quantity("luminance", "L", "cd/m2", "W m-2 sr-1")
+ILLUMINANCE = Quantity("illuminance", "E", "lx", "W m-2")
+INTENSITY = Quantity("luminous intensity", "I", "cd", "W sr-1")
+
+_BY_NAME = {each.name: each for each in (LUMINANCE, ILLUMINANCE, INTENSITY)}
+_UNKNOWN = Quantity("", "Y", "", "")
+
+
+def quantity_of(sensor: scene_pb2.Sensor) -> Quantity:
+    """What a compiled scene's sensor measures."""
+    match sensor.model:
+        case scene_pb2.SENSOR_MODEL_PLANE:
+            return ILLUMINANCE
+        case scene_pb2.SENSOR_MODEL_INTENSITY:
+            return INTENSITY
+        case _:
+            return LUMINANCE
+
+
+def quantity_named(name: str) -> Quantity:
+    """By its name; without a unit where it is not known, as of images from before it was kept."""
+    return _BY_NAME.get(name, _UNKNOWN)

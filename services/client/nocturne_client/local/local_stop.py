@@ -1,0 +1,48 @@
+"""When a render without a service ends: asked after each range of samples, by the service's rules."""
+
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from nocturne.v1 import job_pb2
+from nocturne_coordinator.dispatch.error_estimate import estimate_error
+from nocturne_coordinator.dispatch.trust import RangeEnd, confirmed
+from nocturne_scene.ranges import XYZ_SUMS
+
+
+class LocalStop:
+    """Conditions of one render, by the service's names: relative_error, wall_seconds."""
+
+    def __init__(self, asked: Mapping[str, Any], schedule: job_pb2.RangeSchedule) -> None:
+        self._error = float(asked.get("relative_error", 0.0))
+        self._seconds = float(asked.get("wall_seconds", 0.0))
+        self._schedule = schedule
+        self._started = time.monotonic()
+        self._before = RangeEnd()
+
+    def is_met(self, samples: int, sums_file: Path) -> bool:
+        """Whether the image is to end with so many samples of each pixel, whose sums the file has."""
+        met = self._has_error(samples, sums_file) if self._error else False
+        return met or self._is_late(samples)
+
+    def _has_error(self, samples: int, sums_file: Path) -> bool:
+        schedule = self._schedule
+        shape = (schedule.height, schedule.width, XYZ_SUMS + len(schedule.further_responses))
+        sums = np.fromfile(sums_file, dtype="<f8").reshape(shape)
+        now = RangeEnd.of(estimate_error(sums, np.full(shape[:2], samples, dtype=np.uint32)))
+        met = confirmed(self._before, now, self._error)
+        self._before = now
+        return met
+
+    def _is_late(self, samples: int) -> bool:
+        """Whether the next range would end after the time, at the rate so far."""
+        if not self._seconds:
+            return False
+        elapsed = time.monotonic() - self._started
+        return elapsed * _next_end(self._schedule.range_ends, samples) / samples > self._seconds
+
+
+def _next_end(range_ends: Sequence[int], samples: int) -> int:
+    return next(end for end in range_ends if end > samples)

@@ -1,0 +1,113 @@
+"""HTTP to one service: its address, token and certificates, what is tried again, and errors in one form."""
+
+import json
+import os
+import ssl
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from typing import Any, TypeVar
+
+import httpx
+
+from nocturne_client.errors import NocturneClientError, NotReachedError, Problem
+
+DEFAULT_URL = "http://127.0.0.1:7070"
+RETRY_DELAYS_S = (0.2, 0.5, 1.0)
+
+_TIMEOUT = httpx.Timeout(60.0, connect=5.0)
+_T = TypeVar("_T")
+
+
+class Transport:
+    """Requests to one service. Every method raises NocturneClientError, and nothing else."""
+
+    def __init__(self, url: str | None, transport: httpx.BaseTransport | None, token: str | None) -> None:
+        self.url = (url or os.environ.get("NOCTURNE_URL") or DEFAULT_URL).rstrip("/")
+        token = token or os.environ.get("NOCTURNE_TOKEN")
+        headers = {"Authorization": f"Bearer {token}"} if token else {}
+        try:
+            self._http = httpx.Client(
+                base_url=self.url,
+                timeout=_TIMEOUT,
+                transport=transport,
+                trust_env=False,
+                headers=headers,
+                verify=_trusted(),
+            )
+        except httpx.InvalidURL as error:
+            raise NocturneClientError(f"{self.url!r} is not an address: {error}") from error
+
+    def close(self) -> None:
+        """Lets go of the connections."""
+        self._http.close()
+
+    def send(self, method: str, path: str, **arguments: Any) -> httpx.Response:
+        """One request, sent once; `arguments` are those of httpx."""
+        with self.stream(method, path, **arguments) as response:
+            response.read()
+        return response
+
+    @contextmanager
+    def stream(self, method: str, path: str, **arguments: Any) -> Iterator[httpx.Response]:
+        """One request, sent once, whose answer is read piece by piece."""
+        try:
+            with self._http.stream(method, path, **arguments) as response:
+                _raise_for(response)
+                yield response
+        except httpx.TransportError as error:
+            raise NotReachedError(
+                f"no answer from {self.url} ({error}). Start a service with `nocturne up`, or say where "
+                "it is with --url or NOCTURNE_URL."
+            ) from error
+
+    def send_json(self, method: str, path: str, body: Any, **arguments: Any) -> Any:
+        """A request and its answer, both in JSON, sent once."""
+        # Not httpx's own encoding: NaN must reach the service, which says where in the scene it stands.
+        content, headers = json.dumps(body).encode(), {"Content-Type": "application/json"}
+        return self.send(method, path, content=content, headers=headers, **arguments).json()
+
+    def get(self, path: str, params: dict[str, Any] | None = None) -> Any:
+        """What is there, in JSON."""
+        return self.retrying(partial(self.send, "GET", path, params=params)).json()
+
+    def post(self, path: str, body: Any) -> Any:
+        """The answer to a request that is safe to repeat, both in JSON."""
+        return self.retrying(partial(self.send_json, "POST", path, body))
+
+    def retrying(self, call: Callable[[], _T]) -> _T:
+        """Calls again, after a while, as long as the service was not reached or said that it is busy."""
+        for delay in RETRY_DELAYS_S:
+            try:
+                return call()
+            except NocturneClientError as error:
+                if not error.can_be_retried:
+                    raise
+            time.sleep(delay)
+        return call()
+
+
+def _trusted() -> ssl.SSLContext | bool:
+    """Whose certificates are believed: those in the PEM file NOCTURNE_CA, else what httpx believes."""
+    path = os.environ.get("NOCTURNE_CA")
+    if not path:
+        return True
+    try:
+        return ssl.create_default_context(cafile=path)
+    except (OSError, ssl.SSLError) as error:
+        raise NocturneClientError(f"NOCTURNE_CA: {path}: {error}") from error
+
+
+def _raise_for(response: httpx.Response) -> None:
+    """Raises what a problem document says; any other error answer as its status."""
+    if response.status_code < 400:
+        return
+    response.read()
+    try:
+        body = response.json()
+        problems = [Problem(each["place"], each["message"]) for each in body.get("problems", [])]
+        raise NocturneClientError(body["detail"], response.status_code, problems)
+    except (ValueError, KeyError, TypeError, AttributeError):
+        message = f"{response.request.url} answered {response.status_code} {response.reason_phrase}"
+        raise NocturneClientError(message, response.status_code) from None

@@ -1,0 +1,189 @@
+"""All memories that a coordinator may have of a render of one tile, by number, and how it reacts in each.
+
+Reactions are worked out once with the real render, scheduler and result handler, and remembered.
+"""
+
+import copy
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+from nocturne.v1 import job_pb2
+from nocturne_coordinator.dispatch import state as core_state
+from nocturne_coordinator.dispatch.audit import Auditor
+from nocturne_coordinator.dispatch.planned_render import PlannedRender
+from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
+from nocturne_coordinator.dispatch.result_handler import ResultHandler
+from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
+from nocturne_scene.ranges import make_schedule
+
+from tests.coordinator.simulated_worker import simulated_result, simulated_sums
+
+WINDOW = 2
+"""Jobs in flight."""
+
+
+class Work:
+    """The render: one pixel, and what is known of it beforehand."""
+
+    def __init__(self, ranges: int) -> None:
+        self.ranges = ranges
+        self.schedule = make_schedule(1, 1, _SAMPLES[ranges])
+        self.row = OpenRender(
+            "r", RenderState.RUNNING, self.schedule, "5c" * 32, job_pb2.ENGINE_CURRENT, Totals()
+        )
+        self.planned = PlannedRender("r", self.schedule, b"\x5c" * 32, job_pb2.ENGINE_CURRENT)
+        assert len(self.planned.ranges) == ranges
+        jobs = [self.planned.job(0, self.planned.ranges[index]) for index in range(ranges)]
+        self.results = [simulated_result(job).SerializeToString() for job in jobs]
+        self.keys = [JobKey("r", 0, index) for index in range(ranges)]
+        self.prefixes = [np.zeros((1, 1, 4))]
+        for job in jobs:
+            self.prefixes.append(self.prefixes[-1] + simulated_sums(job))
+
+    def samples(self, merged: int) -> int:
+        return self.schedule.range_ends[merged - 1] if merged else 0
+
+    def render_at(self, committed: int) -> RunningRender:
+        tiles = []
+        if committed:
+            tiles = [TileRow(0, self.samples(committed), self.prefixes[committed].tobytes())]
+        return RunningRender(replace(self.row, totals=Totals()), tiles)
+
+    def check(self, render: RunningRender) -> None:
+        """WentWrong unless the sums are those of the first ranges in order, each once."""
+        tile = render.film.tiles[0]
+        if not np.array_equal(tile.sums, self.prefixes[tile.merged]):
+            raise WentWrong("sums that are not those of the first ranges in order")
+        if render.totals.photons != self.samples(tile.merged):
+            raise WentWrong("photons that are not those of the merged ranges")
+
+
+_SAMPLES = {2: 6, 3: 14}
+"""By the number of ranges; the last one is cut."""
+
+
+class WentWrong(Exception):
+    """A state that must not be."""
+
+
+@dataclass(frozen=True)
+class Core:
+    """A coordinator's memory of the render. Never changed once it is known; what changes is a copy.
+
+    Entries on both streams are called by their range, as it never knows two of one.
+    """
+
+    render: RunningRender
+    scheduler: Scheduler
+    saved: int
+    """Ranges that it knows to be committed."""
+    merged: int = field(init=False)
+    out: frozenset[int] = field(init=False)
+    """Ranges that it knows to be published."""
+
+    def __post_init__(self) -> None:
+        tile = self.render.film.tiles[0]
+        object.__setattr__(self, "merged", tile.merged)
+        out = frozenset(key.range_index for key in self.scheduler.entries().values())
+        object.__setattr__(self, "out", out)
+
+    def key(self) -> tuple[object, ...]:
+        queue = self.scheduler._queues["r"]
+        return (
+            *(self.merged, self.saved, tuple(sorted(self.render.film.tiles[0].waiting)), self.out),
+            *(tuple(queue.following), tuple(sorted(queue.ready)), tuple(sorted(queue.again))),
+            *(tuple(sorted(queue.held)), tuple(sorted(queue.blocked))),
+        )
+
+    def copied(self) -> tuple[RunningRender, Scheduler]:
+        # What never changes is shared.
+        memo = {id(each): each for each in (self.render.planned, self.render.planned.schedule)}
+        return copy.deepcopy((self.render, self.scheduler), memo)
+
+
+class Reaction(NamedTuple):
+    """What a coordinator does, and its number afterwards; all by range."""
+
+    number: int
+    published: tuple[int, ...] = ()
+    withdrawn: tuple[int, ...] = ()
+    settled: tuple[int, ...] = ()
+
+
+class Cores:
+    """All memories that a coordinator may have, by number, and how they react."""
+
+    def __init__(self, work: Work) -> None:
+        self._work = work
+        self.all: list[Core] = []
+        self._numbers: dict[tuple[object, ...], int] = {}
+        self._known: dict[tuple[object, ...], Reaction] = {}
+
+    def start(self, committed: int, found: tuple[int, ...]) -> Reaction:
+        """One that takes the render up, and finds jobs of these ranges; withdraws what it does not want."""
+        event = ("start", committed, found)
+        if event not in self._known:
+            render = self._work.render_at(committed)
+            scheduler = Scheduler()
+            scheduler.add("r", self._work.ranges, render.merged_ranges)
+            # As `Window.adopt`.
+            wanted = [index for index in found if scheduler.wants(self._work.keys[index])]
+            for index in wanted:
+                scheduler.published(self._work.keys[index], b"%d" % index, 0.0)
+            unwanted = tuple(index for index in found if index not in wanted)
+            self._known[event] = Reaction(
+                self._number(Core(render, scheduler, committed)), withdrawn=unwanted
+            )
+        return self._known[event]
+
+    def publish(self, number: int) -> Reaction:
+        """Fills the window."""
+        event = ("publish", number)
+        if event not in self._known:
+            core = self.all[number]
+            render, scheduler = core.copied()
+            keys = scheduler.take(WINDOW - scheduler.in_flight)
+            for key in keys:
+                scheduler.published(key, b"%d" % key.range_index, 0.0)
+            after = self._number(Core(render, scheduler, core.saved)) if keys else number
+            self._known[event] = Reaction(after, published=tuple(key.range_index for key in keys))
+        return self._known[event]
+
+    def receive(self, number: int, index: int) -> Reaction:
+        """Takes a result in."""
+        event = ("receive", number, index)
+        if event not in self._known:
+            core = self.all[number]
+            render, scheduler = core.copied()
+            state = core_state.State(core_state.Settings(), scheduler, Auditor(0.0, 0.0), {"r": render})
+            outcome = ResultHandler(state).take(b"%d" % index, self._work.results[index], 1.0, 0.5)
+            self._known[event] = Reaction(
+                self._number(Core(render, scheduler, core.saved)),
+                withdrawn=tuple(map(int, outcome.withdrawn)),
+                settled=tuple(map(int, outcome.settled)),
+            )
+        return self._known[event]
+
+    def saved(self, number: int) -> int:
+        """What is merged is committed."""
+        core = self.all[number]
+        return self._number(replace(core, saved=core.merged))
+
+    def redis_lost(self, number: int) -> int:
+        event = ("lost", number)
+        if event not in self._known:
+            core = self.all[number]
+            render, scheduler = core.copied()
+            scheduler.lost()
+            self._known[event] = Reaction(self._number(Core(render, scheduler, core.saved)))
+        return self._known[event].number
+
+    def _number(self, core: Core) -> int:
+        key = core.key()
+        if key not in self._numbers:
+            self._work.check(core.render)
+            self._numbers[key] = len(self.all)
+            self.all.append(core)
+        return self._numbers[key]

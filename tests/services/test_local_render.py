@@ -1,0 +1,130 @@
+"""`nocturne render`: seeds, statistics, stops and what it says at the end, by the real tracer."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import OpenEXR
+import pytest
+from nocturne_client import NocturneClientError
+from nocturne_client.cli.app import app
+from nocturne_client.local.image_error import image_error
+from typer.testing import CliRunner
+
+ROOT = Path(__file__).parents[2]
+LAMP: dict[str, Any] = {
+    "nocturne": 1,
+    "sensor": {"type": "irradiance_meter", "position": [0, 0, 0], "normal": [0, 1, 0], "height": 0.1},
+    "surfaces": [
+        {
+            "shape": {"type": "disc", "centre": [0, 2, 0], "normal": [0, -1, 0], "radius": 1},
+            "kernel": {"type": "lambertian", "reflectance": 0},
+            "luminaire": {"radiance": {"illuminant": "A"}, "lumens": 800},
+        }
+    ],
+}
+AXIS = 800 / math.pi / (1 + 4)
+"""Illuminance on the axis of a diffuse disc: flux / area times r^2 / (r^2 + d^2)."""
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(LAMP))
+    return path
+
+
+def rendered(scene: Path, *options: str, name: str = "image.exr", size: int = 8) -> tuple[Path, str]:
+    output = scene.with_name(name)
+    film = ["--width", str(size), "--height", str(size), "--threads", "2"]
+    result = CliRunner().invoke(app, ["render", str(scene), "-o", str(output), *film, *options])
+    assert result.exit_code == 0, result.output
+    return output, result.stderr
+
+
+def channels(path: Path) -> dict[str, npt.NDArray[Any]]:
+    with OpenEXR.File(str(path), separate_channels=True) as file:
+        return {name: channel.pixels.copy() for name, channel in file.channels().items()}
+
+
+def test_a_seed_changes_the_samples_and_nothing_else(scene: Path) -> None:
+    once, again, other = (
+        channels(rendered(scene, "--samples", "64", "--seed", seed, name=f"{name}.exr")[0])
+        for name, seed in (("a", "7"), ("b", "7"), ("c", "8"))
+    )
+    assert all(np.array_equal(once[name], again[name]) for name in once)
+    assert not np.array_equal(once["Y"], other["Y"])
+
+
+def test_an_error_that_is_never_met_gives_the_bits_of_all_samples(scene: Path) -> None:
+    """Ranges of the whole film, asked after each, are the same work as tiles one after the other."""
+    all_at_once = channels(rendered(scene, "--samples", "100")[0])
+    by_ranges = channels(rendered(scene, "--samples", "100", "--error", "0.0001%", name="b.exr")[0])
+    assert all(np.array_equal(all_at_once[name], by_ranges[name]) for name in all_at_once)
+
+
+def test_an_error_ends_it_at_the_end_of_a_range(scene: Path) -> None:
+    image, said = rendered(scene, "--samples", "65536", "--error", "10%")
+    samples = channels(image)["n"]
+    assert samples.min() == samples.max() < 65536
+    found = image_error(image)
+    assert found.doubt == ""
+    assert 0.0 < found.estimate.relative_error <= 0.1
+    assert abs(found.estimate.mean - AXIS) < 4 * found.estimate.mean_error
+    assert "mean illuminance" in said
+    assert " lx (95 %)" in said
+    assert "10.000% was asked for" in said
+
+
+def test_a_time_ends_it(scene: Path) -> None:
+    image, _ = rendered(scene, "--samples", "1000000", "--for", "1 s")
+    assert channels(image)["n"].max() < 1_000_000
+
+
+def test_statistics_are_written(scene: Path) -> None:
+    rendered(scene, "--samples", "16", "--statistics", str(scene.with_name("s.json")))
+    found = json.loads(scene.with_name("s.json").read_text())
+    assert found["invalid_samples"] == 0
+    assert found["rays"] > 0
+
+
+def test_no_light_is_told(scene: Path) -> None:
+    dark = {**LAMP, "sensor": {**LAMP["sensor"], "normal": [0, -1, 0]}}
+    scene.write_text(json.dumps(dark))
+    assert "No light was found" in rendered(scene)[1]
+
+
+@pytest.mark.parametrize("options", [("--for", "8"), ("--for", "0 s"), ("--error", "0"), ("--error", "0%")])
+def test_numbers_without_a_unit_or_a_sense_are_refused(scene: Path, options: tuple[str, str]) -> None:
+    result = CliRunner().invoke(app, ["render", str(scene), "-o", str(scene.with_name("a.exr")), *options])
+    assert result.exit_code == 2
+    assert options[1] in result.stderr
+
+
+def test_another_picture_has_no_error_to_tell(tmp_path: Path) -> None:
+    (tmp_path / "a.exr").write_bytes(b"no image")
+    with pytest.raises(NocturneClientError, match="is no EXR of ours"):
+        image_error(tmp_path / "a.exr")
+
+
+@pytest.mark.parametrize(
+    ("sensor", "quantity", "unit"),
+    [("irradiance_meter", "illuminance", "lx"), ("pinhole", "luminance", "cd/m2")],
+)
+def test_the_image_of_the_tracer_knows_its_quantity(
+    scene: Path, sensor: str, quantity: str, unit: str
+) -> None:
+    """As nocturne_scene/quantities.py has it: the tracer's own table says the same."""
+    pinhole = {"type": "pinhole", "position": [0, 0, 0], "look_at": [0, 1, 0], "up": [0, 0, 1]}
+    if sensor == "pinhole":
+        changed = {**LAMP, "sensor": {**pinhole, "vertical_field_of_view_degrees": 30}}
+        scene.write_text(json.dumps(changed))
+    image, _ = rendered(scene, "--samples", "4")
+    with OpenEXR.File(str(image), separate_channels=True) as file:
+        header = file.header()
+        assert (header["nocturne:quantity"], header["nocturne:unit"]) == (quantity, unit)
+        assert ("whiteLuminance" in header) == (quantity == "luminance")
+    assert image_error(image).quantity.unit == unit

@@ -1,0 +1,69 @@
+// Which luminaire a photon starts from.
+#include "luminaires/photon_emitter.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <vector>
+
+namespace nocturne {
+namespace {
+
+// One lamp of a square metre, one whose area is the ratio; the weak one may come first.
+struct TwoLamps {
+  std::vector<Luminaire> luminaires;
+  Geometry geometry;
+  LightDirections lights;
+  PhotonEmitter emitter;
+
+  TwoLamps(float ratio, bool weak_first)
+      : geometry({quad_mesh({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
+                  quad_mesh({3, 0, 0}, {1, 0, 0}, {0, 1, 0})}),
+        lights({}, {}, {}, {}, {}) {
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      luminaires.emplace_back(i, Colour(Spectrum(1.0f)), false, LambertianProfile{});
+      const float edge = weak_first == (i == 0) ? ratio : 1.0f;
+      emitter.add_triangle(i, luminaires.back(), {{{{0, 0, 0}, {2.0f * edge, 0, 0}, {0, 1, 0}}}},
+                           {Hit::kNoInstance, 0});
+    }
+    emitter.finish({}, {}, geometry.bounds());
+  }
+
+  std::optional<Emitted<1>> emit(float coarse, float fine) const {
+    return emitter.emit<1>(luminaires, lights, geometry, 0.0f, 0.0f, 550.0f,
+                           {0.3f, 0.4f, coarse, fine}, {0.2f, 0.6f, 0.5f, 0.5f});
+  }
+};
+
+// Photons from the weak lamp, times what each carries, are its flux: of all steps of the first
+// number only one leads there, so the second decides.
+TEST(PhotonEmitter, AWeakLampBesideAStrongOneEmitsItsFlux) {
+  for (const float ratio : {1e-3f, 1e-8f, 1e-10f}) {
+    for (const bool weak_first : {true, false}) {
+      const TwoLamps lamps(ratio, weak_first);
+      const std::uint32_t weak = weak_first ? 0 : 1;
+      constexpr int kSteps = 1 << 16;
+      // Where the interval of the weak one is, and as many steps of 2^-24 as it may need.
+      const int coarse_steps = static_cast<int>(ratio * 0x1p24f) + 2;
+      double flux = 0.0;
+      int photons = 0;
+      for (int c = 0; c < coarse_steps; ++c) {
+        const int step = weak_first ? c : (1 << 24) - 1 - c;
+        const int fine = coarse_steps > 100 ? 16 : kSteps;
+        for (int i = 0; i < fine; ++i) {
+          const auto emitted =
+              lamps.emit(static_cast<float>(step) * 0x1p-24f,
+                         (static_cast<float>(i) + 0.5f) / static_cast<float>(fine));
+          if (!emitted || emitted->luminaire != weak) continue;
+          ++photons;
+          flux += static_cast<double>(emitted->flux[0]) * 0x1p-24 / fine;
+        }
+      }
+      EXPECT_GT(photons, 0) << ratio;
+      EXPECT_NEAR(flux / (static_cast<double>(kPi) * ratio), 1.0, 0.02) << ratio << weak_first;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace nocturne
