@@ -7,7 +7,8 @@ order, each once, what is committed never goes back, and the render can be finis
 
 import pytest
 
-from tests.faults.explorer import Explorer, WentWrong
+from tests.faults.cores import WentWrong
+from tests.faults.explorer import Explorer
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,9 @@
 // spectral sampling", EGSR 2014, with null collisions as in Miller, Georgiev and Jarosz, "A
 // null-scattering path integral formulation of light transport", SIGGRAPH 2019). In grey media all
 // of this is 1.
+//
+// Long, as the ways to meet media (collide, force, pass) share one state: what is present where a
+// group is. How one varying medium is walked through lies in delta_tracking.h.
 #pragma once
 
 #include <algorithm>
