@@ -79,6 +79,16 @@ const looks = [
   { name: "phone", colorScheme: "dark", viewport: phone, rules: [] },
 ];
 
+/** What reaches farthest beyond the window, and what is in it. */
+async function widest(page) {
+  return page.evaluate(() => {
+    const right = (node) => node.getBoundingClientRect().right;
+    const last = [...document.querySelectorAll("body *")].filter((node) => right(node) > window.innerWidth - 20)
+      .sort((a, b) => right(b) - right(a)).slice(0, 6);
+    return last.map((node) => `<${node.tagName.toLowerCase()} class="${node.getAttribute("class") ?? ""}"> to ${right(node)}: ${(node.textContent ?? "").slice(0, 60)}`).join("; ");
+  });
+}
+
 /** Looks right to a machine: nothing wider than the window, no serious fault that axe knows. Keeps pictures for docs/how-to/page.md. */
 export async function checkLooks(page, name, folder) {
   mkdirSync(folder, { recursive: true });
@@ -88,7 +98,7 @@ export async function checkLooks(page, name, folder) {
     await page.waitForTimeout(150);
     if (look.name === "light" || name === "render") writeFileSync(join(folder, `${name}-${look.name}.webp`), await webp(page));
     const excess = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
-    assert.equal(excess, 0, `${name} is ${excess} px wider than the window: ${look.name}`);
+    assert.equal(excess, 0, `${name} is ${excess} px wider than the window: ${look.name}; ${excess > 0 ? await widest(page) : ""}`);
     assert.deepEqual(await accessibilityFaults(page, look.rules), [], `${name}, ${look.name}`);
   }
   await page.emulateMedia({ colorScheme: "light" });
