@@ -37,7 +37,11 @@ def _check(
     document |= {"media": media, "environment": {"radiance": 1.0}, **more}
     measurement = Measurement(document, folder, 16, 16)
     grey = measurement.image(16).further["grey"].astype(np.float64) / (830.0 - 360.0)
-    assert grey == pytest.approx(np.ones((16, 16)), rel=rounding)
+    # What the tracer's own limit ended is missing, and told: few of thousands in what is thick and white.
+    photons = measurement.statistics["photons"] / grey.size
+    lost = np.round((1.0 - grey) * photons)
+    assert lost.sum() == measurement.statistics["truncated_paths"]
+    assert grey + lost / photons == pytest.approx(np.ones((16, 16)), rel=rounding)
     # Boundaries are two rays; the rest are collisions, so that the medium was there.
     assert measurement.statistics["rays"] > 1.5 * 16 * 16 * 16
 

@@ -141,7 +141,8 @@ class Service:
         return self.folder.renders.get(render_id)
 
     def wait_for_end(self, render_id: str) -> RenderRow:
-        wait_until(lambda: self.row(render_id).image_final)
+        # The image of a render that was extended is final for a moment more.
+        wait_until(lambda: self.row(render_id).state.ended and self.row(render_id).image_final)
         return self.row(render_id)
 
 

@@ -67,7 +67,8 @@ def _extents(document: SceneDocument, shapes: Shapes) -> Iterator[tuple[_Point, 
                     placed = placement.points(shapes.vertices(shape))
                 except (Unusable, UnusableMeshError):
                     continue  # Told where the surface is compiled.
-                yield placed.min(axis=0), placed.max(axis=0)
+                if len(placed):  # Told there, too.
+                    yield placed.min(axis=0), placed.max(axis=0)
     for instance in document.instances:
         shift = placement_of(instance).shift
         yield shift, shift

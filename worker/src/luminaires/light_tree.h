@@ -33,13 +33,10 @@ class LightTree {
     std::uint32_t element;
     /// The uniform number, stretched to be used again.
     float choice;
-    /// Of being chosen.
-    float probability;
   };
   /// Empty where no element can be seen.
   std::optional<Chosen> choose(const LightSamplingContext& from, float choice) const {
     std::uint32_t i = 0;
-    float probability = 1.0f;
     while (!nodes_[i].leaf()) {
       const float left = importance(nodes_[i + 1], from);
       const float right = importance(nodes_[nodes_[i + 1].next], from);
@@ -48,10 +45,9 @@ class LightTree {
       const bool go_left = choice < p;
       choice = go_left ? choice / p : (choice - p) / (1.0f - p);
       choice = std::min(choice, kOneMinusEpsilon);
-      probability *= go_left ? p : 1.0f - p;
       i = go_left ? i + 1 : nodes_[i + 1].next;
     }
-    return Chosen{nodes_[i].element, choice, probability};
+    return Chosen{nodes_[i].element, choice};
   }
 
   /// The probability that `choose` gives this element.

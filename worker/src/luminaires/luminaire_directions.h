@@ -82,18 +82,15 @@ class LuminaireDirections {
     if (!chosen) return std::nullopt;
     const auto drawn = elements_.draw(chosen->element, from, u1, u2);
     if (!drawn || !from.sees(drawn->direction)) return std::nullopt;
+    // Rounded to float, a direction towards one element may be one to its neighbour: where there
+    // are several, what it finds is looked up.
+    if (elements_.size() > 1) {
+      return Drawn{drawn->direction, nearest(from, drawn->direction, normal, clearance)};
+    }
+    Drawn found{drawn->direction, {.pdf = drawn->pdf}};
     const Vec3 step = step_off_surface(normal, clearance, drawn->direction);
-    Nearest nearest{.pdf = chosen->probability * drawn->pdf};
-    take(nearest, chosen->element, drawn->distance, drawn->direction, step, drawn->point);
-    if (elements_.size() == 1) return Drawn{drawn->direction, nearest};
-    for_each_on(from, drawn->direction, [&](float pdf, float distance, std::size_t element) {
-      if (element == chosen->element) return;
-      nearest.pdf += pdf;
-      if (!(distance < nearest.distance)) return;
-      take(nearest, element, distance, drawn->direction, step,
-           elements().point_at(element, from, drawn->direction, distance));
-    });
-    return Drawn{drawn->direction, nearest};
+    take(found.nearest, chosen->element, drawn->distance, drawn->direction, step, drawn->point);
+    return found;
   }
 
   /// The parts, for what looks inside.
