@@ -306,8 +306,8 @@ def test_closed_ones_that_absorb_little(shape: str, direction: str, albedo: floa
             truth *= pi
     else:
         # Past the lamp in the middle.
-        camera = {"type": "pinhole", "position": [0.5, 0, 0], "look_at": [0.9, 0.1, 0.3]}
-        camera["vertical_field_of_view_degrees"] = 30.0
+        place: Document = {"position": [0.5, 0, 0], "look_at": [0.9, 0.1, 0.3]}
+        camera = {"type": "pinhole", "vertical_field_of_view_degrees": 30.0, **place}
         document = measured_scene(camera, _integrating_sphere(1.0, albedo, 0.0), direction=direction)
         truth = albedo / (1.0 - albedo) / pi
     measurement = Measurement(document, tmp_path, 16, 16)

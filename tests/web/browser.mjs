@@ -83,7 +83,7 @@ const looks = [
 async function widest(page) {
   return page.evaluate(() => {
     const right = (node) => node.getBoundingClientRect().right;
-    const last = [...document.querySelectorAll("body *")].filter((node) => right(node) > window.innerWidth - 20)
+    const last = [...document.querySelectorAll("body *")].filter((node) => right(node) > document.documentElement.clientWidth - 20)
       .sort((a, b) => right(b) - right(a)).slice(0, 6);
     return last.map((node) => `<${node.tagName.toLowerCase()} class="${node.getAttribute("class") ?? ""}"> to ${right(node)}: ${(node.textContent ?? "").slice(0, 60)}`).join("; ");
   });
