@@ -283,7 +283,8 @@ def test_cie_171_5_8_cube(reflectance: str, tmp_path: Path) -> None:
     indirect.check(CIE_171["5.8"]["lx"][reflectance], 2e-5 / float(reflectance))
 
 
-_ALBEDOS = [0.9, 0.99, 0.995, 0.999, 0.9995, 0.9999]
+_ALBEDOS = [0.9, 0.99, 0.995, 0.999, *(pytest.param(a, marks=pytest.mark.soak) for a in (0.9995, 0.9999))]
+"""The last two take minutes."""
 
 
 _CLOSED = [("sphere", "adjoint"), ("sphere", "both"), ("box", "adjoint"), ("box", "both"), ("box", "forward")]

@@ -142,7 +142,9 @@ class Service:
 
     def wait_for_end(self, render_id: str) -> RenderRow:
         # The image of a render that was extended is final for a moment more.
-        wait_until(lambda: self.row(render_id).state.ended and self.row(render_id).image_final)
+        wait_until(
+            lambda: (row := self.row(render_id)).image_final and row.state not in ("QUEUED", "RUNNING")
+        )
         return self.row(render_id)
 
 
