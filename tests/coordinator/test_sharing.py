@@ -4,7 +4,9 @@ import os
 import signal
 import sqlite3
 import subprocess
+import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -125,6 +127,25 @@ def test_one_that_shares_and_one_that_does_not_refuse_each_other(service: Servic
     first.release()
     second.release()
     assert Ownership(root, database).epoch == second.epoch + 1
+
+
+def test_those_that_share_may_come_at_once(service: Service) -> None:
+    root = service.folder.root
+    folders = [DataFolder(root) for _ in range(6)]
+    for _ in range(20):
+        at_once = threading.Barrier(len(folders))
+
+        def come(folder: DataFolder, at_once: threading.Barrier = at_once) -> Ownership:
+            at_once.wait()
+            return Ownership(root, folder.database, shared=True)
+
+        with ThreadPoolExecutor(len(folders)) as pool:
+            owners = list(pool.map(come, folders))
+        assert len({owner.number for owner in owners}) == len(folders)
+        assert len({owner.epoch for owner in owners}) == 1
+        for owner in owners:
+            owner.check()
+            owner.release()
 
 
 # --- processes ---

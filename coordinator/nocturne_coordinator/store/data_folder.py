@@ -5,6 +5,7 @@
     images/<id>/     preview.png, thumbnail.png and image.exr of a render, failed-tile-<tile>.zip
     checkpoints/     the last two copies of the database (see checkpoint.py)
     coordinator.lock held by the coordinator that works on the folder
+    coordinator.starting held for the moment in which one comes
 
 The API and the coordinator open it at the same time; only the coordinator's `store.ledger` writes sums.
 """

@@ -1,8 +1,10 @@
 """Which coordinators work on a data folder: one, or several that share it; none that was replaced."""
 
+import contextlib
 import fcntl
 import os
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 from nocturne_coordinator.errors import AlreadyOwned, OwnershipLost
@@ -10,6 +12,21 @@ from nocturne_coordinator.store.database import Database
 
 LEASE_SECONDS = 10.0
 """How long a coordinator's renders are its own without a sign of life. After it, another may take them."""
+
+
+@contextlib.contextmanager
+def _one_at_a_time(path: Path) -> Iterator[None]:
+    """For what is done here, others wait; they take milliseconds.
+
+    A coordinator that is to share is alone with the folder until its row is there. Another one that comes
+    just then has to wait for it, not to be refused.
+    """
+    lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(lock)
 
 
 class Ownership:
@@ -25,9 +42,15 @@ class Ownership:
         self._database = database
         self.lease_seconds = lease_seconds
         self.shared = shared
-        self._lock = os.open(root / "coordinator.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        with _one_at_a_time(root / "coordinator.starting"):
+            self._lock = os.open(root / "coordinator.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+            self._enter(root)
+
+    def _enter(self, root: Path) -> None:
+        """The lock first, then the row that says so. Nobody else may come in between."""
+        database = self._database
         alone = self._locked(fcntl.LOCK_EX)
-        if not alone and not (shared and self._locked(fcntl.LOCK_SH)):
+        if not alone and not (self.shared and self._locked(fcntl.LOCK_SH)):
             owner = os.pread(self._lock, 32, 0).decode(errors="replace").strip()
             os.close(self._lock)
             raise AlreadyOwned(
@@ -43,7 +66,8 @@ class Ownership:
                 database.execute("DELETE FROM coordinator")
                 database.execute("DELETE FROM meter")
             row = database.row(
-                "INSERT INTO coordinator (until) VALUES (?) RETURNING number", (time.time() + lease_seconds,)
+                "INSERT INTO coordinator (until) VALUES (?) RETURNING number",
+                (time.time() + self.lease_seconds,),
             )
             assert row is not None  # noqa: S101 - it gives what it put in
             self.number = int(row["number"])
@@ -52,7 +76,8 @@ class Ownership:
             row = database.row("SELECT folder FROM ownership")
             self.folder = str(row["folder"]) if row is not None else ""
             """Tells this data folder from others."""
-        if alone and shared:
+        if alone and self.shared:
+            # Not atomic: the exclusive lock is given back first.
             self._locked(fcntl.LOCK_SH)
 
     def check(self) -> None:
