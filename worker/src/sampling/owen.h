@@ -18,19 +18,7 @@ constexpr std::uint32_t reverse_bits(std::uint32_t x) {
   return ((x & 0x55555555u) << 1) | ((x >> 1) & 0x55555555u);
 }
 
-inline __m128i reverse_bits(__m128i x) {
-  const __m128i swap = _mm_set_epi8(12, 13, 14, 15, 8, 9, 10, 11, 4, 5, 6, 7, 0, 1, 2, 3);
-  const __m128i low_nibbles = _mm_setr_epi8(
-      0x00, static_cast<char>(0x80), 0x40, static_cast<char>(0xC0), 0x20, static_cast<char>(0xA0),
-      0x60, static_cast<char>(0xE0), 0x10, static_cast<char>(0x90), 0x50, static_cast<char>(0xD0),
-      0x30, static_cast<char>(0xB0), 0x70, static_cast<char>(0xF0));
-  const __m128i mask = _mm_set1_epi8(0x0F);
-  x = _mm_shuffle_epi8(x, swap);
-  const __m128i high = _mm_shuffle_epi8(low_nibbles, _mm_and_si128(x, mask));
-  const __m128i low = _mm_shuffle_epi8(low_nibbles, _mm_and_si128(_mm_srli_epi32(x, 4), mask));
-  return _mm_or_si128(high, _mm_and_si128(_mm_srli_epi32(low, 4), mask));
-}
-
+/// Of eight words.
 inline __m256i reverse_bits(__m256i x) {
   const __m128i swap = _mm_set_epi8(12, 13, 14, 15, 8, 9, 10, 11, 4, 5, 6, 7, 0, 1, 2, 3);
   const __m128i low_nibbles = _mm_setr_epi8(
@@ -56,17 +44,7 @@ inline std::uint32_t nested_hash(std::uint32_t x, std::uint32_t seed) {
   return x;
 }
 
-inline __m128i nested_hash(__m128i x, __m128i seed) {
-  const auto xor_multiple = [](__m128i v, std::uint32_t constant) {
-    return _mm_xor_si128(v, _mm_mullo_epi32(v, _mm_set1_epi32(static_cast<int>(constant))));
-  };
-  x = xor_multiple(x, 0x3D20ADEAu);
-  x = _mm_add_epi32(x, seed);
-  x = _mm_mullo_epi32(x, _mm_or_si128(_mm_srli_epi32(seed, 16), _mm_set1_epi32(1)));
-  x = xor_multiple(x, 0x05526C56u);
-  return xor_multiple(x, 0x53A22864u);
-}
-
+/// Of eight, each with its seed.
 inline __m256i nested_hash(__m256i x, __m256i seed) {
   const auto xor_multiple = [](__m256i v, std::uint32_t constant) {
     return _mm256_xor_si256(v,

@@ -27,25 +27,21 @@ inline float to_unit(std::uint32_t fraction) {
   return std::min(static_cast<float>(fraction) * 0x1p-32f, kOneMinusEpsilon);
 }
 
-/// Four at once.
-inline Uniform4 to_unit(__m128i fractions) {
-  // AVX2 converts signed words only. Both halves are exact, so that the sum is rounded once.
-  const __m128 high = _mm_cvtepi32_ps(_mm_srli_epi32(fractions, 16));
-  const __m128 low = _mm_cvtepi32_ps(_mm_and_si128(fractions, _mm_set1_epi32(0xFFFF)));
-  const __m128 whole = _mm_add_ps(_mm_mul_ps(high, _mm_set1_ps(0x1p16f)), low);
-  Uniform4 u;
-  _mm_storeu_ps(u.data(), _mm_min_ps(_mm_mul_ps(whole, _mm_set1_ps(0x1p-32f)),
-                                     _mm_set1_ps(kOneMinusEpsilon)));
-  return u;
-}
-
-/// Two times four at once.
+/// Eight at once.
 inline __m256 to_unit(__m256i fractions) {
+  // AVX2 converts signed words only. Both halves are exact, so that the sum is rounded once.
   const __m256 high = _mm256_cvtepi32_ps(_mm256_srli_epi32(fractions, 16));
   const __m256 low = _mm256_cvtepi32_ps(_mm256_and_si256(fractions, _mm256_set1_epi32(0xFFFF)));
   const __m256 whole = _mm256_add_ps(_mm256_mul_ps(high, _mm256_set1_ps(0x1p16f)), low);
   return _mm256_min_ps(_mm256_mul_ps(whole, _mm256_set1_ps(0x1p-32f)),
                        _mm256_set1_ps(kOneMinusEpsilon));
+}
+
+/// Four.
+inline Uniform4 to_unit(__m128i fractions) {
+  Uniform4 u;
+  _mm_storeu_ps(u.data(), _mm256_castps256_ps128(to_unit(_mm256_castsi128_si256(fractions))));
+  return u;
 }
 
 /// What the photons of one pixel share. Not safe between threads: it remembers the scrambles of its
@@ -121,13 +117,13 @@ class PhotonSequence {
 
   /// The next four dimensions.
   Uniform4 next() {
-    const std::uint32_t set = set_++;
     if (pixel_->kind() == SequenceKind::kIndependent) {
-      return to_unit(pixel_->independent(reverse_bits(reversed_sample_), set));
+      return to_unit(pixel_->independent(reverse_bits(reversed_sample_), set_++));
     }
-    const auto randomisation = pixel_->randomisation(set);
-    const __m128i point = sobol4(nested_hash(reversed_sample_, randomisation.shuffle));
-    return to_unit(reverse_bits(nested_hash(point, randomisation.scrambles)));
+    const Point point = next_point();
+    const __m256i alone = _mm256_castsi128_si256(point.fractions);
+    return to_unit(_mm256_castsi256_si128(
+        reverse_bits(nested_hash(alone, _mm256_castsi128_si256(point.scrambles)))));
   }
 
   /// The next four dimensions of many photons, as `next` gives them: sequence_of(i) for each i
@@ -136,16 +132,12 @@ class PhotonSequence {
   static void next_of_each(std::size_t count, const SequenceOf& sequence_of, Uniform4* numbers) {
     std::size_t i = 0;
     for (; i + 2 <= count; i += 2) {
-      PhotonSequence& a = sequence_of(i);
-      PhotonSequence& b = sequence_of(i + 1);
-      if (a.pixel_->kind() == SequenceKind::kIndependent) break;
-      const auto of_a = a.pixel_->randomisation(a.set_++);
-      const auto of_b = b.pixel_->randomisation(b.set_++);
-      const __m256i points =
-          _mm256_set_m128i(sobol4(nested_hash(b.reversed_sample_, of_b.shuffle)),
-                           sobol4(nested_hash(a.reversed_sample_, of_a.shuffle)));
-      const __m256i scrambles = _mm256_set_m128i(of_b.scrambles, of_a.scrambles);
-      _mm256_storeu_ps(numbers[i].data(), to_unit(reverse_bits(nested_hash(points, scrambles))));
+      PhotonSequence& one = sequence_of(i);
+      if (one.pixel_->kind() == SequenceKind::kIndependent) break;
+      const Point a = one.next_point(), b = sequence_of(i + 1).next_point();
+      const __m256i fractions = _mm256_set_m128i(b.fractions, a.fractions);
+      const __m256i scrambles = _mm256_set_m128i(b.scrambles, a.scrambles);
+      _mm256_storeu_ps(numbers[i].data(), to_unit(reverse_bits(nested_hash(fractions, scrambles))));
     }
     for (; i < count; ++i) numbers[i] = sequence_of(i).next();
   }
@@ -159,6 +151,15 @@ class PhotonSequence {
   }
 
  private:
+  /// Of the Sobol sequence, reversed, and what is left to do to it.
+  struct Point {
+    __m128i fractions, scrambles;
+  };
+  Point next_point() {
+    const auto randomisation = pixel_->randomisation(set_++);
+    return {sobol4(nested_hash(reversed_sample_, randomisation.shuffle)), randomisation.scrambles};
+  }
+
   PixelSequence* pixel_;
   std::uint32_t reversed_sample_, set_ = 0;
 };

@@ -407,19 +407,25 @@ bool Geometry::any_close() const { return embree_->largest_reach > 0.0f; }
 void Geometry::intersect(std::span<const TimedRay> rays, std::span<std::optional<Hit>> hits) const {
   if (!any_close()) return intersect_packets(rays, hits);
   // Those that depart exactly are searched for one by one, the others together.
-  std::vector<TimedRay> others;
-  std::vector<std::size_t> places;
+  std::array<TimedRay, kPacket> others;
+  std::array<std::size_t, kPacket> places;
+  std::array<std::optional<Hit>, kPacket> found;
+  std::size_t waiting = 0;
+  const auto search = [&] {
+    intersect_packets(std::span(others).first(waiting), found);
+    for (std::size_t i = 0; i < waiting; ++i) hits[places[i]] = found[i];
+    waiting = 0;
+  };
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (rays[i].departure != nullptr && rays[i].departure->exact) {
       hits[i] = embree_->nearest_ahead(rays[i].ray, rays[i].time, *rays[i].departure);
-    } else {
-      others.push_back(rays[i]);
-      places.push_back(i);
+      continue;
     }
+    others[waiting] = rays[i];
+    places[waiting++] = i;
+    if (waiting == kPacket) search();
   }
-  std::vector<std::optional<Hit>> found(others.size());
-  intersect_packets(others, found);
-  for (std::size_t i = 0; i < places.size(); ++i) hits[places[i]] = found[i];
+  if (waiting > 0) search();
 }
 
 void Geometry::intersect_packets(std::span<const TimedRay> rays,

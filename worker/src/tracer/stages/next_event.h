@@ -20,8 +20,8 @@ bool may_see_lights(const Batch& batch, const Group<N>& group, const Vertex<N>& 
 
 /// A photon towards lights, through whatever lets it pass.
 template <class Batch, int N, class Kernel>
-void send_to_lights(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
-                    const Kernel& kernel, float survival) {
+void estimate_next_event(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
+                         const Kernel& kernel, float survival) {
   PhotonSequence sequence = group.sequence.branch(1);
   const Uniform4 u = sequence.next();
   const LightSamplingContext here = light_context(batch, group, vertex, kernel);
@@ -108,8 +108,8 @@ void estimate_next_events(Batch& batch, const Chunk<N, Bound>& chunk) {
     return ask_for_lights(batch, chunk, std::span(which).first(count));
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = which[k];
-    send_to_lights(batch, *chunk.groups[i], *chunk.vertices[i], *chunk.kernels[i],
-                   chunk.survival[i]);
+    estimate_next_event(batch, *chunk.groups[i], *chunk.vertices[i], *chunk.kernels[i],
+                        chunk.survival[i]);
   }
 }
 
