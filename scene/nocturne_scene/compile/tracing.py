@@ -72,6 +72,7 @@ def compile_tracing(
         split_vertices=tracing.split_vertices if tracing.estimator == "split" else 0,
         group=_group(tracing, scene),
         direction=_DIRECTIONS[tracing.direction],
+        sharing=_sharing(tracing),
         aimed_emission=_aimed_emission(workspace, scene),
     )
 
@@ -99,6 +100,12 @@ def _aimed_emission(workspace: Workspace, scene: scene_pb2.CompiledScene) -> flo
         return tracing.aimed_emission
     workspace.dropped.append(f"$.tracing.aimed_emission: {why}")
     return 0.0
+
+
+def _sharing(tracing: Tracing) -> int:
+    if tracing.sharing != "auto":
+        return tracing.sharing
+    return 1
 
 
 def _group(tracing: Tracing, scene: scene_pb2.CompiledScene) -> int:

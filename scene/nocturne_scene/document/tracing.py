@@ -83,6 +83,12 @@ class Tracing(Node):
         "the light that mirrors and glass gather, as from lamps in reflectors and in caustics, and photons "
         "from the camera find all other light. Neither is for luminaires with textures.",
     )
+    sharing: Literal["auto", 1, 4, 16] = Field(
+        default="auto",
+        description="Pixels that share what their photons find at the second surface they meet: blocks of "
+        "2 x 2 or 4 x 4, or each alone. The image is the same, with less noise for the same time where much "
+        "light comes by way of other surfaces, as in rooms; errors of pixels within a block are correlated.",
+    )
     aimed_emission: Annotated[Finite, Field(ge=0, le=0.99)] = Field(
         default=0.0,
         description="For photons from luminaires on surfaces, with `forward` and `both`: the part that is "

@@ -8,6 +8,7 @@
 
 #include "tracer/free_flight.h"
 #include "tracer/group.h"
+#include "tracer/sharing.h"
 #include "tracer/stages/kernel_order.h"
 #include "tracer/vertex.h"
 
@@ -51,11 +52,11 @@ struct Encounter {
   static constexpr std::uint32_t kNoContacts = ~0u;
 };
 
-/// What light adds to a sample if the way to it is free.
+/// What light adds to a tally if the way to it is free.
 template <int N>
 struct ShadowRay {
   TimedRay way;
-  std::uint32_t sample;
+  std::uint32_t tally;
   Spectral<N> light;
 };
 
@@ -95,6 +96,7 @@ struct Batch {
     samples.clear();
     flights.clear();
     groups.clear();
+    sharing.clear();
     rays = 0;
   }
 
@@ -130,6 +132,8 @@ struct Batch {
   std::vector<Encounter> encounters;
   std::vector<Contacts> contacts;
   KernelOrder by_kernel;
+  /// Of adjoint photons.
+  Sharing<N> sharing;
   std::vector<ShadowRay<N>> shadow_rays;
   std::vector<std::uint8_t> blocked;
   std::vector<CameraRay<N>> camera_rays;

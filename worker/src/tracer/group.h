@@ -59,6 +59,8 @@ struct Group {
   Departure departure = {};
   /// Which of the batch's samples it belongs to.
   std::uint32_t sample = 0;
+  /// Of the estimator, where what it finds is counted: the sample's own, or what is shared.
+  std::uint32_t tally = 0;
   /// Way from the last surface to where the ray starts, m; set inside of bodies only, and zero
   /// where the departure is exact.
   float skipped = 0.0f;
@@ -76,6 +78,8 @@ struct Group {
   std::uint32_t depth = 0, collisions = 0, passes = 0;
   /// Latest interactions in a row at which clear surfaces reflected or refracted it.
   std::uint32_t caught = 0;
+  /// Left a first vertex as its neighbours' photons might: the next surface may be shared.
+  bool shares = false;
   /// Of photons in both directions.
   PathEnds ends;
   MisState<N> mis;

@@ -1,16 +1,23 @@
 #include "tracer/pixel_batches.h"
 
 #include "math/in_place.h"
+#include "tracer/blocks.h"
 #include "tracer/response.h"
 #include "tracer/trace_batch.h"
 
 namespace nocturne {
+namespace {
+
+/// Films are smaller.
+constexpr std::uint32_t kOfBlock = 1u << 31;
+
+}  // namespace
 
 template <int N, bool Media>
 PixelBatches<N, Media>::PixelBatches(const Scene& scene, Film film, std::uint32_t most,
                                      const std::stop_token& stop)
     : scene_(scene), film_(film), estimator_(scene), batch_(scene, estimator_, stop) {
-  sequences_.reserve(most);  // groups point to them
+  sequences_.reserve(2 * static_cast<std::size_t>(most));  // groups point to them
 }
 
 template <int N, bool Media>
@@ -19,26 +26,59 @@ void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums
   batch_.clear();
   samples_.clear();
   sequences_.clear();
+  pixels_.clear();
   estimator_.reset(samples.size());
-  std::uint32_t last = ~0u;
-  for (const PixelIndex& at : samples) {
-    const std::uint32_t pixel = at.y * film_.width + at.x;
-    if (pixel != last) {
-      sequences_.emplace_back(scene_.options.sequence, scene_.options.seed, pixel);
-      last = pixel;
+  const bool shares = scene_.options.sharing > 1;
+  if (shares) batch_.sharing.firsts.resize(samples.size());
+  PixelNumbers common{};
+  std::uint32_t place = 0, leader = 0;  // in the block; the pixel of its first place
+  for (std::uint32_t i = 0; i < samples.size(); ++i) {
+    const PixelIndex& at = samples[i];
+    PhotonSequence sequence(sequence_of(at.y * film_.width + at.x), at.sample);
+    PixelNumbers numbers = next_pixel_numbers(scene_, sequence);
+    if (shares) {
+      place = at.leads ? 0 : place + 1;
+      const std::uint32_t run = at.sample / kBlockRun, in_run = at.sample % kBlockRun;
+      if (at.leads) {
+        batch_.sharing.blocks.push_back(i);
+        leader = at.y * film_.width + at.x;
+      }
+      PhotonSequence of_block(sequence_of(leader | kOfBlock),
+                              (run * kMostPixels + place) * kBlockRun + in_run);
+      const PixelNumbers from_block = next_pixel_numbers(scene_, of_block);
+      if (at.leads) common = from_block;
+      numbers.wavelengths = common.wavelengths;
+      numbers.time = common.time;
+      batch_.sharing.sequences.push_back(of_block);
     }
-    PhotonSequence sequence(sequences_.back(), at.sample);
     samples_.emplace_back(
-        InPlace{[&] { return sample_pixel<N>(scene_, film_, at.x, at.y, sequence); }});
+        InPlace{[&] { return sample_pixel<N>(scene_, film_, at.x, at.y, numbers); }});
     start(batch_, samples_.back().start, sequence);
   }
   trace_batch(batch_);
+  for (const Taken<N>& taken : batch_.sharing.taken) estimator_.take(taken);
   counts.rays += batch_.rays;
   counts.truncated_paths += batch_.limits.truncated();
   for (std::size_t i = 0; i < samples.size(); ++i, values += counts.channels) {
     const Response<N> response(scene_.wavelengths, samples_[i].wavelengths);
     counts.invalid_samples += response.add(estimator_.radiance(i), samples_[i].weight, values);
   }
+}
+
+/// Samples of one pixel, or of one block, come one after the other, and the pixels of a block
+/// always in the same order.
+template <int N, bool Media>
+PixelSequence& PixelBatches<N, Media>::sequence_of(std::uint32_t pixel) {
+  constexpr std::size_t kLookBack = 2 * kMostPixels;
+  const auto known = [&](std::size_t i) { return i < pixels_.size() && pixels_[i] == pixel; };
+  if (known(latest_ + 1)) return sequences_[++latest_];
+  const std::size_t end = pixels_.size(), begin = end > kLookBack ? end - kLookBack : 0;
+  for (std::size_t i = begin; i < end; ++i) {
+    if (known(i)) return sequences_[latest_ = i];
+  }
+  latest_ = end;
+  pixels_.push_back(pixel);
+  return sequences_.emplace_back(scene_.options.sequence, scene_.options.seed, pixel);
 }
 
 template class PixelBatches<1, false>;

@@ -15,6 +15,9 @@ namespace nocturne {
 /// One sample of one pixel.
 struct PixelIndex {
   std::uint32_t x, y, sample;
+  /// The first of a block of neighbours that share what they find; all others have its wavelengths
+  /// and time.
+  bool leads = true;
 };
 
 /// N is 1, 4 or 8; Media says whether the scene has any.
@@ -25,7 +28,8 @@ class PixelBatches {
   PixelBatches(const Scene& scene, Film film, std::uint32_t most, const std::stop_token& stop);
 
   /// Adds what sample i measures to the channels from
-  /// values[i * counts.channels] on, Y^2 left out, and rays and invalid samples to `counts`.
+  /// values[i * counts.channels] on, Y^2 left out, and rays and invalid samples to `counts`. Blocks
+  /// are whole; they share where the scene's options say so.
   void trace(std::span<const PixelIndex> samples, TileSums& counts, double* values);
 
  private:
@@ -34,8 +38,12 @@ class PixelBatches {
   RadianceEstimator<N> estimator_;
   Batch<N, RadianceEstimator<N>, Media> batch_;
   std::vector<PixelSample<N>> samples_;
-  /// Of the pixels of the batch; samples of one pixel come one after the other.
+  PixelSequence& sequence_of(std::uint32_t pixel);
+
+  /// Of the pixels of the batch, and which these are.
   std::vector<PixelSequence> sequences_;
+  std::vector<std::uint32_t> pixels_;
+  std::size_t latest_ = 0;
 };
 
 }  // namespace nocturne

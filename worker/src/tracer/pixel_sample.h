@@ -14,19 +14,26 @@ struct PixelSample {
   Start<N> start;
 };
 
-/// Takes the first numbers of `sequence`.
-template <int N>
-PixelSample<N> sample_pixel(const Scene& scene, Film film, std::uint32_t x, std::uint32_t y,
-                            PhotonSequence& sequence) {
+/// The first numbers of a sample: where in the pixel, which wavelengths, when, where on the lens.
+struct PixelNumbers {
+  float x, y, wavelengths, time, lens_u, lens_v;
+};
+inline PixelNumbers next_pixel_numbers(const Scene& scene, PhotonSequence& sequence) {
   const Uniform4 u = sequence.next();
   const Uniform4 v = scene.sensor.needs_lens() ? sequence.next() : Uniform4{};
-  const SensorSample from = scene.sensor.sample(film, static_cast<float>(x) + u[0],
-                                                static_cast<float>(y) + u[1], v[0], v[1], u[3]);
-  PixelSample<N> sample{scene.wavelengths.sample<N>(u[2]), from.weight, {}};
+  return {u[0], u[1], u[2], u[3], v[0], v[1]};
+}
+
+template <int N>
+PixelSample<N> sample_pixel(const Scene& scene, Film film, std::uint32_t x, std::uint32_t y,
+                            const PixelNumbers& u) {
+  const SensorSample from = scene.sensor.sample(
+      film, static_cast<float>(x) + u.x, static_cast<float>(y) + u.y, u.lens_u, u.lens_v, u.time);
+  PixelSample<N> sample{scene.wavelengths.sample<N>(u.wavelengths), from.weight, {}};
   sample.start.ray = from.ray;
   sample.start.wavelengths = sample.wavelengths.nm;
   sample.start.inside = scene.sensor_inside;
-  sample.start.time = u[3];
+  sample.start.time = u.time;
   sample.start.width = from.width;
   sample.start.spread = from.spread;
   return sample;

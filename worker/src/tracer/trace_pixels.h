@@ -3,10 +3,40 @@
 
 #include "scene/scene.h"
 #include "tile/tile_sums.h"
+#include "tracer/blocks.h"
 #include "tracer/pixel_batches.h"
 #include "tracer/response.h"
 
 namespace nocturne {
+
+/// f(pixel and sample) for all samples of a tile, in an order in which each pixel's come by number;
+/// `begin(samples)` before so many that belong together.
+template <class Begin, class F>
+void for_each_sample(const TileRange& range, std::uint32_t sharing, const Begin& begin,
+                     const F& f) {
+  if (sharing == 1) {
+    for (std::uint32_t y = range.y; y < range.y + range.height; ++y) {
+      for (std::uint32_t x = range.x; x < range.x + range.width; ++x) {
+        for (std::uint32_t sample = range.first_sample; sample < range.end_sample; ++sample) {
+          begin(1);
+          f({x, y, sample});
+        }
+      }
+    }
+    return;
+  }
+  const std::uint32_t side = sharing == 4 ? 2 : 4;
+  for_each_block(range, side, [&](const Block& block) {
+    for (std::uint32_t sample = block.first_sample; sample < block.end_sample; ++sample) {
+      begin(block.width * block.height);
+      for (std::uint32_t y = block.y; y < block.y + block.height; ++y) {
+        for (std::uint32_t x = block.x; x < block.x + block.width; ++x) {
+          f({x, y, sample, x == block.x && y == block.y});
+        }
+      }
+    }
+  });
+}
 
 /// Sums over the samples of a tile. A pixel's are added in their order, whatever the batches.
 template <int N, bool Media>
@@ -29,14 +59,12 @@ TileSums trace_pixels(const Scene& scene, Film film, const TileRange& range, std
     }
     samples.clear();
   };
-  for (std::uint32_t y = range.y; y < range.y + range.height; ++y) {
-    for (std::uint32_t x = range.x; x < range.x + range.width; ++x) {
-      for (std::uint32_t sample = range.first_sample; sample < range.end_sample; ++sample) {
-        samples.push_back({x, y, sample});
-        if (samples.size() == size) trace();
-      }
-    }
-  }
+  for_each_sample(
+      range, scene.options.sharing,
+      [&](std::size_t together) {
+        if (samples.size() + together > size) trace();
+      },
+      [&](const PixelIndex& at) { samples.push_back(at); });
   trace();
   return tile;
 }

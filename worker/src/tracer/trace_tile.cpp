@@ -39,7 +39,7 @@ TileSums trace_alone(const Scene& scene, Film film, const TileRange& range, cons
       PixelSequence numbers(scene.options.sequence, scene.options.seed, y * film.width + x);
       for (std::uint32_t sample = range.first_sample; sample < range.end_sample; ++sample) {
         PhotonSequence sequence(numbers, sample);
-        const auto from = sample_pixel<1>(scene, film, x, y, sequence);
+        const auto from = sample_pixel<1>(scene, film, x, y, next_pixel_numbers(scene, sequence));
         const baselines::PathResult path = trace(scene, from.start, sequence);
         tile.rays += path.rays;
         std::fill(values.begin(), values.end(), 0.0);

@@ -61,6 +61,7 @@ class WholeFilm {
       : both_(scene.options.direction == Direction::kBoth),
         width_(film.width),
         pixels_(film.width * film.height),
+        sharing_(scene.options.sharing),
         batch_size_(samples_in_batch(scene.options, groups)),
         // Small films several samples at a time, so that batches are full.
         samples_at_once_(std::max(1u, batch_size_ / pixels_)),
@@ -113,16 +114,18 @@ class WholeFilm {
       samples.clear();
     };
     for (std::uint32_t sample = first; sample < end; ++sample) {
-      for (std::uint32_t pixel = 0; pixel < pixels_; ++pixel) {
-        samples.push_back({pixel % width_, pixel / width_, sample});
-        if (samples.size() == batch_size_) trace();
-      }
+      for_each_sample(
+          {0, 0, width_, pixels_ / width_, sample, sample + 1}, sharing_,
+          [&](std::size_t together) {
+            if (samples.size() + together > batch_size_) trace();
+          },
+          [&](const PixelIndex& at) { samples.push_back(at); });
     }
     trace();
   }
 
   const bool both_;
-  const std::uint32_t width_, pixels_, batch_size_, samples_at_once_;
+  const std::uint32_t width_, pixels_, sharing_, batch_size_, samples_at_once_;
   PhotonBatches<N, Estimator, Media> photons_;
   PixelBatches<N, Media> from_pixels_;
   TileSums sums_;

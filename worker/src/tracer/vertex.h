@@ -24,6 +24,8 @@ struct Vertex {
   std::uint32_t kernel;
   /// Met from the side that is out.
   bool front;
+  /// Seen from behind the shading normal, so that the kernel's is the surface's own.
+  bool own_normal = false;
   Shading<N> shading;
   /// What they are in once through; as before where the surface bounds no body.
   InteriorList beyond;
@@ -79,6 +81,7 @@ void set_shading_frame(const Scene& scene, const SurfaceMaterial& material, cons
   // Seen from behind the shading normal, though not from behind the surface: the surface's own.
   if (dot(vertex.frame.normal, group.ray.direction) >= 0.0f) {
     vertex.frame = frame_along(vertex.normal, detail.dp_du);
+    vertex.own_normal = true;
   }
 }
 
@@ -95,6 +98,7 @@ Vertex<N> vertex_at(const Scene& scene, const Hit& hit, const Group<N>& group,
           .wo = {},
           .kernel = front ? material.front_kernel : material.back_kernel,
           .front = front,
+          .own_normal = false,
           .shading = {.wavelengths = wavelengths,
                       .point = {},
                       .transport = transport,

@@ -15,7 +15,19 @@ class RadianceEstimator {
 
   explicit RadianceEstimator(const Scene& scene) : scene_(scene) {}
 
+  /// The first tallies are the samples' own.
   void reset(std::size_t samples) { radiance_.assign(samples, {}); }
+  std::uint32_t add_tally() {
+    radiance_.emplace_back();
+    return static_cast<std::uint32_t>(radiance_.size() - 1);
+  }
+  /// What neighbours found too.
+  void take(const Taken<N>& taken) {
+    for (std::size_t i = 0; i < N; ++i) {
+      radiance_[taken.sample][i] +=
+          static_cast<double>(taken.factor[i]) * radiance_[taken.tally][i];
+    }
+  }
 
   void flies(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit) {
     if (hit != nullptr || !scene_.has_distant_light()) return;
@@ -31,12 +43,12 @@ class RadianceEstimator {
 
   /// No photon towards lights could have counted it.
   void glows(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
-    add(group.sample,
+    add(group.tally,
         group.weight * scene_.medium(hit.surface).source(hit.position, sample.wavelengths));
   }
 
-  void add(std::uint32_t sample, const Spectral<N>& found) {
-    std::array<double, N>& sum = radiance_[sample];
+  void add(std::uint32_t tally, const Spectral<N>& found) {
+    std::array<double, N>& sum = radiance_[tally];
     for (std::size_t i = 0; i < N; ++i) sum[i] += static_cast<double>(found[i]);
   }
 
@@ -62,11 +74,11 @@ class RadianceEstimator {
       const Spectral<N>& by_density = group.mis.kernel_pdf;
       found *= (by_kernel ? by_density : Spectral<N>(1.0f)) / (by_density + towards);
     }
-    add(group.sample, found);
+    add(group.tally, found);
   }
 
   const Scene& scene_;
-  std::vector<std::array<double, N>> radiance_;  // by sample
+  std::vector<std::array<double, N>> radiance_;  // by tally
 };
 
 }  // namespace nocturne

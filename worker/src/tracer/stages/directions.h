@@ -54,9 +54,11 @@ void draw_from_kernel(Batch& batch, Group<N>& group, const Vertex<N>& vertex, co
   for_each_draw(batch, group, vertex, kernel, numbers, [&](Group<N>& on, const Draw<N>& draw) {
     if (draw.delta) {
       // Towards lights nothing was drawn from this part: an earlier MIS state goes on.
+      on.shares = false;
       on.weight *= (1.0f / survival) * draw.factor;
       return;
     }
+    if (on.shares) on.sequence = batch.sharing.sequences[on.sample];
     const Spectral<N> pdf = survival * kernel.pdf(vertex.wo, draw.wi);
     on.weight *= ratio(kernel.value(vertex.wo, draw.wi), pdf);
     on.mis.technique = MisTechnique::kNone;

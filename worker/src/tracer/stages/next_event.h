@@ -31,6 +31,7 @@ void estimate_next_event(Batch& batch, const Group<N>& group, const Vertex<N>& v
   if (wi.z <= 0.0f && !kernel.transmits()) return;
   go_on(batch, group, vertex, wi, false, [&](Group<N>& photon) {
     photon.sequence = sequence;
+    photon.shares = false;
     photon.weight *= kernel.value(vertex.wo, wi);
     photon.mis = {MisTechnique::kLights, here, *direction, survival * kernel.pdf(vertex.wo, wi)};
   });
@@ -59,7 +60,7 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
   shadow.way.ray.direction = light.direction;
   shadow.way.time = sample.time;
   shadow.way.end = light.free_distance;
-  shadow.sample = group.sample;
+  shadow.tally = group.tally;
   shadow.light = found;
 }
 

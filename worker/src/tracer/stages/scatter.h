@@ -4,6 +4,7 @@
 
 #include "tracer/stages/connect.h"
 #include "tracer/stages/next_event.h"
+#include "tracer/stages/offer.h"
 
 namespace nocturne {
 
@@ -78,8 +79,17 @@ void prepare(Batch& batch, Chunk<N, Bound>& chunk) {
     const bool passes_on = group.mis.technique == MisTechnique::kLights;
     chunk.two_photons[i] =
         second && !passes_on && kernel.smooth() && may_see_lights(batch, group, vertex);
+    if constexpr (Batch::kAdjoint) {
+      if (group.shares) offer_second(batch, group, vertex, kernel);
+      group.shares = false;
+    }
     chunk.survival[i] = passes_on ? survival_of_passing(group, vertex, kernel)
                                   : survival_at(batch, group, vertex, kernel);
+    if constexpr (Batch::kAdjoint) {
+      if (batch.sharing.on() && chunk.two_photons[i] && group.depth == 1 && group.passes == 0) {
+        offer_first(batch, group, vertex, kernel, chunk.survival[i], chunk.numbers[i]);
+      }
+    }
   }
 }
 

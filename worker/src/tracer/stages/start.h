@@ -21,7 +21,7 @@ void start(Batch<N, Estimator, Media>& batch, const Start<N>& from,
   Group<N>& group = batch.groups.emplace_back(sequence);
   group.ray = from.ray;
   group.departure = from.departure;
-  group.sample = number;
+  group.sample = group.tally = number;
   group.width = from.width;
   group.inside = from.inside;
 }

@@ -44,6 +44,7 @@ void add_vertex(Batch& batch, std::size_t i, Chunk<N, Bound>& chunk) {
       [&] { return vertex_at(batch.scene, hit, group, sample.wavelengths, Batch::kTransport); }});
   if (!complete(batch.scene, contacts, group, sample.time, *vertex)) {
     pass_index_matched(batch.scene, group, hit, contacts, sample.time);
+    group.shares = false;
     batch.next.push_back(group);
     return;
   }

@@ -1,0 +1,45 @@
+// First and second vertices of paths are noted where neighbouring pixels share them. Who takes part
+// depends on the two vertices alone, never on what is found.
+#pragma once
+
+#include <type_traits>
+
+#include "kernels/lambertian.h"
+#include "tracer/stages/leave.h"
+
+namespace nocturne {
+
+/// Between two vertices in empty space nothing is lost, unless a surface stands between.
+template <class Batch, int N>
+bool may_share_at(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex) {
+  return group.inside.empty() && vertex.beyond.empty() && !batch.is_medium(vertex.hit) &&
+         !batch.scene.materials[vertex.hit.surface].close;
+}
+
+template <class Batch, int N, class Kernel>
+void offer_first(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
+                 float survival, Uniform4& numbers) {
+  if (!kernel.smooth() || !may_share_at(batch, group, vertex)) return;
+  group.shares = true;
+  numbers = batch.sharing.sequences[group.sample].next();
+  const bool diffuse_like =
+      batch.both && !batch.scene.specular_like[vertex.kernel] && !near_camera(batch, group, vertex);
+  batch.sharing.firsts[group.sample].emplace(
+      FirstVertex<N>{vertex.hit, vertex.frame, vertex.normal, vertex.wo, vertex.kernel,
+                     vertex.shading, survival, diffuse_like});
+}
+
+/// From here on the group counts apart, as of weight 1.
+template <class Batch, int N, class Kernel>
+void offer_second(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel&) {
+  if constexpr (std::is_same_v<Kernel, BoundLambertian<N>>) {
+    if (!may_share_at(batch, group, vertex) || vertex.own_normal) return;
+    const std::uint32_t tally = batch.estimator.add_tally();
+    batch.sharing.seconds.push_back(
+        {group.sample, tally, group.weight, vertex.hit, vertex.normal, vertex.frame.normal});
+    group.weight = only(Spectral<N>(1.0f), alive(group.weight));
+    group.tally = tally;
+  }
+}
+
+}  // namespace nocturne
