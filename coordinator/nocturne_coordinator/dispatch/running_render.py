@@ -352,7 +352,7 @@ class RunningRender:
         if self._judged_photons == self.totals.photons:
             return
         self._judged_photons = self.totals.photons
-        self.estimate = estimate_error(self.film.sums, self.film.counts)
+        self.estimate = self.film.estimate()
         now = RangeEnd.of(self.estimate)
         if now.samples > self._now.samples:
             self._before = self._now

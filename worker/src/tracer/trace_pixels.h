@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/scene.h"
+#include "tile/block_samples.h"
 #include "tile/tile_sums.h"
 #include "tracer/pixel_batches.h"
 #include "tracer/response.h"
@@ -12,20 +13,22 @@ namespace nocturne {
 template <int N, bool Media>
 TileSums trace_pixels(const Scene& scene, Film film, const TileRange& range, std::uint32_t groups,
                       const std::stop_token& stop) {
-  TileSums tile(static_cast<std::size_t>(range.width) * range.height,
-                scene.wavelengths.further_curves());
+  TileSums tile(range.width, range.height, scene.wavelengths.further_curves());
+  BlockSamples blocks(tile, range.end_sample - range.first_sample);
   const std::uint32_t size = samples_in_batch(scene.options, groups);
   PixelBatches<N, Media> batches(scene, film, size, stop);
   std::vector<PixelIndex> samples;
   std::vector<double> values;
   const auto trace = [&] {
-    values.assign(samples.size() * tile.channels, 0.0);
+    values.assign(samples.size() * tile.values(), 0.0);
     batches.trace(samples, tile, values.data());
     const double* measured = values.data();
     for (const PixelIndex& at : samples) {
-      const std::size_t pixel = (at.y - range.y) * std::size_t{range.width} + (at.x - range.x);
-      add_sample(measured, tile.channels, &tile.sums[pixel * tile.channels]);
-      measured += tile.channels;
+      const std::uint32_t x = at.x - range.x, y = at.y - range.y;
+      const std::size_t pixel = y * std::size_t{range.width} + x;
+      add_sample(measured, tile.further, &tile.sums[pixel * tile.channels]);
+      blocks.add(x, y, at.sample - range.first_sample, measured[1]);
+      measured += tile.values();
     }
     samples.clear();
   };
@@ -38,6 +41,7 @@ TileSums trace_pixels(const Scene& scene, Film film, const TileRange& range, std
     }
   }
   trace();
+  blocks.add_to(tile);
   return tile;
 }
 
