@@ -1,4 +1,4 @@
-"""The sums that a tile's result holds, and how they lie in memory. As worker/src/tile/tile_sums.h has them."""
+"""The sums that a tile's result holds, and how they lie in memory; as in worker/src/tile/tile_sums.h."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 Values = NDArray[np.float64]
 
 XYZ_SUMS = 9
-"""Sums of a pixel without further responses: X, Y, Z, YY, XX, ZZ, XY, XZ, YZ. Then come a sum for each further
-response and one of its square for each."""
+"""Sums of a pixel without further responses: X, Y, Z, YY, XX, ZZ, XY, XZ, YZ. Then come a sum for each
+further response and one of its square for each."""
 
 BLOCK = 4
 """Edge of a block in pixels; blocks begin at a tile's upper left corner."""
@@ -75,8 +75,10 @@ def numbers_in(width: int, height: int, further: int) -> int:
 
 
 def decode(data: bytes, width: int, height: int, further: int) -> TileSums:
-    """What `encode` gave; ValueError where it is no such tile's. Of a tile from before there were errors of all
-    quantities, what is not known is NaN."""
+    """What `encode` gave; ValueError where it is no such tile's.
+
+    Of a tile from before there were errors of all quantities, what is not known is NaN.
+    """
     found = np.frombuffer(data, dtype="<f8")
     pixels = width * height
     if found.size == pixels * (_XYZ_SUMS_BEFORE + further):

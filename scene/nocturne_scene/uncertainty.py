@@ -115,8 +115,8 @@ class _Correlation:
     """How far errors of a region's pixels go together, from what blocks and tiles have together."""
 
     def __init__(self) -> None:
-        self._independent = self._excess = self._of_blocks = self._of_tiles = 0.0
-        self._pixels = self._squared_pixels = 0.0
+        self._variance = self._of_blocks = self._of_tiles = 0.0
+        self._pixels = 0
 
     def add(
         self,
@@ -127,26 +127,30 @@ class _Correlation:
         chosen: NDArray[np.bool_],
     ) -> None:
         """Of Y; fields as in ImageMoments. What is NaN was not kept, and counts as independent."""
-        self._independent += float(np.sum(variance[chosen]))
-        pixels, inside = block_sums(np.ones(chosen.shape)), block_sums(chosen.astype(np.float64))
-        # Each two of a block's pixels have the same part in what the block's variance has above theirs.
-        part = inside * (inside - 1.0) / np.maximum(1.0, pixels * (pixels - 1.0))
-        self._excess += float(np.sum(part * np.nan_to_num(of_blocks - block_sums(variance))))
-        self._pixels += float(np.sum(inside))
-        self._squared_pixels += float(np.sum(inside * inside))
-        touched = tile_sums(inside, tile_size) > 0.0
-        self._of_blocks += float(np.sum(np.nan_to_num(tile_sums(of_blocks, tile_size)[touched])))
-        self._of_tiles += float(np.sum(np.nan_to_num(of_tiles[touched])))
+        inside = block_sums(np.where(chosen, variance, 0.0))
+        self._variance += float(np.sum(inside))
+        self._of_blocks += float(np.sum(_ratio(of_blocks, block_sums(variance)) * inside))
+        beyond = _ratio(of_tiles, tile_sums(of_blocks, tile_size))
+        self._of_tiles += float(np.sum(beyond * tile_sums(inside, tile_size)))
+        self._pixels += int(np.count_nonzero(chosen))
 
     def factor(self) -> float:
         """The variance of the region's Y over that of pixels that know nothing of each other; at least 1."""
-        if not self._independent > 0.0:
+        if not self._variance > 0.0:
             return 1.0
-        within = max(1.0, 1.0 + self._excess / self._independent)
-        beyond = max(1.0, self._of_tiles / self._of_blocks) if self._of_blocks > 0.0 else 1.0
-        # Of all pairs of the region's pixels, those that lie in different blocks.
-        apart = 1.0 - self._squared_pixels / self._pixels**2
-        return within * (1.0 + apart * (beyond - 1.0))
+        # Less than a block has less of what a block's pixels share, about as its edge is shorter. More has a
+        # part in what different blocks share, as its pairs of pixels are in different blocks.
+        part = min(1.0, (math.sqrt(self._pixels) - 1.0) / (BLOCK - 1.0))
+        apart = max(0.0, 1.0 - BLOCK**2 / self._pixels)
+        within = max(0.0, self._of_blocks / self._variance - 1.0)
+        beyond = max(0.0, self._of_tiles / self._variance - 1.0)
+        return (1.0 + part * within) * (1.0 + apart * beyond)
+
+
+def _ratio(variance: Values, independent: Values) -> Values:
+    """1 where it is not known, or nothing varies."""
+    known = (independent > 0.0) & np.isfinite(variance)
+    return np.divide(variance, independent, out=np.ones_like(independent), where=known)
 
 
 def mean_y_error(
@@ -168,7 +172,7 @@ def mean_y_error(
 
 @dataclass(frozen=True, slots=True)
 class RegionReading:
-    """Means over a region's pixels that have samples, and the standard errors of these means; NaN: unknown."""
+    """Means over a region's pixels that have samples, and their standard errors; NaN where unknown."""
 
     mean: tuple[float, ...]
     """X, Y, Z, further responses."""
@@ -255,8 +259,9 @@ def chromaticity_of(
     for (one, other), value in zip(_PAIRS, covariance, strict=True):
         matrix[one, other] = matrix[other, one] = value
     weights = np.array([1.0, 15.0, 3.0])
-    slopes = ((np.array([4.0, 0.0, 0.0]) - u * weights) / whole, (np.array([0.0, 9.0, 0.0]) - v * weights) / whole)
-    first, second = (math.sqrt(max(0.0, float(slope @ matrix @ slope))) for slope in slopes)
+    slopes = (np.array([4.0, 0.0, 0.0]) - u * weights, np.array([0.0, 9.0, 0.0]) - v * weights)
+    # A NaN stays one.
+    first, second = (float(np.sqrt(np.maximum(0.0, slope @ matrix @ slope))) / whole for slope in slopes)
     return (u, v), (first, second)
 
 

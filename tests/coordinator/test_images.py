@@ -94,7 +94,8 @@ def test_exr_has_the_errors_of_all_quantities(tmp_path: Path) -> None:
         assert read[f"{name}.stderr"] == pytest.approx(error, rel=1e-6)
     for name, one, other in (("XY", 0, 1), ("XZ", 0, 2), ("YZ", 1, 2)):
         expected = [
-            [np.corrcoef(draws[:, y, x, one], draws[:, y, x, other])[0, 1] for x in range(9)] for y in range(7)
+            [np.corrcoef(draws[:, y, x, one], draws[:, y, x, other])[0, 1] for x in range(9)]
+            for y in range(7)
         ]
         assert read[f"{name}.correlation"] == pytest.approx(np.array(expected), abs=1e-5)
     blocks = np.array([block_sums(each) for each in draws[..., 1]])

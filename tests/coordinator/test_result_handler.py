@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import limits
 from nocturne_coordinator.queue.worker_status import worker_row
-
 from nocturne_scene.tile_sums import TileSums, split
 
 from tests.coordinator.simulated_worker import simulated_result

@@ -16,7 +16,7 @@ from nocturne_scene.tile_sums import TileSums
 from nocturne_coordinator.limits import RANGES_AHEAD
 
 Sums = npt.NDArray[np.float64]
-"""Shape (height, width, sums_per_pixel): over samples, a pixel's sums as nocturne_scene.tile_sums has them."""
+"""Shape (height, width, sums_per_pixel): sums over samples, in the order of nocturne_scene.tile_sums."""
 
 Counts = npt.NDArray[np.uint32]
 """Shape (height, width): samples in a film's sums."""

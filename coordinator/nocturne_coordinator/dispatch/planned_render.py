@@ -115,7 +115,7 @@ def check_sums(sums: TileSums, samples: int) -> None:
     blocks = block_sums(y)
     for one, squares in ((x, xx), (y, yy), (z, zz), (further[0], further[1]), (blocks, sums.block_squares)):
         _check_products(one * one, squares * samples)
-    # Y is never negative: together it is squared to no less than one by one, and to no more than n times that.
+    # Y is never negative: squares of what n have together are at least their own squares', at most n times.
     for parts, whole, number in (
         (block_sums(yy), sums.block_squares, BLOCK**2),
         (sums.block_squares.sum(keepdims=True)[0], sums.tile_squares, sums.block_squares.size),

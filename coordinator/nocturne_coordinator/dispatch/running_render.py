@@ -7,7 +7,7 @@ from typing import cast
 from nocturne.v1 import job_pb2
 from nocturne_scene.ranges import FIRST_RANGE, SampleRange, recut_schedule
 
-from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate, estimate_error
+from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate
 from nocturne_coordinator.dispatch.film import Film
 from nocturne_coordinator.dispatch.forecast import Forecast, Measured, forecast
 from nocturne_coordinator.dispatch.job_cost import JOB_SECONDS, longest_range, max_cpu_seconds

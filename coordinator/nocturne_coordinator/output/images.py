@@ -147,8 +147,8 @@ def write_image(
     provenance: Provenance,
     further_responses: Sequence[str] = (),
 ) -> None:
-    """Writes an EXR: X, Y, Z and further responses, their standard errors and how errors go together as float,
-    n as uint; R, G, B for viewers. As worker/src/image/write_exr.h does."""
+    """Writes an EXR, as worker/src/image/write_exr.h does: all quantities, their errors and how these go
+    together as float, n as uint; R, G, B for viewers."""
     header = {
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,
@@ -215,7 +215,7 @@ def _correlations(moments: ImageMoments, errors: Pixels) -> npt.NDArray[np.float
 
 
 def _ratios(moments: ImageMoments) -> dict[str, npt.NDArray[np.float32]]:
-    """What blocks have as variance over what their pixels have, and tiles over their blocks; 1 without noise."""
+    """Variances of blocks over their pixels', and of tiles over their blocks'; 1 without noise."""
     edge, (height, width) = moments.tile_size, moments.samples.shape
     of_pixels = block_sums(moments.variance[..., 1])
     of_blocks = tile_sums(moments.block_variance, edge)

@@ -14,12 +14,11 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import numpy as np
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.replacing import replacing
-from nocturne_scene.tile_sums import decode
+from nocturne_scene.tile_sums import decode, numbers_in
 
 from nocturne_coordinator.dispatch.planned_render import PlannedRender, RefusedResult, check_sums
 from nocturne_coordinator.errors import AlreadyOwned, CantRestore
@@ -101,7 +100,7 @@ def _check_tile(planned: PlannedRender, row: sqlite3.Row) -> None:
     planned.ranges.merged_at(row["samples"])
     sums = decode(row["sums"], tile.width, tile.height, planned.further)
     # Of a tile from before squares of all quantities were kept, they are not known.
-    if not np.isnan(sums.tile_squares[0]):
+    if len(row["sums"]) == 8 * numbers_in(tile.width, tile.height, planned.further):
         check_sums(sums, row["samples"] * planned.photons_per_sample)
 
 

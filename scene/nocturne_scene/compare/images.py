@@ -74,7 +74,7 @@ def read_picture(file: Path, max_pixels: int = _MAX_PIXELS) -> Picture:
         raise InputError.at(str(file), "holds values that are not finite")
     xyz = pixels @ _RGB_TO_XYZ if colour == "RGB" else pixels
     found = Picture(xyz, channels.get("Y.stderr"), channels.get("n"))
-    return _with_moments(found, channels, schedule) if _TOGETHER <= channels.keys() else found
+    return _with_moments(found, channels, schedule) if channels.keys() >= _TOGETHER else found
 
 
 def _of_errors(names: Sequence[str]) -> list[str]:
@@ -82,14 +82,13 @@ def _of_errors(names: Sequence[str]) -> list[str]:
     if not {*_TOGETHER, "n", *(f"{each}.stderr" for each in "XYZ")} <= {*names}:
         return [name for name in ("Y.stderr", "n") if name in names]
     errors = [name for name in names if name.endswith(".stderr")]
-    further = [name.removesuffix(".stderr") for name in errors]
-    return [*errors, *(name for name in further if name not in "XYZ"), *sorted(_TOGETHER), "n"]
+    further = {name.removesuffix(".stderr") for name in errors} - {*"XYZ"}
+    return [*errors, *sorted(further), *sorted(_TOGETHER), "n"]
 
 
 def _with_moments(picture: Picture, channels: Mapping[str, Values], schedule: str) -> Picture:
-    errors = [name for name in channels if name.endswith(".stderr")]
-    further = sorted(name.removesuffix(".stderr") for name in errors if name[0] not in "XYZ" or name[1] != ".")
-    names = ("X", "Y", "Z", *further)
+    known = {name.removesuffix(".stderr") for name in channels if name.endswith(".stderr")}
+    names = ("X", "Y", "Z", *sorted(known - {*"XYZ"}))
     edge = int(json.loads(schedule)["tileSize"]) if schedule else max(picture.xyz.shape)
     error = np.stack([channels[f"{name}.stderr"] for name in names], axis=-1)
     correlation = np.stack([channels[f"{pair}.correlation"] for pair in ("XY", "XZ", "YZ")], axis=-1)

@@ -64,8 +64,8 @@ def _estimates(
     comparison: Comparison, image: Picture, reference: Picture
 ) -> tuple[Estimate, Estimate, tuple[str, ...]]:
     """With the variance of one sample of the reference: both images' noise is known from it, in all channels,
-    as Mitsuba's tests do. Else all quantities that both files have with their errors, or Y if one of them has its
-    standard error. Last, the names of what is compared."""
+    as Mitsuba's tests do. Else all quantities that both files have with their errors, or Y if one of them has
+    its standard error. Last, the names of what is compared."""
     scale, xyz = comparison.scale, ("X", "Y", "Z")
     if comparison.variance is None:
         if image.moments is not None and reference.moments is not None:
@@ -101,9 +101,7 @@ def _of_all(picture: Picture, names: tuple[str, ...], scale: float) -> Estimate:
     )
 
 
-def _shift(
-    image: Picture, reference: Picture
-) -> tuple[tuple[float, float] | None, tuple[float, float]]:
+def _shift(image: Picture, reference: Picture) -> tuple[tuple[float, float] | None, tuple[float, float]]:
     """By how much the mean chromaticity differs, and the standard error of that."""
     found = [read_region(each.moments) for each in (image, reference) if each.moments is not None]
     readings = [each for each in found if each is not None and each.mean[1] > 0.0]

@@ -48,7 +48,9 @@ class ImageError:
     def _colour(self) -> str:
         """u' and v' with their intervals; empty where these are not known."""
         parts = zip(("u'", "v'"), self.reading.chromaticity, self.reading.chromaticity_error, strict=True)
-        told = [f", {name} {value:.4f} +- {CONFIDENCE * error:.2g}" for name, value, error in parts if error > 0.0]
+        told = [
+            f", {name} {value:.4f} +- {CONFIDENCE * error:.2g}" for name, value, error in parts if error > 0.0
+        ]
         return "".join(told)
 
 
