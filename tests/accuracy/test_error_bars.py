@@ -2,7 +2,7 @@
 
 Every pixel of a furnace has the same truth, so an image is as many trials as it has pixels or regions. With
 independent samples (Sobol's are more even than their errors say) a rate from m of these is known to
-sqrt(0.95 0.05 / m); bounds are four of that, which one rate exceeds in 16,000 images by chance. Seeds are fixed.
+sqrt(0.95 0.05 / m). Bounds are four of that, which a rate exceeds once in 16,000 by chance; seeds are fixed.
 """
 
 import math
