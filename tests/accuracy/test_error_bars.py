@@ -68,7 +68,8 @@ def held(image: ImageMoments, truth: Values, edge: int) -> Values:
             assert reading is not None
             off = np.abs(np.array([*reading.mean, *reading.chromaticity]) - true)
             found.append(off <= CONFIDENCE * np.array([*reading.error, *reading.chromaticity_error]))
-    return np.mean(found, axis=0)
+    rates: Values = np.mean(found, axis=0)
+    return rates
 
 
 @pytest.fixture(scope="module")

@@ -73,8 +73,8 @@ def read_picture(file: Path, max_pixels: int = _MAX_PIXELS) -> Picture:
     if not np.all(np.isfinite(pixels)):
         raise InputError.at(str(file), "holds values that are not finite")
     xyz = pixels @ _RGB_TO_XYZ if colour == "RGB" else pixels
-    found = Picture(xyz, channels.get("Y.stderr"), channels.get("n"))
-    return _with_moments(found, channels, schedule) if channels.keys() >= _TOGETHER else found
+    read = Picture(xyz, channels.get("Y.stderr"), channels.get("n"))
+    return _with_moments(read, channels, schedule) if channels.keys() >= _TOGETHER else read
 
 
 def _of_errors(names: Sequence[str]) -> list[str]:
