@@ -20,7 +20,8 @@ import redis
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.enrolment import signature
 from nocturne_coordinator.queue import keys
-from nocturne_scene.ranges import XYZ_SUMS
+
+from tests.sums import sums_of_independent
 
 _STATUS_S = 2.0
 _LEASE_S = 10.0
@@ -189,11 +190,9 @@ class Fleet:
         job = job_pb2.Job.FromString(worker.job)
         samples, pixels = job.end_sample - job.first_sample, job.tile.width * job.tile.height
         if (samples, pixels) not in self._partials:
-            sums = np.full((pixels, XYZ_SUMS), float(samples))
-            sums[:, 3] *= 1.5
-            partial = job_pb2.Partial(
-                sums=sums.astype("<f8").tobytes(), photons=pixels * samples, rays=pixels
-            )
+            drawn = np.full((job.tile.height, job.tile.width, 3), float(samples))
+            sums = sums_of_independent(drawn, np.full(drawn.shape[:2], 1.5), samples).encode()
+            partial = job_pb2.Partial(sums=sums, photons=pixels * samples, rays=pixels)
             self._partials[samples, pixels] = job_pb2.JobResult(partial=partial).SerializeToString()
         cpu = job_pb2.Partial(cpu_seconds=worker.due - worker.since)
         head = job_pb2.JobResult(job=job, worker_id=worker.name, partial=cpu).SerializeToString()

@@ -11,15 +11,13 @@ from nocturne.v1 import job_pb2
 from nocturne_scene import limits
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.responses import name_problems
-
-XYZ_SUMS = 4
-"""Sums of a pixel without further responses: X, Y, Z and Y squared."""
+from nocturne_scene.tile_sums import XYZ_SUMS, numbers_in, sums_per_pixel
 
 TILE_SIZE = 32
-"""Pixels: 32 x 32 x 4 sums x 8 bytes = 32 KiB, half of the entry size at which Redis streams get slow."""
+"""Pixels: a result has 32 x 32 x 9 sums x 8 bytes = 72 KiB, and half a KiB of blocks."""
 
-_MAX_PARTIAL = 64 * 1024
-"""Bytes: where Redis streams get slow. Tiles of more sums per pixel are smaller."""
+_MAX_PARTIAL = 144 * 1024
+"""Bytes: tiles of more sums per pixel are smaller, so that the messages of a full window fit in memory."""
 
 FIRST_RANGE = 4
 """Samples: a first look at the whole frame after four photons per pixel."""
@@ -60,9 +58,9 @@ def make_schedule(
     `$.height`, `$.samples`, and `$.scene` for the names.
     """
     problems = [*_edge_problems("$.width", width), *_edge_problems("$.height", height)]
-    sums_per_pixel = XYZ_SUMS + len(further_responses)
+    per_pixel = sums_per_pixel(len(further_responses))
     most = limits.MAX_FORWARD_PIXELS if one_tile else limits.MAX_FILM_PIXELS
-    most = most * XYZ_SUMS // sums_per_pixel
+    most = most * XYZ_SUMS // per_pixel
     if not problems and width * height > most:
         of = " of a scene with photons from luminaires" if one_tile else ""
         problems.append(Problem("$.width", f"the film{of} has {width * height} pixels; at most {most}"))
@@ -82,7 +80,7 @@ def make_schedule(
     schedule = job_pb2.RangeSchedule(
         width=width,
         height=height,
-        tile_size=max(width, height) if one_tile else _tile_size(sums_per_pixel),
+        tile_size=max(width, height) if one_tile else _tile_size(len(further_responses)),
         range_ends=_range_ends(samples, longest),
         further_responses=further_responses,
         photons_per_sample=photons_per_sample if photons_per_sample > 1 else 0,
@@ -152,9 +150,9 @@ def _edge_problems(place: str, edge: int) -> list[Problem]:
     return [Problem(place, f"is {edge} pixels; expected 1 to {limits.MAX_FILM_EDGE}")]
 
 
-def _tile_size(sums_per_pixel: int) -> int:
+def _tile_size(further: int) -> int:
     size = TILE_SIZE
-    while size * size * sums_per_pixel * 8 > _MAX_PARTIAL:
+    while 8 * numbers_in(size, size, further) > _MAX_PARTIAL:
         size //= 2
     return size
 

@@ -13,14 +13,14 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import redis
 from nocturne.v1 import job_pb2
-from nocturne_coordinator.dispatch.merge import Counts, Sums
+from nocturne_coordinator.dispatch.film import Film
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
-from nocturne_coordinator.dispatch.variance import variance_of_mean
-from nocturne_coordinator.output.images import mean_further_responses, mean_xyz
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.rows import NewRender, RenderRow
 from nocturne_scene.ranges import make_schedule
+from nocturne_scene.tile_sums import TileSums
+from nocturne_scene.uncertainty import moments_of
 
 from tests.coordinator.simulated_worker import SimulatedWorker, simulated_sums
 
@@ -148,21 +148,19 @@ class Service:
         return self.row(render_id)
 
 
-def expected_film(folder: DataFolder, render_id: str, samples: dict[int, int]) -> tuple[Sums, Counts]:
+def expected_film(folder: DataFolder, render_id: str, samples: dict[int, int]) -> Film:
     """What tracing alone, tile by tile and range by range, gives; `samples` merged per tile."""
     planned = PlannedRender(
         render_id, folder.renders.schedule(render_id), bytes.fromhex(SCENE), job_pb2.ENGINE_1
     )
-    film = np.zeros((planned.schedule.height, planned.schedule.width, planned.sums_per_pixel))
-    counts = np.zeros(film.shape[:2], dtype=np.uint32)
+    film = Film(planned)
     for index, end in samples.items():
+        tile = planned.grid.tile(index)
+        total = TileSums.zeros(tile.width, tile.height, planned.further)
         for position in range(planned.ranges.merged_at(end)):
-            job = planned.job(index, planned.ranges[position])
-            tile = job.tile
-            area = np.s_[tile.y : tile.y + tile.height, tile.x : tile.x + tile.width]
-            film[area] += simulated_sums(job, len(planned.schedule.further_responses))
-            counts[area] = job.end_sample
-    return film, counts
+            total += simulated_sums(planned.job(index, planned.ranges[position]), planned.further)
+        film.load(index, end, total.encode())
+    return film
 
 
 def committed_samples(folder: DataFolder, render_id: str) -> dict[int, int]:
@@ -176,26 +174,25 @@ def check_committed(service: Service, row: RenderRow, redone: bool = False) -> N
     `redone`: some were traced twice, as the first were not to be trusted; their rays count.
     """
     samples = committed_samples(service.folder, row.id)
-    film, counts = expected_film(service.folder, row.id, samples)
+    film = expected_film(service.folder, row.id, samples)
     planned = PlannedRender(
         row.id, service.folder.renders.schedule(row.id), bytes.fromhex(SCENE), job_pb2.ENGINE_1
     )
     for tile_row in service.folder.database.rows("SELECT * FROM tile WHERE render_id = ?", (row.id,)):
-        tile = planned.grid.tile(tile_row["tile_index"])
-        area = np.s_[tile.y : tile.y + tile.height, tile.x : tile.x + tile.width]
-        assert tile_row["sums"] == film[area].astype("<f8").tobytes()
-    assert row.photons == int(counts.sum(dtype=np.uint64))
+        assert tile_row["sums"] == film.tile_bytes(tile_row["tile_index"])
+    assert row.photons == int(film.counts.sum(dtype=np.uint64))
     assert row.rays > 3 * row.photons if redone else row.rays == 3 * row.photons
     assert row.ranges_done == sum(planned.ranges.merged_at(end) for end in samples.values())
     xyz, stderr, read_counts = read_exr(service.folder.image_path(row.id))
-    assert np.array_equal(xyz, mean_xyz(film, counts).astype(np.float32))
-    assert np.array_equal(stderr, np.sqrt(variance_of_mean(film, counts)).astype(np.float32))
-    assert np.array_equal(read_counts, counts)
+    moments = moments_of(film.sums, film.counts, *film.squares)
+    means, errors = moments.mean.astype(np.float32), np.sqrt(moments.variance).astype(np.float32)
+    assert np.array_equal(xyz, means[..., :3])
+    assert np.array_equal(stderr, errors[..., 1])
+    assert np.array_equal(read_counts, film.counts)
     further = read_further_responses(service.folder.image_path(row.id))
-    means = mean_further_responses(film, counts).astype(np.float32)
     assert sorted(further) == sorted(planned.schedule.further_responses)
     for index, name in enumerate(planned.schedule.further_responses):
-        assert np.array_equal(further[name], means[..., index])
+        assert np.array_equal(further[name], means[..., 3 + index])
 
 
 def check_complete(service: Service, render_id: str, redone: bool = False) -> None:
@@ -231,11 +228,11 @@ def read_manifest(path: Path) -> str:
 
 
 def read_further_responses(path: Path) -> dict[str, np.ndarray]:
-    """All other channels by name."""
+    """Those channels by name."""
     return {
         name: channel
         for name, channel in _read_channels(path).items()
-        if name not in ("X", "Y", "Z", "Y.stderr", "n", "R", "G", "B")
+        if "." not in name and name not in ("X", "Y", "Z", "n", "R", "G", "B")
     }
 
 

@@ -12,25 +12,24 @@ import numpy as np
 import redis
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
-from nocturne_coordinator.dispatch.merge import Sums
 from nocturne_coordinator.enrolment import machine_of, redis_password, redis_user, signature
 from nocturne_coordinator.queue import keys
-from nocturne_scene.ranges import XYZ_SUMS
+from nocturne_scene.tile_sums import TileSums
+
+from tests.sums import sums_of_independent
 
 Alter = Callable[[job_pb2.JobResult], list[job_pb2.JobResult | bytes]]
 """What a worker sends instead of one result."""
 
 
-def simulated_sums(job: job_pb2.Job, further_responses: int = 0) -> Sums:
+def simulated_sums(job: job_pb2.Job, further_responses: int = 0) -> TileSums:
     """Sums of the job's samples: possible ones, that do not add up exactly; later tiles are noisier."""
     place = f"{job.scene.hex()} {job.tile_index} {job.first_sample} {job.end_sample}"
     seed = int.from_bytes(hashlib.sha256(place.encode()).digest()[:8], "little")
     samples = job.end_sample - job.first_sample
-    shape = (job.tile.height, job.tile.width, XYZ_SUMS + further_responses)
-    drawn = np.random.default_rng(seed).random(shape)
-    sums: Sums = (0.5 + drawn) * samples
-    sums[..., 3] = sums[..., 1] ** 2 / samples * (1.0 + 0.5 * (1 + job.tile_index) * (0.5 + drawn[..., 3]))
-    return sums
+    drawn = np.random.default_rng(seed).random((job.tile.height, job.tile.width, 4 + further_responses))
+    spread = 1.0 + 0.5 * (1 + job.tile_index) * (0.5 + drawn[..., 0])
+    return sums_of_independent((0.5 + drawn[..., 1:]) * samples, spread, samples)
 
 
 def simulated_result(
@@ -41,7 +40,7 @@ def simulated_result(
         job=job,
         worker_id=worker_id,
         partial=job_pb2.Partial(
-            sums=simulated_sums(job, further_responses).astype("<f8").tobytes(),
+            sums=simulated_sums(job, further_responses).encode(),
             photons=photons,
             rays=3 * photons,
             invalid_samples=job.tile_index % 2,

@@ -8,7 +8,7 @@ import numpy as np
 import OpenEXR
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
-from nocturne_coordinator.dispatch.error_estimate import estimate_error
+from nocturne_coordinator.dispatch.error_estimate import Squares, estimate_error
 from nocturne_coordinator.dispatch.merge import Counts, Sums
 from nocturne_coordinator.dispatch.variance import variance_of_mean
 from nocturne_coordinator.output.images import (
@@ -20,16 +20,21 @@ from nocturne_coordinator.output.images import (
     write_preview,
     write_thumbnail,
 )
+from nocturne_scene.uncertainty import block_sums
 
 from tests.coordinator.service import read_exr, read_further_responses, read_rgb
+from tests.sums import sums_of
 
 PROVENANCE = Provenance("5c" * 32, '{"width":9}', 1, quantity="luminance")
 
 
-def film(samples: int = 10) -> tuple[Sums, Counts]:
-    draws = np.random.default_rng(1).random((samples, 7, 9, 3)) * 50
-    sums = np.concatenate([draws.sum(axis=0), (draws[..., 1:2] ** 2).sum(axis=0)], axis=-1)
-    return sums, np.full((7, 9), samples, dtype=np.uint32)
+def film(samples: int = 10, further: int = 0) -> tuple[Sums, Counts]:
+    draws = np.random.default_rng(1).random((samples, 7, 9, 3 + further)) * 50
+    return sums_of(draws).pixels, np.full((7, 9), samples, dtype=np.uint32)
+
+
+SQUARES = Squares(np.zeros((2, 3)), np.zeros((1, 1)), 32)
+"""Of a film whose blocks nobody looks at."""
 
 
 def test_variance_is_that_of_the_mean() -> None:
@@ -52,7 +57,7 @@ def test_exr_keeps_every_bit(tmp_path: Path, count: int) -> None:
     sums, counts = film()
     counts[2, 3] = count
     path = tmp_path / "image.exr"
-    write_image(path, sums, counts, PROVENANCE)
+    write_image(path, sums, counts, SQUARES, PROVENANCE)
     xyz, stderr, read_counts = read_exr(path)
     assert np.array_equal(read_counts, counts)
     assert np.array_equal(xyz, (sums[..., :3] / np.maximum(counts, 1)[..., None]).astype(np.float32))
@@ -60,26 +65,45 @@ def test_exr_keeps_every_bit(tmp_path: Path, count: int) -> None:
     assert [path.name for path in path.parent.iterdir()] == ["image.exr"]
 
 
-def test_exr_has_a_channel_for_each_further_response(tmp_path: Path) -> None:
-    sums, counts = film()
-    further = np.random.default_rng(2).random((7, 9, 2)) * 50
-    counts[2, 3] = 0
-    write_image(
-        tmp_path / "image.exr",
-        np.concatenate([sums, further], axis=-1),
-        counts,
-        PROVENANCE,
-        ("rod", "A-far_red"),
-    )
+def test_exr_has_channels_for_each_further_response(tmp_path: Path) -> None:
+    sums, counts = film(further=2)
+    write_image(tmp_path / "image.exr", sums, counts, SQUARES, PROVENANCE, ("rod", "A-far_red"))
     read = read_further_responses(tmp_path / "image.exr")
     assert sorted(read) == ["A-far_red", "rod"]
-    n = np.maximum(counts, 1)
-    assert np.array_equal(read["rod"], (further[..., 0] / n).astype(np.float32))
-    assert np.array_equal(read["A-far_red"], (further[..., 1] / n).astype(np.float32))
+    n = counts.astype(np.float64)
+    assert np.array_equal(read["rod"], (sums[..., 9] / n).astype(np.float32))
+    assert np.array_equal(read["A-far_red"], (sums[..., 10] / n).astype(np.float32))
     xyz, stderr, read_counts = read_exr(tmp_path / "image.exr")
     assert np.array_equal(xyz, (sums[..., :3] / n[..., None]).astype(np.float32))
     assert np.array_equal(stderr, np.sqrt(variance_of_mean(sums, counts)).astype(np.float32))
     assert np.array_equal(read_counts, counts)
+
+
+def test_exr_has_the_errors_of_all_quantities(tmp_path: Path) -> None:
+    """What numpy says of the samples that were drawn."""
+    draws = np.random.default_rng(1).random((10, 7, 9, 4))
+    draws[..., 2] += draws[..., 0]
+    sums = sums_of(draws)
+    squares = Squares(sums.block_squares, sums.tile_squares[None], 32)
+    path = tmp_path / "image.exr"
+    write_image(path, sums.pixels, np.full((7, 9), 10, np.uint32), squares, PROVENANCE, ("rod",))
+    with OpenEXR.File(str(path), separate_channels=True) as file:
+        read = {name: channel.pixels for name, channel in file.channels().items()}
+    for index, name in enumerate(("X", "Y", "Z", "rod")):
+        error = draws[..., index].std(axis=0, ddof=1) / np.sqrt(10)
+        assert read[f"{name}.stderr"] == pytest.approx(error, rel=1e-6)
+    for name, one, other in (("XY", 0, 1), ("XZ", 0, 2), ("YZ", 1, 2)):
+        expected = [
+            [np.corrcoef(draws[:, y, x, one], draws[:, y, x, other])[0, 1] for x in range(9)]
+            for y in range(7)
+        ]
+        assert read[f"{name}.correlation"] == pytest.approx(np.array(expected), abs=1e-5)
+    blocks = np.array([block_sums(each) for each in draws[..., 1]])
+    of_pixels = block_sums(draws[..., 1].var(axis=0, ddof=1))
+    assert read["Y.blockRatio"][::4, ::4] == pytest.approx(blocks.var(axis=0, ddof=1) / of_pixels, rel=1e-5)
+    assert (read["Y.blockRatio"][:4, 4:8] == read["Y.blockRatio"][0, 4]).all()
+    tile = blocks.sum(axis=(1, 2)).var(ddof=1) / blocks.var(axis=0, ddof=1).sum()
+    assert read["Y.tileRatio"] == pytest.approx(tile, rel=1e-5)
 
 
 def test_exr_has_linear_srgb_for_viewers(tmp_path: Path) -> None:
@@ -87,7 +111,7 @@ def test_exr_has_linear_srgb_for_viewers(tmp_path: Path) -> None:
     # White of IEC 61966-2-1 at 100 cd/m2, and its red primary at 1 cd/m2.
     sums[0, 0, :3] = np.array([0.9505, 1.0, 1.0890]) * 100
     sums[0, 1, :3] = [0.4124 / 0.2126, 1.0, 0.0193 / 0.2126]
-    write_image(tmp_path / "image.exr", sums, counts, PROVENANCE)
+    write_image(tmp_path / "image.exr", sums, counts, SQUARES, PROVENANCE)
     rgb = read_rgb(tmp_path / "image.exr")
     # The standard gives its matrices to four digits.
     assert rgb[0, 0] == pytest.approx([100] * 3, abs=0.02)
@@ -95,22 +119,22 @@ def test_exr_has_linear_srgb_for_viewers(tmp_path: Path) -> None:
 
 
 def test_a_response_named_as_a_colour_is_itself(tmp_path: Path) -> None:
-    sums, counts = film(1)
-    further = np.full((7, 9, 1), 5.0)
-    write_image(tmp_path / "image.exr", np.concatenate([sums, further], axis=-1), counts, PROVENANCE, ("R",))
+    sums, counts = film(1, further=1)
+    sums[..., 9] = 5.0
+    write_image(tmp_path / "image.exr", sums, counts, SQUARES, PROVENANCE, ("R",))
     with OpenEXR.File(str(tmp_path / "image.exr"), separate_channels=True) as file:
-        assert sorted(file.channels()) == ["R", "X", "Y", "Y.stderr", "Z", "n"]
+        assert sorted(name for name in file.channels() if "." not in name) == ["R", "X", "Y", "Z", "n"]
         assert (file.channels()["R"].pixels == 5.0).all()
 
 
 def test_an_image_that_can_not_be_written_is_an_os_error(tmp_path: Path) -> None:
     (tmp_path / "image.exr").mkdir()
     with pytest.raises(OSError, match=r"image\.exr"):
-        write_image(tmp_path / "image.exr", *film(), PROVENANCE)
+        write_image(tmp_path / "image.exr", *film(), SQUARES, PROVENANCE)
 
 
 def test_exr_says_what_it_is(tmp_path: Path) -> None:
-    write_image(tmp_path / "image.exr", *film(), PROVENANCE)
+    write_image(tmp_path / "image.exr", *film(), SQUARES, PROVENANCE)
     image: Any = oiio.ImageInput.open(str(tmp_path / "image.exr"))
     said = {attribute.name: attribute.value for attribute in image.spec().extra_attribs}
     image.close()
@@ -122,10 +146,10 @@ def test_exr_says_what_it_is(tmp_path: Path) -> None:
 
 
 def test_equal_images_are_equal_files(tmp_path: Path) -> None:
-    write_image(tmp_path / "a.exr", *film(), PROVENANCE)
+    write_image(tmp_path / "a.exr", *film(), SQUARES, PROVENANCE)
     write_preview(tmp_path / "a.png", *film(), FINAL_COMPRESSION)
     time.sleep(1.1)
-    write_image(tmp_path / "b.exr", *film(), PROVENANCE)
+    write_image(tmp_path / "b.exr", *film(), SQUARES, PROVENANCE)
     write_preview(tmp_path / "b.png", *film(), FINAL_COMPRESSION)
     assert (tmp_path / "a.exr").read_bytes() == (tmp_path / "b.exr").read_bytes()
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()

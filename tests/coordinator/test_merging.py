@@ -16,12 +16,15 @@ from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import MIN_OVERDUE, OVERDUE_FACTOR, JobKey, Scheduler
 from nocturne_coordinator.dispatch.state import Settings, State
 from nocturne_scene.ranges import make_schedule
+from nocturne_scene.tile_sums import TileSums, numbers_in, split
 
 from tests.coordinator.simulated_worker import simulated_result, simulated_sums
 
 
 def tile_range(index: int, value: float = 1.0) -> RangeSums:
-    return RangeSums(index, np.full((1, 1, 4), value), 1, 1, 0, 0.0, b"%d" % index)
+    sums = TileSums.zeros(1, 1, 2)
+    sums.assign(split(np.full(numbers_in(1, 1, 2), value), 1, 1, 2))
+    return RangeSums(index, sums, 1, 1, 0, 0.0, b"%d" % index)
 
 
 @given(
@@ -30,7 +33,7 @@ def tile_range(index: int, value: float = 1.0) -> RangeSums:
     values=st.lists(st.floats(0, 1e20), min_size=limits.RANGES_AHEAD, max_size=limits.RANGES_AHEAD),
 )
 def test_a_tile_adds_in_sample_order(order: list[int], repeats: list[int], values: list[float]) -> None:
-    tile = TileState(np.zeros((1, 1, 4)))
+    tile = TileState(TileSums.zeros(1, 1, 2))
     merged = []
     for index in [*order, *repeats]:
         merged += [each.index for each in tile.offer(tile_range(index, values[index]))[1]]
@@ -38,12 +41,12 @@ def test_a_tile_adds_in_sample_order(order: list[int], repeats: list[int], value
     in_order = 0.0
     for value in values:
         in_order += value
-    assert np.all(tile.sums == in_order)
+    assert np.all(np.frombuffer(tile.sums.encode()) == in_order)
     assert not tile.waiting
 
 
 def test_a_tile_says_what_became_of_a_range() -> None:
-    tile = TileState(np.zeros((1, 1, 4)))
+    tile = TileState(TileSums.zeros(1, 1, 2))
     assert tile.offer(tile_range(1))[0] is Verdict.EARLY
     assert tile.offer(tile_range(1))[0] is Verdict.DUPLICATE
     assert tile.offer(tile_range(limits.RANGES_AHEAD))[0] is Verdict.TOO_EARLY
@@ -96,11 +99,12 @@ class Session:
     def check_sums(self) -> None:
         planned = self.render.planned
         for index, tile in enumerate(self.render.film.tiles):
-            total = np.zeros_like(tile.sums)
+            height, width, _ = tile.sums.pixels.shape
+            total = TileSums.zeros(width, height, self._further_responses)
             for position in range(tile.merged):
                 job = planned.job(index, planned.ranges[position])
                 total += simulated_sums(job, self._further_responses)
-            assert np.array_equal(tile.sums, total)
+            assert tile.sums.encode() == total.encode()
 
 
 @settings(max_examples=25)

@@ -175,7 +175,7 @@ def test_a_checkpoint_is_made_only_of_something_new(service: Service) -> None:
     ("statement", "said"),
     [
         ("UPDATE tile SET samples = 5 WHERE tile_index = 1", "5 samples are not the end of a planned range"),
-        ("UPDATE tile SET sums = zeroblob(8) WHERE tile_index = 1", "cannot reshape"),
+        ("UPDATE tile SET sums = zeroblob(8) WHERE tile_index = 1", "8 bytes are no sums of"),
         ("UPDATE tile SET sums = unhex_ff(length(sums)) WHERE tile_index = 1", "not finite"),
         ("UPDATE tile SET tile_index = 99 WHERE tile_index = 1", "tile 99 of 6"),
         ("UPDATE render SET schedule = x'ffff'", "render r-"),

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import limits
 from nocturne_coordinator.queue.worker_status import worker_row
+from nocturne_scene.tile_sums import TileSums, split
 
 from tests.coordinator.simulated_worker import simulated_result
 from tests.coordinator.test_merging import Session
@@ -20,17 +21,22 @@ from tests.mutations import mutated
 Spoil = Callable[[job_pb2.JobResult], None]
 
 
-def changed_sums(change: Callable[[np.ndarray], None]) -> Spoil:
+def changed_sums(change: Callable[[TileSums], None]) -> Spoil:
     def spoil(result: job_pb2.JobResult) -> None:
-        sums = np.frombuffer(result.partial.sums).reshape(-1, 4).copy()
-        change(sums)
-        result.partial.sums = sums.tobytes()
+        tile = result.job.tile
+        numbers = np.frombuffer(result.partial.sums).copy()
+        change(split(numbers, tile.width, tile.height, 0))
+        result.partial.sums = numbers.tobytes()
 
     return spoil
 
 
 def put(pixel: int, channel: int, value: float) -> Spoil:
-    return changed_sums(lambda sums: sums.__setitem__((pixel, channel), value))
+    return changed_sums(lambda sums: sums.pixels[0].__setitem__((pixel, channel), value))
+
+
+def scaled(part: str, factor: float) -> Spoil:
+    return changed_sums(lambda sums: getattr(sums, part).__imul__(factor))
 
 
 def field(path: str, value: object) -> Spoil:
@@ -50,6 +56,16 @@ SPOILT: dict[str, Spoil] = {
     "negative": put(1, 1, -1e-9),
     "beyond physics": put(1, 0, 1e200),
     "Y without Y squared": put(5, 3, 0.0),
+    "X without X squared": put(5, 4, 0.0),
+    "Z without Z squared": put(5, 5, 0.0),
+    "XY above the roots of XX and YY": put(5, 6, 1e6),
+    "XZ above the roots of XX and ZZ": put(5, 7, 1e6),
+    "YZ above the roots of YY and ZZ": put(5, 8, 1e6),
+    "blocks with less than their pixels": scaled("block_squares", 0.01),
+    "blocks with more than their pixels": scaled("block_squares", 100.0),
+    "a tile with less than its blocks": scaled("tile_squares", 0.001),
+    "a tile with more than its blocks": scaled("tile_squares", 1000.0),
+    "a tile of NaN": scaled("tile_squares", float("nan")),
     "truncated": lambda result: setattr(result.partial, "sums", result.partial.sums[:-1]),
     "too long": lambda result: setattr(result.partial, "sums", result.partial.sums + bytes(32)),
     "no sums": field("partial.sums", b""),
@@ -121,7 +137,7 @@ def test_further_responses_are_checked_as_x_and_z_are(value: float) -> None:
     key = next(iter(session.stream))
     result = session.result(key)
     sums = np.frombuffer(result.partial.sums).copy()
-    sums[4] = value
+    sums[9] = value
     result.partial.sums = sums.tobytes()
     session.deliver(result.SerializeToString())
     assert session.intake.refused == 1

@@ -13,7 +13,6 @@ from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.audit import Auditor
 from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate
 from nocturne_coordinator.dispatch.forecast import UNKNOWN, Measured, forecast
-from nocturne_coordinator.dispatch.merge import Sums
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
@@ -28,8 +27,10 @@ from nocturne_coordinator.dispatch.trust import MIN_SAMPLES, samples_to_stop
 from nocturne_coordinator.output.images import manifest_text
 from nocturne_scene.errors import InputError
 from nocturne_scene.ranges import extended_schedule, make_schedule
+from nocturne_scene.tile_sums import TileSums
 
 from tests.pictures import samples_of
+from tests.sums import sums_of
 
 EVENING = datetime(2026, 11, 21, 18, 0, tzinfo=UTC)
 
@@ -166,21 +167,17 @@ NOISE = (0.02, 0.1, 0.3, 0.6, 1.0, 0.0)
 """Of each tile: standard deviation of Y relative to its mean; the last one is black."""
 
 
-def noisy_sums(job: job_pb2.Job) -> Sums:
+def noisy_sums(job: job_pb2.Job) -> TileSums:
     """Sums of normally distributed samples around 10 cd/m2, by a generator that knows the job only."""
-    shape = (job.tile.height, job.tile.width, 4)
+    shape = (job.tile.height, job.tile.width)
     noise = NOISE[job.tile_index]
     if noise == 0.0:
-        return np.zeros(shape)
+        return TileSums.zeros(job.tile.width, job.tile.height)
     count = job.end_sample - job.first_sample
     draws = np.random.default_rng([job.tile_index, job.first_sample]).normal(
-        10.0, 10.0 * noise, (count, *shape[:2])
+        10.0, 10.0 * noise, (count, *shape)
     )
-    draws = np.abs(draws)
-    sums = np.empty(shape)
-    sums[..., :3] = draws.sum(axis=0)[..., None]
-    sums[..., 3] = (draws**2).sum(axis=0)
-    return sums
+    return sums_of(np.abs(draws)[..., None].repeat(3, axis=-1))
 
 
 class Adaptive:
@@ -214,7 +211,7 @@ class Adaptive:
         job = planned.job(key.tile_index, planned.ranges[key.range_index])
         pixels = job.tile.width * job.tile.height * (job.end_sample - job.first_sample)
         self.traced += pixels
-        partial = job_pb2.Partial(sums=noisy_sums(job).astype("<f8").tobytes(), photons=pixels)
+        partial = job_pb2.Partial(sums=noisy_sums(job).encode(), photons=pixels)
         result = job_pb2.JobResult(job=job, worker_id="w", partial=partial).SerializeToString()
         self.deliver(result)
         return result
@@ -253,10 +250,10 @@ def adaptive_run(seed: int, window: int, stop: StopConditions) -> Adaptive:
     raise AssertionError("it never ends")
 
 
-def in_order(tile: job_pb2.Tile, index: int, samples: int) -> Sums:
+def in_order(tile: job_pb2.Tile, index: int, samples: int) -> TileSums:
     """What one process that traces range by range has at the end."""
     planned = Adaptive(StopConditions()).render.planned
-    total = np.zeros((tile.height, tile.width, 4))
+    total = TileSums.zeros(tile.width, tile.height)
     for position in range(planned.ranges.merged_at(samples)):
         total += noisy_sums(planned.job(index, planned.ranges[position]))
     return total
@@ -272,7 +269,7 @@ def test_adaptive_tiles_have_the_same_bits_whatever_happens(seed: int) -> None:
     assert stormy.scheduler.in_flight == 0
     for index, samples in enumerate(stormy.render.film.manifest()):
         tile = stormy.render.planned.grid.tile(index)
-        assert np.array_equal(stormy.render.film.tiles[index].sums, in_order(tile, index, samples))
+        assert stormy.render.film.tile_bytes(index) == in_order(tile, index, samples).encode()
 
 
 def test_noisy_tiles_get_the_work() -> None:
@@ -287,7 +284,7 @@ def test_noisy_tiles_get_the_work() -> None:
     everything = adaptive_run(0, 1, full)
     assert session.render.totals.photons < everything.render.totals.photons
     # A tile that is black so far may just not have met its light.
-    assert session.render.film.tiles[5].sums.sum() == 0.0
+    assert session.render.film.tiles[5].sums.pixels.sum() == 0.0
 
 
 def test_little_is_traced_in_vain() -> None:

@@ -8,7 +8,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.coordinator import Coordinator
 from nocturne_coordinator.dispatch.events import Event
@@ -22,6 +21,7 @@ from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_coordinator.event_log import EventLog
 from nocturne_coordinator.queue.job_queue import Session
 from nocturne_scene.ranges import make_schedule
+from nocturne_scene.tile_sums import TileSums
 
 from tests.coordinator.memory_queue import MemoryQueue, VirtualClock, Worker
 from tests.coordinator.memory_store import SCENE, MemoryLedger, MemoryPreviews, Store, Stored
@@ -164,10 +164,10 @@ class World:
         planned, samples = stored.planned, 0
         for index, row in stored.tiles.items():
             tile = planned.grid.tile(index)
-            total = np.zeros((tile.height, tile.width, 4))
+            total = TileSums.zeros(tile.width, tile.height)
             for position in range(planned.ranges.merged_at(row.samples)):
                 total += simulated_sums(planned.job(index, planned.ranges[position]))
-            assert row.sums == total.astype("<f8").tobytes()
+            assert row.sums == total.encode()
             samples += row.samples * tile.width * tile.height
         assert stored.row.totals.photons == samples
         if stored.row.state.has_image and stored.tiles:

@@ -7,7 +7,6 @@ import copy
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
-import numpy as np
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch import state as core_state
 from nocturne_coordinator.dispatch.audit import Auditor
@@ -17,6 +16,7 @@ from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
 from nocturne_scene.ranges import make_schedule
+from nocturne_scene.tile_sums import TileSums
 
 from tests.coordinator.simulated_worker import simulated_result, simulated_sums
 
@@ -38,9 +38,11 @@ class Work:
         jobs = [self.planned.job(0, self.planned.ranges[index]) for index in range(ranges)]
         self.results = [simulated_result(job).SerializeToString() for job in jobs]
         self.keys = [JobKey("r", 0, index) for index in range(ranges)]
-        self.prefixes = [np.zeros((1, 1, 4))]
+        total = TileSums.zeros(1, 1)
+        self.prefixes = [total.encode()]
         for job in jobs:
-            self.prefixes.append(self.prefixes[-1] + simulated_sums(job))
+            total += simulated_sums(job)
+            self.prefixes.append(total.encode())
 
     def samples(self, merged: int) -> int:
         return self.schedule.range_ends[merged - 1] if merged else 0
@@ -48,13 +50,13 @@ class Work:
     def render_at(self, committed: int) -> RunningRender:
         tiles = []
         if committed:
-            tiles = [TileRow(0, self.samples(committed), self.prefixes[committed].tobytes())]
+            tiles = [TileRow(0, self.samples(committed), self.prefixes[committed])]
         return RunningRender(replace(self.row, totals=Totals()), tiles)
 
     def check(self, render: RunningRender) -> None:
         """WentWrong unless the sums are those of the first ranges in order, each once."""
         tile = render.film.tiles[0]
-        if not np.array_equal(tile.sums, self.prefixes[tile.merged]):
+        if tile.sums.encode() != self.prefixes[tile.merged]:
             raise WentWrong("sums that are not those of the first ranges in order")
         if render.totals.photons != self.samples(tile.merged):
             raise WentWrong("photons that are not those of the merged ranges")

@@ -13,6 +13,7 @@ import redis
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.queue import keys
 from nocturne_coordinator.queue.worker_status import worker_row
+from nocturne_scene.tile_sums import split
 
 from tests.coordinator.service import RedisServer, Service, wait_until
 from tests.coordinator.simulated_worker import Machine, SimulatedWorker, simulated_result
@@ -81,8 +82,9 @@ def farm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Farm]:
 def wrong(job: job_pb2.Job, worker: str) -> job_pb2.JobResult:
     """Ten times as bright as it is."""
     result = simulated_result(job, worker)
-    sums = np.frombuffer(result.partial.sums, dtype="<f8").reshape(-1, 4) * [10.0, 10.0, 10.0, 100.0]
-    result.partial.sums = sums.tobytes()
+    numbers = np.frombuffer(result.partial.sums, dtype="<f8") * 100.0
+    split(numbers, job.tile.width, job.tile.height, 0).pixels[..., :3] /= 10.0
+    result.partial.sums = numbers.tobytes()
     return result
 
 

@@ -76,16 +76,18 @@ def test_further_responses_make_smaller_tiles() -> None:
     for count in range(limits.MAX_FURTHER_RESPONSES + 1):
         schedule = make_schedule(70, 33, 20, [f"r{index}" for index in range(count)])
         assert len(schedule.further_responses) == count
-        assert schedule.tile_size**2 * (4 + count) * 8 <= 64 * 1024
+        edge = schedule.tile_size
+        assert 8 * (edge**2 * (9 + 2 * count) + (edge // 4) ** 2 + 1) <= 144 * 1024
         sizes[count] = schedule.tile_size
-    assert (sizes[0], sizes[4], sizes[5], sizes[28], sizes[29], sizes[60]) == (32, 32, 16, 16, 8, 8)
+    assert (sizes[0], sizes[4], sizes[5], sizes[31], sizes[32], sizes[60]) == (32, 32, 16, 16, 8, 8)
 
 
 def test_further_responses_leave_fewer_pixels() -> None:
     make_schedule(8192, 8192, 1)
-    make_schedule(8192, 4096, 1, ["a", "b", "c", "d"])
+    names = [f"r{index}" for index in range(9)]  # 27 sums instead of 9
+    make_schedule(8192, 2730, 1, names)
     with pytest.raises(InputError) as caught:
-        make_schedule(8192, 4097, 1, ["a", "b", "c", "d"])
+        make_schedule(8192, 2731, 1, names)
     assert [problem.place for problem in caught.value.problems] == ["$.width"]
 
 

@@ -96,7 +96,7 @@ _OTHER_NAME = {
 _NO_SCHEMA = {
     *("GetRenderRequest", "ListRendersRequest", "WatchRenderRequest", "WatchRendersRequest"),
     *("DeleteRenderRequest", "DeleteRenderResponse", "ExplainRenderRequest", "GetConvergenceRequest"),
-    *("FetchImageRequest", "ImageChunk", "FetchRequest", "Chunk", "UploadRequest"),
+    *("ReadRegionRequest", "FetchImageRequest", "ImageChunk", "FetchRequest", "Chunk", "UploadRequest"),
     *("ListWorkersRequest", "ReleaseWorkerRequest", "ReleaseWorkerResponse"),
     *("ListWebhooksRequest", "DeleteWebhookRequest", "DeleteWebhookResponse", "PreflightResponse"),
 }
@@ -141,7 +141,7 @@ def _type_of_field(field: FieldDescriptor) -> str:
 
 def _may_be_absent(field: FieldDescriptor) -> bool:
     # Protobuf tells a message that is not there from an empty one. Those of answers are always there.
-    return field.name == "look_first"
+    return field.name == "look_first" or field.containing_oneof is not None
 
 
 def _fields_of_schema(name: str) -> dict[str, tuple[str, bool]]:
@@ -215,6 +215,7 @@ _ROUTES = {
     "LookFirst": ("post", "/v1/renders/{render_id}:lookFirst"),
     "ReplayRender": ("post", "/v1/renders/{render_id}:replay"),
     "ExplainRender": ("get", "/v1/renders/{render_id}/explanation"),
+    "ReadRegion": ("get", "/v1/renders/{render_id}/reading"),
     "GetConvergence": ("get", "/v1/renders/{render_id}/convergence"),
     "WatchRender": ("get", "/v1/renders/{render_id}/events"),
     "WatchRenders": ("get", "/v1/events"),

@@ -7,15 +7,19 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.photometry import write_photometry
+from nocturne_coordinator.dispatch.error_estimate import Squares
 from nocturne_coordinator.output.images import Provenance, write_image
 from nocturne_scene.photometry import ies as photometric_files
+from nocturne_scene.tile_sums import TileSums
 
 
 def _image(folder: Path, width: int, height: int, quantity: str = "luminous intensity") -> Path:
     path = folder / "image.exr"
-    sums = np.ones((height, width, 4))
+    sums = TileSums.zeros(width, height)
+    sums.pixels[..., :] = 1.0
     provenance = Provenance("0" * 64, "{}", 2, quantity=quantity)
-    write_image(path, sums, np.ones((height, width), dtype=np.uint32), provenance)
+    squares = Squares(sums.block_squares, sums.tile_squares[None], max(width, height))
+    write_image(path, sums.pixels, np.ones((height, width), dtype=np.uint32), squares, provenance)
     return path
 
 

@@ -1,66 +1,155 @@
-"""What a part of an image shows, in numbers."""
+"""What a part of an image shows, in numbers: the same over REST and gRPC, by the formula of one place."""
 
-from dataclasses import replace
 from typing import Any
 
+import grpc
+import httpx
 import numpy as np
 import pytest
+from nocturne.v1 import render_service_pb2 as pb
+from nocturne.v1 import render_service_pb2_grpc
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.models import Region
-from nocturne_client.readings import Reading, parse_region, read_region
-from nocturne_client.tiles import Tile, TileAnswer
+from nocturne_client.models import Reading, ReadValue, Region
+from nocturne_client.readings import parse_region, sentence
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_scene.tile_sums import TileSums
+
+from tests.services.test_tiles import HEIGHT, TILE, WIDTH, Committer
+from tests.sums import sums_of
+
+SAMPLES = 16
 
 
-class FakeClient:
-    """Two tiles of a film of 40 by 8 pixels, in two answers."""
-
-    def tiles(self, render_id: str, since: str = "") -> TileAnswer:
-        assert render_id == "r-1"
-        x, width = (32, 8) if since else (0, 32)
-        pixels = np.zeros((8, width, 4), dtype=np.float32)
-        pixels[..., :3] = 10.0 + x
-        pixels[..., 3] = 2.0
-        pixels[0, 0] = 0.0
-        return TileAnswer(40, 8, [Tile(x, 0, 64, 0, pixels)], more=not since, cursor="1.1")
+@pytest.fixture
+def drawn() -> np.ndarray[Any, Any]:
+    """Samples of a film in which the pixels of a block share a part of their light."""
+    rng = np.random.default_rng(3)
+    shared = rng.gamma(2.0, 3.0, (SAMPLES, 8, 10, 3)).repeat(4, axis=1).repeat(4, axis=2)
+    return shared[:, :HEIGHT] + rng.gamma(2.0, 3.0, (SAMPLES, HEIGHT, WIDTH, 3))
 
 
-class FakeRender:
-    id, width, height, quantity, unit = "r-1", 40, 8, "illuminance", "lx"
+@pytest.fixture
+async def rendered(
+    body: dict[str, Any], rest: httpx.AsyncClient, folder: DataFolder, drawn: np.ndarray[Any, Any]
+) -> str:
+    render_id = str((await rest.post("/v1/renders", json=body)).json()["id"])
+    committer = Committer(folder)
+    tiles: dict[int, tuple[int, TileSums, int]] = {
+        0: (SAMPLES, sums_of(drawn[:, :, :TILE]), 3),
+        1: (SAMPLES, sums_of(drawn[:, :, TILE:]), 0),
+    }
+    committer.commit(render_id, tiles)
+    committer.ownership.release()
+    return render_id
 
 
-def read(text: str) -> Reading:
-    client: Any = FakeClient()
-    render: Any = FakeRender()
-    return read_region(client, render, parse_region(text))
+async def test_a_region_across_tiles_has_means_and_errors(
+    rest: httpx.AsyncClient, rendered: str, drawn: np.ndarray[Any, Any]
+) -> None:
+    """The errors of what its samples, each the region's mean, have as spread."""
+    asked = {"x": 28, "y": 4, "width": 8, "height": 8}
+    read = (await rest.get(f"/v1/renders/{rendered}/reading", params=asked)).json()
+    of_samples = drawn[:, 4:12, 28:36].mean(axis=(1, 2))
+    assert [each["name"] for each in read["values"]] == ["X", "Y", "Z"]
+    assert [each["mean"] for each in read["values"]] == pytest.approx(of_samples.mean(axis=0))
+    expected = of_samples.std(axis=0, ddof=1) / np.sqrt(SAMPLES)
+    # Pixels that are taken as independent would have 0.35 of it; an error of 16 samples is known to 18 %.
+    assert [each["standard_error"] for each in read["values"]] == pytest.approx(expected, rel=0.45)
+    assert read["correlation"] > 4.0
+    assert (read["pixels"], read["samples"], read["unseen_pixels"]) == (64, 64 * SAMPLES, 0)
+    assert (read["fewest_samples"], read["most_samples"], read["invalid_samples"]) == (SAMPLES, SAMPLES, 3)
+    assert read["region"] == asked
+    assert (read["quantity"], read["unit"]) == ("luminance", "cd/m2")
+    assert read["u_prime_error"] > 0.0
 
 
-def test_a_region_across_tiles_has_its_mean_error_and_unit() -> None:
-    found = read("31,2,2,4")
-    assert found.value == pytest.approx((10.0 + 42.0) / 2)
-    assert found.standard_error == pytest.approx(2.0 / np.sqrt(8))
-    assert (found.pixels, found.samples, found.unseen_pixels) == (8, 8 * 64, 0)
-    assert str(found) == "illuminance 26 +- 1.4 lx (95 %)"
+async def test_a_pixel_has_the_error_of_its_own_samples(
+    rest: httpx.AsyncClient, rendered: str, drawn: np.ndarray[Any, Any]
+) -> None:
+    asked = {"x": 5, "y": 6, "width": 1, "height": 1}
+    read = (await rest.get(f"/v1/renders/{rendered}/reading", params=asked)).json()
+    expected = drawn[:, 6, 5].std(axis=0, ddof=1) / np.sqrt(SAMPLES)
+    assert [each["standard_error"] for each in read["values"]] == pytest.approx(expected)
+    assert read["correlation"] == 1.0
 
 
-def test_a_pixel_that_saw_nothing_says_so_with_a_bound() -> None:
-    found = read("0,0")
-    assert (found.value, found.standard_error) == (0.0, None)
-    assert str(found) == "nothing seen: none of 64 samples met light, so fewer than 1 in 21 meet any (95 %)"
-    assert "nothing seen in 1 of 4 pixels" in str(read("0,0,2,2"))
+async def test_grpc_says_what_rest_says(
+    rest: httpx.AsyncClient, channel: grpc.aio.Channel, rendered: str
+) -> None:
+    whole = (await rest.get(f"/v1/renders/{rendered}/reading")).json()
+    assert whole["pixels"] == WIDTH * HEIGHT
+    stub = render_service_pb2_grpc.RenderServiceStub(channel)
+    told = await stub.ReadRegion(pb.ReadRegionRequest(id=rendered))
+    assert [(each.name, each.mean, each.standard_error) for each in told.values] == [
+        (each["name"], each["mean"], each["standard_error"]) for each in whole["values"]
+    ]
+    assert (told.u_prime, told.u_prime_error) == (whole["u_prime"], whole["u_prime_error"])
+    assert told.correlation == whole["correlation"]
 
 
-@pytest.mark.parametrize("text", ["", "1", "1,2,3", "1,2,3,4,5", "a,b", "-1,0", "1.5,2"])
-def test_what_is_no_region_is_refused(text: str) -> None:
-    with pytest.raises(NocturneClientError, match="expected X,Y,WIDTH,HEIGHT"):
-        parse_region(text)
+@pytest.mark.parametrize("region", [(40, 0, 1, 1), (0, 0, 41, 1), (0, 0, 1, 0), (-1, 0, 1, 1)])
+async def test_a_region_outside_of_the_film_is_refused(
+    rest: httpx.AsyncClient, rendered: str, region: tuple[int, int, int, int]
+) -> None:
+    asked = dict(zip(("x", "y", "width", "height"), region, strict=True))
+    answer = await rest.get(f"/v1/renders/{rendered}/reading", params=asked)
+    assert answer.status_code == 422
+    assert "within the film of 40 x 30" in answer.text
 
 
-@pytest.mark.parametrize("text", ["40,0", "0,0,41,1", "0,0,0,1"])
-def test_a_region_outside_of_the_film_is_refused(text: str) -> None:
-    with pytest.raises(NocturneClientError, match="not within the film of 40 x 8"):
-        read(text)
+async def test_what_has_no_samples_yet_is_not_found(body: dict[str, Any], rest: httpx.AsyncClient) -> None:
+    render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
+    answer = await rest.get(f"/v1/renders/{render_id}/reading")
+    assert answer.status_code == 404
+    assert "no samples there yet" in answer.text
+
+
+# --- in words ---
+
+
+def reading(**fields: Any) -> Reading:
+    values = [ReadValue("X", 12.0, 0.5), ReadValue("Y", 10.0, 0.7), ReadValue("Z", 8.0, 0.4)]
+    whole: dict[str, Any] = {
+        "region": Region(5, 5, 2, 2),
+        "quantity": "illuminance",
+        "unit": "lx",
+        "response_unit": "W m-2",
+        "values": values,
+        "u_prime": 0.2,
+        "v_prime": 0.45,
+        "u_prime_error": 0.001,
+        "v_prime_error": 0.002,
+        "correlation": 1.0,
+        "pixels": 4,
+        "unseen_pixels": 0,
+        "samples": 64,
+        "fewest_samples": 16,
+        "most_samples": 16,
+        "invalid_samples": 0,
+    }
+    return Reading(**(whole | fields))
+
+
+def test_a_reading_says_all_quantities_with_their_intervals() -> None:
+    assert sentence(reading()) == (
+        "illuminance 10 +- 1.4 lx, u' 0.2000 +- 0.002, v' 0.4500 +- 0.0039, X 12 +- 0.98, Z 8 +- 0.78 (95 %)"
+    )
+    assert "rod 0.5 +- 0.2" in sentence(reading(values=[*reading().values, ReadValue("rod", 0.5, 0.1)]))
+    assert "nothing seen in 1 of 4 pixels" in sentence(reading(unseen_pixels=1))
+
+
+def test_what_saw_nothing_says_so_with_a_bound() -> None:
+    dark = [ReadValue(name, 0.0, None) for name in "XYZ"]
+    assert sentence(reading(values=dark, u_prime=None)) == (
+        "nothing seen: none of 64 samples met light, so fewer than 1 in 21 meet any (95 %)"
+    )
 
 
 def test_an_older_renders_numbers_have_no_unit() -> None:
-    found = replace(read("5,5"), quantity="", unit="", region=Region(5, 5, 1, 1))
-    assert str(found) == "Y 10 +- 3.9 (95 %)"
+    assert sentence(reading(quantity="", unit="")).startswith("Y 10 +- 1.4, u'")
+
+
+@pytest.mark.parametrize("text", ["", "1", "1,2,3", "1,2,3,4,5", "a,b", "-1,0", "1.5,2", "0,0,0,1"])
+def test_what_is_no_region_is_refused(text: str) -> None:
+    with pytest.raises(NocturneClientError, match=r"expected X,Y,WIDTH,HEIGHT|has no pixels"):
+        parse_region(text)

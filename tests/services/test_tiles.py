@@ -12,11 +12,15 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
+from nocturne_coordinator.dispatch.error_estimate import Squares
 from nocturne_coordinator.dispatch.records import RenderCommit, TileRow, Totals
 from nocturne_coordinator.output.images import Provenance, write_image
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
+from nocturne_scene.tile_sums import TileSums
+
+from tests import sums
 
 WIDTH, HEIGHT, TILE = 40, 30, 32
 """Two tiles: 32 x 30 and 8 x 30."""
@@ -29,11 +33,11 @@ class Committer:
         self.ownership = Ownership(folder.root, folder.database)
         self.ledger = Ledger(folder.database, self.ownership)
 
-    def commit(self, render_id: str, tiles: dict[int, tuple[int, npt.NDArray[np.float64], int]]) -> None:
+    def commit(self, render_id: str, tiles: dict[int, tuple[int, TileSums, int]]) -> None:
         """By tile: samples, sums and invalid samples."""
         rows = [
-            TileRow(index, n, sums.tobytes(), invalid_samples)
-            for index, (n, sums, invalid_samples) in tiles.items()
+            TileRow(index, n, of_tile.encode(), invalid_samples)
+            for index, (n, of_tile, invalid_samples) in tiles.items()
         ]
         held = self.ledger.renders.take(render_id)
         assert held is not None
@@ -47,11 +51,10 @@ async def committer(folder: DataFolder) -> AsyncIterator[Committer]:
     committer.ownership.release()
 
 
-def sums_of(samples: int, width: int) -> npt.NDArray[np.float64]:
-    """Sums over `samples` samples of XYZ and Y squared, all different."""
+def sums_of(samples: int, width: int) -> TileSums:
+    """Sums over `samples` samples, all different."""
     rng = np.random.default_rng(samples * 100 + width)
-    drawn = rng.gamma(2.0, 3.0, (samples, HEIGHT, width, 3))
-    return np.concatenate([drawn.sum(0), np.square(drawn[..., 1]).sum(0)[..., None]], axis=-1)
+    return sums.sums_of(rng.gamma(2.0, 3.0, (samples, HEIGHT, width, 3)))
 
 
 def decode(content: bytes) -> tuple[tuple[int, ...], dict[int, tuple[tuple[int, ...], npt.NDArray[Any]]]]:
@@ -88,7 +91,13 @@ async def test_pixels_are_those_of_the_exr(
 
     counts = np.full((HEIGHT, WIDTH), 8, dtype=np.uint32)
     counts[:, TILE:] = 4
-    write_image(tmp_path / "a.exr", np.concatenate([left, right], axis=1), counts, Provenance("", "", 1))
+    whole = np.concatenate([left.pixels, right.pixels], axis=1)
+    squares = Squares(
+        np.concatenate([left.block_squares, right.block_squares], axis=1),
+        np.concatenate([left.tile_squares, right.tile_squares])[None],
+        TILE,
+    )
+    write_image(tmp_path / "a.exr", whole, counts, squares, Provenance("", "", 1))
     exr = oiio.ImageBuf(str(tmp_path / "a.exr"))
     channels = [exr.spec().channelnames.index(name) for name in ("X", "Y", "Z", "Y.stderr")]
     expected = np.asarray(exr.get_pixels(oiio.FLOAT))[..., channels]

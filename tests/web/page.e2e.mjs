@@ -65,11 +65,14 @@ const checks = {
     const pixel = page.getByRole("region", { name: "Pixel" });
     await pixel.getByText(`${x}, ${y}`, { exact: true }).waitFor();
     const shown = async (label) => (await pixel.locator(`dl > div:has(dt:text-is("${label}")) dd`).textContent()).replaceAll("\u00a0", " ");
-    const xyz = (await shown("X Y Z")).split("  ").map(Number);
+    const xyz = (await shown("X Y Z")).split("  ").map(parseFloat);
     values.slice(0, 3).forEach((value, i) => assert.ok(Math.abs(xyz[i] / value - 1) < 1e-4, `${xyz} is not ${values}`));
     const error = Number(/± (\S+)/.exec(await shown("Std. error"))[1]);
     assert.ok(Math.abs(error / values[3] - 1) < 1e-2, `${error} is not ${values[3]}`);
     assert.equal(await shown("Samples"), "64");
+    // The service tells the errors of the other quantities.
+    await pixel.getByText(/\S+\u00a0±\u00a0\S+ {2}\S+\u00a0±\u00a0\S+ {2}\S+\u00a0±\u00a0\S+/).waitFor();
+    assert.match(await shown("u\u2032 v\u2032"), /^0\.\d{4} ± \S+ {2}0\.\d{4} ± \S+$/);
     await canvas.focus();
     await page.keyboard.press("ArrowLeft");
     await pixel.getByText("63, 64", { exact: true }).waitFor();
@@ -86,6 +89,7 @@ const checks = {
     const region = page.getByRole("region", { name: "Region" });
     await region.getByText(/\d+, \d+, \d+ × \d+/).waitFor();
     await region.getByText(/cd\/m²/).waitFor();
+    await region.getByText(/^±\u00a0\S+ \(\S+\u00a0%\)$/).waitFor();
   },
 
   async "exposure brightens, and Auto takes it back"({ page }) {

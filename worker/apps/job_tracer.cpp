@@ -26,8 +26,10 @@ double thread_cpu_seconds() {
 
 v1::Partial to_partial(const TileSums& tile, double cpu_seconds) {
   v1::Partial partial;
-  partial.mutable_sums()->assign(reinterpret_cast<const char*>(tile.sums.data()),
-                                 tile.sums.size() * sizeof(double));
+  for (const auto* values : {&tile.sums, &tile.block_squares, &tile.tile_squares}) {
+    partial.mutable_sums()->append(reinterpret_cast<const char*>(values->data()),
+                                   values->size() * sizeof(double));
+  }
   partial.set_photons(tile.photons);
   partial.set_rays(tile.rays);
   partial.set_invalid_samples(tile.invalid_samples);

@@ -47,9 +47,12 @@ Message read_message(const std::string& path) {
 FilmPlan checked_plan(const v1::RangeSchedule& plan) {
   // The same bounds as the service's: 16384 pixels an edge, 2^26 in all.
   const auto pixels = static_cast<std::uint64_t>(plan.width()) * plan.height();
-  bool good = plan.width() > 0 && plan.width() <= 16384 && plan.height() > 0 &&
-              plan.height() <= 16384 && pixels <= (1u << 26) && plan.tile_size() > 0 &&
-              plan.tile_size() <= 16384 && plan.range_ends_size() > 0;
+  // Blocks of pixels begin at a tile's corner.
+  const bool one_tile = plan.tile_size() >= std::max(plan.width(), plan.height());
+  bool good = (one_tile || plan.tile_size() % TileSums::kBlock == 0) && plan.width() > 0 &&
+              plan.width() <= 16384 && plan.height() > 0 && plan.height() <= 16384 &&
+              pixels <= (1u << 26) && plan.tile_size() > 0 && plan.tile_size() <= 16384 &&
+              plan.range_ends_size() > 0;
   std::uint32_t last = 0;
   for (const std::uint32_t end : plan.range_ends()) {
     good = good && end > last;
@@ -150,8 +153,10 @@ Quantity quantity_of(const v1::Sensor& sensor) {
 
 void write_sums(const std::string& path, const TileSums& tile) {
   std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(tile.sums.data()),
-             static_cast<std::streamsize>(tile.sums.size() * sizeof(double)));
+  for (const auto* values : {&tile.sums, &tile.block_squares, &tile.tile_squares}) {
+    file.write(reinterpret_cast<const char*>(values->data()),
+               static_cast<std::streamsize>(values->size() * sizeof(double)));
+  }
   if (!file.flush()) throw std::runtime_error(path + ": can't be written");
 }
 
@@ -205,8 +210,7 @@ void run(const Options& options) {
   const double cpu = process_cpu_seconds() - cpu_before;
 
   const Quantity quantity = quantity_of(message.sensor());
-  write_exr(options.output, plan.film.width, plan.film.height, image.sums, further_responses,
-            samples,
+  write_exr(options.output, image, plan.tile_size, further_responses, samples,
             {sha256_of_file(options.scene), schedule_json(plan_message), v1::ENGINE_CURRENT,
              floating_point_profile(), quantity.name, quantity.unit, quantity.response_unit,
              image.truncated_paths});

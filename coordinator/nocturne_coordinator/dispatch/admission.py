@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from itertools import pairwise
 
 from nocturne.v1 import job_pb2
-from nocturne_scene.ranges import XYZ_SUMS
+from nocturne_scene.tile_sums import sums_per_pixel
 
 from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.commits import Commits
@@ -248,7 +248,8 @@ class Admission:
         if newcomer:
             most, most_sums = most + limits.MAX_NEWCOMERS, 2 * most_sums
         held = sum(render.film.sums.size for render in renders.values())
-        wanted = row.schedule.width * row.schedule.height * (XYZ_SUMS + len(row.schedule.further_responses))
+        per_pixel = sums_per_pixel(len(row.schedule.further_responses))
+        wanted = row.schedule.width * row.schedule.height * per_pixel
         return len(renders) < most and held + wanted <= most_sums
 
 

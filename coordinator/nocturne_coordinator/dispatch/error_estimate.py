@@ -1,8 +1,10 @@
 """The error of an image or a tile, estimated from its own sums. Pure."""
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
+from nocturne_scene.uncertainty import mean_y_error
 
 from nocturne_coordinator.dispatch.heavy_tails import unevenness
 from nocturne_coordinator.dispatch.merge import Counts, Sums
@@ -20,7 +22,7 @@ class ErrorEstimate:
     mean: float = 0.0
     """Over pixels, of Y."""
     mean_error: float = 0.0
-    """The mean's standard error; pixels are independent of each other."""
+    """The mean's standard error; see nocturne_scene.uncertainty."""
     worst_share: float = 0.0
     """Part of relative_error's square that the worst 1 % of the pixels have, 0 to 1; about 0.03 where noise
     is even."""
@@ -36,8 +38,21 @@ class ErrorEstimate:
     """Of the pixel that has the fewest."""
 
 
-def estimate_error(sums: Sums, counts: Counts) -> ErrorEstimate:
-    """From an image's or a tile's sums; no error below two samples, in the dark, or without any noise."""
+class Squares(NamedTuple):
+    """What tells how errors of neighbours go together; see nocturne_scene.tile_sums."""
+
+    of_blocks: Sums
+    """Shape (blocks down, blocks across)."""
+    of_tiles: Sums
+    """Shape (tiles down, tiles across)."""
+    tile_size: int
+
+
+def estimate_error(sums: Sums, counts: Counts, squares: Squares | None = None) -> ErrorEstimate:
+    """From an image's or a tile's sums; no error below two samples, in the dark, or without any noise.
+
+    Without `squares`, pixels are taken as independent of each other.
+    """
     y = sums[..., 1] / np.maximum(counts, 1)
     mean, samples = float(np.mean(y)), int(counts.min())
     unseen = int(np.count_nonzero(sums[..., 1] <= 0.0))
@@ -51,7 +66,7 @@ def estimate_error(sums: Sums, counts: Counts) -> ErrorEstimate:
     return replace(
         known,
         relative_error=float(np.sqrt(total / flat.size)),
-        mean_error=float(np.sqrt(np.sum(variances))) / y.size,
+        mean_error=mean_y_error(sums[..., 1], variances, counts, squares),
         worst_share=float(np.sum(np.partition(flat, flat.size - worst)[flat.size - worst :])) / total,
         effective_pixels=total * total / float(np.dot(flat, flat)),
         unevenness=unevenness(y, variances),

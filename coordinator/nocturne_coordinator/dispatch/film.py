@@ -4,8 +4,9 @@ import math
 from bisect import bisect_left
 
 import numpy as np
+from nocturne_scene.tile_sums import BLOCK, TileSums, blocks_in, decode, sums_per_pixel
 
-from nocturne_coordinator.dispatch.error_estimate import estimate_error
+from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate, Squares, estimate_error
 from nocturne_coordinator.dispatch.merge import Counts, Offered, RangeSums, Sums, TileState
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
@@ -13,7 +14,8 @@ from nocturne_coordinator.dispatch.trust import RangeEnd, confirmed, samples_to_
 
 
 class Film:
-    """Sums, of 32 bytes or more per pixel, and the merge state of every tile, which holds views into them."""
+    """Sums, of 72 bytes or more per pixel and 8 per block of pixels, and the merge state of every tile, which
+    holds views into them."""
 
     def __init__(self, render: PlannedRender, stop: StopConditions | None = None) -> None:
         """`stop` says which tiles end before the schedule does. ValueError if it does not fit the
@@ -21,11 +23,12 @@ class Film:
         self._render = render
         self._stop = stop or EVERYTHING
         width, height = render.schedule.width, render.schedule.height
-        self.sums: Sums = np.zeros((height, width, render.sums_per_pixel))
+        self.sums: Sums = np.zeros((height, width, sums_per_pixel(render.further)))
+        self.block_squares: Sums = np.zeros((blocks_in(height), blocks_in(width)))
+        self.tile_squares: Sums = np.zeros(render.grid.count)
         self.counts: Counts = np.zeros((height, width), dtype=np.uint32)
-        areas = [self._area(index) for index in range(render.grid.count)]
-        self.tiles = [TileState(self.sums[area]) for area in areas]
-        self._tile_counts = [self.counts[area] for area in areas]
+        self.tiles = [TileState(self._views(index)) for index in range(render.grid.count)]
+        self._tile_counts = [self.counts[self._area(index)] for index in range(render.grid.count)]
         self._pixels = [counts.size for counts in self._tile_counts]
         self._last = [len(render.ranges)] * len(self.tiles)
         if self._stop.tile_samples:
@@ -41,7 +44,8 @@ class Film:
         """Puts back a tile as it was committed; ValueError if it doesn't fit the schedule. `error_before`:
         see `error_before`."""
         state = self.tiles[tile_index]
-        state.sums[...] = np.frombuffer(sums, dtype="<f8").reshape(state.sums.shape)
+        height, width, _ = state.sums.pixels.shape
+        state.sums.assign(decode(sums, width, height, self._render.further))
         state.merged = self._render.ranges.merged_at(samples)
         closed = state.closed
         self._now[tile_index] = RangeEnd(self._end(state.merged - 1), error_before)
@@ -104,8 +108,19 @@ class Film:
         return self._before[tile_index].error
 
     def tile_bytes(self, tile_index: int) -> bytes:
-        """A tile's sums as they are committed: float64, little endian, row by row."""
-        return self.tiles[tile_index].sums.astype("<f8", copy=False).tobytes()
+        """A tile's sums as they are committed; see TileSums.encode."""
+        return self.tiles[tile_index].sums.encode()
+
+    def estimate(self) -> ErrorEstimate:
+        """The image's mean and error, from its own sums."""
+        return estimate_error(self.sums, self.counts, self.squares)
+
+    @property
+    def squares(self) -> Squares:
+        """What tells how errors of neighbours go together."""
+        grid = self._render.grid
+        tiles = self.tile_squares.reshape(-1, grid.columns)
+        return Squares(self.block_squares, tiles, grid.tile_size)
 
     def _end(self, merged: int) -> int:
         return self._render.ranges[merged - 1].end if merged > 0 else 0
@@ -118,7 +133,10 @@ class Film:
         if not asked:
             return False
         samples = self._end(state.merged)
-        estimate = estimate_error(state.sums, np.full(state.sums.shape[:2], samples, dtype=np.uint32))
+        sums = state.sums
+        counts = np.full(sums.pixels.shape[:2], samples, dtype=np.uint32)
+        squares = Squares(sums.block_squares, sums.tile_squares[None], self._render.grid.tile_size)
+        estimate = estimate_error(sums.pixels, counts, squares)
         before, now = self._now[tile_index], RangeEnd.of(estimate)
         self._before[tile_index], self._now[tile_index] = before, now
         expected = samples_to_stop(estimate, samples, asked, self._render.schedule.range_ends)
@@ -132,6 +150,16 @@ class Film:
         if state.closed:
             self._expected[tile_index] = float(samples)
             self._unfinished -= was_open
+
+    def _views(self, tile_index: int) -> TileSums:
+        tile = self._render.grid.tile(tile_index)
+        rows = slice(tile.y // BLOCK, blocks_in(tile.y + tile.height))
+        columns = slice(tile.x // BLOCK, blocks_in(tile.x + tile.width))
+        return TileSums(
+            self.sums[self._area(tile_index)],
+            self.block_squares[rows, columns],
+            self.tile_squares[tile_index : tile_index + 1],
+        )
 
     def _area(self, tile_index: int) -> tuple[slice, slice]:
         tile = self._render.grid.tile(tile_index)

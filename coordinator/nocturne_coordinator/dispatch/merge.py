@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from nocturne_scene.tile_sums import TileSums
 
 from nocturne_coordinator.limits import RANGES_AHEAD
 
 Sums = npt.NDArray[np.float64]
-"""Shape (height, width, XYZ_SUMS or more): over samples, sums of X, Y, Z and Y squared, then of each further
-response of the sensor."""
+"""Shape (height, width, sums_per_pixel): sums over samples, in the order of nocturne_scene.tile_sums."""
 
 Counts = npt.NDArray[np.uint32]
 """Shape (height, width): samples in a film's sums."""
@@ -28,7 +28,7 @@ class RangeSums:
 
     index: int
     """Of the range in its schedule."""
-    sums: Sums
+    sums: TileSums
     photons: int
     rays: int
     invalid_samples: int
@@ -71,8 +71,8 @@ def never(_: "TileState") -> bool:
 class TileState:
     """Sums of the first `merged` ranges, and ranges that wait."""
 
-    sums: Sums
-    """May be a view into the film's array; changed in place."""
+    sums: TileSums
+    """May be views into the film's arrays; changed in place."""
     merged: int = 0
     waiting: dict[int, RangeSums] = field(default_factory=dict)
     closed: bool = False

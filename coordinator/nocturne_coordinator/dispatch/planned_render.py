@@ -6,7 +6,9 @@ from functools import cached_property
 import numpy as np
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
-from nocturne_scene.ranges import XYZ_SUMS, RangeList, SampleRange, TileGrid
+from nocturne_scene.ranges import RangeList, SampleRange, TileGrid
+from nocturne_scene.tile_sums import BLOCK, XYZ_SUMS, TileSums, decode, numbers_in
+from nocturne_scene.uncertainty import block_sums
 
 from nocturne_coordinator.dispatch.merge import Sums
 from nocturne_coordinator.limits import MAX_RAYS_PER_PHOTON
@@ -42,8 +44,9 @@ class PlannedRender:
         return max(1, self.schedule.photons_per_sample)
 
     @property
-    def sums_per_pixel(self) -> int:
-        return XYZ_SUMS + len(self.schedule.further_responses)
+    def further(self) -> int:
+        """Number of further responses."""
+        return len(self.schedule.further_responses)
 
     def job(self, tile_index: int, planned: SampleRange) -> job_pb2.Job:
         return job_pb2.Job(
@@ -86,27 +89,41 @@ def render_of(data: bytes) -> str:
 
 
 def check_partial(
-    partial: job_pb2.Partial, job: job_pb2.Job, sums_per_pixel: int, photons_per_sample: int = 1
-) -> Sums:
+    partial: job_pb2.Partial, job: job_pb2.Job, further: int, photons_per_sample: int = 1
+) -> TileSums:
     """The sums of a partial result of a job; RefusedResult if they can't be."""
     pixels = job.tile.width * job.tile.height
     samples = job.end_sample - job.first_sample
     _check_counts(partial, pixels * samples * photons_per_sample)
-    expected = pixels * sums_per_pixel * 8
+    expected = 8 * numbers_in(job.tile.width, job.tile.height, further)
     if len(partial.sums) != expected:
         raise RefusedResult(f"sums of {len(partial.sums)} bytes; expected {expected}")
-    shape = (job.tile.height, job.tile.width, sums_per_pixel)
-    sums = np.frombuffer(partial.sums, dtype="<f8").reshape(shape)
+    sums = decode(partial.sums, job.tile.width, job.tile.height, further)
     check_sums(sums, samples)
     return sums
 
 
-def check_sums(sums: Sums, samples: int) -> None:
-    """RefusedResult if no samples have such sums; shape (height, width, XYZ_SUMS or more)."""
-    # With a NaN inside, minimum and maximum are NaN, and compare false.
-    if not (sums.min() >= 0.0 and sums.max() < _BEYOND_PHYSICS):
-        raise RefusedResult("sums that are negative, not finite or beyond all physics")
-    _check_squares(sums[..., 1], sums[..., 3], samples)
+def check_sums(sums: TileSums, samples: int) -> None:
+    """RefusedResult if no samples have such sums."""
+    pixels = sums.pixels
+    for numbers in (pixels, sums.block_squares, sums.tile_squares):
+        # With a NaN inside, minimum and maximum are NaN, and compare false.
+        if not (numbers.min() >= 0.0 and numbers.max() < _BEYOND_PHYSICS):
+            raise RefusedResult("sums that are negative, not finite or beyond all physics")
+    x, y, z, yy, xx, zz, xy, xz, yz = np.moveaxis(pixels[..., :XYZ_SUMS], -1, 0)
+    further = np.split(pixels[..., XYZ_SUMS:], 2, axis=-1)
+    blocks = block_sums(y)
+    for one, squares in ((x, xx), (y, yy), (z, zz), (further[0], further[1]), (blocks, sums.block_squares)):
+        _check_products(one * one, squares * samples)
+    # Y is never negative: squares of what n have together are at least their own squares', at most n times.
+    for parts, whole, number in (
+        (block_sums(yy), sums.block_squares, BLOCK**2),
+        (sums.block_squares.sum(keepdims=True)[0], sums.tile_squares, sums.block_squares.size),
+    ):
+        _check_products(parts, whole)
+        _check_products(whole, parts * number)
+    for products, one, other in ((xy, xx, yy), (xz, xx, zz), (yz, yy, zz)):
+        _check_products(products, np.sqrt(one) * np.sqrt(other))
 
 
 def _check_counts(partial: job_pb2.Partial, photons: int) -> None:
@@ -122,8 +139,9 @@ def _check_counts(partial: job_pb2.Partial, photons: int) -> None:
         raise RefusedResult(f"{partial.cpu_seconds} processor seconds")
 
 
-def _check_squares(y: Sums, y_squared: Sums, samples: int) -> None:
-    """No n numbers have a sum whose square is above n times the sum of their squares (Cauchy-Schwarz)."""
+def _check_products(products: Sums, bound: Sums) -> None:
+    """No n numbers have a sum whose square is above n times the sum of their squares, and no pairs a sum of
+    products above the root of both sums of squares (Cauchy-Schwarz)."""
     # The slack is for rounding, and for squares that are too small for a float64.
-    if not (y * y <= y_squared * (samples * (1 + 1e-9)) + 1e-300).all():
-        raise RefusedResult("sums of Y and of Y squared that no samples have")
+    if not (products <= bound * (1 + 1e-9) + 1e-150).all():
+        raise RefusedResult("sums of values and of their squares or products that no samples have")

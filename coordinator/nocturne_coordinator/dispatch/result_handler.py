@@ -133,7 +133,7 @@ class ResultHandler:
             sums = check_partial(
                 result.partial,
                 result.job,
-                render.planned.sums_per_pixel,
+                render.planned.further,
                 render.planned.photons_per_sample,
             )
         except RefusedResult as refusal:

@@ -7,7 +7,7 @@ from typing import cast
 from nocturne.v1 import job_pb2
 from nocturne_scene.ranges import FIRST_RANGE, SampleRange, recut_schedule
 
-from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate, estimate_error
+from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate
 from nocturne_coordinator.dispatch.film import Film
 from nocturne_coordinator.dispatch.forecast import Forecast, Measured, forecast
 from nocturne_coordinator.dispatch.job_cost import JOB_SECONDS, longest_range, max_cpu_seconds
@@ -352,7 +352,7 @@ class RunningRender:
         if self._judged_photons == self.totals.photons:
             return
         self._judged_photons = self.totals.photons
-        self.estimate = estimate_error(self.film.sums, self.film.counts)
+        self.estimate = self.film.estimate()
         now = RangeEnd.of(self.estimate)
         if now.samples > self._now.samples:
             self._before = self._now

@@ -39,8 +39,7 @@ def validate_state(state: State, window: int) -> None:
 def _check_counts(render: RunningRender) -> None:
     film = render.film
     samples = sum(
-        film.samples(index) * film.tiles[index].sums.shape[0] * film.tiles[index].sums.shape[1]
-        for index in range(len(film.tiles))
+        film.samples(index) * film.tiles[index].sums.pixels[..., 0].size for index in range(len(film.tiles))
     )
     photons = samples * render.planned.photons_per_sample
     _require(

@@ -14,10 +14,12 @@ import numpy.typing as npt
 import OpenEXR
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne_scene.quantities import LUMINANCE, quantity_named
-from nocturne_scene.ranges import XYZ_SUMS
+from nocturne_scene.tile_sums import BLOCK
+from nocturne_scene.uncertainty import ImageMoments, block_sums, moments_of, tile_sums
 
+from nocturne_coordinator.dispatch.error_estimate import Squares
 from nocturne_coordinator.dispatch.merge import Counts, Sums
-from nocturne_coordinator.dispatch.variance import Pixels, variance_of_mean
+from nocturne_coordinator.dispatch.variance import Pixels
 
 # IEC 61966-2-1: XYZ of white D65 to linear sRGB; transposed, for rows of pixels.
 _XYZ_TO_SRGB = np.array(
@@ -78,11 +80,6 @@ def mean_xyz(sums: Sums, counts: Counts) -> Pixels:
     return sums[..., :3] / np.maximum(counts, 1)[..., None]
 
 
-def mean_further_responses(sums: Sums, counts: Counts) -> Pixels:
-    """Shape (height, width, further responses); 0 where there are no samples."""
-    return sums[..., XYZ_SUMS:] / np.maximum(counts, 1)[..., None]
-
-
 def tone_map(sums: Sums, counts: Counts) -> npt.NDArray[np.uint8]:
     """sRGB of shape (height, width, 3), exposed by the image itself.
 
@@ -137,15 +134,21 @@ def write_thumbnail(path: Path, sums: Sums, counts: Counts) -> None:
     squares = (height, rows, width, columns)
     # Rows first: whole lines of memory are added, which is several times faster than both axes at once.
     lines = sums[area].reshape(height, rows, -1).sum(axis=1)
-    small = lines.reshape(height, width, columns, -1)[..., :XYZ_SUMS].sum(axis=2)
+    small = lines.reshape(height, width, columns, -1)[..., :3].sum(axis=2)
     number = counts[area].reshape(squares).sum(axis=(1, 3), dtype=np.uint32)
     write_preview(path, small, number, FINAL_COMPRESSION)
 
 
 def write_image(
-    path: Path, sums: Sums, counts: Counts, provenance: Provenance, further_responses: Sequence[str] = ()
+    path: Path,
+    sums: Sums,
+    counts: Counts,
+    squares: Squares,
+    provenance: Provenance,
+    further_responses: Sequence[str] = (),
 ) -> None:
-    """Writes an EXR: X, Y, Z, Y.stderr and further responses as float, n as uint; R, G, B for viewers."""
+    """Writes an EXR, as worker/src/image/write_exr.h does: all quantities, their errors and how these go
+    together as float, n as uint; R, G, B for viewers."""
     header = {
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,
@@ -164,7 +167,7 @@ def write_image(
     if provenance.truncated_paths:
         header["nocturne:truncatedPaths"] = str(provenance.truncated_paths)
     try:
-        with OpenEXR.File(header, _exr_channels(sums, counts, further_responses)) as file:
+        with OpenEXR.File(header, _exr_channels(sums, counts, squares, further_responses)) as file:
             file.write(str(path))
     except RuntimeError as trouble:
         raise OSError(f"can't write {path}: {trouble}") from trouble
@@ -187,19 +190,48 @@ def _measured(name: str) -> dict[str, Any]:
 
 
 def _exr_channels(
-    sums: Sums, counts: Counts, further_responses: Sequence[str]
+    sums: Sums, counts: Counts, squares: Squares, further_responses: Sequence[str]
 ) -> dict[str, npt.NDArray[Any]]:
-    xyz = mean_xyz(sums, counts).astype(np.float32)
-    further = mean_further_responses(sums, counts).astype(np.float32)
-    error = np.sqrt(variance_of_mean(sums, counts)).astype(np.float32)
+    moments = moments_of(sums, counts, *squares)
+    mean, errors = moments.mean.astype(np.float32), np.sqrt(moments.variance)
+    names = ["X", "Y", "Z", *further_responses]
     channels = {
-        **_planes("XYZ", xyz),
-        **_planes(further_responses, further),
-        "Y.stderr": error,
+        **_planes(names, mean),
+        **_planes([f"{name}.stderr" for name in names], errors.astype(np.float32)),
+        **_planes([f"{pair}.correlation" for pair in ("XY", "XZ", "YZ")], _correlations(moments, errors)),
+        **_ratios(moments),
         "n": np.ascontiguousarray(counts, dtype=np.uint32),
     }
     # A sensor may have responses with these names: they say more than what only viewers need.
-    return channels if channels.keys() & set("RGB") else {**channels, **_planes("RGB", xyz @ _XYZ_TO_SRGB)}
+    rgb = {} if channels.keys() & set("RGB") else _planes("RGB", mean[..., :3] @ _XYZ_TO_SRGB)
+    return {**channels, **rgb}
+
+
+def _correlations(moments: ImageMoments, errors: Pixels) -> npt.NDArray[np.float32]:
+    """Of the errors of X and Y, X and Z, Y and Z; 0 where one of them has none."""
+    both = errors[..., [0, 0, 1]] * errors[..., [1, 2, 2]]
+    found = np.divide(moments.covariance, both, out=np.zeros_like(both), where=both > 0.0)
+    return np.clip(found, -1.0, 1.0).astype(np.float32)
+
+
+def _ratios(moments: ImageMoments) -> dict[str, npt.NDArray[np.float32]]:
+    """Variances of blocks over their pixels', and of tiles over their blocks'; 1 without noise."""
+    edge, (height, width) = moments.tile_size, moments.samples.shape
+    of_pixels = block_sums(moments.variance[..., 1])
+    of_blocks = tile_sums(moments.block_variance, edge)
+    found = {
+        "Y.blockRatio": (_ratio(moments.block_variance, of_pixels), BLOCK),
+        "Y.tileRatio": (_ratio(moments.tile_variance, of_blocks), edge),
+    }
+    return {
+        name: np.ascontiguousarray(ratio.repeat(size, axis=0)[:height].repeat(size, axis=1)[:, :width])
+        for name, (ratio, size) in found.items()
+    }
+
+
+def _ratio(variance: Pixels, independent: Pixels) -> npt.NDArray[np.float32]:
+    ratio = np.divide(variance, independent, out=np.ones_like(variance), where=independent > 0.0)
+    return ratio.astype(np.float32)
 
 
 def _planes(names: Sequence[str], pixels: npt.NDArray[np.float32]) -> dict[str, npt.NDArray[Any]]:

@@ -76,7 +76,8 @@ class Previews:
     def write_image(self, render: RunningRender, final: bool = False) -> None:
         names = render.planned.schedule.further_responses
         with self._in_place(render, self._folder.image_path, durable=final) as path:
-            write_image(path, render.film.sums, render.film.counts, provenance_of(render), names)
+            film = render.film
+            write_image(path, film.sums, film.counts, film.squares, provenance_of(render), names)
 
     @contextmanager
     def _in_place(

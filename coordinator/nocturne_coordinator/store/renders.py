@@ -13,7 +13,8 @@ from pathlib import Path
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.errors import InputError, NotFound, Problem
-from nocturne_scene.ranges import XYZ_SUMS, TileGrid
+from nocturne_scene.ranges import TileGrid
+from nocturne_scene.tile_sums import numbers_in
 
 from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.records import ErrorPoint, RenderState
@@ -29,7 +30,7 @@ _COLUMNS = ", ".join(field.name for field in fields(RenderRow))
 _NEWEST = 2**63 - 1
 
 # X, Y, Z, R, G, B, the error of Y and the samples, 4 bytes each.
-_EXR_CHANNELS = 8
+_EXR_CHANNELS = 15
 
 
 class Renders:
@@ -103,10 +104,11 @@ class Renders:
     def _bytes_of(self, new: NewRender) -> int:
         """What the render takes of the disk when it is done: sums, image, scene and its files."""
         further = len(new.schedule.further_responses)
-        pixel = 8 * (XYZ_SUMS + further) + 4 * (_EXR_CHANNELS + further)
+        sums = 8 * numbers_in(new.width, new.height, further)
+        image = 4 * new.width * new.height * (_EXR_CHANNELS + 2 * further)
         files = (self._blob_here(sha256) for sha256 in new.files)
         here = sum(file.stat().st_size for file in files if file is not None)
-        return new.width * new.height * pixel + len(new.scene_document) + here
+        return sums + image + len(new.scene_document) + here
 
     def find_request(self, owner: str, request_id: str) -> RenderRow | None:
         """The render that the owner made with this request id, if there is one."""

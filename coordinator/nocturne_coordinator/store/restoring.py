@@ -14,11 +14,11 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import numpy as np
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.replacing import replacing
+from nocturne_scene.tile_sums import decode, numbers_in
 
 from nocturne_coordinator.dispatch.planned_render import PlannedRender, RefusedResult, check_sums
 from nocturne_coordinator.errors import AlreadyOwned, CantRestore
@@ -98,8 +98,10 @@ def _check_tile(planned: PlannedRender, row: sqlite3.Row) -> None:
     """Raises unless the tile's samples are planned and its sums such as samples have."""
     tile = planned.grid.tile(row["tile_index"])
     planned.ranges.merged_at(row["samples"])
-    sums = np.frombuffer(row["sums"], dtype="<f8").reshape((tile.height, tile.width, planned.sums_per_pixel))
-    check_sums(sums, row["samples"] * planned.photons_per_sample)
+    sums = decode(row["sums"], tile.width, tile.height, planned.further)
+    # Of a tile from before squares of all quantities were kept, they are not known.
+    if len(row["sums"]) == 8 * numbers_in(tile.width, tile.height, planned.further):
+        check_sums(sums, row["samples"] * planned.photons_per_sample)
 
 
 def _take_newest(place: Path, database: Path, damage: list[str]) -> Path:

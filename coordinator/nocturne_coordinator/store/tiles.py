@@ -1,5 +1,7 @@
 """The committed tiles of renders, as those who watch them read them."""
 
+import sqlite3
+
 from nocturne_scene.errors import NotFound
 
 from nocturne_coordinator.store.database import Database
@@ -26,20 +28,23 @@ class Tiles:
         return [TileChange(**dict(row)) for row in rows]
 
     def sums(self, render_id: str, since: tuple[int, int], limit: int) -> list[tuple[TileChange, bytes]]:
-        """The same tiles with their sums, float64, little endian, row by row."""
+        """The same tiles with their sums; see nocturne_scene.tile_sums."""
         rows = self._database.rows(
             """SELECT tile_index, revision, samples, invalid_samples, sums FROM tile
                WHERE render_id = ? AND (revision, tile_index) > (?, ?)
                ORDER BY revision, tile_index LIMIT ?""",
             (render_id, *since, limit),
         )
-        return [
-            (
-                TileChange(row["tile_index"], row["revision"], row["samples"], row["invalid_samples"]),
-                row["sums"],
-            )
-            for row in rows
-        ]
+        return [_with_sums(row) for row in rows]
+
+    def between(self, render_id: str, first: int, end: int) -> list[tuple[TileChange, bytes]]:
+        """Tiles with indices in [first, end) that have samples, with their sums."""
+        rows = self._database.rows(
+            """SELECT tile_index, revision, samples, invalid_samples, sums FROM tile
+               WHERE render_id = ? AND tile_index >= ? AND tile_index < ? ORDER BY tile_index""",
+            (render_id, first, end),
+        )
+        return [_with_sums(row) for row in rows]
 
     def manifest(self, render_id: str) -> tuple[int, ...]:
         """Committed samples of each tile, row by row; raises NotFound."""
@@ -56,3 +61,8 @@ class Tiles:
             "SELECT tile_index, worker_id FROM at_work WHERE render_id = ? ORDER BY tile_index", (render_id,)
         )
         return [(row["tile_index"], row["worker_id"]) for row in rows]
+
+
+def _with_sums(row: sqlite3.Row) -> tuple[TileChange, bytes]:
+    change = TileChange(row["tile_index"], row["revision"], row["samples"], row["invalid_samples"])
+    return change, row["sums"]

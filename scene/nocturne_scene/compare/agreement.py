@@ -43,6 +43,8 @@ class Estimate:
     """Of the mean, same shape; None if it is not known."""
     degrees: float = np.inf
     """Of freedom: how many values the variance was found from, less one."""
+    correlation: float = 1.0
+    """How many times the variance of a sum of pixels is that of pixels that know nothing of each other."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,7 @@ def compare(image: Estimate, reference: Estimate) -> Difference:
     kept = np.sort(squares, axis=None)[: squares.size - int(_TRIMMED * squares.size)]
     means = [each.mean.mean(axis=(0, 1)) for each in (image, reference)]
     ratio = np.divide(means[0], means[1], out=np.full_like(means[0], np.nan), where=means[1] != 0)
-    known = [each.variance for each in (image, reference) if each.variance is not None]
+    known = [each.variance * each.correlation for each in (image, reference) if each.variance is not None]
     error = verdict = None
     if known:
         total = np.sum(known, axis=0)
@@ -109,14 +111,19 @@ def _verdict(image: Estimate, reference: Estimate) -> Verdict:
     pixels = difference.shape[0] * difference.shape[1]
     p = _p_values(difference, parts, rounding)
     explained = float(np.mean(p > sidak(pixels)))
+    of_sums = [
+        (each.variance * each.correlation, each.degrees)
+        for each in (image, reference)
+        if each.variance is not None
+    ]
     tiles = _p_values(
         _tile_sums(difference),
-        [(_tile_sums(variance), degrees) for variance, degrees in parts],
+        [(_tile_sums(variance), degrees) for variance, degrees in of_sums],
         rounding * _TILE**2,
         # Each of a tile's values has degrees of its own; of unequal ones a quarter counts, at least.
         spread=_TILE**2 / 4,
     )
-    total = np.sum([variance for variance, _ in parts], axis=0).sum(axis=(0, 1))
+    total = np.sum([variance for variance, _ in of_sums], axis=0).sum(axis=(0, 1))
     off = difference.sum(axis=(0, 1))
     mean_z = np.divide(
         off, np.sqrt(total), out=np.where(np.abs(off) > rounding * pixels, np.inf, 0.0), where=total > 0

@@ -1,6 +1,8 @@
 """OpenEXR files as images in XYZ, with their noise where they tell it."""
 
-from dataclasses import dataclass
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -9,14 +11,19 @@ from numpy.typing import NDArray
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.library_words import without_paths
+from nocturne_scene.tile_sums import BLOCK
+from nocturne_scene.uncertainty import ImageMoments, block_sums, tile_sums
 
 Values = NDArray[np.float64]
 
 # Linear sRGB to XYZ, IEC 61966-2-1; transposed, for rows of pixels.
 _RGB_TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]).T
 
+_TOGETHER = frozenset(("XY.correlation", "XZ.correlation", "YZ.correlation", "Y.blockRatio", "Y.tileRatio"))
+"""How errors go together."""
+
 _MAX_PIXELS = 2**26
-_MAX_CHANNELS = 128
+_MAX_CHANNELS = 192
 
 
 @dataclass(frozen=True)
@@ -29,6 +36,10 @@ class Picture:
     """Standard error of Y, shape (height, width), if the file has it."""
     samples: Values | None
     """Per pixel, shape (height, width), if the file has them."""
+    moments: ImageMoments | None = None
+    """Of all quantities, if the file is one of ours that has their errors."""
+    names: tuple[str, ...] = ("X", "Y", "Z")
+    """Of what `moments` has."""
 
 
 def read_picture(file: Path, max_pixels: int = _MAX_PIXELS) -> Picture:
@@ -45,7 +56,7 @@ def read_picture(file: Path, max_pixels: int = _MAX_PIXELS) -> Picture:
         if colour is None:
             found = ", ".join(names)[:200]
             raise InputError.at(str(file), f"expected channels X, Y, Z or R, G, B or Y; found {found}")
-        wanted = [*colour, *(name for name in ("Y.stderr", "n") if name in names)]
+        wanted = [*colour, *_of_errors(names)]
         channels = {}
         for name in wanted:
             index = names.index(name)
@@ -55,13 +66,44 @@ def read_picture(file: Path, max_pixels: int = _MAX_PIXELS) -> Picture:
             if values is None:
                 raise InputError.at(str(file), f"can't be read: {without_paths(picture.geterror())}")
             channels[name] = np.asarray(values, dtype=np.float64)[..., 0]
+        schedule = spec.get_string_attribute("nocturne:schedule")
     finally:
         picture.close()
     pixels = np.stack([channels[name] for name in colour], axis=-1)
     if not np.all(np.isfinite(pixels)):
         raise InputError.at(str(file), "holds values that are not finite")
     xyz = pixels @ _RGB_TO_XYZ if colour == "RGB" else pixels
-    return Picture(xyz, channels.get("Y.stderr"), channels.get("n"))
+    read = Picture(xyz, channels.get("Y.stderr"), channels.get("n"))
+    return _with_moments(read, channels, schedule) if channels.keys() >= _TOGETHER else read
+
+
+def _of_errors(names: Sequence[str]) -> list[str]:
+    """Channels that tell errors, and the values that they are of."""
+    if not {*_TOGETHER, "n", *(f"{each}.stderr" for each in "XYZ")} <= {*names}:
+        return [name for name in ("Y.stderr", "n") if name in names]
+    errors = [name for name in names if name.endswith(".stderr")]
+    further = {name.removesuffix(".stderr") for name in errors} - {*"XYZ"}
+    return [*errors, *sorted(further), *sorted(_TOGETHER), "n"]
+
+
+def _with_moments(picture: Picture, channels: Mapping[str, Values], schedule: str) -> Picture:
+    known = {name.removesuffix(".stderr") for name in channels if name.endswith(".stderr")}
+    names = ("X", "Y", "Z", *sorted(known - {*"XYZ"}))
+    edge = int(json.loads(schedule)["tileSize"]) if schedule else max(picture.xyz.shape)
+    error = np.stack([channels[f"{name}.stderr"] for name in names], axis=-1)
+    correlation = np.stack([channels[f"{pair}.correlation"] for pair in ("XY", "XZ", "YZ")], axis=-1)
+    of_blocks = block_sums(error[..., 1] ** 2) * channels["Y.blockRatio"][::BLOCK, ::BLOCK]
+    of_tiles = tile_sums(of_blocks, edge) * channels["Y.tileRatio"][::edge, ::edge]
+    moments = ImageMoments(
+        np.stack([channels[name] for name in names], axis=-1),
+        error**2,
+        correlation * error[..., [0, 0, 1]] * error[..., [1, 2, 2]],
+        of_blocks,
+        of_tiles,
+        edge,
+        channels["n"].astype(np.uint32),
+    )
+    return replace(picture, moments=moments, names=names)
 
 
 def write_difference(file: Path, image: Values, reference: Values) -> None:

@@ -5,6 +5,7 @@ import tempfile
 import time
 import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from types import TracebackType
@@ -16,7 +17,16 @@ import httpx
 from nocturne_client.decoding import decode
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.events import data_of
-from nocturne_client.models import Explanation, NewWebhook, PreflightReport, Render, Webhook, Worker
+from nocturne_client.models import (
+    Explanation,
+    NewWebhook,
+    PreflightReport,
+    Reading,
+    Region,
+    Render,
+    Webhook,
+    Worker,
+)
 from nocturne_client.scene_files import SceneOnDisk, digest, read_scene
 from nocturne_client.transport import RETRY_DELAYS_S, Transport
 
@@ -173,6 +183,12 @@ class Client:
         """What the render waits for, in one sentence."""
         answer = self._transport.get(f"/v1/renders/{_part(render_id)}/explanation")
         return decode(Explanation, answer).sentence
+
+    def read_region(self, render_id: str, region: Region | None = None) -> Reading:
+        """What a region of the image shows, or the whole image, in numbers, with their errors."""
+        params = None if region is None else asdict(region)
+        answer = self._transport.get(f"/v1/renders/{_part(render_id)}/reading", params)
+        return decode(Reading, answer)
 
     def release_worker(self, worker_id: str) -> None:
         """Takes the results of a worker in quarantine again."""

@@ -155,6 +155,53 @@ class Explanation:
 
 
 @dataclass(frozen=True)
+class ReadValue:
+    """A mean and its error."""
+
+    name: str
+    """X, Y, Z, or a further response of the sensor."""
+    mean: float
+    standard_error: float | None
+    """Of the mean; null where it is not known."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Means over the pixels of a region that have samples."""
+
+    region: Region
+    quantity: str
+    """What Y measures; empty where it is not known."""
+    unit: str
+    """Of X, Y and Z."""
+    response_unit: str
+    """Of a further response without a unit of its own."""
+    values: list[ReadValue]
+    """X, Y, Z, then the sensor's further responses by name."""
+    u_prime: float | None
+    """CIE 1976 u' of the mean; null in the dark."""
+    v_prime: float | None
+    """CIE 1976 v' of the mean; null in the dark."""
+    u_prime_error: float | None
+    """Standard error; null where it is not known."""
+    v_prime_error: float | None
+    """Standard error; null where it is not known."""
+    correlation: float
+    """How many times the variance of Y is that of pixels that know nothing of each other; at least 1."""
+    pixels: int
+    unseen_pixels: int
+    """In which no sample found light."""
+    samples: int
+    """Of all pixels together."""
+    fewest_samples: int
+    """Of any pixel."""
+    most_samples: int
+    """Of any pixel."""
+    invalid_samples: int
+    """Of the tiles that the region touches."""
+
+
+@dataclass(frozen=True)
 class Worker:
     """One worker process, as it last reported itself."""
 

@@ -13,6 +13,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "tile/block_samples.h"
+
 namespace nocturne {
 namespace {
 
@@ -27,8 +29,8 @@ class WriteExr : public testing::Test {
 
   void TearDown() override { std::filesystem::remove(path_); }
 
-  void write(const std::vector<double>& sums, const std::vector<std::string>& further) const {
-    write_exr(path_, kWidth, kHeight, sums, further, kSamples,
+  void write(const TileSums& film, const std::vector<std::string>& further) const {
+    write_exr(path_, film, 32, further, kSamples,
               {"5c", "{}", 1, "0123456789abcdef", "illuminance", "lx", "W m-2"});
   }
 
@@ -49,17 +51,22 @@ class WriteExr : public testing::Test {
   }
 };
 
-// Sums whose means tell pixel and channel: 10 x pixel + channel, no variance in Y.
-std::vector<double> sums(std::size_t channels) {
-  std::vector<double> values;
-  for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {
-    for (std::size_t channel = 0; channel < channels; ++channel) {
-      values.push_back(kSamples * static_cast<double>(10 * pixel + channel));
+// Sums of `kSamples` equal samples: as value `i` pixel p has 10 p + i.
+TileSums equal_samples(std::size_t further) {
+  TileSums film(kWidth, kHeight, further);
+  std::vector<double> values(film.values());
+  BlockSamples blocks(film, kSamples);
+  for (std::uint32_t pixel = 0; pixel < kPixels; ++pixel) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      values[i] = 10.0 * pixel + static_cast<double>(i);
     }
-    const double y = values[channels * pixel + 1];
-    values[channels * pixel + 3] = y * y / kSamples;
+    for (std::uint32_t sample = 0; sample < kSamples; ++sample) {
+      add_sample(values.data(), further, &film.sums[film.channels * pixel]);
+      blocks.add(pixel % kWidth, pixel / kWidth, sample, values[1]);
+    }
   }
-  return values;
+  blocks.add_to(film);
+  return film;
 }
 
 void expect_means(const std::vector<float>& values, std::size_t channel) {
@@ -68,35 +75,70 @@ void expect_means(const std::vector<float>& values, std::size_t channel) {
   }
 }
 
+// What is added to a sum of squares to give the mean's variance so much more.
+double squares(double variance) { return variance * kSamples * (kSamples - 1); }
+
 TEST_F(WriteExr, HoldsMeansErrorsAndCounts) {
-  auto values = sums(4);
-  values[3] += 42.0 * 9.0;  // pixel 0: variance of the mean 42 x 9 / (7 x 6)
-  write(values, {});
+  TileSums film = equal_samples(0);
+  film.sums[3] += squares(9.0);
+  film.sums[4] += squares(16.0);
+  film.sums[5] += squares(25.0);
+  film.sums[6] += squares(0.5 * 3.0 * 4.0);
+  film.sums[7] -= squares(0.25 * 4.0 * 5.0);
+  film.sums[8] += squares(3.0 * 5.0);
+  write(film, {});
   const auto image = read();
-  EXPECT_EQ(image.size(), 8u);
+  EXPECT_EQ(image.size(), 15u);
   expect_means(image.at("X"), 0);
   expect_means(image.at("Y"), 1);
   expect_means(image.at("Z"), 2);
   EXPECT_EQ(image.at("Y.stderr"), (std::vector<float>{3, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(image.at("X.stderr"), (std::vector<float>{4, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(image.at("Z.stderr"), (std::vector<float>{5, 0, 0, 0, 0, 0}));
+  EXPECT_FLOAT_EQ(image.at("XY.correlation")[0], 0.5f);
+  EXPECT_FLOAT_EQ(image.at("XZ.correlation")[0], -0.25f);
+  EXPECT_FLOAT_EQ(image.at("YZ.correlation")[0], 1.0f);
+  EXPECT_EQ(image.at("YZ.correlation")[1], 0.0f);
   EXPECT_EQ(image.at("n"), std::vector<float>(kPixels, kSamples));
 }
 
-TEST_F(WriteExr, HasAChannelForEachFurtherResponse) {
-  write(sums(6), {"rod", "A.far-red"});
+TEST_F(WriteExr, TellsHowErrorsOfNeighboursGoTogether) {
+  TileSums film = equal_samples(0);
+  EXPECT_EQ(film.block_squares.size(), 1u);
+  film.sums[3] += squares(9.0);
+  film.sums[film.channels + 3] += squares(16.0);
+  film.block_squares[0] += squares(49.0);  // (3 + 4)^2: wholly correlated
+  film.tile_squares[0] += squares(98.0);
+  write(film, {});
   const auto image = read();
-  EXPECT_EQ(image.size(), 10u);
+  EXPECT_FLOAT_EQ(image.at("Y.blockRatio")[0], 49.0f / 25.0f);
+  EXPECT_EQ(image.at("Y.blockRatio"), std::vector<float>(kPixels, image.at("Y.blockRatio")[0]));
+  EXPECT_FLOAT_EQ(image.at("Y.tileRatio")[5], 2.0f);
+}
+
+TEST_F(WriteExr, HasTwoChannelsForEachFurtherResponse) {
+  TileSums film = equal_samples(2);
+  film.sums[TileSums::kXyzSums + 3] += squares(4.0);
+  write(film, {"rod", "A-far-red"});
+  const auto image = read();
+  EXPECT_EQ(image.size(), 19u);
   expect_means(image.at("Z"), 2);
   EXPECT_EQ(image.at("Y.stderr"), std::vector<float>(kPixels, 0));
-  expect_means(image.at("rod"), 4);
-  expect_means(image.at("A.far-red"), 5);
+  expect_means(image.at("rod"), 3);
+  expect_means(image.at("A-far-red"), 4);
+  EXPECT_EQ(image.at("rod.stderr"), std::vector<float>(kPixels, 0));
+  EXPECT_EQ(image.at("A-far-red.stderr"), (std::vector<float>{2, 0, 0, 0, 0, 0}));
 }
 
 // Viewers show R, G and B: the white of sRGB (x 0.3127, y 0.3290) has as much of each.
 TEST_F(WriteExr, HasSrgbForViewers) {
-  std::vector<double> white;
+  TileSums white(kWidth, kHeight, 0);
   for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {
     const double y = kSamples * (1.0 + static_cast<double>(pixel));
-    white.insert(white.end(), {y * 0.3127 / 0.3290, y, y * 0.3583 / 0.3290, y * y / kSamples});
+    double* const sums = &white.sums[white.channels * pixel];
+    sums[0] = y * 0.3127 / 0.3290;
+    sums[1] = y;
+    sums[2] = y * 0.3583 / 0.3290;
   }
   write(white, {});
   const auto image = read();
@@ -111,22 +153,22 @@ TEST_F(WriteExr, HasSrgbForViewers) {
 }
 
 TEST_F(WriteExr, AResponseMayBeCalledR) {
-  write(sums(5), {"R"});
+  write(equal_samples(1), {"R"});
   const auto image = read();
-  EXPECT_EQ(image.size(), 6u);
-  expect_means(image.at("R"), 4);
+  EXPECT_EQ(image.size(), 14u);
+  expect_means(image.at("R"), 3);
 }
 
 TEST_F(WriteExr, RefusesSumsOfOtherChannels) {
-  EXPECT_THROW(write(sums(5), {}), std::invalid_argument);
-  EXPECT_THROW(write(sums(4), {"rod"}), std::invalid_argument);
+  EXPECT_THROW(write(equal_samples(1), {}), std::invalid_argument);
+  EXPECT_THROW(write(equal_samples(0), {"rod"}), std::invalid_argument);
 }
 
 TEST_F(WriteExr, RefusesANameThatIsTaken) {
-  for (const char* taken : {"X", "Y.stderr", "n"}) {
-    EXPECT_THROW(write(sums(5), {taken}), std::invalid_argument) << taken;
+  for (const char* taken : {"X", "Y.stderr", "XY.correlation", "n"}) {
+    EXPECT_THROW(write(equal_samples(1), {taken}), std::invalid_argument) << taken;
   }
-  EXPECT_THROW(write(sums(6), {"rod", "rod"}), std::invalid_argument);
+  EXPECT_THROW(write(equal_samples(2), {"rod", "rod"}), std::invalid_argument);
 }
 
 }  // namespace

@@ -28,14 +28,17 @@ TEST(Bits, ASampleDoesNotDependOnTheTileAroundIt) {
   const auto scene = room();
   const TileSums large = trace_tile(*scene, kFilm, {0, 0, 40, 24, 3, 4});
   const TileSums one = trace_tile(*scene, kFilm, {17, 9, 1, 1, 3, 4});
-  for (std::size_t c = 0; c < 4; ++c) EXPECT_EQ(one.sums[c], large.sums[4 * (9 * 40 + 17) + c]);
+  for (std::size_t c = 0; c < one.channels; ++c) {
+    EXPECT_EQ(one.sums[c], large.sums[one.channels * (9 * 40 + 17) + c]);
+  }
 }
 
 TEST(Bits, SizeOfBatchesDoesNotMatter) {
   const auto scene = room();
   const TileRange range{8, 4, 16, 16, 4, 12};
   const auto traced = [&](std::uint32_t groups) {
-    return trace_tile(*scene, kFilm, range, Method::kAdjointPhotons, groups).sums;
+    const TileSums tile = trace_tile(*scene, kFilm, range, Method::kAdjointPhotons, groups);
+    return std::pair{tile.sums, tile.block_squares};
   };
   const auto sums = traced(2048);
   EXPECT_EQ(traced(256), sums);
@@ -57,7 +60,10 @@ TEST(Bits, NumberOfThreadsDoesNotMatter) {
     return image;
   };
   const TileSums one = trace(1);
-  EXPECT_EQ(one.sums, trace(3).sums);
+  const TileSums three = trace(3);
+  EXPECT_EQ(one.sums, three.sums);
+  EXPECT_EQ(one.block_squares, three.block_squares);
+  EXPECT_EQ(one.tile_squares, three.tile_squares);
   EXPECT_EQ(one.photons, 40u * 24u * 20u);
   EXPECT_GT(one.rays, one.photons);
   EXPECT_EQ(one.invalid_samples, 0u);

@@ -17,14 +17,136 @@
 namespace nocturne {
 namespace {
 
-// As many floats for a pixel as it has sums: X, Y, Z, Y.stderr, further responses.
-void put_pixel(std::span<const double> sums, std::uint32_t samples, float* pixel) {
-  const double n = samples;
-  for (std::size_t i = 0; i < sums.size(); ++i) pixel[i] = static_cast<float>(sums[i] / n);
-  const double variance_of_mean =
-      samples < 2 ? 0.0 : (sums[3] - sums[1] * sums[1] / n) / (n * (n - 1.0));
-  pixel[3] = static_cast<float>(std::sqrt(std::max(0.0, variance_of_mean)));
+// Estimated variance of the mean of n numbers, or covariance of two means, from sums; 0 below two.
+double covariance_of_means(double products, double a, double b, double n) {
+  return n < 2.0 ? 0.0 : (products - a * b / n) / (n * (n - 1.0));
 }
+
+double variance_of_mean(double squares, double sum, double n) {
+  return std::max(0.0, covariance_of_means(squares, sum, sum, n));
+}
+
+// Of two variances, where the second is known to be above 0.
+double ratio(double variance, double independent) {
+  return independent > 0.0 ? variance / independent : 1.0;
+}
+
+// Places of a pixel's sums; see TileSums.
+enum Sum : std::uint8_t { kX, kY, kZ, kYY, kXX, kZZ, kXY, kXZ, kYZ };
+
+// The channels of floats of an image, side by side for each pixel.
+class Channels {
+ public:
+  Channels(const TileSums& film, std::span<const std::string> further_responses,
+           std::uint32_t samples)
+      : film_(film), samples_(samples) {
+    names_ = {"X", "Y", "Z"};
+    names_.insert(names_.end(), further_responses.begin(), further_responses.end());
+    const std::size_t values = names_.size();
+    for (std::size_t i = 0; i < values; ++i) names_.push_back(names_[i] + ".stderr");
+    for (const char* name :
+         {"XY.correlation", "XZ.correlation", "YZ.correlation", "Y.blockRatio", "Y.tileRatio"}) {
+      names_.emplace_back(name);
+    }
+    values_.resize(names_.size() * film.width * film.height);
+    for (std::uint32_t y = 0; y < film.height; ++y) {
+      for (std::uint32_t x = 0; x < film.width; ++x) put_pixel(x, y);
+    }
+  }
+
+  const std::vector<std::string>& names() const { return names_; }
+  std::vector<float>& values() { return values_; }
+
+  void put_ratios(std::uint32_t tile_size) {
+    std::size_t index = 0;
+    for (std::uint32_t y = 0; y < film_.height; y += tile_size) {
+      for (std::uint32_t x = 0; x < film_.width; x += tile_size) {
+        put_ratios_of_tile(film_.tile_squares[index++], x, y, std::min(tile_size, film_.width - x),
+                           std::min(tile_size, film_.height - y));
+      }
+    }
+  }
+
+ private:
+  const double* sums(std::uint32_t x, std::uint32_t y) const {
+    return &film_.sums[film_.channels * (std::size_t{y} * film_.width + x)];
+  }
+  float* channels(std::uint32_t x, std::uint32_t y) {
+    return &values_[names_.size() * (std::size_t{y} * film_.width + x)];
+  }
+  double variance(const double* sums, std::size_t sum, std::size_t squares) const {
+    return variance_of_mean(sums[squares], sums[sum], samples_);
+  }
+
+  void put_pixel(std::uint32_t x, std::uint32_t y) {
+    const double* const of_pixel = sums(x, y);
+    float* to = channels(x, y);
+    const auto put = [&to](double value) { *to++ = static_cast<float>(value); };
+    const std::size_t further = TileSums::kXyzSums, squares = further + film_.further;
+    for (const std::size_t i : {kX, kY, kZ}) put(of_pixel[i] / samples_);
+    for (std::size_t i = 0; i < film_.further; ++i) put(of_pixel[further + i] / samples_);
+    const double errors[3] = {std::sqrt(variance(of_pixel, kX, kXX)),
+                              std::sqrt(variance(of_pixel, kY, kYY)),
+                              std::sqrt(variance(of_pixel, kZ, kZZ))};
+    for (const double error : errors) put(error);
+    for (std::size_t i = 0; i < film_.further; ++i) {
+      put(std::sqrt(variance(of_pixel, further + i, squares + i)));
+    }
+    const auto correlation = [&](std::size_t a, std::size_t b, std::size_t products) {
+      const double both = errors[a] * errors[b];
+      const double found =
+          covariance_of_means(of_pixel[products], of_pixel[a], of_pixel[b], samples_);
+      return both > 0.0 ? std::clamp(found / both, -1.0, 1.0) : 0.0;
+    };
+    put(correlation(kX, kY, kXY));
+    put(correlation(kX, kZ, kXZ));
+    put(correlation(kY, kZ, kYZ));
+  }
+
+  void put_ratios_of_tile(double tile_squares, std::uint32_t left, std::uint32_t top,
+                          std::uint32_t width, std::uint32_t height) {
+    constexpr std::uint32_t kBlock = TileSums::kBlock;
+    double sum = 0.0, of_blocks = 0.0;
+    for (std::uint32_t y = top; y < top + height; y += kBlock) {
+      for (std::uint32_t x = left; x < left + width; x += kBlock) {
+        const std::uint32_t right = std::min(x + kBlock, left + width);
+        const std::uint32_t bottom = std::min(y + kBlock, top + height);
+        double block_sum = 0.0, of_pixels = 0.0;
+        for_each_pixel(x, y, right, bottom, [&](std::uint32_t px, std::uint32_t py) {
+          block_sum += sums(px, py)[kY];
+          of_pixels += variance(sums(px, py), kY, kYY);
+        });
+        const double squares =
+            film_.block_squares[std::size_t{y / kBlock} * film_.block_columns() + x / kBlock];
+        const double of_block = variance_of_mean(squares, block_sum, samples_);
+        sum += block_sum;
+        of_blocks += of_block;
+        const auto found = static_cast<float>(ratio(of_block, of_pixels));
+        for_each_pixel(x, y, right, bottom, [&](std::uint32_t px, std::uint32_t py) {
+          channels(px, py)[names_.size() - 2] = found;
+        });
+      }
+    }
+    const auto found =
+        static_cast<float>(ratio(variance_of_mean(tile_squares, sum, samples_), of_blocks));
+    for_each_pixel(left, top, left + width, top + height, [&](std::uint32_t x, std::uint32_t y) {
+      channels(x, y)[names_.size() - 1] = found;
+    });
+  }
+
+  template <class Visit>
+  static void for_each_pixel(std::uint32_t left, std::uint32_t top, std::uint32_t right,
+                             std::uint32_t bottom, const Visit& visit) {
+    for (std::uint32_t y = top; y < bottom; ++y) {
+      for (std::uint32_t x = left; x < right; ++x) visit(x, y);
+    }
+  }
+
+  const TileSums& film_;
+  const double samples_;
+  std::vector<std::string> names_;
+  std::vector<float> values_;
+};
 
 // IEC 61966-2-1: XYZ of white D65 to linear sRGB, and the primaries and the white of that.
 constexpr float kRgbOfXyz[3][3] = {
@@ -46,21 +168,17 @@ std::vector<float> rgb_of(std::span<const float> values, std::size_t channels) {
 
 }  // namespace
 
-void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
-               std::span<const double> sums, std::span<const std::string> further_responses,
-               std::uint32_t samples, const ImageProvenance& provenance) {
-  std::vector<std::string> names{"X", "Y", "Z", "Y.stderr"};
-  names.insert(names.end(), further_responses.begin(), further_responses.end());
-  const std::size_t channels = names.size();
-  const std::size_t pixels = static_cast<std::size_t>(width) * height;
-  if (sums.size() != channels * pixels) {
+void write_exr(const std::filesystem::path& path, const TileSums& film, std::uint32_t tile_size,
+               std::span<const std::string> further_responses, std::uint32_t samples,
+               const ImageProvenance& provenance) {
+  if (further_responses.size() != film.further) {
     throw std::invalid_argument("an image's sums don't fit its channels");
   }
-  std::vector<float> values(sums.size());
-  for (std::size_t i = 0; i < pixels; ++i) {
-    put_pixel(sums.subspan(channels * i, channels), samples, &values[channels * i]);
-  }
-  std::vector<std::uint32_t> counts(pixels, samples);
+  const std::uint32_t width = film.width, height = film.height;
+  Channels image(film, further_responses, samples);
+  image.put_ratios(tile_size);
+  const std::size_t channels = image.names().size();
+  std::vector<std::uint32_t> counts(std::size_t{width} * height, samples);
 
   Imf::Header header(static_cast<int>(width), static_cast<int>(height));
   header.compression() = Imf::ZIP_COMPRESSION;
@@ -91,13 +209,13 @@ void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint
     buffer.insert(name, Imf::Slice(type, static_cast<char*>(first), stride, stride * width));
   };
   for (std::size_t i = 0; i < channels; ++i) {
-    add(names[i], Imf::FLOAT, &values[i], channels * sizeof(float));
+    add(image.names()[i], Imf::FLOAT, &image.values()[i], channels * sizeof(float));
   }
   add("n", Imf::UINT, counts.data(), sizeof(std::uint32_t));
   // A sensor may have responses with these names: they say more than what only viewers need.
   std::vector<float> rgb;
   if (std::ranges::find_first_of(further_responses, kRgb) == further_responses.end()) {
-    rgb = rgb_of(values, channels);
+    rgb = rgb_of(image.values(), channels);
     for (std::size_t i = 0; i < 3; ++i) add(kRgb[i], Imf::FLOAT, &rgb[i], 3 * sizeof(float));
   }
 

@@ -5,6 +5,8 @@
 #include <span>
 #include <string>
 
+#include "tile/tile_sums.h"
+
 namespace nocturne {
 
 /// What an image says of its making.
@@ -20,14 +22,16 @@ struct ImageProvenance {
   std::uint64_t truncated_paths = 0;
 };
 
-/// Writes means and errors from sums (per pixel, row by row: sum X, Y, Z, Y^2 and one for each
-/// further response) over `samples` samples of every pixel: channels X, Y, Z (Y in cd/m2), Y.stderr
-/// (float), n (uint), one with the name of each further response (float), and linear sRGB in R, G,
-/// B (float) for viewers, unless a response has one of these names. Throws std::invalid_argument
-/// where sums are more or fewer than that or two channels have one name, and another std::exception
-/// where the file can't be written.
-void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
-               std::span<const double> sums, std::span<const std::string> further_responses,
-               std::uint32_t samples, const ImageProvenance& provenance);
+/// Writes means and errors of a film whose tiles have edges of `tile_size` pixels, over `samples`
+/// samples of every pixel. Float channels: X, Y, Z (Y in cd/m2) and one with the name of each
+/// further response; the standard error of each, NAME.stderr; XY.correlation, XZ.correlation and
+/// YZ.correlation of their errors; Y.blockRatio, the variance of what a block's pixels have
+/// together over the sum of their variances, and Y.tileRatio, that of a tile over those of its
+/// blocks; linear sRGB in R, G, B for viewers, unless a response has one of these names. And n
+/// (uint). Throws std::invalid_argument where names are more or fewer than the responses or two
+/// channels have one name, and another std::exception where the file can't be written.
+void write_exr(const std::filesystem::path& path, const TileSums& film, std::uint32_t tile_size,
+               std::span<const std::string> further_responses, std::uint32_t samples,
+               const ImageProvenance& provenance);
 
 }  // namespace nocturne

@@ -1,6 +1,7 @@
 // A unit of work, and what it yields: sums and counts, never averages.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -15,13 +16,25 @@ struct TileRange {
 
 /// Float64: single precision stops counting at 2^24 samples.
 struct TileSums {
-  /// Sum X, sum Y, sum Z, sum Y^2; then a sum for each further response of the sensor.
-  static constexpr std::size_t kXyzChannels = 4;
+  /// What a sample measures before further responses: X, Y, Z.
+  static constexpr std::size_t kXyzValues = 3;
+  /// A pixel's sums before those of further responses: X, Y, Z, YY, XX, ZZ, XY, XZ, YZ.
+  static constexpr std::size_t kXyzSums = 9;
+  /// Edge of a block, pixels. Blocks begin at the tile's upper left corner.
+  static constexpr std::uint32_t kBlock = 4;
 
-  /// At least kXyzChannels.
+  std::uint32_t width, height;
+  /// Further responses of the sensor.
+  std::size_t further;
+  /// kXyzSums; then a sum for each further response, and one of its square for each.
   std::size_t channels;
   /// Channels of each pixel side by side, row by row.
   std::vector<double> sums;
+  /// Over samples, the squares of what each block's pixels together have as Y, row by row: from
+  /// them come errors of regions, also where pixels are not independent.
+  std::vector<double> block_squares;
+  /// The same of the whole tile; of a film's tiles, row by row.
+  std::vector<double> tile_squares;
   std::uint64_t photons = 0;
   std::uint64_t rays = 0;
   /// Photons left out because their contribution was negative or not finite.
@@ -29,8 +42,54 @@ struct TileSums {
   /// Photons ended by a limit of the tracer that is no property of the scene: bias.
   std::uint64_t truncated_paths = 0;
 
-  explicit TileSums(std::size_t pixels = 0, std::size_t further_responses = 0)
-      : channels(kXyzChannels + further_responses), sums(channels * pixels) {}
+  TileSums(std::uint32_t w, std::uint32_t h, std::size_t further_responses, std::size_t tiles = 1)
+      : width(w),
+        height(h),
+        further(further_responses),
+        channels(kXyzSums + 2 * further),
+        sums(channels * w * h),
+        block_squares(std::size_t{block_columns()} * blocks_in(h)),
+        tile_squares(tiles) {}
+
+  static std::uint32_t blocks_in(std::uint32_t pixels) { return (pixels + kBlock - 1) / kBlock; }
+  std::uint32_t block_columns() const { return blocks_in(width); }
+  /// Of a sample: X, Y, Z, further responses.
+  std::size_t values() const { return kXyzValues + further; }
+
+  /// Sums of other samples of the same pixels.
+  TileSums& operator+=(const TileSums& other) {
+    add(other.sums, sums);
+    add(other.block_squares, block_squares);
+    add(other.tile_squares, tile_squares);
+    return add_counts(other);
+  }
+
+  TileSums& add_counts(const TileSums& other) {
+    photons += other.photons;
+    rays += other.rays;
+    invalid_samples += other.invalid_samples;
+    truncated_paths += other.truncated_paths;
+    return *this;
+  }
+
+ private:
+  static void add(const std::vector<double>& from, std::vector<double>& to) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] += from[i];
+  }
 };
+
+/// One sample's values into a pixel's sums, in the order that TileSums has.
+inline void add_sample(const double* sample, std::size_t further, double* pixel) {
+  const double x = sample[0], y = sample[1], z = sample[2];
+  const std::array<double, TileSums::kXyzSums> products{x,     y,     z,     y * y, x * x,
+                                                        z * z, x * y, x * z, y * z};
+  for (std::size_t c = 0; c < TileSums::kXyzSums; ++c) pixel[c] += products[c];
+  const double* const responses = sample + TileSums::kXyzValues;
+  double* const sums = pixel + TileSums::kXyzSums;
+  for (std::size_t c = 0; c < further; ++c) {
+    sums[c] += responses[c];
+    sums[further + c] += responses[c] * responses[c];
+  }
+}
 
 }  // namespace nocturne

@@ -29,7 +29,7 @@ class PhotonBatches {
 
   /// What they brought: by photon (index in `photons`), then as it was counted.
   const std::vector<Splat<N>>& splats() { return estimator_.splats(); }
-  /// Adds a splat to the channels of its pixel, Y^2 left out; returns the invalid samples in it.
+  /// Adds a splat to the values of its pixel's sample; returns the invalid samples in it.
   std::uint32_t add(const Splat<N>& splat, double* values) const;
 
  private:

@@ -1,7 +1,7 @@
 #include "tracer/pixel_batches.h"
 
 #include "math/in_place.h"
-#include "tracer/blocks.h"
+#include "tracer/sharing_blocks.h"
 #include "tracer/response.h"
 #include "tracer/trace_batch.h"
 
@@ -38,13 +38,13 @@ void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums
     PixelNumbers numbers = next_pixel_numbers(scene_, sequence);
     if (shares) {
       place = at.leads ? 0 : place + 1;
-      const std::uint32_t run = at.sample / kBlockRun, in_run = at.sample % kBlockRun;
+      const std::uint32_t run = at.sample / kSharingRun, in_run = at.sample % kSharingRun;
       if (at.leads) {
         batch_.sharing.blocks.push_back(i);
         leader = at.y * film_.width + at.x;
       }
       PhotonSequence of_block(sequence_of(leader | kOfBlock),
-                              (run * kMostPixels + place) * kBlockRun + in_run);
+                              (run * kMostSharing + place) * kSharingRun + in_run);
       const PixelNumbers from_block = next_pixel_numbers(scene_, of_block);
       if (at.leads) common = from_block;
       numbers.wavelengths = common.wavelengths;
@@ -59,7 +59,7 @@ void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums
   for (const Taken<N>& taken : batch_.sharing.taken) estimator_.take(taken);
   counts.rays += batch_.rays;
   counts.truncated_paths += batch_.limits.truncated();
-  for (std::size_t i = 0; i < samples.size(); ++i, values += counts.channels) {
+  for (std::size_t i = 0; i < samples.size(); ++i, values += counts.values()) {
     const Response<N> response(scene_.wavelengths, samples_[i].wavelengths);
     counts.invalid_samples += response.add(estimator_.radiance(i), samples_[i].weight, values);
   }
@@ -69,7 +69,7 @@ void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums
 /// always in the same order.
 template <int N, bool Media>
 PixelSequence& PixelBatches<N, Media>::sequence_of(std::uint32_t pixel) {
-  constexpr std::size_t kLookBack = 2 * kMostPixels;
+  constexpr std::size_t kLookBack = 2 * kMostSharing;
   const auto known = [&](std::size_t i) { return i < pixels_.size() && pixels_[i] == pixel; };
   if (known(latest_ + 1)) return sequences_[++latest_];
   const std::size_t end = pixels_.size(), begin = end > kLookBack ? end - kLookBack : 0;

@@ -27,9 +27,8 @@ class PixelBatches {
   /// Traces up to `most` samples at once.
   PixelBatches(const Scene& scene, Film film, std::uint32_t most, const std::stop_token& stop);
 
-  /// Adds what sample i measures to the channels from
-  /// values[i * counts.channels] on, Y^2 left out, and rays and invalid samples to `counts`. Blocks
-  /// are whole; they share where the scene's options say so.
+  /// Adds what sample i measures to the values from values[i * counts.values()] on, and rays and
+  /// invalid samples to `counts`. Blocks are whole; they share where the scene's options say so.
   void trace(std::span<const PixelIndex> samples, TileSums& counts, double* values);
 
  private:

@@ -16,9 +16,9 @@ class Response {
   Response(const WavelengthSampler& sampler, const WavelengthSamples<N>& wavelengths)
       : sampler_(sampler), wavelengths_(wavelengths) {}
 
-  /// Adds `scale` times the response to channels X, Y, Z of `pixel` and to those from kXyzChannels
-  /// on; returns the number of photons left out.
-  std::uint32_t add(const Spectral<N>& radiance, double scale, double* pixel) const {
+  /// Adds `scale` times the response to a sample's values: X, Y, Z, further responses. Returns the
+  /// number of photons left out.
+  std::uint32_t add(const Spectral<N>& radiance, double scale, double* values) const {
     Spectral<N> kept = radiance;
     std::uint32_t invalid_samples = 0;
     for (std::size_t k = 0; k < N; ++k) {
@@ -26,9 +26,9 @@ class Response {
       kept[k] = 0.0f;
       ++invalid_samples;
     }
-    for (std::size_t c = 0; c < 3; ++c) pixel[c] += scale * mean(wavelengths_.weight[c], kept);
+    for (std::size_t c = 0; c < 3; ++c) values[c] += scale * mean(wavelengths_.weight[c], kept);
     for (std::size_t c = 0; c < sampler_.further_curves(); ++c) {
-      pixel[TileSums::kXyzChannels + c] +=
+      values[TileSums::kXyzValues + c] +=
           scale * mean(sampler_.further_weight(c, wavelengths_), kept);
     }
     return invalid_samples;
@@ -44,13 +44,5 @@ class Response {
   const WavelengthSampler& sampler_;
   const WavelengthSamples<N>& wavelengths_;
 };
-
-/// One sample's values into a pixel's sums, and the square of its Y.
-inline void add_sample(const double* sample, std::size_t channels, double* pixel) {
-  for (std::size_t c = 0; c < channels; ++c) {
-    if (c != 3) pixel[c] += sample[c];
-  }
-  pixel[3] += sample[1] * sample[1];
-}
 
 }  // namespace nocturne

@@ -14,46 +14,54 @@ namespace {
 template <class Merged>
 TileSums trace_ranges(const Scene& scene, const FilmPlan& plan, TileRange tile, Method method,
                       const Merged& merged) {
-  TileSums total(static_cast<std::size_t>(tile.width) * tile.height,
-                 scene.wavelengths.further_curves());
+  TileSums total(tile.width, tile.height, scene.wavelengths.further_curves());
   for (const std::uint32_t end : plan.range_ends) {
     tile.end_sample = end;
     const TileSums range = trace_tile(scene, plan.film, tile, method);
-    for (std::size_t i = 0; i < total.sums.size(); ++i) total.sums[i] += range.sums[i];
-    total.photons += range.photons;
-    total.rays += range.rays;
-    total.invalid_samples += range.invalid_samples;
-    total.truncated_paths += range.truncated_paths;
+    total += range;
     tile.first_sample = end;
     merged(range.photons);
   }
   return total;
 }
 
-void place(const TileSums& tile, const TileRange& where, Film film, TileSums& image) {
-  const std::size_t row = image.channels * where.width;
-  for (std::uint32_t y = 0; y < where.height; ++y) {
-    const std::size_t to =
-        image.channels * ((static_cast<std::size_t>(where.y) + y) * film.width + where.x);
-    std::copy_n(tile.sums.begin() + static_cast<std::ptrdiff_t>(y * row), row,
-                image.sums.begin() + static_cast<std::ptrdiff_t>(to));
+// Copies rows of `row` values into rows of `to_row` values, from value `first` on.
+void place_rows(const std::vector<double>& from, std::size_t row, std::vector<double>& to,
+                std::size_t to_row, std::size_t first) {
+  for (std::size_t at = 0; at < from.size(); at += row, first += to_row) {
+    std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(at), row,
+                to.begin() + static_cast<std::ptrdiff_t>(first));
   }
-  image.photons += tile.photons;
-  image.rays += tile.rays;
-  image.invalid_samples += tile.invalid_samples;
-  image.truncated_paths += tile.truncated_paths;
+}
+
+void place(const TileSums& tile, const TileRange& where, std::size_t index, TileSums& image) {
+  place_rows(tile.sums, tile.channels * tile.width, image.sums, image.channels * image.width,
+             image.channels * (std::size_t{where.y} * image.width + where.x));
+  const std::size_t columns = image.block_columns();
+  place_rows(tile.block_squares, tile.block_columns(), image.block_squares, columns,
+             where.y / TileSums::kBlock * columns + where.x / TileSums::kBlock);
+  image.tile_squares[index] = tile.tile_squares.front();
+  image.add_counts(tile);
+}
+
+std::uint32_t tiles_in(std::uint32_t pixels, const FilmPlan& plan) {
+  return (pixels + plan.tile_size - 1) / plan.tile_size;
+}
+
+TileSums no_sums(const Scene& scene, const FilmPlan& plan) {
+  return {plan.film.width, plan.film.height, scene.wavelengths.further_curves(),
+          std::size_t{tiles_in(plan.film.width, plan)} * tiles_in(plan.film.height, plan)};
 }
 
 }  // namespace
 
 TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
                     const std::function<void(double)>& progress) {
-  const std::uint32_t columns = (plan.film.width + plan.tile_size - 1) / plan.tile_size;
-  const std::uint32_t rows = (plan.film.height + plan.tile_size - 1) / plan.tile_size;
+  const std::uint32_t columns = tiles_in(plan.film.width, plan);
+  const std::uint32_t rows = tiles_in(plan.film.height, plan);
   const double all = static_cast<double>(plan.film.width) * plan.film.height *
                      (plan.range_ends.back() - plan.first_sample);
-  TileSums image(static_cast<std::size_t>(plan.film.width) * plan.film.height,
-                 scene.wavelengths.further_curves());
+  TileSums image = no_sums(scene, plan);
   std::atomic<std::uint32_t> next = 0;
   std::mutex mutex;
   double done = 0.0;
@@ -75,7 +83,7 @@ TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, uns
         progress(done / all);
       });
       const std::lock_guard lock(mutex);
-      place(sums, tile, plan.film, image);
+      place(sums, tile, index, image);
     }
   };
   // A thread that throws stops the others; what it threw is thrown again from here.
@@ -99,8 +107,7 @@ std::pair<TileSums, std::uint32_t> trace_film_by_ranges(
     const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
     const std::function<void(double)>& progress,
     const std::function<bool(std::uint32_t, const TileSums&)>& go_on) {
-  TileSums image(static_cast<std::size_t>(plan.film.width) * plan.film.height,
-                 scene.wavelengths.further_curves());
+  TileSums image = no_sums(scene, plan);
   const double all = plan.range_ends.back();
   std::uint32_t first = 0;
   for (const std::uint32_t& end : plan.range_ends) {
@@ -108,11 +115,7 @@ std::pair<TileSums, std::uint32_t> trace_film_by_ranges(
     const TileSums range = trace_film(scene, one, method, threads, [&](double share) {
       progress((first + share * (end - first)) / all);
     });
-    for (std::size_t i = 0; i < image.sums.size(); ++i) image.sums[i] += range.sums[i];
-    image.photons += range.photons;
-    image.rays += range.rays;
-    image.invalid_samples += range.invalid_samples;
-    image.truncated_paths += range.truncated_paths;
+    image += range;
     first = end;
     if (end != plan.range_ends.back() && !go_on(end, image)) break;
   }

@@ -2,8 +2,9 @@
 #pragma once
 
 #include "scene/scene.h"
+#include "tile/block_samples.h"
 #include "tile/tile_sums.h"
-#include "tracer/blocks.h"
+#include "tracer/sharing_blocks.h"
 #include "tracer/pixel_batches.h"
 #include "tracer/response.h"
 
@@ -26,7 +27,7 @@ void for_each_sample(const TileRange& range, std::uint32_t sharing, const Begin&
     return;
   }
   const std::uint32_t side = sharing == 4 ? 2 : 4;
-  for_each_block(range, side, [&](const Block& block) {
+  for_each_sharing_block(range, side, [&](const SharingBlock& block) {
     for (std::uint32_t sample = block.first_sample; sample < block.end_sample; ++sample) {
       begin(block.width * block.height);
       for (std::uint32_t y = block.y; y < block.y + block.height; ++y) {
@@ -42,20 +43,22 @@ void for_each_sample(const TileRange& range, std::uint32_t sharing, const Begin&
 template <int N, bool Media>
 TileSums trace_pixels(const Scene& scene, Film film, const TileRange& range, std::uint32_t groups,
                       const std::stop_token& stop) {
-  TileSums tile(static_cast<std::size_t>(range.width) * range.height,
-                scene.wavelengths.further_curves());
+  TileSums tile(range.width, range.height, scene.wavelengths.further_curves());
+  BlockSamples blocks(tile, range.end_sample - range.first_sample);
   const std::uint32_t size = samples_in_batch(scene.options, groups);
   PixelBatches<N, Media> batches(scene, film, size, stop);
   std::vector<PixelIndex> samples;
   std::vector<double> values;
   const auto trace = [&] {
-    values.assign(samples.size() * tile.channels, 0.0);
+    values.assign(samples.size() * tile.values(), 0.0);
     batches.trace(samples, tile, values.data());
     const double* measured = values.data();
     for (const PixelIndex& at : samples) {
-      const std::size_t pixel = (at.y - range.y) * std::size_t{range.width} + (at.x - range.x);
-      add_sample(measured, tile.channels, &tile.sums[pixel * tile.channels]);
-      measured += tile.channels;
+      const std::uint32_t x = at.x - range.x, y = at.y - range.y;
+      const std::size_t pixel = y * std::size_t{range.width} + x;
+      add_sample(measured, tile.further, &tile.sums[pixel * tile.channels]);
+      blocks.add(x, y, at.sample - range.first_sample, measured[1]);
+      measured += tile.values();
     }
     samples.clear();
   };
@@ -66,6 +69,7 @@ TileSums trace_pixels(const Scene& scene, Film film, const TileRange& range, std
       },
       [&](const PixelIndex& at) { samples.push_back(at); });
   trace();
+  blocks.add_to(tile);
   return tile;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "tile/block_samples.h"
 #include "tracer/baselines/path_tracer.h"
 #include "tracer/baselines/ray_marcher.h"
 #include "tracer/trace_pixels.h"
@@ -30,9 +31,9 @@ class FlushDenormals {
 // baselines::PathResult(scene, start, sequence).
 template <class Trace>
 TileSums trace_alone(const Scene& scene, Film film, const TileRange& range, const Trace& trace) {
-  TileSums tile(static_cast<std::size_t>(range.width) * range.height,
-                scene.wavelengths.further_curves());
-  std::vector<double> values(tile.channels);
+  TileSums tile(range.width, range.height, scene.wavelengths.further_curves());
+  BlockSamples blocks(tile, range.end_sample - range.first_sample);
+  std::vector<double> values(tile.values());
   double* pixel = tile.sums.data();
   for (std::uint32_t y = range.y; y < range.y + range.height; ++y) {
     for (std::uint32_t x = range.x; x < range.x + range.width; ++x, pixel += tile.channels) {
@@ -45,10 +46,12 @@ TileSums trace_alone(const Scene& scene, Film film, const TileRange& range, cons
         std::fill(values.begin(), values.end(), 0.0);
         tile.invalid_samples += Response<1>(scene.wavelengths, from.wavelengths)
                                     .add(path.radiance, from.weight, values.data());
-        add_sample(values.data(), tile.channels, pixel);
+        add_sample(values.data(), tile.further, pixel);
+        blocks.add(x - range.x, y - range.y, sample - range.first_sample, values[1]);
       }
     }
   }
+  blocks.add_to(tile);
   return tile;
 }
 

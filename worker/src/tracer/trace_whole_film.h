@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "tile/block_samples.h"
 #include "tracer/estimators/camera_estimator.h"
 #include "tracer/estimators/sensor_estimator.h"
 #include "tracer/photon_batches.h"
@@ -18,29 +19,33 @@ namespace nocturne {
 /// What some samples of the film measure, pixel by pixel, before it is added to the film's sums.
 class FilmSamples {
  public:
-  FilmSamples(std::uint32_t samples, std::uint32_t pixels, std::size_t channels)
+  FilmSamples(std::uint32_t samples, std::uint32_t pixels, std::size_t values)
       : pixels_(pixels),
-        channels_(channels),
-        values_(static_cast<std::size_t>(samples) * pixels * channels, 0.0),
+        per_pixel_(values),
+        values_(static_cast<std::size_t>(samples) * pixels * values, 0.0),
         touched_(static_cast<std::size_t>(samples) * pixels, 0) {}
 
-  /// The channels of a pixel in one of the samples, to be added to.
+  /// The values of a pixel in one of the samples, to be added to.
   double* touch(std::uint32_t sample, std::uint32_t pixel) {
     const std::size_t cell = static_cast<std::size_t>(sample) * pixels_ + pixel;
     if (touched_[cell] == 0) {
       touched_[cell] = 1;
       cells_.push_back(cell);
     }
-    return &values_[cell * channels_];
+    return &values_[cell * per_pixel_];
   }
 
-  /// Adds what was touched to the film's sums, in the order of the samples.
-  void add_to(TileSums& film) {
+  /// Adds what was touched to the film's sums, in the order of the samples; `first` is the number
+  /// of the first of these samples in `blocks`.
+  void add_to(TileSums& film, BlockSamples& blocks, std::uint32_t first) {
     std::sort(cells_.begin(), cells_.end());
     for (const std::size_t cell : cells_) {
-      double* const values = &values_[cell * channels_];
-      add_sample(values, channels_, &film.sums[cell % pixels_ * channels_]);
-      std::fill_n(values, channels_, 0.0);
+      double* const values = &values_[cell * per_pixel_];
+      const auto pixel = static_cast<std::uint32_t>(cell % pixels_);
+      const auto sample = static_cast<std::uint32_t>(cell / pixels_);
+      add_sample(values, film.further, &film.sums[pixel * film.channels]);
+      blocks.add(pixel % film.width, pixel / film.width, first + sample, values[1]);
+      std::fill_n(values, per_pixel_, 0.0);
       touched_[cell] = 0;
     }
     cells_.clear();
@@ -48,7 +53,7 @@ class FilmSamples {
 
  private:
   const std::uint32_t pixels_;
-  const std::size_t channels_;
+  const std::size_t per_pixel_;
   std::vector<double> values_;
   std::vector<char> touched_;
   std::vector<std::size_t> cells_;
@@ -67,17 +72,19 @@ class WholeFilm {
         samples_at_once_(std::max(1u, batch_size_ / pixels_)),
         photons_(scene, film, batch_size_, stop),
         from_pixels_(scene, film, batch_size_, stop),
-        sums_(pixels_, scene.wavelengths.further_curves()),
-        samples_(samples_at_once_, pixels_, sums_.channels),
-        measured_(batch_size_ * sums_.channels) {}
+        sums_(film.width, film.height, scene.wavelengths.further_curves()),
+        samples_(samples_at_once_, pixels_, sums_.values()),
+        measured_(batch_size_ * sums_.values()) {}
 
   TileSums trace(std::uint32_t first_sample, std::uint32_t end_sample) {
+    BlockSamples blocks(sums_, end_sample - first_sample);
     for (std::uint32_t first = first_sample; first < end_sample; first += samples_at_once_) {
       const std::uint32_t end = std::min(end_sample, first + samples_at_once_);
       trace_photons(first, end);
       if (both_) trace_from_pixels(first, end);
-      samples_.add_to(sums_);
+      samples_.add_to(sums_, blocks, first - first_sample);
     }
+    blocks.add_to(sums_);
     return std::move(sums_);
   }
 
@@ -109,7 +116,7 @@ class WholeFilm {
       const double* measured = measured_.data();
       for (const PixelIndex& at : samples) {
         double* const values = samples_.touch(at.sample - first, at.y * width_ + at.x);
-        for (std::size_t c = 0; c < sums_.channels; ++c) values[c] += *measured++;
+        for (std::size_t c = 0; c < sums_.values(); ++c) values[c] += *measured++;
       }
       samples.clear();
     };

@@ -15,12 +15,14 @@ from typing import Any
 
 import numpy as np
 from nocturne.v1 import job_pb2
+from nocturne_coordinator.dispatch.merge import Sums
 from nocturne_coordinator.dispatch.variance import variance_of_mean
 from nocturne_coordinator.output.images import mean_xyz
 from nocturne_coordinator.store.rows import TileChange
 from nocturne_scene.compare.images import Picture
 from nocturne_scene.errors import InputError
-from nocturne_scene.ranges import XYZ_SUMS, TileGrid
+from nocturne_scene.ranges import TileGrid
+from nocturne_scene.tile_sums import decode
 
 from nocturne_api.limits import TILE_ANSWERS_KEPT, TILES_ANSWER_BYTES
 
@@ -74,7 +76,7 @@ def encode(
     schedule: job_pb2.RangeSchedule, since: Cursor, tiles: Sequence[tuple[TileChange, bytes]], more: bool
 ) -> Tiles:
     """`tiles` with their sums, in the order of revision and index; `more` of them wait."""
-    grid, per_pixel = TileGrid.of(schedule), XYZ_SUMS + len(schedule.further_responses)
+    grid, further = TileGrid.of(schedule), len(schedule.further_responses)
     end = Cursor(tiles[-1][0].revision, tiles[-1][0].tile_index) if tiles else since
     film = (schedule.width, schedule.height, schedule.tile_size)
     parts = [_MAGIC, struct.pack("<7I", *film, len(tiles), more, end.revision, end.tile_index)]
@@ -82,7 +84,7 @@ def encode(
         tile = grid.tile(change.tile_index)
         invalid_samples = min(change.invalid_samples, _LARGEST)
         parts.append(struct.pack("<4I", change.tile_index, change.samples, invalid_samples, change.revision))
-        parts.append(_pixels(sums, (tile.height, tile.width, per_pixel), change.samples))
+        parts.append(_pixels(decode(sums, tile.width, tile.height, further).pixels, change.samples))
     return Tiles(b"".join(parts), end)
 
 
@@ -102,12 +104,11 @@ def encode_picture(picture: Picture, edge: int) -> bytes:
     return b"".join(parts)
 
 
-def _pixels(sums: bytes, shape: tuple[int, int, int], samples: int) -> bytes:
-    of_tile = np.frombuffer(sums, dtype="<f8").reshape(shape)
-    counts = np.full(shape[:2], samples, dtype=np.uint32)
-    pixels = np.empty((*shape[:2], 4), dtype="<f4")
-    pixels[..., :3] = mean_xyz(of_tile, counts)
-    pixels[..., 3] = np.sqrt(variance_of_mean(of_tile, counts))
+def _pixels(sums: Sums, samples: int) -> bytes:
+    counts = np.full(sums.shape[:2], samples, dtype=np.uint32)
+    pixels = np.empty((*counts.shape, 4), dtype="<f4")
+    pixels[..., :3] = mean_xyz(sums, counts)
+    pixels[..., 3] = np.sqrt(variance_of_mean(sums, counts))
     return pixels.tobytes()
 
 

@@ -3,7 +3,7 @@
 from nocturne.v1 import asset_service_pb2, render_service_pb2
 
 from nocturne_api.models.assets import Asset
-from nocturne_api.models.renders import Convergence, Render
+from nocturne_api.models.renders import Convergence, Reading, Render
 from nocturne_api.models.webhooks import Webhook
 from nocturne_api.models.workers import Worker
 
@@ -25,6 +25,15 @@ def convergence_message(model: Convergence) -> render_service_pb2.GetConvergence
     """The error's history."""
     points = [render_service_pb2.ConvergencePoint(**point.model_dump()) for point in model.points]
     return render_service_pb2.GetConvergenceResponse(points=points)
+
+
+def reading_message(model: Reading) -> render_service_pb2.Reading:
+    """Numbers of a region."""
+    values = [render_service_pb2.ReadValue(**each.model_dump()) for each in model.values]
+    region = render_service_pb2.Region(**model.region.model_dump())
+    return render_service_pb2.Reading(
+        region=region, values=values, **model.model_dump(exclude={"region", "values"})
+    )
 
 
 def asked_stop(message: render_service_pb2.StopConditions) -> dict[str, float | str]:

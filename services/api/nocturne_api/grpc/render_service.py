@@ -16,6 +16,7 @@ from nocturne_api.grpc.failures import Answering
 from nocturne_api.grpc.messages import (
     asked_stop,
     convergence_message,
+    reading_message,
     render_message,
     webhook_message,
     worker_message,
@@ -116,6 +117,13 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
         async with Answering(context):
             explained = await self._operations.renders.explain(request.id)
             return pb.ExplainRenderResponse(sentence=explained.sentence)
+
+    async def ReadRegion(self, request: pb.ReadRegionRequest, context: Context) -> pb.Reading:  # noqa: N802
+        async with Answering(context):
+            asked = request.region
+            region = Region(asked.x, asked.y, asked.width, asked.height)
+            wanted = region if asked.width or asked.height else None
+            return reading_message(await self._operations.readings.read(request.id, wanted))
 
     async def GetConvergence(  # noqa: N802
         self, request: pb.GetConvergenceRequest, context: Context

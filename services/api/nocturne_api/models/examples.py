@@ -92,6 +92,30 @@ RENDER: dict[str, Any] = {
     },
 }
 
+READING: dict[str, Any] = {
+    "region": {"x": 40, "y": 60, "width": 16, "height": 16},
+    "quantity": "luminance",
+    "unit": "cd/m2",
+    "response_unit": "W m-2 sr-1",
+    "values": [
+        {"name": "X", "mean": 41.2, "standard_error": 0.31},
+        {"name": "Y", "mean": 43.5, "standard_error": 0.29},
+        {"name": "Z", "mean": 12.8, "standard_error": 0.14},
+        {"name": "rod", "mean": 0.051, "standard_error": 0.0004},
+    ],
+    "u_prime": 0.2256,
+    "v_prime": 0.5358,
+    "u_prime_error": 0.0011,
+    "v_prime_error": 0.0006,
+    "correlation": 1.04,
+    "pixels": 256,
+    "unseen_pixels": 0,
+    "samples": 16384,
+    "fewest_samples": 64,
+    "most_samples": 64,
+    "invalid_samples": 0,
+}
+
 EXPLANATION: dict[str, Any] = {"sentence": "It is running on 16 worker threads, shared with 0 other renders."}
 
 WORKER: dict[str, Any] = {

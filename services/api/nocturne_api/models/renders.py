@@ -177,6 +177,40 @@ class RenderPage(Answer):
     next_page_token: str = Field(description="Empty on the last page.")
 
 
+class ReadValue(Answer):
+    """A mean and its error."""
+
+    name: str = Field(description="X, Y, Z, or a further response of the sensor.")
+    mean: float
+    standard_error: float | None = Field(description="Of the mean; null where it is not known.")
+
+
+class Reading(Answer):
+    """Means over the pixels of a region that have samples."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [examples.READING]})
+
+    region: Region
+    quantity: str = Field(description="What Y measures; empty where it is not known.")
+    unit: str = Field(description="Of X, Y and Z.")
+    response_unit: str = Field(description="Of a further response without a unit of its own.")
+    values: list[ReadValue] = Field(description="X, Y, Z, then the sensor's further responses by name.")
+    u_prime: float | None = Field(description="CIE 1976 u' of the mean; null in the dark.")
+    v_prime: float | None = Field(description="CIE 1976 v' of the mean; null in the dark.")
+    u_prime_error: float | None = Field(description="Standard error; null where it is not known.")
+    v_prime_error: float | None = Field(description="Standard error; null where it is not known.")
+    correlation: float = Field(
+        description="How many times the variance of Y is that of pixels that know nothing of each other; at "
+        "least 1."
+    )
+    pixels: int
+    unseen_pixels: int = Field(description="In which no sample found light.")
+    samples: int = Field(description="Of all pixels together.")
+    fewest_samples: int = Field(description="Of any pixel.")
+    most_samples: int = Field(description="Of any pixel.")
+    invalid_samples: int = Field(description="Of the tiles that the region touches.")
+
+
 class Explanation(Answer):
     """What a render waits for."""
 

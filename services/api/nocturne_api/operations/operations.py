@@ -16,6 +16,7 @@ from nocturne_api.operations.health import Health
 from nocturne_api.operations.images import Images
 from nocturne_api.operations.machines import Machines
 from nocturne_api.operations.preflights import Preflights
+from nocturne_api.operations.readings import Readings
 from nocturne_api.operations.render_controls import RenderControls
 from nocturne_api.operations.render_streams import RenderStreams
 from nocturne_api.operations.renders import Renders
@@ -49,6 +50,7 @@ class Operations:
         self.controls = RenderControls(access)
         self.streams = RenderStreams(access, self.renders)
         self.images = Images(access, self.renders, archiver)
+        self.readings = Readings(access, self.renders)
         self.preflights = Preflights(access, compile_limits)
         self.workers = Workers(access)
         self.machines = Machines(access)

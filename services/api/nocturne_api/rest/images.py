@@ -3,12 +3,14 @@
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
+from nocturne_coordinator.dispatch.region import Region
 from nocturne_coordinator.errors import AmbiguousId
 from nocturne_scene.errors import NotFound
 from starlette.responses import Response, StreamingResponse
 
 from nocturne_api.files.open_file import OpenFile
 from nocturne_api.files.tiles import MEDIA_TYPE, Cursor
+from nocturne_api.models.renders import Reading
 from nocturne_api.rest.access import Service
 from nocturne_api.rest.contract import answers, errors
 
@@ -53,9 +55,23 @@ async def get_tiles(
     return Response(found.content, headers=headers, media_type=MEDIA_TYPE)
 
 
+@router.get("/{render_id}/reading", responses=_OF_ONE)
+async def read_region(
+    render_id: str,
+    operations: Service,
+    x: Annotated[int, Query(description="Pixels from the left.")] = 0,
+    y: Annotated[int, Query(description="Pixels from the top.")] = 0,
+    width: Annotated[int, Query(description="Pixels; with a height of 0 as well, the whole film.")] = 0,
+    height: Annotated[int, Query(description="Pixels.")] = 0,
+) -> Reading:
+    """What a region of the image shows, in numbers, with their errors."""
+    region = Region(x, y, width, height) if width or height else None
+    return await operations.readings.read(render_id, region)
+
+
 @router.get("/{render_id}/image.exr", response_class=Response, responses=_EXR)
 async def get_image(render_id: str, request: Request, operations: Service) -> Response:
-    """EXR: X, Y, Z, Y.stderr, n; of what is merged now until the render has ended, then final."""
+    """EXR: all quantities, their errors, n; of what is merged now until the render has ended, then final."""
     return _answer(request, await operations.images.open_exr(render_id), "image/x-exr")
 
 

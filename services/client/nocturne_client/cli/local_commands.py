@@ -219,7 +219,7 @@ def compare_images(
     else:
         for line in comparing.as_lines(found):
             typer.echo(line)
-    verdict = found.verdict
+    verdict = found.difference.verdict
     differs = verdict is not None and not (verdict.pixels_agree and verdict.sums_agree)
     raise typer.Exit(int(differs))
 

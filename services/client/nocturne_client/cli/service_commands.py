@@ -21,6 +21,7 @@ from nocturne_client.cli.stops import Cpu, Drop, Error, For, Stops, TileError, U
 from nocturne_client.cli.watching import about, follow, graphics_wanted
 from nocturne_client.client import Client
 from nocturne_client.errors import NocturneClientError
+from nocturne_client.readings import parse_region, sentence
 
 if TYPE_CHECKING:
     from nocturne_client.preview.sinks import Sink
@@ -159,10 +160,8 @@ def get(
     with Client(url) as client:
         render = client.get(render_id)
         if region:
-            from nocturne_client.readings import parse_region, read_region
-
-            reading = read_region(client, render, parse_region(region))
-            print_json(asdict(reading)) if as_json else typer.echo(reading)
+            reading = client.read_region(render.id, parse_region(region))
+            print_json(asdict(reading)) if as_json else typer.echo(sentence(reading))
             return
         if exr is not None:
             client.download(render_id, "exr", exr)

@@ -1,5 +1,6 @@
 """`nocturne compare`: how far two images are apart, and whether noise explains it."""
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -8,6 +9,7 @@ import numpy as np
 from nocturne_scene.compare.agreement import Difference, Estimate, compare
 from nocturne_scene.compare.images import Picture, read_picture, write_difference
 from nocturne_scene.errors import InputError
+from nocturne_scene.uncertainty import read_region
 
 from nocturne_client.errors import NocturneClientError, Problem
 
@@ -28,11 +30,24 @@ class Comparison:
     """The image's values are multiplied by this."""
 
 
-def compare_files(comparison: Comparison, difference: Path | None) -> Difference:
+@dataclass(frozen=True)
+class Compared:
+    """How far two images are apart."""
+
+    difference: Difference
+    names: tuple[str, ...]
+    """Of the channels that were compared."""
+    shift: tuple[float, float] | None = None
+    """Of the images' mean chromaticity u', v', where the noise of both is known."""
+    shift_error: tuple[float, float] = (0.0, 0.0)
+    """Its standard error."""
+
+
+def compare_files(comparison: Comparison, difference: Path | None) -> Compared:
     """Compare, and write a picture of the difference if asked to. Raises NocturneClientError."""
     try:
         image, reference = read_picture(comparison.image), read_picture(comparison.reference)
-        one, other = _estimates(comparison, image, reference)
+        one, other, names = _estimates(comparison, image, reference)
         try:
             found = compare(one, other)
         except ValueError as error:
@@ -42,17 +57,23 @@ def compare_files(comparison: Comparison, difference: Path | None) -> Difference
     except InputError as error:
         problems = [Problem(each.place, each.message) for each in error.problems]
         raise NocturneClientError("the images can't be compared", problems=problems) from error
-    return found
+    return Compared(found, names, *_shift(image, reference))
 
 
-def _estimates(comparison: Comparison, image: Picture, reference: Picture) -> tuple[Estimate, Estimate]:
+def _estimates(
+    comparison: Comparison, image: Picture, reference: Picture
+) -> tuple[Estimate, Estimate, tuple[str, ...]]:
     """With the variance of one sample of the reference: both images' noise is known from it, in all channels,
-    as Mitsuba's tests do. Else Y is compared if one of the files has its standard error."""
-    scale = comparison.scale
+    as Mitsuba's tests do. Else all quantities that both files have with their errors, or Y if one of them has
+    its standard error. Last, the names of what is compared."""
+    scale, xyz = comparison.scale, ("X", "Y", "Z")
     if comparison.variance is None:
+        if image.moments is not None and reference.moments is not None:
+            common = (*xyz, *(name for name in image.names[3:] if name in reference.names))
+            return _of_all(image, common, scale), _of_all(reference, common, 1.0), common
         if image.y_error is None and reference.y_error is None:
-            return Estimate(image.xyz * scale), Estimate(reference.xyz)
-        return _of_y(image, scale), _of_y(reference, 1.0)
+            return Estimate(image.xyz * scale), Estimate(reference.xyz), xyz
+        return _of_y(image, scale), _of_y(reference, 1.0), ("Y",)
     of_sample = np.maximum(read_picture(comparison.variance).xyz, 0.0)
     if of_sample.shape != reference.xyz.shape:
         raise InputError.at(str(comparison.variance), "has another shape than the reference")
@@ -64,21 +85,54 @@ def _estimates(comparison: Comparison, image: Picture, reference: Picture) -> tu
     return (
         Estimate(image.xyz * scale, of_sample / samples),
         Estimate(reference.xyz, of_sample / comparison.reference_samples),
+        xyz,
     )
+
+
+def _of_all(picture: Picture, names: tuple[str, ...], scale: float) -> Estimate:
+    assert picture.moments is not None  # noqa: S101 - asked before
+    moments, places = picture.moments, [picture.names.index(name) for name in names]
+    reading = read_region(moments)
+    return Estimate(
+        scale * moments.mean[..., places],
+        scale**2 * moments.variance[..., places],
+        _degrees(picture),
+        reading.correlation if reading else 1.0,
+    )
+
+
+def _shift(image: Picture, reference: Picture) -> tuple[tuple[float, float] | None, tuple[float, float]]:
+    """By how much the mean chromaticity differs, and the standard error of that."""
+    found = [read_region(each.moments) for each in (image, reference) if each.moments is not None]
+    readings = [each for each in found if each is not None and each.mean[1] > 0.0]
+    if len(readings) < 2:
+        return None, (0.0, 0.0)
+    one, other = readings
+    u, v = (a - b for a, b in zip(one.chromaticity, other.chromaticity, strict=True))
+    errors = zip(one.chromaticity_error, other.chromaticity_error, strict=True)
+    u_error, v_error = (math.hypot(a, b) for a, b in errors)
+    return (u, v), (u_error, v_error)
+
+
+def _degrees(picture: Picture) -> float:
+    return np.inf if picture.samples is None else max(1.0, float(picture.samples.min()) - 1)
 
 
 def _of_y(picture: Picture, scale: float) -> Estimate:
     y = scale * picture.xyz[..., 1:2]
     if picture.y_error is None:
         return Estimate(y)
-    degrees = np.inf if picture.samples is None else max(1.0, float(picture.samples.min()) - 1)
-    return Estimate(y, (scale * picture.y_error[..., None]) ** 2, degrees)
+    return Estimate(y, (scale * picture.y_error[..., None]) ** 2, _degrees(picture))
 
 
-def as_json(found: Difference) -> dict[str, Any]:
+def as_json(compared: Compared) -> dict[str, Any]:
     """For programs."""
+    found = compared.difference
     values: dict[str, Any] = {"relmse": found.relmse, "trimmed_relmse": found.trimmed_relmse}
-    values["ratio"] = found.ratio.tolist()
+    values["channels"], values["ratio"] = list(compared.names), found.ratio.tolist()
+    if compared.shift is not None:
+        values["chromaticity_shift"] = list(compared.shift)
+        values["chromaticity_shift_error"] = list(compared.shift_error)
     if found.ratio_error is not None:
         values["ratio_error"] = found.ratio_error.tolist()
     if found.verdict is not None:
@@ -89,15 +143,19 @@ def as_json(found: Difference) -> dict[str, Any]:
     return values
 
 
-def as_lines(found: Difference) -> list[str]:
+def as_lines(compared: Compared) -> list[str]:
     """For people."""
-    names = "XYZ" if len(found.ratio) == 3 else "Y"
+    found = compared.difference
     lines = [f"relMSE {found.relmse:.4g}, without the largest thousandth {found.trimmed_relmse:.4g}"]
-    for index, name in enumerate(names):
+    for index, name in enumerate(compared.names):
         line = f"mean {name}: {found.ratio[index] - 1:+.3%} of the reference's"
         if found.ratio_error is not None and found.verdict is not None:
             line += f" +- {found.ratio_error[index]:.3%} (z {found.verdict.mean_z[index]:+.1f})"
         lines.append(line)
+    if compared.shift is not None:
+        shifts = zip(("u'", "v'"), compared.shift, compared.shift_error, strict=True)
+        told = ", ".join(f"{name} {shift:+.5f} +- {error:.5f}" for name, shift, error in shifts)
+        lines.append(f"mean chromaticity off by {told}")
     if found.verdict is None:
         return [*lines, "neither file tells its noise, so nothing can be said about chance"]
     verdict = found.verdict

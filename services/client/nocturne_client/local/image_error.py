@@ -1,13 +1,16 @@
 """What an EXR of ours says of its own error: the estimate that the service makes, from the file alone."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import OpenEXR
 from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate, estimate_error
 from nocturne_coordinator.dispatch.trust import CONFIDENCE, doubt_of
+from nocturne_scene.compare.images import read_picture
+from nocturne_scene.errors import InputError
 from nocturne_scene.quantities import Quantity, quantity_named
+from nocturne_scene.uncertainty import ImageMoments, RegionReading, read_region
 
 from nocturne_client.errors import NocturneClientError
 
@@ -18,6 +21,8 @@ class ImageError:
 
     quantity: Quantity
     estimate: ErrorEstimate
+    reading: RegionReading
+    """Of the whole image."""
 
     @property
     def doubt(self) -> str:
@@ -31,7 +36,7 @@ class ImageError:
         what = "" if estimate.pixels == 1 else "mean "
         interval = f" +- {CONFIDENCE * estimate.mean_error:.2g}" if estimate.mean_error else ""
         mean = f"{what}{quantity.name or 'Y'} {estimate.mean:.5g}{interval} {quantity.unit}".rstrip()
-        told = f"{mean} (95 %), relative error {estimate.relative_error:.3%}"
+        told = f"{mean}{self._colour()} (95 %), relative error {estimate.relative_error:.3%}"
         unseen = (
             f"; nothing seen in {estimate.unseen_pixels:,} of {estimate.pixels:,} pixels"
             if estimate.unseen_pixels
@@ -40,19 +45,44 @@ class ImageError:
         doubt = f"; the error is not to be trusted: {self.doubt}" if self.doubt else "."
         return told + unseen + doubt
 
+    def _colour(self) -> str:
+        """u' and v' with their intervals; empty where these are not known."""
+        parts = zip(("u'", "v'"), self.reading.chromaticity, self.reading.chromaticity_error, strict=True)
+        told = [
+            f", {name} {value:.4f} +- {CONFIDENCE * error:.2g}" for name, value, error in parts if error > 0.0
+        ]
+        return "".join(told)
+
 
 def image_error(image: Path) -> ImageError:
     """Raises NocturneClientError where the file is none of ours."""
     try:
-        with OpenEXR.File(str(image), separate_channels=True) as file:
-            channels = file.channels()
+        with OpenEXR.File(str(image), header_only=True) as file:
             quantity = quantity_named(file.header().get("nocturne:quantity", ""))
-            found = [np.asarray(channels[name].pixels, dtype=np.float64) for name in ("Y", "Y.stderr", "n")]
-    except (RuntimeError, KeyError) as error:
+        moments = read_picture(image).moments
+    except (RuntimeError, KeyError, InputError) as error:
         raise NocturneClientError(f"{image} is no EXR of ours") from error
-    y, error_of_y, n = found
-    total = y * n
-    squares = error_of_y**2 * n * np.maximum(n - 1.0, 0.0) + total**2 / np.maximum(n, 1.0)
-    sums = np.stack([total, total, total, squares], axis=-1)
-    estimate = estimate_error(sums, n.astype(np.uint32))
-    return ImageError(quantity, estimate)
+    reading = read_region(moments) if moments is not None else None
+    if moments is None or reading is None:
+        raise NocturneClientError(f"{image} is no EXR of ours")
+    known = reading.samples_per_pixel[0] > 1
+    estimate = replace(_estimate_of(moments), mean_error=reading.error[1] if known else 0.0)
+    return ImageError(quantity, estimate, reading)
+
+
+def note_doubt(image: Path, doubt: str) -> None:
+    """Writes into an EXR why its errors are not to be trusted, as those of the service say it."""
+    with OpenEXR.File(str(image), separate_channels=True) as file:
+        channels = {name: channel.pixels for name, channel in file.channels().items()}
+        header = {**file.header(), "nocturne:errorDoubt": doubt}
+    header.pop("channels", None)
+    with OpenEXR.File(header, channels) as file:
+        file.write(str(image))
+
+
+def _estimate_of(moments: ImageMoments) -> ErrorEstimate:
+    """From sums that have these moments."""
+    n = moments.samples.astype(np.float64)
+    total = moments.mean[..., 1] * n
+    squares = moments.variance[..., 1] * n * np.maximum(n - 1.0, 0.0) + total**2 / np.maximum(n, 1.0)
+    return estimate_error(np.stack([total, total, total, squares], axis=-1), moments.samples)

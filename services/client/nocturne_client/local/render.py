@@ -15,7 +15,7 @@ from rich.progress import Progress
 from nocturne_client.cli.output import ERRORS
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import CompiledFolder, compile_to
-from nocturne_client.local.image_error import image_error
+from nocturne_client.local.image_error import image_error, note_doubt
 from nocturne_client.local.local_stop import LocalStop
 from nocturne_client.local.programs import need_program
 
@@ -61,7 +61,10 @@ def render_scene(asked: LocalRender) -> None:
             _trace([*command, "--ask-after-ranges", str(sums)], asked.scene.name, stop, sums)
         else:
             _trace(command, asked.scene.name)
-    said = str(image_error(asked.output))
+    error = image_error(asked.output)
+    if error.doubt:
+        note_doubt(asked.output, error.doubt)
+    said = str(error)
     if wanted := asked.stop.get("relative_error"):
         said += f" {wanted:.3%} was asked for."
     ERRORS.print(said, markup=False, soft_wrap=True)

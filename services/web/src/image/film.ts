@@ -8,7 +8,7 @@ export type { Region };
 export interface Reading {
   region: Region;
   xyz: [number, number, number];
-  /** Of the mean Y, cd/m2, taking pixels as independent of each other; NaN where unknown. */
+  /** Of the mean Y, taking pixels as independent of each other; NaN where unknown. The service knows better. */
   standardError: number;
   /** Fewest and most samples of any pixel. */
   samples: [number, number];

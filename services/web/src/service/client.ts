@@ -12,6 +12,7 @@ import type {
   Problem,
   ProblemDetails,
   Region,
+  RegionReading,
   Render,
   RenderPage,
   Session,
@@ -65,6 +66,12 @@ export async function lookFirst(id: string, region: Region | undefined): Promise
 
 export async function getExplanation(id: string): Promise<string> {
   return (await getJson<"explain_render">(`${renderAddress(id)}/explanation`)).sentence;
+}
+
+/** What a region of the image shows, with the errors of all quantities. */
+export async function readRegion(id: string, { x, y, width, height }: Region): Promise<RegionReading> {
+  const query = new URLSearchParams(Object.entries({ x, y, width, height }).map(([name, value]) => [name, `${value}`]));
+  return getJson<"read_region">(`${renderAddress(id)}/reading?${query.toString()}`);
 }
 
 export async function getTilesInProgress(id: string): Promise<TileInProgress[]> {

@@ -11,6 +11,7 @@ export type Render = Schemas["Render"];
 export type RenderState = Schemas["RenderState"];
 export type RenderPage = Schemas["RenderPage"];
 export type Region = Schemas["Region"];
+export type RegionReading = Schemas["Reading"];
 export type Progress = Schemas["Progress"];
 export type ConvergencePoint = Schemas["ConvergencePoint"];
 export type CreateRenderRequest = Schemas["CreateRenderRequest"];

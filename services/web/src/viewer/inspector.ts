@@ -1,19 +1,12 @@
 /** What a pixel or a region of the image holds, in numbers. */
 import { element, setText } from "../dom.ts";
 import type { Film, Reading, Region } from "../image/film.ts";
-import { chromaticity, colourTemperature, distanceFromLocus } from "../image/colour.ts";
-import { formatCount, formatValue } from "../format.ts";
-import { capital, type Measured } from "../image/look.ts";
+import type { Measured } from "../image/look.ts";
+import type { RegionReading } from "../service/types.ts";
+import { rowsOf } from "./readings.ts";
 
-const rows: { label: string | ((measured: Measured) => string); value: (reading: Reading, measured: Measured) => string }[] = [
-  { label: ({ quantity }) => capital(quantity), value: ({ xyz }, { unit }) => (xyz[1] > 0 ? `${formatValue(xyz[1])}\u00a0${unit}`.trimEnd() : "nothing seen") },
-  { label: "Std. error", value: errorText },
-  { label: "X Y Z", value: ({ xyz }) => xyz.map((value) => formatValue(value)).join("  ") },
-  { label: "x y", value: chromaticityText },
-  { label: "CCT", value: temperatureText },
-  { label: "Samples", value: ({ samples: [fewest, most] }) => (fewest === most ? formatCount(fewest) : `${formatCount(fewest)}–${formatCount(most)}`) },
-  { label: "Invalid samples", value: ({ invalid_samples }) => `${formatCount(invalid_samples)} in tile` },
-];
+/** Milliseconds that a place must be looked at before the service is asked of it. */
+const rest = 150;
 
 export interface Inspector {
   node: HTMLElement;
@@ -21,12 +14,16 @@ export interface Inspector {
   refresh: () => void;
   showPixel: (pixel: { x: number; y: number }) => void;
   showRegion: (region: Region | undefined) => void;
+  close: () => void;
 }
 
+/** Asks the service for a region's numbers with the errors of all of them; undefined: it knows nothing of this image. */
+export type Ask = (region: Region) => Promise<RegionReading> | undefined;
+
 /** `film`: what is looked at now; `measured`: what its numbers are. */
-export function inspector(film: () => Film | undefined, measured: () => Measured): Inspector {
-  const pixel = column("Pixel", "Point at the image, or use the arrow keys", measured);
-  const region = column("Region", "Drag with Shift, or press Region first", measured);
+export function inspector(film: () => Film | undefined, measured: () => Measured, ask: Ask): Inspector {
+  const pixel = column("Pixel", "Point at the image, or use the arrow keys", measured, ask);
+  const region = column("Region", "Drag with Shift, or press Region first", measured, ask);
   let at: Region | undefined;
   let chosen: Region | undefined;
   const refresh = (): void => {
@@ -46,51 +43,84 @@ export function inspector(film: () => Film | undefined, measured: () => Measured
       chosen = wanted;
       refresh();
     },
-  };
-}
-
-function column(title: string, hint: string, measured: () => Measured): { node: HTMLElement; show: (reading: Reading | undefined) => void } {
-  const place = element("span", { class: "place" });
-  const values = rows.map(() => element("dd"));
-  const names = rows.map(() => element("dt"));
-  const list = element("dl", {}, ...names.map((name, index) => element("div", {}, name, values[index] ?? "")));
-  const invitation = element("p", { class: "note" }, hint);
-  const node = element("section", { "aria-label": title }, element("h3", {}, title, place), invitation, list);
-  list.hidden = true;
-  return {
-    node,
-    show: (reading) => {
-      list.hidden = !reading;
-      invitation.hidden = !!reading;
-      setText(place, reading ? placeText(reading) : "");
-      names.forEach((name, index) => {
-        const label = rows[index]?.label ?? "";
-        setText(name, typeof label === "string" ? label : label(measured()));
-      });
-      if (reading) values.forEach((value, index) => { setText(value, rows[index]?.value(reading, measured()) ?? ""); });
+    close: () => {
+      pixel.close();
+      region.close();
     },
   };
 }
 
-function placeText({ region: { x, y, width, height } }: Reading): string {
+interface Column {
+  node: HTMLElement;
+  show: (reading: Reading | undefined) => void;
+  close: () => void;
+}
+
+function column(title: string, hint: string, measured: () => Measured, ask: Ask): Column {
+  const place = element("span", { class: "place" });
+  const list = element("dl", { title: "After ±: one standard error" });
+  const invitation = element("p", { class: "note" }, hint);
+  const node = element("section", { "aria-label": title }, element("h3", {}, title, place), invitation, list);
+  list.hidden = true;
+  let shown: Reading | undefined;
+  let told: RegionReading | undefined;
+  let isAsked = true;
+  let timer = 0;
+  const write = (): void => {
+    list.hidden = !shown;
+    invitation.hidden = !!shown;
+    setText(place, shown ? placeText(shown.region) : "");
+    if (shown) fill(list, rowsOf(shown, told, isAsked, measured()));
+  };
+  const request = async (region: Region): Promise<void> => {
+    const answer = ask(region);
+    isAsked = answer !== undefined;
+    try {
+      const found = await answer;
+      if (shown && isSame(shown.region, region)) told = found;
+    } catch {
+      // The numbers of the film stay; the next tiles ask again.
+      isAsked = false;
+    }
+    write();
+  };
+  return {
+    node,
+    show: (reading) => {
+      const isNew = !reading || !shown || !isSame(reading.region, shown.region);
+      if (isNew) told = undefined;
+      shown = reading;
+      write();
+      // Tiles that come one after the other do not put off what was asked for.
+      if (isNew) window.clearTimeout(timer);
+      if (isNew || timer === 0) {
+        timer = window.setTimeout(() => {
+          timer = 0;
+          if (shown) void request(shown.region);
+        }, rest);
+      }
+    },
+    close: () => {
+      window.clearTimeout(timer);
+    },
+  };
+}
+
+/** Rows stay as they are, so that what is selected stays selected; only their text changes. */
+function fill(list: HTMLElement, rows: { name: string; text: string }[]): void {
+  while (list.children.length > rows.length) list.lastElementChild?.remove();
+  while (list.children.length < rows.length) list.append(element("div", {}, element("dt"), element("dd")));
+  rows.forEach(({ name, text }, index) => {
+    const [term, value] = list.children[index]?.children ?? [];
+    if (term instanceof HTMLElement) setText(term, name);
+    if (value instanceof HTMLElement) setText(value, text);
+  });
+}
+
+function isSame(one: Region, other: Region): boolean {
+  return one.x === other.x && one.y === other.y && one.width === other.width && one.height === other.height;
+}
+
+function placeText({ x, y, width, height }: Region): string {
   return width * height === 1 ? `${x}, ${y}` : `${x}, ${y}, ${width} × ${height}`;
-}
-
-/** Of what saw nothing, how rare light is: with 95 %, fewer than 3 in n samples meet any (Hanley and Lippman-Hand 1983). */
-function errorText({ standardError, xyz, samples: [fewest], pixels }: Reading): string {
-  if (xyz[1] <= 0) return fewest * pixels > 3 ? `light in fewer than 1 of ${formatCount((fewest * pixels) / 3)} samples (95\u00a0%)` : "–";
-  if (!Number.isFinite(standardError)) return "–";
-  const relative = xyz[1] > 0 ? ` (${formatValue((100 * standardError) / xyz[1], 2)}\u00a0%)` : "";
-  return `±\u00a0${formatValue(standardError, 3)}${relative}`;
-}
-
-function chromaticityText({ xyz }: Reading): string {
-  const found = chromaticity(xyz);
-  return found ? `${found.x.toFixed(4)}  ${found.y.toFixed(4)}` : "–";
-}
-
-function temperatureText({ xyz }: Reading): string {
-  const found = chromaticity(xyz);
-  const kelvin = found && colourTemperature(found);
-  return found && kelvin ? `${Math.round(kelvin)}\u00a0K, Duv ${distanceFromLocus(found).toFixed(4)}` : "–";
 }

@@ -3,8 +3,8 @@ import { announce, element, setText } from "../dom.ts";
 import type { Film, Region } from "../image/film.ts";
 import { type Measured, measured } from "../image/look.ts";
 import { FilmSource } from "../image/film_source.ts";
-import { tilesAddress } from "../service/client.ts";
-import { hasEnded, type Render } from "../service/types.ts";
+import { readRegion, tilesAddress } from "../service/client.ts";
+import { hasEnded, type RegionReading, type Render } from "../service/types.ts";
 import { samplesText } from "../views/progress_bar.ts";
 import { controls } from "./controls.ts";
 import { listenToGestures } from "./gestures.ts";
@@ -37,7 +37,7 @@ export function renderImage(id: string, hooks: { onFilm?: (film: Film) => void; 
   const waiting = element("p", { class: "waiting" }, "No samples yet.");
   const frame = element("div", { class: "frame" }, canvas, waiting);
   const node = element("div", { class: "picture" });
-  const parts = assemble(canvas, node, frame, hooks);
+  const parts = assemble(canvas, node, frame, { id, ...hooks });
   const source = new FilmSource(tilesAddress(id), {
     onFilm: (film) => {
       parts?.begin(film);
@@ -63,6 +63,7 @@ export function renderImage(id: string, hooks: { onFilm?: (film: Film) => void; 
     chosen: () => parts?.viewer.look.chosen,
     close: () => {
       source.close();
+      parts?.inspector.close();
       parts?.viewer.close();
     },
   };
@@ -76,7 +77,7 @@ interface Parts {
 }
 
 /** Puts tools, image, legend and inspector into `node`; a sentence only, where images can't be shown. */
-function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLElement, hooks: { onChosen?: () => void; canCompare?: boolean }): Parts | undefined {
+function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLElement, hooks: { id: string; onChosen?: () => void; canCompare?: boolean }): Parts | undefined {
   const strip = legend();
   let refresh = (): void => undefined;
   const zoom = element("p", { class: "zoom" });
@@ -91,7 +92,9 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
     return undefined;
   }
   const looked: { pixel?: Region } = {};
-  const numbers = inspector(() => viewer.films[viewer.look.side === "second" ? "second" : "first"], () => viewer.look.measured);
+  const side = (): "first" | "second" => (viewer.look.side === "second" ? "second" : "first");
+  const ask = (region: Region): Promise<RegionReading> | undefined => (side() === "first" ? readRegion(hooks.id, region) : undefined);
+  const numbers = inspector(() => viewer.films[side()], () => viewer.look.measured, ask);
   const tools = controls(viewer, {
     neutral: () => {
       const region = viewer.look.chosen ?? looked.pixel;

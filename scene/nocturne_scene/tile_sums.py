@@ -1,0 +1,107 @@
+"""The sums that a tile's result holds, and how they lie in memory; as in worker/src/tile/tile_sums.h."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+Values = NDArray[np.float64]
+
+XYZ_SUMS = 9
+"""Sums of a pixel without further responses: X, Y, Z, YY, XX, ZZ, XY, XZ, YZ. Then come a sum for each
+further response and one of its square for each."""
+
+BLOCK = 4
+"""Edge of a block in pixels; blocks begin at a tile's upper left corner."""
+
+_XYZ_SUMS_BEFORE = 4
+"""Of images from before errors of X, Z and further responses were kept: X, Y, Z, YY."""
+
+
+def sums_per_pixel(further: int) -> int:
+    """With so many further responses."""
+    return XYZ_SUMS + 2 * further
+
+
+def blocks_in(pixels: int) -> int:
+    """Along an edge of so many pixels."""
+    return -(-pixels // BLOCK)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TileSums:
+    """Sums over samples of a tile; views into one run of numbers, or arrays of their own."""
+
+    pixels: Values
+    """Shape (height, width, sums_per_pixel)."""
+    block_squares: Values
+    """Shape (blocks down, blocks across): squares of what each block's pixels together have as Y."""
+    tile_squares: Values
+    """Shape (1,): the same of the whole tile."""
+
+    def encode(self) -> bytes:
+        """Float64, little endian: pixels, blocks, tile."""
+        return b"".join(part.astype("<f8", copy=False).tobytes() for part in self._parts)
+
+    @classmethod
+    def zeros(cls, width: int, height: int, further: int = 0) -> Self:
+        """Of a tile without samples."""
+        return cls(
+            np.zeros((height, width, sums_per_pixel(further))),
+            np.zeros((blocks_in(height), blocks_in(width))),
+            np.zeros(1),
+        )
+
+    def __iadd__(self, other: "TileSums") -> Self:
+        """Sums of further samples, in place."""
+        for own, added in zip(self._parts, other._parts, strict=True):
+            np.add(own, added, out=own)
+        return self
+
+    def assign(self, other: "TileSums") -> None:
+        """In place."""
+        for own, assigned in zip(self._parts, other._parts, strict=True):
+            own[...] = assigned
+
+    @property
+    def _parts(self) -> tuple[Values, Values, Values]:
+        return self.pixels, self.block_squares, self.tile_squares
+
+
+def numbers_in(width: int, height: int, further: int) -> int:
+    """How many a tile has."""
+    return width * height * sums_per_pixel(further) + blocks_in(width) * blocks_in(height) + 1
+
+
+def decode(data: bytes, width: int, height: int, further: int) -> TileSums:
+    """What `encode` gave; ValueError where it is no such tile's.
+
+    Of a tile from before there were errors of all quantities, what is not known is NaN.
+    """
+    found = np.frombuffer(data, dtype="<f8")
+    pixels = width * height
+    if found.size == pixels * (_XYZ_SUMS_BEFORE + further):
+        found = _from_before(found.reshape(pixels, -1), width, height, further)
+    if found.size != numbers_in(width, height, further):
+        raise ValueError(f"{len(data)} bytes are no sums of {width} x {height} pixels")
+    return split(found, width, height, further)
+
+
+def split(numbers: Values, width: int, height: int, further: int) -> TileSums:
+    """Views into as many numbers as a tile has."""
+    per_pixel = sums_per_pixel(further)
+    end = width * height * per_pixel
+    return TileSums(
+        numbers[:end].reshape(height, width, per_pixel),
+        numbers[end:-1].reshape(blocks_in(height), blocks_in(width)),
+        numbers[-1:],
+    )
+
+
+def _from_before(sums: Values, width: int, height: int, further: int) -> Values:
+    numbers = np.full(numbers_in(width, height, further), np.nan)
+    pixels = split(numbers, width, height, further).pixels.reshape(len(sums), -1)
+    pixels[:, :_XYZ_SUMS_BEFORE] = sums[:, :_XYZ_SUMS_BEFORE]
+    pixels[:, XYZ_SUMS : XYZ_SUMS + further] = sums[:, _XYZ_SUMS_BEFORE:]
+    return numbers

@@ -1,0 +1,272 @@
+"""Means and their errors, of pixels and of regions, in X, Y, Z, chromaticity and further responses.
+
+The one formula of API, command line, page and comparisons; docs/explanation/units-and-errors.md explains it.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nocturne_scene.tile_sums import BLOCK, XYZ_SUMS, blocks_in
+
+Values = NDArray[np.float64]
+Counts = NDArray[np.uint32]
+
+CONFIDENCE = 1.96
+"""Standard errors to each side of a 95 % interval."""
+
+# Where a pixel's sums have the squares of X, Y, Z and the products XY, XZ, YZ.
+_SQUARES = (4, 3, 5)
+_PRODUCTS = (6, 7, 8)
+_PAIRS = ((0, 1), (0, 2), (1, 2))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ImageMoments:
+    """Means of an image's pixels, or of some of its rows of tiles, and what is known of their errors."""
+
+    mean: Values
+    """Shape (height, width, 3 or more): X, Y, Z, further responses."""
+    variance: Values
+    """Of the mean, same shape; 0 where there is none or below two samples, NaN where it was not kept."""
+    covariance: Values
+    """Of the means XY, XZ, YZ, shape (height, width, 3)."""
+    block_variance: Values
+    """Of the sum of the mean Y of each block's pixels, shape (blocks down, blocks across)."""
+    tile_variance: Values
+    """Of the sum of the mean Y of each tile's pixels, shape (tiles down, tiles across)."""
+    tile_size: int
+    samples: Counts
+    """Shape (height, width)."""
+
+
+def variance_of_mean(sums: Values, squares: Values, counts: Values | Counts) -> Values:
+    """Of n numbers each with such sums; 0 below two. All of one shape."""
+    return np.maximum(0.0, covariance_of_means(squares, sums, sums, counts))
+
+
+def covariance_of_means(products: Values, a: Values, b: Values, counts: Values | Counts) -> Values:
+    """Of the means of n pairs of numbers; 0 below two."""
+    n = np.maximum(counts, 2).astype(np.float64)
+    found: Values = (products - a * b / n) / (n * (n - 1.0))
+    return np.where(counts < 2, 0.0, found)
+
+
+def block_sums(values: Values) -> Values:
+    """Over blocks of pixels, in the order in which C++ adds them; shape (blocks down, blocks across)."""
+    height, width = values.shape
+    padded = np.pad(values, ((0, -height % BLOCK), (0, -width % BLOCK)))
+    total = np.zeros((padded.shape[0] // BLOCK, padded.shape[1] // BLOCK))
+    for y in range(BLOCK):
+        for x in range(BLOCK):
+            total += padded[y::BLOCK, x::BLOCK]
+    return total
+
+
+def tile_sums(of_blocks: Values, tile_size: int) -> Values:
+    """Over the blocks of each tile, row by row as C++ adds them; shape (tiles down, tiles across)."""
+    height, width = of_blocks.shape
+    down, across = min(blocks_in(tile_size), height), min(blocks_in(tile_size), width)
+    padded = np.pad(of_blocks, ((0, -height % down), (0, -width % across)))
+    tiles = padded.reshape(padded.shape[0] // down, down, padded.shape[1] // across, across)
+    one_after_the_other = np.cumsum(tiles.swapaxes(1, 2).reshape(*tiles.shape[::2], -1), axis=-1)
+    total: Values = one_after_the_other[..., -1]
+    return total
+
+
+def block_and_tile_variances(
+    y: Values, counts: Counts, block_squares: Values, tile_squares: Values, tile_size: int
+) -> tuple[Values, Values]:
+    """Of the sums of mean Y over blocks and over tiles, from sums of Y and of squares; a tile's pixels have
+    one number of samples."""
+    blocks = block_sums(y)
+    tiles = tile_sums(blocks, tile_size)
+    of_blocks = variance_of_mean(blocks, block_squares, counts[::BLOCK, ::BLOCK])
+    of_tiles = variance_of_mean(tiles, tile_squares, counts[::tile_size, ::tile_size])
+    return of_blocks, of_tiles
+
+
+def moments_of(
+    sums: Values, counts: Counts, block_squares: Values, tile_squares: Values, tile_size: int
+) -> ImageMoments:
+    """From sums as `nocturne_scene.tile_sums` has them, of whole tiles."""
+    further = (sums.shape[-1] - XYZ_SUMS) // 2
+    n = counts[..., None]
+    values = [0, 1, 2, *range(XYZ_SUMS, XYZ_SUMS + further)]
+    squares = [*_SQUARES, *range(XYZ_SUMS + further, XYZ_SUMS + 2 * further)]
+    first, second = ([pair[side] for pair in _PAIRS] for side in (0, 1))
+    of_blocks, of_tiles = block_and_tile_variances(
+        sums[..., 1], counts, block_squares, tile_squares, tile_size
+    )
+    return ImageMoments(
+        sums[..., values] / np.maximum(n, 1),
+        variance_of_mean(sums[..., values], sums[..., squares], n),
+        covariance_of_means(sums[..., list(_PRODUCTS)], sums[..., first], sums[..., second], n),
+        of_blocks,
+        of_tiles,
+        tile_size,
+        counts,
+    )
+
+
+class _Correlation:
+    """How far errors of a region's pixels go together, from what blocks and tiles have together."""
+
+    def __init__(self) -> None:
+        self._variance = self._of_blocks = self._of_tiles = 0.0
+        self._pixels = 0
+
+    def add(
+        self,
+        variance: Values,
+        of_blocks: Values,
+        of_tiles: Values,
+        tile_size: int,
+        chosen: NDArray[np.bool_],
+    ) -> None:
+        """Of Y; fields as in ImageMoments. What is NaN was not kept, and counts as independent."""
+        inside = block_sums(np.where(chosen, variance, 0.0))
+        self._variance += float(np.sum(inside))
+        self._of_blocks += float(np.sum(_ratio(of_blocks, block_sums(variance)) * inside))
+        beyond = _ratio(of_tiles, tile_sums(of_blocks, tile_size))
+        self._of_tiles += float(np.sum(beyond * tile_sums(inside, tile_size)))
+        self._pixels += int(np.count_nonzero(chosen))
+
+    def factor(self) -> float:
+        """The variance of the region's Y over that of pixels that know nothing of each other; at least 1."""
+        if not self._variance > 0.0:
+            return 1.0
+        # Less than a block has less of what a block's pixels share, about as its edge is shorter. More has a
+        # part in what different blocks share, as its pairs of pixels are in different blocks.
+        part = min(1.0, (math.sqrt(self._pixels) - 1.0) / (BLOCK - 1.0))
+        apart = max(0.0, 1.0 - BLOCK**2 / self._pixels)
+        within = max(0.0, self._of_blocks / self._variance - 1.0)
+        beyond = max(0.0, self._of_tiles / self._variance - 1.0)
+        return (1.0 + part * within) * (1.0 + apart * beyond)
+
+
+def _ratio(variance: Values, independent: Values) -> Values:
+    """1 where it is not known, or nothing varies."""
+    known = (independent > 0.0) & np.isfinite(variance)
+    return np.divide(variance, independent, out=np.ones_like(independent), where=known)
+
+
+def mean_y_error(
+    y: Values, variance: Values, counts: Counts, squares: tuple[Values, Values, int] | None = None
+) -> float:
+    """Standard error of the mean Y of whole tiles, from sums of Y and the variances of the pixels' means.
+
+    `squares`: of blocks, of tiles, and the edge of a tile; without, pixels are taken as independent.
+    """
+    total = float(np.sum(variance))
+    if squares is not None:
+        of_blocks, of_tiles, tile_size = squares
+        found = block_and_tile_variances(y, counts, of_blocks, of_tiles, tile_size)
+        correlation = _Correlation()
+        correlation.add(variance, *found, tile_size, counts > 0)
+        total *= correlation.factor()
+    return math.sqrt(total) / y.size
+
+
+@dataclass(frozen=True, slots=True)
+class RegionReading:
+    """Means over a region's pixels that have samples, and their standard errors; NaN where unknown."""
+
+    mean: tuple[float, ...]
+    """X, Y, Z, further responses."""
+    error: tuple[float, ...]
+    chromaticity: tuple[float, float]
+    """u', v' of CIE 1976; NaN in the dark."""
+    chromaticity_error: tuple[float, float]
+    correlation: float
+    """How many times the variance of Y is that of pixels that know nothing of each other; at least 1."""
+    pixels: int
+    unseen_pixels: int
+    """In which no sample found light."""
+    samples: int
+    """Of all pixels together."""
+    samples_per_pixel: tuple[int, int]
+    """Fewest and most."""
+
+
+class RegionSums:
+    """Adds up a region's pixels, some rows of tiles after the other."""
+
+    def __init__(self, values: int) -> None:
+        """`values`: X, Y, Z and further responses."""
+        self._mean = np.zeros(values)
+        self._variance = np.zeros(values)
+        self._covariance = np.zeros(3)
+        self._correlation = _Correlation()
+        self._pixels = self._unseen = self._samples = 0
+        self._fewest, self._most = 2**63, 0
+
+    def add(self, image: ImageMoments, chosen: NDArray[np.bool_]) -> None:
+        """`chosen`: which pixels of it; those without samples are left out."""
+        chosen = chosen & (image.samples > 0)
+        if not chosen.any():
+            return
+        self._mean += image.mean[chosen].sum(axis=0)
+        self._variance += image.variance[chosen].sum(axis=0)
+        self._covariance += image.covariance[chosen].sum(axis=0)
+        self._correlation.add(
+            image.variance[..., 1], image.block_variance, image.tile_variance, image.tile_size, chosen
+        )
+        samples = image.samples[chosen]
+        self._pixels += len(samples)
+        self._unseen += int(np.count_nonzero(image.mean[chosen][:, 1] <= 0.0))
+        self._samples += int(samples.sum(dtype=np.uint64))
+        self._fewest, self._most = min(self._fewest, int(samples.min())), max(self._most, int(samples.max()))
+
+    def reading(self) -> RegionReading | None:
+        """None where no pixel has samples."""
+        if not self._pixels:
+            return None
+        factor, n = self._correlation.factor(), self._pixels
+        mean = self._mean / n
+        known = self._fewest > 1
+        variance = self._variance * factor / n**2 if known else np.full(len(mean), np.nan)
+        covariance = self._covariance * factor / n**2
+        chromaticity, errors = chromaticity_of(mean, variance, covariance)
+        return RegionReading(
+            tuple(map(float, mean)),
+            tuple(map(float, np.sqrt(variance))),
+            chromaticity,
+            errors,
+            factor,
+            n,
+            self._unseen,
+            self._samples,
+            (self._fewest, self._most),
+        )
+
+
+def chromaticity_of(
+    mean: Values, variance: Values, covariance: Values
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """u' and v' (CIE 15:2018, 8.2.1) of X, Y, Z, and their standard errors, to first order in the errors.
+
+    `covariance`: of XY, XZ, YZ. NaN in the dark.
+    """
+    x, y, z = (float(each) for each in mean[:3])
+    whole = x + 15.0 * y + 3.0 * z
+    if whole <= 0.0:
+        return (math.nan, math.nan), (math.nan, math.nan)
+    u, v = 4.0 * x / whole, 9.0 * y / whole
+    matrix = np.diag(variance[:3])
+    for (one, other), value in zip(_PAIRS, covariance, strict=True):
+        matrix[one, other] = matrix[other, one] = value
+    weights = np.array([1.0, 15.0, 3.0])
+    slopes = (np.array([4.0, 0.0, 0.0]) - u * weights, np.array([0.0, 9.0, 0.0]) - v * weights)
+    # A NaN stays one.
+    first, second = (float(np.sqrt(np.maximum(0.0, slope @ matrix @ slope))) / whole for slope in slopes)
+    return (u, v), (first, second)
+
+
+def read_region(image: ImageMoments, chosen: NDArray[np.bool_] | None = None) -> RegionReading | None:
+    """Of chosen pixels of an image, or of all; None where they have no samples."""
+    sums = RegionSums(image.mean.shape[-1])
+    sums.add(image, np.ones(image.samples.shape, dtype=np.bool_) if chosen is None else chosen)
+    return sums.reading()

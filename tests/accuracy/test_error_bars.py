@@ -1,0 +1,88 @@
+"""Error bars on scenes with an answer on paper: 95 % intervals of X, Z, a response, u' and v' hold it.
+
+Every pixel of a furnace has the same truth, so an image is as many trials as it has pixels or regions. With
+independent samples (Sobol's are more even than their errors say) a rate from m of these is known to
+sqrt(0.95 0.05 / m). Bounds are four of that, which a rate exceeds once in 16,000 by chance; seeds are fixed.
+"""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from nocturne.v1 import scene_pb2
+from nocturne_client.local.compiled import compile_to
+from nocturne_scene.compare.images import read_picture
+from nocturne_scene.uncertainty import CONFIDENCE, ImageMoments, read_region
+
+from tests.accuracy.scenes import furnace
+from tests.accuracy.tracing import Document, run, write
+
+pytestmark = pytest.mark.system
+
+Values = npt.NDArray[np.float64]
+
+_EDGE = 64
+_SAMPLES = 256
+_RADIANCE = 2.0
+_ALBEDO = 0.5
+_RESPONSE = {"table": [[400, 0.0], [500, 1.0], [600, 0.0]]}
+
+SKEW = 0.01
+"""What intervals of 256 samples may hold less than 95 %: light that comes after k walls has a skewness, and
+the narrowest response most of it (Cochran, "Sampling Techniques", 1977, 2.15)."""
+
+
+def traced(document: Document, folder: Path) -> tuple[ImageMoments, Values]:
+    """The image's moments, and the integrals of what X, Y, Z and the response weigh light by."""
+    compiled = compile_to(write(document, folder), folder, _EDGE, _EDGE, _SAMPLES)
+    run(compiled, folder)
+    sensor = scene_pb2.CompiledScene.FromString(compiled.scene.read_bytes()).sensor
+    picture = read_picture(folder / "image.exr")
+    assert picture.names == ("X", "Y", "Z", "blue")
+    assert picture.moments is not None
+    blue = sensor.further_responses[0].values
+    curves = (sensor.response_x, sensor.response_y, sensor.response_z, blue)
+    integrals = [np.trapezoid(curve, dx=sensor.response_step_nm) for curve in curves]
+    return picture.moments, np.array(integrals)
+
+
+def coloured_furnace(direction: str) -> Document:
+    document = furnace(_ALBEDO, _RADIANCE)
+    document["tracing"] = {"sequence": "independent", "seed": 3, "direction": direction}
+    document["sensor"]["responses"] = {"blue": _RESPONSE}
+    return document
+
+
+def held(image: ImageMoments, truth: Values, edge: int) -> Values:
+    """How often the intervals of regions with such an edge hold the truth: X, Y, Z, blue, u', v'."""
+    whole = truth[0] + 15.0 * truth[1] + 3.0 * truth[2]
+    true = np.array([*truth, 4.0 * truth[0] / whole, 9.0 * truth[1] / whole])
+    found = []
+    for y in range(0, _EDGE, edge):
+        for x in range(0, _EDGE, edge):
+            chosen = np.zeros((_EDGE, _EDGE), dtype=np.bool_)
+            chosen[y : y + edge, x : x + edge] = True
+            reading = read_region(image, chosen)
+            assert reading is not None
+            off = np.abs(np.array([*reading.mean, *reading.chromaticity]) - true)
+            found.append(off <= CONFIDENCE * np.array([*reading.error, *reading.chromaticity_error]))
+    rates: Values = np.mean(found, axis=0)
+    return rates
+
+
+@pytest.fixture(scope="module")
+def image_and_truth(tmp_path_factory: pytest.TempPathFactory) -> tuple[ImageMoments, Values]:
+    image, integrals = traced(coloured_furnace("adjoint"), tmp_path_factory.mktemp("furnace"))
+    return image, _RADIANCE / (1.0 - _ALBEDO) * integrals
+
+
+@pytest.mark.parametrize("edge", [1, 2, 4, 8])
+def test_intervals_of_a_furnace_hold_its_radiance(
+    edge: int, image_and_truth: tuple[ImageMoments, Values]
+) -> None:
+    rates = held(*image_and_truth, edge)
+    slack = 4.0 * math.sqrt(0.95 * 0.05) / (_EDGE // edge)
+    assert (rates >= 0.95 - SKEW - slack).all(), rates
+    assert (rates <= 0.975 + slack).all(), rates
