@@ -199,7 +199,13 @@ def _exr_channels(
         "n": np.ascontiguousarray(counts, dtype=np.uint32),
     }
     # A sensor may have responses with these names: they say more than what only viewers need.
-    return channels if channels.keys() & set("RGB") else {**channels, **_planes("RGB", xyz @ _XYZ_TO_SRGB)}
+    return channels if channels.keys() & set("RGB") else {**channels, **_planes("RGB", _linear_srgb(xyz))}
+
+
+def _linear_srgb(xyz: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """R, G, B with the bits of nocturne-trace: a matrix product's depend on the processor."""
+    x, y, z = np.moveaxis(xyz, -1, 0)
+    return np.stack([row[0] * x + row[1] * y + row[2] * z for row in _XYZ_TO_SRGB.T], axis=-1)
 
 
 def _planes(names: Sequence[str], pixels: npt.NDArray[np.float32]) -> dict[str, npt.NDArray[Any]]:
