@@ -9,6 +9,7 @@ from nocturne_client.errors import NocturneClientError
 from bench import (
     accumulation,
     choices,
+    crowds,
     duplicates,
     error_bars,
     grid,
@@ -38,6 +39,7 @@ BENCHES: dict[str, Bench] = {
     "grid": grid,
     "peers": peers,
     "watchers": watchers,
+    "crowds": crowds,
     "error_bars": error_bars,
     "stops": stops,
     "accumulation": accumulation,

@@ -1,7 +1,7 @@
 """A large density grid through the whole service: upload, compile, fetch, trace; memory by process.
 
 The grid is noise in every voxel, which neither compression nor sparsity makes much smaller. Two worker
-processes map it from one cache: each has all its pages resident, and they share them.
+processes fetch it into one cache; each has a copy of its own in memory.
 """
 
 import json

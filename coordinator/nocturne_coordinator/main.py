@@ -70,7 +70,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--redis",
         required=True,
-        help="redis://host:port or unix:///path/to/socket; user and "
+        help="redis://host:port, unix:///path/to/socket, or for TLS "
+        "rediss://host:port?ssl_ca_certs=PEM&ssl_certfile=PEM&ssl_keyfile=PEM; user and "
         "password come from the environment: NOCTURNE_REDIS_USER, NOCTURNE_REDIS_PASSWORD",
     )
     parser.add_argument(

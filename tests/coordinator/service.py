@@ -214,8 +214,10 @@ def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def read_rgb(path: Path) -> np.ndarray:
-    """What viewers show."""
+    """What viewers show; empty where not all three are there."""
     channel = _read_channels(path)
+    if not channel.keys() >= set("RGB"):
+        return np.empty(0, dtype=np.float32)
     return np.stack([channel[name] for name in "RGB"], axis=-1)
 
 

@@ -119,6 +119,10 @@ def _arguments(name: str) -> list[str]:
     return arguments
 
 
+def _value(arguments: list[str], option: str) -> str:
+    return next(each.partition("=")[2] for each in arguments if each.startswith(f"{option}="))
+
+
 def test_arguments_are_understood(monkeypatch: pytest.MonkeyPatch) -> None:
     options = coordinator_main._parser().parse_args(_arguments("nocturne/coordinator"))
     assert str(options.data) == "/data"
@@ -152,7 +156,7 @@ def test_every_part_is_looked_after() -> None:
     probe = {name: each for name, each, _ in containers(base())}["nocturne/coordinator"]["livenessProbe"]
     arguments = _arguments("nocturne/coordinator")
     # The probe looks at the file that the coordinator keeps fresh.
-    assert probe["exec"]["command"][:2] == ["is-fresh", arguments[arguments.index("--alive") + 1]]
+    assert probe["exec"]["command"][:2] == ["is-fresh", _value(arguments, "--alive")]
 
 
 def test_services_find_their_pods_and_policies_too() -> None:
@@ -175,6 +179,35 @@ def test_the_tunnel_has_all_that_its_files_ask_for() -> None:
         assert container["args"] == [end]
         asked = set(re.findall(r"\$\{(\w+)\}", (DEPLOY / "stunnel" / f"{end}.conf").read_text()))
         assert asked <= {each["name"] for each in container["env"]}
+
+
+def test_nobody_reaches_redis_without_tls() -> None:
+    found = {name: each for name, each, _ in containers(base())}
+    redis, tunnel = found["nocturne-redis/redis"], found["nocturne-redis/tunnel"]
+    assert redis["args"][:2] == ["--bind", "127.0.0.1"]
+    assert "ports" not in redis
+    accept = next(each["value"] for each in tunnel["env"] if each["name"] == "NOCTURNE_TUNNEL_ACCEPT")
+    policies = [each for each in base() if each["kind"] == "NetworkPolicy"]
+    policy = next(each for each in policies if each["metadata"]["name"] == "nocturne-redis")
+    assert [rule["ports"] for rule in policy["spec"]["ingress"]] == [[{"port": int(accept)}]]
+    address = _value(_arguments("nocturne/coordinator"), "--redis")
+    assert address.startswith(f"rediss://nocturne-redis:{accept}?")
+    # What the address names is mounted.
+    files = re.findall(r"=(/[^/&]+)/[^&]+", address.partition("?")[2])
+    mounts = {mount["mountPath"] for mount in found["nocturne/coordinator"]["volumeMounts"]}
+    assert len(files) == 3
+    assert set(files) <= mounts
+
+
+def test_each_role_has_a_certificate_of_its_own() -> None:
+    """Else who breaks into a worker has the keys of Redis and of the API."""
+    found = {
+        name: [volume["secret"]["secretName"] for volume in template["spec"]["volumes"] if "secret" in volume]
+        for name, template in pods(base()).items()
+    }
+    assert sorted(found) == ["nocturne", "nocturne-redis", "nocturne-worker"]
+    assert all(len(secrets) == 1 for secrets in found.values())
+    assert len({secrets[0] for secrets in found.values()}) == len(found)
 
 
 def test_the_scaled_object_scales_workers() -> None:

@@ -2,12 +2,16 @@
 
 import socket
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import urlencode
 
 import pytest
 import redis
 import trustme
+from nocturne_coordinator.errors import QueueError
+from nocturne_coordinator.queue.job_queue import JobQueue
 
 from tests.coordinator.service import RedisServer
 from tests.system.free_ports import free_port_pair
@@ -45,7 +49,7 @@ def tunnel(tmp_path: Path) -> Iterator[Tunnel]:
     server.start()
     authority = trustme.CA()
     port = free_port_pair()
-    pair = certificate(authority, tmp_path, NAME)
+    pair = certificate(authority, tmp_path, NAME, "localhost")
     end = tunnel_end(
         "server", tmp_path, port, str(tmp_path / "redis.sock"), pair, authority_file(authority, tmp_path)
     )
@@ -54,6 +58,27 @@ def tunnel(tmp_path: Path) -> Iterator[Tunnel]:
     for program in reversed(tunnel.programs):
         program.kill()
     server.kill()
+
+
+def coordinators_address(tunnel: Tunnel, pair: tuple[Path, Path], host: str = "localhost") -> str:
+    """As the manifest writes it."""
+    files = {"ssl_ca_certs": tunnel.folder / "authority.pem", "ssl_certfile": pair[0], "ssl_keyfile": pair[1]}
+    return f"rediss://{host}:{tunnel.port}?{urlencode(files)}"
+
+
+def test_the_coordinator_needs_no_end_of_its_own(tunnel: Tunnel) -> None:
+    """It speaks TLS itself; Redis has to show a certificate of its name, as it has to show its own."""
+    pair = certificate(tunnel.authority, tunnel.folder, "coordinator")
+    with closing(JobQueue(coordinators_address(tunnel, pair))) as queue:
+        queue.check_settings()
+    stranger = certificate(tunnel.others, tunnel.folder, "stranger")
+    for address in (
+        coordinators_address(tunnel, stranger),
+        coordinators_address(tunnel, pair, "127.0.0.1"),
+        f"redis://localhost:{tunnel.port}",
+    ):
+        with closing(JobQueue(address)) as queue, pytest.raises(QueueError):
+            queue.check_settings()
 
 
 def test_it_carries_redis(tunnel: Tunnel) -> None:

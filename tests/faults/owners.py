@@ -2,7 +2,7 @@
 
 import copy
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,11 +10,11 @@ from typing import Any
 import grpc
 import httpx
 from nocturne.v1 import render_service_pb2 as pb
-from nocturne_api.service import Service, Settings, open_service
+from nocturne_api.service import Service, Settings
 from nocturne_coordinator.store.data_folder import DataFolder
 
 from tests.services.conftest import SCENE
-from tests.services.endpoints import grpc_channel
+from tests.services.endpoints import grpc_channel, started
 
 
 @dataclass
@@ -39,16 +39,10 @@ class Guarded:
 @asynccontextmanager
 async def guarded(folder: Path, **settings: Any) -> AsyncIterator[Guarded]:
     """A service with its data in `folder`/data."""
-    service = await open_service(
-        Settings(data=folder / "data", web=folder, port=0, grpc_port=0, auth=True, **settings)
-    )
-    await service.start()
-    other = DataFolder(folder / "data")
-    try:
-        yield Guarded(service, other)
-    finally:
-        other.close()
-        await service.stop()
+    asked = Settings(data=folder / "data", web=folder, port=0, grpc_port=0, auth=True, **settings)
+    async with started(asked) as service:
+        with closing(DataFolder(folder / "data")) as other:
+            yield Guarded(service, other)
 
 
 def request(request_id: str, **changes: Any) -> dict[str, Any]:

@@ -22,6 +22,8 @@ from tests.faults.owners import Guarded, guarded, metadata, next_of, request
 HALF_A_HEAD = b"GET /v1/renders HTTP/1.1\r\nHost: localhost\r\nX-A: "
 # All of 127.0.0.0/8 is this machine: a second caller has another address.
 ELSEWHERE = "127.0.0.2"
+# Only a guard: what is slow here has a second at most, and a busy machine may take some more.
+_CLOSED_S = 15.0
 
 
 @pytest.fixture
@@ -77,6 +79,20 @@ async def status_at(connections: Connections, token: str, address: str) -> int:
 # --- slow senders ---
 
 
+async def trickle_until_closed(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> bytes:
+    """Sends a byte now and then until the other side closes; gives what it said, empty after a reset."""
+    answer = asyncio.create_task(reader.read())
+    async with asyncio.timeout(_CLOSED_S):
+        while not answer.done():
+            await asyncio.sleep(0.1)
+            with contextlib.suppress(OSError):
+                writer.write(b"a")
+    try:
+        return answer.result()
+    except ConnectionResetError:
+        return b""
+
+
 @pytest.mark.usefixtures("few")
 async def test_half_a_request_holds_nobody_up(service: Guarded, connections: Connections) -> None:
     """P8: more connections than there are, from one address; callers there and elsewhere are served."""
@@ -111,15 +127,10 @@ async def test_a_head_has_its_time(
             await reader.readuntil(b"alive\n")
         writer.write(begin or b"G")
         begun = time.monotonic()
-        answer = asyncio.create_task(reader.read())
-        while not answer.done() and time.monotonic() - begun < 5.0:
-            await asyncio.sleep(0.1)
-            with contextlib.suppress(OSError):
-                writer.write(b"a")
-        assert answer.done()
-        assert 0.9 < time.monotonic() - begun < 4.0
-        with contextlib.suppress(ConnectionResetError):
-            head, _, body = answer.result().partition(b"\r\n\r\n")
+        answer = await trickle_until_closed(reader, writer)
+        assert time.monotonic() - begun > 0.9
+        if answer:
+            head, _, body = answer.partition(b"\r\n\r\n")
             assert head.startswith(b"HTTP/1.1 408")
             assert json.loads(body)["reason"] == "TOO_SLOW"
 
@@ -134,20 +145,11 @@ async def test_a_body_has_its_time(
     service: Guarded, connections: Connections, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """P8: an upload that does not end is ended, and leaves nothing; a slow one that goes on is taken."""
-    monkeypatch.setattr(limits, "BODY_SECONDS", 0.5)
-    monkeypatch.setattr(limits, "BODY_BYTES_PER_SECOND", 5000.0)
+    monkeypatch.setattr(limits, "BODY_SECONDS", 1.0)
     token = service.token("alice", "submit")
     reader, writer = await connections.open(upload(token, 1_000_000, "a" * 64) + b"x")
-    begun = time.monotonic()
-    answer = asyncio.create_task(reader.read())
-    while not answer.done() and time.monotonic() - begun < 5.0:
-        await asyncio.sleep(0.1)
-        with contextlib.suppress(OSError):
-            writer.write(b"a")
-    assert answer.done()
-    assert time.monotonic() - begun < 4.0
-    with contextlib.suppress(ConnectionResetError):
-        assert answer.result().startswith(b"HTTP/1.1 408")
+    answer = await trickle_until_closed(reader, writer)
+    assert answer == b"" or answer.startswith(b"HTTP/1.1 408")
     content = bytes(20_000)
     reader, writer = await connections.open(upload(token, 20_000, hashlib.sha256(content).hexdigest()))
     for start in range(0, 20_000, 1000):

@@ -16,7 +16,7 @@ from typing import Any
 import httpx
 import pytest
 from nocturne_api.service import Service as Api
-from nocturne_api.service import Settings, open_service
+from nocturne_api.service import Settings
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.errors import NotFound
@@ -25,6 +25,7 @@ from nocturne_scene.replacing import replacing
 from tests.coordinator.service import RedisServer, Service, wait_until
 from tests.coordinator.simulated_worker import SimulatedWorker
 from tests.faults.owners import request
+from tests.services.endpoints import started
 
 _DISK_BYTES = 48 * 2**20
 # Nothing reaches the disk by itself in this time: only what somebody waits for.
@@ -92,10 +93,8 @@ def disk(tmp_path: Path) -> Iterator[Disk]:
 
 @pytest.fixture
 async def api(disk: Disk, tmp_path: Path) -> AsyncIterator[Api]:
-    service = await open_service(Settings(data=disk.place / "data", web=tmp_path, port=0, grpc_port=0))
-    await service.start()
-    yield service
-    await service.stop()
+    async with started(Settings(data=disk.place / "data", web=tmp_path, port=0, grpc_port=0)) as service:
+        yield service
 
 
 @pytest.fixture

@@ -10,13 +10,25 @@ from nocturne_api.service import Service, Settings, open_service
 
 
 @asynccontextmanager
+async def started(settings: Settings) -> AsyncIterator[Service]:
+    """A service, stopped after `with` also where that fails.
+
+    A gRPC server that outlives its event loop stops the next one in the process.
+    """
+    service = await open_service(settings)
+    try:
+        await service.start()
+        yield service
+    finally:
+        await service.stop()
+
+
+@asynccontextmanager
 async def running(folder: Path, web: Path) -> AsyncIterator[Service]:
     """A service on free ports with its data in `folder`/data."""
     settings = Settings(data=folder / "data", web=web, port=0, grpc_port=0, grpc_unix=folder / "grpc.sock")
-    service = await open_service(settings)
-    await service.start()
-    yield service
-    await service.stop()
+    async with started(settings) as service:
+        yield service
 
 
 def rest_client(service: Service) -> httpx.AsyncClient:

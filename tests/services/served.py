@@ -5,7 +5,9 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from nocturne_api.service import Service, Settings, open_service
+from nocturne_api.service import Service, Settings
+
+from tests.services.endpoints import started
 
 
 @contextmanager
@@ -14,21 +16,13 @@ def served(settings: Settings) -> Iterator[Service]:
     loop = asyncio.new_event_loop()
     thread = threading.Thread(target=loop.run_forever, daemon=True)
     thread.start()
-
-    def wait_for_service() -> Service:
-        async def start() -> Service:
-            service = await open_service(settings)
-            await service.start()
-            return service
-
-        return asyncio.run_coroutine_threadsafe(start(), loop).result(60)
-
+    service = started(settings)
     try:
-        service = wait_for_service()
+        entered = asyncio.run_coroutine_threadsafe(service.__aenter__(), loop).result(60)
         try:
-            yield service
+            yield entered
         finally:
-            asyncio.run_coroutine_threadsafe(service.stop(), loop).result(60)
+            asyncio.run_coroutine_threadsafe(service.__aexit__(None, None, None), loop).result(60)
     finally:
         loop.call_soon_threadsafe(loop.stop)
         thread.join(10)

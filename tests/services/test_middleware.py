@@ -1,5 +1,6 @@
 """Who may ask, and what every answer carries."""
 
+import asyncio
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,8 @@ from grpc_health.v1 import health_pb2, health_pb2_grpc
 from grpc_reflection.v1alpha import reflection_pb2, reflection_pb2_grpc
 from nocturne_api.addresses import AddressError, check_host
 from nocturne_api.service import Service, Settings, open_service
+
+from tests.services.endpoints import started
 
 
 @pytest.mark.parametrize(
@@ -103,6 +106,22 @@ def test_routable_addresses_need_a_word(host: str) -> None:
 @pytest.mark.parametrize("host", ["127.0.0.1", "127.8.8.8", "::1", "localhost"])
 def test_loopback_needs_none(host: str) -> None:
     assert check_host(host, any_address=False) is True
+
+
+async def test_a_test_that_fails_leaves_no_server(tmp_path: Path) -> None:
+    """Else the next service in this process may wait for it for ever."""
+    ports: list[int] = []
+
+    async def fail() -> None:
+        async with started(Settings(tmp_path / "data", tmp_path, port=0, grpc_port=0)) as service:
+            ports.extend([service.port, service.grpc_port])
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        await fail()
+    for port in ports:
+        with pytest.raises(ConnectionRefusedError):
+            await asyncio.open_connection("127.0.0.1", port)
 
 
 async def test_taken_ports_are_a_clear_error(service: Service, tmp_path: Path) -> None:

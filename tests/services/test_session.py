@@ -5,8 +5,10 @@ from pathlib import Path
 
 import httpx
 import pytest
-from nocturne_api.service import Settings, open_service
+from nocturne_api.service import Settings
 from nocturne_coordinator.store.data_folder import DataFolder
+
+from tests.services.endpoints import started
 
 STRICT = {"httponly", "samesite=strict", "path=/v1"}
 
@@ -16,11 +18,11 @@ async def guarded(tmp_path: Path, web: Path) -> AsyncIterator[tuple[httpx.AsyncC
     """A client of a service that asks for tokens, and a token that may read."""
     folder = DataFolder(tmp_path / "data")
     secret = folder.tokens.create("eve", ["read"])
-    service = await open_service(Settings(data=tmp_path / "data", web=web, port=0, grpc_port=0, auth=True))
-    await service.start()
-    async with httpx.AsyncClient(base_url=f"http://127.0.0.1:{service.port}", trust_env=False) as client:
-        yield client, secret
-    await service.stop()
+    settings = Settings(data=tmp_path / "data", web=web, port=0, grpc_port=0, auth=True)
+    async with started(settings) as service:
+        address = f"http://127.0.0.1:{service.port}"
+        async with httpx.AsyncClient(base_url=address, trust_env=False) as client:
+            yield client, secret
     folder.close()
 
 

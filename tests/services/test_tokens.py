@@ -13,11 +13,11 @@ from nocturne_api.access import Pace, secret_in
 from nocturne_api.addresses import AddressError, check_host
 from nocturne_api.errors import TooMany, Unauthenticated
 from nocturne_api.limits import CALLS_AT_ONCE, CALLS_PER_SECOND
-from nocturne_api.service import Service, Settings, open_service
+from nocturne_api.service import Service, Settings
 from nocturne_client import Client
 from nocturne_coordinator.store.data_folder import DataFolder
 
-from tests.services.endpoints import grpc_channel, rest_client
+from tests.services.endpoints import grpc_channel, rest_client, started
 
 Stub = render_service_pb2_grpc.RenderServiceStub
 
@@ -27,10 +27,8 @@ async def guarded(tmp_path: Path, web: Path) -> AsyncIterator[Service]:
     settings = Settings(
         data=tmp_path / "data", web=web, port=0, grpc_port=0, grpc_unix=tmp_path / "grpc.sock", auth=True
     )
-    service = await open_service(settings)
-    await service.start()
-    yield service
-    await service.stop()
+    async with started(settings) as service:
+        yield service
 
 
 def bearer(secret: str) -> dict[str, str]:

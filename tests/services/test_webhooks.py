@@ -9,13 +9,13 @@ import grpc
 import pytest
 from nocturne.v1 import render_service_pb2 as pb
 from nocturne.v1 import render_service_pb2_grpc
-from nocturne_api.service import Service, Settings, open_service
+from nocturne_api.service import Service, Settings
 from nocturne_api.webhooks.sender import PAUSES_S
 from nocturne_api.webhooks.targets import TargetRules
 from nocturne_coordinator.store.data_folder import DataFolder
 from standardwebhooks import Webhook, WebhookVerificationError
 
-from tests.services.endpoints import grpc_channel, rest_client
+from tests.services.endpoints import grpc_channel, rest_client, started
 from tests.services.webhook_receiver import HOME, Receiver, end, make_render, sending, until, until_true
 
 
@@ -29,10 +29,8 @@ def folder(tmp_path: Path) -> Iterator[DataFolder]:
 @pytest.fixture
 async def service(folder: DataFolder) -> AsyncIterator[Service]:
     settings = Settings(data=folder.root, web=folder.root, port=0, grpc_port=0, webhook_networks=[HOME])
-    service = await open_service(settings)
-    await service.start()
-    yield service
-    await service.stop()
+    async with started(settings) as service:
+        yield service
 
 
 async def test_ends_are_told_and_signed(

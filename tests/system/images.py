@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 import numpy.typing as npt
 
-from tests.coordinator.service import read_exr, read_further_responses
+from tests.coordinator.service import read_exr, read_further_responses, read_rgb
 
 Channel = npt.NDArray[np.float32]
 
@@ -25,10 +25,12 @@ class Image:
     """Per pixel, shape (height, width)."""
     further: Mapping[str, Channel]
     """The sensor's further responses by name, shape (height, width) each."""
+    rgb: Channel
+    """What viewers show, shape (height, width, 3); empty where a response has one of the names."""
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        return cls(*read_exr(path), read_further_responses(path))
+        return cls(*read_exr(path), read_further_responses(path), read_rgb(path))
 
     @property
     def y(self) -> npt.NDArray[np.float64]:
@@ -41,6 +43,7 @@ def differing_values(one: Image, other: Image) -> dict[str, int]:
         "XYZ": (one.xyz.view(np.uint32), other.xyz.view(np.uint32)),
         "Y.stderr": (one.y_error.view(np.uint32), other.y_error.view(np.uint32)),
         "n": (one.samples, other.samples),
+        "RGB": (one.rgb.view(np.uint32), other.rgb.view(np.uint32)),
     }
     assert one.further.keys() == other.further.keys()
     pairs |= {

@@ -10,6 +10,7 @@ from typing import Any
 import httpx
 import pytest
 from nocturne_client import Client
+from nocturne_client.errors import NocturneClientError
 from nocturne_coordinator.store.data_folder import DataFolder
 
 from tests.system.images import Image, differing_values
@@ -124,6 +125,20 @@ def test_no_child_outlives_a_killed_parent(tmp_path: Path) -> None:
         service.start()
         assert not set(service.children().values()) & set(children.values())
         assert service.stop() == 0
+
+
+def test_bounds_of_owners_and_of_the_folder_are_passed_on(tmp_path: Path) -> None:
+    with Up(tmp_path, 0, 1, "--auth", "--owner-open-renders", "1", "--data-bytes", "1e9") as service:
+        token = re.search(r"nct_[\w-]+", service.program.log.read_text())
+        assert token is not None
+        with closing(Client(service.url, token=token[0])) as client:
+            client.submit(CORNELL, 40, 30, 16)
+            with pytest.raises(NocturneClientError, match="open renders") as caught:
+                client.submit(CORNELL, 40, 30, 16)
+            assert caught.value.status == 429
+        headers = {"Authorization": f"Bearer {token[0]}"}
+        metrics = httpx.get(f"{service.url}/metrics", headers=headers, trust_env=False).text
+        assert "nocturne_data_bytes_bound 1e+09" in metrics
 
 
 def test_with_tokens_the_first_one_is_shown_once(tmp_path_factory: pytest.TempPathFactory) -> None:

@@ -5,7 +5,9 @@
 #include <bit>
 #include <cstring>
 #include <fstream>
+#include <set>
 #include <stdexcept>
+#include <vector>
 
 #include "assets/errors.h"
 #include "digest/sha256.h"
@@ -47,23 +49,57 @@ TileRange to_range(const v1::Job& job) {
           .end_sample = job.end_sample()};
 }
 
+/// Those of which something is read while photons are traced.
+std::set<std::string> blobs_read_later(const v1::CompiledScene& message) {
+  std::set<std::string> blobs;
+  for (const auto& texture : message.textures()) blobs.insert(to_hex(texture.blob()));
+  for (const auto& medium : message.media()) {
+    blobs.insert(to_hex(medium.grid().blob()));
+    blobs.insert(to_hex(medium.temperature().blob()));
+  }
+  return blobs;
+}
+
+struct LoadedScene {
+  std::vector<std::shared_ptr<const SealedFile>> files;
+  std::shared_ptr<const Scene> scene;
+};
+
+std::shared_ptr<const Scene> load(AssetCache& assets, const std::string& sha256,
+                                  std::stop_token stop) {
+  v1::CompiledScene message;
+  {
+    const auto file = assets.find(sha256);
+    std::ifstream bytes(file->path(), std::ios::binary);
+    if (!message.ParseFromIstream(&bytes)) {
+      throw std::runtime_error("scene " + sha256 + " is not a compiled scene");
+    }
+  }
+  const std::set<std::string> read_later = blobs_read_later(message);
+  const auto loaded = std::make_shared<LoadedScene>();
+  std::shared_ptr<const SealedFile> last;
+  const auto find_blob = [&](const std::string& blob) {
+    last = assets.find(blob);
+    if (read_later.contains(blob)) loaded->files.push_back(last);
+    return last->path();
+  };
+  loaded->scene = load_scene(message, find_blob, stop);
+  log_line(LogLevel::kInfo, "scene=" + sha256 + " loaded");
+  return {loaded, loaded->scene.get()};
+}
+
 }  // namespace
 
-std::shared_ptr<const Scene> JobTracer::load(const std::string& sha256) {
-  std::ifstream file(assets_.find(sha256), std::ios::binary);
-  v1::CompiledScene message;
-  if (!message.ParseFromIstream(&file)) {
-    throw std::runtime_error("scene " + sha256 + " is not a compiled scene");
-  }
-  auto scene = load_scene(message, [this](const std::string& blob) { return assets_.find(blob); });
-  log_line(LogLevel::kInfo, "scene=" + sha256 + " loaded");
-  return scene;
-}
+JobTracer::JobTracer(AssetCache& assets, double max_load_seconds)
+    : scenes_(kScenes, max_load_seconds,
+              [&assets](const std::string& sha256, std::stop_token stop) {
+                return load(assets, sha256, stop);
+              }) {}
 
 v1::Partial JobTracer::trace(const v1::Job& job, RunningJob& running) {
   std::shared_ptr<const Scene> scene;
   try {
-    scene = scenes_.get(to_hex(job.scene()), [this](const std::string& key) { return load(key); });
+    scene = scenes_.get(to_hex(job.scene()), running.stop_token());
   } catch (const AssetUnavailable& reason) {
     throw HandBack(reason.what());
   }

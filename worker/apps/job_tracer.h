@@ -5,18 +5,18 @@
 #include <string>
 
 #include "assets/asset_cache.h"
-#include "assets/load_once.h"
 #include "nocturne/v1/job.pb.h"
 #include "scene/load_scene.h"
 #include "worker_loop/running_jobs.h"
+#include "worker_loop/stoppable_loads.h"
 
 namespace nocturne {
 
 /// For all threads; they share the scenes.
 class JobTracer {
  public:
-  /// `assets` must outlive this.
-  explicit JobTracer(AssetCache& assets) : assets_(assets), scenes_(kScenes) {}
+  /// `assets` must live as long as the process: a scene may be loading when this is gone.
+  JobTracer(AssetCache& assets, double max_load_seconds);
 
   /// Throws HandBack if a file can't be had now, else what says why the job can't be done.
   v1::Partial trace(const v1::Job& job, RunningJob& running);
@@ -25,10 +25,7 @@ class JobTracer {
   // The coordinator takes turns between running renders; more than two at a time load again.
   static constexpr std::size_t kScenes = 2;
 
-  std::shared_ptr<const Scene> load(const std::string& sha256);
-
-  AssetCache& assets_;
-  LoadOnce<std::shared_ptr<const Scene>> scenes_;
+  StoppableLoads<std::shared_ptr<const Scene>> scenes_;
 };
 
 }  // namespace nocturne

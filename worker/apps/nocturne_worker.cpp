@@ -1,11 +1,13 @@
 // nocturne-worker: takes jobs from Redis, fetches scenes by digest, traces, publishes the sums.
 #include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -27,6 +29,7 @@ struct Arguments {
   unsigned threads = std::max(1U, std::thread::hardware_concurrency());
   unsigned lease_ms = 10000;
   unsigned grace_seconds = 1;
+  double load_seconds = 600.0;
   bool debug = false;
   bool enrol = false;
   std::string alive;
@@ -77,6 +80,10 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--alive", arguments.alive,
                  "a file whose time is set every two seconds while Redis hears this worker: for "
                  "probes");
+  app.add_option("--load-seconds", arguments.load_seconds,
+                 "processor time after which loading a scene is stopped, and its jobs fail")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_option("--max-asset-bytes", arguments.cache.max_asset_bytes,
                  "larger files are refused; 8GiB")
       ->transform(CLI::AsSizeValue(false));
@@ -141,11 +148,20 @@ void enrol(const Arguments& arguments, nocturne::WorkerOptions& options) {
   options.id = given.machine + "/" + options.id;
 }
 
+/// As many as this user may: each texture of a scene holds a file open.
+void raise_open_files() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 int run(const Arguments& arguments) {
   block_signals();
+  raise_open_files();
   nocturne::set_texture_memory(arguments.texture_bytes);
   nocturne::AssetCache assets(arguments.cache);
-  nocturne::JobTracer tracer(assets);
+  nocturne::JobTracer tracer(assets, arguments.load_seconds);
   nocturne::WorkerOptions options{.redis = nocturne::redis_address(arguments.redis),
                                   .id = arguments.id.empty() ? default_id() : arguments.id,
                                   .floating_point_profile = nocturne::floating_point_profile(),
@@ -153,18 +169,22 @@ int run(const Arguments& arguments) {
                                   .alive = arguments.alive,
                                   .lease = std::chrono::milliseconds(arguments.lease_ms)};
   if (arguments.enrol) enrol(arguments, options);
-  nocturne::Worker worker(
-      options, [&](const auto& job, auto& running) { return tracer.trace(job, running); });
+  std::optional<nocturne::Worker> worker(
+      std::in_place, options,
+      [&](const auto& job, auto& running) { return tracer.trace(job, running); });
   const std::string name = "worker=" + options.id;
   log_line(LogLevel::kInfo, name + " threads=" + std::to_string(options.threads) +
                                 " floating_point_profile=" + options.floating_point_profile +
                                 " starts, Redis at " + options.redis.text());
   wait_for_signal();
   log_line(LogLevel::kInfo, name + " stops");
-  if (worker.stop(std::chrono::seconds(arguments.grace_seconds))) return EXIT_SUCCESS;
-  log_line(LogLevel::kInfo, name + " hands back what is not done");
-  worker.hand_back();
-  // The threads still trace; nothing of what they do is needed.
+  if (worker->stop(std::chrono::seconds(arguments.grace_seconds))) {
+    worker.reset();
+  } else {
+    log_line(LogLevel::kInfo, name + " hands back what is not done");
+    worker->hand_back();
+  }
+  // Threads may still load or trace; nothing of what they do is needed.
   std::_Exit(EXIT_SUCCESS);
 }
 

@@ -203,7 +203,7 @@ def _exr_channels(
         "n": np.ascontiguousarray(counts, dtype=np.uint32),
     }
     # A sensor may have responses with these names: they say more than what only viewers need.
-    rgb = {} if channels.keys() & set("RGB") else _planes("RGB", mean[..., :3] @ _XYZ_TO_SRGB)
+    rgb = {} if channels.keys() & set("RGB") else _planes("RGB", _linear_srgb(mean[..., :3]))
     return {**channels, **rgb}
 
 
@@ -232,6 +232,12 @@ def _ratios(moments: ImageMoments) -> dict[str, npt.NDArray[np.float32]]:
 def _ratio(variance: Pixels, independent: Pixels) -> npt.NDArray[np.float32]:
     ratio = np.divide(variance, independent, out=np.ones_like(variance), where=independent > 0.0)
     return ratio.astype(np.float32)
+
+
+def _linear_srgb(xyz: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """R, G, B with the bits of nocturne-trace: a matrix product's depend on the processor."""
+    x, y, z = np.moveaxis(xyz, -1, 0)
+    return np.stack([row[0] * x + row[1] * y + row[2] * z for row in _XYZ_TO_SRGB.T], axis=-1)
 
 
 def _planes(names: Sequence[str], pixels: npt.NDArray[np.float32]) -> dict[str, npt.NDArray[Any]]:

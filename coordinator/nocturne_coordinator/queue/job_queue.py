@@ -113,7 +113,10 @@ def _queue_errors(method: Callable[_P, _R]) -> Callable[_P, _R]:
 
 
 class JobQueue:
-    """The streams of one Redis, given as `redis://host:port` or `unix:///path`."""
+    """The streams of one Redis, given as `redis://host:port`, `unix:///path`, or for TLS `rediss://host:port`.
+
+    Files of certificates are parameters of the address: ssl_ca_certs, ssl_certfile, ssl_keyfile.
+    """
 
     def __init__(self, url: str) -> None:
         """Does not connect yet. ValueError for an address of another kind."""

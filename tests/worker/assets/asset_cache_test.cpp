@@ -1,7 +1,11 @@
 #include "assets/asset_cache.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -21,10 +25,21 @@ std::string content(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+std::string content(const std::shared_ptr<const SealedFile>& file) { return content(file->path()); }
+
 std::string many_bytes() {
   std::string bytes(350001, '\0');
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * i % 251);
   return bytes;
+}
+
+void change_a_byte(const fs::path& path) {
+  {
+    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(175000);
+    file.put('\x7f');
+  }
+  ASSERT_NE(content(path), many_bytes());
 }
 
 class TemporaryFolder {
@@ -49,6 +64,10 @@ class AssetCacheTest : public testing::Test {
             .first_pause = std::chrono::milliseconds(20)};
   }
 
+  fs::path cached(const std::string& sha) {
+    return folder_.path() / "cache" / sha.substr(0, 2) / sha;
+  }
+
   std::size_t files_in_cache() {
     std::size_t count = 0;
     for (const auto& entry : fs::recursive_directory_iterator(folder_.path() / "cache")) {
@@ -65,10 +84,9 @@ TEST_F(AssetCacheTest, FetchesOnceForAllTime) {
   const std::string sha = service_.put(many_bytes());
   {
     AssetCache cache(options());
-    const fs::path path = cache.find(sha);
-    EXPECT_EQ(path, folder_.path() / "cache" / sha.substr(0, 2) / sha);
-    EXPECT_EQ(content(path), many_bytes());
-    EXPECT_EQ(cache.find(sha), path);
+    EXPECT_EQ(content(cache.find(sha)), many_bytes());
+    EXPECT_EQ(content(cached(sha)), many_bytes());
+    EXPECT_EQ(content(cache.find(sha)), many_bytes());
   }
   EXPECT_EQ(content(AssetCache(options()).find(sha)), many_bytes());
   EXPECT_EQ(service_.calls, 1);
@@ -108,8 +126,8 @@ TEST_F(AssetCacheTest, WhatWasNotUsedForLongestIsRemoved) {
   small.max_cache_bytes = 3000;
   AssetCache cache(small);
   const auto hours_ago = [&](const std::string& sha, int hours) {
-    fs::last_write_time(cache.find(sha),
-                        fs::file_time_type::clock::now() - std::chrono::hours(hours));
+    cache.find(sha);
+    fs::last_write_time(cached(sha), fs::file_time_type::clock::now() - std::chrono::hours(hours));
   };
   hours_ago(shas[0], 1);
   hours_ago(shas[1], 3);
@@ -120,7 +138,7 @@ TEST_F(AssetCacheTest, WhatWasNotUsedForLongestIsRemoved) {
   cache.find(shas[3]);
   EXPECT_EQ(files_in_cache(), 4U);
   EXPECT_TRUE(fs::exists(stranger));
-  EXPECT_FALSE(fs::exists(folder_.path() / "cache" / shas[1].substr(0, 2) / shas[1]));
+  EXPECT_FALSE(fs::exists(cached(shas[1])));
   // It is there again for who needs it.
   EXPECT_EQ(content(cache.find(shas[1])), std::string(1000, 'b'));
   // At least the newest stays, or nothing could be traced.
@@ -132,7 +150,7 @@ TEST_F(AssetCacheTest, WhatWasNotUsedForLongestIsRemoved) {
 TEST_F(AssetCacheTest, EmptyFile) {
   const std::string sha = service_.put("");
   AssetCache cache(options());
-  EXPECT_EQ(fs::file_size(cache.find(sha)), 0U);
+  EXPECT_EQ(fs::file_size(cache.find(sha)->path()), 0U);
 }
 
 TEST_F(AssetCacheTest, MissingFileIsAnErrorAtOnce) {
@@ -231,9 +249,9 @@ TEST_F(AssetCacheTest, DiskThatIsTooSmallMakesItUnavailable) {
 
 TEST_F(AssetCacheTest, DamagedFileInTheCacheIsFetchedAgain) {
   const std::string sha = service_.put(many_bytes());
-  const fs::path path = AssetCache(options()).find(sha);
-  std::ofstream(path, std::ios::binary | std::ios::in).put('!');
-  ASSERT_NE(content(path), many_bytes());
+  AssetCache(options()).find(sha);
+  std::ofstream(cached(sha), std::ios::binary | std::ios::in).put('!');
+  ASSERT_NE(content(cached(sha)), many_bytes());
   EXPECT_EQ(content(AssetCache(options()).find(sha)), many_bytes());
   EXPECT_EQ(service_.calls, 2);
 }
@@ -241,21 +259,48 @@ TEST_F(AssetCacheTest, DamagedFileInTheCacheIsFetchedAgain) {
 TEST_F(AssetCacheTest, FileDamagedAfterItWasCheckedIsFetchedAgain) {
   const std::string sha = service_.put(many_bytes());
   AssetCache cache(options());
-  const fs::path path = cache.find(sha);
-  {
-    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
-    file.seekp(175000);
-    file.put('\x7f');
-  }
-  ASSERT_NE(content(path), many_bytes());
+  cache.find(sha);
+  change_a_byte(cached(sha));
   EXPECT_EQ(content(cache.find(sha)), many_bytes());
   EXPECT_EQ(service_.calls, 2);
+}
+
+// Who has it, mapped or open or by its name, sees what was checked.
+TEST_F(AssetCacheTest, FileChangedInPlaceIsAsItWasForWhoHasIt) {
+  const std::string sha = service_.put(many_bytes());
+  AssetCache cache(options());
+  const auto file = cache.find(sha);
+  std::ifstream opened(file->path(), std::ios::binary);
+  const int descriptor = open(file->path().c_str(), O_RDONLY);
+  const std::size_t size = many_bytes().size();
+  void* mapped = mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor, 0);
+  ASSERT_NE(mapped, MAP_FAILED);
+  close(descriptor);
+  change_a_byte(cached(sha));
+  EXPECT_EQ(std::string(static_cast<const char*>(mapped), size), many_bytes());
+  munmap(mapped, size);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(opened), {}), many_bytes());
+  EXPECT_EQ(content(file), many_bytes());
+  EXPECT_EQ(cache.find(sha), file);
+  EXPECT_EQ(service_.calls, 1);
+}
+
+TEST_F(AssetCacheTest, NobodyCanWriteToWhatWasChecked) {
+  const auto file = AssetCache(options()).find(service_.put(many_bytes()));
+  const int descriptor = open(file->path().c_str(), O_RDWR);
+  ASSERT_GE(descriptor, 0);
+  EXPECT_EQ(write(descriptor, "x", 1), -1);
+  EXPECT_EQ(errno, EPERM);
+  EXPECT_EQ(ftruncate(descriptor, 0), -1);
+  EXPECT_EQ(mmap(nullptr, 1, PROT_WRITE, MAP_SHARED, descriptor, 0), MAP_FAILED);
+  close(descriptor);
 }
 
 TEST_F(AssetCacheTest, FileThatVanishedIsFetchedAgain) {
   const std::string sha = service_.put(many_bytes());
   AssetCache cache(options());
-  fs::remove(cache.find(sha));
+  cache.find(sha);
+  fs::remove(cached(sha));
   EXPECT_EQ(content(cache.find(sha)), many_bytes());
 }
 

@@ -18,6 +18,15 @@ test::SceneBuilder good_scene() {
 
 TEST(LoadScene, TakesAGoodScene) { EXPECT_NO_THROW(good_scene().load()); }
 
+TEST(LoadScene, EndsWhenAStopIsRequested) {
+  const test::SceneBuilder builder = good_scene();
+  const FindBlob none = [](const std::string&) -> std::filesystem::path { return {}; };
+  std::stop_source stop;
+  EXPECT_NO_THROW(load_scene(builder.message, none, stop.get_token()));
+  stop.request_stop();
+  EXPECT_THROW(load_scene(builder.message, none, stop.get_token()), SceneError);
+}
+
 std::uint32_t add_spectrum(v1::CompiledScene& scene, float value) {
   scene.add_spectra()->add_values(value);
   return static_cast<std::uint32_t>(scene.spectra_size()) - 1;

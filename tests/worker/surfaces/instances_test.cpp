@@ -23,6 +23,18 @@ const std::vector<std::pair<const char*, Transform>>& transforms() {
   return all;
 }
 
+// What Embree builds may take minutes.
+TEST(Instances, BuildingEndsWhenAStopIsRequested) {
+  std::stop_source stop;
+  const auto build = [&] {
+    Geometry({Sphere{1e6, 0, 0, 1}, test::lumpy_ball(200)}, {0, 4}, {{4, {transforms()[0].second}}},
+             stop.get_token());
+  };
+  EXPECT_NO_THROW(build());
+  stop.request_stop();
+  EXPECT_THROW(build(), std::runtime_error);
+}
+
 // Surface, position, normal on the outer side and distance, for rays at known points of an
 // instance. What is expected is computed forwards, from group to scene, in double precision.
 TEST(Instances, MeshesAreWhereTheMatrixSays) {

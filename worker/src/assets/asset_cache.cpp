@@ -30,19 +30,6 @@ void make_folder(const fs::path& folder) {
   if (error) throw AssetUnavailable("cache " + folder.string() + ": " + error.message());
 }
 
-/// Whether the cache has the right file; a damaged one is named in the log.
-bool is_intact(const fs::path& path, const std::string& sha256) {
-  std::error_code error;
-  if (!fs::is_regular_file(path, error)) return false;
-  try {
-    if (sha256_of_file(path) == sha256) return true;
-    log_line(LogLevel::kWarning, "cache file " + path.string() + " is damaged: fetching it again");
-  } catch (const std::runtime_error& unreadable) {
-    log_line(LogLevel::kWarning, std::string(unreadable.what()) + ": fetching it again");
-  }
-  return false;
-}
-
 }  // namespace
 
 std::string authorities_in(const fs::path& path) {
@@ -64,25 +51,49 @@ AssetCache::AssetCache(AssetCacheOptions options)
   trim();
 }
 
-fs::path AssetCache::find(const std::string& sha256) {
+std::shared_ptr<const SealedFile> AssetCache::find(const std::string& sha256) {
   // It becomes part of a path.
   if (!is_sha256_hex(sha256)) throw AssetError("not a SHA-256 in hexadecimal: " + sha256);
-  const fs::path path = at_work_.get(sha256, [this](const std::string& key) {
-    fs::path found = checked_or_fetched(key);
-    // Who asks from here on wants it checked again.
+  return at_work_.get(sha256, [this](const std::string& key) {
+    Held found = held(key);
+    if (!found) hold(key, found = checked_or_fetched(key));
+    // Who asks from here on finds it held, or wants it checked again.
     at_work_.forget(key);
     return found;
   });
-  std::error_code error;
-  // Its time says when it was last used; a folder that can't be written is only trimmed less well.
-  fs::last_write_time(path, fs::file_time_type::clock::now(), error);
-  return path;
 }
 
-fs::path AssetCache::checked_or_fetched(const std::string& sha256) {
+AssetCache::Held AssetCache::held(const std::string& sha256) {
+  const std::lock_guard lock(mutex_);
+  const auto found = held_.find(sha256);
+  return found == held_.end() ? nullptr : found->second.lock();
+}
+
+void AssetCache::hold(const std::string& sha256, const Held& file) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(held_, [](const auto& each) { return each.second.expired(); });
+  held_[sha256] = file;
+}
+
+AssetCache::Held AssetCache::checked_or_fetched(const std::string& sha256) {
   const fs::path target = options_.folder / sha256.substr(0, 2) / sha256;
-  if (!is_intact(target, sha256)) fetch_with_retries(sha256, target);
-  return target;
+  std::error_code error;
+  Held found = SealedFile::copy(target, sha256, options_.max_asset_bytes);
+  if (!found) {
+    if (fs::exists(target, error)) {
+      log_line(LogLevel::kWarning,
+               "cache file " + target.string() + " is damaged: fetching it again");
+    }
+    fetch_with_retries(sha256, target);
+    found = SealedFile::copy(target, sha256, options_.max_asset_bytes);
+  }
+  if (!found) {
+    throw AssetUnavailable("cache file " + target.string() +
+                           " was damaged as soon as it was there");
+  }
+  // Its time says when it was last used; a folder that can't be written is only trimmed less well.
+  fs::last_write_time(target, fs::file_time_type::clock::now(), error);
+  return found;
 }
 
 void AssetCache::fetch_with_retries(const std::string& sha256, const fs::path& target) {

@@ -4,10 +4,14 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <string>
 
 #include "assets/asset_source.h"
 #include "assets/load_once.h"
+#include "assets/sealed_file.h"
 
 namespace nocturne {
 
@@ -37,13 +41,18 @@ class AssetCache {
   /// Throws AssetUnavailable if the folder can't be made, or the authorities can't be read.
   explicit AssetCache(AssetCacheOptions options);
 
-  /// Path of a file whose digest was checked in this call: others may write to the disk. To be
-  /// called whenever the file is to be read. `sha256`: 64 lower-case hexadecimal digits. Throws
-  /// AssetUnavailable (this worker, now) or AssetError (nobody, ever; also for a bad digest).
-  std::filesystem::path find(const std::string& sha256);
+  /// The bytes of a file as they were when their digest was checked: others may write to the disk.
+  /// While somebody has them, all who ask get the same. `sha256`: 64 lower-case hexadecimal
+  /// digits. Throws AssetUnavailable (this worker, now) or AssetError (nobody, ever; also for a bad
+  /// digest).
+  std::shared_ptr<const SealedFile> find(const std::string& sha256);
 
  private:
-  std::filesystem::path checked_or_fetched(const std::string& sha256);
+  using Held = std::shared_ptr<const SealedFile>;
+
+  Held checked_or_fetched(const std::string& sha256);
+  Held held(const std::string& sha256);
+  void hold(const std::string& sha256, const Held& file);
   void fetch_with_retries(const std::string& sha256, const std::filesystem::path& target);
   void fetch(const std::string& sha256, const std::filesystem::path& target);
   void remove_abandoned_downloads();
@@ -52,7 +61,10 @@ class AssetCache {
   AssetCacheOptions options_;
   AssetSource source_;
   /// Calls for one file at the same time.
-  LoadOnce<std::filesystem::path> at_work_;
+  LoadOnce<Held> at_work_;
+  std::mutex mutex_;
+  /// Those that somebody has.
+  std::map<std::string, std::weak_ptr<const SealedFile>> held_;
 };
 
 }  // namespace nocturne

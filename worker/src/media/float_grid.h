@@ -36,7 +36,8 @@ class FloatGrid {
   /// Of a whole file, whose pages all processes share; or of a copy of bytes. Only for a grid of
   /// floats whose header says the size that is there. All values are finite and not negative, and
   /// not all of them the background. Throws std::invalid_argument for anything else, in words.
-  /// A file may be removed or replaced under its name meanwhile, but nobody may write into it.
+  /// A file may be removed or replaced under its name meanwhile, but nobody may write into it:
+  /// nothing is checked again where a page is read later.
   static FloatGrid map(const std::filesystem::path& file);
   explicit FloatGrid(std::span<const std::byte> bytes);
 

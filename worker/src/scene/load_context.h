@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <stdexcept>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,10 @@ inline Vec3 vector(const v1::Vector& v, const char* what) {
   return {finite(v.x(), what), finite(v.y(), what), finite(v.z(), what)};
 }
 
+inline void go_on_unless_stopped(const std::stop_token& stop) {
+  if (stop.stop_requested()) throw SceneError("the scene was not loaded to its end");
+}
+
 /// Runs `make`, whose std::invalid_argument becomes a SceneError.
 template <class Make>
 auto checked(const Make& make) {
@@ -53,6 +58,7 @@ std::string blob_name(const std::string& sha256);
 struct LoadContext {
   const v1::CompiledScene& message;
   const FindBlob& find_blob;
+  std::stop_token stop;
   std::vector<Spectrum> spectra;
   std::vector<Texture> textures;
   /// Empty where the scene has none.

@@ -48,12 +48,13 @@ Spectrum load_spectrum(const v1::Spectrum& message) {
   return {load_table(message), load_lines(message)};
 }
 
-LoadContext make_context(const v1::CompiledScene& message, const FindBlob& find_blob) {
+LoadContext make_context(const v1::CompiledScene& message, const FindBlob& find_blob,
+                         std::stop_token stop) {
   if (message.format() != kFormat) {
     refuse("format " + std::to_string(message.format()) + "; this program reads format " +
            std::to_string(kFormat));
   }
-  LoadContext context{message, find_blob, {}, {}, {}};
+  LoadContext context{message, find_blob, stop, {}, {}, {}};
   for (const auto& s : message.spectra()) context.spectra.push_back(load_spectrum(s));
   context.textures = load_textures(message, find_blob);
   if (message.has_rgb_table()) context.rgb_spectra = load_rgb_table(message.rgb_table(), find_blob);
@@ -209,20 +210,27 @@ std::string blob_name(const std::string& sha256) {
   return to_hex(sha256);
 }
 
-std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message,
-                                        const FindBlob& find_blob) {
-  const LoadContext context = make_context(message, find_blob);
+std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message, const FindBlob& find_blob,
+                                        std::stop_token stop) {
+  const FindBlob find_or_stop = [&](const std::string& sha256) {
+    go_on_unless_stopped(stop);
+    return find_blob(sha256);
+  };
+  const LoadContext context = make_context(message, find_or_stop, stop);
   auto kernels = load_kernels(context);
   LoadedShapes loaded = load_shapes(context);
   auto materials = load_materials(context, kernels, loaded.shapes);
   auto medium_interfaces = load_medium_interfaces(context);
   const InteriorList everywhere = load_unbounded(context);
   return checked([&] {
-    Geometry geometry(std::move(loaded.shapes), loaded.groups, std::move(loaded.instances));
+    Geometry geometry(std::move(loaded.shapes), loaded.groups, std::move(loaded.instances), stop);
     auto luminaires = load_luminaires(context, geometry, materials);
+    go_on_unless_stopped(stop);
     set_close(geometry, loaded.groups, sensor_start(message.sensor()), medium_interfaces,
               materials);
+    go_on_unless_stopped(stop);
     auto media = load_media(context, kernels, materials);
+    go_on_unless_stopped(stop);
     auto lights = load_light_directions(context, luminaires, geometry, loaded.groups);
     const TracingOptions options = load_tracing(message.tracing(), lights.empty());
     auto sensor = load_sensor(message.sensor());

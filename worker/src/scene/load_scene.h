@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <stop_token>
 
 #include "nocturne/v1/scene.pb.h"
 #include "scene/scene.h"
@@ -9,8 +10,9 @@
 
 namespace nocturne {
 
-/// Every index, count and number is checked before memory is taken. Throws SceneError.
-std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message,
-                                        const FindBlob& find_blob);
+/// Every index, count and number is checked before memory is taken. Throws SceneError, also soon
+/// after a stop is requested.
+std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message, const FindBlob& find_blob,
+                                        std::stop_token stop = {});
 
 }  // namespace nocturne

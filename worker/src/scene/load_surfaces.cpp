@@ -71,10 +71,12 @@ LoadedShapes load_shapes(const LoadContext& context) {
   require(context.message.surfaces_size() > 0, "no surfaces");
   LoadedShapes loaded;
   for (const auto& surface : context.message.surfaces()) {
+    go_on_unless_stopped(context.stop);
     loaded.shapes.push_back(load_shape(context, surface));
     loaded.groups.push_back(surface.group());
   }
   for (const auto& instance : context.message.instances()) {
+    go_on_unless_stopped(context.stop);
     loaded.instances.push_back(load_instance(instance));
   }
   return loaded;

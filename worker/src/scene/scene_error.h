@@ -14,7 +14,7 @@ class SceneError : public std::runtime_error {
 };
 
 /// Local, verified file of a blob by lower-case hexadecimal SHA-256; throws std::runtime_error if
-/// it can't be had.
+/// it can't be had. Files of textures stay as long as the scene, others until the next call.
 using FindBlob = std::function<std::filesystem::path(const std::string& sha256)>;
 
 }  // namespace nocturne

@@ -93,7 +93,7 @@ struct Geometry::Embree {
   };
 
   Embree(std::vector<Shape> s, const std::vector<std::uint32_t>& group_of_shape,
-         std::vector<Instance> all)
+         std::vector<Instance> all, const std::stop_token& stop)
       : shapes(std::move(s)), close(shapes.size()) {
     if (group_of_shape.size() != shapes.size()) {
       throw std::invalid_argument("every shape needs a group");
@@ -102,7 +102,7 @@ struct Geometry::Embree {
     device = rtcNewDevice(kDeviceConfiguration);
     if (device == nullptr) throw std::runtime_error(kCantStart);
     try {
-      build(group_of_shape);
+      build(group_of_shape, stop);
     } catch (...) {
       release();
       throw;
@@ -112,7 +112,7 @@ struct Geometry::Embree {
   Embree(const Embree&) = delete;
   Embree& operator=(const Embree&) = delete;
 
-  void build(const std::vector<std::uint32_t>& group_of_shape) {
+  void build(const std::vector<std::uint32_t>& group_of_shape, const std::stop_token& stop) {
     scene = new_scene();
     std::map<std::pair<RTCScene, std::size_t>, EmbreeSpheres> spheres;  // by scene and time steps
     for (unsigned i = 0; i < shapes.size(); ++i) {
@@ -138,9 +138,9 @@ struct Geometry::Embree {
       attach(where.first, sphere_sets.back().all.front().id,
              new_geometry(device, sphere_sets.back()));
     }
-    for (auto& [number, group] : groups) commit(group.scene);
+    for (auto& [number, group] : groups) commit(group.scene, stop);
     attach_instances();
-    commit(scene);
+    commit(scene, stop);
   }
 
   RTCScene new_scene() const {
@@ -151,8 +151,13 @@ struct Geometry::Embree {
     return made;
   }
 
-  void commit(RTCScene filled) const {
+  void commit(RTCScene filled, std::stop_token stop) const {
+    const auto go_on = [](void* token, double) {
+      return !static_cast<std::stop_token*>(token)->stop_requested();
+    };
+    rtcSetSceneProgressMonitorFunction(filled, go_on, &stop);
     rtcCommitScene(filled);
+    rtcSetSceneProgressMonitorFunction(filled, nullptr, nullptr);
     if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE) {
       throw std::runtime_error("Embree can't build the scene: error " +
                                std::to_string(static_cast<int>(error)));
@@ -373,11 +378,12 @@ struct Geometry::Embree {
 
 Geometry::Geometry(std::vector<Shape> shapes) {
   std::vector<std::uint32_t> in_scene(shapes.size(), 0);
-  embree_ = std::make_unique<Embree>(std::move(shapes), in_scene, std::vector<Instance>{});
+  embree_ = std::make_unique<Embree>(std::move(shapes), in_scene, std::vector<Instance>{},
+                                     std::stop_token{});
 }
 Geometry::Geometry(std::vector<Shape> shapes, std::vector<std::uint32_t> groups,
-                   std::vector<Instance> instances)
-    : embree_(std::make_unique<Embree>(std::move(shapes), groups, std::move(instances))) {}
+                   std::vector<Instance> instances, std::stop_token stop)
+    : embree_(std::make_unique<Embree>(std::move(shapes), groups, std::move(instances), stop)) {}
 Geometry::~Geometry() = default;
 Geometry::Geometry(Geometry&&) noexcept = default;
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -43,9 +44,9 @@ class Geometry {
   explicit Geometry(std::vector<Shape> shapes);
   /// groups[i] is the group of shape i: 0 stands in the scene itself, all others are shown by
   /// instances only. Throws also std::invalid_argument: instances of group 0 or of an empty group,
-  /// and what PlacedInstance says.
+  /// and what PlacedInstance says; std::runtime_error soon after a stop is requested.
   Geometry(std::vector<Shape> shapes, std::vector<std::uint32_t> groups,
-           std::vector<Instance> instances);
+           std::vector<Instance> instances, std::stop_token stop = {});
   ~Geometry();
   Geometry(Geometry&&) noexcept;
   Geometry(const Geometry&) = delete;

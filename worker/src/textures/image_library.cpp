@@ -133,6 +133,8 @@ OpenedImage open_image(const std::filesystem::path& file, int channels) {
   require_texture(channels == 1 || channels == 3, "a texture of neither 1 nor 3 channels");
   OIIO::ImageCache& cache = texture_system().cache;
   const OIIO::ustring name(file.string());
+  // Another file may have had the name.
+  cache.invalidate(name);
   auto* image = cache.add_file(name, open_exr_reader) ? cache.get_image_handle(name) : nullptr;
   try {
     const OIIO::ImageSpec* spec =

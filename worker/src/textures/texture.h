@@ -24,8 +24,8 @@ enum class TextureFilter { kFootprint, kSharp };
 class Texture {
  public:
   /// An OpenEXR file, tiled, with all MIP levels, `channels` (1 or 3) of half or float. The name
-  /// needs no extension. Tiles are read when they are looked up: the file must stay where it is.
-  /// Throws TextureError.
+  /// needs no extension. Tiles are read when they are looked up: the file must stay where and as it
+  /// is until the last lookup. Throws TextureError.
   Texture(const std::filesystem::path& file, int channels, TextureWrap wrap,
           TextureFilter filter = TextureFilter::kFootprint);
 

@@ -41,13 +41,50 @@ def up(
         bool,
         typer.Option("--auth", help="Callers need a token; where there is none yet, one is made and shown."),
     ] = False,
+    data_bytes: Annotated[
+        float | None,
+        typer.Option(
+            "--data-bytes", min=0, help="Size of the data folder at which it takes no more; 0: none."
+        ),
+    ] = None,
+    unused_seconds: Annotated[
+        float | None,
+        typer.Option("--unused-seconds", min=0, help="How long files stay that no render uses; else a week."),
+    ] = None,
+    owner_open_renders: Annotated[
+        float | None,
+        typer.Option(
+            "--owner-open-renders", min=0, help="With --auth: each token's queued and running renders."
+        ),
+    ] = None,
+    owner_open_samples: Annotated[
+        float | None,
+        typer.Option(
+            "--owner-open-samples", min=0, help="With --auth: samples of pixels that these ask for."
+        ),
+    ] = None,
+    owner_stored_bytes: Annotated[
+        float | None,
+        typer.Option(
+            "--owner-stored-bytes", min=0, help="With --auth: each token's uploads, images and scenes."
+        ),
+    ] = None,
 ) -> None:
     """Run the whole service here: redis-server, coordinator, API with page, workers. Ctrl-C stops it."""
     from nocturne_client.local.data import default_data_folder
     from nocturne_client.local.up import UpSettings, run_up
 
     share = max(1, len(os.sched_getaffinity(0)) // max(1, workers))
-    run_up(UpSettings((data or default_data_folder()).absolute(), port, workers, threads or share, auth))
+    folder = (data or default_data_folder()).absolute()
+    bounds = {
+        "--data-bytes": data_bytes,
+        "--unused-seconds": unused_seconds,
+        "--owner-open-renders": owner_open_renders,
+        "--owner-open-samples": owner_open_samples,
+        "--owner-stored-bytes": owner_stored_bytes,
+    }
+    asked = {option: bound for option, bound in bounds.items() if bound is not None}
+    run_up(UpSettings(folder, port, workers, threads or share, auth, asked))
 
 
 def render(

@@ -8,9 +8,9 @@ import socket
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from types import FrameType
@@ -45,6 +45,8 @@ class UpSettings:
     threads: int
     auth: bool = False
     """Callers need a token."""
+    bounds: Mapping[str, float] = field(default_factory=dict)
+    """Options of the API, where they are not its defaults: what owners and the data folder may have."""
 
 
 def run_up(settings: UpSettings) -> None:
@@ -106,6 +108,7 @@ class _Stack:
             lambda: api_answers(port),
             *(*python, "nocturne_api.main", *data, *ports, "--grpc-unix", str(grpc_socket)),
             *(["--auth"] if settings.auth else []),
+            *(word for option, bound in settings.bounds.items() for word in (option, repr(bound))),
         )
         self._workers = [
             self._child(
