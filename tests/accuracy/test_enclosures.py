@@ -22,7 +22,7 @@ CIE_171: dict[str, Any] = json.loads((Path(__file__).parent / "data" / "cie171.j
 _INSIDE = 3e-5
 """How far inside of a wall a film is, part of the radius: more than the film's bulge and its stand-off."""
 
-_NOTHING = {"type": "passage"}
+_NOTHING = {"type": "null"}
 
 
 def _lamp(centre: list[float], radius: float, watts: float) -> Document:

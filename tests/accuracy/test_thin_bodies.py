@@ -72,7 +72,7 @@ def _neighbours(thickness: float) -> list[Document]:
     below = quad([-half, -half, -0.5 * thickness - gap], [2 * half, 0, 0], [0, 2 * half, 0])
     return [
         {"shape": above, "kernel": {"type": "dielectric", "index": 1.7}},
-        {"shape": below, "kernel": {"type": "passage"}},
+        {"shape": below, "kernel": {"type": "null"}},
     ]
 
 
@@ -144,8 +144,8 @@ def test_a_window_far_from_the_origin(tmp_path: Path) -> None:
 _BEFORE: dict[str, Document] = {
     "pane": {"kernel": {"type": "dielectric", "index": 1.5}},
     "mask": {"kernel": {"type": "mask", "kernel": diffuse(0.3), "opacity": 0.5}},
-    "null kernel": {"kernel": {"type": "passage"}},
-    "null lamp": {"kernel": {"type": "passage"}, "luminaire": {"radiance": 1.0}},
+    "null kernel": {"kernel": {"type": "null"}},
+    "null lamp": {"kernel": {"type": "null"}, "luminaire": {"radiance": 1.0}},
     "paper": {"kernel": {"type": "diffuse_transmitter", "reflectance": 0.4, "transmittance": 0.5}},
 }
 
