@@ -32,10 +32,24 @@ def write(document: Document, folder: Path) -> Path:
 
 def run(compiled: CompiledFolder, folder: Path, method: Method = "adjoint") -> tuple[Image, dict[str, Any]]:
     """Traces into `folder`; the image, and what nocturne-trace counted: no photon was invalid_samples."""
-    output, file = folder / "image.exr", folder / "statistics.json"
+    _trace(compiled, folder, "image.exr", "--method", method)
+    return _result(folder, "image.exr")
+
+
+def run_seeds(compiled: CompiledFolder, folder: Path, seeds: int) -> list[tuple[Image, dict[str, Any]]]:
+    """The same by each of the seeds from 1, all by one process."""
+    _trace(compiled, folder, "{seed}.exr", "--seeds", str(seeds))
+    return [_result(folder, f"{seed}.exr") for seed in range(1, seeds + 1)]
+
+
+def _trace(compiled: CompiledFolder, folder: Path, image: str, *options: str) -> None:
+    output = folder / image
     command: list[str | Path] = [need_program("nocturne-trace"), compiled.scene, "-o", output, "--quiet"]
-    command += ["--schedule", compiled.schedule, "--blobs", compiled.blobs, "--statistics", file]
-    subprocess.run([*command, "--method", method], check=True)
-    statistics: dict[str, Any] = json.loads(file.read_text())
+    command += ["--schedule", compiled.schedule, "--blobs", compiled.blobs, *options]
+    subprocess.run([*command, "--statistics", output.with_suffix(".json")], check=True)
+
+
+def _result(folder: Path, image: str) -> tuple[Image, dict[str, Any]]:
+    statistics: dict[str, Any] = json.loads((folder / image).with_suffix(".json").read_text())
     assert statistics["invalid_samples"] == 0
-    return Image.read(output), statistics
+    return Image.read(folder / image), statistics

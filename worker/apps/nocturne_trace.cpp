@@ -10,6 +10,7 @@
 #include <map>
 #include <new>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct Options {
   Method method = Method::kAdjointPhotons;
   unsigned threads = std::thread::hardware_concurrency();
   std::uint64_t texture_bytes = kTextureMemoryBytes;
+  unsigned seeds = 0;
   bool quiet = false;
 };
 
@@ -182,11 +184,9 @@ void run_job(const Options& options) {
   write_sums(options.output, tile);
 }
 
-void run(const Options& options) {
-  set_texture_memory(options.texture_bytes);
-  if (!options.job.empty()) return run_job(options);
-  const auto message = read_message<v1::CompiledScene>(options.scene);
-  const auto plan_message = read_message<v1::RangeSchedule>(options.plan);
+// An image, its statistics, and its warnings; `scene_sha256` goes into the image.
+void run_film(const Options& options, const v1::CompiledScene& message,
+              const v1::RangeSchedule& plan_message, const std::string& scene_sha256) {
   const FilmPlan plan = checked_plan(plan_message);
   const auto further_responses = checked_responses(plan_message, message.sensor());
   const auto scene = load_scene(message, blobs_in(options.blobs));
@@ -204,12 +204,12 @@ void run(const Options& options) {
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_before;
   const double cpu = process_cpu_seconds() - cpu_before;
 
+  static const std::string profile = floating_point_profile();
   const Quantity quantity = quantity_of(message.sensor());
   write_exr(options.output, plan.film.width, plan.film.height, image.sums, further_responses,
             samples,
-            {sha256_of_file(options.scene), schedule_json(plan_message), v1::ENGINE_CURRENT,
-             floating_point_profile(), quantity.name, quantity.unit, quantity.response_unit,
-             image.truncated_paths});
+            {scene_sha256, schedule_json(plan_message), v1::ENGINE_CURRENT, profile, quantity.name,
+             quantity.unit, quantity.response_unit, image.truncated_paths});
   if (!options.statistics.empty()) {
     write_statistics(options.statistics, image, cpu, wall.count());
   }
@@ -222,6 +222,39 @@ void run(const Options& options) {
               << " photons were ended by the limit of " << PathLimits::kMaxRays
               << " interactions: the image is too dark\n";
   }
+}
+
+std::string with_seed(std::string path, unsigned seed) {
+  constexpr std::string_view kPlace = "{seed}";
+  const auto at = path.find(kPlace);
+  return at == std::string::npos ? path : path.replace(at, kPlace.size(), std::to_string(seed));
+}
+
+// One image for each seed from 1: what a program's start costs is paid once.
+void run_seeds(const Options& options, v1::CompiledScene message,
+               const v1::RangeSchedule& plan_message) {
+  if (with_seed(options.output, 1) == options.output) {
+    throw std::runtime_error(options.output +
+                             ": has no {seed}, so each image would replace the one before");
+  }
+  for (unsigned seed = 1; seed <= options.seeds; ++seed) {
+    Options one = options;
+    one.output = with_seed(options.output, seed);
+    one.statistics = with_seed(options.statistics, seed);
+    message.mutable_tracing()->set_seed(seed);
+    Sha256 digest;
+    digest.update(message.SerializeAsString());
+    run_film(one, message, plan_message, digest.hex());
+  }
+}
+
+void run(const Options& options) {
+  set_texture_memory(options.texture_bytes);
+  if (!options.job.empty()) return run_job(options);
+  const auto message = read_message<v1::CompiledScene>(options.scene);
+  const auto plan = read_message<v1::RangeSchedule>(options.plan);
+  if (options.seeds != 0) return run_seeds(options, message, plan);
+  run_film(options, message, plan, sha256_of_file(options.scene));
 }
 
 }  // namespace
@@ -242,10 +275,12 @@ int main(int argc, char** argv) {
   auto* what = app.add_option_group("what");
   what->add_option("--schedule", options.plan, "Range schedule (schedule.pb)")
       ->check(CLI::ExistingFile);
-  what->add_option("--job", options.job,
-                   "One job instead of an image (job.pb, from the bundle of a tile that was set "
-                   "aside); its sums are written as float64")
-      ->check(CLI::ExistingFile);
+  auto* job =
+      what->add_option(
+              "--job", options.job,
+              "One job instead of an image (job.pb, from the bundle of a failed tile); its sums "
+              "are written as float64")
+          ->check(CLI::ExistingFile);
   what->require_option(1);
   app.add_option("--blobs", options.blobs, "Folder of meshes, textures and tables")
       ->required()
@@ -271,6 +306,11 @@ int main(int argc, char** argv) {
           {"march", nocturne::Method::kRayMarching}}));
   app.add_option("--steps", options.method.steps, "Steps of a ray marcher (default 64)")
       ->check(CLI::Range(1, 1'000'000));
+  app.add_option("--seeds", options.seeds,
+                 "This many images by seeds 1, 2, ... instead of the scene's; {seed} in the names "
+                 "of --output and --statistics stands for the seed")
+      ->check(CLI::Range(1, 1'000'000))
+      ->excludes(job);
   app.add_flag("--quiet", options.quiet, "No progress");
   CLI11_PARSE(app, argc, argv);
   try {
