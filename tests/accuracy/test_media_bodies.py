@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy import stats
 from scipy.integrate import quad as integral
 
 from tests.accuracy.agreement import ROUNDING, Values
@@ -207,6 +206,9 @@ def test_a_beam_through_a_thick_slab(thickness: float, truth: float, samples: in
 def _check_count(part: float, truth: float, photons: int, values: int = 1) -> None:
     """Of photons that come through or not, as many as the binomial distribution has it; false alarms: 0.01
     for all `values` that a test looks at."""
+    # Late: it takes two seconds, in each process that only collects this file.
+    from scipy import stats
+
     low, high = stats.binom.interval(1.0 - 0.01 / values, photons, truth * (1.0 - EDGE))
     assert low <= round(part * photons) <= high
 
