@@ -1,5 +1,5 @@
-// The tracer alone: a compiled scene and a plan in, an EXR out, no service. Gives the bits that the
-// service gives.
+// The tracer alone: a compiled scene and a range schedule in, an EXR out, no service. Gives the
+// bits that the service gives.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -28,7 +28,7 @@ namespace nocturne {
 namespace {
 
 struct Options {
-  std::string scene, plan, job, blobs, output, statistics, sums;
+  std::string scene, schedule, job, blobs, output, statistics, sums;
   Method method = Method::kAdjointPhotons;
   unsigned threads = std::thread::hardware_concurrency();
   std::uint64_t texture_bytes = kTextureMemoryBytes;
@@ -46,50 +46,52 @@ Message read_message(const std::string& path) {
   return message;
 }
 
-FilmPlan checked_plan(const v1::RangeSchedule& plan) {
+FilmPlan checked_schedule(const v1::RangeSchedule& schedule) {
   // The same bounds as the service's: 16384 pixels an edge, 2^26 in all.
-  const auto pixels = static_cast<std::uint64_t>(plan.width()) * plan.height();
-  bool good = plan.width() > 0 && plan.width() <= 16384 && plan.height() > 0 &&
-              plan.height() <= 16384 && pixels <= (1u << 26) && plan.tile_size() > 0 &&
-              plan.tile_size() <= 16384 && plan.range_ends_size() > 0;
+  const auto pixels = static_cast<std::uint64_t>(schedule.width()) * schedule.height();
+  bool good = schedule.width() > 0 && schedule.width() <= 16384 && schedule.height() > 0 &&
+              schedule.height() <= 16384 && pixels <= (1u << 26) && schedule.tile_size() > 0 &&
+              schedule.tile_size() <= 16384 && schedule.range_ends_size() > 0;
   std::uint32_t last = 0;
-  for (const std::uint32_t end : plan.range_ends()) {
+  for (const std::uint32_t end : schedule.range_ends()) {
     good = good && end > last;
     last = end;
   }
-  if (!good) throw std::runtime_error("the plan's film, tiles or sample ranges make no sense");
-  return {{plan.width(), plan.height()},
-          plan.tile_size(),
-          {plan.range_ends().data(), static_cast<std::size_t>(plan.range_ends_size())}};
+  if (!good) throw std::runtime_error("the schedule's film, tiles or sample ranges make no sense");
+  return {{schedule.width(), schedule.height()},
+          schedule.tile_size(),
+          {schedule.range_ends().data(), static_cast<std::size_t>(schedule.range_ends_size())}};
 }
 
-// The plan's names, which must be those of the scene's sensor.
-std::vector<std::string> checked_responses(const v1::RangeSchedule& plan,
+// The schedule's names, which must be those of the scene's sensor.
+std::vector<std::string> checked_responses(const v1::RangeSchedule& schedule,
                                            const v1::Sensor& sensor) {
-  std::vector<std::string> names(plan.further_responses().begin(), plan.further_responses().end());
+  std::vector<std::string> names(schedule.further_responses().begin(),
+                                 schedule.further_responses().end());
   const bool same = std::ranges::equal(
       names, sensor.further_responses(), {}, {},
       [](const v1::Response& response) -> const std::string& { return response.name(); });
-  if (!same) throw std::runtime_error("the plan's further responses are not those of the scene");
+  if (!same)
+    throw std::runtime_error("the schedule's further responses are not those of the scene");
   return names;
 }
 
 // Names need no escapes: they are letters, digits, '.', '_' and '-'.
-std::string schedule_json(const v1::RangeSchedule& plan) {
+std::string schedule_json(const v1::RangeSchedule& schedule) {
   std::string ends, responses;
-  for (const std::uint32_t end : plan.range_ends()) {
+  for (const std::uint32_t end : schedule.range_ends()) {
     ends += (ends.empty() ? "" : ",") + std::to_string(end);
   }
-  for (const std::string& name : plan.further_responses()) {
+  for (const std::string& name : schedule.further_responses()) {
     responses += (responses.empty() ? "\"" : ",\"") + name + "\"";
   }
   if (!responses.empty()) responses = ",\"furtherResponses\":[" + responses + "]";
-  if (plan.photons_per_sample() != 0) {
-    responses += ",\"photonsPerSample\":" + std::to_string(plan.photons_per_sample());
+  if (schedule.photons_per_sample() != 0) {
+    responses += ",\"photonsPerSample\":" + std::to_string(schedule.photons_per_sample());
   }
-  return "{\"width\":" + std::to_string(plan.width()) +
-         ",\"height\":" + std::to_string(plan.height()) +
-         ",\"tileSize\":" + std::to_string(plan.tile_size()) + ",\"rangeEnds\":[" + ends + "]" +
+  return "{\"width\":" + std::to_string(schedule.width()) +
+         ",\"height\":" + std::to_string(schedule.height()) +
+         ",\"tileSize\":" + std::to_string(schedule.tile_size()) + ",\"rangeEnds\":[" + ends + "]" +
          responses + "}";
 }
 
@@ -186,9 +188,9 @@ void run_job(const Options& options) {
 
 // An image, its statistics, and its warnings; `scene_sha256` goes into the image.
 void run_film(const Options& options, const v1::CompiledScene& message,
-              const v1::RangeSchedule& plan_message, const std::string& scene_sha256) {
-  const FilmPlan plan = checked_plan(plan_message);
-  const auto further_responses = checked_responses(plan_message, message.sensor());
+              const v1::RangeSchedule& schedule, const std::string& scene_sha256) {
+  const FilmPlan plan = checked_schedule(schedule);
+  const auto further_responses = checked_responses(schedule, message.sensor());
   const auto scene = load_scene(message, blobs_in(options.blobs));
 
   // Loading is left out of the rates.
@@ -208,7 +210,7 @@ void run_film(const Options& options, const v1::CompiledScene& message,
   const Quantity quantity = quantity_of(message.sensor());
   write_exr(options.output, plan.film.width, plan.film.height, image.sums, further_responses,
             samples,
-            {scene_sha256, schedule_json(plan_message), v1::ENGINE_CURRENT, profile, quantity.name,
+            {scene_sha256, schedule_json(schedule), v1::ENGINE_CURRENT, profile, quantity.name,
              quantity.unit, quantity.response_unit, image.truncated_paths});
   if (!options.statistics.empty()) {
     write_statistics(options.statistics, image, cpu, wall.count());
@@ -232,7 +234,7 @@ std::string with_seed(std::string path, unsigned seed) {
 
 // One image for each seed from 1: what a program's start costs is paid once.
 void run_seeds(const Options& options, v1::CompiledScene message,
-               const v1::RangeSchedule& plan_message) {
+               const v1::RangeSchedule& schedule) {
   if (with_seed(options.output, 1) == options.output) {
     throw std::runtime_error(options.output +
                              ": has no {seed}, so each image would replace the one before");
@@ -244,7 +246,7 @@ void run_seeds(const Options& options, v1::CompiledScene message,
     message.mutable_tracing()->set_seed(seed);
     Sha256 digest;
     digest.update(message.SerializeAsString());
-    run_film(one, message, plan_message, digest.hex());
+    run_film(one, message, schedule, digest.hex());
   }
 }
 
@@ -252,9 +254,9 @@ void run(const Options& options) {
   set_texture_memory(options.texture_bytes);
   if (!options.job.empty()) return run_job(options);
   const auto message = read_message<v1::CompiledScene>(options.scene);
-  const auto plan = read_message<v1::RangeSchedule>(options.plan);
-  if (options.seeds != 0) return run_seeds(options, message, plan);
-  run_film(options, message, plan, sha256_of_file(options.scene));
+  const auto schedule = read_message<v1::RangeSchedule>(options.schedule);
+  if (options.seeds != 0) return run_seeds(options, message, schedule);
+  run_film(options, message, schedule, sha256_of_file(options.scene));
 }
 
 }  // namespace
@@ -273,7 +275,7 @@ int main(int argc, char** argv) {
       ->required()
       ->check(CLI::ExistingFile);
   auto* what = app.add_option_group("what");
-  what->add_option("--schedule", options.plan, "Range schedule (schedule.pb)")
+  what->add_option("--schedule", options.schedule, "Range schedule (schedule.pb)")
       ->check(CLI::ExistingFile);
   auto* job =
       what->add_option(
