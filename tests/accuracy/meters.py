@@ -20,7 +20,7 @@ from nocturne_client.local.compiled import CompiledFolder, compile_to
 from nocturne_scene.scene_ranges import schedule_of
 
 from tests.accuracy.agreement import ROUNDING, Values, student_bound
-from tests.accuracy.tracing import Document, run, run_seeds
+from tests.accuracy.tracing import Document, part_of, run, run_seeds
 from tests.system.images import Image
 
 _RANGE_NM = 830.0 - 360.0
@@ -104,11 +104,11 @@ class Measurement:
 
     def by_pixels(self, samples: int, channel: str = "grey", seed: int = 0) -> Reading:
         """For a film whose pixels all measure the same."""
-        return Reading.of(_values(self.image(samples, seed), channel))
+        return Reading.of(_values(self.image(part_of(samples), seed), channel))
 
     def by_seeds(self, samples: int, seeds: int = 8, channel: str = "grey") -> Reading:
         """The mean over a film; for films whose pixels differ."""
-        found = run_seeds(self._planned(samples, 0), self._folder, seeds)
+        found = run_seeds(self._planned(part_of(samples), 0), self._folder, seeds)
         self.statistics = found[-1][1]
         return Reading.of(np.array([_values(image, channel).mean() for image, _ in found]))
 
@@ -139,7 +139,7 @@ def image_by(
     folder.mkdir()
     tracing = {**document.get("tracing", {}), "sequence": "independent", "direction": direction}
     measurement = Measurement({**document, "tracing": tracing}, folder, *pixels)
-    image = measurement.image(samples, seed)
+    image = measurement.image(part_of(samples), seed)
     assert measurement.statistics["invalid_samples"] == 0
     return image
 

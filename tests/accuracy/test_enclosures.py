@@ -283,8 +283,8 @@ def test_cie_171_5_8_cube(reflectance: str, tmp_path: Path) -> None:
     indirect.check(CIE_171["5.8"]["lx"][reflectance], 2e-5 / float(reflectance))
 
 
-# Albedo, edge of the film in pixels, samples. What takes minutes is for `make soak`; 0.999 with few samples still
-# has an error of 1.5 %, where a limit on interactions once took 37 %.
+# Albedo, edge of the film in pixels, samples. What takes minutes is for `make soak`. 0.999 with few samples
+# still has an error of 2 %, where a limit on interactions once took 37 %.
 _ALBEDOS = [
     pytest.param(0.9, 8, 16, id="0.9"),
     pytest.param(0.99, 8, 16, id="0.99"),
