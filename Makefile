@@ -18,8 +18,8 @@ WEB_SOURCES := $(shell find services/web/src services/web/public -type f 2>/dev/
   $(addprefix services/web/,index.html package.json package-lock.json tsconfig.json vite.config.ts)
 CPP_SOURCES := $(shell find worker tests/worker bench -name '*.cpp' -o -name '*.h' 2>/dev/null)
 STAMPS := build/stamps
-# Neighbours in a file stay together, for what they share, until a process has nothing left to do.
-PROCESSES := --dist worksteal --numprocesses
+# Which tests stay together, and which come first: tests/conftest.py.
+PROCESSES := --numprocesses
 NOT_MINUTES := not soak and not references and not peers and not containers
 
 .PHONY: help packages venv proto web worker build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-python format unit system screenshots soak accuracy fuzz references peers stability preflights sanitize bench lock contract docs gallery clean
