@@ -139,7 +139,7 @@ def image_by(
     folder.mkdir()
     tracing = {**document.get("tracing", {}), "sequence": "independent", "direction": direction}
     measurement = Measurement({**document, "tracing": tracing}, folder, *pixels)
-    image = measurement.image(part_of(samples), seed)
+    image = measurement.image(samples, seed)
     assert measurement.statistics["invalid_samples"] == 0
     return image
 
