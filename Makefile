@@ -18,11 +18,11 @@ WEB_SOURCES := $(shell find services/web/src services/web/public -type f 2>/dev/
   $(addprefix services/web/,index.html package.json package-lock.json tsconfig.json vite.config.ts)
 CPP_SOURCES := $(shell find worker tests/worker bench -name '*.cpp' -o -name '*.h' 2>/dev/null)
 STAMPS := build/stamps
-# Neighbours in a file stay together, for what they share, until a process has nothing left to do.
-PROCESSES := --dist worksteal --numprocesses
+# Which tests stay together, and which come first: tests/conftest.py.
+PROCESSES := --numprocesses
 NOT_MINUTES := not soak and not references and not peers and not containers
 
-.PHONY: help packages venv proto web worker build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-python format unit system screenshots soak fuzz references peers stability preflights sanitize bench lock contract docs gallery clean
+.PHONY: help packages venv proto web worker build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-python format unit system screenshots soak accuracy fuzz references peers stability preflights sanitize bench lock contract docs gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -118,6 +118,9 @@ screenshots: build  ## Pictures of the page for docs/how-to/page.md, by its test
 
 soak: build  ## Random faults for SOAK_SECONDS (default 600), and all that takes minutes (a quarter of an hour more)
 	pytest -m soak
+
+accuracy: build  ## Images against known values with twice the samples of `make test` (some ten minutes)
+	NOCTURNE_ACCURACY=1 pytest -m "not soak" $(PROCESSES) 4 tests/accuracy
 
 fuzz: build  ## Any calls, messages, scenes and bytes, many times more than in the tests (about 20 minutes)
 	NOCTURNE_FUZZ_EXAMPLES=300 pytest tests/services/test_any_calls.py tests/scene/formats/test_any_scene.py \

@@ -1,11 +1,15 @@
 """What tests of several folders share."""
 
+import fcntl
+import os
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
+from xdist.scheduler import LoadScopeScheduling
 
 from tests.coordinator.service import RedisServer, Service
 from tests.system.images import Image
@@ -16,6 +20,25 @@ from tests.system.up import NOCTURNE, Up
 # time, and the first one of a process imports colour-science.
 settings.register_profile("nocturne", deadline=None, derandomize=True)
 settings.load_profile("nocturne")
+
+
+class _Scheduling(LoadScopeScheduling):  # type: ignore[misc]  # pytest-xdist's class is not typed
+    """Files whose tests share a service, or wait most of the time, stay whole and come first.
+
+    Other tests go one by one to whoever is free.
+    """
+
+    def _split_scope(self, nodeid: str) -> str:
+        path = nodeid.partition("::")[0]
+        return path if path.startswith(_WHOLE) else nodeid
+
+
+_WHOLE = ("tests/system/", "tests/faults/", "tests/docs/test_site.py", "tests/accuracy/test_cornell.py")
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Where several processes run the tests."""
+    return _Scheduling(config, log)
 
 
 @pytest.fixture(scope="module")
@@ -44,8 +67,18 @@ def service(tmp_path: Path, redis_server: RedisServer) -> Iterator[Service]:
 
 @pytest.fixture(scope="session")
 def traced_alone(tmp_path_factory: pytest.TempPathFactory) -> Image:
-    """The image of nocturne-trace, without a service: what every other way must give."""
-    output = tmp_path_factory.mktemp("alone") / "image.exr"
-    film = ["--width", str(WIDTH), "--height", str(HEIGHT), "--samples", str(SAMPLES)]
-    subprocess.run([NOCTURNE, "render", CORNELL, "-o", Path(output), *film], check=True, capture_output=True)
+    """The image of nocturne-trace, without a service: what every other way must give.
+
+    The first of the processes that run tests makes it.
+    """
+    ours = tmp_path_factory.getbasetemp()
+    folder = ours.parent if "PYTEST_XDIST_WORKER" in os.environ else ours
+    output = folder / "alone.exr"
+    with (folder / "alone.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not output.exists():
+            film = ["--width", str(WIDTH), "--height", str(HEIGHT), "--samples", str(SAMPLES)]
+            made = folder / "alone.part.exr"
+            subprocess.run([NOCTURNE, "render", CORNELL, "-o", made, *film], check=True, capture_output=True)
+            made.rename(output)
     return Image.read(output)

@@ -10,7 +10,7 @@ from statistics import NormalDist
 
 import numpy as np
 import numpy.typing as npt
-from scipy import stats
+from scipy import special
 
 from tests.system.images import Image
 
@@ -64,7 +64,7 @@ def sidak_bound(count: int) -> float:
 def student_bound(count: int, degrees: int) -> float:
     """The same of Student's t: where each standard error comes from only `degrees` + 1 values."""
     tail = (1.0 - (1.0 - ALPHA) ** (1.0 / count)) / 2.0
-    return float(stats.t.isf(tail, degrees))
+    return -float(special.stdtrit(degrees, tail))
 
 
 def compare(one: Image, other: Image) -> Agreement:

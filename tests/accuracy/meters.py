@@ -20,7 +20,7 @@ from nocturne_client.local.compiled import CompiledFolder, compile_to
 from nocturne_scene.scene_ranges import schedule_of
 
 from tests.accuracy.agreement import ROUNDING, Values, student_bound
-from tests.accuracy.tracing import Document, run
+from tests.accuracy.tracing import Document, part_of, run, run_seeds
 from tests.system.images import Image
 
 _RANGE_NM = 830.0 - 360.0
@@ -104,21 +104,26 @@ class Measurement:
 
     def by_pixels(self, samples: int, channel: str = "grey", seed: int = 0) -> Reading:
         """For a film whose pixels all measure the same."""
-        return Reading.of(_values(self.image(samples, seed), channel))
+        return Reading.of(_values(self.image(part_of(samples), seed), channel))
 
     def by_seeds(self, samples: int, seeds: int = 8, channel: str = "grey") -> Reading:
         """The mean over a film; for films whose pixels differ."""
-        images = (self.image(samples, seed) for seed in range(1, seeds + 1))
-        return Reading.of(np.array([_values(image, channel).mean() for image in images]))
+        found = run_seeds(self._planned(part_of(samples), 0), self._folder, seeds)
+        self.statistics = found[-1][1]
+        return Reading.of(np.array([_values(image, channel).mean() for image, _ in found]))
 
     def image(self, samples: int, seed: int = 0) -> Image:
+        image, self.statistics = run(self._planned(samples, seed), self._folder)
+        return image
+
+    def _planned(self, samples: int, seed: int) -> CompiledFolder:
+        """The scene as it is now and its schedule, in files."""
         self._scene.tracing.seed = seed
         plan = schedule_of(self._scene, *self._size, samples)
         used = replace(self._compiled, scene=self._folder / "scene.pb", schedule=self._folder / "schedule.pb")
         used.scene.write_bytes(self._scene.SerializeToString(deterministic=True))
         used.schedule.write_bytes(plan.SerializeToString(deterministic=True))
-        image, self.statistics = run(used, self._folder)
-        return image
+        return used
 
     def _compile(self, document: Document, folder: Path) -> CompiledFolder:
         folder.mkdir(exist_ok=True)

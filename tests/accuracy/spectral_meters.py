@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from tests.accuracy.agreement import ROUNDING
-from tests.accuracy.tracing import Document, trace
+from tests.accuracy.tracing import Document, part_of, trace
 from tests.system.images import Image
 
 Y_PER_RADIANCE = 683.0 * 106.856895
@@ -40,7 +40,7 @@ class Estimate:
 
 def measure(document: Document, folder: Path, samples: int, edge: int = 8) -> Estimate:
     """Radiance in units of a flat spectrum's 1 W m-2 sr-1 nm-1; all pixels see the same."""
-    return Estimate.of(trace(document, folder, edge, samples).y / Y_PER_RADIANCE)
+    return Estimate.of(trace(document, folder, edge, part_of(samples)).y / Y_PER_RADIANCE)
 
 
 def flat(image: Image) -> Any:

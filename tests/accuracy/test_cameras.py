@@ -140,7 +140,7 @@ def test_a_lens_camera_shows_radiance_everywhere(tmp_path: Path) -> None:
         "lens_radius": 0.0125,
         "focus_distance": 2.0,
     }
-    far = {"shape": {"type": "sphere", "centre": [0, 0, 9], "radius": 0.1}, "kernel": {"type": "passage"}}
+    far = {"shape": {"type": "sphere", "centre": [0, 0, 9], "radius": 0.1}, "kernel": {"type": "null"}}
     image = flat(trace(scene(sensor, [far]), tmp_path, 16, 256))
     assert np.abs(image - 1.0).max() < 1e-2
     assert image.mean() == pytest.approx(1.0, rel=1e-4)

@@ -23,16 +23,18 @@ from nocturne_scene.tile_sums import TileSums
 from nocturne_scene.uncertainty import moments_of
 
 from tests.coordinator.simulated_worker import SimulatedWorker, simulated_sums
+from tests.system.waiting import pause
 
 SCENE = "5c" * 32
 
 
 def wait_until(true: Callable[[], bool], seconds: float = 60.0) -> None:
     """Fails the test if it does not become true. What is promised about time gives its own seconds."""
-    deadline = time.monotonic() + seconds
+    begun = time.monotonic()
     while not true():
-        assert time.monotonic() < deadline, "did not happen in time"
-        time.sleep(0.01)
+        waited = time.monotonic() - begun
+        assert waited < seconds, "did not happen in time"
+        pause(waited)
 
 
 class RedisServer:

@@ -98,24 +98,24 @@ def test_an_odd_result_touches_nothing() -> None:
     scheduler.add("r", len(schedule.range_ends), [0])
     state = State(Settings(), scheduler, auditor, {"r": render})
     state.fleet.seen((worker("w", A), worker("odd", A)))
-    intake = ResultHandler(state)
+    handler = ResultHandler(state)
     (key, *_) = scheduler.take(1)
     scheduler.published(key, b"1-1", 0.0)
     job = render.planned.job(0, render.planned.ranges[0])
     result = simulated_result(job, "odd")
     result.floating_point_profile = B
-    outcome = intake.take(b"2-1", result.SerializeToString(), 0.0, 0.5)
+    outcome = handler.take(b"2-1", result.SerializeToString(), 0.0, 0.5)
     assert (outcome.settled, outcome.withdrawn) == ([b"2-1"], [b"1-1"])
     assert render.merged_ranges == [0]
     # Also not as an audit, which would find a liar where there is none.
     scheduler.published(key, b"1-2", 0.0)
     result.floating_point_profile, result.worker_id = A, "w"
-    intake.take(b"2-2", result.SerializeToString(), 0.0, 0.5)
+    handler.take(b"2-2", result.SerializeToString(), 0.0, 0.5)
     assert render.merged_ranges == [1]
     assert auditor.is_open(JobKey("r", 0, 0))
     odd = simulated_result(job, "odd")
     odd.floating_point_profile, odd.partial.rays = B, odd.partial.rays + 1
-    assert intake.take(b"2-3", odd.SerializeToString(), 0.0, 0.5).quarantined == {}
+    assert handler.take(b"2-3", odd.SerializeToString(), 0.0, 0.5).quarantined == {}
     assert auditor.mismatches == 0
 
 

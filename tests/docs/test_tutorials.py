@@ -6,6 +6,7 @@ import subprocess
 from contextlib import suppress
 from pathlib import Path
 
+import platformdirs
 import pytest
 from nocturne_client.local.programs import CHECKOUT, find_program
 
@@ -46,7 +47,8 @@ def test_commands_of_a_tutorial_run(name: str, tmp_path_factory: pytest.TempPath
 
 
 def _environment(folder: Path, port: int) -> dict[str, str]:
-    """Programs of this checkout first; a home that is empty; the service on a port that is free."""
+    """Programs of this checkout first; a home that is empty but for the cache of tables, whose making takes
+    half a minute; the service on a port that is free."""
     worker = find_program("nocturne-worker")
     assert worker is not None
     path = os.pathsep.join([str(NOCTURNE.parent), str(worker.parent), os.environ["PATH"]])
@@ -54,6 +56,7 @@ def _environment(folder: Path, port: int) -> dict[str, str]:
         **os.environ,
         "PATH": path,
         "HOME": str(folder),
+        "XDG_CACHE_HOME": platformdirs.user_cache_dir(),
         "TMPDIR": str(folder),
         "NOCTURNE_URL": f"http://127.0.0.1:{port}",
         "TERM": "dumb",

@@ -36,13 +36,11 @@ ENDLESS = {**QUICK, "media": {"fog": {"scattering": 1e6}}, "unbounded_media": ["
 SLOW = {**QUICK, "media": {"fog": {"scattering": 10.0}}, "unbounded_media": ["fog"]}
 """Some tenths of a millisecond for a sample."""
 
-_JOB_SECONDS = "1"
-
 
 @pytest.fixture
-def service(tmp_path: Path) -> Iterator[ServiceProcesses]:
-    """Two workers, and a coordinator that wants short jobs."""
-    running = ServiceProcesses(tmp_path, "--job-seconds", _JOB_SECONDS)
+def service(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[ServiceProcesses]:
+    """Two workers, and a coordinator that wants jobs of a second, or of what a test says."""
+    running = ServiceProcesses(tmp_path, "--job-seconds", getattr(request, "param", "1"))
     try:
         running.start()
         running.have_workers(2)
@@ -90,6 +88,7 @@ def test_a_worker_told_to_end_frees_its_threads(service: ServiceProcesses) -> No
     assert time.monotonic() - began < FREE_S
 
 
+@pytest.mark.parametrize("service", ["0.3"], indirect=True)
 def test_a_job_beyond_its_processor_time_fails_and_says_so(service: ServiceProcesses) -> None:
     """P2: nobody cancels it; its first ranges can't be cut any smaller."""
     hostile = submit(service, ENDLESS, 4, 32)

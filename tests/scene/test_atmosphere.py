@@ -143,7 +143,7 @@ def test_the_spheres_have_their_places_to_a_millimetre(document: Document, compi
     assert (base.x, base.y, base.z) == pytest.approx((0, 0, -1.234567), abs=1e-8)
     assert air.altitude.radius == RADIUS
     assert air.altitude.up == scene_pb2.Vector(z=1)
-    assert scene.kernels[shell.kernel].WhichOneof("model") == "passage"
+    assert scene.kernels[shell.kernel].WhichOneof("model") == "null_kernel"
     lambertian = scene.kernels[ground.kernel].lambertian
     assert list(scene.spectra[lambertian.reflectance.spectrum].values) == pytest.approx([0.3])
     [interior] = scene.interiors

@@ -65,7 +65,7 @@ def test_what_is_not_used_is_dropped_and_told(document: dict[str, Any], blobs: B
 @pytest.mark.parametrize(
     "kernel",
     [
-        {"type": "passage"},
+        {"type": "null"},
         "clear",
         {"type": "mask", "kernel": {"type": "lambertian", "reflectance": 0.5}, "opacity": 0},
     ],
@@ -76,7 +76,7 @@ def test_a_surface_that_all_light_passes_is_dropped_and_told(
     """The scene is that without it, to the byte, also where others come after it."""
     plain = compile_scene(check_document(document), blobs)
     ball = {"shape": {"type": "sphere", "centre": [0, 0, 0], "radius": 1}, "kernel": kernel}
-    document["kernels"]["clear"] = {"type": "passage"}
+    document["kernels"]["clear"] = {"type": "null"}
     document["surfaces"].insert(1, ball)
     output = compile_scene(check_document(document), blobs)
     assert output.scene_sha256 == plain.scene_sha256
@@ -88,11 +88,11 @@ def test_a_surface_that_all_light_passes_stays_where_it_does_something(
 ) -> None:
     """It emits, bounds a medium, or is there by half."""
     sphere = {"type": "sphere", "centre": [0, 0, 0], "radius": 1}
-    passage = {"type": "passage"}
+    nothing = {"type": "null"}
     grey = {"type": "lambertian", "reflectance": 0.5}
     document["media"] = {"fog": {"absorption": 1}}
     document["surfaces"] += [
-        {"shape": sphere, "kernel": passage, "luminaire": {"radiance": 1}},
+        {"shape": sphere, "kernel": nothing, "luminaire": {"radiance": 1}},
         {"shape": sphere, "interior": {"media": ["fog"]}},
         {"shape": sphere, "kernel": {"type": "mask", "kernel": grey, "opacity": 0.5}},
     ]
@@ -103,7 +103,7 @@ def test_a_surface_that_all_light_passes_stays_where_it_does_something(
 
 def test_a_scene_keeps_a_surface(document: dict[str, Any], blobs: BlobStore) -> None:
     sphere = {"type": "sphere", "centre": [0, 0, 0], "radius": 1}
-    document["surfaces"] = [{"shape": sphere, "kernel": {"type": "passage"}}] * 2
+    document["surfaces"] = [{"shape": sphere, "kernel": {"type": "null"}}] * 2
     document["environment"] = {"radiance": 1}
     output = compile_scene(check_document(document), blobs)
     scene = scene_pb2.CompiledScene.FromString(blobs.path(output.scene_sha256).read_bytes())

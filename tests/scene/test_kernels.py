@@ -109,7 +109,7 @@ def test_blends_and_masks_become_one_sum(document: dict[str, Any], compiled: Com
     }
     scene = compiled(with_kernel(document, {"type": "mask", "kernel": "inner", "opacity": 0.75}))
     parts = kernel_of(scene).blend.parts
-    assert [leaf(scene, part) for part in parts] == ["lambertian", "conductor", "passage"]
+    assert [leaf(scene, part) for part in parts] == ["lambertian", "conductor", "null_kernel"]
     weights = [
         np.prod([1 - f.weight.constant if f.complement else f.weight.constant for f in part.factors])
         for part in parts
@@ -135,12 +135,12 @@ def test_two_sides_have_kernels_of_their_own_also_inside_a_blend(
     surface = scene.surfaces[0]
     assert scene.kernels[surface.kernel].WhichOneof("model") == "lambertian"
     assert scene.kernels[surface.back_kernel].WhichOneof("model") == "conductor"
-    blend = {"type": "blend", "first": sides, "second": {"type": "passage"}, "weight": 0.5}
+    blend = {"type": "blend", "first": sides, "second": {"type": "null"}, "weight": 0.5}
     scene = compiled(with_kernel(document, blend))
     surface = scene.surfaces[0]
     front, back = (scene.kernels[index].blend.parts for index in (surface.kernel, surface.back_kernel))
-    assert [leaf(scene, part) for part in front] == ["lambertian", "passage"]
-    assert [leaf(scene, part) for part in back] == ["conductor", "passage"]
+    assert [leaf(scene, part) for part in front] == ["lambertian", "null_kernel"]
+    assert [leaf(scene, part) for part in back] == ["conductor", "null_kernel"]
     same = {"type": "two_sided", "front": GREY, "back": GREY}
     assert not compiled(with_kernel(document, same)).surfaces[0].HasField("back_kernel")
 

@@ -44,7 +44,7 @@ def test_a_ball_of_fog_has_a_boundary_that_is_not_seen(document: Document, compi
     assert medium.phase.henyey_greenstein.g == 0
     assert not medium.HasField("temperature")
     assert (interior.matched, interior.priority, list(interior.media)) == (True, 0, [0])
-    assert scene.kernels[ball.kernel].WhichOneof("model") == "passage"
+    assert scene.kernels[ball.kernel].WhichOneof("model") == "null_kernel"
     assert ball.HasField("interior")
     assert ball.interior == 0
 

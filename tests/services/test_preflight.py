@@ -66,7 +66,7 @@ async def test_files_that_nobody_uploaded_are_named(
     assert digest in answer.text
 
 
-async def test_one_plan_at_a_time_and_none_for_ever(
+async def test_one_preflight_at_a_time_and_none_for_ever(
     rest: httpx.AsyncClient, preflight_body: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A preflight that takes too long is ended, and its processes with it; meanwhile a second one is
@@ -79,10 +79,10 @@ async def test_one_plan_at_a_time_and_none_for_ever(
     assert second.status_code == 503
     assert "another preflight" in second.json()["detail"]
     assert (await first).status_code == 503
-    assert _plans_running() == []
+    assert _preflights_running() == []
 
 
-def _plans_running() -> list[str]:
+def _preflights_running() -> list[str]:
     """Command lines of pool children of this process."""
     found = []
     for entry in Path("/proc").glob("[0-9]*"):

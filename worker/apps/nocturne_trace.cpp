@@ -1,5 +1,5 @@
-// The tracer alone: a compiled scene and a plan in, an EXR out, no service. Gives the bits that the
-// service gives.
+// The tracer alone: a compiled scene and a range schedule in, an EXR out, no service. Gives the
+// bits that the service gives.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -10,6 +10,7 @@
 #include <map>
 #include <new>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -27,10 +28,11 @@ namespace nocturne {
 namespace {
 
 struct Options {
-  std::string scene, plan, job, blobs, output, statistics, sums;
+  std::string scene, schedule, job, blobs, output, statistics, sums;
   Method method = Method::kAdjointPhotons;
   unsigned threads = std::thread::hardware_concurrency();
   std::uint64_t texture_bytes = kTextureMemoryBytes;
+  unsigned seeds = 0;
   bool quiet = false;
 };
 
@@ -44,53 +46,55 @@ Message read_message(const std::string& path) {
   return message;
 }
 
-FilmPlan checked_plan(const v1::RangeSchedule& plan) {
+FilmPlan checked_schedule(const v1::RangeSchedule& schedule) {
   // The same bounds as the service's: 16384 pixels an edge, 2^26 in all.
-  const auto pixels = static_cast<std::uint64_t>(plan.width()) * plan.height();
+  const auto pixels = static_cast<std::uint64_t>(schedule.width()) * schedule.height();
   // Blocks of pixels begin at a tile's corner.
-  const bool one_tile = plan.tile_size() >= std::max(plan.width(), plan.height());
-  bool good = (one_tile || plan.tile_size() % TileSums::kBlock == 0) && plan.width() > 0 &&
-              plan.width() <= 16384 && plan.height() > 0 && plan.height() <= 16384 &&
-              pixels <= (1u << 26) && plan.tile_size() > 0 && plan.tile_size() <= 16384 &&
-              plan.range_ends_size() > 0;
+  const bool one_tile = schedule.tile_size() >= std::max(schedule.width(), schedule.height());
+  bool good = (one_tile || schedule.tile_size() % TileSums::kBlock == 0) && schedule.width() > 0 &&
+              schedule.width() <= 16384 && schedule.height() > 0 && schedule.height() <= 16384 &&
+              pixels <= (1u << 26) && schedule.tile_size() > 0 && schedule.tile_size() <= 16384 &&
+              schedule.range_ends_size() > 0;
   std::uint32_t last = 0;
-  for (const std::uint32_t end : plan.range_ends()) {
+  for (const std::uint32_t end : schedule.range_ends()) {
     good = good && end > last;
     last = end;
   }
-  if (!good) throw std::runtime_error("the plan's film, tiles or sample ranges make no sense");
-  return {{plan.width(), plan.height()},
-          plan.tile_size(),
-          {plan.range_ends().data(), static_cast<std::size_t>(plan.range_ends_size())}};
+  if (!good) throw std::runtime_error("the schedule's film, tiles or sample ranges make no sense");
+  return {{schedule.width(), schedule.height()},
+          schedule.tile_size(),
+          {schedule.range_ends().data(), static_cast<std::size_t>(schedule.range_ends_size())}};
 }
 
-// The plan's names, which must be those of the scene's sensor.
-std::vector<std::string> checked_responses(const v1::RangeSchedule& plan,
+// The schedule's names, which must be those of the scene's sensor.
+std::vector<std::string> checked_responses(const v1::RangeSchedule& schedule,
                                            const v1::Sensor& sensor) {
-  std::vector<std::string> names(plan.further_responses().begin(), plan.further_responses().end());
+  std::vector<std::string> names(schedule.further_responses().begin(),
+                                 schedule.further_responses().end());
   const bool same = std::ranges::equal(
       names, sensor.further_responses(), {}, {},
       [](const v1::Response& response) -> const std::string& { return response.name(); });
-  if (!same) throw std::runtime_error("the plan's further responses are not those of the scene");
+  if (!same)
+    throw std::runtime_error("the schedule's further responses are not those of the scene");
   return names;
 }
 
 // Names need no escapes: they are letters, digits, '.', '_' and '-'.
-std::string schedule_json(const v1::RangeSchedule& plan) {
+std::string schedule_json(const v1::RangeSchedule& schedule) {
   std::string ends, responses;
-  for (const std::uint32_t end : plan.range_ends()) {
+  for (const std::uint32_t end : schedule.range_ends()) {
     ends += (ends.empty() ? "" : ",") + std::to_string(end);
   }
-  for (const std::string& name : plan.further_responses()) {
+  for (const std::string& name : schedule.further_responses()) {
     responses += (responses.empty() ? "\"" : ",\"") + name + "\"";
   }
   if (!responses.empty()) responses = ",\"furtherResponses\":[" + responses + "]";
-  if (plan.photons_per_sample() != 0) {
-    responses += ",\"photonsPerSample\":" + std::to_string(plan.photons_per_sample());
+  if (schedule.photons_per_sample() != 0) {
+    responses += ",\"photonsPerSample\":" + std::to_string(schedule.photons_per_sample());
   }
-  return "{\"width\":" + std::to_string(plan.width()) +
-         ",\"height\":" + std::to_string(plan.height()) +
-         ",\"tileSize\":" + std::to_string(plan.tile_size()) + ",\"rangeEnds\":[" + ends + "]" +
+  return "{\"width\":" + std::to_string(schedule.width()) +
+         ",\"height\":" + std::to_string(schedule.height()) +
+         ",\"tileSize\":" + std::to_string(schedule.tile_size()) + ",\"rangeEnds\":[" + ends + "]" +
          responses + "}";
 }
 
@@ -187,13 +191,11 @@ void run_job(const Options& options) {
   write_sums(options.output, tile);
 }
 
-void run(const Options& options) {
-  set_texture_memory(options.texture_bytes);
-  if (!options.job.empty()) return run_job(options);
-  const auto message = read_message<v1::CompiledScene>(options.scene);
-  const auto plan_message = read_message<v1::RangeSchedule>(options.plan);
-  const FilmPlan plan = checked_plan(plan_message);
-  const auto further_responses = checked_responses(plan_message, message.sensor());
+// An image, its statistics, and its warnings; `scene_sha256` goes into the image.
+void run_film(const Options& options, const v1::CompiledScene& message,
+              const v1::RangeSchedule& schedule, const std::string& scene_sha256) {
+  const FilmPlan plan = checked_schedule(schedule);
+  const auto further_responses = checked_responses(schedule, message.sensor());
   const auto scene = load_scene(message, blobs_in(options.blobs));
 
   // Loading is left out of the rates.
@@ -209,11 +211,11 @@ void run(const Options& options) {
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_before;
   const double cpu = process_cpu_seconds() - cpu_before;
 
+  static const std::string profile = floating_point_profile();
   const Quantity quantity = quantity_of(message.sensor());
   write_exr(options.output, image, plan.tile_size, further_responses, samples,
-            {sha256_of_file(options.scene), schedule_json(plan_message), v1::ENGINE_CURRENT,
-             floating_point_profile(), quantity.name, quantity.unit, quantity.response_unit,
-             image.truncated_paths});
+            {scene_sha256, schedule_json(schedule), v1::ENGINE_CURRENT, profile, quantity.name,
+             quantity.unit, quantity.response_unit, image.truncated_paths});
   if (!options.statistics.empty()) {
     write_statistics(options.statistics, image, cpu, wall.count());
   }
@@ -226,6 +228,39 @@ void run(const Options& options) {
               << " photons were ended by the limit of " << PathLimits::kMaxRays
               << " interactions: the image is too dark\n";
   }
+}
+
+std::string with_seed(std::string path, unsigned seed) {
+  constexpr std::string_view kPlace = "{seed}";
+  const auto at = path.find(kPlace);
+  return at == std::string::npos ? path : path.replace(at, kPlace.size(), std::to_string(seed));
+}
+
+// One image for each seed from 1: what a program's start costs is paid once.
+void run_seeds(const Options& options, v1::CompiledScene message,
+               const v1::RangeSchedule& schedule) {
+  if (with_seed(options.output, 1) == options.output) {
+    throw std::runtime_error(options.output +
+                             ": has no {seed}, so each image would replace the one before");
+  }
+  for (unsigned seed = 1; seed <= options.seeds; ++seed) {
+    Options one = options;
+    one.output = with_seed(options.output, seed);
+    one.statistics = with_seed(options.statistics, seed);
+    message.mutable_tracing()->set_seed(seed);
+    Sha256 digest;
+    digest.update(message.SerializeAsString());
+    run_film(one, message, schedule, digest.hex());
+  }
+}
+
+void run(const Options& options) {
+  set_texture_memory(options.texture_bytes);
+  if (!options.job.empty()) return run_job(options);
+  const auto message = read_message<v1::CompiledScene>(options.scene);
+  const auto schedule = read_message<v1::RangeSchedule>(options.schedule);
+  if (options.seeds != 0) return run_seeds(options, message, schedule);
+  run_film(options, message, schedule, sha256_of_file(options.scene));
 }
 
 }  // namespace
@@ -244,12 +279,14 @@ int main(int argc, char** argv) {
       ->required()
       ->check(CLI::ExistingFile);
   auto* what = app.add_option_group("what");
-  what->add_option("--schedule", options.plan, "Range schedule (schedule.pb)")
+  what->add_option("--schedule", options.schedule, "Range schedule (schedule.pb)")
       ->check(CLI::ExistingFile);
-  what->add_option("--job", options.job,
-                   "One job instead of an image (job.pb, from the bundle of a tile that was set "
-                   "aside); its sums are written as float64")
-      ->check(CLI::ExistingFile);
+  auto* job =
+      what->add_option(
+              "--job", options.job,
+              "One job instead of an image (job.pb, from the bundle of a failed tile); its sums "
+              "are written as float64")
+          ->check(CLI::ExistingFile);
   what->require_option(1);
   app.add_option("--blobs", options.blobs, "Folder of meshes, textures and tables")
       ->required()
@@ -275,6 +312,11 @@ int main(int argc, char** argv) {
           {"march", nocturne::Method::kRayMarching}}));
   app.add_option("--steps", options.method.steps, "Steps of a ray marcher (default 64)")
       ->check(CLI::Range(1, 1'000'000));
+  app.add_option("--seeds", options.seeds,
+                 "This many images by seeds 1, 2, ... instead of the scene's; {seed} in the names "
+                 "of --output and --statistics stands for the seed")
+      ->check(CLI::Range(1, 1'000'000))
+      ->excludes(job);
   app.add_flag("--quiet", options.quiet, "No progress");
   CLI11_PARSE(app, argc, argv);
   try {

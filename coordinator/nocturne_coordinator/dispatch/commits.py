@@ -55,7 +55,7 @@ class Commits:
     def report(self, trouble: FolderTrouble) -> Steps[None]:
         """No new jobs from here on until a commit works."""
         self._state.folder_trouble = True
-        yield Log(ERROR, f"can't write to the data folder: {trouble}; intake pauses, trying again")
+        yield Log(ERROR, f"can't write to the data folder: {trouble}; no new jobs until it works")
 
     def _commit(self, at: Moment) -> Steps[None]:
         state = self._state

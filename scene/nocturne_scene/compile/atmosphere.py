@@ -10,7 +10,7 @@ from nocturne.v1 import scene_pb2
 from numpy.typing import NDArray
 
 from nocturne_scene.compile.altitudes import above_sphere
-from nocturne_scene.compile.kernel_leaves import passage
+from nocturne_scene.compile.kernel_leaves import null_kernel
 from nocturne_scene.compile.media import Media, Substance
 from nocturne_scene.compile.sensors import unit, vector
 from nocturne_scene.compile.workspace import Unusable, Workspace
@@ -44,7 +44,7 @@ def atmosphere_surfaces(workspace: Workspace, media: Media) -> list[scene_pb2.Su
     return [
         scene_pb2.Surface(
             sphere=scene_pb2.Sphere(centre=centre, radius=top),
-            kernel=index_of(passage()),
+            kernel=index_of(null_kernel()),
             interior=workspace.interiors.index_of(interior),
         ),
         scene_pb2.Surface(

@@ -17,7 +17,7 @@ from nocturne_scene.document.kernels import (
     Kernel,
     Lambertian,
     Measured,
-    Passage,
+    NullKernel,
     Phong,
     RoughKernel,
     ThinPane,
@@ -38,9 +38,9 @@ class Leaf:
     interior: scene_pb2.Interior | None = None
 
 
-def passage() -> scene_pb2.Kernel:
+def null_kernel() -> scene_pb2.Kernel:
     """Return the kernel that lets everything through."""
-    return scene_pb2.Kernel(passage=scene_pb2.Passage())
+    return scene_pb2.Kernel(null_kernel=scene_pb2.NullKernel())
 
 
 class Leaves:
@@ -84,8 +84,8 @@ class Leaves:
             case Measured():
                 measured = scene_pb2.Measured(blob=compile_measured(self._workspace, kernel))
                 return Leaf(scene_pb2.Kernel(measured=measured))
-            case Passage():
-                return Leaf(passage())
+            case NullKernel():
+                return Leaf(null_kernel())
         raise TypeError(f"{type(kernel).__name__} is no single kernel")
 
     def _transmitter(self, kernel: DiffuseTransmitter) -> scene_pb2.DiffuseTransmitter:

@@ -5,7 +5,7 @@ from typing import Literal
 
 from nocturne.v1 import scene_pb2
 
-from nocturne_scene.compile.kernel_leaves import Leaves, passage
+from nocturne_scene.compile.kernel_leaves import Leaves, null_kernel
 from nocturne_scene.compile.textures import Textures
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document import bounds
@@ -173,7 +173,7 @@ class Kernels:
             inner = self._parts(mask.kernel, side, f"{place}.kernel")
             parts += [_times(part, opacity, False, varies) for part in inner]
         if not _is_constant(opacity, 1.0):
-            parts.append(_times(_Part(passage(), (), None, False), opacity, True, varies))
+            parts.append(_times(_Part(null_kernel(), (), None, False), opacity, True, varies))
         return parts
 
 
@@ -190,6 +190,6 @@ def _times(part: _Part, weight: scene_pb2.Scalar, complement: bool, varies: bool
 
 def _is_anisotropic(kernel: scene_pb2.Kernel) -> bool:
     """Whether the kernel looks different along u and v."""
-    model = getattr(kernel, kernel.WhichOneof("model") or "passage")
+    model = getattr(kernel, kernel.WhichOneof("model") or "null_kernel")
     roughness = getattr(model, "roughness", None)
     return roughness is not None and roughness.alpha_u != roughness.alpha_v

@@ -14,7 +14,6 @@ from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document import bounds
 from nocturne_scene.document.problems import path
 from nocturne_scene.document.shapes import AssetMesh, Box, Disc, InlineMesh, MediumBox, Quad, Shape, Sphere
-from nocturne_scene.meshes.files import load_mesh
 from nocturne_scene.meshes.headers import UnusableMeshError
 from nocturne_scene.meshes.simple import box_mesh, disc_mesh, inline_mesh, quad_mesh
 from nocturne_scene.meshes.triangles import BadVertexError, Triangles, pack_mesh, unit_normals
@@ -116,6 +115,9 @@ class Shapes:
     def _asset(self, shape: AssetMesh) -> Triangles:
         key = (shape.asset, shape.resolved_format(), shape.smooth)
         if key not in self._loaded:
+            # Late: trimesh, which reads the files, takes a third of a second to import.
+            from nocturne_scene.meshes.files import load_mesh
+
             file = self._workspace.blobs.path(self._workspace.asset(shape.asset).hex())
             self._loaded[key] = load_mesh(file, shape.resolved_format(), normals=shape.smooth)
         return self._loaded[key]

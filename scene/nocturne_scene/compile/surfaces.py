@@ -8,7 +8,7 @@ from nocturne_scene.compile.placement import placements_of
 from nocturne_scene.compile.shapes import Shapes, put_shape
 from nocturne_scene.compile.textures import Textures
 from nocturne_scene.compile.workspace import Workspace
-from nocturne_scene.document.kernels import Passage
+from nocturne_scene.document.kernels import NullKernel
 from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.document.textures import ColourTexture
 
@@ -28,7 +28,7 @@ class Surfaces:
     def compile(self, surface: Surface, group: int, place: str) -> scene_pb2.Surface:
         """Return a surface; what can't be compiled is noted and left out."""
         message = scene_pb2.Surface(group=group)
-        kernel = self._kernels.compile(surface.kernel or Passage(type="passage"), f"{place}.kernel")
+        kernel = self._kernels.compile(surface.kernel or NullKernel(type="null"), f"{place}.kernel")
         needs_coordinates = False
         if kernel is not None:
             interior = self._media.interior(surface.interior, kernel.interior, f"{place}.interior")

@@ -1,6 +1,6 @@
 """Surfaces that no light can tell of: they are in no image, and only cost rays."""
 
-from nocturne_scene.document.kernels import Mask, Passage
+from nocturne_scene.document.kernels import Mask, NullKernel
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.document.surfaces import Surface
 
@@ -20,4 +20,4 @@ def _is_unseen(surface: Surface, document: SceneDocument) -> bool:
         return False
     kernel = document.kernels[surface.kernel] if isinstance(surface.kernel, str) else surface.kernel
     # A part that is not there at all can be no boundary either.
-    return isinstance(kernel, Passage) or (isinstance(kernel, Mask) and kernel.opacity == 0.0)
+    return isinstance(kernel, NullKernel) or (isinstance(kernel, Mask) and kernel.opacity == 0.0)

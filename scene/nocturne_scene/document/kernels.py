@@ -153,10 +153,10 @@ class TwoSided(Node):
     back: "KernelReference" = Field(description="For light on the other side.")
 
 
-class Passage(Node):
+class NullKernel(Node):
     """Nothing: light goes straight through. For shapes that only emit."""
 
-    type: Literal["passage"]
+    type: Literal["null"]
 
 
 def _known_kernel(name: str, info: ValidationInfo) -> str:
@@ -177,7 +177,7 @@ _TAGS = {
         "blend",
         "mask",
         "two_sided",
-        "passage",
+        "null",
     )
 }
 _definition_check, _definition_choice = chosen_by_type(_TAGS)
@@ -195,7 +195,7 @@ Kernel = (
     | Blend
     | Mask
     | TwoSided
-    | Passage
+    | NullKernel
 )
 _Inline = (
     Annotated[Lambertian, Tag("<lambertian>")]
@@ -209,7 +209,7 @@ _Inline = (
     | Annotated[Blend, Tag("<blend>")]
     | Annotated[Mask, Tag("<mask>")]
     | Annotated[TwoSided, Tag("<two sided>")]
-    | Annotated[Passage, Tag("<passage>")]
+    | Annotated[NullKernel, Tag("<null>")]
 )
 # In $.kernels.
 KernelDefinition = Annotated[_Inline, _definition_choice, _definition_check]

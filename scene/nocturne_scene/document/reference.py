@@ -60,7 +60,7 @@ _ORDER = (
     "Blend",
     "Mask",
     "TwoSided",
-    "Passage",
+    "NullKernel",
     "SellmeierIndex",
     "SellmeierCoefficients",
     "CauchyIndex",

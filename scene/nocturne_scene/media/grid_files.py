@@ -102,9 +102,9 @@ def create(output: Path, grid: str, values: NDArray[np.float64], voxel: float) -
             "origin": [voxel / 2] * 3,
             "grids": [{"name": grid, "file": "values.f32"}],
         }
-        plan = Path(folder) / "grid.json"
-        plan.write_text(json.dumps(description))
-        _run("create", plan, "-o", output)
+        asked = Path(folder) / "grid.json"
+        asked.write_text(json.dumps(description))
+        _run("create", asked, "-o", output)
 
 
 def _program() -> Path:

@@ -16,7 +16,6 @@ from pathlib import Path
 import numpy as np
 import platformdirs
 from numpy.typing import NDArray
-from scipy.fft import dct
 
 from nocturne_scene.document import bounds
 from nocturne_scene.replacing import replacing
@@ -232,6 +231,9 @@ def _cosine_series(a: Complexes, b: Complexes, weights: Floats) -> Floats:
     Small sizes have few orders, so they are summed in portions. In single precision the forward peak's
     rounding is a part of 1e-4 of the least that goes sideways.
     """
+    # Late, as it takes a quarter of a second: most distributions are in the cache.
+    from scipy.fft import dct
+
     orders = a.shape[1]
     angles = np.linspace(0, np.pi, 2 * orders + 1)
     pi, tau = _angular(orders, np.cos(angles))

@@ -45,7 +45,7 @@ def _was_only_boundary(member: Document, name: str) -> bool:
     if member.get("kernel") is not None:
         return False
     if member.get("luminaire") is not None:
-        member["kernel"] = {"type": "passage"}
+        member["kernel"] = {"type": "null"}
         return False
     return True
 

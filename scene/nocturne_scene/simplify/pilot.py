@@ -25,7 +25,7 @@ Parts = tuple[Simplification, ...]
 RENDERS = 8
 """Of each model, with independent seeds."""
 
-# For whoever repeats a plan: the same seeds each time, and none used twice in one plan.
+# Seeds are the same in each preflight, and none is used twice in one.
 _SEEDS_FROM = 20
 
 
@@ -92,8 +92,8 @@ class Pilot:
             name: self._folder / name for name in ("scene.pb", "schedule.pb", "image.exr", "statistics.json")
         }
         files["scene.pb"].write_bytes(scene.SerializeToString(deterministic=True))
-        plan = schedule_of(scene, *self._film, samples)
-        files["schedule.pb"].write_bytes(plan.SerializeToString(deterministic=True))
+        schedule = schedule_of(scene, *self._film, samples)
+        files["schedule.pb"].write_bytes(schedule.SerializeToString(deterministic=True))
         words: list[str | Path] = [
             self._program,
             files["scene.pb"],

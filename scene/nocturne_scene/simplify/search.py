@@ -27,7 +27,7 @@ Say = Callable[[str, int], Callable[[], None]]
 
 @dataclass(frozen=True)
 class Request:
-    """What to plan."""
+    """What a preflight is asked."""
 
     error: float
     """Total relative error that is wanted, in (0, 1)."""

@@ -49,7 +49,7 @@ class Bias:
 
 
 FEW = 50.0
-"""Effective pixels below which sums over pixels are too few photons' to be near a normal distribution."""
+"""Effective sample size of pixels (Kish) below which their sums are not near a normal distribution."""
 
 UNBIASED = Bias(Interval(0.0, 0.0, 0.0), Interval(0.0, 0.0, 0.0))
 

@@ -83,8 +83,8 @@ def secret_in(authorization: str) -> str:
     raise Unauthenticated("a token is needed: `Authorization: Bearer TOKEN`")
 
 
-class Gate:
-    """Lets callers in by their tokens; one for each endpoint."""
+class Authenticator:
+    """Authenticates callers by their tokens; one for each transport."""
 
     def __init__(self, identify: Callable[[str], Awaitable[Caller]]) -> None:
         """`identify` gives who has a secret; raises Unauthenticated."""
@@ -92,7 +92,7 @@ class Gate:
         self._pace = Pace()
         self._wrong = Pace(limits.WRONG_TOKENS_PER_SECOND, limits.WRONG_TOKENS_AT_ONCE)
 
-    async def admit(self, secret: str, address: str) -> Caller:
+    async def authenticate(self, secret: str, address: str) -> Caller:
         """Who has the secret.
 
         Raises Unauthenticated, and TooMany for too many calls of one caller, or, after a while, for too many

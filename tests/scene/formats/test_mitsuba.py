@@ -72,7 +72,7 @@ def test_a_point_becomes_a_sphere_of_the_same_intensity(tmp_path: Path) -> None:
     document, found = imported(tmp_path, SPHERE + body, light_radius=0.25)
     lamp = document["surfaces"][1]
     assert lamp["shape"] == {"type": "sphere", "centre": [2, 0, 0], "radius": 0.25}
-    assert lamp["kernel"] == {"type": "passage"}
+    assert lamp["kernel"] == {"type": "null"}
     assert lamp["luminaire"]["radiance"] == pytest.approx(3 / (np.pi * 0.25**2))
     assert any("became a sphere of radius 0.25" in note for note in found.notes)
 

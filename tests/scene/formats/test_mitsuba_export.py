@@ -64,7 +64,7 @@ def refused(tmp_path: Path, *surfaces: Any, **parts: Any) -> list[str]:
         ({"type": "diffuse_transmitter", "reflectance": 0.5, "transmittance": 0.5}, "diffuse_transmitter"),
         ({"type": "thin_pane", "index": 1.5, "transmittance": 0.5}, "a pane that absorbs"),
         (
-            {"type": "two_sided", "front": {"type": "conductor", "index": "Ag"}, "back": {"type": "passage"}},
+            {"type": "two_sided", "front": {"type": "conductor", "index": "Ag"}, "back": {"type": "null"}},
             "lets light through",
         ),
     ],

@@ -5,6 +5,7 @@ binomial distribution.
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,8 +18,7 @@ from nocturne_scene.simplify.statistics import (
     ratio_of_costs,
     resolvable,
 )
-from numpy.typing import NDArray
-from scipy import stats
+from numpy.typing import ArrayLike, NDArray
 
 Values = NDArray[np.float64]
 
@@ -55,6 +55,14 @@ def _pairs(full: Values, simple: Values, common: float, random: np.random.Genera
     return full * (1 + own[0]), simple + full * other
 
 
+def _binomial(parts: ArrayLike, trials: int, probability: float) -> Any:
+    """Quantiles of the number of successes."""
+    # Late: it takes two seconds, in each process that only collects this file.
+    from scipy import stats
+
+    return stats.binom.ppf(parts, trials, probability)
+
+
 @pytest.mark.parametrize("common", [0.0, 0.9])
 @pytest.mark.parametrize("change", [_nothing, _everywhere, _spot, _shifted])
 def test_intervals_hold_the_truth(change: Callable[[Values], Values], common: float) -> None:
@@ -68,10 +76,10 @@ def test_intervals_hold_the_truth(change: Callable[[Values], Values], common: fl
     found = [bias(*_pairs(full, simple, common, random), 0.95) for _ in range(TRIALS)]
     # Each bound: passed by chance 999 times in 1000 where the interval is right.
     inside = sum(each.mean.low <= mean <= each.mean.high for each in found)
-    low, high = stats.binom.ppf([0.0005, 0.9995], TRIALS, 0.95)
+    low, high = _binomial([0.0005, 0.9995], TRIALS, 0.95)
     assert low <= inside <= high
-    assert sum(local <= each.local.high for each in found) >= stats.binom.ppf(0.001, TRIALS, 0.975)
-    assert sum(each.local.low <= local for each in found) >= stats.binom.ppf(0.001, TRIALS, 0.975)
+    assert sum(local <= each.local.high for each in found) >= _binomial(0.001, TRIALS, 0.975)
+    assert sum(each.local.low <= local for each in found) >= _binomial(0.001, TRIALS, 0.975)
 
 
 @pytest.mark.parametrize("change", [_nothing, _everywhere])
@@ -87,7 +95,7 @@ def test_heavy_tails_of_many_pixels_do_no_harm(change: Callable[[Values], Values
         hits = (random.random((2, RENDERS, full.size)) < 1 / 3) * 3.0
         assert effective_pixels(full * hits[0]) > FEW
         held += local <= bias(full * hits[0], simple * hits[1], 0.95).local.high
-    assert held >= stats.binom.ppf(0.001, trials, 0.975)
+    assert held >= _binomial(0.001, trials, 0.975)
 
 
 def test_a_few_pixels_that_carry_the_noise_are_counted() -> None:
@@ -162,7 +170,7 @@ def test_ratio_of_times() -> None:
         full, simple = load * np.exp(random.normal(0, 0.05, (2, RENDERS)))
         found = ratio_of_costs(full, 0.4 * simple, 0.95)
         inside += found.low <= 0.4 <= found.high
-    low, high = stats.binom.ppf([0.0005, 0.9995], TRIALS, 0.95)
+    low, high = _binomial([0.0005, 0.9995], TRIALS, 0.95)
     assert low <= inside <= high
 
 

@@ -53,7 +53,7 @@ def test_a_boundary_that_shines_stays(document: Document) -> None:
         "luminaire": {"radiance": {"blackbody": 999}},
     }
     simpler = without(document, 'without medium "haze"')
-    assert simpler["surfaces"][1]["kernel"] == {"type": "passage"}
+    assert simpler["surfaces"][1]["kernel"] == {"type": "null"}
 
 
 def test_media_of_groups_and_of_all_space_are_left_out(document: Document) -> None:

@@ -43,13 +43,13 @@ class Shown {
     add("measured", test::glossy_blob().kernel());
     for (const float n : {0.0f, 10.0f, 1000.0f})
       add("phong " + std::to_string(n), Phong{Colour(line(0.5f, 1.0f)), n});
-    add("passage", NullKernel{});
+    add("null kernel", NullKernel{});
     for (const double g : {-0.5, 0.0, 0.8}) {
       add("phase " + std::to_string(g),
           Phase{line(1.0f, 2.0f), line(4.0f, 1.0f), HenyeyGreenstein(g)});
     }
     add("molecules", Phase{Spectrum(0.0f), line(4.0f, 1.0f), RayleighPhase(std::nullopt)});
-    // Lambertian, conductor 0.1, smooth glass and passage.
+    // Lambertian, conductor 0.1, smooth glass and the null kernel.
     const auto glass = static_cast<std::uint32_t>(find("smooth glass"));
     for (const auto& [u, v] : {std::pair{0.05f, 0.05f}, {0.5f, 0.5f}, {1.0f, 0.1f}}) {
       const Roughness roughness{Scalar(u), Scalar(v), FacetDistribution::kBeckmann};

@@ -187,7 +187,7 @@ class SceneBuilder {
   v1::Surface& add_boundary(std::uint32_t body) {
     auto& surface = *message.add_surfaces();
     surface.set_kernel(static_cast<std::uint32_t>(message.kernels_size()));
-    message.add_kernels()->mutable_passage();
+    message.add_kernels()->mutable_null_kernel();
     surface.set_interior(body);
     return surface;
   }

@@ -159,7 +159,7 @@ TEST_F(TexturedSquare, OpacityMasksShowWhatIsBehind) {
   const v1::TextureUse mask = use(Picture::of(kBlock * kBlocks, kBlock * kBlocks, [](int x, int y) {
     return static_cast<float>((x / kBlock + y / kBlock) % 2);
   }));
-  message().add_kernels()->mutable_passage();
+  message().add_kernels()->mutable_null_kernel();
   auto& blend = *message().add_kernels()->mutable_blend();
   for (std::uint32_t part = 0; part < 2; ++part) {
     auto& added = *blend.add_parts();

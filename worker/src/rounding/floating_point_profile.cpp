@@ -28,13 +28,17 @@ class Answers {
   template <typename T>
   void add(T value) {
     static_assert(std::is_arithmetic_v<T>);
-    digest_.update({reinterpret_cast<const char*>(&value), sizeof value});
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
-  void add_text(std::string_view text) { digest_.update(text); }
-  std::string hex() { return digest_.hex(); }
+  void add_text(std::string_view text) { bytes_ += text; }
+  std::string hex() const {
+    Sha256 digest;
+    digest.update(bytes_);
+    return digest.hex();
+  }
 
  private:
-  Sha256 digest_;
+  std::string bytes_;
 };
 
 /// Multiples of the golden ratio, modulo 1: spread evenly, with all bits in use.

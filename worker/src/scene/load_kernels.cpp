@@ -44,7 +44,7 @@ class KernelLoader {
         require(exponent >= 0.0 && exponent <= 1e6, "a Phong exponent outside [0, 1e6]");
         return Phong{colour(message.phong().reflectance()), static_cast<float>(exponent)};
       }
-      case v1::Kernel::kPassage:
+      case v1::Kernel::kNullKernel:
         return NullKernel{};
       case v1::Kernel::kBlend:
         return blend(message.blend());

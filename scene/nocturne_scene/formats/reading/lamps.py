@@ -18,7 +18,7 @@ def point(position: Direction, radius: float, intensity: Json, name: str) -> Jso
     return {
         "name": name,
         "shape": {"type": "sphere", "centre": position.tolist(), "radius": radius},
-        "kernel": {"type": "passage"},
+        "kernel": {"type": "null"},
         "luminaire": {"radiance": colours.scaled(intensity, 1 / (math.pi * radius**2))},
     }
 
@@ -46,7 +46,7 @@ def spot(
     return {
         "name": name,
         "shape": {"type": "sphere", "centre": position.tolist(), "radius": radius},
-        "kernel": {"type": "passage"},
+        "kernel": {"type": "null"},
         "luminaire": {
             "radiance": intensity,
             "profile": {"asset": asset, "axis": axis.tolist(), "zero": across.tolist()},

@@ -21,6 +21,7 @@ from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
+from nocturne_scene.meshes import files as _  # noqa: F401 - what the compiler imports late, with its first mesh
 
 from nocturne_api.compiling.pool import WARM_SCENE, CompileLimits
 

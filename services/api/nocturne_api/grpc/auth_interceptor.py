@@ -13,7 +13,7 @@ from google.protobuf.message import DecodeError
 from nocturne_scene.errors import InputError
 
 from nocturne_api import limits
-from nocturne_api.access import CALLER, Caller, Gate, secret_in
+from nocturne_api.access import CALLER, Authenticator, Caller, secret_in
 from nocturne_api.errors import Overloaded, TooSlow
 from nocturne_api.grpc.failures import Answering
 
@@ -32,7 +32,7 @@ class AuthInterceptor(grpc.aio.ServerInterceptor):
 
     def __init__(self, identify: Callable[[str], Awaitable[Caller]] | None) -> None:
         """`identify` gives who has a secret; without it, anybody may do anything."""
-        self._gate = None if identify is None else Gate(identify)
+        self._authenticator = None if identify is None else Authenticator(identify)
         self._calls: Counter[str] = Counter()
 
     async def intercept_service(
@@ -92,10 +92,10 @@ class AuthInterceptor(grpc.aio.ServerInterceptor):
     async def _admitted(self, request: Any, context: Context) -> Any:
         """The request, or those that stream in, once the caller is known; else the call ends here."""
         async with Answering(context):
-            if self._gate is not None and not context.peer().startswith("unix:"):
+            if self._authenticator is not None and not context.peer().startswith("unix:"):
                 metadata = dict(context.invocation_metadata() or ())
                 secret = secret_in(str(metadata.get("authorization", "")))
-                CALLER.set(await self._gate.admit(secret, _address(context.peer())))
+                CALLER.set(await self._authenticator.authenticate(secret, _address(context.peer())))
             return _all_readable(request) if hasattr(request, "__aiter__") else _readable(request)
 
 

@@ -7,7 +7,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import cookie_parser
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from nocturne_api.access import CALLER, Caller, Gate, secret_in
+from nocturne_api.access import CALLER, Authenticator, Caller, secret_in
 from nocturne_api.errors import Refused, Unauthenticated, failure_of
 from nocturne_api.rest.problems import response_of
 
@@ -51,7 +51,7 @@ class SecurityMiddleware:
         """`identify` gives who has a secret; without it, anybody may do anything."""
         self._app = app
         self._loopback_only = loopback_only
-        self._gate = None if identify is None else Gate(identify)
+        self._authenticator = None if identify is None else Authenticator(identify)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
@@ -67,10 +67,10 @@ class SecurityMiddleware:
 
         refusal = self._refusal(scope["method"], Headers(scope=scope))
         app = response_of(failure_of(Refused(refusal))) if refusal else self._app
-        if app is self._app and self._gate is not None and _needs_token(scope["path"]):
+        if app is self._app and self._authenticator is not None and _needs_token(scope["path"]):
             address = scope["client"][0] if scope.get("client") else ""
             try:
-                caller = await self._gate.admit(_secret(Headers(scope=scope)), address)
+                caller = await self._authenticator.authenticate(_secret(Headers(scope=scope)), address)
             except Exception as error:
                 headers = _challenge(Headers(scope=scope)) if isinstance(error, Unauthenticated) else None
                 app = response_of(failure_of(error), headers)

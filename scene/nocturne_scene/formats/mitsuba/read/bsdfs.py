@@ -294,7 +294,7 @@ def _blend(context: Context, properties: Properties) -> Bsdf:
 
 def _null(context: Context, properties: Properties) -> Bsdf:
     del context, properties
-    return Bsdf({"type": "passage"})
+    return Bsdf({"type": "null"})
 
 
 def _normal_map(context: Context, properties: Properties) -> Bsdf:

@@ -16,7 +16,7 @@ from nocturne_scene.formats.mitsuba.read.volumes import UNIT_CUBE, Volume, volum
 from nocturne_scene.formats.reading import colours, grids
 from nocturne_scene.formats.reading.scene_writer import Json
 
-_CLEAR = ("dielectric", "thin_pane", "passage")
+_CLEAR = ("dielectric", "thin_pane", "null")
 
 
 def interior(context: Context, properties: Properties, surface: Json, kernel: Json) -> None:

@@ -13,7 +13,7 @@ from nocturne_scene.formats.writing.compiled import Body, one_alpha
 from nocturne_scene.formats.writing.tables import Table
 
 # Materials that Mitsuba has for both sides of a surface at once.
-_THROUGH = ("dielectric", "thin_pane", "passage")
+_THROUGH = ("dielectric", "thin_pane", "null_kernel")
 
 
 def material(context: Context, surface: scene_pb2.Surface, body: Body | None, place: str) -> Element:
@@ -83,7 +83,7 @@ class _Sides:
                 return self._plastic(kernel.coated_diffuse)
             case "blend":
                 return self._blend(kernel.blend, self._one)
-            case "passage":
+            case "null_kernel":
                 return plugin("bsdf", "null")
         self._lost(f"the kernel {model} has no equal in Mitsuba")
         return plugin("bsdf", "diffuse")

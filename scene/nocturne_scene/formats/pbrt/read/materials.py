@@ -179,7 +179,7 @@ def _thin_dielectric(context: Context, parameters: Parameters) -> Json:
 
 def _interface(context: Context, parameters: Parameters) -> Json:
     del context, parameters
-    return {"type": "passage"}
+    return {"type": "null"}
 
 
 def _mix(context: Context, parameters: Parameters) -> Json:

@@ -20,7 +20,7 @@ _KINDS = ("homogeneous", "uniformgrid")
 # Those of a medium that says nothing, 1/mm: pbrt-v4's documentation of its file format.
 _ABSORPTION, _SCATTERING = (0.0011, 0.0024, 0.014), (2.55, 3.21, 3.77)
 
-_CLEAR = ("passage", "thin_pane", "mask", "blend")
+_CLEAR = ("null", "thin_pane", "mask", "blend")
 
 
 @dataclass(frozen=True)

@@ -78,7 +78,7 @@ class _Maker:
         return Material(_chosen(self._named(index)))
 
     def _passes(self, index: int) -> bool:
-        return self._kernels[index].WhichOneof("model") == "passage"
+        return self._kernels[index].WhichOneof("model") == "null_kernel"
 
     def _named(self, index: int) -> str:
         key = (index, self._interior)
@@ -131,8 +131,8 @@ class _Maker:
                 return ["thindielectric", _index(self._table(kernel.thin_pane.index))]
             case "coated_diffuse":
                 return self._coated(kernel.coated_diffuse)
-            case "passage":
-                self._lost("a passage inside of a blend other than a mask has no equal in pbrt")
+            case "null_kernel":
+                self._lost("a null kernel inside of a blend other than a mask has no equal in pbrt")
             case model:
                 self._lost(f"the kernel {model} has no equal in pbrt")
         return ["diffuse"]
