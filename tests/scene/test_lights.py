@@ -17,6 +17,7 @@ from nocturne_scene.photometry import ies as photometric_files
 from nocturne_scene.spectra import sun
 from nocturne_scene.spectra import tables as spectra
 from nocturne_scene.spectra.published import visible_wavelengths
+from nocturne_scene.textures import environment_maps
 
 from .conftest import Compile, expect_problem
 
@@ -190,14 +191,54 @@ def test_an_environment_is_light_enough(document: dict[str, Any], compiled: Comp
     assert scene.tracing.weight_environment == pytest.approx(0.35)
 
 
-def test_an_environment_map_has_its_frame(
-    document: dict[str, Any], compiled: Compile, blobs: BlobStore, tmp_path: Path
-) -> None:
+def even_sky(blobs: BlobStore, tmp_path: Path) -> str:
+    """A picture of 8 x 4 pixels, RGB (2, 2, 2), as an asset."""
     pixels = np.full((4, 8, 3), 2.0, dtype=np.float32)
     picture = oiio.ImageBuf(oiio.ImageSpec(8, 4, 3, oiio.FLOAT))
     picture.set_pixels(oiio.ROI(), pixels)
     picture.write(str(tmp_path / "sky.exr"))
-    asset = f"sha256:{blobs.put((tmp_path / 'sky.exr').read_bytes())}"
+    return f"sha256:{blobs.put((tmp_path / 'sky.exr').read_bytes())}"
+
+
+def test_a_sky_is_made_once_for_all_scenes(
+    document: dict[str, Any],
+    compiled: Compile,
+    blobs: BlobStore,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made = []
+    convert = environment_maps.convert
+    monkeypatch.setattr(
+        environment_maps, "convert", lambda source, target: made.append(source) or convert(source, target)
+    )
+    document["environment"] = {"asset": even_sky(blobs, tmp_path), "luminance": 50}
+    first = compiled(document).environment.map
+    document["environment"] |= {"rotate_degrees": 10, "luminance": 70}
+    document["sensor"]["position"] = [0, 0, -3]
+    assert compiled(document).environment.map.blob == first.blob
+    assert len(made) == 1
+    blobs.path(first.blob.hex()).unlink()
+    assert compiled(document).environment.map.blob == first.blob
+    assert blobs.has(first.blob.hex())
+    assert len(made) == 2
+
+
+@pytest.mark.parametrize("text", ["", "7", "[]", '["x", [8, 4]]', '["DIGEST", "nan"]', '["DIGEST", [8]]'])
+def test_a_damaged_note_of_a_sky_is_none(
+    document: dict[str, Any], compiled: Compile, blobs: BlobStore, tmp_path: Path, text: str
+) -> None:
+    document["environment"] = {"asset": even_sky(blobs, tmp_path)}
+    first = compiled(document)
+    [note] = (blobs.root / "notes").iterdir()
+    note.write_text(text.replace("DIGEST", first.environment.map.blob.hex()))
+    assert compiled(document) == first
+
+
+def test_an_environment_map_has_its_frame(
+    document: dict[str, Any], compiled: Compile, blobs: BlobStore, tmp_path: Path
+) -> None:
+    asset = even_sky(blobs, tmp_path)
     document["environment"] = {"asset": asset, "luminance": 50, "rotate_degrees": 90}
     scene = compiled(document)
     found = scene.environment.map

@@ -77,6 +77,24 @@ def test_emission_has_luminance_and_colour_of_any_size() -> None:
     assert np.abs(found - rgb).max(axis=1) / rgb.max(axis=1) == pytest.approx(0, abs=0.06)
 
 
+def test_emission_of_pictures_is_that_of_their_colours() -> None:
+    rng = np.random.default_rng(5)
+    rgb = rng.random((20_000, 3)) ** rng.choice([0.2, 1, 4], (20_000, 1)) * 10.0 ** rng.uniform(
+        -3, 6, (20_000, 1)
+    )
+    rgb[:100], rgb[100:200] = rgb[:100, :1], 0
+    rgb[200:300, 1:], rgb[300:400, :2], rgb[400:500, ::2] = 0, 0, 0
+    pixels = rgb.astype(np.float32)
+    found = rgb_spectra.emission_of_pixels(pixels)
+    scales, coefficients = rgb_spectra.emission(pixels)
+    assert found[:, 0] == pytest.approx(scales, rel=4e-3)
+    assert np.median(np.abs(found[200:, 0] / scales[200:] - 1)) < 1e-4
+    assert found[:500, 0] == pytest.approx(scales[:500], rel=1e-6)
+    lit = scales > 0
+    shape = rgb_spectra.spectra_of(coefficients[lit], WAVELENGTHS[::20])
+    assert rgb_spectra.spectra_of(found[lit, 1:], WAVELENGTHS[::20]) == pytest.approx(shape, abs=2e-3)
+
+
 def test_black_and_white_light() -> None:
     scales, coefficients = rgb_spectra.emission(np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]]))
     assert scales == pytest.approx([0, 2])

@@ -1,6 +1,7 @@
 """Environment maps."""
 
 import io
+import json
 import math
 
 import numpy as np
@@ -15,6 +16,9 @@ from nocturne_scene.textures import environment_maps, standard_skies
 
 _SKY_ROWS, _SKY_COLUMNS = 256, 512
 """Texels of a standard sky, which has no detail finer than some degrees: 0.3 msr each."""
+
+_CONVERSION = 1
+"""Number of how pictures become texels; raised with every change of that, since texels are kept."""
 
 
 def compile_sky(workspace: Workspace, sky: StandardSky) -> scene_pb2.EnvironmentMap:
@@ -48,12 +52,7 @@ def compile_sky(workspace: Workspace, sky: StandardSky) -> scene_pb2.Environment
 
 def compile_map(workspace: Workspace, environment: EnvironmentMap) -> scene_pb2.EnvironmentMap:
     """Return the map with its frame: z up, x in the image's middle, y to the left of it. Raises Unusable."""
-    file = workspace.blobs.path(workspace.asset(environment.asset, ".asset").hex())
-    texels = io.BytesIO()
-    try:
-        columns, rows = environment_maps.convert(file, texels)
-    except environment_maps.UnusableImageError as error:
-        raise Unusable(str(error), ".asset") from None
+    blob, columns, rows = _texels(workspace, workspace.asset(environment.asset, ".asset").hex())
     _, d65 = rgb_spectra.d65_of_luminance(environment.luminance)
     z = unit(np.array(environment.up))
     ahead = np.array(environment.forward)
@@ -61,7 +60,7 @@ def compile_map(workspace: Workspace, environment: EnvironmentMap) -> scene_pb2.
     left = np.cross(z, ahead)
     turn = math.radians(environment.rotate_degrees)
     return scene_pb2.EnvironmentMap(
-        blob=workspace.keep(texels.getvalue()),
+        blob=blob,
         columns=columns,
         rows=rows,
         spectrum=workspace.spectra.index_of(spectra.at_visible(d65)),
@@ -69,3 +68,19 @@ def compile_map(workspace: Workspace, environment: EnvironmentMap) -> scene_pb2.
         y=vector(math.cos(turn) * left - math.sin(turn) * ahead),
         z=vector(z),
     )
+
+
+def _texels(workspace: Workspace, asset: str) -> tuple[bytes, int, int]:
+    """Return digest, columns and rows of the map of a picture, made once for all scenes of a blob store."""
+    about = json.dumps(["sky", asset, _CONVERSION, rgb_spectra.table_digest()])
+    match workspace.made_before(about):
+        case (bytes(blob), [int(columns), int(rows)]):
+            return blob, columns, rows
+    texels = io.BytesIO()
+    try:
+        columns, rows = environment_maps.convert(workspace.blobs.path(asset), texels)
+    except environment_maps.UnusableImageError as error:
+        raise Unusable(str(error), ".asset") from None
+    blob = workspace.keep(texels.getvalue())
+    workspace.note_made(about, blob, [columns, rows])
+    return blob, columns, rows

@@ -12,7 +12,6 @@ from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document import bounds
 from nocturne_scene.document.media import Grid
 from nocturne_scene.document.shapes import Box
-from nocturne_scene.errors import InputError
 from nocturne_scene.media import grid_files
 from nocturne_scene.meshes.simple import box_mesh
 from nocturne_scene.meshes.triangles import Triangles
@@ -74,18 +73,16 @@ class Grids:
 
     def _before(self, about: str) -> _Converted | None:
         """What was converted for an earlier scene, if it is still there."""
+        found = self._workspace.made_before(about)
         try:
-            blob, facts = json.loads(self._workspace.blobs.note(about) or "")
-            if self._workspace.blobs.has(blob):
-                return _Converted(bytes.fromhex(blob), grid_files.facts_in(facts))
-        except (ValueError, LookupError, TypeError, InputError):
+            return None if found is None else _Converted(found[0], grid_files.facts_in(found[1]))
+        except (ValueError, LookupError, TypeError):
             # A damaged note is no note.
-            pass
-        return None
+            return None
 
     def _anew(self, about: str, source: str, name: str) -> _Converted:
         output: Path = self._workspace.temporary("grid.nvdb")
         text = grid_files.convert(self._workspace.blobs.path(source), name, output)
         converted = _Converted(self._workspace.keep_file(output), grid_files.facts_in(text))
-        self._workspace.notes[about] = json.dumps([converted.blob.hex(), text])
+        self._workspace.note_made(about, converted.blob, text)
         return converted

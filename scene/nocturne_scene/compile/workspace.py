@@ -1,11 +1,12 @@
 """What all parts of one compilation share: the document, what was made, used, dropped and found wrong."""
 
 import hashlib
+import json
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from nocturne.v1 import scene_pb2
 
@@ -123,6 +124,22 @@ class Workspace:
             digest = hashlib.file_digest(stream, "sha256").digest()
         self.files[digest] = file
         return digest
+
+    def made_before(self, about: str) -> tuple[bytes, Any] | None:
+        """Digest of the blob that was made for an earlier scene, and facts about it; None if it is gone."""
+        try:
+            blob, facts = json.loads(self.blobs.note(about) or "")
+            if self.blobs.has(blob):
+                self.blobs.touch(blob)
+                return bytes.fromhex(blob), facts
+        except (ValueError, TypeError, InputError):
+            # A damaged note is no note.
+            pass
+        return None
+
+    def note_made(self, about: str, blob: bytes, facts: Any) -> None:
+        """Note for later scenes which blob was made, `facts` being what JSON can hold."""
+        self.notes[about] = json.dumps([blob.hex(), facts])
 
     def write_blobs(self) -> None:
         """Put all that was kept into the blob store."""

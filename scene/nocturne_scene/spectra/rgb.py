@@ -6,6 +6,7 @@ and 5). Coefficients are looked up in the table data/rgb_table.bin, which tools/
 coordinator makes.
 """
 
+import hashlib
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -53,6 +54,12 @@ def resolution_of(blob: bytes) -> int:
 def table_blob() -> bytes:
     """The table as a blob of the compiled scene."""
     return data_bytes("rgb_table.bin")
+
+
+@lru_cache(maxsize=1)
+def table_digest() -> str:
+    """SHA-256 of the table."""
+    return hashlib.sha256(table_blob()).hexdigest()
 
 
 @lru_cache(maxsize=1)
@@ -117,6 +124,53 @@ def emission(rgb: Floats) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     shares = spectra_of(coefficients, _coarse_wavelengths()) @ _coarse_luminance()
     scales = (values @ _luminance()) / shares
     return scales.astype(np.float32), coefficients
+
+
+def emission_of_pixels(rgb: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return scale, c0, c1, c2 of many colours, shape (n, 4), close to what `emission` returns for each.
+
+    Of half its brightest channel, a colour is a point in a square, one for each channel that may be the
+    brightest. The coefficients are linear in the table's cells there, and interpolated exactly; the scale is
+    interpolated between values of `emission` at `_FINER` points on each edge of a cell, which changes it by
+    less than 0.4 % for saturated colours and hardly for others.
+    """
+    values = np.maximum(rgb, np.float32(0))
+    found = _emission_table()
+    edge = found.shape[1]
+    first = values.argmax(axis=1)
+    rows = np.arange(len(values))
+    brightest = values[rows, first]
+    divisor = np.where(brightest > 0, brightest, np.float32(1))
+    x, y = (values[rows, (first + shift) % 3] / divisor * np.float32(edge - 1) for shift in (1, 2))
+    left, top = (np.minimum(axis.astype(np.int32), edge - 2) for axis in (x, y))
+    right_part, low_part = (x - left)[:, None], (y - top)[:, None]
+    entries = found.reshape(-1, 4)
+    corner = (first.astype(np.int32) * edge + top) * edge + left
+    upper = entries[corner]
+    upper += right_part * (entries[corner + 1] - upper)
+    lower = entries[corner + edge]
+    lower += right_part * (entries[corner + edge + 1] - lower)
+    upper += low_part * (lower - upper)
+    upper[:, 0] *= brightest
+    return upper
+
+
+_FINER = 4
+
+
+@lru_cache(maxsize=1)
+def _emission_table() -> NDArray[np.float32]:
+    """Shape (3, n, n, 4): brightest channel, second ratio, first ratio; scale over the brightest channel and
+    coefficients."""
+    edge = (len(table().scales) - 1) * _FINER + 1
+    ratio = np.linspace(0.0, 1.0, edge)
+    rgb = np.empty((3, edge, edge, 3))
+    for brightest in range(3):
+        rgb[brightest, ..., brightest] = 1.0
+        rgb[brightest, ..., (brightest + 1) % 3] = ratio
+        rgb[brightest, ..., (brightest + 2) % 3] = ratio[:, None]
+    scales, coefficients = emission(rgb)
+    return np.concatenate([scales[..., None], coefficients], axis=-1)
 
 
 @lru_cache(maxsize=1)

@@ -13,6 +13,7 @@ and over the sphere, is kept; a pixel at the pole is narrow there and fills a pa
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import islice
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -22,7 +23,7 @@ from numpy.typing import NDArray
 
 from nocturne_scene.library_words import without_paths
 from nocturne_scene.spectra.published import Floats
-from nocturne_scene.spectra.rgb import emission
+from nocturne_scene.spectra.rgb import emission_of_pixels
 
 # Pixels: 8192 x 4096; the texels then fill 512 MiB.
 MAX_PIXELS = 2**25
@@ -30,6 +31,9 @@ MAX_EDGE = 16384
 
 # Linear sRGB. Sums over the sphere stay finite in float32.
 LARGEST = 1e15
+
+# Rows whose spectra are looked up in one go.
+_TOGETHER = 16
 
 _Pixels = NDArray[np.float32]
 
@@ -48,9 +52,10 @@ def convert(source: Path, target: BinaryIO) -> tuple[int, int]:
     with opened(source) as picture:
         spec = picture.spec()
         _check_shape(spec)
-        for texels in equal_area_rows(_rows(picture, spec), spec.height):
-            scale, coefficients = emission(turned(texels))
-            target.write(np.column_stack([scale, coefficients]).astype("<f4").tobytes())
+        texels = map(turned, equal_area_rows(_rows(picture, spec), spec.height))
+        while block := list(islice(texels, _TOGETHER)):
+            colours = np.concatenate(block).astype(np.float32)
+            target.write(emission_of_pixels(colours).astype("<f4", copy=False).tobytes())
         return spec.width, spec.height
 
 
