@@ -393,3 +393,36 @@ def test_photons_do_not_start_at_a_sphere_in_a_group(document: dict[str, Any], b
     lamp = document["surfaces"][0] | {"luminaire": {"radiance": 1}}
     document |= {"groups": {"a": [lamp]}, "instances": [{"group": "a"}], "tracing": {"direction": "forward"}}
     expect_problem(document, blobs, "$.groups.a[0].luminaire", "can't start at a sphere in a group")
+
+
+@pytest.mark.parametrize(
+    ("hidden", "expected"),
+    [
+        (None, scene_pb2.HIDDEN_FROM_NOBODY),
+        ("camera", scene_pb2.HIDDEN_FROM_CAMERA),
+        ("camera_and_mirrors", scene_pb2.HIDDEN_FROM_CAMERA_AND_MIRRORS),
+    ],
+)
+@pytest.mark.parametrize("environment", [{"radiance": 1.0}, {"cie": 5, "illuminance": 1.0}])
+def test_lights_are_hidden_from_cameras_only(
+    document: dict[str, Any],
+    compiled: Compile,
+    hidden: str | None,
+    expected: int,
+    environment: dict[str, Any],
+) -> None:
+    document["surfaces"][1]["luminaire"]["hidden_from"] = hidden
+    document["environment"] = environment | {"hidden_from": hidden}
+    document["distant"] = [{"direction": [0, 1, 0], "radiance": 1.0, "hidden_from": hidden}]
+    scene = compiled(document)
+    lights = [*scene.luminaires, *scene.distant_discs, scene.environment]
+    assert [light.hidden_from for light in lights] == [expected] * 3
+    document["sensor"] = {"type": "irradiance_meter", "position": [0, 0, 0], "normal": [0, 0, 1], "height": 1}
+    scene = compiled(document)
+    lights = [*scene.luminaires, *scene.distant_discs, scene.environment]
+    assert [light.hidden_from for light in lights] == [scene_pb2.HIDDEN_FROM_NOBODY] * 3
+
+
+def test_a_light_is_hidden_from_somebody_known(document: dict[str, Any], blobs: BlobStore) -> None:
+    document["surfaces"][1]["luminaire"]["hidden_from"] = "everybody"
+    expect_problem(document, blobs, "$.surfaces[1].luminaire.hidden_from", "camera_and_mirrors")

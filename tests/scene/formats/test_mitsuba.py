@@ -84,8 +84,26 @@ def test_light_from_one_direction_becomes_a_disc(tmp_path: Path) -> None:
     )
     document, _ = imported(tmp_path, SPHERE + body, light_degrees=0.5)
     assert document["distant"] == [
-        {"direction": [0, 0, -2], "angular_diameter_degrees": 0.5, "irradiance": 5}
+        {
+            "direction": [0, 0, -2],
+            "angular_diameter_degrees": 0.5,
+            "irradiance": 5,
+            "hidden_from": "camera_and_mirrors",
+        }
     ]
+
+
+def test_hidden_emitters_are_hidden_from_the_camera(tmp_path: Path) -> None:
+    """As Mitsuba's are; points are hidden from mirrors, too."""
+    glowing = '<shape type="sphere"><emitter type="area"/></shape>'
+    hiding = '<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>'
+    document, found = imported(
+        tmp_path, glowing + hiding + '<emitter type="point"/><emitter type="constant"/>'
+    )
+    hidden = [surface["luminaire"]["hidden_from"] for surface in document["surfaces"]]
+    assert hidden == ["camera", "camera_and_mirrors"]
+    assert document["environment"]["hidden_from"] == "camera"
+    assert not found.missing
 
 
 def test_a_sky_is_seen_where_mitsuba_sees_it(tmp_path: Path) -> None:

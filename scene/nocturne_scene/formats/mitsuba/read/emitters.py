@@ -114,14 +114,8 @@ def _directional(context: Context, properties: Properties) -> None:
         properties.place,
         f"light from one direction became a disc of {degrees:g} degrees and the same irradiance",
     )
-    context.writer.add(
-        "distant",
-        {
-            "direction": (-ahead).tolist(),
-            "angular_diameter_degrees": degrees,
-            "irradiance": textures.light(context, properties, "irradiance", _standard()),
-        },
-    )
+    irradiance = textures.light(context, properties, "irradiance", _standard())
+    context.writer.add("distant", lamps.far((-ahead).tolist(), degrees, irradiance))
 
 
 def _envmap(context: Context, properties: Properties) -> None:

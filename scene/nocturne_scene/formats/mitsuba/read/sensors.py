@@ -174,8 +174,7 @@ def add_integrator(context: Context, element: Element) -> None:
             element.place, f'no equal of the integrator "{element.type}"; light goes all its way'
         )
         return
-    if properties.switch("hide_emitters", False):
-        context.findings.lost(element.place, "luminaires that are hidden from the camera have no equal")
+    context.hides_emitters = properties.switch("hide_emitters", False)
     properties.finish()
     if depth in (0, 1):
         context.findings.lost(

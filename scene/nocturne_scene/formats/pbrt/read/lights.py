@@ -93,12 +93,7 @@ def _distant(context: Context, parameters: Parameters) -> None:
         f"light from one direction became a disc of {degrees:g} degrees and the same irradiance",
     )
     irradiance = spectra.light(context, parameters, "L", scale if illuminance is None else float(illuminance))
-    disc = {
-        "direction": (start - end).tolist(),
-        "angular_diameter_degrees": degrees,
-        "irradiance": irradiance,
-    }
-    context.writer.add("distant", disc)
+    context.writer.add("distant", lamps.far((start - end).tolist(), degrees, irradiance))
 
 
 def _point(context: Context, parameters: Parameters) -> None:
