@@ -73,8 +73,9 @@ def export_scene(
 
 
 def _report_hidden(message: scene_pb2.CompiledScene, findings: Findings) -> None:
-    lights = [*message.luminaires, *message.distant_discs, message.environment]
-    hidden = {light.hidden_from for light in lights}
+    hidden = {message.environment.hidden_from}
+    hidden |= {luminaire.hidden_from for luminaire in message.luminaires}
+    hidden |= {disc.hidden_from for disc in message.distant_discs}
     if scene_pb2.HIDDEN_FROM_CAMERA in hidden:
         findings.lost("$", "a light that is hidden from the camera has no equal; it is seen there")
     if scene_pb2.HIDDEN_FROM_CAMERA_AND_MIRRORS in hidden:

@@ -2,7 +2,9 @@
 
 from fastapi import APIRouter, Request
 
-from nocturne_api.errors import FolderFull, Overloaded, QuotaUsedUp
+from nocturne_coordinator.errors import QuotaUsedUp
+
+from nocturne_api.errors import FolderFull, Overloaded
 from nocturne_api.limits import CREATE_BODY_BYTES
 from nocturne_api.models.imports import ImportedScene, ImportRequest
 from nocturne_api.rest.access import Service
