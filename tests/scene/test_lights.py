@@ -3,7 +3,7 @@
 import json
 import math
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
@@ -209,9 +209,12 @@ def test_a_sky_is_made_once_for_all_scenes(
 ) -> None:
     made = []
     convert = environment_maps.convert
-    monkeypatch.setattr(
-        environment_maps, "convert", lambda source, target: made.append(source) or convert(source, target)
-    )
+
+    def counted(source: Path, target: BinaryIO, *, points: bool) -> tuple[int, int]:
+        made.append(source)
+        return convert(source, target, points=points)
+
+    monkeypatch.setattr(environment_maps, "convert", counted)
     document["environment"] = {"asset": even_sky(blobs, tmp_path), "luminance": 50}
     first = compiled(document).environment.map
     document["environment"] |= {"rotate_degrees": 10, "luminance": 70}

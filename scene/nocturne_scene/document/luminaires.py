@@ -169,6 +169,11 @@ class EnvironmentMap(Node):
         default=(0.0, 0.0, -1.0),
         description="Direction of the image's middle; what of it is along `up` is left out.",
     )
+    pixels: Literal["areas", "points"] = Field(
+        default="areas",
+        description="`areas`: pixels are means over their areas. `points`: their values are interpolated in "
+        "between, the first row being above and the last below, as in Mitsuba.",
+    )
     rotate_degrees: Degrees = Field(
         default=0.0, description="Turn of the map about `up`, counter-clockwise seen from above."
     )

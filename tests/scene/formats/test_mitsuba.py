@@ -11,6 +11,7 @@ from nocturne_scene.formats.import_scene import import_scene
 from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT, white
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.meshes.files import load_mesh
+from nocturne_scene.textures.environment_maps import interpolated, read_whole
 
 from tests.pictures import write_exr
 from tests.scene.formats.mitsuba_import import SENSOR, SPHERE, imported, kernel
@@ -116,14 +117,29 @@ def test_a_sky_is_seen_where_mitsuba_sees_it(tmp_path: Path) -> None:
     document, _ = imported(tmp_path, SPHERE + body)
     sky = document["environment"]
     assert (sky["up"], sky["forward"]) == ([0, 1, 0], [0, 0, 1])
-    found = oiio.ImageBuf(str(tmp_path / "out" / sky["asset"]))
-    width = found.spec().width
-    row = [found.getpixel(x, found.spec().height // 2)[0] for x in range(width)]
+    assert sky["pixels"] == "points"
+    # As small as it came.
+    file = tmp_path / "out" / sky["asset"]
+    assert file.read_bytes() == (tmp_path / "in" / "sky.exr").read_bytes()
+    rows, count, width = interpolated(read_whole(file))
+    row = np.stack(list(rows))[count // 2, :, 0]
     # Column 4's centre is at (4 + 1/2) / 16 of the width; bilinear over one column on either side.
     centre = np.average((np.arange(width) + 0.5) / width, weights=row)
     assert centre == pytest.approx(4.5 / 16)
     # An eighth of a column from the middle, brightness and colour each interpolated.
     assert max(row) == pytest.approx((7 / 8) ** 2)
+
+
+def test_a_sky_of_eight_bits_is_decoded(tmp_path: Path) -> None:
+    (tmp_path / "in").mkdir()
+    picture = oiio.ImageBuf(oiio.ImageSpec(16, 8, 3, oiio.UINT8))
+    oiio.ImageBufAlgo.fill(picture, (0.5, 0.5, 0.5))
+    picture.write(str(tmp_path / "in" / "sky.png"))
+    body = '<emitter type="envmap"><string name="filename" value="sky.png"/></emitter>'
+    document, _ = imported(tmp_path, SPHERE + body)
+    pixels = read_whole(tmp_path / "out" / document["environment"]["asset"])
+    # 128 of 255 by IEC 61966-2-1.
+    assert pixels == pytest.approx(0.2158605, rel=1e-3)
 
 
 def test_meshes_stand_where_they_are_put_and_face_their_normals(tmp_path: Path) -> None:

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
-from numpy.typing import NDArray
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read import textures
@@ -16,12 +15,8 @@ from nocturne_scene.formats.mitsuba.read.units import white
 from nocturne_scene.formats.reading import lamps
 from nocturne_scene.formats.reading.scene_writer import Json
 from nocturne_scene.textures.environment_maps import UnusableImageError, check_size, opened
+from nocturne_scene.textures.image_files import decoded
 
-Pixels = NDArray[np.float64]
-
-# A picture of the sky is written larger, which keeps the interpolation between its pixels: as many times as
-# the result has no more pixels than this.
-_FINER = (4, 2, 1)
 _MAX_PIXELS = 2**23
 
 
@@ -126,14 +121,15 @@ def _envmap(context: Context, properties: Properties) -> None:
     to_world = properties.transform("to_world")
     properties.ignore("mis_compensation")
     try:
-        pixels = _sky(context.tree.file(properties.element, name))
+        asset = _sky(context, context.tree.file(properties.element, name))
     except UnusableImageError as error:
         raise InputError.at(properties.place, str(error)) from None
     _set_environment(
         context,
         properties,
         {
-            "asset": context.writer.picture("sky", pixels),
+            "asset": asset,
+            "pixels": "points",
             "luminance": white() * scale,
             # The picture's middle is its +z, and its +x is to the left of that.
             "up": to_world[:3, 1].tolist(),
@@ -142,34 +138,20 @@ def _envmap(context: Context, properties: Properties) -> None:
     )
 
 
-def _sky(file: Path) -> Pixels:
-    """The picture as Mitsuba interpolates it.
-
-    Its first and last row lie on the poles, its columns are areas; ours are areas both ways.
-    """
+def _sky(context: Context, file: Path) -> str:
+    """The picture as it is where a scene can have it, else decoded."""
     with opened(file) as picture:
         spec = picture.spec()
         check_size(spec, _MAX_PIXELS, 8192)
         if spec.nchannels < 3:
             raise UnusableImageError("the picture has no colours")
+        if spec.width < 2 or spec.height < 2:
+            raise UnusableImageError("the picture needs at least 2 x 2 pixels")
+        if spec.nchannels <= 4 and spec.format.basetype in (oiio.HALF, oiio.FLOAT):
+            return context.writer.copy(file)
+        is_linear = spec.format.basetype in (oiio.HALF, oiio.FLOAT)
         pixels = np.asarray(picture.read_image(0, 0, 0, 3, oiio.FLOAT), dtype=np.float64)
-    rows, columns = pixels.shape[:2]
-    if rows < 2 or columns < 2:
-        raise UnusableImageError("the picture needs at least 2 x 2 pixels")
-    finer = next(each for each in _FINER if rows * columns * each**2 <= _MAX_PIXELS)
-    x = (np.arange(finer * columns) + 0.5) / finer - 0.5
-    y = (np.arange(finer * rows) + 0.5) / (finer * rows) * (rows - 1)
-    left, top = np.floor(x).astype(int), np.minimum(np.floor(y).astype(int), rows - 2)
-    across, down = (x - left)[None, :, None], (y - top)[:, None, None]
-
-    def interpolated(values: Pixels) -> Pixels:
-        wide = (1 - across) * values[:, left % columns] + across * values[:, (left + 1) % columns]
-        return np.asarray((1 - down) * wide[top] + down * wide[top + 1])
-
-    # Brightness and colour are interpolated each for itself.
-    brightness = np.maximum(pixels.max(axis=2, keepdims=True), 0.0)
-    colour = np.maximum(pixels, 0.0) / np.maximum(brightness, 1e-8)
-    return interpolated(brightness) * interpolated(colour)
+    return context.writer.picture("sky", pixels if is_linear else decoded(pixels), narrow=True)
 
 
 _EMITTERS: dict[str, Callable[[Context, Properties], None]] = {
