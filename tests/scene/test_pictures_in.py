@@ -61,7 +61,7 @@ def test_a_map_keeps_its_flux(tmp_path: Path, width: int, height: int, tile: int
 
 
 def test_points_are_interpolated_and_their_ends_are_the_poles(tmp_path: Path) -> None:
-    """A ramp of the polar angle over one column: means of texels of equal height by quadrature, to what spectra of RGB have."""
+    """A ramp of the polar angle: means of texels by quadrature, to what spectra of RGB have."""
     rows = 16
     pixels = np.repeat(np.linspace(1, 2, rows, dtype=np.float32)[:, None, None], 3, axis=2).repeat(32, axis=1)
     target = io.BytesIO()

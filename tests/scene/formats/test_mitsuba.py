@@ -214,7 +214,7 @@ def test_defaults_includes_and_references(tmp_path: Path) -> None:
             '<shape type="sphere"><float name="colour" value="1"/></shape>',
             'no equal of the parameter "colour"',
         ),
-        ('<emitter type="projector"/>' + SPHERE, 'no equal of the emitter "projector"'),
+        ('<emitter type="sunsky"/>' + SPHERE, 'no equal of the emitter "sunsky"'),
         (
             '<shape type="sphere"><bsdf type="principledthin"/></shape>',
             'no equal of the bsdf "principledthin"',
@@ -276,3 +276,36 @@ def test_what_is_broken_is_left_out_and_the_rest_is_there(tmp_path: Path) -> Non
     document, found = imported(tmp_path, broken + SPHERE, allow_missing=True)
     assert len(document["surfaces"]) == 1
     assert 'no file "none.obj"' in str(found.missing[0])
+
+
+def test_a_mirrored_picture_repeats_with_its_mirror_images(tmp_path: Path) -> None:
+    (tmp_path / "in").mkdir()
+    write_exr(tmp_path / "in" / "a.exr", np.arange(18, dtype=np.float32).reshape(2, 3, 3), "RGB")
+    body = (
+        '<shape type="rectangle"><bsdf type="diffuse"><texture name="reflectance" type="bitmap">'
+        '<string name="filename" value="a.exr"/><string name="wrap_mode" value="mirror"/>'
+        '<transform name="to_uv"><scale x="2" y="4"/><translate x="1" y="0.5"/></transform>'
+        "</texture></bsdf></shape>"
+    )
+    document, found = imported(tmp_path, body)
+    assert not found.missing
+    [texture] = document["textures"].values()
+    pixels = read_whole(tmp_path / "out" / texture["asset"])
+    upper, lower = [0, 3, 6, 6, 3, 0], [9, 12, 15, 15, 12, 9]
+    assert pixels[..., 0].tolist() == [upper, lower, lower, upper]
+    use = document["surfaces"][0]["kernel"]["front"]["reflectance"]
+    assert use["scale"] == [1.0, 2.0]
+    # v down: 1 - 2 - 0.25.
+    assert use["offset"] == [0.5, -1.25]
+
+
+def test_a_number_of_samples_may_be_left_open(tmp_path: Path) -> None:
+    (tmp_path / "in").mkdir()
+    sensor = SENSOR.replace('value="7"', 'value="$spp"')
+    (tmp_path / "in" / "a.xml").write_text(
+        f'<scene version="3.0.0">{sensor}{SPHERE}<emitter type="constant"/></scene>'
+    )
+    found = import_scene(tmp_path / "in" / "a.xml", tmp_path / "open", ImportOptions())
+    assert found.film.samples == 16
+    with pytest.raises(InputError, match="has no value"):
+        imported(tmp_path, '<shape type="sphere"><float name="radius" value="$spp"/></shape>')

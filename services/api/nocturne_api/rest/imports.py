@@ -1,7 +1,6 @@
 """Imports: scenes of other renderers become scene documents."""
 
 from fastapi import APIRouter, Request
-
 from nocturne_coordinator.errors import QuotaUsedUp
 
 from nocturne_api.errors import FolderFull, Overloaded
