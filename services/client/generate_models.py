@@ -11,7 +11,16 @@ from typing import Any
 
 _SOURCE = Path(__file__).parents[2] / "docs" / "reference" / "openapi.json"
 # What the client gives to its callers, with all that these consist of.
-_WANTED = ("Render", "Explanation", "Reading", "Worker", "Webhook", "NewWebhook", "PreflightReport")
+_WANTED = (
+    "Render",
+    "Explanation",
+    "Reading",
+    "Worker",
+    "Webhook",
+    "NewWebhook",
+    "PreflightReport",
+    "ImportedScene",
+)
 # Documents, which callers know as dictionaries.
 _PLAIN = ("SceneDocument",)
 _WIDTH = 110

@@ -3,7 +3,7 @@
 import json
 import math
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
@@ -209,9 +209,12 @@ def test_a_sky_is_made_once_for_all_scenes(
 ) -> None:
     made = []
     convert = environment_maps.convert
-    monkeypatch.setattr(
-        environment_maps, "convert", lambda source, target: made.append(source) or convert(source, target)
-    )
+
+    def counted(source: Path, target: BinaryIO, *, points: bool) -> tuple[int, int]:
+        made.append(source)
+        return convert(source, target, points=points)
+
+    monkeypatch.setattr(environment_maps, "convert", counted)
     document["environment"] = {"asset": even_sky(blobs, tmp_path), "luminance": 50}
     first = compiled(document).environment.map
     document["environment"] |= {"rotate_degrees": 10, "luminance": 70}
@@ -393,3 +396,38 @@ def test_photons_do_not_start_at_a_sphere_in_a_group(document: dict[str, Any], b
     lamp = document["surfaces"][0] | {"luminaire": {"radiance": 1}}
     document |= {"groups": {"a": [lamp]}, "instances": [{"group": "a"}], "tracing": {"direction": "forward"}}
     expect_problem(document, blobs, "$.groups.a[0].luminaire", "can't start at a sphere in a group")
+
+
+@pytest.mark.parametrize(
+    ("hidden", "expected"),
+    [
+        (None, scene_pb2.HIDDEN_FROM_NOBODY),
+        ("camera", scene_pb2.HIDDEN_FROM_CAMERA),
+        ("camera_and_mirrors", scene_pb2.HIDDEN_FROM_CAMERA_AND_MIRRORS),
+    ],
+)
+@pytest.mark.parametrize("environment", [{"radiance": 1.0}, {"cie": 5, "illuminance": 1.0}])
+def test_lights_are_hidden_from_cameras_only(
+    document: dict[str, Any],
+    compiled: Compile,
+    hidden: str | None,
+    expected: int,
+    environment: dict[str, Any],
+) -> None:
+    document["surfaces"][1]["luminaire"]["hidden_from"] = hidden
+    document["environment"] = environment | {"hidden_from": hidden}
+    document["distant"] = [{"direction": [0, 1, 0], "radiance": 1.0, "hidden_from": hidden}]
+
+    def found() -> list[int]:
+        scene = compiled(document)
+        [luminaire], [disc] = scene.luminaires, scene.distant_discs
+        return [luminaire.hidden_from, disc.hidden_from, scene.environment.hidden_from]
+
+    assert found() == [expected] * 3
+    document["sensor"] = {"type": "irradiance_meter", "position": [0, 0, 0], "normal": [0, 0, 1], "height": 1}
+    assert found() == [scene_pb2.HIDDEN_FROM_NOBODY] * 3
+
+
+def test_a_light_is_hidden_from_somebody_known(document: dict[str, Any], blobs: BlobStore) -> None:
+    document["surfaces"][1]["luminaire"]["hidden_from"] = "everybody"
+    expect_problem(document, blobs, "$.surfaces[1].luminaire.hidden_from", "camera_and_mirrors")

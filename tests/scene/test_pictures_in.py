@@ -60,6 +60,19 @@ def test_a_map_keeps_its_flux(tmp_path: Path, width: int, height: int, tile: int
     assert flux == pytest.approx(picture_flux(pixels), rel=1e-5)
 
 
+def test_points_are_interpolated_and_their_ends_are_the_poles(tmp_path: Path) -> None:
+    """A ramp of the polar angle: means of texels by quadrature, to what spectra of RGB have."""
+    rows = 16
+    pixels = np.repeat(np.linspace(1, 2, rows, dtype=np.float32)[:, None, None], 3, axis=2).repeat(32, axis=1)
+    target = io.BytesIO()
+    columns, count = environment_maps.convert(save(tmp_path / "map.exr", pixels), target, points=True)
+    assert (columns, count) == (128, 64)
+    found = luminance(np.frombuffer(target.getvalue(), "<f4").reshape(count, columns, 4))
+    z = 1 - 2 * (np.arange(64 * 256) + 0.5) / (64 * 256)
+    expected = (1 + np.arccos(z) / np.pi).reshape(64, 256).mean(axis=1)
+    assert found == pytest.approx(np.repeat(expected[:, None], 128, axis=1), rel=3e-3)
+
+
 def test_one_bright_pixel_at_the_pole_keeps_its_flux_and_place(tmp_path: Path) -> None:
     pixels = np.zeros((32, 64, 3), np.float32)
     pixels[0, 10] = 1e6

@@ -14,6 +14,8 @@ from nocturne_client.cli.app import app
 from nocturne_client.local.image_error import image_error
 from typer.testing import CliRunner
 
+from tests.scene.formats.mitsuba_import import SENSOR
+
 ROOT = Path(__file__).parents[2]
 LAMP: dict[str, Any] = {
     "nocturne": 1,
@@ -129,3 +131,17 @@ def test_the_image_of_the_tracer_knows_its_quantity(
         assert (header["nocturne:quantity"], header["nocturne:unit"]) == (quantity, unit)
         assert ("whiteLuminance" in header) == (quantity == "luminance")
     assert image_error(image).quantity.unit == unit
+
+
+def test_a_scene_of_another_renderer_is_rendered_with_its_film(tmp_path: Path) -> None:
+    shape = '<shape type="sphere"><emitter type="area"/></shape><shape type="nonsense"/>'
+    scene = tmp_path / "ball.xml"
+    scene.write_text(f'<scene version="3.0.0">{SENSOR}{shape}</scene>')
+    asked = ["render", str(scene), "-o", str(tmp_path / "ball.exr"), "--samples", "4", "--threads", "2"]
+    refused = CliRunner().invoke(app, asked)
+    assert refused.exit_code != 0
+    assert "--allow-missing" in str(refused.exception) + refused.output
+    done = CliRunner().invoke(app, [*asked, "--allow-missing"])
+    assert done.exit_code == 0, done.output
+    assert "missing: ball.xml:" in done.stderr
+    assert channels(tmp_path / "ball.exr")["Y"].shape == (20, 40)

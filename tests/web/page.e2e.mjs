@@ -192,6 +192,22 @@ const checks = {
     await page.goto(at("#/"));
   },
 
+  async "another renderer's scene is imported, without what has no equal if that is wanted"({ page }) {
+    await page.goto(at("#/"));
+    const text = `<scene version="3.0.0"><sensor type="perspective"><float name="fov" value="40"/>
+      <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/></film></sensor>
+      <shape type="sphere"><point name="center" z="5"/><emitter type="area"/></shape><shape type="nonsense"/></scene>`;
+    await page.getByLabel("choose a file").setInputFiles({ name: "ball.xml", mimeType: "text/xml", buffer: Buffer.from(text) });
+    await page.locator(".problems").getByText(/no equal of the shape "nonsense"/).waitFor();
+    await page.getByRole("button", { name: "Import without these" }).click();
+    await page.getByText("ball.xml is imported").waitFor();
+    assert.equal(await page.getByLabel("Width, pixels").inputValue(), "24");
+    await page.getByLabel("Samples per pixel, at most").fill("4");
+    await page.getByRole("button", { name: "Render", exact: true }).click();
+    await page.locator('h1 .badge[data-state="SUCCEEDED"]').waitFor();
+    await page.goto(at("#/"));
+  },
+
   async "an archive becomes a render whose image changes by itself"({ page, note }) {
     await page.getByLabel("choose a file").setInputFiles(given.archive);
     await page.getByLabel("Samples per pixel, at most").fill("100000");

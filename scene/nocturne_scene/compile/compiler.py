@@ -33,7 +33,7 @@ from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.errors import InputError, Problem
 
 # Layout of CompiledScene; raised with every change that an older worker would misread.
-FORMAT = 2
+FORMAT = 3
 
 
 @dataclass(frozen=True)

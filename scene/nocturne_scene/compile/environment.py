@@ -52,7 +52,8 @@ def compile_sky(workspace: Workspace, sky: StandardSky) -> scene_pb2.Environment
 
 def compile_map(workspace: Workspace, environment: EnvironmentMap) -> scene_pb2.EnvironmentMap:
     """Return the map with its frame: z up, x in the image's middle, y to the left of it. Raises Unusable."""
-    blob, columns, rows = _texels(workspace, workspace.asset(environment.asset, ".asset").hex())
+    asset = workspace.asset(environment.asset, ".asset").hex()
+    blob, columns, rows = _texels(workspace, asset, points=environment.pixels == "points")
     _, d65 = rgb_spectra.d65_of_luminance(environment.luminance)
     z = unit(np.array(environment.up))
     ahead = np.array(environment.forward)
@@ -70,15 +71,15 @@ def compile_map(workspace: Workspace, environment: EnvironmentMap) -> scene_pb2.
     )
 
 
-def _texels(workspace: Workspace, asset: str) -> tuple[bytes, int, int]:
+def _texels(workspace: Workspace, asset: str, *, points: bool) -> tuple[bytes, int, int]:
     """Return digest, columns and rows of the map of a picture, made once for all scenes of a blob store."""
-    about = json.dumps(["sky", asset, _CONVERSION, rgb_spectra.table_digest()])
+    about = json.dumps(["sky", asset, points, _CONVERSION, rgb_spectra.table_digest()])
     match workspace.made_before(about):
         case (bytes(blob), [int(columns), int(rows)]):
             return blob, columns, rows
     texels = io.BytesIO()
     try:
-        columns, rows = environment_maps.convert(workspace.blobs.path(asset), texels)
+        columns, rows = environment_maps.convert(workspace.blobs.path(asset), texels, points=points)
     except environment_maps.UnusableImageError as error:
         raise Unusable(str(error), ".asset") from None
     blob = workspace.keep(texels.getvalue())

@@ -17,11 +17,13 @@ from nocturne_scene.document.luminaires import (
     ConstantEnvironment,
     CosineProfile,
     DistantDisc,
+    HiddenFrom,
     Luminaire,
     PhotometricProfile,
     StandardSky,
 )
 from nocturne_scene.document.problems import path
+from nocturne_scene.document.sensors import CAMERAS
 from nocturne_scene.document.shapes import Sphere
 from nocturne_scene.document.spectrum_checks import Reference
 from nocturne_scene.document.surfaces import Surface
@@ -66,6 +68,7 @@ class Lights:
                     "a mesh, or the sphere outside of groups"
                 )
             message.radiance.CopyFrom(colour)
+            message.hidden_from = self._hidden_from(luminaire.hidden_from)
             self._put_profile(message, surface, luminaire)
             return message
         return None
@@ -126,14 +129,17 @@ class Lights:
         if environment is None:
             return None
         with self._workspace.problems_at("$.environment"):
+            hidden = self._hidden_from(environment.hidden_from)
             if isinstance(environment, StandardSky):
-                return scene_pb2.Environment(map=compile_sky(self._workspace, environment))
+                sky = compile_sky(self._workspace, environment)
+                return scene_pb2.Environment(map=sky, hidden_from=hidden)
             if not isinstance(environment, ConstantEnvironment):
-                return scene_pb2.Environment(map=compile_map(self._workspace, environment))
+                picture = compile_map(self._workspace, environment)
+                return scene_pb2.Environment(map=picture, hidden_from=hidden)
             radiance = self._emission(environment.radiance, ".radiance")
             self._report_lines(environment.radiance, "$.environment.radiance")
             if radiance is not None:
-                return scene_pb2.Environment(constant=radiance)
+                return scene_pb2.Environment(constant=radiance, hidden_from=hidden)
             self._workspace.dropped.append("$.environment: emits no visible light")
         return None
 
@@ -167,6 +173,14 @@ class Lights:
                 found.append(message)
         return found
 
+    def _hidden_from(self, hidden: HiddenFrom) -> scene_pb2.HiddenFrom.ValueType:
+        """Meters see every light."""
+        if hidden is None or not isinstance(self._workspace.document.sensor, CAMERAS):
+            return scene_pb2.HIDDEN_FROM_NOBODY
+        if hidden == "camera":
+            return scene_pb2.HIDDEN_FROM_CAMERA
+        return scene_pb2.HIDDEN_FROM_CAMERA_AND_MIRRORS
+
     def _report_lines(self, reference: Reference | ColourTexture | None, place: str) -> None:
         if isinstance(reference, ColourTexture):
             reference, place = reference.spectrum, f"{place}.spectrum"
@@ -193,6 +207,7 @@ class Lights:
             radiance=radiance,
             limb_plus=[index_of(spectrum) for spectrum in limb.limb_plus],
             limb_minus=[index_of(spectrum) for spectrum in limb.limb_minus],
+            hidden_from=self._hidden_from(disc.hidden_from),
         )
 
     def _from_irradiance(self, disc: DistantDisc, half_angle: float) -> int | None:

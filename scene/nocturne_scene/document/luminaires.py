@@ -1,6 +1,6 @@
 """Light as written in a scene document: luminaires on surfaces, the environment, discs at infinity."""
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, Tag, model_validator
 
@@ -76,6 +76,16 @@ Profile = Annotated[
 ]
 
 
+HiddenFrom = Annotated[
+    Literal["camera", "camera_and_mirrors"] | None,
+    Field(
+        description="`camera`: it sees past the light and its surface, and mirrors show it; "
+        "`camera_and_mirrors`: mirrors and clear glass don't show it either, as if it had no size. "
+        "Everything else is lit all the same; meters see every light. Default: nobody."
+    ),
+]
+
+
 class Luminaire(Node):
     """What makes a surface emit light."""
 
@@ -100,6 +110,7 @@ class Luminaire(Node):
         default=None,
         description="How the radiance depends on direction. Default: the same in all directions.",
     )
+    hidden_from: HiddenFrom = None
 
     @property
     def has_amount(self) -> bool:
@@ -133,6 +144,7 @@ class ConstantEnvironment(Node):
     """The same radiance from all directions, infinitely far away."""
 
     radiance: SpectrumReference = Field(description="Spectral radiance, W m⁻² sr⁻¹ nm⁻¹.")
+    hidden_from: HiddenFrom = None
 
 
 class EnvironmentMap(Node):
@@ -157,9 +169,15 @@ class EnvironmentMap(Node):
         default=(0.0, 0.0, -1.0),
         description="Direction of the image's middle; what of it is along `up` is left out.",
     )
+    pixels: Literal["areas", "points"] = Field(
+        default="areas",
+        description="`areas`: pixels are means over their areas. `points`: their values are interpolated in "
+        "between, the first row being above and the last below, as in Mitsuba.",
+    )
     rotate_degrees: Degrees = Field(
         default=0.0, description="Turn of the map about `up`, counter-clockwise seen from above."
     )
+    hidden_from: HiddenFrom = None
 
     @model_validator(mode="after")
     def _has_frame(self) -> Self:
@@ -189,6 +207,7 @@ class StandardSky(Node):
         default=None, description="Illuminance of level ground by the whole sky without the Sun, lx."
     )
     up: Vector = Field(default=(0.0, 1.0, 0.0), description="Direction of the zenith.")
+    hidden_from: HiddenFrom = None
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -241,6 +260,7 @@ class DistantDisc(Node):
     limb_darkening: Switch = Field(
         default=False, description="Darker towards the edge, by wavelength, as the Sun is."
     )
+    hidden_from: HiddenFrom = None
 
     @model_validator(mode="after")
     def _complete(self) -> Self:

@@ -210,6 +210,7 @@ _sensor_check, _sensor_choice = chosen_by_type(
         "intensity_meter": "<intensity meter>",
     }
 )
+CAMERAS = (Pinhole, ThinLens, Orthographic, Panorama)
 Sensor = Pinhole | ThinLens | Orthographic | Panorama | IrradianceMeter | RadianceMeter | IntensityMeter
 SensorDefinition = Annotated[
     Annotated[Pinhole, Tag("<pinhole>")]

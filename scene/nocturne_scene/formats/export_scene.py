@@ -59,6 +59,7 @@ def export_scene(
     message = scene_pb2.CompiledScene.FromString(blobs.path(sha256).read_bytes())
     findings = Findings()
     compiled = Compiled(message, blobs, document, findings)
+    _report_hidden(message, findings)
     with tempfile.TemporaryDirectory(dir=folder.absolute().parent, prefix=".export-") as kept:
         writer = SceneWriter(Path(kept) / "scene")
         writer.folder.mkdir()
@@ -69,3 +70,13 @@ def export_scene(
             folder.rmdir()
         shutil.move(writer.folder, folder)
     return Exported(folder / name, findings.notes, findings.losses)
+
+
+def _report_hidden(message: scene_pb2.CompiledScene, findings: Findings) -> None:
+    hidden = {message.environment.hidden_from}
+    hidden |= {luminaire.hidden_from for luminaire in message.luminaires}
+    hidden |= {disc.hidden_from for disc in message.distant_discs}
+    if scene_pb2.HIDDEN_FROM_CAMERA in hidden:
+        findings.lost("$", "a light that is hidden from the camera has no equal; it is seen there")
+    if scene_pb2.HIDDEN_FROM_CAMERA_AND_MIRRORS in hidden:
+        findings.note("$", "lamps that stand for such without a size are seen by the camera and in mirrors")

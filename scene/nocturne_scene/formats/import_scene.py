@@ -4,11 +4,13 @@ import hashlib
 import shutil
 import tempfile
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from nocturne_scene.errors import InputError, Problem
+from nocturne_scene.formats import archives
 from nocturne_scene.formats.gltf.read import import_gltf
 from nocturne_scene.formats.mitsuba.read import import_mitsuba
 from nocturne_scene.formats.pbrt.read import import_pbrt
@@ -28,6 +30,8 @@ FORMATS: dict[str, Importer] = {
 }
 """Importers by the end of a file's name."""
 
+ENDS = (*FORMATS, archives.END)
+"""Of all files that can be imported."""
 
 # Parts of a document of which one at least is in every scene.
 _SEEN = ("surfaces", "instances", "unbounded_media", "atmosphere")
@@ -45,17 +49,23 @@ class Incomplete(InputError):
 
 
 def import_scene(file: Path, folder: Path, options: ImportOptions) -> Imported:
-    """Make `folder`, which must not exist or be empty, with the scene that `file` describes.
+    """Make `folder`, which must not exist or be empty, with the scene that `file` describes or, a ZIP
+    archive, holds.
 
     Raises Incomplete: the folder is there, but (without `allow_missing`) something in the file has no equal
     here, or the document is one that can't be rendered. Raises InputError for a file that can't be imported
     at all; then nothing is left behind.
     """
-    importer = next((found for end, found in FORMATS.items() if file.name.lower().endswith(end)), None)
-    if importer is None:
-        raise InputError.at(str(file), f"expected a file that ends in {', '.join(FORMATS)}")
     if not file.is_file():
         raise InputError.at(str(file), "no such file")
+    if file.name.lower().endswith(archives.END):
+        with tempfile.TemporaryDirectory(prefix="nocturne-import-") as unpacked:
+            names = archives.unpack(file, Path(unpacked))
+            name = archives.scene_among(names, FORMATS, str(file))
+            return import_scene(Path(unpacked) / name, folder, replace(options, root=Path(unpacked)))
+    importer = next((found for end, found in FORMATS.items() if file.name.lower().endswith(end)), None)
+    if importer is None:
+        raise InputError.at(str(file), f"expected a file that ends in {', '.join(ENDS)}")
     root = options.root or file.parent
     if not file.resolve().is_relative_to(root.resolve()):
         raise InputError.at(str(file), f"lies outside of {root}")

@@ -32,6 +32,11 @@ MAX_EDGE = 16384
 # Linear sRGB. Sums over the sphere stay finite in float32.
 LARGEST = 1e15
 
+# A picture whose values are interpolated is made finer, as many times as it then has no more pixels than
+# this: 2048 x 1024, whose texels are a sixth of a degree wide.
+_FINER = (4, 2)
+_FINE_PIXELS = 2**21
+
 # Rows whose spectra are looked up in one go.
 _TOGETHER = 16
 
@@ -42,21 +47,56 @@ class UnusableImageError(Exception):
     """The file can't be used as a picture; the message says why."""
 
 
-def convert(source: Path, target: BinaryIO) -> tuple[int, int]:
+def convert(source: Path, target: BinaryIO, *, points: bool = False) -> tuple[int, int]:
     """Write the texels of `EnvironmentMap.blob` for an HDR or EXR file; return columns and rows.
 
-    As many columns and rows as the picture has. Radiance is texel x spectrum, with the spectrum that
-    `rgb_spectra.d65_of_luminance` gives for the luminance of RGB (1, 1, 1). Negative values become 0. Uses
-    memory for some rows of the picture. Raises UnusableImageError.
+    As many columns and rows as the picture has, or of `points` up to four times as many. Radiance is texel x
+    spectrum, with the spectrum that `rgb_spectra.d65_of_luminance` gives for the luminance of RGB (1, 1, 1).
+    Negative values become 0. Uses memory for some rows of the picture, or for all of `points`. Raises
+    UnusableImageError.
     """
     with opened(source) as picture:
         spec = picture.spec()
         _check_shape(spec)
-        texels = map(turned, equal_area_rows(_rows(picture, spec), spec.height))
+        rows, count, columns = _rows(picture, spec), spec.height, spec.width
+        if points:
+            rows, count, columns = interpolated(np.stack(list(rows)))
+        texels = map(turned, equal_area_rows(rows, count))
         while block := list(islice(texels, _TOGETHER)):
             colours = np.concatenate(block).astype(np.float32)
             target.write(emission_of_pixels(colours).astype("<f4", copy=False).tobytes())
-        return spec.width, spec.height
+        return columns, count
+
+
+def interpolated(pixels: _Pixels) -> tuple[Iterator[_Pixels], int, int]:
+    """Rows, their number and that of columns of a picture whose values lie at points: finer, as areas.
+
+    The first and last row lie on the poles, columns in the middle of their areas. Brightness and colour are
+    interpolated each for itself, linearly.
+    """
+    rows, columns = pixels.shape[:2]
+    finer = next((each for each in _FINER if rows * columns * each**2 <= _FINE_PIXELS), 1)
+    brightness = pixels.max(axis=2, keepdims=True)
+    colour = pixels / np.maximum(brightness, np.float32(1e-8))
+    x = (np.arange(finer * columns) + 0.5) / finer - 0.5
+    left = np.floor(x).astype(int)
+    across = (x - left).astype(np.float32)[:, None]
+    left, right = left % columns, (left + 1) % columns
+
+    def wide(row: _Pixels) -> _Pixels:
+        return np.asarray((1 - across) * row[left] + across * row[right])
+
+    def found() -> Iterator[_Pixels]:
+        for y in (np.arange(finer * rows) + 0.5) / (finer * rows) * (rows - 1):
+            top = min(int(y), rows - 2)
+            down = np.float32(y - top)
+            bright, tint = (
+                (1 - down) * wide(values[top]) + down * wide(values[top + 1])
+                for values in (brightness, colour)
+            )
+            yield bright * tint
+
+    return found(), finer * rows, finer * columns
 
 
 def equal_area_rows(rows: Iterator[_Pixels], count: int) -> Iterator[Floats]:

@@ -25,6 +25,14 @@ PREFLIGHT_BUDGET_S = 120.0
 # Beside its renders a preflight compiles, and the machine does other things: then it is ended.
 PREFLIGHT_WALL_S = 900.0
 
+# Scenes of other renderers are imported in child processes: those of the corpus take up to 13 s and 1 GB.
+IMPORTS_AT_ONCE = 2
+IMPORT_FILES = 10_000
+IMPORT_BYTES = 4096 * MEBIBYTE
+IMPORT_MEMORY_BYTES = 8192 * MEBIBYTE
+IMPORT_CPU_S = 300
+IMPORT_WALL_S = 600.0
+
 # Pictures that the page brings to compare with: each in a child process, of a film's size at most.
 PICTURE_BYTES = 512 * MEBIBYTE
 PICTURE_PIXELS = 2**24

@@ -19,6 +19,7 @@ from nocturne_client.errors import NocturneClientError
 from nocturne_client.events import data_of
 from nocturne_client.models import (
     Explanation,
+    ImportedScene,
     NewWebhook,
     PreflightReport,
     Reading,
@@ -27,7 +28,7 @@ from nocturne_client.models import (
     Webhook,
     Worker,
 )
-from nocturne_client.scene_files import SceneOnDisk, digest, read_scene
+from nocturne_client.scene_files import SceneOnDisk, digest, files_of_import, read_scene
 from nocturne_client.transport import RETRY_DELAYS_S, Transport
 
 if TYPE_CHECKING:
@@ -92,7 +93,7 @@ class Client:
 
     def submit(
         self,
-        scene: Path,
+        scene: Path | Mapping[str, Any],
         width: int,
         height: int,
         samples: int,
@@ -104,14 +105,19 @@ class Client:
     ) -> Render:
         """Uploads what the scene document at `scene` names and the service lacks, and starts a render.
 
+        `scene` may be a document itself, as imports give it: the service has its files.
         Film in pixels, at most `samples` per pixel. `stop`: what else ends it, whichever comes first, of
         relative_error, tile_relative_error, wall_seconds, cpu_seconds, until ("07:00 Europe/Berlin").
         Submitting again with the same `request_id` gives the same render.
         """
-        on_disk = self._uploaded(scene, progress)
+        if isinstance(scene, Path):
+            on_disk = self._uploaded(scene, progress)
+            name = name or on_disk.name or scene.stem
+        else:
+            on_disk = SceneOnDisk(dict(scene), {})
         body = {
             "request_id": request_id or str(uuid.uuid4()),
-            "name": name or on_disk.name or scene.stem,
+            "name": name or on_disk.name,
             "scene": on_disk.document,
             "width": width,
             "height": height,
@@ -120,6 +126,31 @@ class Client:
             "priority": priority,
         }
         return decode(Render, self._transport.post("/v1/renders", body))
+
+    def import_scene(
+        self,
+        scene: Path,
+        allow_missing: bool = False,
+        light: str = "",
+        progress: UploadProgress | None = None,
+    ) -> ImportedScene:
+        """Makes a scene document of another renderer's scene, whose files the service keeps; takes up to
+        minutes.
+
+        A .glb or .zip file is a scene by itself; of others all files below their folder are uploaded.
+        `light`: `sky`, `studio` or the path of a picture in that folder.
+        """
+        files = files_of_import(scene)
+        self._send(dict(files.values()), progress)
+        body = {
+            "files": {name: sha256 for name, (sha256, _) in files.items()},
+            "scene": scene.name,
+            "allow_missing": allow_missing,
+            "light": light,
+        }
+        # Not repeated: a second one would take minutes again.
+        answer = self._transport.send_json("POST", "/v1/imports", body, timeout=_PREFLIGHT_TIMEOUT)
+        return decode(ImportedScene, answer)
 
     def preflight(
         self, scene: Path, width: int, height: int, error: float = 0.02, budget_seconds: float = 60.0
@@ -297,9 +328,13 @@ class Client:
     def _uploaded(self, scene: Path, progress: UploadProgress | None) -> SceneOnDisk:
         """A scene whose files the service has."""
         on_disk = read_scene(scene)
-        for sha256 in self._missing(sorted(on_disk.files)):
-            self.upload(on_disk.files[sha256], sha256, progress)
+        self._send(on_disk.files, progress)
         return on_disk
+
+    def _send(self, files: Mapping[str, Path], progress: UploadProgress | None) -> None:
+        """Uploads those of the files, by SHA-256, that the service lacks."""
+        for sha256 in self._missing(sorted(files)):
+            self.upload(files[sha256], sha256, progress)
 
 
 def _part(text: str) -> str:

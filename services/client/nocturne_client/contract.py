@@ -322,3 +322,32 @@ class PreflightReport:
     """Parts that change nothing of what is traced."""
     document: dict[str, Any]
     """The scene document of the chosen model."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing wrong with a request."""
+
+    place: str
+    """Where: `$.scene.surfaces[3].kernel` in the body, `query.page_size`, ..."""
+    message: str
+
+
+@dataclass(frozen=True)
+class ImportedScene:
+    """A scene that was imported; its files are stored."""
+
+    document: dict[str, Any]
+    """The scene document."""
+    scene: str
+    """Path of the file that it was made of."""
+    width: int
+    """Of the file's film, pixels."""
+    height: int
+    """Of the file's film, pixels."""
+    samples: int | None
+    """Per pixel, as the file says; null: it does not."""
+    notes: list[str]
+    """What is expressed in another way."""
+    missing: list[Problem]
+    """What was left out."""

@@ -5,6 +5,7 @@ import time
 from nocturne_client import contract
 from nocturne_client.contract import (
     Explanation,
+    ImportedScene,
     NewWebhook,
     PreflightReport,
     Progress,
@@ -18,6 +19,7 @@ from nocturne_client.contract import (
 
 __all__ = [
     "Explanation",
+    "ImportedScene",
     "NewWebhook",
     "PreflightReport",
     "Progress",

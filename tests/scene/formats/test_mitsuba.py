@@ -11,6 +11,7 @@ from nocturne_scene.formats.import_scene import import_scene
 from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT, white
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.meshes.files import load_mesh
+from nocturne_scene.textures.environment_maps import interpolated, read_whole
 
 from tests.pictures import write_exr
 from tests.scene.formats.mitsuba_import import SENSOR, SPHERE, imported, kernel
@@ -84,8 +85,26 @@ def test_light_from_one_direction_becomes_a_disc(tmp_path: Path) -> None:
     )
     document, _ = imported(tmp_path, SPHERE + body, light_degrees=0.5)
     assert document["distant"] == [
-        {"direction": [0, 0, -2], "angular_diameter_degrees": 0.5, "irradiance": 5}
+        {
+            "direction": [0, 0, -2],
+            "angular_diameter_degrees": 0.5,
+            "irradiance": 5,
+            "hidden_from": "camera_and_mirrors",
+        }
     ]
+
+
+def test_hidden_emitters_are_hidden_from_the_camera(tmp_path: Path) -> None:
+    """As Mitsuba's are; points are hidden from mirrors, too."""
+    glowing = '<shape type="sphere"><emitter type="area"/></shape>'
+    hiding = '<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>'
+    document, found = imported(
+        tmp_path, glowing + hiding + '<emitter type="point"/><emitter type="constant"/>'
+    )
+    hidden = [surface["luminaire"]["hidden_from"] for surface in document["surfaces"]]
+    assert hidden == ["camera", "camera_and_mirrors"]
+    assert document["environment"]["hidden_from"] == "camera"
+    assert not found.missing
 
 
 def test_a_sky_is_seen_where_mitsuba_sees_it(tmp_path: Path) -> None:
@@ -98,14 +117,29 @@ def test_a_sky_is_seen_where_mitsuba_sees_it(tmp_path: Path) -> None:
     document, _ = imported(tmp_path, SPHERE + body)
     sky = document["environment"]
     assert (sky["up"], sky["forward"]) == ([0, 1, 0], [0, 0, 1])
-    found = oiio.ImageBuf(str(tmp_path / "out" / sky["asset"]))
-    width = found.spec().width
-    row = [found.getpixel(x, found.spec().height // 2)[0] for x in range(width)]
+    assert sky["pixels"] == "points"
+    # As small as it came.
+    file = tmp_path / "out" / sky["asset"]
+    assert file.read_bytes() == (tmp_path / "in" / "sky.exr").read_bytes()
+    rows, count, width = interpolated(read_whole(file))
+    row = np.stack(list(rows))[count // 2, :, 0]
     # Column 4's centre is at (4 + 1/2) / 16 of the width; bilinear over one column on either side.
     centre = np.average((np.arange(width) + 0.5) / width, weights=row)
     assert centre == pytest.approx(4.5 / 16)
     # An eighth of a column from the middle, brightness and colour each interpolated.
     assert max(row) == pytest.approx((7 / 8) ** 2)
+
+
+def test_a_sky_of_eight_bits_is_decoded(tmp_path: Path) -> None:
+    (tmp_path / "in").mkdir()
+    picture = oiio.ImageBuf(oiio.ImageSpec(16, 8, 3, oiio.UINT8))
+    oiio.ImageBufAlgo.fill(picture, (0.5, 0.5, 0.5))
+    picture.write(str(tmp_path / "in" / "sky.png"))
+    body = '<emitter type="envmap"><string name="filename" value="sky.png"/></emitter>'
+    document, _ = imported(tmp_path, SPHERE + body)
+    pixels = read_whole(tmp_path / "out" / document["environment"]["asset"])
+    # 128 of 255 by IEC 61966-2-1.
+    assert pixels == pytest.approx(0.2158605, rel=1e-3)
 
 
 def test_meshes_stand_where_they_are_put_and_face_their_normals(tmp_path: Path) -> None:
@@ -180,7 +214,7 @@ def test_defaults_includes_and_references(tmp_path: Path) -> None:
             '<shape type="sphere"><float name="colour" value="1"/></shape>',
             'no equal of the parameter "colour"',
         ),
-        ('<emitter type="projector"/>' + SPHERE, 'no equal of the emitter "projector"'),
+        ('<emitter type="sunsky"/>' + SPHERE, 'no equal of the emitter "sunsky"'),
         (
             '<shape type="sphere"><bsdf type="principledthin"/></shape>',
             'no equal of the bsdf "principledthin"',
@@ -242,3 +276,36 @@ def test_what_is_broken_is_left_out_and_the_rest_is_there(tmp_path: Path) -> Non
     document, found = imported(tmp_path, broken + SPHERE, allow_missing=True)
     assert len(document["surfaces"]) == 1
     assert 'no file "none.obj"' in str(found.missing[0])
+
+
+def test_a_mirrored_picture_repeats_with_its_mirror_images(tmp_path: Path) -> None:
+    (tmp_path / "in").mkdir()
+    write_exr(tmp_path / "in" / "a.exr", np.arange(18, dtype=np.float32).reshape(2, 3, 3), "RGB")
+    body = (
+        '<shape type="rectangle"><bsdf type="diffuse"><texture name="reflectance" type="bitmap">'
+        '<string name="filename" value="a.exr"/><string name="wrap_mode" value="mirror"/>'
+        '<transform name="to_uv"><scale x="2" y="4"/><translate x="1" y="0.5"/></transform>'
+        "</texture></bsdf></shape>"
+    )
+    document, found = imported(tmp_path, body)
+    assert not found.missing
+    [texture] = document["textures"].values()
+    pixels = read_whole(tmp_path / "out" / texture["asset"])
+    upper, lower = [0, 3, 6, 6, 3, 0], [9, 12, 15, 15, 12, 9]
+    assert pixels[..., 0].tolist() == [upper, lower, lower, upper]
+    use = document["surfaces"][0]["kernel"]["front"]["reflectance"]
+    assert use["scale"] == [1.0, 2.0]
+    # v down: 1 - 2 - 0.25.
+    assert use["offset"] == [0.5, -1.25]
+
+
+def test_a_number_of_samples_may_be_left_open(tmp_path: Path) -> None:
+    (tmp_path / "in").mkdir()
+    sensor = SENSOR.replace('value="7"', 'value="$spp"')
+    (tmp_path / "in" / "a.xml").write_text(
+        f'<scene version="3.0.0">{sensor}{SPHERE}<emitter type="constant"/></scene>'
+    )
+    found = import_scene(tmp_path / "in" / "a.xml", tmp_path / "open", ImportOptions())
+    assert found.film.samples == 16
+    with pytest.raises(InputError, match="has no value"):
+        imported(tmp_path, '<shape type="sphere"><float name="radius" value="$spp"/></shape>')

@@ -170,3 +170,8 @@ def test_a_textured_base_saturates_no_more_than_an_even_one(tmp_path: Path) -> N
     coat = smooth_coat(found["index"])
     expected = [base_under(coat, each, linear=True) for each in (0.2, 0.5, 0.9, 1.0, 0.0, 0.5)]
     assert under.ravel() == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_polarizer_lets_half_of_the_light_through(tmp_path: Path) -> None:
+    made = kernel(tmp_path, '<bsdf type="polarizer"><float name="transmittance" value="0.8"/></bsdf>')
+    assert (made["type"], made["opacity"]) == ("mask", pytest.approx(0.6))

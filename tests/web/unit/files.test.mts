@@ -1,8 +1,10 @@
 /** Archives and scenes that people bring; the fixture was written by Python's zipfile. */
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { isOfOtherRenderer, sceneOf } from "../../../services/web/src/submit/import_scene.ts";
 import { documentPath, partsWithPaths, readScene, resolved } from "../../../services/web/src/submit/scene_files.ts";
 import { readZip } from "../../../services/web/src/submit/zip.ts";
+import type { SceneDocument } from "../../../services/web/src/service/types.ts";
 import { archive } from "./files.ts";
 
 function bytes(base64: string): ArrayBuffer {
@@ -54,4 +56,19 @@ test("paths stay inside, names of responses are not files", () => {
   assert.equal(resolved("box/", "/etc/passwd"), "");
   assert.equal(resolved("box/", "a/../../b"), "");
   assert.deepEqual([...partsWithPaths({ sensor: { responses: { asset: "no" } }, texture: { asset: "sha256:00" } })], []);
+});
+
+test("scenes of other renderers are told from our own", () => {
+  assert.equal(isOfOtherRenderer(["room/room.gltf", "room/room.bin", "room/license.json"]), true);
+  assert.equal(isOfOtherRenderer(["SPOON.GLB"]), true);
+  assert.equal(isOfOtherRenderer(["box/scene.json", "box/original.xml"]), false);
+  assert.equal(isOfOtherRenderer(["lamp.json", "mesh.ply"]), false);
+});
+
+test("an imported scene needs no files, and says what was left out", () => {
+  const missing = [{ place: "a.xml:3", message: "no equal of hair" }];
+  const document = JSON.parse('{"nocturne": 1}') as SceneDocument;
+  const scene = sceneOf({ document, scene: "a.xml", width: 40, height: 20, samples: null, notes: ["a point became a sphere"], missing });
+  assert.deepEqual(scene.notes, ["Left out: a.xml:3: no equal of hair", "a point became a sphere"]);
+  assert.deepEqual([scene.film.width, scene.film.height, scene.files.size, scene.problems.length], [40, 20, 0, 0]);
 });

@@ -25,7 +25,7 @@ class SceneBuilder {
   std::map<std::string, std::filesystem::path> files;
 
   SceneBuilder() {
-    message.set_format(2);
+    message.set_format(3);
     auto& s = *message.mutable_sensor();
     s.mutable_right()->set_x(1);
     s.mutable_up()->set_y(1);

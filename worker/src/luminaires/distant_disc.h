@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "luminaires/hidden_from.h"
 #include "math/frame.h"
 #include "math/vec3.h"
 #include "spectrum/spectrum.h"
@@ -20,6 +21,8 @@ class DistantDisc {
   /// Unit direction towards the disc; angular radius in (0, pi/2]; radiance at its centre, W m-2
   /// sr-1 nm-1. Throws std::invalid_argument.
   DistantDisc(Vec3 direction, double half_angle, Spectrum radiance, LimbDarkening limb = {});
+
+  HiddenFrom hidden_from = HiddenFrom::kNobody;
 
   Vec3 direction() const { return frame_.normal; }
 

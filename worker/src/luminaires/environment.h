@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "luminaires/environment_map.h"
+#include "luminaires/hidden_from.h"
 #include "luminaires/light_sampling_context.h"
 #include "math/frame.h"
 #include "pdfs/directions.h"
@@ -19,6 +20,8 @@ class Environment {
       : mean_(constant.mean()), radiance_(std::move(constant)) {}
   explicit Environment(EnvironmentMap map)
       : mean_(map.mean_radiance()), radiance_(std::move(map)) {}
+
+  HiddenFrom hidden_from = HiddenFrom::kNobody;
 
   template <int N>
   Spectral<N> radiance(Vec3 direction, const Spectral<N>& wavelengths) const {

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "luminaires/elements.h"
+#include "luminaires/hidden_from.h"
 #include "luminaires/intensity_profile.h"
 #include "math/constants.h"
 #include "math/vec3.h"
@@ -56,6 +57,7 @@ class Luminaire {
   }
 
   std::uint32_t surface;
+  HiddenFrom hidden_from = HiddenFrom::kNobody;
 
   bool two_sided() const { return two_sided_; }
   /// Whether `emitted` looks at the surface point.

@@ -162,6 +162,19 @@ Elements important_elements(const LoadContext& context) {
   return elements;
 }
 
+HiddenFrom load_hidden_from(v1::HiddenFrom message) {
+  switch (message) {
+    case v1::HIDDEN_FROM_NOBODY:
+      return HiddenFrom::kNobody;
+    case v1::HIDDEN_FROM_CAMERA:
+      return HiddenFrom::kCamera;
+    case v1::HIDDEN_FROM_CAMERA_AND_MIRRORS:
+      return HiddenFrom::kCameraAndMirrors;
+    default:
+      refuse("a light hidden from somebody that this program doesn't know");
+  }
+}
+
 EnvironmentMap load_map(const LoadContext& context, const v1::EnvironmentMap& message) {
   require(message.columns() > 0 && message.columns() <= EnvironmentMap::kMaxColumns &&
               message.rows() > 0 && message.rows() <= EnvironmentMap::kMaxRows,
@@ -180,8 +193,10 @@ EnvironmentMap load_map(const LoadContext& context, const v1::EnvironmentMap& me
 std::optional<Environment> load_environment(const LoadContext& context) {
   if (!context.message.has_environment()) return std::nullopt;
   const v1::Environment& message = context.message.environment();
-  if (message.has_map()) return Environment(load_map(context, message.map()));
-  return Environment(context.spectrum(message.constant()));
+  Environment environment = message.has_map() ? Environment(load_map(context, message.map()))
+                                              : Environment(context.spectrum(message.constant()));
+  environment.hidden_from = load_hidden_from(message.hidden_from());
+  return environment;
 }
 
 // A point of a surface at the first time, as if it had been hit.
@@ -228,6 +243,7 @@ std::vector<DistantDisc> load_discs(const LoadContext& context) {
     }
     discs.emplace_back(vector(disc.direction(), "a disc's direction"), disc.half_angle(),
                        context.spectrum(disc.radiance()), std::move(limb));
+    discs.back().hidden_from = load_hidden_from(disc.hidden_from());
   }
   return discs;
 }
@@ -249,6 +265,7 @@ std::vector<Luminaire> load_luminaires(const LoadContext& context, const Geometr
                        message.two_sided(),
                        load_profile(message, geometry.shapes()[message.surface()], instanced));
     }));
+    luminaires.back().hidden_from = load_hidden_from(message.hidden_from());
   }
   return luminaires;
 }

@@ -17,7 +17,7 @@
 namespace nocturne {
 namespace {
 
-constexpr std::uint32_t kFormat = 2;
+constexpr std::uint32_t kFormat = 3;
 // Of one spectrum, so that a scene's size says how much work it makes.
 constexpr int kMaxLines = 10'000;
 

@@ -87,13 +87,26 @@ struct Scene {
   /// Radiance that arrives from outside all surfaces, from `direction`.
   template <int N>
   Spectral<N> distant_radiance(Vec3 direction, const Spectral<N>& wavelengths_nm) const {
-    Spectral<N> radiance = lights.environment()
-                               ? lights.environment()->radiance(direction, wavelengths_nm)
+    return distant_radiance(direction, wavelengths_nm, [](HiddenFrom) { return false; });
+  }
+  /// Without that for which `sees_past`, of a HiddenFrom, is true.
+  template <int N, class SeesPast>
+  Spectral<N> distant_radiance(Vec3 direction, const Spectral<N>& wavelengths_nm,
+                               const SeesPast& sees_past) const {
+    const auto& environment = lights.environment();
+    Spectral<N> radiance = environment && !sees_past(environment->hidden_from)
+                               ? environment->radiance(direction, wavelengths_nm)
                                : Spectral<N>(0.0f);
     for (const DistantDisc& disc : lights.discs()) {
-      radiance += disc.radiance(direction, wavelengths_nm);
+      if (!sees_past(disc.hidden_from)) radiance += disc.radiance(direction, wavelengths_nm);
     }
     return radiance;
+  }
+  /// Of the luminaire on a surface.
+  HiddenFrom hidden_from(std::uint32_t surface) const {
+    const std::uint32_t luminaire = materials[surface].luminaire;
+    return luminaire == SurfaceMaterial::kNone ? HiddenFrom::kNobody
+                                               : luminaires[luminaire].hidden_from;
   }
 
   std::uint32_t surface_of(std::size_t medium) const {

@@ -80,11 +80,27 @@ struct Group {
   std::uint32_t caught = 0;
   /// Left a first vertex as its neighbours' photons might: the next surface may be shared.
   bool shares = false;
+  /// Something else than mirrors and clear surfaces turned it.
+  bool scattered = false;
   /// Of photons in both directions.
   PathEnds ends;
   MisState<N> mis;
   PhotonSequence sequence;
 };
+
+/// Whether photons from a camera see past a light that is hidden from it.
+template <int N>
+bool sees_past(const Group<N>& group, HiddenFrom hidden_from) {
+  switch (hidden_from) {
+    case HiddenFrom::kCamera:
+      return group.depth == group.passes;
+    case HiddenFrom::kCameraAndMirrors:
+      return !group.scattered;
+    case HiddenFrom::kNobody:
+      break;
+  }
+  return false;
+}
 
 /// Bit i: photon i still carries something.
 template <int N>

@@ -4,9 +4,9 @@
 #include "scene/scene.h"
 #include "tile/block_samples.h"
 #include "tile/tile_sums.h"
-#include "tracer/sharing_blocks.h"
 #include "tracer/pixel_batches.h"
 #include "tracer/response.h"
+#include "tracer/sharing_blocks.h"
 
 namespace nocturne {
 

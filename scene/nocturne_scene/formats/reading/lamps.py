@@ -12,6 +12,9 @@ from nocturne_scene.photometry.ies import write as write_photometry
 
 Direction = NDArray[np.float64]
 
+# No ray of another renderer meets a lamp without a size, whether it comes from the camera or a mirror.
+UNSEEN = "camera_and_mirrors"
+
 
 def point(position: Direction, radius: float, intensity: Json, name: str) -> Json:
     """A sphere that has the same intensity in all directions, W sr-1 nm-1."""
@@ -19,7 +22,20 @@ def point(position: Direction, radius: float, intensity: Json, name: str) -> Jso
         "name": name,
         "shape": {"type": "sphere", "centre": position.tolist(), "radius": radius},
         "kernel": {"type": "null"},
-        "luminaire": {"radiance": colours.scaled(intensity, 1 / (math.pi * radius**2))},
+        "luminaire": {
+            "radiance": colours.scaled(intensity, 1 / (math.pi * radius**2)),
+            "hidden_from": UNSEEN,
+        },
+    }
+
+
+def far(direction: list[float], degrees: float, irradiance: Json) -> Json:
+    """A disc at infinity that has the same irradiance, face on; `direction` points at it."""
+    return {
+        "direction": direction,
+        "angular_diameter_degrees": degrees,
+        "irradiance": irradiance,
+        "hidden_from": UNSEEN,
     }
 
 
@@ -50,5 +66,6 @@ def spot(
         "luminaire": {
             "radiance": intensity,
             "profile": {"asset": asset, "axis": axis.tolist(), "zero": across.tolist()},
+            "hidden_from": UNSEEN,
         },
     }

@@ -5,9 +5,10 @@ import math
 import numpy as np
 
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.document.luminaires import EnvironmentMap
 from nocturne_scene.formats.pbrt.read import squares
 from nocturne_scene.formats.writing.tables import Array
-from nocturne_scene.textures.environment_maps import equal_area_rows, read_whole
+from nocturne_scene.textures.environment_maps import equal_area_rows, interpolated, read_whole
 
 # Pixels of the picture that is made: the more, the narrower are the seams between texels.
 _MAX_PIXELS = 2**22
@@ -16,10 +17,13 @@ _FINEST = 16
 _PARTS = 8
 
 
-def texels_of(sha256: str, blobs: BlobStore) -> Array:
+def texels_of(environment: EnvironmentMap, blobs: BlobStore) -> Array:
     """What the tracer makes of a map: rows of equal steps of height, linear sRGB, (rows, columns, 3)."""
-    rows = read_whole(blobs.path(sha256))
-    return np.stack(list(equal_area_rows(iter(rows), len(rows))))
+    pixels = read_whole(blobs.path(environment.asset.removeprefix("sha256:")))
+    rows, count = iter(pixels), len(pixels)
+    if environment.pixels == "points":
+        rows, count, _ = interpolated(pixels)
+    return np.stack(list(equal_area_rows(rows, count)))
 
 
 def equal_area_square(texels: Array) -> Array:

@@ -36,6 +36,15 @@ CREATE_RENDER: dict[str, Any] = {
 
 PREFLIGHT: dict[str, Any] = {"scene": SCENE, "width": 640, "height": 480, "error": 0.02, "budget_seconds": 60}
 
+IMPORT: dict[str, Any] = {
+    "files": {"room/scene.gltf": SHA256, "room/scene.bin": SHA256},
+    "scene": "room/scene.gltf",
+    "allow_missing": True,
+    "light": "studio",
+    "time": None,
+    "parameters": {},
+}
+
 RENDER: dict[str, Any] = {
     "id": "r-mfzwkzdvnq2a",
     "name": "lamp",

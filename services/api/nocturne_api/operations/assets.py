@@ -2,8 +2,9 @@
 
 import asyncio
 from collections import Counter
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
+from pathlib import Path
 
 from nocturne_scene.blobs import check_size
 from nocturne_scene.errors import InputError, NotFound
@@ -97,6 +98,16 @@ class Assets:
             if is_new:
                 await asyncio.shield(self._access.in_database(uploads.take_back, owner, sha256))
             raise
+
+    async def adopt(self, files: Mapping[str, Path]) -> None:
+        """Stores files that were made here for the caller, by digest; QuotaUsedUp, FolderFull."""
+        for sha256, file in files.items():
+            if await asyncio.to_thread(self._has, sha256):
+                continue
+            size = (await asyncio.to_thread(file.stat)).st_size
+            with self._space.taken(size):
+                async with self._charged(CALLER.get().name, sha256, size):
+                    await asyncio.to_thread(self._blobs.put_file, sha256, file)
 
     async def get(self, sha256: str) -> Asset:
         """One stored file; raises NotFound."""

@@ -14,6 +14,7 @@ from nocturne_api.operations.assets import Assets
 from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.health import Health
 from nocturne_api.operations.images import Images
+from nocturne_api.operations.imports import Imports
 from nocturne_api.operations.machines import Machines
 from nocturne_api.operations.preflights import Preflights
 from nocturne_api.operations.readings import Readings
@@ -56,6 +57,7 @@ class Operations:
         self.machines = Machines(access)
         self.webhooks = Webhooks(access, webhook_rules)
         self.assets = Assets(access, space)
+        self.imports = Imports(access, self.assets)
         self.tokens = Tokens(access)
         self.health = Health(access, space)
 

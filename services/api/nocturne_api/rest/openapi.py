@@ -26,6 +26,7 @@ _TAGS = {
     "images": "Previews, images, and the tiles that changed.",
     "events": "Changes as server-sent events.",
     "preflights": "What a scene needs for a target error, before it is rendered.",
+    "imports": "Scenes of other renderers, made scene documents.",
     "assets": "Files by SHA-256; scenes refer to them as `sha256:...`.",
     "workers": "Who traces, and who gets no jobs.",
     "webhooks": "Addresses that are told how renders end (standardwebhooks.com).",

@@ -7,7 +7,18 @@ from typing import Annotated, Literal
 import typer
 
 from nocturne_client.cli.output import CONSOLE, ERRORS, AsJson, print_json
-from nocturne_client.cli.service_commands import Height, Samples, ScenePath, Width
+from nocturne_client.cli.service_commands import (
+    DEFAULT_EDGE,
+    AllowMissing,
+    AnyScenePath,
+    FilmHeight,
+    FilmWidth,
+    Height,
+    Light,
+    Samples,
+    ScenePath,
+    Width,
+)
 from nocturne_client.cli.stops import Error, For, Stops
 
 Threads = Annotated[int, typer.Option("--threads", min=0, help="0: one per processor.")]
@@ -88,10 +99,10 @@ def up(
 
 
 def render(
-    scene: ScenePath,
+    scene: AnyScenePath,
     output: Annotated[Path, typer.Option("--output", "-o", metavar="OUT.exr", help="Where the image goes.")],
-    width: Width = 512,
-    height: Height = 512,
+    width: FilmWidth = None,
+    height: FilmHeight = None,
     samples: Samples = 256,
     threads: Threads = 0,
     seed: Annotated[int | None, typer.Option("--seed", min=0, help="Instead of the scene's own.")] = None,
@@ -100,16 +111,21 @@ def render(
     ] = None,
     error: Error = "",
     duration: For = "",
+    light: Light = "",
+    allow_missing: AllowMissing = False,
 ) -> None:
     """Render one scene on this machine without a service; the same bits as from the service.
 
     With --error or --for it ends where a range of samples does: at the last one that fits into the time.
     """
+    from nocturne_client.local.importing import imported_or_same
     from nocturne_client.local.render import LocalRender, render_scene
 
     stop = Stops(error, duration=duration).asked()
     threads = threads or len(os.sched_getaffinity(0))
-    render_scene(LocalRender(scene, output, width, height, samples, threads, seed, statistics, stop))
+    with imported_or_same(scene, light, allow_missing, DEFAULT_EDGE) as (document, film):
+        edges = width or film[0], height or film[1]
+        render_scene(LocalRender(document, output, *edges, samples, threads, seed, statistics, stop))
     typer.echo(output)
 
 
@@ -144,7 +160,10 @@ def compile_scene(
 
 def import_scene(
     file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="Mitsuba 3 (.xml), pbrt-v4 (.pbrt), glTF (.gltf, .glb).")
+        Path,
+        typer.Argument(
+            metavar="FILE", help="Mitsuba 3 (.xml), pbrt-v4 (.pbrt), glTF (.gltf, .glb), or a .zip of one."
+        ),
     ],
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="DIR", help="New folder for scene.json and its files.")

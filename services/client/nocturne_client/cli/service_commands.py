@@ -4,7 +4,7 @@ import sys
 from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -22,6 +22,7 @@ from nocturne_client.cli.watching import about, follow, graphics_wanted
 from nocturne_client.client import Client
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.readings import parse_region, sentence
+from nocturne_client.scene_files import is_of_other_renderer
 
 if TYPE_CHECKING:
     from nocturne_client.preview.sinks import Sink
@@ -46,6 +47,29 @@ RenderId = Annotated[
     ),
 ]
 ScenePath = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene document, JSON.")]
+AnyScenePath = Annotated[
+    Path,
+    typer.Argument(
+        metavar="SCENE",
+        help="Scene document, JSON, or a scene that is imported: .xml (Mitsuba 3), .pbrt, .gltf, .glb, .zip.",
+    ),
+]
+FilmWidth = Annotated[
+    int | None, typer.Option("--width", help="Pixels. Default: the imported file's, else 512.")
+]
+FilmHeight = Annotated[
+    int | None, typer.Option("--height", help="Pixels. Default: the imported file's, else 512.")
+]
+Light = Annotated[
+    str,
+    typer.Option(
+        "--light", metavar="sky|studio|FILE", help="Of an imported scene; default: sky where nothing emits."
+    ),
+]
+AllowMissing = Annotated[
+    bool, typer.Option("--allow-missing", help="Leave out what of an imported scene has no equal.")
+]
+DEFAULT_EDGE = 512
 Width = Annotated[int, typer.Option("--width", help="Pixels.")]
 Height = Annotated[int, typer.Option("--height", help="Pixels.")]
 Samples = Annotated[int, typer.Option("--samples", help="Samples per pixel.")]
@@ -60,9 +84,9 @@ def add_to(app: typer.Typer) -> None:
 
 
 def submit(
-    scene: ScenePath,
-    width: Width = 512,
-    height: Height = 512,
+    scene: AnyScenePath,
+    width: FilmWidth = None,
+    height: FilmHeight = None,
     samples: Samples = 256,
     name: Annotated[str, typer.Option("--name", help="Default: the scene's own, or the file's.")] = "",
     request_id: Annotated[
@@ -78,6 +102,8 @@ def submit(
         int, typer.Option("--priority", help="1 to 1000; twice as much gets twice the work.")
     ] = 0,
     then_watch: Annotated[bool, typer.Option("--watch", help="Follow it to its end.")] = False,
+    light: Light = "",
+    allow_missing: AllowMissing = False,
     url: Url = None,
     as_json: AsJson = False,
 ) -> None:
@@ -89,9 +115,15 @@ def submit(
             ERRORS.print(f"uploaded {path.name}, {size:,} bytes", markup=False)
 
     with Client(url) as client:
-        render = client.submit(
-            scene, width, height, samples, name, request_id, uploading, stop=stop, priority=weight
-        )
+        source: Path | dict[str, Any] = scene
+        if is_of_other_renderer(scene):
+            imported = client.import_scene(scene, allow_missing, light, uploading)
+            for note in (*imported.notes, *(f"missing: {each.message}" for each in imported.missing)):
+                ERRORS.print(note, markup=False, soft_wrap=True)
+            source, name = imported.document, name or scene.stem
+            width, height = width or imported.width, height or imported.height
+        film = width or DEFAULT_EDGE, height or DEFAULT_EDGE, samples
+        render = client.submit(source, *film, name, request_id, uploading, stop=stop, priority=weight)
         if not then_watch:
             print_render(render, as_json) if as_json else typer.echo(render.id)
             return

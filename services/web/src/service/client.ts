@@ -7,6 +7,8 @@ import type {
   Answer,
   ConvergencePoint,
   CreateRenderRequest,
+  ImportedScene,
+  ImportRequest,
   PreflightReport,
   PreflightRequest,
   Problem,
@@ -98,6 +100,11 @@ export async function createRender(request: CreateRenderRequest): Promise<Render
 /** What a scene needs for a relative error; takes minutes. */
 export async function preflight(request: PreflightRequest): Promise<PreflightReport> {
   return getJson<"preflight">("/v1/preflights", { method: "POST", body: JSON.stringify(request) });
+}
+
+/** The document of another renderer's scene, whose files are uploaded; takes up to minutes. */
+export async function importScene(request: ImportRequest): Promise<ImportedScene> {
+  return getJson<"import_scene">("/v1/imports", { method: "POST", body: JSON.stringify(request) });
 }
 
 /** An OpenEXR file from disk as a film, in tiles of this edge; the service reads all that OpenImageIO can. */

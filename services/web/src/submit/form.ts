@@ -29,7 +29,7 @@ const fields: Field[] = [
 ];
 
 /** `onPreflight` is for the second button, which asks what the scene needs. */
-export function submitForm(onSubmit: (asked: Asked) => void, onPreflight: (asked: Asked) => void): { node: HTMLFormElement; begin: (name: string) => void; busy: (busy: boolean) => void } {
+export function submitForm(onSubmit: (asked: Asked) => void, onPreflight: (asked: Asked) => void): { node: HTMLFormElement; begin: (name: string) => void; setFilm: (width: number, height: number) => void; busy: (busy: boolean) => void } {
   const inputs = new Map(fields.map((field) => [field.name, input(field)]));
   const button = element("button", { type: "submit", class: "primary" }, "Render");
   const preflight = element("button", { type: "button" }, "Preflight");
@@ -49,6 +49,12 @@ export function submitForm(onSubmit: (asked: Asked) => void, onPreflight: (asked
       requestId = newId();
       const field = inputs.get("name");
       if (field) field.value = name;
+    },
+    setFilm: (width, height) => {
+      for (const [name, edge] of [["width", width], ["height", height]] as const) {
+        const field = inputs.get(name);
+        if (field) field.value = String(edge);
+      }
     },
     busy: (busy) => { button.disabled = preflight.disabled = busy; },
   };

@@ -1,4 +1,5 @@
 /** A scene among files by path: its document, and what it refers to by relative paths. As nocturne_client/scene_files.py. */
+import { missingAssets, storeAsset } from "../service/client.ts";
 import type { Problem, SceneDocument } from "../service/types.ts";
 
 export interface Scene {
@@ -80,7 +81,18 @@ function namesFile(value: object): value is Part {
   return "asset" in value && typeof value.asset === "string" && !value.asset.startsWith(digestPrefix);
 }
 
-async function digest(file: Blob): Promise<string> {
+/** Sends those of the files, by SHA-256, that the service does not have. */
+export async function upload(files: ReadonlyMap<string, Blob>, say: (words: string) => void): Promise<void> {
+  if (files.size === 0) return;
+  const missing = await missingAssets([...files.keys()]);
+  for (const [index, sha256] of missing.entries()) {
+    say(`Sending file ${index + 1} of ${missing.length}…`);
+    const file = files.get(sha256);
+    if (file) await storeAsset(sha256, file);
+  }
+}
+
+export async function digest(file: Blob): Promise<string> {
   // Browsers give it to pages from this machine or over TLS only; types do not say so.
   const subtle = crypto.subtle as SubtleCrypto | undefined;
   if (!subtle) throw new Error("Files can be sent over HTTPS or from this machine only: browsers give no SHA-256 otherwise.");

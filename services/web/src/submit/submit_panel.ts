@@ -1,12 +1,13 @@
 /** Submitting a scene: drop a folder or an archive, say what is wanted, send. */
 import { announce, element, setText } from "../dom.ts";
 import { renderRoute } from "../router.ts";
-import { createRender, missingAssets, preflight, ServiceError, storeAsset } from "../service/client.ts";
+import { createRender, preflight, ServiceError } from "../service/client.ts";
 import type { CreateRenderRequest, PreflightReport, Problem } from "../service/types.ts";
 import { filesDropped, filesOf } from "./dropped.ts";
 import { type Asked, submitForm } from "./form.ts";
 import { preflightResult } from "./preflight_result.ts";
-import { readScene, type Scene } from "./scene_files.ts";
+import { type Scene, upload } from "./scene_files.ts";
+import { takes } from "./taking.ts";
 
 /** Of a preflight where no stop is asked for. */
 const usualError = 0.02;
@@ -28,22 +29,20 @@ export function submitPanel(): { node: HTMLElement; close: () => void } {
     setText(status, error instanceof Error ? error.message : String(error));
     problems.show(error instanceof ServiceError ? error.problems : []);
   };
-  const take = async (files: Promise<Map<string, Blob>>): Promise<void> => {
-    setText(status, "Reading…");
+  const say = (words: string): void => { setText(status, words); };
+  const begin = (taken: Scene): void => {
+    scene = taken;
+    problems.show(taken.problems);
+    form.begin(typeof taken.document.name === "string" ? taken.document.name : (taken.path.split("/").at(-2) ?? "scene"));
+    form.node.hidden = taken.problems.length > 0;
+  };
+  const clear = (): void => {
+    scene = undefined;
     problems.show([]);
     form.node.hidden = true;
     report.replaceChildren();
-    try {
-      scene = await readScene(await files);
-      setText(status, scene.problems.length > 0 ? `${scene.path}: files are missing` : `${scene.path}, ${scene.files.size} files beside it`);
-      problems.show(scene.problems);
-      form.begin(typeof scene.document.name === "string" ? scene.document.name : (scene.path.split("/").at(-2) ?? "scene"));
-      form.node.hidden = scene.problems.length > 0;
-    } catch (error) {
-      scene = undefined;
-      failed(error);
-    }
   };
+  const take = takes({ say, failed, begin, clear, report, setFilm: form.setFilm });
   const working = async (work: () => Promise<void>): Promise<void> => {
     form.busy(true);
     problems.show([]);
@@ -56,7 +55,7 @@ export function submitPanel(): { node: HTMLElement; close: () => void } {
   };
   const send = (wanted: Scene, asked: Asked): Promise<void> => working(async () => {
     const request: CreateRenderRequest = { request_id: asked.requestId, scene: wanted.document, ...asked.request };
-    await upload(wanted, status);
+    await upload(wanted.files, say);
     setText(status, "Submitting…");
     const render = await createRender(request);
     announce(`${render.name} is submitted`);
@@ -73,7 +72,7 @@ export function submitPanel(): { node: HTMLElement; close: () => void } {
 
 async function preflightOf(wanted: Scene, { request }: Asked, status: HTMLElement): Promise<PreflightReport> {
   const { width, height, stop } = request;
-  await upload(wanted, status);
+  await upload(wanted.files, (words) => { setText(status, words); });
   setText(status, "Rendering it small, with and without each part; this takes minutes…");
   const error = stop.relative_error ?? usualError;
   const found = await preflight({ scene: wanted.document, width, height, error });
@@ -87,18 +86,8 @@ function simpler(scene: Scene, preflight: PreflightReport, status: HTMLElement):
   return { ...scene, document: preflight.document };
 }
 
-async function upload({ files }: Scene, status: HTMLElement): Promise<void> {
-  if (files.size === 0) return;
-  const missing = await missingAssets([...files.keys()]);
-  for (const [index, sha256] of missing.entries()) {
-    setText(status, `Sending file ${index + 1} of ${missing.length}…`);
-    const file = files.get(sha256);
-    if (file) await storeAsset(sha256, file);
-  }
-}
-
 function pickers(onFiles: (files: Promise<Map<string, Blob>>) => void): HTMLElement {
-  const file = element("input", { type: "file", id: "scene-file", multiple: "", accept: ".zip,.json" });
+  const file = element("input", { type: "file", id: "scene-file", multiple: "", accept: ".zip,.json,.xml,.pbrt,.gltf,.glb" });
   const folder = element("input", { type: "file", id: "scene-folder", webkitdirectory: "" });
   for (const input of [file, folder]) {
     input.addEventListener("change", () => {
@@ -109,7 +98,7 @@ function pickers(onFiles: (files: Promise<Map<string, Blob>>) => void): HTMLElem
   return element(
     "div",
     { class: "drop" },
-    element("p", {}, "Drop a scene's folder or ZIP anywhere on this page, or"),
+    element("p", {}, "Drop a scene's folder or ZIP anywhere on this page (also of Mitsuba 3, pbrt-v4 or glTF), or"),
     element("label", { class: "file", for: "scene-file" }, "choose a file", file),
     element("label", { class: "file", for: "scene-folder" }, "choose a folder", folder),
   );

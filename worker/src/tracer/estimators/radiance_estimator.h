@@ -31,12 +31,15 @@ class RadianceEstimator {
 
   void flies(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit) {
     if (hit != nullptr || !scene_.has_distant_light()) return;
-    add_light(group, scene_.distant_radiance(group.ray.direction, sample.wavelengths));
+    add_light(group,
+              scene_.distant_radiance(group.ray.direction, sample.wavelengths,
+                                      [&](HiddenFrom hidden) { return sees_past(group, hidden); }));
   }
 
   void arrives(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
     const std::uint32_t luminaire = scene_.materials[hit.surface].luminaire;
     if (luminaire == SurfaceMaterial::kNone) return;
+    if (sees_past(group, scene_.luminaires[luminaire].hidden_from)) return;
     add_light(group, scene_.emitted(scene_.luminaires[luminaire], hit, -group.ray.direction,
                                     sample.time, sample.wavelengths));
   }

@@ -51,7 +51,8 @@ bool follow_to_camera(Batch& batch, CameraRay<N>& to_camera) {
     return false;
   }
   const Contacts contacts = contacts_of(batch.scene, group.ray, sample.time, group.departure, *hit);
-  if (make_vertex(batch.scene, *hit, contacts, group, sample.wavelengths, sample.time,
+  if (batch.scene.hidden_from(hit->surface) == HiddenFrom::kNobody &&
+      make_vertex(batch.scene, *hit, contacts, group, sample.wavelengths, sample.time,
                   Transport::kForward)) {
     return false;
   }

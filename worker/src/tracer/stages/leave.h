@@ -41,6 +41,7 @@ bool leave(const Batch& batch, Group<N>& group, const Vertex<N>& vertex, Vec3 wi
   } else if (group.depth - group.passes > batch.options.max_depth) {
     return false;
   }
+  group.scattered = group.scattered || !delta;
   const Vec3 direction = vertex.to_world(wi);
   const float cosine = dot(vertex.normal, direction);
   // A medium has no sides, and turns one of 2^24 photons to go exactly across.

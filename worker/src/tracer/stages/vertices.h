@@ -39,6 +39,11 @@ void add_vertex(Batch& batch, std::size_t i, Chunk<N, Bound>& chunk) {
   const BatchSample<N>& sample = batch.sample_of(group);
   const Contacts& contacts =
       met.contacts == Encounter::kNoContacts ? none : batch.contacts[met.contacts];
+  if (Batch::kAdjoint && sees_past(group, batch.scene.hidden_from(hit.surface))) {
+    pass_index_matched(batch.scene, group, hit, contacts, sample.time);
+    batch.next.push_back(group);
+    return;
+  }
   auto& vertex = chunk.vertices[chunk.count];
   vertex.emplace(InPlace{
       [&] { return vertex_at(batch.scene, hit, group, sample.wavelengths, Batch::kTransport); }});

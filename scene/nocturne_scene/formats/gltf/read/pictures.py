@@ -81,7 +81,8 @@ class Pictures:
 
     def _asset(self, reference: Json, source: int, mirrored: bool, place: str) -> str:
         if mirrored:
-            return self.writer.picture(f"image-{source}-mirrored", self.pixels(reference, place)[..., :3])
+            pixels = self.pixels(reference, place)[..., :3]
+            return self.writer.picture(f"image-{source}-mirrored", pixels, narrow=True)
         content, end = self.container.image(source, place)
         name = f"textures/image-{source}{end}"
         if not (self.writer.folder / name).exists():

@@ -246,8 +246,7 @@ class _Reader:
                 place,
                 f"light from one direction became a disc of {degrees:g} degrees and the same irradiance",
             )
-            disc = {"direction": (-ahead).tolist(), "angular_diameter_degrees": degrees, "irradiance": power}
-            self.writer.add("distant", disc)
+            self.writer.add("distant", lamps.far((-ahead).tolist(), degrees, power))
             return
         radius = self.options.light_radius
         if radius is None:

@@ -297,6 +297,16 @@ def _null(context: Context, properties: Properties) -> Bsdf:
     return Bsdf({"type": "null"})
 
 
+def _polarizer(context: Context, properties: Properties) -> Bsdf:
+    """Of light that is not polarised half goes on, less what the filter absorbs."""
+    properties.ignore("theta", "polarizing")
+    passing = properties.number("transmittance", 1.0) / 2
+    context.findings.note(
+        properties.place, "polarisation is left out: the filter lets half of the light through"
+    )
+    return Bsdf({"type": "mask", "kernel": BLACK, "opacity": 1 - passing})
+
+
 def _normal_map(context: Context, properties: Properties) -> Bsdf:
     [inside] = _inside(context, properties, 1, 1)
     element = properties.take("normalmap")
@@ -336,6 +346,7 @@ _BSDFS: dict[str, Callable[[Context, Properties], Bsdf]] = {
     "mask": _mask,
     "blendbsdf": _blend,
     "null": _null,
+    "polarizer": _polarizer,
     "normalmap": _normal_map,
     "bumpmap": _bump_map,
 }

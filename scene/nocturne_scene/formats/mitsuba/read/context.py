@@ -34,6 +34,8 @@ class Context:
     """Mesh files read so far."""
     groups: dict[str, str] = field(default_factory=dict)
     """Groups made so far, by the id of their shapegroup."""
+    hides_emitters: bool = False
+    """Whether the camera sees past all lights."""
     lowest: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.inf))
     highest: NDArray[np.float64] = field(default_factory=lambda: np.full(3, -np.inf))
     """Box around all surfaces."""

@@ -145,6 +145,8 @@ class SceneTree:
             self._count += 1
             if self._count > _MAX_ELEMENTS:
                 raise InputError.at(element.place, f"more than {_MAX_ELEMENTS:,} elements")
+            if self._is_unset_count(element):
+                continue
             for key, value in element.attributes.items():
                 element.attributes[key] = self._substituted(value, element.place)
             match element.tag:
@@ -178,6 +180,12 @@ class SceneTree:
         if name in self.by_id and self.by_id[name] is not element:
             raise InputError.at(element.place, f'the id "{name[:80]}" is used twice')
         self.by_id[name] = element
+
+    def _is_unset_count(self, element: Element) -> bool:
+        """Whether it is a number of samples that has no value: whoever renders the scene chooses that."""
+        return element.name == "sample_count" and any(
+            name not in self._parameters for name in _PARAMETER.findall(element.attributes.get("value", ""))
+        )
 
     def _substituted(self, value: str, place: str) -> str:
         def found(match: re.Match[str]) -> str:

@@ -1,27 +1,25 @@
 """Mitsuba's emitters that stand by themselves. Those without a size get one of the same power."""
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
-from numpy.typing import NDArray
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.formats.mitsuba.read import textures
+from nocturne_scene.formats.mitsuba.read import spectra, textures
 from nocturne_scene.formats.mitsuba.read.context import Context
 from nocturne_scene.formats.mitsuba.read.elements import Element
 from nocturne_scene.formats.mitsuba.read.properties import Properties
+from nocturne_scene.formats.mitsuba.read.sensors import vertical_field
 from nocturne_scene.formats.mitsuba.read.units import white
-from nocturne_scene.formats.reading import lamps
-from nocturne_scene.formats.reading.scene_writer import Json
+from nocturne_scene.formats.reading import colours, lamps
+from nocturne_scene.formats.reading.beams import Array, beam, looked_up
+from nocturne_scene.formats.reading.scene_writer import Film, Json
 from nocturne_scene.textures.environment_maps import UnusableImageError, check_size, opened
+from nocturne_scene.textures.image_files import decoded
 
-Pixels = NDArray[np.float64]
-
-# A picture of the sky is written larger, which keeps the interpolation between its pixels: as many times as
-# the result has no more pixels than this.
-_FINER = (4, 2, 1)
 _MAX_PIXELS = 2**23
 
 
@@ -80,8 +78,7 @@ def _spot(context: Context, properties: Properties) -> None:
     cutoff = properties.number("cutoff_angle", 20.0)
     beam = properties.number("beam_width", 0.75 * cutoff)
     intensity = textures.light(context, properties, "intensity", _standard())
-    if properties.take("texture") is not None:
-        context.findings.lost(properties.place, "no equal of a spot's texture")
+    texture = properties.take("texture")
     if not 0 < beam <= cutoff < 180:
         raise InputError.at(properties.place, "expected 0 < beam_width <= cutoff_angle < 180")
     radius = context.light_radius()
@@ -91,6 +88,18 @@ def _spot(context: Context, properties: Properties) -> None:
     # Full up to the beam's width, from there to the cut-off in proportion to the angle, then none.
     degrees = np.unique(np.array([0.0, beam, cutoff, min(180.0, cutoff + 1e-3), 180.0]))
     part = np.clip((cutoff - degrees) / max(cutoff - beam, 1e-3), 0.0, 1.0)
+    if texture is not None:
+        slide = _slide(context, texture)
+        spread = math.tan(math.radians(cutoff))
+
+        def values(x: Array, y: Array) -> Array:
+            fall = np.interp(np.degrees(np.arctan(np.hypot(x, y))), degrees, part)
+            return fall[..., None] * looked_up(slide, 0.5 + 0.5 * x / spread, 0.5 + 0.5 * y / spread)
+
+        if cutoff >= 90:
+            raise InputError.at(properties.place, "expected a cutoff_angle below 90 of a spot with a texture")
+        _add_beam(context, properties, to_world, radius, spread, (values, max(slide.shape)), intensity)
+        return
     lamp = lamps.spot(
         context.writer,
         to_world[:3, 3],
@@ -101,6 +110,77 @@ def _spot(context: Context, properties: Properties) -> None:
         properties.element.id or "spot",
     )
     context.writer.add("surfaces", lamp)
+
+
+def _projector(context: Context, properties: Properties) -> None:
+    """A picture on a plane before the lamp, upright for someone who looks along its axis."""
+    to_world = properties.transform("to_world")
+    scale = properties.number("scale", 1.0)
+    element = properties.take("irradiance")
+    if element is None or element.tag == "texture":
+        # Light of equal energy goes through a slide, as Mitsuba has it.
+        colour = 1.0
+        slide = np.ones((1, 1, 3)) if element is None else _slide(context, element)
+    else:
+        colour, slide = spectra.light(context, element), np.ones((1, 1, 3))
+    rows, columns = slide.shape[:2]
+    field = vertical_field(properties, Film(columns, rows))
+    high = math.tan(math.radians(field) / 2)
+    wide = high * columns / rows
+
+    def values(x: Array, y: Array) -> Array:
+        # On a plane at a distance of one, pi times the picture: intensity is that over the cosine's cube.
+        rise = math.pi * scale * (1 + x**2 + y**2) ** 1.5
+        return rise[..., None] * looked_up(slide, 0.5 - 0.5 * x / wide, 0.5 - 0.5 * y / high)
+
+    radius = context.light_radius()
+    made = (values, max(rows, columns))
+    _add_beam(context, properties, to_world, radius, math.hypot(wide, high), made, colour)
+
+
+def _slide(context: Context, element: Element) -> Array:
+    """Linear sRGB of a texture, shape (rows, columns, 3)."""
+    use = textures.texture(context, element)
+    if use is None or isinstance(use, float):
+        return np.full((1, 1, 3), 1.0 if use is None else use)
+    if {"scale", "offset"} & use.keys():
+        context.findings.lost(element.place, "no equal of a lamp's picture with a to_uv; taken without")
+    pixels = textures.pixels_of(context, use, element.place)
+    return np.broadcast_to(pixels, (*pixels.shape[:2], 3))
+
+
+def _add_beam(
+    context: Context,
+    properties: Properties,
+    to_world: Array,
+    radius: float,
+    widest: float,
+    made: tuple[Callable[[Array, Array], Array], int],
+    colour: Json,
+) -> None:
+    """Lamps that throw a picture in light of a colour."""
+    values, pixels = made
+    luminance = colours.luminance_of(colour)
+    tint = np.ones(3)
+    if isinstance(colour, dict) and "rgb" in colour:
+        tint = np.array(colour["rgb"]) / (np.array(colours.LUMINANCE) @ colour["rgb"])
+    elif colour != 1.0 and not (isinstance(colour, dict) and colour.get("illuminant") == "D65"):
+        context.findings.note(properties.place, "a picture is thrown in the light of D65")
+    context.findings.note(
+        properties.place,
+        f"the lamp and its picture became spheres of radius {radius:.4g} m with intensities by angle",
+    )
+    for lamp in beam(
+        context.writer,
+        to_world,
+        radius,
+        widest,
+        lambda x, y: luminance * tint * values(x, y),
+        pixels,
+        properties.element.id or properties.element.type,
+        flat=colour == 1.0,
+    ):
+        context.writer.add("surfaces", lamp)
 
 
 def _directional(context: Context, properties: Properties) -> None:
@@ -114,14 +194,8 @@ def _directional(context: Context, properties: Properties) -> None:
         properties.place,
         f"light from one direction became a disc of {degrees:g} degrees and the same irradiance",
     )
-    context.writer.add(
-        "distant",
-        {
-            "direction": (-ahead).tolist(),
-            "angular_diameter_degrees": degrees,
-            "irradiance": textures.light(context, properties, "irradiance", _standard()),
-        },
-    )
+    irradiance = textures.light(context, properties, "irradiance", _standard())
+    context.writer.add("distant", lamps.far((-ahead).tolist(), degrees, irradiance))
 
 
 def _envmap(context: Context, properties: Properties) -> None:
@@ -132,14 +206,15 @@ def _envmap(context: Context, properties: Properties) -> None:
     to_world = properties.transform("to_world")
     properties.ignore("mis_compensation")
     try:
-        pixels = _sky(context.tree.file(properties.element, name))
+        asset = _sky(context, context.tree.file(properties.element, name))
     except UnusableImageError as error:
         raise InputError.at(properties.place, str(error)) from None
     _set_environment(
         context,
         properties,
         {
-            "asset": context.writer.picture("sky", pixels),
+            "asset": asset,
+            "pixels": "points",
             "luminance": white() * scale,
             # The picture's middle is its +z, and its +x is to the left of that.
             "up": to_world[:3, 1].tolist(),
@@ -148,40 +223,27 @@ def _envmap(context: Context, properties: Properties) -> None:
     )
 
 
-def _sky(file: Path) -> Pixels:
-    """The picture as Mitsuba interpolates it.
-
-    Its first and last row lie on the poles, its columns are areas; ours are areas both ways.
-    """
+def _sky(context: Context, file: Path) -> str:
+    """The picture as it is where a scene can have it, else decoded."""
     with opened(file) as picture:
         spec = picture.spec()
         check_size(spec, _MAX_PIXELS, 8192)
         if spec.nchannels < 3:
             raise UnusableImageError("the picture has no colours")
+        if spec.width < 2 or spec.height < 2:
+            raise UnusableImageError("the picture needs at least 2 x 2 pixels")
+        if spec.nchannels <= 4 and spec.format.basetype in (oiio.HALF, oiio.FLOAT):
+            return context.writer.copy(file)
+        is_linear = spec.format.basetype in (oiio.HALF, oiio.FLOAT)
         pixels = np.asarray(picture.read_image(0, 0, 0, 3, oiio.FLOAT), dtype=np.float64)
-    rows, columns = pixels.shape[:2]
-    if rows < 2 or columns < 2:
-        raise UnusableImageError("the picture needs at least 2 x 2 pixels")
-    finer = next(each for each in _FINER if rows * columns * each**2 <= _MAX_PIXELS)
-    x = (np.arange(finer * columns) + 0.5) / finer - 0.5
-    y = (np.arange(finer * rows) + 0.5) / (finer * rows) * (rows - 1)
-    left, top = np.floor(x).astype(int), np.minimum(np.floor(y).astype(int), rows - 2)
-    across, down = (x - left)[None, :, None], (y - top)[:, None, None]
-
-    def interpolated(values: Pixels) -> Pixels:
-        wide = (1 - across) * values[:, left % columns] + across * values[:, (left + 1) % columns]
-        return np.asarray((1 - down) * wide[top] + down * wide[top + 1])
-
-    # Brightness and colour are interpolated each for itself.
-    brightness = np.maximum(pixels.max(axis=2, keepdims=True), 0.0)
-    colour = np.maximum(pixels, 0.0) / np.maximum(brightness, 1e-8)
-    return interpolated(brightness) * interpolated(colour)
+    return context.writer.picture("sky", pixels if is_linear else decoded(pixels), narrow=True)
 
 
 _EMITTERS: dict[str, Callable[[Context, Properties], None]] = {
     "constant": _constant,
     "envmap": _envmap,
     "point": _point,
+    "projector": _projector,
     "spot": _spot,
     "directional": _directional,
 }

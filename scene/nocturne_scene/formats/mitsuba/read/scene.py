@@ -12,7 +12,7 @@ from nocturne_scene.formats.mitsuba.read.shapes import add_shape
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.formats.reading.scene_files import SceneFiles
-from nocturne_scene.formats.reading.scene_writer import SceneWriter
+from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
 
 # In this order: lamps without a size get theirs from that of all shapes together, and a medium around the
 # sensor is everywhere unless a shape encloses it.
@@ -24,6 +24,14 @@ _PARTS: dict[str, Callable[[Context, Element], None]] = {
 }
 # Made where something refers to them.
 _REFERRED = ("bsdf", "film", "medium", "rfilter", "rgb", "sampler", "spectrum", "texture")
+
+
+def _hide_emitters(document: Json) -> None:
+    """Let the camera see past all lights, and mirrors show them, as Mitsuba does."""
+    surfaces = [document.get("surfaces", ()), *document.get("groups", {}).values()]
+    lights = [surface["luminaire"] for group in surfaces for surface in group if "luminaire" in surface]
+    for light in [*lights, *([document["environment"]] if "environment" in document else [])]:
+        light.setdefault("hidden_from", "camera")
 
 
 def import_mitsuba(file: Path, writer: SceneWriter, findings: Findings, options: ImportOptions) -> None:
@@ -38,5 +46,7 @@ def import_mitsuba(file: Path, writer: SceneWriter, findings: Findings, options:
             if element.tag == tag:
                 with findings.leaving_out():
                     add(context, element)
+    if context.hides_emitters:
+        _hide_emitters(writer.document)
     if "sensor" not in writer.document:
         raise InputError.at(tree.files.shown(file.resolve()), "the scene has no sensor that can be imported")

@@ -17,7 +17,10 @@ from nocturne_scene.formats.reading.transforms import Matrix
 # Of 35 mm film, which focal lengths refer to, in millimetres.
 _FILM_DIAGONAL = math.hypot(36.0, 24.0)
 
-_STRAIGHT = ("path", "volpath", "volpathmis", "prb", "prbvolpath", "prb_basic", "ptracer")
+_DIRECT = ("direct", "direct_projective")
+_STRAIGHT = ("path", "volpath", "volpathmis", "prb", "prbvolpath", "prb_basic", "prb_projective", "ptracer")
+# How derivatives are sampled, of which an image has none.
+_OF_DERIVATIVES = ("sppc", "sppp", "sppi", "guiding", "guiding_proj", "guiding_rounds", "max_rays")
 _WRAPPERS = ("moment", "aov", "stokes")
 
 
@@ -78,7 +81,7 @@ def _film(context: Context, element: Element) -> Film:
     return film
 
 
-def _vertical_field(properties: Properties, film: Film) -> float:
+def vertical_field(properties: Properties, film: Film) -> float:
     """Degrees."""
     aspect = film.width / film.height
     field = properties.number("fov", None)
@@ -116,7 +119,7 @@ def _perspective(context: Context, properties: Properties, to_world: Matrix) -> 
     del to_world
     return {
         "type": "pinhole",
-        "vertical_field_of_view_degrees": _vertical_field(properties, context.writer.film),
+        "vertical_field_of_view_degrees": vertical_field(properties, context.writer.film),
     }
 
 
@@ -166,16 +169,15 @@ def add_integrator(context: Context, element: Element) -> None:
     depth = 2
     if element.type in _STRAIGHT:
         depth = properties.whole("max_depth", -1)
-        properties.ignore("rr_depth", "samples_per_pass", "timeout", "block_size")
-    elif element.type == "direct":
-        properties.ignore("shading_samples", "emitter_samples", "bsdf_samples")
+        properties.ignore("rr_depth", "samples_per_pass", "timeout", "block_size", *_OF_DERIVATIVES)
+    elif element.type in _DIRECT:
+        properties.ignore("shading_samples", "emitter_samples", "bsdf_samples", *_OF_DERIVATIVES)
     else:
         context.findings.lost(
             element.place, f'no equal of the integrator "{element.type}"; light goes all its way'
         )
         return
-    if properties.switch("hide_emitters", False):
-        context.findings.lost(element.place, "luminaires that are hidden from the camera have no equal")
+    context.hides_emitters = properties.switch("hide_emitters", False)
     properties.finish()
     if depth in (0, 1):
         context.findings.lost(

@@ -38,15 +38,16 @@ def _bitmap(context: Context, element: Element) -> Json:
             element.place, "looked up by bilinear interpolation instead of the nearest texel"
         )
     wrap = properties.text("wrap_mode", "repeat")
-    if wrap not in ("repeat", "clamp"):
+    if wrap not in ("repeat", "clamp", "mirror"):
         context.findings.lost(element.place, f'no equal of the wrap mode "{wrap}"; taken as "repeat"')
         wrap = "repeat"
     properties.ignore("format", "accel")
-    use = _coordinates(context, properties)
+    mirrored = wrap == "mirror"
+    use = _coordinates(context, properties, 0.5 if mirrored else 1.0)
     properties.finish()
     texture: Json = {
-        "asset": context.writer.copy(file),
-        "wrap": wrap,
+        "asset": _with_mirror_images(context, file, element) if mirrored else context.writer.copy(file),
+        "wrap": "repeat" if mirrored else wrap,
         "encoding": _encoding(file, raw, element),
     }
     texture["sharp"] = True  # as Mitsuba looks it up
@@ -62,12 +63,26 @@ def _encoding(file: Path, raw: bool, element: Element) -> str:
     return "linear" if raw or is_float else "sRGB"
 
 
-def _coordinates(context: Context, properties: Properties) -> Json:
-    """The fields for `to_uv`."""
+def _with_mirror_images(context: Context, file: Path, element: Element) -> str:
+    """A picture of twice the size that repeats as the mirrored one goes on; values as they are stored."""
+    try:
+        with opened(file) as picture:
+            check_size(picture.spec(), MAX_PIXELS // 4, MAX_EDGE // 2)
+            pixels = np.atleast_3d(np.asarray(picture.read_image(oiio.FLOAT), dtype=np.float64))
+    except UnusableImageError as error:
+        raise InputError.at(element.place, str(error)) from None
+    pixels = pixels[..., : 3 if pixels.shape[2] >= 3 else 1]
+    pixels = np.concatenate([pixels, pixels[:, ::-1]], axis=1)
+    return context.writer.picture(file.stem, np.concatenate([pixels, pixels[::-1]]), narrow=True)
+
+
+def _coordinates(context: Context, properties: Properties, factor: float = 1.0) -> Json:
+    """The fields for `to_uv`, of a picture that shows 1 / `factor` of the range of its coordinates."""
     matrix = properties.transform("to_uv")
     if np.any(np.abs(matrix[[0, 1], [1, 0]]) > 1e-9):
         context.findings.lost(properties.place, "texture coordinates that are turned have no equal")
-    scale, offset = [float(matrix[i, i]) for i in (0, 1)], [float(matrix[i, 3]) for i in (0, 1)]
+    scale = [factor * float(matrix[i, i]) for i in (0, 1)]
+    offset = [factor * float(matrix[i, 3]) for i in (0, 1)]
     if scale == [1.0, 1.0] and offset == [0.0, 0.0]:
         return {}
     return {"scale": scale, "offset": [offset[0], 1.0 - scale[1] - offset[1]]}
@@ -132,6 +147,15 @@ def changed(context: Context, use: Json, change: Callable[[Pixels], Pixels], pla
         context.findings.lost(place, "no equal of a mesh's attribute as the base under a coat")
         return use
     texture = context.writer.document["textures"][use["texture"]]
+    pixels = pixels_of(context, use, place)
+    asset = context.writer.picture("base", change(pixels))
+    name = context.writer.name("textures", "base", texture | {"asset": asset, "encoding": "linear"})
+    return use | {"texture": name}
+
+
+def pixels_of(context: Context, use: Json, place: str) -> Pixels:
+    """The linear values of a picture, shape (rows, columns, 1 or 3). Raises InputError."""
+    texture = context.writer.document["textures"][use["texture"]]
     try:
         with opened(context.writer.folder / texture["asset"]) as picture:
             check_size(picture.spec(), MAX_PIXELS, MAX_EDGE)
@@ -141,9 +165,7 @@ def changed(context: Context, use: Json, change: Callable[[Pixels], Pixels], pla
     pixels = pixels[..., : 3 if pixels.shape[2] >= 3 else 1]
     if texture["encoding"] == "sRGB":
         pixels = decoded(pixels).astype(np.float64)
-    asset = context.writer.picture("base", change(pixels))
-    name = context.writer.name("textures", "base", texture | {"asset": asset, "encoding": "linear"})
-    return use | {"texture": name}
+    return pixels
 
 
 def texture(context: Context, element: Element) -> Json:

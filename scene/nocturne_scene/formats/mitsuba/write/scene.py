@@ -181,7 +181,7 @@ def _disc(context: Context, disc: scene_pb2.DistantDisc) -> Element:
 def _sky(context: Context, frame: scene_pb2.EnvironmentMap) -> Element:
     environment = context.compiled.document.environment
     assert isinstance(environment, EnvironmentMap)  # noqa: S101 - it was compiled to a map
-    texels = skies.texels_of(environment.asset.removeprefix("sha256:"), context.compiled.blobs)
+    texels = skies.texels_of(environment, context.compiled.blobs)
     # A texel of 1 is D65 of `white`.
     found = plugin(
         "emitter",

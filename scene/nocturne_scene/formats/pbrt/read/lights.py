@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.pbrt.read import spectra, squares
@@ -10,7 +11,7 @@ from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.parameters import Parameters
 from nocturne_scene.formats.reading import lamps, transforms
 from nocturne_scene.formats.reading.scene_writer import Json
-from nocturne_scene.textures.environment_maps import UnusableImageError, read_whole
+from nocturne_scene.textures.environment_maps import UnusableImageError, opened, read_whole
 
 
 def add_light(context: Context, kind: str, parameters: Parameters) -> None:
@@ -52,7 +53,10 @@ def _sky(context: Context, parameters: Parameters, picture: str) -> Json:
         if parameters.take(name) is not None:
             context.findings.lost(parameters.place, f'no equal of "{name}" for a sky\'s picture')
     try:
-        pixels = squares.latitudes(read_whole(context.file(picture, parameters.place)))
+        file = context.file(picture, parameters.place)
+        pixels = squares.latitudes(read_whole(file))
+        with opened(file) as source:
+            narrow = source.spec().format.basetype == oiio.HALF
     except UnusableImageError as error:
         raise InputError.at(parameters.place, str(error)) from None
     axes = context.to_world()[:3, :3]
@@ -63,7 +67,7 @@ def _sky(context: Context, parameters: Parameters, picture: str) -> Json:
         # Rows of a frame that is no mirror image, with y the other way round.
         pixels = pixels[:, ::-1]
     return {
-        "asset": context.writer.picture("sky", pixels),
+        "asset": context.writer.picture("sky", pixels, narrow=narrow),
         "luminance": float(parameters.number("scale", 1.0)),
         "up": axes[:, 2].tolist(),
         "forward": axes[:, 0].tolist(),
@@ -93,12 +97,7 @@ def _distant(context: Context, parameters: Parameters) -> None:
         f"light from one direction became a disc of {degrees:g} degrees and the same irradiance",
     )
     irradiance = spectra.light(context, parameters, "L", scale if illuminance is None else float(illuminance))
-    disc = {
-        "direction": (start - end).tolist(),
-        "angular_diameter_degrees": degrees,
-        "irradiance": irradiance,
-    }
-    context.writer.add("distant", disc)
+    context.writer.add("distant", lamps.far((start - end).tolist(), degrees, irradiance))
 
 
 def _point(context: Context, parameters: Parameters) -> None:

@@ -108,7 +108,7 @@ def _add_environment(context: Context) -> None:
 def _sky(context: Context, frame: scene_pb2.EnvironmentMap) -> list[str]:
     environment = context.compiled.document.environment
     assert isinstance(environment, EnvironmentMap)  # noqa: S101 - it was compiled to a map
-    texels: Array = skies.texels_of(environment.asset.removeprefix("sha256:"), context.compiled.blobs)
+    texels: Array = skies.texels_of(environment, context.compiled.blobs)
     name = context.writer.picture("sky", skies.equal_area_square(texels))
     axes = [array(axis) for axis in (frame.x, frame.y, frame.z)]
     return [

@@ -1,0 +1,69 @@
+"""ZIP archives of scenes, unpacked within bounds; and which file of many is the scene."""
+
+import stat
+import zipfile
+import zlib
+from collections.abc import Iterable
+from pathlib import Path, PurePosixPath
+
+from nocturne_scene.errors import InputError
+
+END = ".zip"
+
+MAX_FILES = 10_000
+MAX_BYTES = 4 * 2**30
+
+_PIECE_BYTES = 2**20
+
+
+def unpack(archive: Path, folder: Path) -> list[str]:
+    """Write the files of an archive below a folder; return their paths in it. Raises InputError."""
+    left = MAX_BYTES
+    try:
+        with zipfile.ZipFile(archive) as opened:
+            members = [each for each in opened.infolist() if not each.is_dir()]
+            if len(members) > MAX_FILES:
+                raise InputError.at(archive.name, f"has {len(members)} files; at most {MAX_FILES} are read")
+            for member in members:
+                check_path(member.filename, archive.name)
+                if stat.S_ISLNK(member.external_attr >> 16):
+                    raise InputError.at(archive.name, f'"{member.filename}" is a link; expected files')
+                left -= _write(opened, member, folder / member.filename, left, archive.name)
+    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, zlib.error) as error:
+        raise InputError.at(archive.name, f"can't be unpacked: {error}") from None
+    except OSError as error:
+        raise InputError.at(archive.name, f"can't be unpacked: {error.strerror}") from None
+    return [member.filename for member in members]
+
+
+def check_path(name: str, place: str) -> None:
+    """Raise InputError unless a file's path stays below its folder."""
+    path = PurePosixPath(name)
+    if not path.parts or path.is_absolute() or ".." in path.parts or "\\" in name or "\0" in name:
+        raise InputError.at(place, f'"{name[:100]}" is no path below its folder')
+
+
+def scene_among(names: Iterable[str], ends: Iterable[str], place: str) -> str:
+    """Return the scene: the file nearest to the top that ends in one of `ends`, "scene" first."""
+    found = [name for name in names if name.lower().endswith(tuple(ends))]
+    if not found:
+        raise InputError.at(place, f"holds no scene; expected a file that ends in {', '.join(ends)}")
+
+    def order(name: str) -> tuple[int, bool, str]:
+        path = PurePosixPath(name)
+        return len(path.parts), not path.name.lower().startswith("scene."), name
+
+    return min(found, key=order)
+
+
+def _write(opened: zipfile.ZipFile, member: zipfile.ZipInfo, file: Path, most_bytes: int, place: str) -> int:
+    """Write one file; return its bytes. What its header says of its size is not believed."""
+    written = 0
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with opened.open(member) as packed, file.open("xb") as out:
+        while piece := packed.read(_PIECE_BYTES):
+            written += len(piece)
+            if written > most_bytes:
+                raise InputError.at(place, f"unpacks to more than {MAX_BYTES} bytes")
+            out.write(piece)
+    return written

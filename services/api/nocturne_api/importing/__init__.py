@@ -1,0 +1,1 @@
+"""Scenes of other renderers are imported in child processes with bounded time, memory and size."""
