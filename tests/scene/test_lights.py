@@ -309,6 +309,28 @@ def test_emission_is_aimed_at_what_is_there(document: dict[str, Any], blobs: Blo
         compiled(important_directions=[ball], tracing=aimed | {"aimed_emission": 1})
 
 
+@pytest.mark.parametrize(
+    ("tracing", "why"),
+    [({"direction": "forward"}, "no photons start"), ({"estimator": "mixture"}, "only the estimator")],
+)
+def test_pixels_share_where_they_can(
+    tracing: dict[str, Any], why: str, document: dict[str, Any], blobs: BlobStore
+) -> None:
+    meter = {"type": "irradiance_meter", "position": [0, 0, 0], "normal": [0, 0, 1], "height": 1}
+
+    def compiled(**tracing: Any) -> tuple[int, list[str]]:
+        changed = document | {"sensor": meter, "tracing": {"sharing": 16} | tracing}
+        output = compile_scene(parse_document(json.dumps(changed)), blobs)
+        scene = scene_pb2.CompiledScene.FromString(blobs.path(output.scene_sha256).read_bytes())
+        return scene.tracing.sharing, [line for line in output.dropped if "sharing" in line]
+
+    assert compiled() == (16, [])
+    assert compiled(sharing="auto") == (1, [])
+    sharing, [dropped] = compiled(**tracing)
+    assert sharing == 1
+    assert dropped.startswith(f"$.tracing.sharing: {why}")
+
+
 _LUMINAIRE = ("surfaces", 1, "luminaire")
 _BOX = {"type": "box", "minimum": [0, 0, 0], "maximum": [1, 1, 1]}
 

@@ -72,7 +72,7 @@ def compile_tracing(
         split_vertices=tracing.split_vertices if tracing.estimator == "split" else 0,
         group=_group(tracing, scene),
         direction=_DIRECTIONS[tracing.direction],
-        sharing=_sharing(tracing),
+        sharing=_sharing(workspace),
         aimed_emission=_aimed_emission(workspace, scene),
     )
 
@@ -102,9 +102,17 @@ def _aimed_emission(workspace: Workspace, scene: scene_pb2.CompiledScene) -> flo
     return 0.0
 
 
-def _sharing(tracing: Tracing) -> int:
-    if tracing.sharing != "auto":
+def _sharing(workspace: Workspace) -> int:
+    tracing = workspace.document.tracing
+    if tracing.sharing == "auto" or tracing.sharing == 1:
+        return 1
+    if tracing.direction == "forward":
+        why = "no photons start at pixels"
+    elif tracing.estimator != "two_photons":
+        why = 'only the estimator "two_photons" can share'
+    else:
         return tracing.sharing
+    workspace.dropped.append(f"$.tracing.sharing: {why}")
     return 1
 
 

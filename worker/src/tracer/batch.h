@@ -18,9 +18,10 @@ namespace nocturne {
 /// every stage, and what is kept of each stays near the processor.
 inline constexpr std::uint32_t kBatchGroups = 512;
 
-/// Samples in a batch of so many groups. Where vertices split, a sample becomes many of them.
+/// Samples in a batch of so many groups. Where vertices split, a sample becomes many of them; those
+/// that share stay together.
 inline std::uint32_t samples_in_batch(const TracingOptions& options, std::uint32_t groups) {
-  if (options.estimator != nocturne::Estimator::kSplit) return groups;
+  if (options.estimator != nocturne::Estimator::kSplit) return std::max(groups, options.sharing);
   std::uint32_t branches = 1;
   for (std::uint32_t i = 0; i < options.split_vertices; ++i) branches *= 3;
   return std::max(1u, groups / branches);

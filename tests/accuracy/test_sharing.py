@@ -1,0 +1,132 @@
+"""Pixels that share what their photons find make the image of pixels that each find their own.
+
+Each scene is traced with many seeds in both ways. Neighbours are not independent of each other, so errors
+come from the scatter among the seeds: Student's t of 8 x 8 tiles and of the mean. Seeds are fixed; false
+alarms: 0.01 + 0.003 for each scene and way.
+"""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from nocturne_client.local.compiled import compile_to
+from scipy import stats
+
+from tests.accuracy.cameras_both_ways import SCENES as OPEN_SCENES
+from tests.accuracy.scenes import box, cornell, diffuse, quad, sphere, surface
+from tests.accuracy.tracing import IN_FULL, Document, part_of, run_seeds, write
+
+pytestmark = pytest.mark.system
+
+_EDGE = 24
+_SAMPLES = 64
+_SEEDS = 24 if IN_FULL else 12
+_TILE = 8
+_SPHERES = {
+    "mirror": {"type": "conductor", "index": "Ag"},
+    "rough metal": {"type": "conductor", "index": "Cu", "roughness": 0.15},
+    "glass": {"type": "dielectric", "index": 1.5, "absorption": 0.5},
+    "dispersion": {"type": "dielectric", "index": "N-SF11", "roughness": 0.1},
+    "coated": {"type": "coated_diffuse", "reflectance": 0.6, "index": 1.5},
+    "transmitter": {"type": "diffuse_transmitter", "reflectance": 0.3, "transmittance": 0.5},
+    "mask": {"type": "mask", "kernel": {"type": "lambertian", "reflectance": 0.7}, "opacity": 0.5},
+}
+
+
+def room(*inside: Document, **further: Any) -> Document:
+    """Walls of different colours, open in front, a lamp below the ceiling."""
+    walls = [
+        (quad([-1, 0, -1], [0, 0, 2], [2, 0, 0]), 0.7),
+        (quad([-1, 2, -1], [2, 0, 0], [0, 0, 2]), 0.8),
+        (quad([-1, 0, -1], [2, 0, 0], [0, 2, 0]), 0.6),
+        (quad([-1, 0, -1], [0, 2, 0], [0, 0, 2]), 0.2),
+        (quad([1, 0, -1], [0, 0, 2], [0, 2, 0]), 0.5),
+    ]
+    lamp = surface(quad([-0.4, 1.9, -0.4], [0.8, 0, 0], [0, 0, 0.8]), diffuse(0.3), 5.0)
+    camera = {
+        "type": "pinhole",
+        "position": [0.1, 1.0, 3.4],
+        "look_at": [0, 0.9, 0],
+        "vertical_field_of_view_degrees": 38,
+    }
+    surfaces = [*(surface(shape, diffuse(albedo)) for shape, albedo in walls), lamp, *inside]
+    return {"nocturne": 1, "sensor": camera, "surfaces": surfaces, **further}
+
+
+def _with_sphere(kernel: Document) -> Document:
+    return room(surface(sphere([0.2, 0.55, 0.1], 0.5), kernel))
+
+
+def _thin_walls() -> Document:
+    """A wall of 2 mm and a slab of glass before the back wall, whose sides are close together."""
+    wall = surface(box([-0.5, 0, -0.3], [0.3, 1.2, -0.298]), diffuse(0.6))
+    pane = surface(box([-0.2, 0.3, 0.4], [0.6, 1.0, 0.400001]), _SPHERES["glass"])
+    return room(wall, pane)
+
+
+def _instances() -> Document:
+    block = surface(box([-0.15, 0, -0.15], [0.15, 0.5, 0.15]), diffuse(0.6))
+    places = [[-0.6, 0, -0.5], [-0.1, 0, 0.2], [0.5, 0, -0.3], [0.4, 0, 0.5]]
+    shown = [{"group": "block", "translate": place} for place in places]
+    return room(groups={"block": [block]}, instances=shown)
+
+
+def _moving() -> Document:
+    ball = surface(sphere([-0.3, 0.4, 0], 0.35), diffuse(0.7))
+    return room(ball | {"motion": {"translate": [0.6, 0.2, 0]}})
+
+
+SCENES: dict[str, Callable[[], Document]] = {
+    "cornell": lambda: cornell({}),
+    **{name: lambda kernel=kernel: _with_sphere(kernel) for name, kernel in _SPHERES.items()},
+    "thin walls": _thin_walls,
+    "instances": _instances,
+    "motion": _moving,
+    "lens": lambda: OPEN_SCENES["ball, lens"].document,
+    "fog": lambda: OPEN_SCENES["lamp in glass in fog"].document,
+}
+
+
+def tiles(document: Document, folder: Path, **tracing: Any) -> npt.NDArray[np.float64]:
+    """Y of each seed's tiles, (seeds, tiles); the same scene by the way that `tracing` says."""
+    folder.mkdir()
+    traced = json.loads(json.dumps(document))
+    traced["tracing"] = traced.get("tracing", {}) | {"photons_together": 4} | tracing
+    compiled = compile_to(write(traced, folder), folder, _EDGE, _EDGE, part_of(_SAMPLES))
+    images = [image.xyz[..., 1] for image, _ in run_seeds(compiled, folder, _SEEDS)]
+    count = _EDGE // _TILE
+    return np.stack(images).reshape(_SEEDS, count, _TILE, count, _TILE).mean((2, 4)).reshape(_SEEDS, -1)
+
+
+def differ(a: npt.NDArray[np.float64], b: npt.NDArray[np.float64], alpha: float) -> bool:
+    """Whether any column's means do; Student's t of pairs with the same seed, Sidak's bound."""
+    p = stats.ttest_rel(a, b, axis=0).pvalue
+    return bool(np.min(p) < 1.0 - (1.0 - alpha) ** (1.0 / a.shape[1]))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_shared_images_are_those_of_pixels_alone(name: str, tmp_path: Path) -> None:
+    document = SCENES[name]()
+    alone = tiles(document, tmp_path / "alone")
+    for pixels in (4, 16):
+        shared = tiles(document, tmp_path / f"{pixels}", sharing=pixels)
+        assert not differ(alone, shared, 0.01)
+        assert not differ(alone.mean(1, keepdims=True), shared.mean(1, keepdims=True), 0.003)
+
+
+def test_sharing_is_seen_by_these_statistics(tmp_path: Path) -> None:
+    """What a lamp 2 % brighter makes of the same scene is found."""
+    alone = tiles(room(), tmp_path / "alone")
+    shared = tiles(room(), tmp_path / "shared", sharing=16) * 1.02
+    assert differ(alone, shared, 0.01)
+
+
+def test_both_directions_share_what_is_theirs(tmp_path: Path) -> None:
+    document = OPEN_SCENES["bowl"].document
+    alone = tiles(document, tmp_path / "alone", direction="both")
+    shared = tiles(document, tmp_path / "shared", direction="both", sharing=16)
+    assert not differ(alone, shared, 0.01)

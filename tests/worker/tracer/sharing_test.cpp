@@ -1,0 +1,103 @@
+// Blocks of pixels that share what their photons find. That the image is the same is for
+// tests/accuracy/test_sharing.py.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "support/scene_builder.h"
+#include "tracer/sharing_blocks.h"
+#include "tracer/trace_film.h"
+
+namespace nocturne {
+namespace {
+
+TEST(SharingBlocks, HoldEachSampleOfEachPixelOnce) {
+  const TileRange tile{7, 3, 21, 10, 5, 70};
+  for (const std::uint32_t side : {2u, 4u}) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> samples;
+    for_each_sharing_block(tile, side, [&](const SharingBlock& block) {
+      EXPECT_LE(block.width, side);
+      EXPECT_LE(block.height, side);
+      EXPECT_EQ(block.first_sample / kSharingRun, (block.end_sample - 1) / kSharingRun);
+      for (std::uint32_t y = block.y; y < block.y + block.height; ++y) {
+        for (std::uint32_t x = block.x; x < block.x + block.width; ++x) {
+          for (std::uint32_t s = block.first_sample; s < block.end_sample; ++s) {
+            samples[{x, y}].push_back(s);
+          }
+        }
+      }
+    });
+    std::vector<std::uint32_t> all;
+    for (std::uint32_t s = tile.first_sample; s < tile.end_sample; ++s) all.push_back(s);
+    EXPECT_EQ(samples.size(), std::size_t{tile.width} * tile.height);
+    for (const auto& [pixel, found] : samples) {
+      EXPECT_GE(pixel.first, tile.x);
+      EXPECT_LT(pixel.first, tile.x + tile.width);
+      EXPECT_GE(pixel.second, tile.y);
+      EXPECT_LT(pixel.second, tile.y + tile.height);
+      EXPECT_EQ(found, all);
+    }
+  }
+}
+
+TEST(SharingBlocks, StandInAllPlacesInTurn) {
+  for (const std::uint32_t side : {2u, 4u}) {
+    std::set<std::pair<std::uint32_t, std::uint32_t>> shifts;
+    for (std::uint32_t run = 0; run < side * side; ++run) {
+      const SharingShift shift = sharing_shift(run, side);
+      EXPECT_LT(std::max(shift.x, shift.y), side);
+      shifts.insert({shift.x, shift.y});
+    }
+    EXPECT_EQ(shifts.size(), side * side);
+  }
+}
+
+std::shared_ptr<const Scene> room(std::uint32_t sharing) {
+  test::SceneBuilder builder;
+  builder.message.mutable_tracing()->set_sharing(sharing);
+  builder.message.mutable_tracing()->set_estimator(nocturne::v1::ESTIMATOR_TWO_PHOTONS);
+  builder.add_furnace(0.5f, 0.0f);
+  builder.add_sphere(0.2f, 20.0f, {0.4f, 0.5f, -0.3f}, 0.2);
+  return builder.load();
+}
+
+TEST(Sharing, BitsDoNotDependOnBatchesAndThreads) {
+  constexpr Film kFilm{40, 24};
+  for (const std::uint32_t sharing : {4u, 16u}) {
+    const auto scene = room(sharing);
+    const auto traced = [&](std::uint32_t groups) {
+      const TileSums tile =
+          trace_tile(*scene, kFilm, {8, 4, 18, 15, 4, 40}, Method::kAdjointPhotons, groups);
+      return std::tuple{tile.sums, tile.block_squares, tile.rays};
+    };
+    const auto sums = traced(2048);
+    EXPECT_EQ(traced(256), sums);
+    EXPECT_EQ(traced(7), sums);  // fewer than a block
+
+    const std::vector<std::uint32_t> ends{4, 20};
+    const auto film = [&](unsigned threads) {
+      return trace_film(*scene, {kFilm, 16, ends}, Method::kAdjointPhotons, threads, [](double) {});
+    };
+    EXPECT_EQ(film(1).sums, film(3).sums);
+  }
+}
+
+TEST(Sharing, AsksMoreRaysOfNeighboursThanOfPixelsAlone) {
+  const TileRange tile{0, 0, 16, 16, 0, 4};
+  const auto rays = [&](std::uint32_t sharing) {
+    return trace_tile(*room(sharing), Film{16, 16}, tile).rays;
+  };
+  EXPECT_GT(rays(4), rays(1));
+  EXPECT_GT(rays(16), rays(4));
+}
+
+TEST(Sharing, APixelAloneSharesWithNobody) {
+  const TileRange pixel{3, 3, 1, 1, 0, 16};
+  EXPECT_EQ(trace_tile(*room(16), Film{16, 16}, pixel).rays,
+            trace_tile(*room(4), Film{16, 16}, pixel).rays);
+}
+
+}  // namespace
+}  // namespace nocturne
