@@ -7,6 +7,7 @@ alarms: 0.01 + 0.003 for each scene and way.
 
 import json
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ _EDGE = 24
 _SAMPLES = 64
 _SEEDS = 24 if IN_FULL else 12
 _TILE = 8
-_SPHERES = {
+_SPHERES: dict[str, Document] = {
     "mirror": {"type": "conductor", "index": "Ag"},
     "rough metal": {"type": "conductor", "index": "Cu", "roughness": 0.15},
     "glass": {"type": "dielectric", "index": 1.5, "absorption": 0.5},
@@ -57,8 +58,8 @@ def room(*inside: Document, **further: Any) -> Document:
     return {"nocturne": 1, "sensor": camera, "surfaces": surfaces, **further}
 
 
-def _with_sphere(kernel: Document) -> Document:
-    return room(surface(sphere([0.2, 0.55, 0.1], 0.5), kernel))
+def _with_sphere(kernel: str) -> Document:
+    return room(surface(sphere([0.2, 0.55, 0.1], 0.5), _SPHERES[kernel]))
 
 
 def _thin_walls() -> Document:
@@ -82,7 +83,7 @@ def _moving() -> Document:
 
 SCENES: dict[str, Callable[[], Document]] = {
     "cornell": lambda: cornell({}),
-    **{name: lambda kernel=kernel: _with_sphere(kernel) for name, kernel in _SPHERES.items()},
+    **{name: partial(_with_sphere, name) for name in _SPHERES},
     "thin walls": _thin_walls,
     "instances": _instances,
     "motion": _moving,
@@ -99,7 +100,8 @@ def tiles(document: Document, folder: Path, **tracing: Any) -> npt.NDArray[np.fl
     compiled = compile_to(write(traced, folder), folder, _EDGE, _EDGE, part_of(_SAMPLES))
     images = [image.xyz[..., 1] for image, _ in run_seeds(compiled, folder, _SEEDS)]
     count = _EDGE // _TILE
-    return np.stack(images).reshape(_SEEDS, count, _TILE, count, _TILE).mean((2, 4)).reshape(_SEEDS, -1)
+    means = np.stack(images).reshape(_SEEDS, count, _TILE, count, _TILE).mean((2, 4))
+    return np.asarray(means.reshape(_SEEDS, -1))
 
 
 def differ(a: npt.NDArray[np.float64], b: npt.NDArray[np.float64], alpha: float) -> bool:

@@ -152,7 +152,7 @@ def emission_of_pixels(rgb: NDArray[np.float32]) -> NDArray[np.float32]:
     lower += right_part * (entries[corner + edge + 1] - lower)
     upper += low_part * (lower - upper)
     upper[:, 0] *= brightest
-    return upper
+    return np.asarray(upper)
 
 
 _FINER = 4

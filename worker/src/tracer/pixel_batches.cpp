@@ -1,8 +1,8 @@
 #include "tracer/pixel_batches.h"
 
 #include "math/in_place.h"
-#include "tracer/sharing_blocks.h"
 #include "tracer/response.h"
+#include "tracer/sharing_blocks.h"
 #include "tracer/trace_batch.h"
 
 namespace nocturne {
