@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from nocturne_scene.compile.placement import placement_of
 from nocturne_scene.compile.shapes import Shapes
-from nocturne_scene.compile.workspace import Unusable
+from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.kernels import Dielectric
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.document.problems import path
@@ -25,8 +25,9 @@ _MAX_TRIANGLES = 300_000
 _Corners = NDArray[np.float64]
 
 
-def warnings_of(document: SceneDocument, shapes: Shapes) -> list[str]:
-    """Sentences with their places."""
+def warnings_of(workspace: Workspace, shapes: Shapes, film: tuple[int, int] | None) -> list[str]:
+    """Sentences with their places; `film`: width and height in pixels, where they are known."""
+    document = workspace.document
     return [*_mixture(document), *_open_bodies(document, shapes)]
 
 
