@@ -6,7 +6,8 @@ from typing import Any, NoReturn
 import numpy as np
 import pytest
 from nocturne_scene.blobs import BlobStore
-from nocturne_scene.compile import measured, shapes, textures
+from nocturne_scene.compile import measured, textures
+from nocturne_scene.meshes import files
 from nocturne_scene.textures import environment_maps
 
 from tests.pictures import write_exr
@@ -57,7 +58,7 @@ def test_other_sensors_and_seeds_read_no_file_again(
     large: Document, compiled: Compile, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     first = compiled(large)
-    monkeypatch.setattr(shapes, "load_mesh", _refuse)
+    monkeypatch.setattr(files, "load_mesh", _refuse)
     monkeypatch.setattr(textures, "opened", _refuse)
     monkeypatch.setattr(environment_maps, "convert", _refuse)
     second = compiled(_with_sensor(large, 0.5, 7))

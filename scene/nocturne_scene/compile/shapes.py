@@ -114,9 +114,25 @@ class Shapes:
         if isinstance(shape, Sphere):
             return 4 * math.pi * shape.radius**2
         mesh = self.triangles(shape)
-        corners = mesh.vertices[mesh.indices]
-        edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        return float(np.linalg.norm(np.cross(*edges), axis=-1).sum()) / 2
+        return _area(mesh.vertices[mesh.indices])
+
+    def area_of_texture(self, shape: Shape) -> float:
+        """Square metres that a whole texture covers on the mean over a shape before its placement; 0: it has
+        no coordinates. Raises Unusable, UnusableMeshError."""
+        about = ""
+        if isinstance(shape, AssetMesh):
+            about = _about("area of texture", shape, [])
+            match self._workspace.found_before(about):
+                case float(found):
+                    return found
+        mesh, area = self.triangles(shape), 0.0
+        if mesh.coordinates is not None:
+            flat = np.pad(mesh.coordinates, ((0, 0), (0, 1)))[mesh.indices]
+            covered = _area(flat)
+            area = _area(mesh.vertices[mesh.indices]) / covered if covered > 0.0 else 0.0
+        if about and math.isfinite(area):
+            self._workspace.note_found(about, area)
+        return area
 
     def is_flat(self, shape: Shape) -> bool:
         """Whether a shape lies in a plane, within a ten-thousandth of its size."""
@@ -202,6 +218,12 @@ def _packed(mesh: Triangles, smooth: bool, steps: Sequence[Similarity], coordina
         mesh.coordinates if coordinates else None,
     )
     return pack_mesh(wanted, steps)
+
+
+def _area(corners: NDArray[np.float64]) -> float:
+    """Of triangles, shape (n, 3, 3)."""
+    edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return float(np.linalg.norm(np.cross(*edges), axis=-1).sum()) / 2
 
 
 def _about(what: str, shape: AssetMesh, steps: Sequence[Similarity]) -> str:
