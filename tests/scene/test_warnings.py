@@ -1,12 +1,17 @@
 """What a scene says that can hardly be meant."""
 
 import json
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import parse_document
+
+from tests.accuracy.scenes import furnace
+from tests.pictures import write_exr
 
 GLASS = {"type": "dielectric", "index": 1.5}
 TETRAHEDRON = {
@@ -17,8 +22,8 @@ TETRAHEDRON = {
 OPEN = {**TETRAHEDRON, "triangles": TETRAHEDRON["triangles"][:3]}
 
 
-def warnings(document: dict[str, Any], blobs: BlobStore) -> list[str]:
-    return compile_scene(parse_document(json.dumps(document)), blobs).warnings
+def warnings(document: dict[str, Any], blobs: BlobStore, film: tuple[int, int] | None = None) -> list[str]:
+    return compile_scene(parse_document(json.dumps(document)), blobs, film).warnings
 
 
 def test_a_scene_without_fault_has_no_warning(document: dict[str, Any], blobs: BlobStore) -> None:
@@ -75,3 +80,104 @@ def test_a_mixture_that_loses_light_is_told(document: dict[str, Any], blobs: Blo
     assert told.startswith("$.tracing.mixture: neither kernel nor uniform")
     document["tracing"]["mixture"]["uniform"] = 0.1
     assert warnings(document, blobs) == []
+
+
+# --- bodies that cross each other ---
+
+WATER = {"type": "dielectric", "index": 1.33}
+
+
+def ball(x: float, radius: float = 1.0) -> dict[str, Any]:
+    return {"type": "sphere", "centre": [x, 10, 0], "radius": radius}
+
+
+def block(low: list[float], high: list[float]) -> dict[str, Any]:
+    return {"type": "box", "minimum": low, "maximum": high}
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "crossing"),
+    [
+        (ball(0), ball(1.5), True),
+        (ball(0), ball(3), False),
+        (ball(0), ball(0.2, 0.5), False),  # a drop within
+        (block([0, 8, 0], [1, 9, 1]), block([0.5, 8.5, 0.5], [2, 9.5, 2]), True),
+        (block([0, 8, 0], [1, 9, 1]), block([1, 8, 0], [2, 9, 1]), False),  # they touch
+        (block([0, 8, 0], [3, 11, 3]), block([1, 9, 1], [2, 10, 2]), False),
+        (block([-3, 9, -3], [3, 9.5, 3]), ball(0), True),
+    ],
+)
+def test_bodies_of_one_priority_that_cross_are_told(
+    document: dict[str, Any], blobs: BlobStore, one: dict[str, Any], other: dict[str, Any], crossing: bool
+) -> None:
+    first = len(document["surfaces"])
+    document["surfaces"] += [{"shape": one, "kernel": GLASS}, {"shape": other, "kernel": WATER}]
+    told = warnings(document, blobs)
+    assert len(told) == crossing
+    if crossing:
+        assert told[0].startswith(f"$.surfaces[{first + 1}].shape: crosses the body of $.surfaces[{first}]")
+    # It is said which of them is there; and of one kind of glass they are one body.
+    document["surfaces"][first + 1]["kernel"] = {**WATER, "priority": 1}
+    assert warnings(document, blobs) == []
+    document["surfaces"][first + 1]["kernel"] = GLASS
+    assert warnings(document, blobs) == []
+
+
+# --- rooms at the limit of interactions ---
+
+
+def room(albedo: float, depth: int | None) -> dict[str, Any]:
+    document = furnace(albedo, 1.0)
+    document["tracing"] = {} if depth is None else {"maximum_depth": depth}
+    return document
+
+
+def test_a_closed_room_at_the_limit_of_interactions_is_told(blobs: BlobStore) -> None:
+    """What is missing is the albedo to the power of one more than the limit."""
+    [told] = warnings(room(0.9, 20), blobs)
+    assert told.startswith(
+        "$.tracing.maximum_depth: the sensor is in a closed room that reflects up to 90.0%"
+    )
+    assert "up to 0.11 of it" in told
+    assert warnings(room(0.9, None), blobs) == []
+    assert warnings(room(0.9, 80), blobs) == []
+    assert warnings(room(0.0, 1), blobs) == []
+
+
+def test_a_room_with_a_window_is_not_told(blobs: BlobStore) -> None:
+    document = room(0.9, 20)
+    del document["surfaces"][0]
+    assert warnings(document, blobs) == []
+
+
+def test_a_sphere_around_the_sensor_is_a_room(blobs: BlobStore) -> None:
+    document = room(0.9, 20)
+    document["surfaces"] = [
+        {**document["surfaces"][0], "shape": {"type": "sphere", "centre": [0, 0, 0], "radius": 3}}
+    ]
+    assert len(warnings(document, blobs)) == 1
+    document["sensor"]["position"] = [5, 0, 0]
+    assert warnings(document, blobs) == []
+
+
+# --- textures finer than the film can see ---
+
+
+def test_a_texture_finer_than_the_film_is_told(
+    document: dict[str, Any], blobs: BlobStore, tmp_path: Path
+) -> None:
+    """The quad's edge of 1 m has 64 texels of 1/64 m. At a distance of z a pixel of a film with h rows, 40
+    degrees high, sees 0.73 z / h."""
+    picture = blobs.put(write_exr(tmp_path / "a.exr", np.ones((64, 64, 3)), "RGB").read_bytes())
+    texture = {"texture": {"asset": f"sha256:{picture}"}}
+    document["surfaces"][1] |= {
+        "shape": {"type": "quad", "corner": [0, 0, 10], "edge_u": [1, 0, 0], "edge_v": [0, 1, 0]},
+        "kernel": {"type": "lambertian", "reflectance": texture},
+    }
+    [told] = warnings(document, blobs, (40, 40))
+    # 12 m away: 0.2184 m, 13.98 texels.
+    assert told.startswith("$.surfaces[1]: its texture of 64 x 64 texels has 14 of them along a pixel's edge")
+    assert warnings(document, blobs, (80, 80)) == []
+    assert warnings(document, blobs) == []
+    texture["scale"] = [2, 2]
+    assert "has 14 of them" in warnings(document, blobs, (80, 80))[0]

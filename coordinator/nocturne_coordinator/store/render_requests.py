@@ -140,6 +140,7 @@ class RenderRequests:
                 stop=StopConditions(tile_samples=manifest),
                 owner=owner,
                 floating_point_profile=original.floating_point_profile,
+                warnings=original.warnings,
             ),
             quota,
         )

@@ -29,7 +29,7 @@ _COLUMNS = ", ".join(field.name for field in fields(RenderRow))
 # SQLite integers are signed 64 bits.
 _NEWEST = 2**63 - 1
 
-# X, Y, Z, R, G, B, the error of Y and the samples, 4 bytes each.
+# X, Y, Z and their errors, three correlations, two ratios, R, G, B and the samples, 4 bytes each.
 _EXR_CHANNELS = 15
 
 
@@ -73,8 +73,8 @@ class Renders:
             """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
                    photons_per_sample, scene_sha256, engine, created, ranges_planned, schedule,
                    scene_document, stop, priority, owner, tiles, floating_point_profile, quantity,
-                   stored_bytes)
-               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
+                   warnings, stored_bytes)
+               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
             (
                 render_id,
                 new.request_id,
@@ -96,6 +96,7 @@ class Renders:
                 tiles,
                 new.floating_point_profile,
                 new.schedule.quantity,
+                json.dumps(new.warnings),
                 self._bytes_of(new),
             ),
         )
@@ -222,6 +223,7 @@ def _render_row(row: sqlite3.Row) -> RenderRow:
     values = {field.name: row[field.name] for field in fields(RenderRow)}
     values["state"] = RenderState(values["state"])
     values["image_final"] = bool(values["image_final"])
+    values["warnings"] = tuple(json.loads(values["warnings"]))
     values["stop"] = StopConditions.from_json(values["stop"])
     return RenderRow(**values)
 

@@ -28,6 +28,8 @@ class NewRender:
     """Name of the token that asked for it; empty without authentication."""
     floating_point_profile: str = ""
     """How its workers must round; empty: as the first one does."""
+    warnings: tuple[str, ...] = ()
+    """What of the scene can hardly be meant, with its place."""
     files: tuple[str, ...] = ()
     """Digests of the compiled scene's files, which must be there when the render is made."""
 
@@ -58,6 +60,8 @@ class RenderRow:
     invalid_samples: int
     quantity: str
     """What Y measures; see nocturne_scene.quantities."""
+    warnings: tuple[str, ...]
+    """What of the scene can hardly be meant, with its place."""
     truncated_paths: int
     relative_error: float
     worst_share: float

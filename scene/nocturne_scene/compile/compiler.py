@@ -48,15 +48,19 @@ class CompiledOutput:
     """What can hardly be meant, in words with their places."""
 
 
-def compile_scene(document: SceneDocument, blobs: BlobStore) -> CompiledOutput:
+def compile_scene(
+    document: SceneDocument, blobs: BlobStore, film: tuple[int, int] | None = None
+) -> CompiledOutput:
     """Compile a document and put the scene and its blobs (meshes, textures, tables) into the blob store.
+
+    `film`: width and height in pixels, where they are known; they are for warnings, and change no byte.
 
     Equal documents give equal bytes. Raises InputError with at most `bounds.PROBLEMS` problems, and then
     leaves nothing behind: blobs are written last, when all of them are there.
     """
     workspace = Workspace(document, blobs)
     try:
-        message = _compile(workspace)
+        message = _compile(workspace, film)
         workspace.write_blobs()
     finally:
         workspace.clean_up()
@@ -64,7 +68,7 @@ def compile_scene(document: SceneDocument, blobs: BlobStore) -> CompiledOutput:
     return CompiledOutput(scene_sha256, workspace.dropped, workspace.warnings)
 
 
-def _compile(workspace: Workspace) -> scene_pb2.CompiledScene:
+def _compile(workspace: Workspace, film: tuple[int, int] | None) -> scene_pb2.CompiledScene:
     message = scene_pb2.CompiledScene(format=FORMAT)
     textures, grids, instances = Textures(workspace), Grids(workspace), Instances(workspace)
     shapes, media = Shapes(workspace, grids), Media(workspace, grids)
@@ -103,7 +107,7 @@ def _compile(workspace: Workspace) -> scene_pb2.CompiledScene:
         compile_tracing(workspace, message, scatters=kernels.scatters() or media.scatters())
     )
     workspace.report_unused()
-    workspace.warnings.extend(warnings_of(workspace.document, shapes))
+    workspace.warnings.extend(warnings_of(workspace, shapes, film))
     return message
 
 

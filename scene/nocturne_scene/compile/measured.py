@@ -1,5 +1,6 @@
 """Measured reflections as the table that the tracer reads: docs/how-to/measured-brdf.md."""
 
+import json
 import math
 import struct
 
@@ -15,6 +16,10 @@ _HEADER = struct.Struct("<8s6I2f")
 _MAGIC = b"NOCTBRDF"
 _VERSION = 1
 _MAX_ALONG = 4096
+
+_CONVERSION = 1
+"""Number of how files of MERL become tables; raised with every change of that, since tables are kept."""
+
 _MAX_VALUES = 2**26
 
 
@@ -25,7 +30,12 @@ def compile_measured(workspace: Workspace, kernel: Measured) -> bytes:
         if kernel.format == "table":
             _check_table(workspace, digest)
             return digest
-        return workspace.keep(_from_merl(workspace.read(digest, merl.FILE_BYTES)))
+        about = json.dumps(["merl", digest.hex(), _CONVERSION])
+        if (before := workspace.made_before(about)) is not None:
+            return before[0]
+        table = workspace.keep(_from_merl(workspace.read(digest, merl.FILE_BYTES)))
+        workspace.note_made(about, table, None)
+        return table
     except merl.BadMerlError as error:
         raise Unusable(str(error), ".asset") from None
 

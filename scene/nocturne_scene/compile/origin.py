@@ -64,11 +64,11 @@ def _extents(document: SceneDocument, shapes: Shapes) -> Iterator[tuple[_Point, 
                 pass
             case shape:
                 try:
-                    placed = placement.points(shapes.vertices(shape))
+                    extent = shapes.extent(shape, placement)
                 except (Unusable, UnusableMeshError):
                     continue  # Told where the surface is compiled.
-                if len(placed):  # Told there, too.
-                    yield placed.min(axis=0), placed.max(axis=0)
+                if extent is not None:  # Told there, too.
+                    yield extent
     for instance in document.instances:
         shift = placement_of(instance).shift
         yield shift, shift

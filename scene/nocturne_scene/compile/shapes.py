@@ -1,5 +1,6 @@
 """Shapes where they stand, as messages and blobs."""
 
+import json
 import math
 from collections.abc import Sequence
 
@@ -16,13 +17,22 @@ from nocturne_scene.document.problems import path
 from nocturne_scene.document.shapes import AssetMesh, Box, Disc, InlineMesh, MediumBox, Quad, Shape, Sphere
 from nocturne_scene.meshes.headers import UnusableMeshError
 from nocturne_scene.meshes.simple import box_mesh, disc_mesh, inline_mesh, quad_mesh
-from nocturne_scene.meshes.triangles import BadVertexError, Triangles, pack_mesh, unit_normals
+from nocturne_scene.meshes.triangles import (
+    BadVertexError,
+    PackedMesh,
+    Triangles,
+    pack_mesh,
+    unit_normals,
+)
+
+_CONVERSION = 1
+"""Number of how mesh files become blobs; raised with every change of that, since blobs are kept."""
 
 AnyShape = scene_pb2.Quad | scene_pb2.Sphere | scene_pb2.Mesh
 
 
 class Shapes:
-    """Compiles shapes; each mesh file is read once."""
+    """Compiles shapes; each mesh file is read once, and not at all where an earlier scene had it alike."""
 
     def __init__(self, workspace: Workspace, grids: Grids) -> None:
         self._workspace = workspace
@@ -43,8 +53,7 @@ class Shapes:
                 return _sphere(shape, steps)
             case AssetMesh():
                 try:
-                    mesh = self._asset(shape)
-                    return self._mesh(mesh, shape.smooth, steps, place, coordinates)
+                    return self._asset_mesh(shape, steps, place, coordinates)
                 except (UnusableMeshError, Unusable) as error:
                     raise Unusable(str(error), ".asset") from None
             case MediumBox():
@@ -52,10 +61,30 @@ class Shapes:
             case InlineMesh():
                 try:
                     mesh = inline_mesh(shape)
-                    return self._mesh(mesh, shape.smooth, steps, place, coordinates)
+                    return self._new_mesh(mesh, shape.smooth, steps, place, coordinates)
                 except BadVertexError as error:
                     raise Unusable(error.reason, f".vertices[{error.index}]") from None
-        return self._mesh(_simple(shape), False, steps, place, coordinates=True)
+        return self._new_mesh(_simple(shape), False, steps, place, coordinates=True)
+
+    def extent(
+        self, shape: AssetMesh | InlineMesh | Quad | Disc | Box, placement: Similarity
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+        """Return opposite corners of a box around a placed shape; None if it has no vertices. Unusable,
+        UnusableMeshError."""
+        about = ""
+        if isinstance(shape, AssetMesh):
+            self._workspace.asset(shape.asset)
+            about = _about("extent", shape, [placement])
+            match self._workspace.found_before(about):
+                case [[float(), float(), float()] as low, [float(), float(), float()] as high]:
+                    return np.array(low), np.array(high)
+        placed = placement.points(self.vertices(shape))
+        if not len(placed):
+            return None
+        corners = placed.min(axis=0), placed.max(axis=0)
+        if about and np.isfinite(corners).all():
+            self._workspace.note_found(about, [corner.tolist() for corner in corners])
+        return corners
 
     def vertices(self, shape: AssetMesh | InlineMesh | Quad | Disc | Box) -> NDArray[np.float64]:
         """Return a shape's corners before its placement, shape (n, 3). Unusable, UnusableMeshError."""
@@ -85,9 +114,25 @@ class Shapes:
         if isinstance(shape, Sphere):
             return 4 * math.pi * shape.radius**2
         mesh = self.triangles(shape)
-        corners = mesh.vertices[mesh.indices]
-        edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        return float(np.linalg.norm(np.cross(*edges), axis=-1).sum()) / 2
+        return _area(mesh.vertices[mesh.indices])
+
+    def area_of_texture(self, shape: Shape) -> float:
+        """Square metres that a whole texture covers on the mean over a shape before its placement; 0: it has
+        no coordinates. Raises Unusable, UnusableMeshError."""
+        about = ""
+        if isinstance(shape, AssetMesh):
+            about = _about("area of texture", shape, [])
+            match self._workspace.found_before(about):
+                case float(found):
+                    return found
+        mesh, area = self.triangles(shape), 0.0
+        if mesh.coordinates is not None:
+            flat = np.pad(mesh.coordinates, ((0, 0), (0, 1)))[mesh.indices]
+            covered = _area(flat)
+            area = _area(mesh.vertices[mesh.indices]) / covered if covered > 0.0 else 0.0
+        if about and math.isfinite(area):
+            self._workspace.note_found(about, area)
+        return area
 
     def is_flat(self, shape: Shape) -> bool:
         """Whether a shape lies in a plane, within a ten-thousandth of its size."""
@@ -110,7 +155,23 @@ class Shapes:
         except Unusable as error:
             medium = path(("media", shape.medium))
             raise Unusable(f"{medium}.density{error.suffix}: {error}", ".medium") from None
-        return self._mesh(box, False, [self._workspace.frame], place, coordinates=False)
+        return self._new_mesh(box, False, [self._workspace.frame], place, coordinates=False)
+
+    def _asset_mesh(
+        self, shape: AssetMesh, steps: Sequence[Similarity], place: str, coordinates: bool
+    ) -> scene_pb2.Mesh:
+        """The same, made once for all scenes of a blob store."""
+        self._workspace.asset(shape.asset)
+        about = _about(f"mesh, coordinates {coordinates}", shape, steps)
+        match self._workspace.made_before(about):
+            case (bytes(blob), [int(vertices), int(triangles), int(dropped)]):
+                packed = PackedMesh(b"", vertices, triangles, dropped)
+            case _:
+                packed = _packed(self._asset(shape), shape.smooth, steps, coordinates)
+                blob = self._workspace.keep(packed.blob)
+                counts = [packed.vertex_count, packed.triangle_count, packed.dropped_triangles]
+                self._workspace.note_made(about, blob, counts)
+        return self._mesh(packed, blob, place, shape.smooth, coordinates, len(steps))
 
     def _asset(self, shape: AssetMesh) -> Triangles:
         key = (shape.asset, shape.resolved_format(), shape.smooth)
@@ -122,31 +183,53 @@ class Shapes:
             self._loaded[key] = load_mesh(file, shape.resolved_format(), normals=shape.smooth)
         return self._loaded[key]
 
-    def _mesh(
+    def _new_mesh(
         self, mesh: Triangles, smooth: bool, steps: Sequence[Similarity], place: str, coordinates: bool
     ) -> scene_pb2.Mesh:
-        if coordinates and mesh.coordinates is None:
-            raise UnusableMeshError(
-                "the surface has a texture, or a roughness with two directions, and the mesh has no texture "
-                "coordinates"
-            )
-        wanted = Triangles(
-            mesh.vertices,
-            mesh.indices,
-            unit_normals(mesh) if smooth else None,
-            mesh.coordinates if coordinates else None,
-        )
-        packed = pack_mesh(wanted, steps)
+        packed = _packed(mesh, smooth, steps, coordinates)
+        blob = self._workspace.keep(packed.blob)
+        return self._mesh(packed, blob, place, smooth, coordinates, len(steps))
+
+    def _mesh(
+        self, packed: PackedMesh, blob: bytes, place: str, smooth: bool, coordinates: bool, steps: int
+    ) -> scene_pb2.Mesh:
         if packed.dropped_triangles:
             self._workspace.dropped.append(f"{place}: {packed.dropped_triangles} triangles without an area")
         return scene_pb2.Mesh(
-            blob=self._workspace.keep(packed.blob),
+            blob=blob,
             vertex_count=packed.vertex_count,
             triangle_count=packed.triangle_count,
-            normals=wanted.normals is not None,
-            texture_coordinates=wanted.coordinates is not None,
-            time_steps=len(steps) if len(steps) > 1 else 0,
+            normals=smooth,
+            texture_coordinates=coordinates,
+            time_steps=steps if steps > 1 else 0,
         )
+
+
+def _packed(mesh: Triangles, smooth: bool, steps: Sequence[Similarity], coordinates: bool) -> PackedMesh:
+    if coordinates and mesh.coordinates is None:
+        raise UnusableMeshError(
+            "the surface has a texture, or a roughness with two directions, and the mesh has no texture "
+            "coordinates"
+        )
+    wanted = Triangles(
+        mesh.vertices,
+        mesh.indices,
+        unit_normals(mesh) if smooth else None,
+        mesh.coordinates if coordinates else None,
+    )
+    return pack_mesh(wanted, steps)
+
+
+def _area(corners: NDArray[np.float64]) -> float:
+    """Of triangles, shape (n, 3, 3)."""
+    edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return float(np.linalg.norm(np.cross(*edges), axis=-1).sum()) / 2
+
+
+def _about(what: str, shape: AssetMesh, steps: Sequence[Similarity]) -> str:
+    """What a note says of a mesh file at its placements."""
+    placed = [step.rows().tolist() for step in steps]
+    return json.dumps([what, shape.asset, shape.resolved_format(), shape.smooth, placed, _CONVERSION])
 
 
 def put_shape(message: scene_pb2.Surface | scene_pb2.ImportantShape, shape: AnyShape) -> None:

@@ -1,5 +1,6 @@
 """Textures, and values that may vary by one."""
 
+import json
 from collections.abc import Callable
 from typing import Literal
 
@@ -20,6 +21,9 @@ from nocturne_scene.spectra import rgb as rgb_spectra
 from nocturne_scene.spectra import tables as spectra
 from nocturne_scene.textures import image_files as image_textures
 from nocturne_scene.textures.environment_maps import UnusableImageError, opened
+
+_CONVERSION = 1
+"""Number of how pictures become texture files; raised with every change of that, since these are kept."""
 
 _ENCODINGS: dict[str, image_textures.Encoding] = {"sRGB": "srgb", "linear": "linear"}
 
@@ -136,19 +140,32 @@ class Textures:
         digest = self._workspace.asset(texture.asset)
         key = (texture.asset, channels or 0, texture.encoding or encoding or "", texture.wrap, texture.sharp)
         if key not in self._converted:
-            file = self._workspace.blobs.path(digest.hex())
-            with opened(file) as picture:
-                spec = picture.spec()
-                is_grey = spec.nchannels < 3
-                is_linear = spec.format.basetype in (oiio.HALF, oiio.FLOAT)
-            chosen = channels or (1 if is_grey else 3)
-            encoded = texture.encoding or encoding or ("linear" if is_linear else "sRGB")
-            blob = image_textures.convert(file, chosen, _ENCODINGS[encoded])
+            blob, chosen = self._convert(digest.hex(), channels, texture.encoding or encoding)
             message = scene_pb2.Texture(
-                blob=self._workspace.keep(blob),
+                blob=blob,
                 channels=chosen,
                 clamp=texture.wrap == "clamp",
                 sharp=texture.sharp,
             )
             self._converted[key] = self._workspace.textures.index_of(message)
         return self._converted[key]
+
+    def _convert(
+        self, asset: str, channels: Literal[1, 3] | None, encoding: Literal["sRGB", "linear"] | None
+    ) -> tuple[bytes, int]:
+        """Digest and channels of a picture's texture file, made once for all scenes of a blob store."""
+        workspace = self._workspace
+        about = json.dumps(["texture", asset, channels, encoding, _CONVERSION])
+        match workspace.made_before(about):
+            case (bytes(before), int(of_before)):
+                return before, of_before
+        file = workspace.blobs.path(asset)
+        with opened(file) as picture:
+            spec = picture.spec()
+            is_grey = spec.nchannels < 3
+            is_linear = spec.format.basetype in (oiio.HALF, oiio.FLOAT)
+        chosen: Literal[1, 3] = channels or (1 if is_grey else 3)
+        encoded = encoding or ("linear" if is_linear else "sRGB")
+        blob = workspace.keep(image_textures.convert(file, chosen, _ENCODINGS[encoded]))
+        workspace.note_made(about, blob, chosen)
+        return blob, chosen

@@ -141,6 +141,18 @@ class Workspace:
         """Note for later scenes which blob was made, `facts` being what JSON can hold."""
         self.notes[about] = json.dumps([blob.hex(), facts])
 
+    def found_before(self, about: str) -> Any:
+        """What was found out for an earlier scene; None if nothing was."""
+        try:
+            return json.loads(self.blobs.note(about) or "null")
+        except ValueError:
+            # A damaged note is no note.
+            return None
+
+    def note_found(self, about: str, facts: Any) -> None:
+        """Note for later scenes what was found out, as JSON can hold it."""
+        self.notes[about] = json.dumps(facts)
+
     def write_blobs(self) -> None:
         """Put all that was kept into the blob store."""
         for packed in self.packed.values():

@@ -129,6 +129,8 @@ class Render:
     """Unit of Y: "cd/m2", "lx" or "cd"."""
     response_unit: str
     """Unit of further responses, for one without a unit: "W m-2 sr-1", "W m-2" or "W sr-1"."""
+    warnings: list[str]
+    """What of the scene can hardly be meant, with its place."""
     sequence: int
     """Grows with every change that watchers should see."""
     created: float

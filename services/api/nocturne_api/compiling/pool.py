@@ -12,6 +12,7 @@ from typing import Any
 
 from nocturne_coordinator.errors import ObjectStoreUnavailable
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile.compiler import CompiledOutput
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.errors import InputError
 
@@ -51,14 +52,19 @@ class CompileLimits:
         return 2 * self.cpu_seconds + 60
 
 
-def compile_in_child(document: SceneDocument, blobs: BlobStore, limits: CompileLimits) -> str:
-    """Compiles into `blobs`; gives the scene's SHA-256. Takes as long as it takes.
+def compile_in_child(
+    document: SceneDocument,
+    blobs: BlobStore,
+    limits: CompileLimits,
+    film: tuple[int, int] | None = None,
+) -> CompiledOutput:
+    """Compiles into `blobs`. Takes as long as it takes. `film`: width and height, for warnings.
 
     Raises InputError where the scene is wrong, or needs more than it may take; ObjectStoreUnavailable.
     """
     with Client(_server_address(), "AF_UNIX") as child:
         remote = "" if blobs.remote is None else blobs.remote.url
-        child.send((document, blobs.root, remote, limits))
+        child.send((document, blobs.root, remote, limits, film))
         try:
             answer = child.recv()
         except (EOFError, ConnectionResetError):
@@ -67,7 +73,7 @@ def compile_in_child(document: SceneDocument, blobs: BlobStore, limits: CompileL
                 f"takes more than {limits.cpu_seconds} s of processor time to compile, or more memory than "
                 "there is; the service's log has what the compiler said, if anything",
             ) from None
-    if isinstance(answer, str):
+    if isinstance(answer, CompiledOutput):
         return answer
     if isinstance(answer, ObjectStoreUnavailable):
         raise answer

@@ -58,6 +58,10 @@ RENDER: dict[str, Any] = {
     "quantity": "luminance",
     "unit": "cd/m2",
     "response_unit": "W m-2 sr-1",
+    "warnings": [
+        "$.surfaces[2].shape: bounds a body, and is open: 4 edges belong to one face only; light that passes "
+        "there is taken to be inside"
+    ],
     "sequence": 12,
     "created": 1795305600.0,
     "started": 1795305601.5,

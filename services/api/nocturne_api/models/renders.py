@@ -137,6 +137,7 @@ class Render(Answer):
     response_unit: str = Field(
         description='Unit of further responses, for one without a unit: "W m-2 sr-1", "W m-2" or "W sr-1".'
     )
+    warnings: list[str] = Field(description="What of the scene can hardly be meant, with its place.")
     sequence: int = Field(description="Grows with every change that watchers should see.")
     created: float = Field(description="Unix time, seconds.")
     started: float = Field(description="Unix time, seconds; 0 before the start.")

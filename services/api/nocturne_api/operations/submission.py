@@ -65,7 +65,8 @@ def compiled(
         raise InputError(found.problems)
     if before is None:
         check_quota(folder.database, owner, quota, more_renders=1)
-        scene_sha256 = compile_in_child(document, folder.blobs, compile_limits)
+        output = compile_in_child(document, folder.blobs, compile_limits, film[:2])
+        scene_sha256, warnings = output.scene_sha256, tuple(output.warnings)
         schedule = schedule_for_scene(folder.blobs, scene_sha256, *film)
         files = blobs_of_scene(folder.blobs, scene_sha256)
         for sha256 in files:
@@ -73,7 +74,7 @@ def compiled(
             folder.blobs.path(sha256)
     else:
         files = ()
-        scene_sha256 = before.scene_sha256
+        scene_sha256, warnings = before.scene_sha256, before.warnings
         schedule = folder.renders.schedule(before.id)
     return NewRender(
         request_id=request.request_id,
@@ -87,6 +88,7 @@ def compiled(
         stop=stop,
         priority=priority,
         owner=owner,
+        warnings=warnings,
         files=files,
     )
 

@@ -64,6 +64,7 @@ def print_render(render: Render, as_json: bool) -> None:
         ("state", f"{render.state} {render.reason}".strip()),
         ("film", f"{render.width} x {render.height}, {render.samples} samples per pixel"),
         ("merged", f"{render.fraction:.1%}, {progress.samples_merged:,} samples, {progress.rays:,} rays"),
+        *(("warning", warning) for warning in render.warnings),
         ("relative error", _error(progress)),
         (_mean_name(render), _mean(render)),
         ("nothing seen", f"in {progress.unseen_pixels:,} of {render.width * render.height:,} pixels"),

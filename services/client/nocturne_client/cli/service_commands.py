@@ -124,6 +124,8 @@ def submit(
             width, height = width or imported.width, height or imported.height
         film = width or DEFAULT_EDGE, height or DEFAULT_EDGE, samples
         render = client.submit(source, *film, name, request_id, uploading, stop=stop, priority=weight)
+        for warning in render.warnings:
+            ERRORS.print(f"warning: {warning}", markup=False, soft_wrap=True)
         if not then_watch:
             print_render(render, as_json) if as_json else typer.echo(render.id)
             return

@@ -47,7 +47,7 @@ def compile_to(
         document = check_document(on_disk.document)
         blobs = BlobStore(folder / "blobs")
         store_files(on_disk, blobs)
-        output = compile_scene(document, blobs)
+        output = compile_scene(document, blobs, (width, height))
         sha256 = output.scene_sha256
         schedule = schedule_for_scene(blobs, sha256, width, height, samples)
         files = folder / "scene.pb", folder / "schedule.pb", folder / "blobs"

@@ -13,6 +13,7 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
   const name = element("span", {}, "Render");
   const badge = stateBadge();
   const reason = element("p", { class: "reason" });
+  const warnings = element("ul", { class: "warnings", "aria-label": "Warnings" });
   const bar = progressBar();
   const facts = factsList();
   const links = downloads(id);
@@ -27,7 +28,7 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
     if (!node.isConnected) clearInterval(timer);
     else if (current && !hasEnded(current)) facts.show(current);
   }, 1000);
-  const node = element("aside", { "aria-label": "Figures" }, reason, bar.node, facts.node, links.node, cancel.button, cancel.dialog, remove.button, remove.dialog);
+  const node = element("aside", { "aria-label": "Figures" }, reason, warnings, bar.node, facts.node, links.node, cancel.button, cancel.dialog, remove.button, remove.dialog);
 
   const show = (render: Render): void => {
     const waits = !hasEnded(render) && !hasImage(render);
@@ -38,6 +39,8 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
     badge.show(render.state);
     if (!waits) setText(reason, render.reason);
     reason.hidden = reason.textContent === "";
+    warnings.replaceChildren(...render.warnings.map((warning) => element("li", {}, warning)));
+    warnings.hidden = render.warnings.length === 0;
     bar.show(render);
     facts.show(render);
     links.show(render);
