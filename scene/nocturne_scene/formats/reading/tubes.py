@@ -14,23 +14,31 @@ STEPS = 8
 _SIDES = ((2_000, 32), (100_000, 8))
 _FEWEST_SIDES = 4
 
-# uniform cubic B-splines: rows are powers of t from 1 to t^3, columns are control points.
-_CUBIC = np.array([[1, 4, 1, 0], [-3, 0, 3, 0], [3, -6, 3, 0], [-1, 3, -3, 1]]) / 6
+# Rows are powers of t from 1 on, columns are control points; by basis and degree.
+_MATRICES = {
+    ("bspline", 3): np.array([[1, 4, 1, 0], [-3, 0, 3, 0], [3, -6, 3, 0], [-1, 3, -3, 1]]) / 6,
+    ("bspline", 2): np.array([[1, 1, 0], [-2, 2, 0], [1, -2, 1]]) / 2,
+    ("bezier", 3): np.array([[1, 0, 0, 0], [-3, 3, 0, 0], [3, -6, 3, 0], [-1, 3, -3, 1]]),
+    ("bezier", 2): np.array([[1, 0, 0], [-2, 2, 0], [1, -2, 1]]),
+}
+BASES = ("bezier", "bspline")
 
 
-def spline(points: Array) -> Array:
-    """Points on uniform cubic B-splines, shape (curves, n, width), of control points of the same width."""
+def along(points: Array, degree: int, basis: str) -> Array:
+    """Points on a curve of uniform B-splines or of Bezier curves that follow each other, shape (n, width).
+
+    `points`: its control points, of the same width. ValueError for a number of them that no curve has.
+    """
+    # Control points from the first of a piece to that of the next one.
+    step = 1 if basis == "bspline" else degree
+    pieces, left = divmod(len(points) - degree - 1, step)
+    if pieces < 0 or left:
+        raise ValueError(f"no {basis} curve of degree {degree} has {len(points)} control points")
     t = np.linspace(0.0, 1.0, STEPS + 1)
-    weights = np.stack([t**power for power in range(4)], 1) @ _CUBIC
-    spans = np.stack([points[:, i : points.shape[1] - 3 + i] for i in range(4)], axis=2)
-    found = np.einsum("tk,cskw->cstw", weights, spans)
-    inner = found[:, :, :-1].reshape(len(points), -1, points.shape[2])
-    return np.concatenate([inner, found[:, -1, -1:]], axis=1)
-
-
-def splines(controls: list[Array]) -> list[Array]:
-    """A spline of each list of control points, shape (n, width)."""
-    return [spline(each[None])[0] for each in controls]
+    weights = np.stack([t**power for power in range(degree + 1)], 1) @ _MATRICES[basis, degree]
+    spans = np.stack([points[i * step : i * step + degree + 1] for i in range(pieces + 1)])
+    found = np.einsum("tk,skw->stw", weights, spans)
+    return np.concatenate([found[:, :-1].reshape(-1, points.shape[1]), found[-1, -1:]])
 
 
 def tubes(curves: list[Array]) -> Triangles:

@@ -237,7 +237,11 @@ def _curves(context: Context, properties: Properties, to_world: Matrix, material
     for curve in found:
         # Radii stay as they are, whatever the scale.
         curve[:, :3] = curve[:, :3] @ to_world[:3, :3].T + to_world[:3, 3]
-    mesh = tubes.tubes(tubes.splines(found)) if is_spline else tubes.beads(found)
+    mesh = (
+        tubes.tubes([tubes.along(curve, 3, "bspline") for curve in found])
+        if is_spline
+        else tubes.beads(found)
+    )
     context.findings.note(
         properties.place, f"{len(found)} curves became a mesh of {len(mesh.indices)} triangles"
     )
