@@ -119,6 +119,7 @@ def _read(
         importer(file, writer, findings, options)
         if findings.losses and not any(writer.document.get(kind) for kind in _SEEN):
             raise InputError.at("", "nothing is left of the scene")
+        writer.leave_out_unseen(findings)
         light_up(writer, findings, options.light)
     except InputError as error:
         # What was lost before is why, more often than not.

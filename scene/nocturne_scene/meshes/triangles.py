@@ -72,7 +72,7 @@ def pack_mesh(mesh: Triangles, steps: Sequence[Similarity]) -> PackedMesh:
     _check_vertices(mesh.vertices, mesh.vertices)
     vertices = np.stack([_placed(mesh, step) for step in steps])
     _check_extent(vertices[0])
-    kept = mesh.indices[_has_area(vertices[0], mesh.indices)]
+    kept = mesh.indices[has_area(vertices[0], mesh.indices)]
     if len(kept) == 0:
         raise UnusableMeshError("the mesh has no triangle with an area")
     used = np.zeros(len(mesh.vertices), dtype=bool)
@@ -177,12 +177,12 @@ def _check_extent(vertices: NDArray[np.float32]) -> None:
         raise UnusableMeshError(f"is {extent:g} m large once scaled; expected at least {bounds.MIN_SIZE:g} m")
 
 
-def _has_area(vertices: NDArray[np.float32], indices: NDArray[np.int64]) -> NDArray[np.bool_]:
+def has_area(vertices: NDArray[np.float32], indices: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Whether the tracer meets a triangle where its rays do."""
-    parts = [_chunk_has_area(vertices[indices[at : at + _CHUNK]]) for at in range(0, len(indices), _CHUNK)]
+    parts = [_chunkhas_area(vertices[indices[at : at + _CHUNK]]) for at in range(0, len(indices), _CHUNK)]
     return np.concatenate(parts)
 
 
-def _chunk_has_area(corners: NDArray[np.float32]) -> NDArray[np.bool_]:
+def _chunkhas_area(corners: NDArray[np.float32]) -> NDArray[np.bool_]:
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).astype(np.float64)
     return np.asarray(np.einsum("ij,ij->i", normal, normal) >= bounds.EMBREE_AREA**2, dtype=np.bool_)

@@ -194,7 +194,7 @@ def test_punctual_lamps(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"extensionsRequired": ["KHR_draco_mesh_compression"]}, "KHR_draco_mesh_compression"),
+        ({"extensionsRequired": ["EXT_meshopt_compression"]}, "EXT_meshopt_compression"),
         ({"materials": [{"emissiveFactor": [1, 1, 1], "extensions": {"KHR_materials_sheen": {}}}]}, "sheen"),
     ],
 )

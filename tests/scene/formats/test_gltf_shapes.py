@@ -2,9 +2,12 @@
 
 import base64
 import json
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import DracoPy
 import numpy as np
 import pytest
 from nocturne_scene.errors import InputError
@@ -107,15 +110,89 @@ def test_points_are_named_as_what_they_are(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("extension", "said"), [("KHR_draco_mesh_compression", "compressed by Draco"), ("EXT_any", "EXT_any")]
+    ("extension", "said"), [("EXT_mesh_polygon", "consists of polygons"), ("EXT_any", "EXT_any")]
 )
-def test_compressed_vertices_are_named_as_such(tmp_path: Path, extension: str, said: str) -> None:
+def test_vertices_of_other_kinds_are_named_as_such(tmp_path: Path, extension: str, said: str) -> None:
     model = Model()
     primitive = model.mesh([0, 1, 2], extensions={extension: {}})
-    if "draco" in extension:
+    if "mesh" in extension:
         del model.tree["accessors"][primitive["attributes"]["POSITION"]]["bufferView"]
     with pytest.raises(InputError, match=said):
         model.imported(tmp_path)
+
+
+def draco_model(spoil: Callable[[bytes], bytes] = bytes) -> tuple[Model, Triangles]:
+    """A bent sheet with coordinates whose vertices are compressed, and the sheet."""
+    x, y = np.meshgrid(np.linspace(0, 1, 9), np.linspace(0, 2, 9))
+    points = np.stack([x, y, np.sin(x * y)], -1).reshape(-1, 3)
+    corner = (np.arange(8)[:, None] * 9 + np.arange(8)).ravel()
+    faces = np.concatenate(
+        [
+            np.stack([corner, corner + 1, corner + 9], 1),
+            np.stack([corner + 1, corner + 10, corner + 9], 1),
+        ]
+    )
+    uv = points[:, :2] / 2
+    packed = DracoPy.encode(points, faces, tex_coord=uv, quantization_bits=16, preserve_order=True)
+    stored = DracoPy.decode(packed)
+    ids = {each["attribute_type"]: each["unique_id"] for each in stored.attributes}
+    packed = spoil(packed)
+    model = Model()
+    model.tree["bufferViews"].append({"buffer": 0, "byteOffset": 0, "byteLength": len(packed)})
+    model.content = packed + b"\0" * (-len(packed) % 4)
+    attributes = {"POSITION": int(DracoPy.AttributeType.POSITION), "TEXCOORD_0": 3}
+    numbers = {}
+    for name, width in (("POSITION", 3), ("TEXCOORD_0", 2), ("", 1)):
+        model.tree["accessors"].append(
+            {
+                "componentType": 5126 if name else 5125,
+                "count": len(points) if name else faces.size,
+                "type": _KINDS[width],
+            }
+        )
+        numbers[name] = len(model.tree["accessors"]) - 1
+    extension = {"bufferView": 0, "attributes": {name: ids[kind] for name, kind in attributes.items()}}
+    model.tree["meshes"] = [
+        {
+            "primitives": [
+                {
+                    "attributes": {name: numbers[name] for name in attributes},
+                    "indices": numbers[""],
+                    "material": 0,
+                    "extensions": {"KHR_draco_mesh_compression": extension},
+                }
+            ]
+        }
+    ]
+    model.tree["extensionsRequired"] = ["KHR_draco_mesh_compression"]
+    return model, Triangles(points, faces, None, uv)
+
+
+def test_vertices_compressed_by_draco_are_read(tmp_path: Path) -> None:
+    model, sheet = draco_model()
+    found = model.triangles(tmp_path)
+    assert len(found.indices) == len(sheet.indices)
+    # Triangles and vertices may come in another order.
+    centres = [mesh.vertices[mesh.indices].mean(axis=1) for mesh in (found, sheet)]
+    nearest = np.linalg.norm(centres[0][:, None] - centres[1][None], axis=2).argmin(axis=1)
+    assert len(set(nearest.tolist())) == len(sheet.indices)
+    assert centres[0] == pytest.approx(centres[1][nearest], abs=1e-4)
+    assert found.coordinates is not None
+    assert found.coordinates == pytest.approx(
+        np.stack([found.vertices[:, 0] / 2, 1 - found.vertices[:, 1] / 2], 1), abs=1e-4
+    )
+
+
+@pytest.mark.parametrize("at", [0, 5, 9, 12, 20, 40])
+def test_broken_draco_data_is_an_error(tmp_path: Path, at: int) -> None:
+    """Or reads as something else; never more than an error."""
+    model, _ = draco_model(lambda packed: packed[:at] + bytes([packed[at] ^ 0xFF]) + packed[at + 1 :])
+    with suppress(InputError):
+        model.imported(tmp_path)
+    (tmp_path / "cut").mkdir()
+    model, _ = draco_model(lambda packed: packed[:at])
+    with pytest.raises(InputError, match="Draco"):
+        model.imported(tmp_path / "cut")
 
 
 def test_morph_targets_are_added_by_weight(tmp_path: Path) -> None:

@@ -136,7 +136,7 @@ def test_compressed_meshes_and_included_files(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        ('Shape "curve"', 'no equal of the shape "curve"'),
+        ('Shape "loopsubdiv"', 'no equal of the shape "loopsubdiv"'),
         ('Material "hair" Shape "sphere"', 'no equal of the material "hair"'),
         ('Shape "sphere" "float colour" 1', 'no equal of the parameter "colour"'),
         ('LightSource "projection"', 'no equal of the light "projection"'),

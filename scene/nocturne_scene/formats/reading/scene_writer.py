@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.formats.reading import shapes
+from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.library_words import without_paths
-from nocturne_scene.meshes.triangles import Triangles
+from nocturne_scene.meshes.triangles import Triangles, has_area
 
 Json = Any
 DOCUMENT = "scene.json"
@@ -45,6 +46,8 @@ class SceneWriter:
     film: Film = field(default_factory=Film)
     _names: set[str] = field(default_factory=set)
     _copied: dict[Path, str] = field(default_factory=dict)
+    _unseen: set[str] = field(default_factory=set)
+    """Meshes none of whose triangles has an area."""
 
     def add(self, collection: str, entry: Json) -> None:
         """Append to a list of the document."""
@@ -63,6 +66,8 @@ class SceneWriter:
             raise InputError.at(wanted, "coordinates of the mesh are not finite, or too large")
         name = f"meshes/{self._unused(wanted, 'meshes')}.ply"
         self.file(name, shapes.ply(mesh))
+        if len(mesh.indices) and not np.any(has_area(mesh.vertices.astype(np.float32), mesh.indices)):
+            self._unseen.add(name)
         return {"type": "mesh", "asset": name, "smooth": mesh.normals is not None}
 
     def picture(self, wanted: str, pixels: NDArray[np.float64], *, narrow: bool = False) -> str:
@@ -108,6 +113,15 @@ class SceneWriter:
         name = f"{folder}/{self._unused(wanted, folder)}{end}"
         self._path(name)
         return name
+
+    def leave_out_unseen(self, findings: Findings) -> None:
+        """Leave out meshes none of whose triangles has an area, where something else is left."""
+        lists = [self.document.get("surfaces", []), *self.document.get("groups", {}).values()]
+        for surfaces in lists:
+            seen = [each for each in surfaces if each["shape"].get("asset") not in self._unseen]
+            if seen and len(seen) < len(surfaces):
+                findings.note("", f"{len(surfaces) - len(seen)} meshes without an area are left out")
+                surfaces[:] = seen
 
     def finish(self) -> tuple[Problem, ...]:
         """Write the document and return what is wrong with it. Raises InputError for one that is no JSON."""

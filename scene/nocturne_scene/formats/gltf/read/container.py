@@ -37,6 +37,8 @@ class Container:
     folder: Path
     shown: str
     chunk: bytes = b""
+    decoded: dict[int, NDArray[np.float64]] = field(default_factory=dict)
+    """Values of accessors, as they are stored, that were compressed."""
     _buffers: dict[int, bytes] = field(default_factory=dict)
 
     def item(self, kind: str, index: Json, place: str) -> dict[str, Json]:
@@ -63,7 +65,11 @@ class Container:
         count, width = self.count(accessor, "count", place), _WIDTHS[kind]
         if count * width > _MAX_NUMBERS:
             raise InputError.at(self.at(place), f"{count} values are too many")
-        if "bufferView" in accessor:
+        if index in self.decoded:
+            values = self.decoded[index].copy()
+            if values.shape != (count, width):
+                raise InputError.at(self.at(place), "has another size than its compressed values")
+        elif "bufferView" in accessor:
             values = self._rows(accessor, component, count, width, place)
         elif "sparse" in accessor:
             values = np.zeros((count, width))
@@ -131,6 +137,10 @@ class Container:
         if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**53:
             raise InputError.at(self.at(place), f'"{key}" is a whole number, not negative')
         return value
+
+    def view(self, index: Json, place: str) -> memoryview:
+        """The bytes of a buffer view. Raises InputError."""
+        return self._view(index, place)[0]
 
     def _view(self, index: Json, place: str) -> tuple[memoryview, int]:
         view = self.item("bufferViews", index, place)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nocturne_scene.errors import InputError
+from nocturne_scene.formats.gltf.read import draco
 from nocturne_scene.formats.gltf.read.container import Container, Json, value
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.transforms import Matrix
@@ -18,7 +19,6 @@ _POINTS_AND_LINES = (0, 1, 2, 3)
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 # Extensions of primitives that hold the vertices themselves.
 _COMPRESSED = {
-    "KHR_draco_mesh_compression": "is compressed by Draco, which can't be read",
     "EXT_mesh_polygon": "consists of polygons, which can't be read",
 }
 # Those that change nothing that is seen.
@@ -68,6 +68,9 @@ def read_primitive(
             if "bufferView" in stored:
                 continue
             raise InputError.at(shown, f"no equal: it {_COMPRESSED[name]}; decompress the file first")
+        if name == draco.NAME:
+            primitive, mode = draco.decompress(container, primitive, place), _TRIANGLES
+            continue
         if name not in _HARMLESS:
             findings.lost(shown, f"no equal of the extension {name}")
     points = container.numbers(value(attributes, "POSITION", None), place, "VEC3")

@@ -35,6 +35,7 @@ _KNOWN = (
     "KHR_lights_punctual",
     "KHR_materials_variants",
     "KHR_mesh_quantization",
+    "KHR_draco_mesh_compression",
     "KHR_texture_transform",
 )
 # Of nodes.

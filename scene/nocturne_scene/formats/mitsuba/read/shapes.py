@@ -13,12 +13,12 @@ from nocturne_scene.formats.mitsuba.read.bsdfs import Bsdf, bsdf, front_only
 from nocturne_scene.formats.mitsuba.read.context import Context
 from nocturne_scene.formats.mitsuba.read.elements import Element
 from nocturne_scene.formats.mitsuba.read.media import interior
-from nocturne_scene.formats.mitsuba.read.properties import Properties
+from nocturne_scene.formats.mitsuba.read.properties import Properties, numbers
 from nocturne_scene.formats.mitsuba.read.serialized import read_serialized
 from nocturne_scene.formats.mitsuba.read.units import white
-from nocturne_scene.formats.reading import shapes, transforms
+from nocturne_scene.formats.reading import shapes, transforms, tubes
 from nocturne_scene.formats.reading.baking import LOOKUP, bake
-from nocturne_scene.formats.reading.scene_files import read_bytes
+from nocturne_scene.formats.reading.scene_files import TEXT_BYTES, read_bytes
 from nocturne_scene.formats.reading.scene_writer import Json
 from nocturne_scene.formats.reading.transforms import IDENTITY, Matrix
 from nocturne_scene.limits import MAX_ASSET_BYTES
@@ -219,6 +219,35 @@ def _cylinder(context: Context, properties: Properties, to_world: Matrix, materi
     return _mesh(context, properties, to_world @ frame, material, shapes.cylinder(), "cylinder")
 
 
+def _curves(context: Context, properties: Properties, to_world: Matrix, material: _Material) -> Json:
+    """Control points and radii, a line for each; empty lines between curves."""
+    file = _file(properties, context)
+    shown = context.tree.files.shown(file)
+    text = read_bytes(file, TEXT_BYTES, shown).decode("utf-8", "replace")
+    curves: list[list[list[float]]] = [[]]
+    for number, line in enumerate(text.split("\n")):
+        if line.strip():
+            curves[-1].append(numbers(line, f"{shown}:{number + 1}", 4))
+        elif curves[-1]:
+            curves.append([])
+    is_spline = properties.element.type == "bsplinecurve"
+    found = [np.array(curve) for curve in curves if len(curve) >= (4 if is_spline else 2)]
+    if not found:
+        raise InputError.at(shown, f"has no curve of {4 if is_spline else 2} points")
+    for curve in found:
+        # Radii stay as they are, whatever the scale.
+        curve[:, :3] = curve[:, :3] @ to_world[:3, :3].T + to_world[:3, 3]
+    mesh = (
+        tubes.tubes([tubes.along(curve, 3, "bspline") for curve in found])
+        if is_spline
+        else tubes.beads(found)
+    )
+    context.findings.note(
+        properties.place, f"{len(found)} curves became a mesh of {len(mesh.indices)} triangles"
+    )
+    return _mesh(context, properties, IDENTITY, material, mesh, file.stem)
+
+
 def _disk(context: Context, properties: Properties, to_world: Matrix, material: _Material) -> Json:
     return _mesh(context, properties, to_world, material, shapes.disc(), "disk")
 
@@ -290,6 +319,8 @@ _SHAPES: dict[str, Callable[[Context, Properties, Matrix, _Material], Json]] = {
     "serialized": _serialized,
     "sphere": _sphere,
     "cylinder": _cylinder,
+    "bsplinecurve": _curves,
+    "linearcurve": _curves,
     "disk": _disk,
     "rectangle": _rectangle,
     "cube": _cube,

@@ -51,6 +51,8 @@ class Context:
     """Names in the document of media that are inside of a shape."""
     objects: dict[str, tuple[str, list[Json]]] = field(default_factory=dict)
     """Groups by name: the group's name in the document, and its surfaces."""
+    curves: dict[str, list[NDArray[np.float64]]] = field(default_factory=dict)
+    """Curves that are no part of objects, by the JSON of what their surface has but a shape."""
     lowest: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.inf))
     highest: NDArray[np.float64] = field(default_factory=lambda: np.full(3, -np.inf))
     later: list[Callable[[], None]] = field(default_factory=list)

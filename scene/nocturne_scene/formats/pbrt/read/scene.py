@@ -9,7 +9,7 @@ from nocturne_scene.formats.pbrt.read import camera, lights, materials, media, o
 from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.parameters import Parameters, Stream
 from nocturne_scene.formats.pbrt.read.reader import Directive, Reader, RecordedShape
-from nocturne_scene.formats.pbrt.read.shapes import surface
+from nocturne_scene.formats.pbrt.read.shapes import gathered, surface
 from nocturne_scene.formats.reading import transforms
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.options import ImportOptions
@@ -35,7 +35,8 @@ def _shape(reader: Reader, stream: Stream, place: str) -> None:
         reader.objects[reader.recording].append(RecordedShape(kind, given, place, replace(context.state)))
         return
     with context.findings.leaving_out():
-        found = surface(context, kind, context.parameters(f"shape {kind}", place, given))
+        parameters = context.parameters(f"shape {kind}", place, given)
+        found = surface(context, kind, parameters, gathers=True)
         if found is not None:
             context.writer.add("surfaces", found)
 
@@ -184,6 +185,8 @@ def import_pbrt(file: Path, writer: SceneWriter, findings: Findings, options: Im
         raise InputError.at(files.shown(file.resolve()), "the scene's world never begins")
     if reader.saved:
         raise InputError.at(files.shown(file.resolve()), "the file ends inside of attributes")
+    for found in gathered(context):
+        writer.add("surfaces", found)
     for add in context.later:
         with findings.leaving_out():
             add()

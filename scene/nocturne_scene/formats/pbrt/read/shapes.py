@@ -2,7 +2,7 @@
 
 import json
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,7 @@ from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.media import interior
 from nocturne_scene.formats.pbrt.read.parameters import Parameters
 from nocturne_scene.formats.pbrt.read.tokens import decompressed
-from nocturne_scene.formats.reading import shapes, transforms
+from nocturne_scene.formats.reading import shapes, transforms, tubes
 from nocturne_scene.formats.reading.scene_files import read_bytes
 from nocturne_scene.formats.reading.scene_writer import Json
 from nocturne_scene.limits import MAX_ASSET_BYTES
@@ -22,8 +22,11 @@ from nocturne_scene.meshes.headers import UnusableMeshError, check_counts
 from nocturne_scene.meshes.triangles import Triangles, check_indices
 
 
-def surface(context: Context, kind: str, parameters: Parameters) -> Json | None:
-    """Return the surface of a `Shape` directive; None where it has no equal."""
+def surface(context: Context, kind: str, parameters: Parameters, *, gathers: bool = False) -> Json | None:
+    """Return the surface of a `Shape` directive; None where it has no equal.
+
+    `gathers`: curves are kept for `gathered`, as hair has one directive for each.
+    """
     if kind not in _SHAPES:
         context.findings.lost(
             parameters.place, f'no equal of the shape "{kind}"; there are {", ".join(sorted(_SHAPES))}'
@@ -44,9 +47,20 @@ def surface(context: Context, kind: str, parameters: Parameters) -> Json | None:
     if state.area_light is not None:
         found["luminaire"] = area_light(context)
     textured = any(word in json.dumps([found, named]) for word in ('"texture"', '"roughness_u"'))
+    if kind == "curve" and gathers:
+        curve = _curve(context, parameters)
+        context.curves.setdefault(json.dumps(found), []).append(curve)
+        parameters.finish()
+        return None
     found["shape"] = _SHAPES[kind](context, parameters, textured)
     parameters.finish()
     return found
+
+
+def gathered(context: Context) -> Iterator[Json]:
+    """The surfaces of curves, one for all that look the same."""
+    for looks, curves in context.curves.items():
+        yield {**json.loads(looks), "shape": _tubes(context, curves)}
 
 
 def area_light(context: Context) -> Json:
@@ -103,6 +117,43 @@ def _sphere(context: Context, parameters: Parameters, textured: bool) -> Json:
     return _placed(
         context, shapes.transformed(shapes.sphere(), transforms.scaling([radius] * 3)), textured, "sphere"
     )
+
+
+def _curve(context: Context, parameters: Parameters) -> np.ndarray:
+    """Points and radii along a curve where it stands, shape (n, 4)."""
+    points = _rows(parameters, "P", 3)
+    degree, basis = int(parameters.number("degree", 3)), parameters.word("basis", "bezier")
+    form = parameters.word("type", "flat")
+    if form == "ribbon":
+        context.findings.lost(parameters.place, "no equal of ribbons; taken as round")
+    parameters.ignore("N", "splitdepth")
+    if points is None or degree not in (2, 3) or basis not in tubes.BASES:
+        raise InputError.at(
+            parameters.place, 'a curve needs "P", a degree of 2 or 3, basis bezier or bspline'
+        )
+    width = parameters.number("width", 1.0)
+    ends = [float(parameters.number(name, width)) for name in ("width0", "width1")]
+    matrix = context.to_world()
+    try:
+        found = tubes.along(points @ matrix[:3, :3].T + matrix[:3, 3], degree, basis)
+    except ValueError as error:
+        raise InputError.at(parameters.place, str(error)) from None
+    # What stretches is taken by its mean.
+    scale = float(np.abs(np.linalg.det(matrix[:3, :3])) ** (1 / 3))
+    radii = scale / 2 * np.linspace(*ends, len(found))
+    return np.hstack([found, radii[:, None]])
+
+
+def _tubes(context: Context, curves: list[np.ndarray]) -> Json:
+    mesh = tubes.tubes(curves)
+    context.extend(mesh.vertices)
+    context.findings.note("", f"{len(curves)} curves became a mesh of {len(mesh.indices)} triangles")
+    return context.writer.mesh("curves", mesh)
+
+
+def _single_curve(context: Context, parameters: Parameters, textured: bool) -> Json:
+    del textured
+    return _tubes(context, [_curve(context, parameters)])
 
 
 def _disk(context: Context, parameters: Parameters, textured: bool) -> Json:
@@ -208,6 +259,7 @@ _SHAPES: dict[str, Callable[[Context, Parameters, bool], Json]] = {
     "sphere": _sphere,
     "disk": _disk,
     "cylinder": _cylinder,
+    "curve": _single_curve,
     "trianglemesh": _triangle_mesh,
     "bilinearmesh": _bilinear_mesh,
     "plymesh": _ply_mesh,
