@@ -71,7 +71,7 @@ def beam(
                     "centre": to_world[:3, 3].tolist(),
                     "radius": radius * _APART ** len(found),
                 },
-                "kernel": {"type": "passage"},
+                "kernel": {"type": "null"},
                 "luminaire": {
                     "radiance": spectrum,
                     "profile": {"asset": asset, "axis": axes[:, 2].tolist(), "zero": axes[:, 0].tolist()},
