@@ -16,7 +16,7 @@ from tests.accuracy.tracing import Document, trace
 
 EDGE, SAMPLES = 8, 64
 MIRROR = {"type": "conductor", "index": {"n": 1.0, "k": 1000.0}}
-NOTHING = {"type": "null"}
+NULL = {"type": "null"}
 WALL = surface(quad([-20, -20, -9], [40, 0, 0], [0, 40, 0]), BLACK, 3.0)
 CAMERA = {
     "type": "pinhole",
@@ -48,7 +48,7 @@ def unit(wall: np.ndarray) -> float:
     return float(wall.mean()) / 3.0
 
 
-@pytest.mark.parametrize("kernel", [NOTHING, diffuse(0.5), MIRROR])
+@pytest.mark.parametrize("kernel", [NULL, diffuse(0.5), MIRROR])
 @pytest.mark.parametrize("hidden", ["camera", "camera_and_mirrors"])
 def test_the_camera_sees_what_is_behind(
     tmp_path: Path, wall: np.ndarray, kernel: Document, hidden: str
@@ -57,7 +57,7 @@ def test_the_camera_sees_what_is_behind(
 
 
 def test_the_camera_sees_other_lamps(tmp_path: Path, unit: float) -> None:
-    assert image([WALL, lamp(NOTHING)], tmp_path) == pytest.approx(53.0 * unit, rel=2e-2)
+    assert image([WALL, lamp(NULL)], tmp_path) == pytest.approx(53.0 * unit, rel=2e-2)
 
 
 @pytest.mark.parametrize(("hidden", "seen"), [("camera", 50.0), ("camera_and_mirrors", 3.0)])
@@ -88,7 +88,7 @@ def test_what_mirrors_and_glass_show(
 def test_everything_else_is_lit_the_same(tmp_path: Path, hidden: str, direction: str) -> None:
     """A floor beside the lamp; with media, so that no short cut of the tracer is taken, and without."""
     floor = surface(quad([-1, -1, -9], [2, 0, 0], [0, 2, 0]), diffuse(0.7))
-    above = surface(sphere([0, 3, -7], 0.5), NOTHING, 50.0)
+    above = surface(sphere([0, 3, -7], 0.5), NULL, 50.0)
     dark = {**above, "luminaire": {"radiance": 50.0, "hidden_from": hidden}}
     pane = surface(quad([-0.2, -0.2, -8], [0.4, 0, 0], [0, 0.4, 0]), {"type": "thin_pane", "index": 1.5})
     tracing = {"tracing": {"direction": direction}}
@@ -120,7 +120,7 @@ def test_skies_and_suns_can_be_hidden(tmp_path: Path, environment: Document) -> 
 def test_meters_see_every_light(tmp_path: Path) -> None:
     meter = {"type": "irradiance_meter", "position": [0, 0, 0], "normal": [0, 0, -1], "height": 0.01}
     shown, hidden = (
-        image([lamp(NOTHING, **more)], tmp_path, sensor=meter)
+        image([lamp(NULL, **more)], tmp_path, sensor=meter)
         for more in ({}, {"hidden_from": "camera_and_mirrors"})
     )
     assert shown.mean() > 0
