@@ -22,7 +22,7 @@ STAMPS := build/stamps
 PROCESSES := --numprocesses
 NOT_MINUTES := not soak and not references and not peers and not containers
 
-.PHONY: help packages venv proto web worker build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-python format unit system screenshots soak accuracy fuzz references peers stability preflights sanitize bench lock contract docs gallery clean
+.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-python format unit system screenshots soak accuracy fuzz references peers stability preflights sanitize bench lock contract docs gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -57,6 +57,8 @@ build/release/build.ninja: worker/CMakePresets.json | packages
 	cd worker && cmake --preset release --log-level=WARNING
 worker: build/release/build.ninja  ## The C++ programs and their tests
 	@cmake --build build/release -- --quiet
+programs: build/release/build.ninja  ## The C++ programs alone
+	@cmake --build build/release --target nocturne-worker nocturne-trace nocturne-grid -- --quiet
 
 build: proto web worker  ## Everything
 
@@ -69,7 +71,7 @@ dist: proto web  ## Python wheels of scene, client and service, in build/dist
 containers: build  ## Images on a real Docker Engine: compose up, all parts killed, the same bits (half an hour at first)
 	pytest -m containers -s tests/containers
 
-demo: build  ## Start the service, render the Cornell box, show where the image and the page are
+demo: proto web programs  ## Start the service, render the Cornell box, show where the image and the page are
 	@deploy/demo.sh
 
 stop:  ## Stop the service that `make demo` started

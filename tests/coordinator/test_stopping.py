@@ -1,5 +1,7 @@
 """When a render ends: what may be asked for, and that a tile's own error gives the same bits whatever
-happens."""
+happens.
+
+One file, though long: the second half simulates renders by the conditions that the first half reads."""
 
 import math
 import random

@@ -1,4 +1,7 @@
-"""Who is slow, wants everything or is not welcome any more, at both endpoints: others are served."""
+"""Who is slow, wants everything or is not welcome any more, at both endpoints: others are served.
+
+One file, though long: connections held in many ways, and the same question to the others each time.
+"""
 
 import asyncio
 import contextlib

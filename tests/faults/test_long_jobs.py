@@ -74,7 +74,7 @@ def test_a_render_that_is_let_go_frees_its_threads(verb: str, service: ServicePr
     httpx.post(f"{service.url}/v1/renders/{hostile}:{verb}", json={}).raise_for_status()
     wait_for(lambda: not _held(service), "the threads to be free", FREE_S)
     good = submit(service, QUICK, 4, 32)
-    wait_for(lambda: has_ended(service.client, good), "another render to end", 10.0)
+    wait_for(lambda: has_ended(service.client, good), "another render to end")
     assert service.client.get(good).state == "SUCCEEDED"
 
 
@@ -92,12 +92,12 @@ def test_a_worker_told_to_end_frees_its_threads(service: ServiceProcesses) -> No
 def test_a_job_beyond_its_processor_time_fails_and_says_so(service: ServiceProcesses) -> None:
     """P2: nobody cancels it; its first ranges can't be cut any smaller."""
     hostile = submit(service, ENDLESS, 4, 32)
-    wait_for(lambda: has_ended(service.client, hostile), "the hostile render to end", 40.0)
+    wait_for(lambda: has_ended(service.client, hostile), "the hostile render to end")
     render = service.client.get(hostile)
     assert render.state == "FAILED"
     assert "of processor time" in render.reason
     good = submit(service, QUICK, 4, 32)
-    wait_for(lambda: has_ended(service.client, good), "another render to end", 10.0)
+    wait_for(lambda: has_ended(service.client, good), "another render to end")
     assert service.client.get(good).state == "SUCCEEDED"
 
 
@@ -106,7 +106,7 @@ def test_ranges_are_cut_by_what_earlier_ones_took(service: ServiceProcesses) -> 
     slow = submit(service, SLOW, 2048, 16)
     planned = service.client.get(slow).progress.ranges_planned
     wait_for(lambda: service.client.get(slow).progress.ranges_planned > planned, "the ranges to be cut")
-    wait_for_more_ranges(service.client, slow, 3, 30.0)
+    wait_for_more_ranges(service.client, slow, 3)
     assert service.client.get(slow).progress.refused == 0
     service.client.cancel(slow)
 
@@ -119,7 +119,7 @@ def test_photons_that_are_ended_are_told(tmp_path: Path) -> None:
         service.start()
         service.have_workers(1)
         render = submit(service, ENDLESS, 1, 2)
-        wait_for(lambda: has_ended(service.client, render), "the render to end", 60.0)
+        wait_for(lambda: has_ended(service.client, render), "the render to end")
         told = service.client.get(render)
         assert told.state == "SUCCEEDED"
         assert told.progress.truncated_paths >= 4 * 4

@@ -64,10 +64,17 @@ def test_without_faults(workers: int, services: Services, traced_alone: Image) -
 
 @pytest.mark.parametrize(
     "fault",
-    [*(kill_worker, stop_worker_for_three_leases, end_worker), *(kill_coordinator, kill_redis, flush)],
+    [
+        kill_worker,
+        kill_coordinator,
+        *(
+            pytest.param(fault, marks=pytest.mark.soak)
+            for fault in (stop_worker_for_three_leases, end_worker, kill_redis, flush)
+        ),
+    ],
 )
 def test_with_one_fault(fault: Fault, services: Services, traced_alone: Image) -> None:
-    """W1, W4, W10, C1, D1, D2: once, in mid-work."""
+    """W1, W4, W10, C1, D1, D2: once, in mid-work; all of them in one render are below."""
     service = services(2)
     with followed_render(service) as render:
         wait_for_more_ranges(service.client, render.id, _SOME_RANGES)

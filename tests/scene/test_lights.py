@@ -1,4 +1,7 @@
-"""Luminaires, environments and discs at infinity have the sizes that were asked for."""
+"""Luminaires, environments and discs at infinity have the sizes that were asked for.
+
+One file, though long: it follows compile/lights.py, and all its tests share one scene.
+"""
 
 import json
 import math

@@ -23,7 +23,7 @@ CORNELL = ROOT / "examples" / "cornell" / "scene.json"
 WIDTH, HEIGHT, SAMPLES = 100, 70, 400
 RANGES = 12 * 8
 
-_POLL_S = 0.05
+_POLL_S = 0.15
 
 
 def submit(client: Client) -> str:

@@ -68,7 +68,7 @@ def preflight_found(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str,
         "3%",
         *files,
     ]
-    command += ["--width", "32", "--height", "32", "--pilot", "32", "--budget", "20", "--json"]
+    command += ["--width", "32", "--height", "32", "--pilot", "32", "--budget", "6", "--json"]
     done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=300)
     found: dict[str, Any] = json.loads(done.stdout)
     return found, folder

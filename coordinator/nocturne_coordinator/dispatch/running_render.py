@@ -1,4 +1,7 @@
-"""A render that the coordinator works on: its film, and what of it is not committed yet. No I/O."""
+"""A render that the coordinator works on: its film, and what of it is not committed yet. No I/O.
+
+One file, though long: each result changes film, totals and what is to be committed together.
+"""
 
 from collections import deque
 from collections.abc import Iterable

@@ -146,7 +146,7 @@ def emission_of_pixels(rgb: NDArray[np.float32]) -> NDArray[np.float32]:
     right_part, low_part = (x - left)[:, None], (y - top)[:, None]
     entries = found.reshape(-1, 4)
     corner = (first.astype(np.int32) * edge + top) * edge + left
-    upper = entries[corner]
+    upper: NDArray[np.float32] = entries[corner]
     upper += right_part * (entries[corner + 1] - upper)
     lower = entries[corner + edge]
     lower += right_part * (entries[corner + edge + 1] - lower)

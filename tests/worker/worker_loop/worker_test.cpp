@@ -1,3 +1,5 @@
+// A worker's threads against a real Redis: jobs taken, done, handed back, stopped and withdrawn.
+// One file, though long: all tests share one worker, one server and the jobs on it.
 #include "worker_loop/worker.h"
 
 #include <gtest/gtest.h>
