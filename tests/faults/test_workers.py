@@ -162,7 +162,8 @@ def test_a_slow_worker_does_not_hold_up_the_end(service: Service) -> None:
     # The lease is long, so that nobody takes the job over: only a copy of it helps.
     service.work(SimulatedWorker(service.server.url, lease_ms=60_000))
     check_complete(service, render.id)
-    assert time.monotonic() - begun < 12.0
+    # Less than the slow worker takes for one.
+    assert time.monotonic() - begun < 45.0
 
 
 def test_all_workers_are_gone_for_long_and_come_back(service: Service) -> None:
