@@ -106,7 +106,7 @@ class Service:
         """Ends the coordinator; gives its exit code."""
         assert self._process is not None
         self._process.send_signal(number)
-        return self._process.wait(15)
+        return self._process.wait(60)
 
     def work(self, worker: SimulatedWorker) -> SimulatedWorker:
         self._workers.append(worker)

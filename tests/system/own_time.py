@@ -10,10 +10,10 @@ class OwnTime:
 
     def __init__(self) -> None:
         self._begun = time.monotonic()
-        self._waited = _waited_s()
+        self._waited = waited_s(os.getpid())
 
     def seconds(self) -> float:
-        return time.monotonic() - self._begun - max(0.0, _waited_s() - self._waited)
+        return time.monotonic() - self._begun - max(0.0, waited_s(os.getpid()) - self._waited)
 
 
 def cpu_s(pid: int) -> float:
@@ -22,10 +22,10 @@ def cpu_s(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def _waited_s() -> float:
-    """Of threads that live; see proc(5)."""
+def waited_s(pid: int) -> float:
+    """For how long the threads of a process, those that live, waited for a processor; see proc(5)."""
     waited = 0
-    for thread in Path("/proc/self/task").iterdir():
+    for thread in Path(f"/proc/{pid}/task").iterdir():
         try:
             waited += int((thread / "schedstat").read_text().split()[1])
         except OSError:
