@@ -19,6 +19,7 @@ from nocturne_api import limits
 
 from tests.faults.owners import Guarded, guarded, metadata, next_of, request
 from tests.system.own_time import OwnTime
+from tests.system.waiting import LIMIT_S
 
 HALF_A_HEAD = b"GET /v1/renders HTTP/1.1\r\nHost: localhost\r\nX-A: "
 # All of 127.0.0.0/8 is this machine: a second caller has another address.
@@ -237,6 +238,16 @@ async def test_calls_of_one_address_are_bounded(
             stream.cancel()
 
 
+async def uploads_begun(service: Guarded, count: int) -> None:
+    """Returns when so many have a file."""
+    incoming = service.folder.root / "blobs" / "incoming"
+    for _ in range(int(LIMIT_S / 0.02)):
+        if len(list(incoming.iterdir())) >= count:
+            return
+        await asyncio.sleep(0.02)
+    pytest.fail("they did not begin")
+
+
 async def test_uploads_at_once_are_bounded(
     service: Guarded, connections: Connections, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -245,7 +256,7 @@ async def test_uploads_at_once_are_bounded(
     monkeypatch.setattr(limits, "UPLOADS_OF_OWNER", 4)
     alice, bob = service.token("alice", "submit"), service.token("bob", "submit")
     opened = [await connections.open(upload(alice, 1000, f"{number:064x}") + b"x") for number in range(4)]
-    await asyncio.sleep(0.3)
+    await uploads_begun(service, 4)
     content = b"whole"
     path = f"/v1/assets/{hashlib.sha256(content).hexdigest()}"
     async with service.rest(alice) as by_alice, service.rest(bob) as by_bob:
@@ -253,11 +264,11 @@ async def test_uploads_at_once_are_bounded(
         assert (refused.status_code, refused.json()["reason"]) == (429, "TOO_MANY")
         for number in range(2):
             await connections.open(upload(bob, 1000, f"{number:064x}") + b"x")
-        await asyncio.sleep(0.3)
+        await uploads_begun(service, 6)
         assert (await by_bob.put(path, content=content)).status_code == 503
         for _, writer in opened:
             writer.close()
-        for _ in range(100):
+        for _ in range(1000):
             if (await by_alice.put(path, content=content)).status_code == 200:
                 return
             await asyncio.sleep(0.05)
