@@ -23,12 +23,12 @@ from nocturne_scene.tile_sums import TileSums
 from nocturne_scene.uncertainty import moments_of
 
 from tests.coordinator.simulated_worker import SimulatedWorker, simulated_sums
-from tests.system.waiting import pause
+from tests.system.waiting import LIMIT_S, pause
 
 SCENE = "5c" * 32
 
 
-def wait_until(true: Callable[[], bool], seconds: float = 60.0) -> None:
+def wait_until(true: Callable[[], bool], seconds: float = LIMIT_S) -> None:
     """Fails the test if it does not become true. What is promised about time gives its own seconds."""
     begun = time.monotonic()
     while not true():
@@ -97,6 +97,12 @@ class Service:
         )
         return self._process
 
+    @property
+    def pid(self) -> int:
+        """Of the coordinator that was started last."""
+        assert self._process is not None
+        return self._process.pid
+
     def reopen(self) -> None:
         """Looks at the data folder that is there now."""
         self.folder.close()
@@ -106,7 +112,7 @@ class Service:
         """Ends the coordinator; gives its exit code."""
         assert self._process is not None
         self._process.send_signal(number)
-        return self._process.wait(15)
+        return self._process.wait(LIMIT_S)
 
     def work(self, worker: SimulatedWorker) -> SimulatedWorker:
         self._workers.append(worker)

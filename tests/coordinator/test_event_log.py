@@ -23,6 +23,7 @@ from nocturne_scene.ranges import make_schedule
 from tests.coordinator.service import Service, check_complete
 from tests.coordinator.simulated_worker import SimulatedWorker
 from tests.coordinator.world import World
+from tests.system.waiting import LIMIT_S
 
 AT = Moment(12.5, 1.7e9)
 
@@ -129,7 +130,7 @@ def test_a_disk_that_is_full_ends_it_and_nothing_else(
 
 
 def test_a_log_that_can_not_be_written_is_said_at_the_start(service: Service, tmp_path: Path) -> None:
-    assert service.start("", "--event-log", str(tmp_path / "gone" / "events")).wait(15) == EXIT_UNUSABLE
+    assert service.start("", "--event-log", str(tmp_path / "gone" / "events")).wait(LIMIT_S) == EXIT_UNUSABLE
 
 
 def test_a_real_coordinators_log_is_replayed(

@@ -20,6 +20,7 @@ from tests.coordinator.service import (
 )
 from tests.coordinator.simulated_worker import SimulatedWorker
 from tests.pictures import samples_of
+from tests.system.waiting import LIMIT_S
 
 SOME_DELAY = 0.02
 """Seconds per job."""
@@ -197,7 +198,7 @@ def test_two_data_folders_can_not_share_a_redis(service: Service, tmp_path: Path
     wait_until(lambda: service.row(render.id).ranges_done > 5)
     other = Service(tmp_path / "other", service.server)
     try:
-        assert other.start().wait(40) == EXIT_ALREADY_OWNED
+        assert other.start().wait(LIMIT_S) == EXIT_ALREADY_OWNED
     finally:
         other.close()
     assert service.row(render.id).state == "RUNNING"
@@ -220,7 +221,7 @@ def test_a_later_coordinator_of_the_folder_takes_the_lease(service: Service) -> 
         assert isinstance(held, bytes)
         folder = held.split(b":")[0]
         client.set(keys.SESSION, folder + b":99:other")
-    assert first.wait(15) == EXIT_OWNERSHIP_LOST
+    assert first.wait(LIMIT_S) == EXIT_OWNERSHIP_LOST
 
 
 def test_exr_of_a_complete_render_has_no_manifest(service: Service) -> None:

@@ -24,6 +24,7 @@ from tests.coordinator.service import (
 )
 from tests.coordinator.simulated_worker import SimulatedWorker
 from tests.pictures import samples_of
+from tests.system.waiting import LIMIT_S
 
 OFTEN = ("--checkpoint-seconds", "0.1")
 SOME_DELAY = 0.05
@@ -111,7 +112,7 @@ def test_a_deleted_database_is_not_silently_made_anew(service: Service) -> None:
     service.folder.close()
     for path in service.data.glob("nocturne.db*"):
         path.unlink()
-    assert service.start().wait(15) == EXIT_UNUSABLE
+    assert service.start().wait(LIMIT_S) == EXIT_UNUSABLE
     assert restore(service.data).database is not None
     service.reopen()
     service.start()

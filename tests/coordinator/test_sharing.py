@@ -27,6 +27,7 @@ from nocturne_coordinator.store.ownership import Ownership
 
 from tests.coordinator.service import Service, check_complete, wait_until
 from tests.coordinator.simulated_worker import SimulatedWorker
+from tests.system.waiting import LIMIT_S
 
 SHARED = ("--shared", "--lease-seconds", "1.5")
 SOME_DELAY = 0.05
@@ -156,7 +157,7 @@ def test_two_coordinators_share_the_renders(service: Service) -> None:
         service.start("", *SHARED)
     # Who comes first decides whether the folder is shared.
     wait_until(lambda: len(service.folder.database.rows("SELECT * FROM coordinator")) == 2)
-    assert service.start().wait(15) == EXIT_ALREADY_OWNED
+    assert service.start().wait(LIMIT_S) == EXIT_ALREADY_OWNED
     renders = [service.create(request_id=name, samples=100).id for name in "abcd"]
     for _ in range(2):
         service.work(SimulatedWorker(service.server.url, delay=0.005))

@@ -82,7 +82,7 @@ def test_deleted_while_workers_die(service: Service) -> None:
         fleet = [worker for worker in fleet if worker.is_alive()]
         while len(fleet) < 3:
             fleet.append(come())
-    wait_until(lambda: service.row(kept.id).state.ended, 30.0)
+    wait_until(lambda: service.row(kept.id).state.ended)
     # Some of its jobs may have killed three workers, which is what they are for.
     if service.row(kept.id).state == "SUCCEEDED":
         check_complete(service, kept.id)

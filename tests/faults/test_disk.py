@@ -94,7 +94,7 @@ async def test_the_service_sweeps_by_itself(tmp_path: Path) -> None:
         service.rest(service.token("alice", "submit")) as alice,
     ):
         digest = await upload(alice, b"unused")
-        for _ in range(100):
+        for _ in range(1000):
             if service.folder.blobs.here(digest) is None:
                 return
             await asyncio.sleep(0.1)

@@ -96,7 +96,7 @@ def test_long_work_waits_for_its_class(service: Service, work: Callable[..., str
     long = service.create(samples=2000)
     wait_until(lambda: service.row(long.id).ranges_done >= 6)
     first.stop()
-    wait_until(lambda: service.folder.workers.alive() == [], 20.0)
+    wait_until(lambda: service.folder.workers.alive() == [])
     # Results go when they are committed, which may be later than their worker.
     with service.server.client() as client:
         wait_until(lambda: client.xlen(keys.RESULTS) == 0)

@@ -17,7 +17,7 @@ from tests.coordinator.service import RedisServer
 from tests.system.program import is_running
 from tests.system.renders import CORNELL
 from tests.system.up import Up
-from tests.system.waiting import wait_for
+from tests.system.waiting import LIMIT_S, wait_for
 
 SLEEPS = (sys.executable, "-c", "import time; time.sleep(60)")
 
@@ -33,7 +33,7 @@ def test_a_child_that_does_not_answer_is_started_again(tmp_path: Path) -> None:
     hanging.start()
     try:
         before = answering.pid, hanging.pid
-        end = time.monotonic() + 10.0
+        end = time.monotonic() + LIMIT_S
         while hanging.pid in (0, before[1]) and time.monotonic() < end:
             answering.supervise(said.append)
             hanging.supervise(said.append)

@@ -81,7 +81,7 @@ def test_garbage(service: Service) -> None:
         client.xadd(keys.RESULTS, {"other": "field"})
         client.xadd(keys.JOBS, {"other": "field"})
         client.set(keys.WORKER_PREFIX + "x", b"\xff\xff", px=2000)
-    wait_until(lambda: service.row(render.id).state.ended, 60.0)
+    wait_until(lambda: service.row(render.id).state.ended)
     check_survived(service, render.id)
     assert forger.sent == set(SPOILT)
 
@@ -125,6 +125,6 @@ def test_a_worker_takes_the_jobs_of_others_off_the_stream(service: Service) -> N
         client.xack(keys.JOBS, keys.WORKERS_GROUP, *gone)
         client.xdel(keys.JOBS, *gone)
     begun = time.monotonic()
-    wait_until(lambda: service.row(render.id).state.ended, 30.0)
+    wait_until(lambda: service.row(render.id).state.ended)
     note("L4", ended_s=time.monotonic() - begun)
     check_survived(service, render.id)

@@ -8,6 +8,7 @@ from nocturne_coordinator.queue import keys
 from tests.coordinator.service import RedisServer, Service, wait_until
 from tests.coordinator.simulated_worker import SimulatedWorker
 from tests.faults.survival import SOME_DELAY, check_resumes, check_survived, half_done
+from tests.system.waiting import LIMIT_S
 
 
 def test_redis_killed_and_restarted_empty(service: Service) -> None:
@@ -79,7 +80,7 @@ def test_redis_that_forgets_is_refused(tmp_path: Path) -> None:
     server.start()
     service = Service(tmp_path / "data", server)
     try:
-        assert service.start().wait(15) == EXIT_UNUSABLE
+        assert service.start().wait(LIMIT_S) == EXIT_UNUSABLE
     finally:
         service.close()
         server.kill()

@@ -55,7 +55,7 @@ def test_a_job_that_kills_workers_is_given_up(service: Service) -> None:
 
     for _ in range(3):
         service.work(SimulatedWorker(service.server.url, dies=dies, status_ms=1500, lease_ms=2500))
-    wait_until(lambda: service.row(render.id).image_final, 30.0)
+    wait_until(lambda: service.row(render.id).image_final)
     row = service.row(render.id)
     assert row.state == "DEGRADED"
     assert "died of it" in row.reason
@@ -162,7 +162,8 @@ def test_a_slow_worker_does_not_hold_up_the_end(service: Service) -> None:
     # The lease is long, so that nobody takes the job over: only a copy of it helps.
     service.work(SimulatedWorker(service.server.url, lease_ms=60_000))
     check_complete(service, render.id)
-    assert time.monotonic() - begun < 12.0
+    # Less than the slow worker takes for one.
+    assert time.monotonic() - begun < 45.0
 
 
 def test_all_workers_are_gone_for_long_and_come_back(service: Service) -> None:
@@ -181,7 +182,7 @@ def test_all_workers_are_gone_for_long_and_come_back(service: Service) -> None:
     wait_until(lambda: half_done(service, render.id))
     gone.set()
     wait_until(lambda: not any(worker.is_alive() for worker in first))
-    wait_until(lambda: service.folder.workers.alive() == [], 20.0)
+    wait_until(lambda: service.folder.workers.alive() == [])
     row = service.row(render.id)
     assert row.state == "RUNNING"
     assert row.ranges_done < row.ranges_planned

@@ -167,7 +167,7 @@ async def test_a_crash_in_between_is_made_good(body: dict[str, Any], web: Path, 
         assert mentions(folder, render_id) == {"call", "removal"}
         assert len(files_of(folder)) == 5
         async with running(tmp_path, web):
-            for _ in range(200):
+            for _ in range(2000):
                 if not folder.removals.open():
                     break
                 await asyncio.sleep(0.05)

@@ -20,6 +20,7 @@ from nocturne_scene.errors import InputError, NotFound
 from tests.services import coordinator_acts
 from tests.services.endpoints import rest_client
 from tests.services.s3_server import S3Server
+from tests.system.waiting import LIMIT_S
 
 DATA = b"a scene that is a scene is a scene" * 1000
 SHA256 = hashlib.sha256(DATA).hexdigest()
@@ -126,7 +127,7 @@ async def test_a_service_that_lost_its_files_has_them_still(
             folder.image_path(render["id"]).write_bytes(b"an image")
             coordinator_acts.finish(folder, render["id"])
             folder.database.execute("UPDATE render SET image_final = 1 WHERE id = ?", (render["id"],))
-            deadline = time.monotonic() + 20
+            deadline = time.monotonic() + LIMIT_S
             while not folder.archive.renders():
                 assert time.monotonic() < deadline
                 await asyncio.sleep(0.05)

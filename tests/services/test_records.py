@@ -174,7 +174,7 @@ async def test_too_many_connections_are_refused_and_it_recovers(small: Service) 
         writer.close()
         await writer.wait_closed()
     async with rest_client(small) as rest:
-        for _ in range(100):
+        for _ in range(1000):
             if (await rest.get("/v1/renders")).status_code == 200:
                 return
             await asyncio.sleep(0.05)

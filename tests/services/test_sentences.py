@@ -150,7 +150,7 @@ async def test_a_broken_off_request_is_a_sentence_in_the_log(
         await asyncio.sleep(0.3)
         writer.close()
         await writer.wait_closed()
-        for _ in range(100):
+        for _ in range(1000):
             if "broken off" in caplog.text:
                 break
             await asyncio.sleep(0.05)
