@@ -82,7 +82,7 @@ def rows(figures: Figures) -> list[Row]:
         for key, crowd in crowds.items()
     ]
     for name in ("watchers", "streams"):
-        said = ", ".join(f"{count} {answer}" for answer, count in figures[f"answers_to_{name}"].items())
+        said = ", ".join(f"{count:,} x {answer}" for answer, count in figures[f"answers_to_{name}"].items())
         found.append(Row(f"answers to {figures[name]:,} {name}", said))
     found.append(
         Row(
