@@ -169,7 +169,7 @@ def test_a_texture_finer_than_the_film_is_told(
     """The quad's edge of 1 m has 64 texels of 1/64 m. At a distance of z a pixel of a film with h rows, 40
     degrees high, sees 0.73 z / h."""
     picture = blobs.put(write_exr(tmp_path / "a.exr", np.ones((64, 64, 3)), "RGB").read_bytes())
-    texture = {"texture": {"asset": f"sha256:{picture}"}}
+    texture: dict[str, Any] = {"texture": {"asset": f"sha256:{picture}"}}
     document["surfaces"][1] |= {
         "shape": {"type": "quad", "corner": [0, 0, 10], "edge_u": [1, 0, 0], "edge_v": [0, 1, 0]},
         "kernel": {"type": "lambertian", "reflectance": texture},

@@ -140,7 +140,7 @@ def _curve(context: Context, parameters: Parameters) -> np.ndarray:
         raise InputError.at(parameters.place, str(error)) from None
     # What stretches is taken by its mean.
     scale = float(np.abs(np.linalg.det(matrix[:3, :3])) ** (1 / 3))
-    radii = scale / 2 * np.linspace(*ends, len(found))
+    radii = scale / 2 * np.linspace(ends[0], ends[1], len(found))
     return np.hstack([found, radii[:, None]])
 
 
