@@ -56,12 +56,12 @@ def covariance_of_means(products: Values, a: Values, b: Values, counts: Values |
 
 def block_sums(values: Values) -> Values:
     """Over blocks of pixels, in the order in which C++ adds them; shape (blocks down, blocks across)."""
-    height, width = values.shape
-    padded = np.pad(values, ((0, -height % BLOCK), (0, -width % BLOCK)))
-    total = np.zeros((padded.shape[0] // BLOCK, padded.shape[1] // BLOCK))
-    for y in range(BLOCK):
-        for x in range(BLOCK):
-            total += padded[y::BLOCK, x::BLOCK]
+    down, across = (blocks_in(edge) for edge in values.shape)
+    if values.shape != (down * BLOCK, across * BLOCK):
+        values = np.pad(values, [(0, -edge % BLOCK) for edge in values.shape])
+    # By pixel of the block: a sum over the first axis is added up one after the other.
+    pixels = values.reshape(down, BLOCK, across, BLOCK).transpose(1, 3, 0, 2).reshape(BLOCK**2, down, across)
+    total: Values = np.add.reduce(pixels)
     return total
 
 

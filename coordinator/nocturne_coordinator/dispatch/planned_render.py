@@ -15,6 +15,8 @@ from nocturne_coordinator.limits import MAX_RAYS_PER_PHOTON
 
 _BEYOND_PHYSICS = 1e150
 """No sum in cd/m2 comes near; squares of what is below are finite."""
+_XX_YY_ZZ, _XY_XZ_YZ = [4, 3, 5], [6, 7, 8]
+"""Places of squares and products among a pixel's sums."""
 
 
 class RefusedResult(Exception):
@@ -110,20 +112,22 @@ def check_sums(sums: TileSums, samples: int) -> None:
         # With a NaN inside, minimum and maximum are NaN, and compare false.
         if not (numbers.min() >= 0.0 and numbers.max() < _BEYOND_PHYSICS):
             raise RefusedResult("sums that are negative, not finite or beyond all physics")
-    x, y, z, yy, xx, zz, xy, xz, yz = np.moveaxis(pixels[..., :XYZ_SUMS], -1, 0)
+    # One quantity after the other: a step of numpy's for all three is as fast as one for each.
+    of_xyz = np.ascontiguousarray(np.moveaxis(pixels[..., :XYZ_SUMS], -1, 0))
+    firsts, squares, products = of_xyz[:3], of_xyz[_XX_YY_ZZ], of_xyz[_XY_XZ_YZ]
     further = np.split(pixels[..., XYZ_SUMS:], 2, axis=-1)
-    blocks = block_sums(y)
-    for one, squares in ((x, xx), (y, yy), (z, zz), (further[0], further[1]), (blocks, sums.block_squares)):
-        _check_products(one * one, squares * samples)
+    blocks = block_sums(firsts[1])
+    for one, square in ((firsts, squares), further, (blocks, sums.block_squares)):
+        _check_products(one * one, square * samples)
     # Y is never negative: squares of what n have together are at least their own squares', at most n times.
     for parts, whole, number in (
-        (block_sums(yy), sums.block_squares, BLOCK**2),
+        (block_sums(squares[1]), sums.block_squares, BLOCK**2),
         (sums.block_squares.sum(keepdims=True)[0], sums.tile_squares, sums.block_squares.size),
     ):
         _check_products(parts, whole)
         _check_products(whole, parts * number)
-    for products, one, other in ((xy, xx, yy), (xz, xx, zz), (yz, yy, zz)):
-        _check_products(products, np.sqrt(one) * np.sqrt(other))
+    roots = np.sqrt(squares)
+    _check_products(products, roots[[0, 0, 1]] * roots[[1, 2, 2]])
 
 
 def _check_counts(partial: job_pb2.Partial, photons: int) -> None:
