@@ -6,11 +6,12 @@ With an object store, what is stored is there before it is said to be, and what 
 import hashlib
 import os
 import re
+import shutil
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import BinaryIO, Protocol
+from typing import BinaryIO, NamedTuple, Protocol
 
 from nocturne_scene.errors import InputError, NotFound
 from nocturne_scene.limits import MAX_ASSET_BYTES
@@ -73,6 +74,14 @@ def check_size(size_bytes: int) -> None:
         raise InputError.at("asset", f"has {size_bytes} bytes; expected 0 to {MAX_ASSET_BYTES}")
 
 
+class NoteKey(NamedTuple):
+    """What a note is about."""
+
+    source: str
+    """Digest of the blob with which the note goes."""
+    text: str
+
+
 class BlobStore:
     """A folder of blobs: `root/ab/abcdef...`, lower-case hexadecimal. Safe for many processes at once."""
 
@@ -102,8 +111,9 @@ class BlobStore:
         return place if place.is_file() else None
 
     def remove_here(self, sha256: str) -> None:
-        """The blob is not on this machine any more. Nobody may need it."""
+        """The blob is not on this machine any more, nor what was noted about it. Nobody may need it."""
         self._place(sha256).unlink(missing_ok=True)
+        shutil.rmtree(self._notes_of(sha256), ignore_errors=True)
 
     def remove_there(self, sha256: str) -> None:
         """The blob is not in the object store any more, unless it is here again: somebody needs it."""
@@ -196,17 +206,17 @@ class BlobStore:
             while piece := stream.read(_PIECE_BYTES):
                 writer.write(piece)
 
-    def note(self, about: str) -> str | None:
+    def note(self, about: NoteKey) -> str | None:
         """What was noted about something; None if nothing was. On this machine only."""
         try:
             return self._note_place(about).read_text()
         except FileNotFoundError:
             return None
 
-    def put_note(self, about: str, text: str) -> None:
+    def put_note(self, about: NoteKey, text: str) -> None:
         """Notes what took long to find out and can be found out again."""
         place = self._note_place(about)
-        place.parent.mkdir(exist_ok=True)
+        place.parent.mkdir(parents=True, exist_ok=True)
         with replacing(place, folder=self._incoming) as unfinished:
             unfinished.write_text(text)
 
@@ -221,8 +231,11 @@ class BlobStore:
             return False
         return True
 
-    def _note_place(self, about: str) -> Path:
-        return self.root / "notes" / hashlib.sha256(about.encode()).hexdigest()
+    def _note_place(self, about: NoteKey) -> Path:
+        return self._notes_of(about.source) / hashlib.sha256(about.text.encode()).hexdigest()
+
+    def _notes_of(self, sha256: str) -> Path:
+        return self.root / "notes" / sha256
 
     def _place(self, sha256: str) -> Path:
         if not _SHA256.fullmatch(sha256):

@@ -97,7 +97,7 @@ async def test_nothing_is_left(
     assert {"render", "tile", "error_point", "contribution", "failed_tile", "lease", "at_work"} <= mentions(
         folder, render_id
     )
-    assert len(files_of(folder)) == 5, "mesh, packed mesh, scene, preview, image"
+    assert len(files_of(folder)) == 7, "mesh, packed mesh, two notes on it, scene, preview, image"
     answer = await rest.delete(f"/v1/renders/{render_id}")
     assert (answer.status_code, answer.content) == (204, b"")
     assert mentions(folder, render_id) == {"call"}
@@ -165,7 +165,7 @@ async def test_a_crash_in_between_is_made_good(body: dict[str, Any], web: Path, 
             render_id = await ended(rest, folder, body, "a")
         delete_render(folder, render_id)
         assert mentions(folder, render_id) == {"call", "removal"}
-        assert len(files_of(folder)) == 5
+        assert len(files_of(folder)) == 7
         async with running(tmp_path, web):
             for _ in range(2000):
                 if not folder.removals.open():

@@ -30,7 +30,7 @@ _READING = {
     ("POST", "/v1/session"),
     ("DELETE", "/v1/session"),
 }
-_READING_CALLS = ("Get", "List", "Watch", "Fetch", "Explain", "BatchMissing", "Preflight")
+_READING_CALLS = ("Get", "List", "Watch", "Fetch", "Explain", "ReadRegion", "BatchMissing", "Preflight")
 
 _DATA = b"a file"
 _SHA256 = hashlib.sha256(_DATA).hexdigest()

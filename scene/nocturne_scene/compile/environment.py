@@ -7,6 +7,7 @@ import math
 import numpy as np
 from nocturne.v1 import scene_pb2
 
+from nocturne_scene.blobs import NoteKey
 from nocturne_scene.compile.sensors import unit, vector
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.luminaires import EnvironmentMap, StandardSky
@@ -73,7 +74,8 @@ def compile_map(workspace: Workspace, environment: EnvironmentMap) -> scene_pb2.
 
 def _texels(workspace: Workspace, asset: str, *, points: bool) -> tuple[bytes, int, int]:
     """Return digest, columns and rows of the map of a picture, made once for all scenes of a blob store."""
-    about = json.dumps(["sky", asset, points, _CONVERSION, rgb_spectra.table_digest()])
+    text = json.dumps(["sky", points, _CONVERSION, rgb_spectra.table_digest()])
+    about = NoteKey(asset, text)
     match workspace.made_before(about):
         case (bytes(blob), [int(columns), int(rows)]):
             return blob, columns, rows

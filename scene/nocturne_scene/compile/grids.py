@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from nocturne.v1 import scene_pb2
 
+from nocturne_scene.blobs import NoteKey
 from nocturne_scene.compile.placement import placement_of
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document import bounds
@@ -65,13 +66,13 @@ class Grids:
         if key not in self._converted:
             source = self._workspace.asset(grid.asset, ".asset").hex()
             try:
-                about = json.dumps(["grid", source, grid.grid, grid_files.program_digest()])
+                about = NoteKey(source, json.dumps(["grid", grid.grid, grid_files.program_digest()]))
                 self._converted[key] = self._before(about) or self._anew(about, source, grid.grid)
             except grid_files.UnusableGridError as error:
                 raise Unusable(str(error), ".asset") from None
         return self._converted[key]
 
-    def _before(self, about: str) -> _Converted | None:
+    def _before(self, about: NoteKey) -> _Converted | None:
         """What was converted for an earlier scene, if it is still there."""
         found = self._workspace.made_before(about)
         try:
@@ -80,7 +81,7 @@ class Grids:
             # A damaged note is no note.
             return None
 
-    def _anew(self, about: str, source: str, name: str) -> _Converted:
+    def _anew(self, about: NoteKey, source: str, name: str) -> _Converted:
         output: Path = self._workspace.temporary("grid.nvdb")
         text = grid_files.convert(self._workspace.blobs.path(source), name, output)
         converted = _Converted(self._workspace.keep_file(output), grid_files.facts_in(text))

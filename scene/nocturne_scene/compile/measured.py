@@ -6,6 +6,7 @@ import struct
 
 import numpy as np
 
+from nocturne_scene.blobs import NoteKey
 from nocturne_scene.compile import merl
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.kernels import Measured
@@ -30,7 +31,7 @@ def compile_measured(workspace: Workspace, kernel: Measured) -> bytes:
         if kernel.format == "table":
             _check_table(workspace, digest)
             return digest
-        about = json.dumps(["merl", digest.hex(), _CONVERSION])
+        about = NoteKey(digest.hex(), json.dumps(["merl", _CONVERSION]))
         if (before := workspace.made_before(about)) is not None:
             return before[0]
         table = workspace.keep(_from_merl(workspace.read(digest, merl.FILE_BYTES)))

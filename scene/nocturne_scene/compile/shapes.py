@@ -8,13 +8,24 @@ import numpy as np
 from nocturne.v1 import scene_pb2
 from numpy.typing import NDArray
 
+from nocturne_scene.blobs import NoteKey
 from nocturne_scene.compile.grids import Grids
 from nocturne_scene.compile.placement import Similarity
 from nocturne_scene.compile.sensors import vector
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document import bounds
 from nocturne_scene.document.problems import path
-from nocturne_scene.document.shapes import AssetMesh, Box, Disc, InlineMesh, MediumBox, Quad, Shape, Sphere
+from nocturne_scene.document.shapes import (
+    DIGEST_PREFIX,
+    AssetMesh,
+    Box,
+    Disc,
+    InlineMesh,
+    MediumBox,
+    Quad,
+    Shape,
+    Sphere,
+)
 from nocturne_scene.meshes.headers import UnusableMeshError
 from nocturne_scene.meshes.simple import box_mesh, disc_mesh, inline_mesh, quad_mesh
 from nocturne_scene.meshes.triangles import (
@@ -71,7 +82,7 @@ class Shapes:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
         """Return opposite corners of a box around a placed shape; None if it has no vertices. Unusable,
         UnusableMeshError."""
-        about = ""
+        about = None
         if isinstance(shape, AssetMesh):
             self._workspace.asset(shape.asset)
             about = _about("extent", shape, [placement])
@@ -119,7 +130,7 @@ class Shapes:
     def area_of_texture(self, shape: Shape) -> float:
         """Square metres that a whole texture covers on the mean over a shape before its placement; 0: it has
         no coordinates. Raises Unusable, UnusableMeshError."""
-        about = ""
+        about = None
         if isinstance(shape, AssetMesh):
             about = _about("area of texture", shape, [])
             match self._workspace.found_before(about):
@@ -226,10 +237,11 @@ def _area(corners: NDArray[np.float64]) -> float:
     return float(np.linalg.norm(np.cross(*edges), axis=-1).sum()) / 2
 
 
-def _about(what: str, shape: AssetMesh, steps: Sequence[Similarity]) -> str:
+def _about(what: str, shape: AssetMesh, steps: Sequence[Similarity]) -> NoteKey:
     """What a note says of a mesh file at its placements."""
     placed = [step.rows().tolist() for step in steps]
-    return json.dumps([what, shape.asset, shape.resolved_format(), shape.smooth, placed, _CONVERSION])
+    text = json.dumps([what, shape.resolved_format(), shape.smooth, placed, _CONVERSION])
+    return NoteKey(shape.asset.removeprefix(DIGEST_PREFIX), text)
 
 
 def put_shape(message: scene_pb2.Surface | scene_pb2.ImportantShape, shape: AnyShape) -> None:

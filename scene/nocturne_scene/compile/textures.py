@@ -7,6 +7,7 @@ from typing import Literal
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne.v1 import scene_pb2
 
+from nocturne_scene.blobs import NoteKey
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.spectrum_checks import Reference
 from nocturne_scene.document.textures import (
@@ -155,7 +156,7 @@ class Textures:
     ) -> tuple[bytes, int]:
         """Digest and channels of a picture's texture file, made once for all scenes of a blob store."""
         workspace = self._workspace
-        about = json.dumps(["texture", asset, channels, encoding, _CONVERSION])
+        about = NoteKey(asset, json.dumps(["texture", channels, encoding, _CONVERSION]))
         match workspace.made_before(about):
             case (bytes(before), int(of_before)):
                 return before, of_before

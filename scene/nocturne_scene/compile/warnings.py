@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from nocturne_scene.blobs import NoteKey
 from nocturne_scene.compile.bodies import Body, cross, open_edges, parts, winding
 from nocturne_scene.compile.fine_textures import fine_textures
 from nocturne_scene.compile.placement import placement_of
@@ -17,7 +18,7 @@ from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.kernels import Dielectric, Kernel, Lambertian
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.document.problems import path
-from nocturne_scene.document.shapes import AssetMesh, Disc, InlineMesh, MediumBox, Quad, Sphere
+from nocturne_scene.document.shapes import DIGEST_PREFIX, AssetMesh, Disc, InlineMesh, MediumBox, Quad, Sphere
 from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.document.textures import ColourTexture
 from nocturne_scene.meshes.headers import UnusableMeshError
@@ -84,10 +85,13 @@ def _edges_of(workspace: Workspace, shapes: Shapes, boundary: list[Surface]) -> 
     placed = [
         [repr(surface.shape), placement_of(surface).rows().tolist(), surface.scale] for surface in boundary
     ]
-    about = json.dumps(["open edges", placed])
-    match workspace.found_before(about):
-        case int(found):
-            return found
+    files = [surface.shape for surface in boundary if isinstance(surface.shape, AssetMesh)]
+    about = None
+    if files:
+        about = NoteKey(files[0].asset.removeprefix(DIGEST_PREFIX), json.dumps(["open edges", placed]))
+        match workspace.found_before(about):
+            case int(found):
+                return found
     try:
         corners = [_corners(shapes, surface) for surface in boundary]
     except (Unusable, UnusableMeshError):
@@ -96,7 +100,7 @@ def _edges_of(workspace: Workspace, shapes: Shapes, boundary: list[Surface]) -> 
     if sum(map(len, corners)) > _MAX_TRIANGLES:
         return 0
     edges = open_edges(np.concatenate(corners))
-    if any(isinstance(surface.shape, AssetMesh) for surface in boundary):
+    if about is not None:
         workspace.note_found(about, edges)
     return edges
 

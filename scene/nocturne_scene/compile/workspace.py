@@ -10,7 +10,7 @@ from typing import Any, Generic, TypeVar
 
 from nocturne.v1 import scene_pb2
 
-from nocturne_scene.blobs import BlobStore
+from nocturne_scene.blobs import BlobStore, NoteKey
 from nocturne_scene.compile.placement import IDENTITY
 from nocturne_scene.document import bounds
 from nocturne_scene.document.checks import resolve_spectrum
@@ -65,7 +65,7 @@ class Workspace:
         """Blobs to be written once all is well, by digest."""
         self.files: dict[bytes, Path] = {}
         """The same of blobs that are too large for memory."""
-        self.notes: dict[str, str] = {}
+        self.notes: dict[NoteKey, str] = {}
         """To be noted in the blob store once they are written, by what they are about."""
         self.dropped: list[str] = []
         self.warnings: list[str] = []
@@ -125,7 +125,7 @@ class Workspace:
         self.files[digest] = file
         return digest
 
-    def made_before(self, about: str) -> tuple[bytes, Any] | None:
+    def made_before(self, about: NoteKey) -> tuple[bytes, Any] | None:
         """Digest of the blob that was made for an earlier scene, and facts about it; None if it is gone."""
         try:
             blob, facts = json.loads(self.blobs.note(about) or "")
@@ -137,11 +137,11 @@ class Workspace:
             pass
         return None
 
-    def note_made(self, about: str, blob: bytes, facts: Any) -> None:
+    def note_made(self, about: NoteKey, blob: bytes, facts: Any) -> None:
         """Note for later scenes which blob was made, `facts` being what JSON can hold."""
         self.notes[about] = json.dumps([blob.hex(), facts])
 
-    def found_before(self, about: str) -> Any:
+    def found_before(self, about: NoteKey) -> Any:
         """What was found out for an earlier scene; None if nothing was."""
         try:
             return json.loads(self.blobs.note(about) or "null")
@@ -149,7 +149,7 @@ class Workspace:
             # A damaged note is no note.
             return None
 
-    def note_found(self, about: str, facts: Any) -> None:
+    def note_found(self, about: NoteKey, facts: Any) -> None:
         """Note for later scenes what was found out, as JSON can hold it."""
         self.notes[about] = json.dumps(facts)
 
