@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import limits
 from nocturne_coordinator.queue.worker_status import worker_row
-from nocturne_scene.tile_sums import TileSums, split
+from nocturne_scene.tile_sums import XYZ_SUMS, TileSums, split
 
 from tests.coordinator.simulated_worker import simulated_result
 from tests.coordinator.test_merging import Session
@@ -32,7 +32,7 @@ def changed_sums(change: Callable[[TileSums], None]) -> Spoil:
 
 
 def put(pixel: int, channel: int, value: float) -> Spoil:
-    return changed_sums(lambda sums: sums.pixels[0].__setitem__((pixel, channel), value))
+    return changed_sums(lambda sums: sums.pixels.reshape(-1, XYZ_SUMS).__setitem__((pixel, channel), value))
 
 
 def scaled(part: str, factor: float) -> Spoil:
