@@ -46,6 +46,7 @@ _CALLS: dict[tuple[str, str], tuple[Any, str]] = {
     ("POST", "/v1/renders/{render_id}:setPriority"): ({"priority": 7}, "priority"),
     ("POST", "/v1/renders/{render_id}:lookFirst"): ({}, "look first"),
     ("POST", "/v1/renders/{render_id}:replay"): ({"request_id": "again"}, "replay"),
+    ("POST", "/v1/imports"): ({"files": {"a.xml": _SHA256}}, "import"),
     ("PUT", "/v1/assets/{sha256}"): (_DATA, f"upload {_SHA256}"),
     ("POST", "/v1/workers/{worker_id}:release"): (b"", "release w-1"),
     ("POST", "/v1/webhooks"): ({"url": "https://example.org/"}, "create webhook"),

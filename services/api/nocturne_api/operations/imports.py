@@ -19,6 +19,7 @@ class Imports:
     """Some imports at a time, each in a child process of low priority."""
 
     def __init__(self, access: FolderAccess, assets: Assets) -> None:
+        self._access = access
         self._blobs = access.folder.blobs
         self._assets = assets
 
@@ -27,7 +28,11 @@ class Imports:
 
         Raises InputError with every problem found, QuotaUsedUp, FolderFull, and Overloaded while others run.
         """
-        CALLER.get().need("submit")
+        async with self._access.recorded("import"):
+            CALLER.get().need("submit")
+            return await self._run(request)
+
+    async def _run(self, request: ImportRequest) -> ImportedScene:
         if not 1 <= len(request.files) <= IMPORT_FILES:
             raise InputError.at("$.files", f"expected 1 to {IMPORT_FILES}, found {len(request.files)}")
         raise_if(
