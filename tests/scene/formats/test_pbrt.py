@@ -328,3 +328,11 @@ def test_glass_of_three_numbers(tmp_path: Path) -> None:
     document, _ = imported(tmp_path, body)
     [kernel] = document["kernels"].values()
     assert kernel["index"] == 1.5
+
+
+def test_a_packed_file_may_have_several_parts(tmp_path: Path) -> None:
+    """As `cat a.gz b.gz` makes it."""
+    parts = [HEAD, f"WorldBegin\n{LIGHT}", 'Shape "sphere"\n', ""]
+    (tmp_path / "a.pbrt.gz").write_bytes(b"".join(gzip.compress(part.encode()) for part in parts))
+    found = import_scene(tmp_path / "a.pbrt.gz", tmp_path / "out", ImportOptions())
+    assert len(json.loads(found.document.read_text())["surfaces"]) == 1

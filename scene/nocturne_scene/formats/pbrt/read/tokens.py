@@ -36,15 +36,20 @@ def read_text(file: Path, shown: str) -> str:
 
 
 def decompressed(content: bytes, most: int, shown: str) -> bytes:
-    """Return what a gzip file holds. Raises InputError for more than `most` bytes."""
-    decompressor = zlib.decompressobj(wbits=31)
-    try:
-        plain = decompressor.decompress(content, most)
-    except zlib.error as error:
-        raise InputError.at(shown, f"can't be decompressed: {error}") from None
-    if decompressor.unconsumed_tail or not decompressor.eof:
-        raise InputError.at(shown, f"has more than {most:,} bytes once decompressed, or ends too early")
-    return plain
+    """Return what a gzip file holds, in one part or several. Raises InputError for more than `most` bytes."""
+    plain = bytearray()
+    while content or not plain:
+        decompressor = zlib.decompressobj(wbits=31)
+        try:
+            plain += decompressor.decompress(content, most + 1 - len(plain))
+        except zlib.error as error:
+            raise InputError.at(shown, f"can't be decompressed: {error}") from None
+        if len(plain) > most or not decompressor.eof:
+            raise InputError.at(shown, f"has more than {most:,} bytes once decompressed, or ends too early")
+        content = decompressor.unused_data
+        if not plain and not content:
+            break
+    return bytes(plain)
 
 
 def tokens(text: str, shown: str) -> Iterator[Token]:
