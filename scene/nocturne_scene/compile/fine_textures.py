@@ -33,7 +33,8 @@ def fine_textures(workspace: Workspace, shapes: Shapes, film: tuple[int, int]) -
         uses = list(
             _uses(document.kernels.get(surface.kernel) if isinstance(surface.kernel, str) else surface.kernel)
         )
-        uses += _uses([surface.luminaire, surface.normal_map, surface.bump_map])
+        # Maps of normals and heights are looked up at their finest level at any distance.
+        uses += _uses(surface.luminaire)
         if not uses or surface.motion is not None:
             continue
         pixel = _pixel(shapes, surface, sensor, film[1])

@@ -96,11 +96,11 @@ class ColourTexture(TextureUse):
 
 
 class NormalMap(TextureUse):
-    """Shading normals: x, y, z stored as 0.5 + 0.5 n, x along u, y along v. Never sRGB-encoded."""
+    """Shading normals: x, y, z stored as 0.5 + 0.5 n, x along u, y along v. Never sRGB-encoded; always sharp."""
 
 
 class BumpMap(TextureUse):
-    """Shading normals from heights; of a colour image the luminance is taken."""
+    """Shading normals from heights; of a colour image the luminance is taken. Always sharp."""
 
     height: Annotated[NotNegative, Field(le=bounds.LENGTH)] = Field(
         description="Height that the value 1 stands for, m; 0 is the surface itself."

@@ -1,5 +1,10 @@
-// Shading normals from a texture: a map of normals, or of heights.
+// Shading normals from a texture: a map of normals, or of heights. Looked up without the footprint:
+// what is reflected is not linear in the normal, so the mean normal of a footprint reflects
+// something else than the footprint does on average. The pixel's samples take that average.
 #pragma once
+
+#include <algorithm>
+#include <cmath>
 
 #include "parameters/texture_use.h"
 #include "surfaces/shading_normal.h"
@@ -15,21 +20,19 @@ class BumpMap {
 
   Vec3 normal(const SurfaceDetail& detail, const SurfacePoint& point) const {
     if (map_) {
-      const auto t = use_.rgb(point);
+      const auto t = use_.rgb({point.u, point.v, 0.0f});
       return mapped_normal(detail, {2.0f * t[0] - 1.0f, 2.0f * t[1] - 1.0f, 2.0f * t[2] - 1.0f});
     }
-    // Central differences, over a thousandth of the texture or the footprint.
-    const float step = std::max(kStep, 0.5f * point.width);
-    const auto height = [&](float du, float dv) {
-      return use_.grey({point.u + du, point.v + dv, point.width});
-    };
-    const float across = 0.5f / step;
-    return bumped_normal(detail, across * (height(step, 0) - height(-step, 0)),
-                         across * (height(0, step) - height(0, -step)));
+    // Central differences, over a thousandth of the picture however often it is repeated.
+    const float du = step(use_.scale_u), dv = step(use_.scale_v);
+    const auto height = [&](float u, float v) { return use_.grey({u, v, 0.0f}); };
+    return bumped_normal(
+        detail, (height(point.u + du, point.v) - height(point.u - du, point.v)) / (2.0f * du),
+        (height(point.u, point.v + dv) - height(point.u, point.v - dv)) / (2.0f * dv));
   }
 
  private:
-  static constexpr float kStep = 0x1p-11f;
+  static float step(float scale) { return 0x1p-11f / std::max(1.0f, std::fabs(scale)); }
 
   BumpMap(const TextureUse& use, bool map) : use_(use), map_(map) {}
 
