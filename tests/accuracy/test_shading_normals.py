@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 
 from tests.accuracy.meters import Measurement, Reading
 from tests.accuracy.scenes import diffuse, measured_scene, quad, surface
 from tests.accuracy.tracing import Document
+from tests.pictures import write_exr
 
 pytestmark = pytest.mark.system
 
@@ -31,10 +31,7 @@ _SHADING_NORMAL = 30.0
 
 def _saved(pixels: Pixels, folder: Path) -> Document:
     """A picture as a texture."""
-    height, width, channels = pixels.shape
-    buffer = oiio.ImageBuf(oiio.ImageSpec(width, height, channels, oiio.FLOAT))
-    buffer.set_pixels(oiio.ROI(), pixels)
-    assert buffer.write(str(folder / "picture.exr"))
+    write_exr(folder / "picture.exr", pixels, "RGB" if pixels.shape[2] == 3 else "Y")
     return {"asset": "picture.exr"}
 
 

@@ -96,7 +96,7 @@ class ColourTexture(TextureUse):
 
 
 class NormalMap(TextureUse):
-    """Shading normals: x, y, z stored as 0.5 + 0.5 n, x along u, y along v. Never sRGB-encoded; always sharp."""
+    """Shading normals: x, y, z stored as 0.5 + 0.5 n, x along u, y along v. Always linear and sharp."""
 
 
 class BumpMap(TextureUse):

@@ -140,6 +140,23 @@ def test_a_raw_constant_can_be_a_normal(tmp_path: Path) -> None:
     assert pixels.reshape(-1, 3).tolist() == [[0.5, 0.5, 1.0]]
 
 
+@pytest.mark.parametrize("kind", ["normalmap", "bumpmap"])
+def test_rules_of_shading_normals_are_told_and_left_out(kind: str, tmp_path: Path) -> None:
+    """They stand before the texture, which is found all the same."""
+    (tmp_path / "in").mkdir()
+    write_exr(tmp_path / "in" / "map.exr", np.full((4, 4, 3), 0.5), "RGB")
+    rules = ("use_shadowing_function", "flip_invalid_normals")
+    flags = "".join(f'<boolean name="{name}" value="false"/>' for name in rules)
+    texture = (
+        '<texture name="normalmap" type="bitmap"><string name="filename" value="map.exr"/>'
+        '<boolean name="raw" value="true"/></texture>'
+    )
+    bsdf = f'<bsdf type="{kind}">{flags}{texture}<bsdf type="diffuse"/></bsdf>'
+    document, found = imported(tmp_path, f'<shape type="rectangle">{bsdf}</shape>')
+    assert kind.replace("map", "_map") in document["surfaces"][0]
+    assert all(any(name in str(each) for each in found.notes) for name in rules)
+
+
 def test_plastic_that_polarises_loses_what_the_coat_sends_back(tmp_path: Path) -> None:
     """T(wi) T(wo) R / pi, as measured of Mitsuba 3.9.1's (no specular part): degrees of wi and wo, value."""
     reflectance = '<spectrum name="diffuse_reflectance" value="0.5"/>'

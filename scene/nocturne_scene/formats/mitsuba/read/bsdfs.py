@@ -307,7 +307,16 @@ def _polarizer(context: Context, properties: Properties) -> Bsdf:
     return Bsdf({"type": "mask", "kernel": BLACK, "opacity": 1 - passing})
 
 
+def _ignore_rules_of_shading_normals(properties: Properties) -> None:
+    """Take what Mitsuba does besides tilting normals; docs/reference/compatibility.md has the numbers."""
+    properties.without_effect("no light is taken away for tilted normals", "use_shadowing_function")
+    properties.without_effect(
+        "from behind a shading normal the surface's own normal counts", "flip_invalid_normals"
+    )
+
+
 def _normal_map(context: Context, properties: Properties) -> Bsdf:
+    _ignore_rules_of_shading_normals(properties)
     [inside] = _inside(context, properties, 1, 1)
     element = properties.take("normalmap")
     use = None if element is None else textures.texture(context, element)
@@ -317,6 +326,7 @@ def _normal_map(context: Context, properties: Properties) -> Bsdf:
 
 
 def _bump_map(context: Context, properties: Properties) -> Bsdf:
+    _ignore_rules_of_shading_normals(properties)
     [inside] = _inside(context, properties, 1, 1)
     height = properties.number("scale", 1.0)
     found = [properties.take(name) for name in properties.names()]
