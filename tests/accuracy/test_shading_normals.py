@@ -120,7 +120,7 @@ def test_grooves_finer_than_a_pixel_by_normals(tmp_path: Path) -> None:
     tilts = np.where(np.arange(_COLUMNS) < _COLUMNS // 2, _SHADING_NORMAL, -_SHADING_NORMAL)
     angle = np.radians(_SHADING_NORMAL)
     between = sin(angle) * np.linspace(-1.0, 1.0, 10_001)
-    edges = np.mean(cos(angle) / np.hypot(between, cos(angle)))
+    edges = float(np.mean(cos(angle) / np.hypot(between, cos(angle))))
     mean = (cos(angle) * (_COLUMNS - 2) + edges * 2) / _COLUMNS
     use = {"texture": _normals(tilts, tmp_path), "scale": [_PERIODS, _PERIODS]}
     _grooves(tmp_path, normal_map=use).check((1.0 + mean) / 2.0, 5e-5)
