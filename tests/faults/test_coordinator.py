@@ -272,8 +272,8 @@ def test_a_slow_merger_holds_the_workers_back(service: Service) -> None:
     )
     bound = window + 2 * committed
     assert most <= bound
-    # A result is 33 kB; all that there are would be 18 MB. The coordinator also makes pictures.
-    assert grown[1] <= bound * 40_000
+    # A result is 75 kB; all that there are would be 42 MB. The coordinator also makes pictures.
+    assert grown[1] <= bound * 90_000
     assert grown[0] <= 8_000_000
     check_survived(service, render.id)
 

@@ -74,7 +74,7 @@ def test_garbage(service: Service) -> None:
     """L2: each is refused, and its range done again."""
     # Of some forged results nobody can tell whose job they took the place of.
     service.start("", *OVERDUE_SOON)
-    render = service.create(samples=50)
+    render = service.create(samples=200)
     forger = Forger()
     service.work(SimulatedWorker(service.server.url, forger))
     with service.server.client() as client:

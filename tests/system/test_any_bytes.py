@@ -12,6 +12,7 @@ from nocturne_client.local.programs import need_program
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import check_document
+from nocturne_scene.tile_sums import numbers_in
 
 from tests.mutations import mutated
 
@@ -76,7 +77,8 @@ def reader(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
 def test_the_right_bytes_are_traced(reader: Reader) -> None:
     status, said = reader.status(reader.scene.SerializeToString(), _JOB.SerializeToString())
     assert (status, said) == (0, "")
-    assert (reader.folder / "sums").stat().st_size % (4 * 4 * 4 * 8) == 0
+    further = len(reader.scene.sensor.further_responses)
+    assert (reader.folder / "sums").stat().st_size == 8 * numbers_in(4, 4, further)
 
 
 def test_wrong_bytes_are_refused_in_words(reader: Reader) -> None:
