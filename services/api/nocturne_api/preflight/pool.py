@@ -1,10 +1,6 @@
 """Preflights scenes in a throw-away child process of low priority, which is ended if it takes too long."""
 
 import asyncio
-import json
-import os
-import signal
-import sys
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -14,6 +10,7 @@ from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.ranges import make_schedule
 
+from nocturne_api.children import answer_of
 from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.errors import CantPreflight, Overloaded
 from nocturne_api.limits import PREFLIGHT_BUDGET_S, PREFLIGHT_WALL_S
@@ -47,27 +44,12 @@ async def preflight_in_child(
         raise InputError(problems)
     job = {**asdict(request), "blobs": str(blobs.root), "objects": blobs.remote and blobs.remote.url}
     job["memory_bytes"] = limits.memory_bytes
-    child = await asyncio.create_subprocess_exec(
-        *(sys.executable, *_PROGRAM),
-        stdin=asyncio.subprocess.PIPE,
-        stdout=asyncio.subprocess.PIPE,
-        process_group=0,
-    )
     try:
-        async with asyncio.timeout(PREFLIGHT_WALL_S):
-            said, _ = await child.communicate(json.dumps(job).encode())
+        answer = await answer_of(_PROGRAM, job, PREFLIGHT_WALL_S)
     except TimeoutError:
         raise Overloaded(f"the preflight was not made within {PREFLIGHT_WALL_S:g} s") from None
-    finally:
-        if child.returncode is None:
-            # Its renders too.
-            os.killpg(child.pid, signal.SIGKILL)
-            await child.wait()
-    answer: dict[str, Any] = (
-        json.loads(said) if said else {"failed": "the preflight ended early; the service's log has more"}
-    )
-    if "problems" in answer:
-        raise InputError(Problem(*each) for each in answer["problems"])
+    if answer is None:
+        raise CantPreflight("the preflight ended early; the service's log has more")
     if "failed" in answer:
         raise CantPreflight(answer["failed"])
     return answer
