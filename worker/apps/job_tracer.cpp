@@ -28,7 +28,7 @@ double thread_cpu_seconds() {
 
 v1::Partial to_partial(const TileSums& tile, double cpu_seconds) {
   v1::Partial partial;
-  for (const auto* values : {&tile.sums, &tile.block_squares, &tile.tile_squares}) {
+  for (const auto* values : tile.numbers()) {
     partial.mutable_sums()->append(reinterpret_cast<const char*>(values->data()),
                                    values->size() * sizeof(double));
   }

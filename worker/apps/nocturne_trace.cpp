@@ -157,7 +157,7 @@ Quantity quantity_of(const v1::Sensor& sensor) {
 
 void write_sums(const std::string& path, const TileSums& tile) {
   std::ofstream file(path, std::ios::binary);
-  for (const auto* values : {&tile.sums, &tile.block_squares, &tile.tile_squares}) {
+  for (const auto* values : tile.numbers()) {
     file.write(reinterpret_cast<const char*>(values->data()),
                static_cast<std::streamsize>(values->size() * sizeof(double)));
   }

@@ -20,7 +20,7 @@ class SealedFile {
   SealedFile(const SealedFile&) = delete;
   SealedFile& operator=(const SealedFile&) = delete;
 
-  /// For whoever opens files by name, in this process, while this lives.
+  /// For whoever opens files by name, in this process, as long as this is there.
   const std::filesystem::path& path() const { return path_; }
 
  private:

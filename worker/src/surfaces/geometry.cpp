@@ -1,3 +1,5 @@
+// One file, though long: all of it works on Embree's records, which nothing else shall see. First
+// what builds them, then the search for single rays in exact order, then packets and queries.
 #include "surfaces/geometry.h"
 
 #include <embree3/rtcore.h>

@@ -56,6 +56,11 @@ struct TileSums {
   /// Of a sample: X, Y, Z, further responses.
   std::size_t values() const { return kXyzValues + further; }
 
+  /// All numbers, in the order in which they are sent and written: pixels, blocks, tiles.
+  std::array<const std::vector<double>*, 3> numbers() const {
+    return {&sums, &block_squares, &tile_squares};
+  }
+
   /// Sums of other samples of the same pixels.
   TileSums& operator+=(const TileSums& other) {
     add(other.sums, sums);

@@ -32,13 +32,13 @@ class PixelBatches {
   void trace(std::span<const PixelIndex> samples, TileSums& counts, double* values);
 
  private:
+  PixelSequence& sequence_of(std::uint32_t pixel);
+
   const Scene& scene_;
   const Film film_;
   RadianceEstimator<N> estimator_;
   Batch<N, RadianceEstimator<N>, Media> batch_;
   std::vector<PixelSample<N>> samples_;
-  PixelSequence& sequence_of(std::uint32_t pixel);
-
   /// Of the pixels of the batch, and which these are.
   std::vector<PixelSequence> sequences_;
   std::vector<std::uint32_t> pixels_;

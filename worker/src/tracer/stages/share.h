@@ -27,8 +27,7 @@ bool meet(const FirstVertex<N>& first, const Kernel& kernel, const SecondVertex<
   const float cosine = -dot(second.normal, direction);
   if (!(cosine > 0.0f) || !(dot(second.kernel_normal, direction) < 0.0f)) return false;
   const Vec3 wi = first.frame.to_local(direction);
-  if (wi.z <= 0.0f && !kernel.transmits()) return false;
-  if (dot(first.normal, direction) * wi.z <= 0.0f) return false;
+  if (!may_send(kernel, first.normal, direction, wi)) return false;
   const float by_area = cosine * inverse * inverse;
   meeting.value = by_area * kernel.value(first.wo, wi);
   // A photon that would carry nothing there ends.
@@ -46,11 +45,11 @@ TimedRay way_between(const FirstVertex<N>& first, const SecondVertex<N>& second,
   return {.ray = {from, (1.0f / distance) * way}, .time = time, .end = distance};
 }
 
-/// `samples` and `seconds` are those of one block.
+/// Of one block: its samples, and the second vertices of these.
 template <int N, class Estimator, bool Media>
 void share_block(Batch<N, Estimator, Media>& batch, std::uint32_t first_sample,
-                 std::uint32_t end_sample, std::span<const SecondVertex<N>> seconds,
-                 std::vector<Meeting<N>>& meetings) {
+                 std::uint32_t end_sample, std::span<const SecondVertex<N>> seconds) {
+  std::vector<Meeting<N>>& meetings = batch.sharing.meetings;
   meetings.clear();
   batch.timed_rays.clear();
   const float time = batch.samples[first_sample].time;
@@ -114,8 +113,7 @@ void share(Batch<N, Estimator, Media>& batch) {
     const std::size_t begin = second;
     while (second < sharing.seconds.size() && sharing.seconds[second].sample < end) ++second;
     share_block(batch, sharing.blocks[block], end,
-                std::span<const SecondVertex<N>>(sharing.seconds).subspan(begin, second - begin),
-                sharing.meetings);
+                std::span<const SecondVertex<N>>(sharing.seconds).subspan(begin, second - begin));
   }
 }
 
