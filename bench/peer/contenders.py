@@ -14,8 +14,8 @@ from nocturne.v1 import scene_pb2
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import CompiledFolder
 from nocturne_client.local.exporting import export_to
+from nocturne_scene.film import Film as Exported
 from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT
-from nocturne_scene.formats.writing.compiled import Film as Exported
 from nocturne_scene.scene_ranges import schedule_of
 
 from bench.peer.install import Installed

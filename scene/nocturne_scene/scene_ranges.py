@@ -28,4 +28,5 @@ def schedule_of(
         photons_per_sample=scene.tracing.group,
     )
     schedule.quantity = quantity_of(scene.sensor).name
+    schedule.way = scene.tracing.way
     return schedule

@@ -12,10 +12,10 @@ import pytest
 from nocturne_client.local.exporting import export_to
 from nocturne_client.local.programs import CHECKOUT
 from nocturne_scene.compare.agreement import Estimate, compare
+from nocturne_scene.film import Film as Pixels
 from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT
 from nocturne_scene.formats.reading.options import Imported
 from nocturne_scene.formats.reading.scene_writer import Film
-from nocturne_scene.formats.writing.compiled import Film as Pixels
 
 from bench.scenes import example
 from tests.mitsuba.export_scenes import SCENES

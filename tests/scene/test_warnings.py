@@ -9,6 +9,7 @@ import pytest
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import parse_document
+from nocturne_scene.film import Film
 
 from tests.accuracy.scenes import furnace
 from tests.pictures import write_exr
@@ -22,7 +23,7 @@ TETRAHEDRON = {
 OPEN = {**TETRAHEDRON, "triangles": TETRAHEDRON["triangles"][:3]}
 
 
-def warnings(document: dict[str, Any], blobs: BlobStore, film: tuple[int, int] | None = None) -> list[str]:
+def warnings(document: dict[str, Any], blobs: BlobStore, film: Film | None = None) -> list[str]:
     return compile_scene(parse_document(json.dumps(document)), blobs, film).warnings
 
 
@@ -174,10 +175,10 @@ def test_a_texture_finer_than_the_film_is_told(
         "shape": {"type": "quad", "corner": [0, 0, 10], "edge_u": [1, 0, 0], "edge_v": [0, 1, 0]},
         "kernel": {"type": "lambertian", "reflectance": texture},
     }
-    [told] = warnings(document, blobs, (40, 40))
+    [told] = warnings(document, blobs, Film(40, 40, 1))
     # 12 m away: 0.2184 m, 13.98 texels.
     assert told.startswith("$.surfaces[1]: its texture of 64 x 64 texels has 14 of them along a pixel's edge")
-    assert warnings(document, blobs, (80, 80)) == []
+    assert warnings(document, blobs, Film(80, 80, 1)) == []
     assert warnings(document, blobs) == []
     texture["scale"] = [2, 2]
-    assert "has 14 of them" in warnings(document, blobs, (80, 80))[0]
+    assert "has 14 of them" in warnings(document, blobs, Film(80, 80, 1))[0]

@@ -9,6 +9,7 @@
 #include <iostream>
 #include <map>
 #include <new>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -21,6 +22,7 @@
 #include "scene/load_scene.h"
 #include "textures/texture.h"
 #include "tracer/path_limits.h"
+#include "tracer/pilot.h"
 #include "tracer/trace_film.h"
 #include "worker_loop/check_job.h"
 
@@ -33,6 +35,7 @@ struct Options {
   unsigned threads = std::thread::hardware_concurrency();
   std::uint64_t texture_bytes = kTextureMemoryBytes;
   unsigned seeds = 0;
+  std::vector<std::string> pilot;
   bool quiet = false;
 };
 
@@ -215,7 +218,7 @@ void run_film(const Options& options, const v1::CompiledScene& message,
   const Quantity quantity = quantity_of(message.sensor());
   write_exr(options.output, image, plan.tile_size, further_responses, samples,
             {scene_sha256, schedule_json(schedule), v1::ENGINE_CURRENT, profile, quantity.name,
-             quantity.unit, quantity.response_unit, image.truncated_paths});
+             quantity.unit, quantity.response_unit, image.truncated_paths, schedule.way()});
   if (!options.statistics.empty()) {
     write_statistics(options.statistics, image, cpu, wall.count());
   }
@@ -228,6 +231,44 @@ void run_film(const Options& options, const v1::CompiledScene& message,
               << " photons were ended by the limit of " << PathLimits::kMaxRays
               << " interactions: the image is too dark\n";
   }
+}
+
+std::string figures_json(const PilotFigures& figures) {
+  static constexpr const char* kNames[] = {"adjoint", "adjoint_of_both", "forward", "sharing"};
+  std::ostringstream json;
+  json.precision(6);
+  json << "{\"photons\": \"" << kNames[figures.photons] << "\", \"sharing\": " << figures.sharing
+       << ", \"mean\": " << figures.mean << ", \"mean_error\": " << figures.mean_error
+       << ", \"relative_mse\": " << figures.relative_mse << ", \"cost\": " << figures.cost << '}';
+  return json.str();
+}
+
+// Which way is best, and what each did.
+void run_pilot(const Options& options, const v1::CompiledScene& message,
+               const v1::RangeSchedule& schedule) {
+  const FilmPlan plan = checked_schedule(schedule);
+  const auto scene = load_scene(message, blobs_in(options.blobs));
+  const auto open = [&](const char* what) { return std::ranges::count(options.pilot, what) > 0; };
+  const double cpu_before = process_cpu_seconds();
+  const PilotResult found = run_pilot(*scene, {.film = plan.film,
+                                               .samples = plan.range_ends.back(),
+                                               .direction = open("direction"),
+                                               .sharing = open("sharing"),
+                                               .threads = options.threads});
+  std::string tried;
+  for (const PilotFigures& figures : found.tried) {
+    tried += (tried.empty() ? "" : ", ") + figures_json(figures);
+  }
+  std::ofstream file(options.output);
+  file.precision(6);
+  file << "{\"forward_photons\": "
+       << (found.choice.direction != Direction::kAdjoint ? "true" : "false")
+       << ", \"sharing\": " << found.choice.sharing << ", \"gain\": " << found.choice.gain
+       << ", \"finds_more\": " << (found.choice.finds_more ? "true" : "false")
+       << ", \"photons\": " << found.photons << ", \"rays\": " << found.rays
+       << ", \"cpu_seconds\": " << process_cpu_seconds() - cpu_before << ", \"tried\": [" << tried
+       << "]}\n";
+  if (!file.flush()) throw std::runtime_error(options.output + ": can't be written");
 }
 
 std::string with_seed(std::string path, unsigned seed) {
@@ -259,6 +300,7 @@ void run(const Options& options) {
   if (!options.job.empty()) return run_job(options);
   const auto message = read_message<v1::CompiledScene>(options.scene);
   const auto schedule = read_message<v1::RangeSchedule>(options.schedule);
+  if (!options.pilot.empty()) return run_pilot(options, message, schedule);
   if (options.seeds != 0) return run_seeds(options, message, schedule);
   run_film(options, message, schedule, sha256_of_file(options.scene));
 }
@@ -316,6 +358,12 @@ int main(int argc, char** argv) {
                  "This many images by seeds 1, 2, ... instead of the scene's; {seed} in the names "
                  "of --output and --statistics stands for the seed")
       ->check(CLI::Range(1, 1'000'000))
+      ->excludes(job);
+  app.add_option("--pilot", options.pilot,
+                 "Instead of an image, a JSON file that tells which way to trace is best, of those "
+                 "that are open: direction (adjoint photons, or what the scene says), sharing")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"direction", "sharing"}))
       ->excludes(job);
   app.add_flag("--quiet", options.quiet, "No progress");
   CLI11_PARSE(app, argc, argv);

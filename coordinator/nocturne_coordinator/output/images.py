@@ -67,6 +67,8 @@ class Provenance:
     """Why the errors are not to be trusted; empty: they are, as far as one image can tell."""
     truncated_paths: int = 0
     """Photons that a limit of the tracer ended, so that their light is missing."""
+    way: str = ""
+    """How the scene is traced and why, where a pilot chose."""
 
 
 def manifest_text(samples: Sequence[int]) -> str:
@@ -164,6 +166,8 @@ def write_image(
     header |= _measured(provenance.quantity)
     if provenance.doubt:
         header["nocturne:errorDoubt"] = provenance.doubt
+    if provenance.way:
+        header["nocturne:way"] = provenance.way
     if provenance.truncated_paths:
         header["nocturne:truncatedPaths"] = str(provenance.truncated_paths)
     try:

@@ -125,6 +125,7 @@ def provenance_of(render: RunningRender) -> Provenance:
         render.planned.schedule.quantity,
         render.image_doubt,
         render.totals.truncated_paths,
+        render.planned.schedule.way,
     )
 
 

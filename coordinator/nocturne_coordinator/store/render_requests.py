@@ -141,6 +141,7 @@ class RenderRequests:
                 owner=owner,
                 floating_point_profile=original.floating_point_profile,
                 warnings=original.warnings,
+                way=original.way,
             ),
             quota,
         )

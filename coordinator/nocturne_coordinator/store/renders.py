@@ -73,8 +73,8 @@ class Renders:
             """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
                    photons_per_sample, scene_sha256, engine, created, ranges_planned, schedule,
                    scene_document, stop, priority, owner, tiles, floating_point_profile, quantity,
-                   warnings, stored_bytes)
-               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
+                   warnings, way, stored_bytes)
+               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
             (
                 render_id,
                 new.request_id,
@@ -97,6 +97,7 @@ class Renders:
                 new.floating_point_profile,
                 new.schedule.quantity,
                 json.dumps(new.warnings),
+                new.way,
                 self._bytes_of(new),
             ),
         )

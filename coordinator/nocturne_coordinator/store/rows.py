@@ -30,6 +30,8 @@ class NewRender:
     """How its workers must round; empty: as the first one does."""
     warnings: tuple[str, ...] = ()
     """What of the scene can hardly be meant, with its place."""
+    way: str = ""
+    """How it is traced and why; empty where no pilot chose."""
     files: tuple[str, ...] = ()
     """Digests of the compiled scene's files, which must be there when the render is made."""
 
@@ -62,6 +64,8 @@ class RenderRow:
     """What Y measures; see nocturne_scene.quantities."""
     warnings: tuple[str, ...]
     """What of the scene can hardly be meant, with its place."""
+    way: str
+    """How it is traced and why; empty where no pilot chose."""
     truncated_paths: int
     relative_error: float
     worst_share: float

@@ -25,12 +25,14 @@ from nocturne_scene.compile.tracing import compile_tracing
 from nocturne_scene.compile.unseen import met_surfaces
 from nocturne_scene.compile.warnings import warnings_of
 from nocturne_scene.compile.wavelengths import put_wavelength_density
+from nocturne_scene.compile.ways import WORTH_A_PILOT, choose, given_ways, open_ways
 from nocturne_scene.compile.workspace import Workspace
 from nocturne_scene.document import bounds
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.document.problems import path
 from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.errors import InputError, Problem
+from nocturne_scene.film import Film
 
 # Layout of CompiledScene; raised with every change that an older worker would misread.
 FORMAT = 3
@@ -46,29 +48,33 @@ class CompiledOutput:
     dropped: list[str]
     warnings: list[str] = field(default_factory=list)
     """What can hardly be meant, in words with their places."""
+    way: str = ""
+    """How it is traced and why, in words; empty where no pilot chose."""
 
 
-def compile_scene(
-    document: SceneDocument, blobs: BlobStore, film: tuple[int, int] | None = None
-) -> CompiledOutput:
+def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None = None) -> CompiledOutput:
     """Compile a document and put the scene and its blobs (meshes, textures, tables) into the blob store.
 
-    `film`: width and height in pixels, where they are known; they are for warnings, and change no byte.
+    `film`, where it is known, is for warnings and for choosing how to trace what the document leaves open;
+    the choice takes a small part of the time of the render.
 
-    Equal documents give equal bytes. Raises InputError with at most `bounds.PROBLEMS` problems, and then
-    leaves nothing behind: blobs are written last, when all of them are there.
+    Equal documents and films give equal bytes. Raises InputError with at most `bounds.PROBLEMS` problems, and
+    then leaves nothing behind: blobs are written last, when all of them are there.
     """
     workspace = Workspace(document, blobs)
     try:
-        message = _compile(workspace, film)
+        message, scatters = _compile(workspace, film)
         workspace.write_blobs()
     finally:
         workspace.clean_up()
+    # After the blobs, which a pilot reads.
+    _put_tracing(workspace, message, film, scatters=scatters)
     scene_sha256 = blobs.put(message.SerializeToString(deterministic=True))
-    return CompiledOutput(scene_sha256, workspace.dropped, workspace.warnings)
+    return CompiledOutput(scene_sha256, workspace.dropped, workspace.warnings, message.tracing.way)
 
 
-def _compile(workspace: Workspace, film: tuple[int, int] | None) -> scene_pb2.CompiledScene:
+def _compile(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.CompiledScene, bool]:
+    """All but how it is traced, and whether anything sends light on."""
     message = scene_pb2.CompiledScene(format=FORMAT)
     textures, grids, instances = Textures(workspace), Grids(workspace), Instances(workspace)
     shapes, media = Shapes(workspace, grids), Media(workspace, grids)
@@ -103,12 +109,25 @@ def _compile(workspace: Workspace, film: tuple[int, int] | None) -> scene_pb2.Co
     message.textures.extend(workspace.textures.messages)
     if textures.rgb_table is not None:
         message.rgb_table.CopyFrom(textures.rgb_table)
-    message.tracing.CopyFrom(
-        compile_tracing(workspace, message, scatters=kernels.scatters() or media.scatters())
-    )
     workspace.report_unused()
     workspace.warnings.extend(warnings_of(workspace, shapes, film))
-    return message
+    return message, kernels.scatters() or media.scatters()
+
+
+def _put_tracing(
+    workspace: Workspace, message: scene_pb2.CompiledScene, film: Film | None, *, scatters: bool
+) -> None:
+    ways, said = given_ways(workspace.document), ""
+    if film is not None and film.all_samples >= WORTH_A_PILOT:
+        start = workspace.photons_can_start
+        chosen, asked = open_ways(workspace.document, message, film, photons_can_start=start)
+        if chosen:
+            before = len(workspace.dropped)
+            message.tracing.CopyFrom(compile_tracing(workspace, message, asked, scatters=scatters))
+            del workspace.dropped[before:]
+            ways, said = choose(message, workspace.blobs.root, film, chosen, asked)
+    message.tracing.CopyFrom(compile_tracing(workspace, message, ways, scatters=scatters))
+    message.tracing.way = said
 
 
 def _all_surfaces(workspace: Workspace, instances: Instances) -> Iterator[tuple[Surface, int, str]]:

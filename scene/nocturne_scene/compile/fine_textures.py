@@ -16,6 +16,7 @@ from nocturne_scene.document.shapes import MediumBox, Sphere
 from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.document.textures import TextureUse
 from nocturne_scene.errors import NocturneError
+from nocturne_scene.film import Film
 from nocturne_scene.meshes.headers import UnusableMeshError
 from nocturne_scene.textures.environment_maps import UnusableImageError, opened
 
@@ -23,7 +24,7 @@ _TOO_FINE = 8.0
 """Texels along a pixel's edge: the three finest levels of the texture are never looked at."""
 
 
-def fine_textures(workspace: Workspace, shapes: Shapes, film: tuple[int, int]) -> Iterator[str]:
+def fine_textures(workspace: Workspace, shapes: Shapes, film: Film) -> Iterator[str]:
     """Sentences with their places; of surfaces that do not move, seen by a lens or by parallel rays."""
     document = workspace.document
     sensor = document.sensor
@@ -37,7 +38,7 @@ def fine_textures(workspace: Workspace, shapes: Shapes, film: tuple[int, int]) -
         uses += _uses(surface.luminaire)
         if not uses or surface.motion is not None:
             continue
-        pixel = _pixel(shapes, surface, sensor, film[1])
+        pixel = _pixel(shapes, surface, sensor, film.height)
         for use in uses:
             texels = _texels(workspace, use)
             texel = _texel(shapes, surface, use, texels) if texels else 0.0

@@ -55,15 +55,14 @@ class Lights:
             if colour is None:
                 self._workspace.dropped.append(f"{place}.luminaire: emits no visible light")
                 return None
-            forward = self._workspace.document.tracing.direction != "adjoint"
-            if forward and colour.HasField("texture"):
-                raise Unusable(
+            if colour.HasField("texture"):
+                self._photons_cant_start(
                     'photons that start at luminaires can\'t start by a texture; expected "adjoint" in '
                     "$.tracing.direction, or a radiance without a texture",
                     ".radiance",
                 )
-            if forward and in_group and isinstance(surface.shape, Sphere):
-                raise Unusable(
+            if in_group and isinstance(surface.shape, Sphere):
+                self._photons_cant_start(
                     'photons can\'t start at a sphere in a group; expected "adjoint" in $.tracing.direction, '
                     "a mesh, or the sphere outside of groups"
                 )
@@ -72,6 +71,12 @@ class Lights:
             self._put_profile(message, surface, luminaire)
             return message
         return None
+
+    def _photons_cant_start(self, why: str, suffix: str = "") -> None:
+        direction = self._workspace.document.tracing.direction
+        if direction in ("forward", "both"):
+            raise Unusable(why, suffix)
+        self._workspace.photons_can_start = False
 
     def _amount(
         self, surface: Surface, luminaire: Luminaire, *, in_group: bool

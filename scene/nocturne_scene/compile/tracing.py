@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from nocturne.v1 import scene_pb2
 
+from nocturne_scene.compile.ways import DIRECTIONS, Ways
 from nocturne_scene.compile.workspace import Workspace
 from nocturne_scene.document.tracing import Mixture, Tracing
 
@@ -27,17 +28,15 @@ _ESTIMATORS = {
     "mixture": scene_pb2.ESTIMATOR_MIXTURE,
     "split": scene_pb2.ESTIMATOR_SPLIT,
 }
-_DIRECTIONS = {
-    "adjoint": scene_pb2.DIRECTION_ADJOINT,
-    "forward": scene_pb2.DIRECTION_FORWARD,
-    "both": scene_pb2.DIRECTION_BOTH,
-}
 
 
 def compile_tracing(
-    workspace: Workspace, scene: scene_pb2.CompiledScene, *, scatters: bool
+    workspace: Workspace, scene: scene_pb2.CompiledScene, ways: Ways, *, scatters: bool
 ) -> scene_pb2.Tracing:
-    """Return how to trace a scene whose other parts are compiled; `scatters`: something sends light on."""
+    """Return how to trace a scene whose other parts are compiled; `scatters`: something sends light on.
+
+    `ways` are the document's, or those of a pilot for what it leaves open.
+    """
     tracing = workspace.document.tracing
     there = {
         "luminaires": bool(scene.luminaires),
@@ -70,10 +69,10 @@ def compile_tracing(
         seed=tracing.seed,
         estimator=_ESTIMATORS[tracing.estimator],
         split_vertices=tracing.split_vertices if tracing.estimator == "split" else 0,
-        group=_group(tracing, scene),
-        direction=_DIRECTIONS[tracing.direction],
-        sharing=_sharing(workspace),
-        aimed_emission=_aimed_emission(workspace, scene),
+        group=_group(tracing, ways, scene),
+        direction=DIRECTIONS[ways.direction],
+        sharing=_sharing(workspace, ways),
+        aimed_emission=_aimed_emission(workspace, scene, ways),
     )
 
 
@@ -88,38 +87,36 @@ def _weights(mixture: Mixture, there: Mapping[str, bool]) -> dict[str, float]:
     return {"kernel": mixture.kernel, **aimed, "uniform": mixture.uniform}
 
 
-def _aimed_emission(workspace: Workspace, scene: scene_pb2.CompiledScene) -> float:
-    tracing = workspace.document.tracing
-    if not tracing.aimed_emission:
+def _aimed_emission(workspace: Workspace, scene: scene_pb2.CompiledScene, ways: Ways) -> float:
+    if not ways.aimed_emission:
         return 0.0
-    if tracing.direction == "adjoint":
+    if ways.direction == "adjoint":
         why = "no photons start at luminaires"
     elif not scene.important_shapes:
         why = "the scene has no important directions"
     else:
-        return tracing.aimed_emission
+        return ways.aimed_emission
     workspace.dropped.append(f"$.tracing.aimed_emission: {why}")
     return 0.0
 
 
-def _sharing(workspace: Workspace) -> int:
-    tracing = workspace.document.tracing
-    if tracing.sharing == "auto" or tracing.sharing == 1:
+def _sharing(workspace: Workspace, ways: Ways) -> int:
+    if ways.sharing == 1:
         return 1
-    if tracing.direction == "forward":
+    if ways.direction == "forward":
         why = "no photons start at pixels"
-    elif tracing.estimator != "two_photons":
+    elif workspace.document.tracing.estimator != "two_photons":
         why = 'only the estimator "two_photons" can share'
     else:
-        return tracing.sharing
+        return ways.sharing
     workspace.dropped.append(f"$.tracing.sharing: {why}")
     return 1
 
 
-def _group(tracing: Tracing, scene: scene_pb2.CompiledScene) -> int:
+def _group(tracing: Tracing, ways: Ways, scene: scene_pb2.CompiledScene) -> int:
     if tracing.photons_together != "auto":
         return tracing.photons_together
     dielectrics = (interior for interior in scene.interiors if not interior.matched)
     dispersive = any(len(scene.spectra[interior.index].values) > 1 for interior in dielectrics)
-    parts_at_once = tracing.direction == "forward" and scene.media
+    parts_at_once = ways.direction == "forward" and scene.media
     return 1 if dispersive or parts_at_once else 4

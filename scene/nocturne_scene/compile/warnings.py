@@ -21,6 +21,7 @@ from nocturne_scene.document.problems import path
 from nocturne_scene.document.shapes import DIGEST_PREFIX, AssetMesh, Disc, InlineMesh, MediumBox, Quad, Sphere
 from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.document.textures import ColourTexture
+from nocturne_scene.film import Film
 from nocturne_scene.meshes.headers import UnusableMeshError
 from nocturne_scene.spectra import tables as spectra
 
@@ -39,8 +40,8 @@ _MISSING = 1e-3
 _Corners = NDArray[np.float64]
 
 
-def warnings_of(workspace: Workspace, shapes: Shapes, film: tuple[int, int] | None) -> list[str]:
-    """Sentences with their places; `film`: width and height in pixels, where they are known."""
+def warnings_of(workspace: Workspace, shapes: Shapes, film: Film | None) -> list[str]:
+    """Sentences with their places; `film`: where it is known."""
     document = workspace.document
     return [
         *_mixture(document),

@@ -70,6 +70,8 @@ class Workspace:
         self.dropped: list[str] = []
         self.warnings: list[str] = []
         self.problems: list[Problem] = []
+        self.photons_can_start = True
+        """At all luminaires, for forward photons."""
         self.spectra: Pool[scene_pb2.Spectrum] = Pool()
         self.kernels: Pool[scene_pb2.Kernel] = Pool()
         self.interiors: Pool[scene_pb2.Interior] = Pool()

@@ -76,9 +76,10 @@ class Tracing(Node):
         "`auto`: 1 where a body's index of refraction depends on wavelength, and for `forward` with media, "
         "else 4.",
     )
-    direction: Literal["adjoint", "forward", "both"] = Field(
-        default="adjoint",
-        description="From the sensor to the luminaires, or the other way round. `forward` is for the "
+    direction: Literal["auto", "adjoint", "forward", "both"] = Field(
+        default="auto",
+        description="From the sensor to the luminaires, or the other way round. `auto`: what a pilot of "
+        "a few samples finds better, `adjoint` for images of a second or two. `forward` is for the "
         "irradiance meter and the intensity meter. `both` is for cameras: photons from the luminaires bring "
         "the light that mirrors and glass gather, as from lamps in reflectors and in caustics, and photons "
         "from the camera find all other light. Neither is for luminaires with textures.",
@@ -86,14 +87,15 @@ class Tracing(Node):
     sharing: Literal["auto", 1, 4, 16] = Field(
         default="auto",
         description="Pixels that share what their photons find from the second surface on: blocks of "
-        "2 x 2 or 4 x 4, or each alone, which is what `auto` chooses today. The image converges to the same; "
-        "in rooms, where much light comes by way of other surfaces, 16 has less noise for the same time.",
+        "2 x 2 or 4 x 4, or each alone. `auto`: 16 where a pilot finds that better, else 1. The image "
+        "converges to the same; in rooms, where much light comes by way of other surfaces, 16 has less noise "
+        "for the same time.",
     )
-    aimed_emission: Annotated[Finite, Field(ge=0, le=0.99)] = Field(
-        default=0.0,
+    aimed_emission: Annotated[Finite, Field(ge=0, le=0.99)] | None = Field(
+        default=None,
         description="For photons from luminaires on surfaces, with `forward` and `both`: the part that is "
         "sent towards `$.important_directions`, such as glass that makes a caustic. The others leave as the "
-        "luminaire emits, so that no light is lost.",
+        "luminaire emits, so that no light is lost. Default: 0, but 0.9 where `auto` chose the direction.",
     )
     sequence: Literal["sobol", "independent"] = Field(
         default="sobol",

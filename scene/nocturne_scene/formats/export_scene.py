@@ -12,11 +12,12 @@ from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.errors import InputError, Problem
+from nocturne_scene.film import Film
 from nocturne_scene.formats.mitsuba.write import export_mitsuba
 from nocturne_scene.formats.pbrt.write import export_pbrt
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.scene_writer import SceneWriter
-from nocturne_scene.formats.writing.compiled import Compiled, Film
+from nocturne_scene.formats.writing.compiled import Compiled
 
 Exporter = Callable[[Compiled, SceneWriter, Film], str]
 

@@ -131,6 +131,10 @@ class Render:
     """Unit of further responses, for one without a unit: "W m-2 sr-1", "W m-2" or "W sr-1"."""
     warnings: list[str]
     """What of the scene can hardly be meant, with its place."""
+    way: str
+    """How it is traced and why, in words: what a pilot chose. Empty: the scene left nothing open, or the
+    render is too small for a pilot.
+    """
     sequence: int
     """Grows with every change that watchers should see."""
     created: float

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from nocturne_client.local.exporting import export_to
 from nocturne_scene.errors import InputError
+from nocturne_scene.film import Film
 from nocturne_scene.formats.import_scene import import_scene
 from nocturne_scene.formats.reading import grids, transforms
 from nocturne_scene.formats.reading.options import ImportOptions
-from nocturne_scene.formats.writing.compiled import Film
 from nocturne_scene.media import grid_files
 from scipy.ndimage import map_coordinates
 

@@ -15,10 +15,10 @@ from nocturne.v1 import scene_pb2
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.exporting import export_to
 from nocturne_client.local.programs import CHECKOUT
+from nocturne_scene.film import Film
 from nocturne_scene.formats.export_scene import Exported
 from nocturne_scene.formats.mitsuba.write import volumes
 from nocturne_scene.formats.writing import skies
-from nocturne_scene.formats.writing.compiled import Film
 from nocturne_scene.formats.writing.tables import table_of
 from nocturne_scene.media import grid_files
 

@@ -17,11 +17,11 @@ from nocturne_client.local.compiled import compile_to
 from nocturne_client.local.exporting import export_to
 from nocturne_client.local.programs import CHECKOUT, need_program
 from nocturne_scene.compare.images import read_picture
+from nocturne_scene.film import Film
 from nocturne_scene.formats.import_scene import import_scene
 from nocturne_scene.formats.pbrt.read import squares
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.formats.writing import skies
-from nocturne_scene.formats.writing.compiled import Film
 from nocturne_scene.spectra.published import observer, visible_wavelengths
 
 from tests.mitsuba.export_scenes import SCENES

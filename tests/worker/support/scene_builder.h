@@ -147,7 +147,7 @@ class SceneBuilder {
     sensor.set_vertical_field_of_view(field_of_view);
   }
 
-  std::shared_ptr<const Scene> load() const {
+  std::shared_ptr<Scene> load() const {
     return load_scene(message, [this](const std::string& sha256) -> std::filesystem::path {
       const auto file = files.find(sha256);
       if (file == files.end()) throw std::runtime_error("no blob " + sha256);

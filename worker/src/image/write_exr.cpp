@@ -194,6 +194,9 @@ void write_exr(const std::filesystem::path& path, const TileSums& film, std::uin
   header.insert("nocturne:engine", Imf::IntAttribute(static_cast<int>(provenance.engine)));
   header.insert("nocturne:floatingPointProfile",
                 Imf::StringAttribute(provenance.floating_point_profile));
+  if (!provenance.way.empty()) {
+    header.insert("nocturne:way", Imf::StringAttribute(provenance.way));
+  }
   if (provenance.truncated_paths > 0) {
     header.insert("nocturne:truncatedPaths",
                   Imf::StringAttribute(std::to_string(provenance.truncated_paths)));

@@ -20,6 +20,8 @@ struct ImageProvenance {
   std::string quantity, unit, response_unit;
   /// Photons that a limit of the tracer ended; told where there are any.
   std::uint64_t truncated_paths = 0;
+  /// How the scene is traced and why, where a pilot chose.
+  std::string way = {};
 };
 
 /// Writes means and errors of a film whose tiles have edges of `tile_size` pixels, over `samples`

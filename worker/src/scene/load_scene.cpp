@@ -210,7 +210,7 @@ std::string blob_name(const std::string& sha256) {
   return to_hex(sha256);
 }
 
-std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message, const FindBlob& find_blob,
+std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBlob& find_blob,
                                         std::stop_token stop) {
   const FindBlob find_or_stop = [&](const std::string& sha256) {
     go_on_unless_stopped(stop);
@@ -257,7 +257,7 @@ std::shared_ptr<const Scene> load_scene(const v1::CompiledScene& message, const 
                                             medium_interfaces, media);
     const bool occlusion = media.empty() && occlusion_decides(options, materials, medium_interfaces,
                                                               lights, luminaires, loaded.groups);
-    return std::shared_ptr<const Scene>(new Scene{
+    return std::shared_ptr<Scene>(new Scene{
         std::move(geometry), std::move(materials), std::move(kernels), std::move(medium_interfaces),
         std::move(media), load_bump_maps(context), std::move(luminaires), std::move(lights),
         std::move(emitter), std::move(sensor), load_wavelengths(message.sensor()), options,

@@ -55,28 +55,46 @@ TileSums trace_alone(const Scene& scene, Film film, const TileRange& range, cons
   return tile;
 }
 
+/// Photons of which side are traced.
+enum class Side { kBoth, kSensor, kLuminaires };
+
 template <int N, bool Media>
-TileSums trace_photons(const Scene& scene, Film film, const TileRange& range, std::uint32_t groups,
-                       const std::stop_token& stop) {
-  if (scene.options.direction == Direction::kAdjoint) {
+TileSums trace_photons(const Scene& scene, Film film, const TileRange& range, Side side,
+                       std::uint32_t groups, const std::stop_token& stop) {
+  const Direction direction = scene.options.direction;
+  if (side == Side::kSensor || direction == Direction::kAdjoint) {
     return trace_pixels<N, Media>(scene, film, range, groups, stop);
   }
   if (range.width != film.width || range.height != film.height) {
     throw std::invalid_argument("a tile with forward photons that is not the whole film");
   }
+  const bool from_pixels = side == Side::kBoth && direction == Direction::kBoth;
   const auto trace = [&](auto whole_film) {
     return whole_film.trace(range.first_sample, range.end_sample);
   };
-  return scene.options.direction == Direction::kForward
-             ? trace(WholeFilm<N, SensorEstimator<N>, Media>(scene, film, groups, stop))
-             : trace(WholeFilm<N, CameraEstimator<N>, Media>(scene, film, groups, stop));
+  return direction == Direction::kForward
+             ? trace(WholeFilm<N, SensorEstimator<N>, Media>(scene, film, groups, false, stop))
+             : trace(
+                   WholeFilm<N, CameraEstimator<N>, Media>(scene, film, groups, from_pixels, stop));
 }
 
 template <int N>
-TileSums trace_in_groups(const Scene& scene, Film film, const TileRange& range,
+TileSums trace_in_groups(const Scene& scene, Film film, const TileRange& range, Side side,
                          std::uint32_t groups, const std::stop_token& stop) {
-  return scene.media.empty() ? trace_photons<N, false>(scene, film, range, groups, stop)
-                             : trace_photons<N, true>(scene, film, range, groups, stop);
+  return scene.media.empty() ? trace_photons<N, false>(scene, film, range, side, groups, stop)
+                             : trace_photons<N, true>(scene, film, range, side, groups, stop);
+}
+
+TileSums trace_side(const Scene& scene, Film film, const TileRange& range, Side side,
+                    std::uint32_t groups, const std::stop_token& stop) {
+  switch (scene.options.group) {
+    case 4:
+      return trace_in_groups<4>(scene, film, range, side, groups, stop);
+    case 8:
+      return trace_in_groups<8>(scene, film, range, side, groups, stop);
+    default:
+      return trace_in_groups<1>(scene, film, range, side, groups, stop);
+  }
 }
 
 TileSums trace_any(const Scene& scene, Film film, const TileRange& range, Method method,
@@ -90,14 +108,13 @@ TileSums trace_any(const Scene& scene, Film film, const TileRange& range, Method
     if (!scene.media.empty()) throw std::invalid_argument("the path tracer knows no media");
     return trace_alone(scene, film, range, baselines::trace_path);
   }
-  switch (scene.options.group) {
-    case 4:
-      return trace_in_groups<4>(scene, film, range, groups, stop);
-    case 8:
-      return trace_in_groups<8>(scene, film, range, groups, stop);
-    default:
-      return trace_in_groups<1>(scene, film, range, groups, stop);
-  }
+  return trace_side(scene, film, range, Side::kBoth, groups, stop);
+}
+
+TileSums counted(TileSums tile, const TileRange& range, std::uint32_t together) {
+  tile.photons = static_cast<std::uint64_t>(range.width) * range.height *
+                 (range.end_sample - range.first_sample) * together;
+  return tile;
 }
 
 }  // namespace
@@ -105,11 +122,22 @@ TileSums trace_any(const Scene& scene, Film film, const TileRange& range, Method
 TileSums trace_tile(const Scene& scene, Film film, const TileRange& range, Method method,
                     std::uint32_t batch_groups, const std::stop_token& stop) {
   const FlushDenormals flush;
-  TileSums tile = trace_any(scene, film, range, method, batch_groups, stop);
-  const std::uint32_t together = method.kind != Method::kAdjointPhotons ? 1 : scene.options.group;
-  tile.photons = static_cast<std::uint64_t>(range.width) * range.height *
-                 (range.end_sample - range.first_sample) * together;
-  return tile;
+  return counted(trace_any(scene, film, range, method, batch_groups, stop), range,
+                 method.kind != Method::kAdjointPhotons ? 1 : scene.options.group);
+}
+
+TileSums trace_from_sensor(const Scene& scene, Film film, const TileRange& range,
+                           const std::stop_token& stop) {
+  const FlushDenormals flush;
+  return counted(trace_side(scene, film, range, Side::kSensor, kBatchGroups, stop), range,
+                 scene.options.group);
+}
+
+TileSums trace_from_luminaires(const Scene& scene, Film film, const TileRange& range,
+                               const std::stop_token& stop) {
+  const FlushDenormals flush;
+  return counted(trace_side(scene, film, range, Side::kLuminaires, kBatchGroups, stop), range,
+                 scene.options.group);
 }
 
 }  // namespace nocturne

@@ -62,8 +62,10 @@ class FilmSamples {
 template <int N, class Estimator, bool Media>
 class WholeFilm {
  public:
-  WholeFilm(const Scene& scene, Film film, std::uint32_t groups, const std::stop_token& stop)
-      : both_(scene.options.direction == Direction::kBoth),
+  /// `from_pixels`: each pixel's adjoint photons, too.
+  WholeFilm(const Scene& scene, Film film, std::uint32_t groups, bool from_pixels,
+            const std::stop_token& stop)
+      : both_(from_pixels),
         width_(film.width),
         pixels_(film.width * film.height),
         sharing_(scene.options.sharing),

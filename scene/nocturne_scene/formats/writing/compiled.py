@@ -22,15 +22,6 @@ from nocturne_scene.spectra import tables as spectra
 
 
 @dataclass(frozen=True)
-class Film:
-    """Pixels, and samples for each."""
-
-    width: int
-    height: int
-    samples: int
-
-
-@dataclass(frozen=True)
 class Medium:
     """What light meets: coefficients (with a grid, at density 1), and how it scatters."""
 

@@ -15,6 +15,7 @@ from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import CompiledOutput
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.errors import InputError
+from nocturne_scene.film import Film
 
 WARM_SCENE: dict[str, Any] = {
     "nocturne": 1,
@@ -56,9 +57,9 @@ def compile_in_child(
     document: SceneDocument,
     blobs: BlobStore,
     limits: CompileLimits,
-    film: tuple[int, int] | None = None,
+    film: Film | None = None,
 ) -> CompiledOutput:
-    """Compiles into `blobs`. Takes as long as it takes. `film`: width and height, for warnings.
+    """Compiles into `blobs`. Takes as long as it takes. `film`: see `compile_scene`.
 
     Raises InputError where the scene is wrong, or needs more than it may take; ObjectStoreUnavailable.
     """

@@ -62,6 +62,8 @@ RENDER: dict[str, Any] = {
         "$.surfaces[2].shape: bounds a body, and is open: 4 edges belong to one face only; light that passes "
         "there is taken to be inside"
     ],
+    "way": "photons from the sensor, shared by blocks of 16 pixels: 5.8 times less time to the same error "
+    "than by photons from the sensor, by a pilot of 933,632 photons",
     "sequence": 12,
     "created": 1795305600.0,
     "started": 1795305601.5,

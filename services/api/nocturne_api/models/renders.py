@@ -138,6 +138,10 @@ class Render(Answer):
         description='Unit of further responses, for one without a unit: "W m-2 sr-1", "W m-2" or "W sr-1".'
     )
     warnings: list[str] = Field(description="What of the scene can hardly be meant, with its place.")
+    way: str = Field(
+        description="How it is traced and why, in words: what a pilot chose. Empty: the scene left nothing "
+        "open, or the render is too small for a pilot."
+    )
     sequence: int = Field(description="Grows with every change that watchers should see.")
     created: float = Field(description="Unix time, seconds.")
     started: float = Field(description="Unix time, seconds; 0 before the start.")

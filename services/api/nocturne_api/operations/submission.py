@@ -16,6 +16,7 @@ from nocturne_coordinator.store.renders import check_priority
 from nocturne_coordinator.store.rows import NewRender
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
+from nocturne_scene.film import Film
 from nocturne_scene.ranges import make_schedule
 from nocturne_scene.scene_ranges import schedule_for_scene
 
@@ -65,8 +66,8 @@ def compiled(
         raise InputError(found.problems)
     if before is None:
         check_quota(folder.database, owner, quota, more_renders=1)
-        output = compile_in_child(document, folder.blobs, compile_limits, film[:2])
-        scene_sha256, warnings = output.scene_sha256, tuple(output.warnings)
+        output = compile_in_child(document, folder.blobs, compile_limits, Film(*film))
+        scene_sha256, warnings, way = output.scene_sha256, tuple(output.warnings), output.way
         schedule = schedule_for_scene(folder.blobs, scene_sha256, *film)
         files = blobs_of_scene(folder.blobs, scene_sha256)
         for sha256 in files:
@@ -74,7 +75,7 @@ def compiled(
             folder.blobs.path(sha256)
     else:
         files = ()
-        scene_sha256, warnings = before.scene_sha256, before.warnings
+        scene_sha256, warnings, way = before.scene_sha256, before.warnings, before.way
         schedule = folder.renders.schedule(before.id)
     return NewRender(
         request_id=request.request_id,
@@ -89,6 +90,7 @@ def compiled(
         priority=priority,
         owner=owner,
         warnings=warnings,
+        way=way,
         files=files,
     )
 

@@ -155,6 +155,8 @@ def compile_scene(
         typer.echo(f"left out: {part}", err=True)
     for warning in compiled.warnings:
         typer.echo(f"warning: {warning}", err=True)
+    if compiled.way:
+        typer.echo(f"traced by {compiled.way}", err=True)
     typer.echo(compiled.scene_sha256)
 
 
@@ -233,7 +235,7 @@ def export_scene(
     ] = False,
 ) -> None:
     """Make another renderer's scene of a scene document."""
-    from nocturne_scene.formats.writing.compiled import Film
+    from nocturne_scene.film import Film
 
     from nocturne_client.local.exporting import export_to, report
 

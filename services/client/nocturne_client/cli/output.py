@@ -65,6 +65,7 @@ def print_render(render: Render, as_json: bool) -> None:
         ("film", f"{render.width} x {render.height}, {render.samples} samples per pixel"),
         ("merged", f"{render.fraction:.1%}, {progress.samples_merged:,} samples, {progress.rays:,} rays"),
         *(("warning", warning) for warning in render.warnings),
+        *([("traced by", render.way)] if render.way else []),
         ("relative error", _error(progress)),
         (_mean_name(render), _mean(render)),
         ("nothing seen", f"in {progress.unseen_pixels:,} of {render.width * render.height:,} pixels"),

@@ -7,6 +7,7 @@ from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, NocturneError
+from nocturne_scene.film import Film
 from nocturne_scene.ranges import make_schedule
 from nocturne_scene.scene_ranges import schedule_for_scene
 
@@ -28,6 +29,8 @@ class CompiledFolder:
     """What the compiler left out, with its place."""
     warnings: tuple[str, ...] = ()
     """What of the scene can hardly be meant, with its place."""
+    way: str = ""
+    """How it is traced and why, where a pilot chose."""
 
 
 def compile_to(
@@ -47,11 +50,11 @@ def compile_to(
         document = check_document(on_disk.document)
         blobs = BlobStore(folder / "blobs")
         store_files(on_disk, blobs)
-        output = compile_scene(document, blobs, (width, height))
+        output = compile_scene(document, blobs, Film(width, height, samples))
         sha256 = output.scene_sha256
         schedule = schedule_for_scene(blobs, sha256, width, height, samples)
         files = folder / "scene.pb", folder / "schedule.pb", folder / "blobs"
-        compiled = CompiledFolder(*files, sha256, tuple(output.dropped), tuple(output.warnings))
+        compiled = CompiledFolder(*files, sha256, tuple(output.dropped), tuple(output.warnings), output.way)
         compiled.scene.write_bytes(blobs.path(sha256).read_bytes())
         compiled.schedule.write_bytes(schedule.SerializeToString(deterministic=True))
     except InputError as error:

@@ -6,8 +6,8 @@ from pathlib import Path
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, NocturneError
+from nocturne_scene.film import Film
 from nocturne_scene.formats.export_scene import Exported, export_scene
-from nocturne_scene.formats.writing.compiled import Film
 from nocturne_scene.ranges import make_schedule
 
 from nocturne_client.errors import NocturneClientError, Problem

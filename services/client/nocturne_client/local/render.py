@@ -53,6 +53,8 @@ def render_scene(asked: LocalRender) -> None:
         compiled = compile_to(asked.scene, Path(folder), asked.width, asked.height, asked.samples, asked.seed)
         for warning in compiled.warnings:
             ERRORS.print(f"warning: {warning}", markup=False, soft_wrap=True)
+        if compiled.way:
+            ERRORS.print(f"traced by {compiled.way}", markup=False, soft_wrap=True)
         command = [str(program), *_arguments(compiled, asked)]
         if asked.stop:
             sums = Path(folder) / "sums"

@@ -14,6 +14,7 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
   const badge = stateBadge();
   const reason = element("p", { class: "reason" });
   const warnings = element("ul", { class: "warnings", "aria-label": "Warnings" });
+  const way = element("p", { class: "way" });
   const bar = progressBar();
   const facts = factsList();
   const links = downloads(id);
@@ -28,7 +29,7 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
     if (!node.isConnected) clearInterval(timer);
     else if (current && !hasEnded(current)) facts.show(current);
   }, 1000);
-  const node = element("aside", { "aria-label": "Figures" }, reason, warnings, bar.node, facts.node, links.node, cancel.button, cancel.dialog, remove.button, remove.dialog);
+  const node = element("aside", { "aria-label": "Figures" }, reason, warnings, way, bar.node, facts.node, links.node, cancel.button, cancel.dialog, remove.button, remove.dialog);
 
   const show = (render: Render): void => {
     const waits = !hasEnded(render) && !hasImage(render);
@@ -41,6 +42,8 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
     reason.hidden = reason.textContent === "";
     warnings.replaceChildren(...render.warnings.map((warning) => element("li", {}, warning)));
     warnings.hidden = render.warnings.length === 0;
+    setText(way, render.way === "" ? "" : `Traced by ${render.way}.`);
+    way.hidden = render.way === "";
     bar.show(render);
     facts.show(render);
     links.show(render);

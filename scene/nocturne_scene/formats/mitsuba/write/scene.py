@@ -8,6 +8,7 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile.sensors import unit
 from nocturne_scene.document.luminaires import EnvironmentMap, StandardSky
+from nocturne_scene.film import Film
 from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT, white
 from nocturne_scene.formats.mitsuba.write.context import Context
 from nocturne_scene.formats.mitsuba.write.elements import matrix, parameter, plugin, spectrum, write
@@ -15,7 +16,7 @@ from nocturne_scene.formats.mitsuba.write.media import medium
 from nocturne_scene.formats.mitsuba.write.shapes import add_surfaces
 from nocturne_scene.formats.reading.scene_writer import SceneWriter
 from nocturne_scene.formats.writing import skies
-from nocturne_scene.formats.writing.compiled import Body, Compiled, Film, array
+from nocturne_scene.formats.writing.compiled import Body, Compiled, array
 from nocturne_scene.formats.writing.tables import Table
 from nocturne_scene.spectra.published import visible_wavelengths
 

@@ -6,6 +6,7 @@ import numpy as np
 from nocturne.v1 import scene_pb2
 
 from nocturne_scene.document.luminaires import EnvironmentMap, StandardSky
+from nocturne_scene.film import Film
 from nocturne_scene.formats.pbrt.write.context import Context
 from nocturne_scene.formats.pbrt.write.directives import (
     directive,
@@ -20,7 +21,7 @@ from nocturne_scene.formats.pbrt.write.media import medium
 from nocturne_scene.formats.pbrt.write.shapes import add_surfaces
 from nocturne_scene.formats.reading.scene_writer import SceneWriter
 from nocturne_scene.formats.writing import skies
-from nocturne_scene.formats.writing.compiled import Body, Compiled, Film, array
+from nocturne_scene.formats.writing.compiled import Body, Compiled, array
 from nocturne_scene.formats.writing.tables import Array
 
 _ABOUT = "# For pbrt-v4. Its image's Y is the luminance in cd/m2."

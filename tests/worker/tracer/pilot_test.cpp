@@ -1,0 +1,149 @@
+// Which way a pilot chooses. That images are the same by all ways is for tests/accuracy.
+#include "tracer/pilot.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "support/scene_builder.h"
+
+namespace nocturne {
+namespace {
+
+PilotFigures figures(double mean, double mean_error, double relative_mse, double cost = 1.0) {
+  return {.photons = PilotFigures::kAdjoint,
+          .mean = mean,
+          .mean_error = mean_error,
+          .relative_mse = relative_mse,
+          .cost = cost};
+}
+
+const PilotFigures kNone{.photons = PilotFigures::kAdjointOfBoth};
+
+TEST(PilotOfBoth, WhereItHasLessErrorForTheSameCost) {
+  const PilotFigures adjoint = figures(10, 1, 4.0);
+  EXPECT_EQ(forward_pays(adjoint, kNone, adjoint, figures(10, 0.1, 1.0, 2.0)),
+            ForwardPays::kLessError);
+  EXPECT_EQ(forward_pays(adjoint, kNone, adjoint, figures(10, 0.1, 1.0, 4.0)), ForwardPays::kNot);
+  // The rest's error and cost count, too.
+  EXPECT_EQ(forward_pays(adjoint, figures(5, 0.1, 3.0), figures(5, 1, 1), figures(5, 0.1, 0.1)),
+            ForwardPays::kNot);
+}
+
+TEST(PilotOfBoth, NotWhereItHasFoundNothingOrHardlyAnything) {
+  const PilotFigures adjoint = figures(10, 5, 400.0);
+  EXPECT_EQ(forward_pays(adjoint, kNone, adjoint, figures(0, 0, 0)), ForwardPays::kNot);
+  EXPECT_EQ(forward_pays(adjoint, kNone, adjoint, figures(10, 4, 0.01)), ForwardPays::kNot);
+}
+
+// A way that misses light has little noise.
+TEST(PilotOfBoth, NotWhereItMissesWhatTheOtherFinds) {
+  EXPECT_EQ(
+      forward_pays(figures(10, 0.1, 4.0), kNone, figures(10, 0.1, 4.0), figures(5, 0.1, 0.01)),
+      ForwardPays::kNot);
+}
+
+TEST(PilotOfBoth, WhereTheOtherMissesWhatItFinds) {
+  EXPECT_EQ(
+      forward_pays(figures(5, 0.1, 0.01), kNone, figures(5, 0.1, 0.01), figures(10, 0.1, 4.0)),
+      ForwardPays::kFindsMore);
+}
+
+PilotResult pilot(const test::SceneBuilder& builder, bool direction, unsigned threads = 2) {
+  return run_pilot(*builder.load(), {.film = {64, 48},
+                                     .samples = 4096,
+                                     .direction = direction,
+                                     .sharing = true,
+                                     .threads = threads});
+}
+
+test::SceneBuilder two_photons() {
+  test::SceneBuilder builder;
+  builder.message.mutable_tracing()->set_estimator(v1::ESTIMATOR_TWO_PHOTONS);
+  return builder;
+}
+
+// A lamp that shines at the ceiling alone.
+test::SceneBuilder lit_by_its_ceiling() {
+  test::SceneBuilder builder = two_photons();
+  builder.add_furnace(0.7f, 0.0f);
+  builder.add_quad(0.0f, 50.0f, {-0.2f, 0.5f, -0.2f}, {0, 0, 0.4f}, {0.4f, 0, 0});
+  return builder;
+}
+
+// A small lamp above a floor, and a ball of glass between them if there is one.
+test::SceneBuilder floor_and_lamp(bool ball) {
+  test::SceneBuilder builder = two_photons();
+  builder.add_quad(0.5f, 0.0f, {-2, -1, -2}, {0, 0, 4}, {4, 0, 0});
+  builder.add_sphere(0.0f, 5e4f, {0, 3, -0.5f}, 0.02);
+  builder.look({0, 1, 3}, {0, -1, -0.5f}, 0.5);
+  if (ball) {
+    builder.add_glass_box({9, 9, 9}, {9.1f, 9.1f, 9.1f}, 1.5f);
+    auto& surfaces = *builder.message.mutable_surfaces();
+    auto& sphere = *surfaces.Mutable(surfaces.size() - 1)->mutable_sphere();
+    test::SceneBuilder::set(*sphere.mutable_centre(), {0, -0.3f, -0.5f});
+    sphere.set_radius(0.5);
+    surfaces.DeleteSubrange(surfaces.size() - 6, 5);
+    builder.message.mutable_tracing()->set_direction(v1::DIRECTION_BOTH);
+  }
+  return builder;
+}
+
+TEST(Pilot, SharesWhereLightComesByOtherSurfaces) {
+  const PilotResult found = pilot(lit_by_its_ceiling(), false);
+  EXPECT_EQ(found.choice.sharing, 16u);
+  EXPECT_GT(found.choice.gain, 2.0);
+}
+
+TEST(Pilot, LeavesPixelsAloneInDirectLight) {
+  const PilotResult found = pilot(floor_and_lamp(false), false);
+  EXPECT_EQ(found.choice.sharing, 1u);
+  EXPECT_EQ(found.choice.gain, 1.0);
+}
+
+TEST(Pilot, StartsPhotonsAtTheLampForACaustic) {
+  const PilotResult found = pilot(floor_and_lamp(true), true);
+  EXPECT_EQ(found.choice.direction, Direction::kBoth);
+  // Photons from the camera hardly ever get through the glass to so small a lamp.
+  EXPECT_TRUE(found.choice.finds_more || found.choice.gain > 5.0);
+}
+
+TEST(Pilot, TracesNoForwardPhotonsWithoutMirrorsAndGlass) {
+  test::SceneBuilder builder = floor_and_lamp(false);
+  builder.message.mutable_tracing()->set_direction(v1::DIRECTION_BOTH);
+  const PilotResult found = pilot(builder, true);
+  EXPECT_EQ(found.choice.direction, Direction::kAdjoint);
+  EXPECT_TRUE(std::ranges::all_of(
+      found.tried, [](const PilotFigures& f) { return f.photons == PilotFigures::kSharing; }));
+}
+
+TEST(Pilot, FindsTheSameForAnyNumberOfThreadsAndLeavesTheScene) {
+  const auto scene = lit_by_its_ceiling().load();
+  const auto ask = [&](unsigned threads) {
+    return run_pilot(*scene, {.film = {64, 48},
+                              .samples = 1024,
+                              .direction = false,
+                              .sharing = true,
+                              .threads = threads});
+  };
+  const PilotResult one = ask(1), three = ask(3);
+  ASSERT_EQ(one.tried.size(), three.tried.size());
+  for (std::size_t i = 0; i < one.tried.size(); ++i) {
+    EXPECT_EQ(one.tried[i].relative_mse, three.tried[i].relative_mse);
+    EXPECT_EQ(one.tried[i].cost, three.tried[i].cost);
+  }
+  EXPECT_EQ(scene->options.sharing, 1u);
+  EXPECT_EQ(scene->options.seed, 0u);
+}
+
+TEST(Pilot, TakesASmallPartOfTheRender) {
+  for (const std::uint32_t samples : {1024u, 16384u}) {
+    const PilotResult found = run_pilot(
+        *lit_by_its_ceiling().load(),
+        {.film = {64, 48}, .samples = samples, .direction = false, .sharing = true, .threads = 2});
+    EXPECT_LT(static_cast<double>(found.photons), 0.03 * 64 * 48 * samples);
+  }
+}
+
+}  // namespace
+}  // namespace nocturne

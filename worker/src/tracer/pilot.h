@@ -1,0 +1,66 @@
+// Which way to trace a scene best: a few samples by each that the scene leaves open
+// (docs/decisions/0062-ways-are-chosen-by-a-pilot.md).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "scene/scene.h"
+#include "tracer/trace_tile.h"
+
+namespace nocturne {
+
+struct PilotRequest {
+  Film film;
+  /// Of each pixel, in the render that is to come: the pilot takes a small part of that.
+  std::uint32_t samples;
+  /// What is open. Direction: adjoint, or what the scene's options say.
+  bool direction, sharing;
+  unsigned threads;
+};
+
+/// What photons of one kind did.
+struct PilotFigures {
+  enum Photons { kAdjoint, kAdjointOfBoth, kForward, kSharing };
+  Photons photons;
+  /// Pixels that share.
+  std::uint32_t sharing = 1;
+  /// Mean Y of the pilot's pixels, and its standard error.
+  double mean = 0.0, mean_error = 0.0;
+  /// Relative MSE of Y (docs/explanation/units-and-errors.md) of one sample of each pixel.
+  double relative_mse = 0.0;
+  /// Of a sample, in rays of the usual cost.
+  double cost = 0.0;
+};
+
+/// The way with the least error for the same time.
+struct PilotChoice {
+  Direction direction;
+  std::uint32_t sharing;
+  /// How many times less time it takes to the same error than adjoint photons of pixels alone.
+  double gain;
+  /// These missed light that the way finds, so that `gain` says nothing.
+  bool finds_more;
+};
+
+struct PilotResult {
+  PilotChoice choice;
+  std::vector<PilotFigures> tried;
+  std::uint64_t photons, rays;
+};
+
+/// What is better about forward photons.
+enum class ForwardPays { kNot, kLessError, kFindsMore };
+
+/// Whether photons start at luminaires. `adjoint` are photons from the sensor that bring all light,
+/// `rest` those that leave to `forward` ones what these bring (all zero where these bring all), and
+/// `left` is what they leave: the difference of `adjoint` and `rest` with the same numbers.
+ForwardPays forward_pays(const PilotFigures& adjoint, const PilotFigures& rest,
+                         const PilotFigures& left, const PilotFigures& forward);
+
+/// The same choice on every machine and for any number of threads: costs are counted, not timed.
+/// The options of `scene`, which was loaded for the direction that its options say, change
+/// meanwhile and are at the end what they were. Throws what tracing throws.
+PilotResult run_pilot(Scene& scene, const PilotRequest& request);
+
+}  // namespace nocturne
