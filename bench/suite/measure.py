@@ -33,6 +33,9 @@ TARGET = 1e-4
 
 MITSUBA = "Mitsuba "
 
+_FOR_A_PILOT = 2**16
+"""Samples of the small films: some 25 million in all, half a minute."""
+
 
 NOT_FALLING = -0.5
 """An exponent of time above this: more time does not help as it should, so no time to an error is told."""
@@ -48,6 +51,7 @@ _OPENINGS = Way(
     OPENINGS,
     applies=_has_important,
 )
+_AUTO = Way("auto", "the default: what a pilot chooses, whose time is left out", {"direction": "auto"})
 _AIMED = Way(
     "forward, aimed",
     "photons from the luminaires, nine of ten towards what the scene calls important",
@@ -101,7 +105,8 @@ def measure(name: str, scene: SuiteScene, size: Size, installed: Installed | Non
         document = scene.document(place)
         reference = load(name, document).reference
         ways = [way for way in (*WAYS, _OPENINGS, _AIMED) if way.applies(document)]
-        runners = {way.name: _ours(way, scene, document, place, size) for way in ways}
+        runners = {way.name: _ours(way, scene, document, place, size)[0] for way in ways}
+        runners[_AUTO.name], chosen = _ours(_AUTO, scene, document, place, size, _FOR_A_PILOT)
         refused: dict[str, str] = {}
         for each in installed.variants() if installed is not None else ():
             theirs = MITSUBA + each.variant
@@ -110,7 +115,7 @@ def measure(name: str, scene: SuiteScene, size: Size, installed: Installed | Non
             except NocturneClientError as reason:
                 refused[theirs] = _told(reason)
         found = _compare(runners, reference, size, refused)
-    return {"ways": found, "not there": refused}
+    return {"ways": found, "not there": refused, "chosen": chosen}
 
 
 def _told(reason: NocturneClientError) -> str:
@@ -119,12 +124,15 @@ def _told(reason: NocturneClientError) -> str:
     return "; ".join(problems) if problems else str(reason)
 
 
-def _ours(way: Way, scene: SuiteScene, document: Document, place: Path, size: Size) -> _Runner:
+def _ours(
+    way: Way, scene: SuiteScene, document: Document, place: Path, size: Size, samples: int = 1
+) -> tuple[_Runner, str]:
+    """Compiled for a render of so many samples, and what a pilot chose for that."""
     film, into = scene.film, place / way.name
-    compiled = compile_film(way.document(document), place, film.width, film.height, 1, into)
+    compiled = compile_film(way.document(document), place, film.width, film.height, samples, into)
     ours = Ours(compiled, scene.film, THREADS, way.options)
     enough = 0.3 * max(size.budgets_cpu_s)
-    return _Runner(ours, enough / samples_for(ours, enough))
+    return _Runner(ours, enough / samples_for(ours, enough)), compiled.way
 
 
 def _theirs(

@@ -84,6 +84,7 @@ def speed(figures: Figures) -> str:
             "| --- | --- | --- | --- | --- | --- | --- |",
         ]
         lines += _rows(found["ways"])
+        lines += [f"\nauto: {found['chosen']}."] if found.get("chosen") else []
         lines += [f"\n{who} is not there: {why}." for who, why in found["not there"].items()]
         budgets = ", ".join(f"{budget:g}" for budget in found["budgets_cpu_s"])
         rounds = "once" if found["rounds"] == 1 else f"medians of {found['rounds']} rounds"
@@ -116,7 +117,7 @@ def _aims(figures: Figures) -> list[str]:
                 why.append(f"- **{name}**: {WHY[name]}")
             continue
         ratio = ways[ours]["error"] / ways[theirs]["error"]
-        default = ways["two photons"]["error"] / ways[theirs]["error"]
+        default = ways.get("auto", ways["two photons"])["error"] / ways[theirs]["error"]
         stored = load(name).reference
         held = ratio <= aim
         told = "held" if held else f"**missed by {ratio / aim:.2g}**"
