@@ -136,3 +136,16 @@ def _place(values: Values, level: float, edge: int) -> tuple[float, float]:
     b = float(values[row + down, column + 1 - down])
     part = (level - a) / (b - a) if b != a else 0.5
     return column + 0.5 + (0.0 if down else part), row + 0.5 + (part if down else 0.0)
+
+
+def round_levels(values: Values, wanted: int = 6) -> list[float]:
+    """About so many levels of 1, 2 and 5 times powers of ten that most of the values lie around; at least one
+    where anything is above 0."""
+    known = values[np.isfinite(values) & (values > 0.0)]
+    if not len(known):
+        return []
+    low, high = np.quantile(known, [0.02, 0.98])
+    powers = range(int(np.floor(np.log10(low))), int(np.floor(np.log10(high))) + 1)
+    found = [float(f"{step}e{power}") for power in powers for step in (1, 2, 5)]
+    inside = [level for level in found if low <= level <= high] or [float(np.median(known))]
+    return inside[:: -(-len(inside) // wanted)]

@@ -19,8 +19,13 @@ from nocturne_client.errors import NocturneClientError
 from nocturne_client.events import data_of
 from nocturne_client.models import (
     Explanation,
+    Glare,
     ImportedScene,
+    Isolines,
+    MeasuredRegions,
+    Measurements,
     NewWebhook,
+    Outline,
     PreflightReport,
     Reading,
     Region,
@@ -220,6 +225,55 @@ class Client:
         params = None if region is None else asdict(region)
         answer = self._transport.get(f"/v1/renders/{_part(render_id)}/reading", params)
         return decode(Reading, answer)
+
+    def measure(
+        self,
+        render_id: str,
+        outlines: Sequence[Outline] = (),
+        channel: str = "Y",
+        bins: int = 0,
+        bounds: tuple[float, float] = (0.0, 0.0),
+        logarithmic: bool = False,
+    ) -> Measurements:
+        """Extremes, mean and uniformity of parts of the image, with their errors.
+
+        Without outlines of those kept with the render; where there are none, of the whole film. `bins`: of a
+        histogram, between `bounds` or as the values are.
+        """
+        body = {
+            "outlines": [asdict(outline) for outline in outlines],
+            "channel": channel,
+            "bins": bins,
+            "low": bounds[0],
+            "high": bounds[1],
+            "logarithmic": logarithmic,
+        }
+        return decode(Measurements, self._transport.post(f"/v1/renders/{_part(render_id)}:measure", body))
+
+    def regions(self, render_id: str) -> MeasuredRegions:
+        """Parts of the film that are kept with the render to be measured."""
+        return decode(MeasuredRegions, self._transport.get(f"/v1/renders/{_part(render_id)}/regions"))
+
+    def keep_regions(self, render_id: str, regions: Sequence[Outline]) -> MeasuredRegions:
+        """Keeps these with the render instead of all that were kept."""
+        body = {"regions": [asdict(region) for region in regions]}
+        path = f"/v1/renders/{_part(render_id)}/regions"
+        call = partial(self._transport.send_json, "PUT", path, body)
+        return decode(MeasuredRegions, self._transport.retrying(call))
+
+    def isolines(self, render_id: str, levels: Sequence[float] = (), channel: str = "Y") -> Isolines:
+        """Lines along which the image has these values; without levels, round numbers."""
+        params = {"level": [*levels], "channel": channel}
+        return decode(Isolines, self._transport.get(f"/v1/renders/{_part(render_id)}/isolines", params))
+
+    def glare(
+        self, render_id: str, azimuth: float = 0.0, elevation: float = 0.0, threshold: float | None = None
+    ) -> Glare:
+        """How much an eye that looks at a panorama is disturbed; directions in degrees from its middle."""
+        params = {"azimuth": azimuth, "elevation": elevation}
+        if threshold is not None:
+            params["threshold"] = threshold
+        return decode(Glare, self._transport.get(f"/v1/renders/{_part(render_id)}/glare", params))
 
     def release_worker(self, worker_id: str) -> None:
         """Takes the results of a worker in quarantine again."""

@@ -5,8 +5,14 @@ import time
 from nocturne_client import contract
 from nocturne_client.contract import (
     Explanation,
+    Glare,
     ImportedScene,
+    Isolines,
+    MeasuredRegions,
+    Measurement,
+    Measurements,
     NewWebhook,
+    Outline,
     PreflightReport,
     Progress,
     Reading,
@@ -19,8 +25,14 @@ from nocturne_client.contract import (
 
 __all__ = [
     "Explanation",
+    "Glare",
     "ImportedScene",
+    "Isolines",
+    "MeasuredRegions",
+    "Measurement",
+    "Measurements",
     "NewWebhook",
+    "Outline",
     "PreflightReport",
     "Progress",
     "ReadValue",

@@ -35,17 +35,18 @@ def sentence(reading: Reading) -> str:
         return f"nothing seen: none of {reading.samples:,} samples met light" + (
             f", so {bound}" if reading.samples > _NONE_OF_N else ""
         )
-    told = [f"{reading.quantity or 'Y'} {_interval(y.mean, y.standard_error, '.5g')} {reading.unit}".rstrip()]
+    told = [f"{reading.quantity or 'Y'} {interval(y.mean, y.standard_error, '.5g')} {reading.unit}".rstrip()]
     if reading.u_prime is not None and reading.v_prime is not None:
-        told.append(f"u' {_interval(reading.u_prime, reading.u_prime_error, '.4f')}")
-        told.append(f"v' {_interval(reading.v_prime, reading.v_prime_error, '.4f')}")
+        told.append(f"u' {interval(reading.u_prime, reading.u_prime_error, '.4f')}")
+        told.append(f"v' {interval(reading.v_prime, reading.v_prime_error, '.4f')}")
     told += [
-        f"{value.name} {_interval(value.mean, value.standard_error, '.5g')}" for value in (x, z, *further)
+        f"{value.name} {interval(value.mean, value.standard_error, '.5g')}" for value in (x, z, *further)
     ]
     confidence = "" if y.standard_error is None else " (95 %)"
     unseen = f"; nothing seen in {reading.unseen_pixels:,} of {reading.pixels:,} pixels"
     return ", ".join(told) + confidence + (unseen if reading.unseen_pixels else "")
 
 
-def _interval(value: float, error: float | None, form: str) -> str:
+def interval(value: float, error: float | None, form: str) -> str:
+    """A value with half its 95 % interval, where its standard error is known."""
     return f"{value:{form}}" + ("" if error is None else f" +- {_CONFIDENCE * error:.2g}")
