@@ -198,13 +198,23 @@ def test_blocks_are_means_in_pixels_of_the_film() -> None:
     blocks = BlockMeans(40, 20, max_edge=10)
     y = np.broadcast_to(np.arange(40.0), (20, 40))
     for top in range(0, 20, 5):
-        blocks.add(y[top : top + 5, :22], np.ones((5, 22), dtype=np.bool_), 0, top)
-        blocks.add(y[top : top + 5, 22:], np.ones((5, 18), dtype=np.bool_), 22, top)
+        blocks.add(y[top : top + 5, :22], np.zeros((5, 22)), np.ones((5, 22), dtype=np.bool_), 0, top)
+        blocks.add(y[top : top + 5, 22:], np.zeros((5, 18)), np.ones((5, 18), dtype=np.bool_), 22, top)
     assert (blocks.edge, blocks.means().shape) == (4, (5, 10))
     (line,) = blocks.isolines(17.0)
     # The pixel in column i has the value i at its middle, i + 0.5.
     assert [x for x, _ in line] == pytest.approx([17.5] * 5)
     assert sorted(y for _, y in line) == [2.0, 6.0, 10.0, 14.0, 18.0]
+
+
+def test_blocks_grow_until_they_are_calm() -> None:
+    """A relative error of 10 % of pixels is 2.5 % of 4 x 4 of them."""
+    blocks = BlockMeans(250, 130)
+    y = np.full((130, 250), 7.0)
+    blocks.add(y, (0.1 * y) ** 2, np.ones(y.shape, dtype=np.bool_), 0, 0)
+    blocks.calm()
+    assert (blocks.edge, blocks.means().shape) == (4, (33, 63))
+    assert blocks.means() == pytest.approx(np.full((33, 63), 7.0))
 
 
 def test_noise_has_too_many_isolines() -> None:

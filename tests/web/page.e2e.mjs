@@ -58,7 +58,7 @@ const checks = {
 
   async "a pixel has the EXR's values, by mouse and by keyboard"({ page }) {
     const { x, y, values } = given.pixel;
-    const canvas = page.locator(".frame canvas");
+    const canvas = page.locator(".frame canvas[tabindex]");
     const box = await canvas.boundingBox();
     const scale = await page.locator(".zoom").textContent().then((text) => parseFloat(text) / 100);
     await page.mouse.move(box.x + box.width / 2 + (x + 0.5 - 64) * scale, box.y + box.height / 2 + (y + 0.5 - 64) * scale);
@@ -79,7 +79,7 @@ const checks = {
   },
 
   async "a region is dragged, and gives means with a smaller error"({ page }) {
-    const box = await page.locator(".frame canvas").boundingBox();
+    const box = await page.locator(".frame canvas[tabindex]").boundingBox();
     await page.getByRole("button", { name: "Region" }).click();
     await page.mouse.move(box.x + box.width / 2 - 40, box.y + box.height / 2 - 40);
     await page.mouse.down();
@@ -118,6 +118,61 @@ const checks = {
     await page.getByRole("combobox", { name: "View" }).selectOption("Value");
     await page.getByRole("group", { name: "Legend" }).getByText("Luminance, cd/m²").waitFor();
     await look(page, "render");
+    await page.getByRole("combobox", { name: "View" }).selectOption("Colour");
+  },
+
+  async "false colour has a range that is set, read, and given back"({ page }) {
+    await page.getByRole("combobox", { name: "View" }).selectOption("Value");
+    const before = await canvasStatistics(page);
+    await page.getByLabel("Highest value").fill("3e8");
+    await page.keyboard.press("Enter");
+    await page.getByRole("group", { name: "Legend" }).getByText("1e8").waitFor();
+    const darker = await canvasStatistics(page);
+    assert.notEqual(darker.mean, before.mean);
+    await page.getByRole("combobox", { name: "Steps" }).selectOption("Linear");
+    assert.notEqual((await canvasStatistics(page)).mean, darker.mean);
+    await page.getByRole("button", { name: "Auto range" }).click();
+    assert.equal((await canvasStatistics(page)).mean, before.mean);
+  },
+
+  async "parts are measured, drawn or typed, and kept with the render"({ page }) {
+    const canvas = page.locator(".frame canvas[tabindex]");
+    const box = await canvas.boundingBox();
+    await page.getByText("Measure", { exact: true }).click();
+    const rows = page.locator(".measure tbody tr");
+    await rows.filter({ hasText: "Region 0,0 128,128" }).waitFor();
+    await page.getByRole("button", { name: "Line", exact: true }).click();
+    await page.mouse.move(box.x + box.width / 2 - 50, box.y + box.height / 2);
+    await page.mouse.down();
+    await page.mouse.move(box.x + box.width / 2 + 50, box.y + box.height / 2, { steps: 2 });
+    await page.mouse.up();
+    await page.getByRole("button", { name: "Line", exact: true }).click();
+    await page.getByRole("button", { name: "Add" }).click();
+    await rows.filter({ hasText: /^Line \d+,64 \d+,64/ }).waitFor();
+    await page.getByRole("combobox", { name: "Part" }).selectOption("Polygon");
+    await page.getByLabel("Points in pixels").fill("1,1");
+    await page.keyboard.press("Enter");
+    await page.getByText("Expected three corners or more").waitFor();
+    await page.getByLabel("Points in pixels").fill("20,20 60,20 40,50");
+    await page.getByLabel("Name of the part").fill("desk");
+    await page.keyboard.press("Enter");
+    await rows.filter({ hasText: "desk" }).waitFor();
+    await page.getByRole("checkbox", { name: "Isolines" }).check();
+    await page.waitForResponse((response) => response.url().includes("/isolines"));
+    await page.locator(".measure .uplot").waitFor();
+    const kept = await (await fetch(`${given.url}/v1/renders/${given.small}/regions`)).json();
+    assert.deepEqual(kept.regions.map(({ kind, name }) => [kind, name]), [["line", ""], ["polygon", "desk"]]);
+    // What the page shows is what the API and the command line say.
+    const measured = await (await fetch(`${given.url}/v1/renders/${given.small}:measure`, { method: "POST", body: "{}" })).json();
+    const shown = await rows.filter({ hasText: "desk" }).locator("td").nth(1).textContent();
+    assert.ok(Math.abs(parseFloat(shown) / measured.measurements[1].mean - 1) < 1e-3, `${shown} is not ${measured.measurements[1].mean}`);
+    const download = page.waitForEvent("download");
+    await page.getByRole("link", { name: "Table as CSV" }).click();
+    assert.match(await (await download).createReadStream().then((stream) => stream.toArray()).then(String), /^name,kind,points,.*\r\n.*\r\ndesk,polygon,"20,20 60,20 40,50",luminance,cd\/m2,600,/);
+    await look(page, "measure");
+    await page.getByRole("button", { name: "Remove desk" }).click();
+    await rows.filter({ hasText: "desk" }).waitFor({ state: "detached" });
+    await page.getByText("Measure", { exact: true }).click();
     await page.getByRole("combobox", { name: "View" }).selectOption("Colour");
   },
 
@@ -228,7 +283,7 @@ const checks = {
   },
 
   async "a region can be asked for first, and shows who works where"({ page }) {
-    const box = await page.locator(".frame canvas").boundingBox();
+    const box = await page.locator(".frame canvas[tabindex]").boundingBox();
     await page.keyboard.down("Shift");
     await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
     await page.mouse.down();

@@ -19,7 +19,12 @@ MAX_POINTS = 50_000
 """Of all lines of a level: more are noise, and nothing that can be looked at."""
 
 MAX_EDGE = 256
-"""Blocks along the longer side of the film: means over these have less noise than pixels."""
+"""Blocks along the longer side of the film."""
+
+NOISE = 0.03
+"""Relative standard error that half of the blocks may have: blocks are made larger until they have less."""
+
+_MIN_EDGE = 32
 
 # For each of 16 cases, bit 0 being the upper left corner above the level and then clockwise: between which of
 # the cell's edges (0 top, 1 right, 2 bottom, 3 left) lines run. Cases 5 and 10 are saddles: as their middle
@@ -43,18 +48,16 @@ class BlockMeans:
     def __init__(self, width: int, height: int, max_edge: int = MAX_EDGE) -> None:
         self.edge = max(1, -(-max(width, height) // max_edge))
         shape = -(-height // self.edge), -(-width // self.edge)
-        self._sums, self._counts = np.zeros(shape), np.zeros(shape)
+        self._sums, self._variances, self._counts = np.zeros(shape), np.zeros(shape), np.zeros(shape)
 
-    def add(self, values: Values, known: NDArray[np.bool_], left: int, top: int) -> None:
-        """`values`: of a part of the film whose upper left pixel is at (left, top); `known`: which of them
-        count."""
+    def add(self, values: Values, variance: Values, known: NDArray[np.bool_], left: int, top: int) -> None:
+        """`values`: of a part of the film whose upper left pixel is at (left, top), and their variances;
+        `known`: which of them count."""
         height, width = values.shape
         rows, row_starts = self._cuts(top, height)
         columns, column_starts = self._cuts(left, width)
-        for total, part in (
-            (self._sums, np.where(known, values, 0.0)),
-            (self._counts, known.astype(np.float64)),
-        ):
+        parts = np.where(known, values, 0.0), np.where(known, variance, 0.0), known.astype(np.float64)
+        for total, part in zip((self._sums, self._variances, self._counts), parts, strict=True):
             reduced = np.add.reduceat(np.add.reduceat(part, row_starts, axis=0), column_starts, axis=1)
             total[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1] += reduced
 
@@ -67,9 +70,29 @@ class BlockMeans:
         unknown = np.full_like(self._sums, np.nan)
         return np.divide(self._sums, self._counts, out=unknown, where=self._counts > 0)
 
+    def calm(self) -> None:
+        """Makes blocks larger, twice at a time, while half of them have more than NOISE, as of pixels that
+        know nothing of each other, and there are enough of them for lines."""
+        while max(self._sums.shape) > 2 * _MIN_EDGE and self._noise() > NOISE:
+            self.edge *= 2
+            self._sums, self._variances, self._counts = map(
+                _in_twos, (self._sums, self._variances, self._counts)
+            )
+
+    def _noise(self) -> float:
+        lit = self._sums > 0.0
+        return float(np.median(np.sqrt(self._variances[lit]) / self._sums[lit])) if lit.any() else 0.0
+
     def isolines(self, level: float) -> list[Line]:
         """In pixels of the film, from its upper left corner. Raises InputError where there are too many."""
         return [[(x * self.edge, y * self.edge) for x, y in line] for line in isolines(self.means(), level)]
+
+
+def _in_twos(blocks: Values) -> Values:
+    """Sums over 2 x 2 of them, or fewer at the borders."""
+    padded = np.pad(blocks, [(0, edge % 2) for edge in blocks.shape])
+    total: Values = padded[::2, ::2] + padded[1::2, ::2] + padded[::2, 1::2] + padded[1::2, 1::2]
+    return total
 
 
 def isolines(values: Values, level: float) -> list[Line]:

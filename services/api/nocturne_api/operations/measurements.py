@@ -94,7 +94,9 @@ class Measurements:
         channel = await self._channel(render, channel_name)
         blocks = isolines.BlockMeans(render.width, render.height)
         async for part in self._parts(render, Region(0, 0, render.width, render.height)):
-            blocks.add(part.image.mean[..., channel.index], part.image.samples > 0, part.left, part.top)
+            mean, variance = part.image.mean[..., channel.index], part.image.variance[..., channel.index]
+            blocks.add(mean, variance, part.image.samples > 0, part.left, part.top)
+        blocks.calm()
         means = blocks.means()
         if not np.isfinite(means).any():
             raise NotFound(f"{render.id} has no samples yet")

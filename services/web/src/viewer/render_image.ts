@@ -4,12 +4,14 @@ import type { Film, Region } from "../image/film.ts";
 import { type Measured, measured } from "../image/look.ts";
 import { FilmSource } from "../image/film_source.ts";
 import { readRegion, tilesAddress } from "../service/client.ts";
-import { hasEnded, type RegionReading, type Render } from "../service/types.ts";
+import { hasEnded, type Outline, type RegionReading, type Render } from "../service/types.ts";
 import { samplesText } from "../views/progress_bar.ts";
 import { controls } from "./controls.ts";
-import { listenToGestures } from "./gestures.ts";
+import { type GestureListener, listenToGestures } from "./gestures.ts";
 import { inspector } from "./inspector.ts";
 import { legend } from "./legend.ts";
+import { Overlay } from "./overlay.ts";
+import { rangeForm } from "./range_form.ts";
 import { Viewer } from "./viewer.ts";
 
 const keys = "Arrow keys move from pixel to pixel, with Shift they pan. Plus and minus zoom, 1 shows pixel for pixel, 0 the whole image.";
@@ -18,6 +20,7 @@ export interface RenderImage {
   node: HTMLElement;
   /** Undefined where this browser can't show images. */
   viewer: Viewer | undefined;
+  overlay: Overlay;
   show: (render: Render) => void;
   /** Fetches what changed, if anything did. */
   refresh: () => void;
@@ -31,13 +34,24 @@ export function whyNothingIsShown(render: Render): string {
   return hasEnded(render) ? "No image: it ended before its first samples." : "No samples yet.";
 }
 
-/** `onFilm`: the first tiles are there; `onChosen`: a region was chosen, or none is any more. */
-export function renderImage(id: string, hooks: { onFilm?: (film: Film) => void; onChosen?: () => void; canCompare?: boolean } = {}): RenderImage {
+export interface Hooks {
+  /** The first tiles are there. */
+  onFilm?: (film: Film) => void;
+  onTiles?: () => void;
+  /** A region was chosen, or none is any more. */
+  onChosen?: () => void;
+  /** A part of the image was drawn, as far as it is; undefined: none any more. */
+  onDrawn?: (outline: Outline | undefined) => void;
+  canCompare?: boolean;
+}
+
+export function renderImage(id: string, hooks: Hooks = {}): RenderImage {
   const canvas = element("canvas", { tabindex: "0", role: "application", "aria-describedby": "image-keys" });
   const waiting = element("p", { class: "waiting" }, "No samples yet.");
-  const frame = element("div", { class: "frame" }, canvas, waiting);
+  const overlay = new Overlay();
+  const frame = element("div", { class: "frame" }, canvas, overlay.canvas, waiting);
   const node = element("div", { class: "picture" });
-  const parts = assemble(canvas, node, frame, { id, ...hooks });
+  const parts = assemble(canvas, node, frame, overlay, { id, ...hooks });
   const source = new FilmSource(tilesAddress(id), {
     onFilm: (film) => {
       parts?.begin(film);
@@ -46,6 +60,7 @@ export function renderImage(id: string, hooks: { onFilm?: (film: Film) => void; 
     onTiles: (tiles) => {
       parts?.viewer.putTiles("first", tiles);
       parts?.inspector.refresh();
+      hooks.onTiles?.();
       waiting.hidden = true;
       canvas.dataset.updates = `${Number(canvas.dataset.updates ?? 0) + 1}`;
       canvas.dataset.tiles = `${Number(canvas.dataset.tiles ?? 0) + tiles.length}`;
@@ -54,6 +69,7 @@ export function renderImage(id: string, hooks: { onFilm?: (film: Film) => void; 
   return {
     node,
     viewer: parts?.viewer,
+    overlay,
     show: (render) => {
       parts?.measure(measured(render));
       canvas.setAttribute("aria-label", `Image of ${render.name}, ${samplesText(render)}`);
@@ -77,14 +93,16 @@ interface Parts {
 }
 
 /** Puts tools, image, legend and inspector into `node`; a sentence only, where images can't be shown. */
-function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLElement, hooks: { id: string; onChosen?: () => void; canCompare?: boolean }): Parts | undefined {
+function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLElement, overlay: Overlay, hooks: Hooks & { id: string }): Parts | undefined {
   const strip = legend();
+  const range = rangeForm((scale) => { viewer.setRange(scale); });
   let refresh = (): void => undefined;
   const zoom = element("p", { class: "zoom" });
   let viewer: Viewer;
   try {
     viewer = new Viewer(canvas, {
       onLook: () => { refresh(); },
+      onPaint: () => { overlay.paint({ film: viewer.films[side()], show: viewer.look.show, placement: viewer.placement, width: canvas.width, height: canvas.height }); },
       onPlacement: ({ scale }) => { setText(zoom, `${Number((100 * scale).toPrecision(3))} %`); },
     });
   } catch (error) {
@@ -105,21 +123,18 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
   refresh = () => {
     tools.refresh();
     strip.show(viewer.look);
+    range.show(viewer.look);
     numbers.refresh();
   };
-  listenToGestures(viewer, tools.choosing, {
+  listenToGestures(viewer, tools.drawing, {
     onPixel: ({ x, y }) => {
       looked.pixel = { x, y, width: 1, height: 1 };
       numbers.showPixel({ x, y });
     },
-    onRegion: (region) => {
-      viewer.choose(region);
-      numbers.showRegion(region);
-      hooks.onChosen?.();
-    },
+    ...drawingHooks(viewer, hooks, (region) => { numbers.showRegion(region); }),
   });
   frame.append(zoom);
-  node.append(tools.node, frame, strip.node, element("p", { id: "image-keys", class: "visually-hidden" }, keys), numbers.node);
+  node.append(tools.node, frame, strip.node, range.node, element("p", { id: "image-keys", class: "visually-hidden" }, keys), numbers.node);
   return {
     viewer,
     inspector: numbers,
@@ -135,5 +150,18 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
         node.prepend(element("p", { class: "problem", role: "alert" }, error instanceof Error ? error.message : String(error)));
       }
     },
+  };
+}
+
+/** What is told of a region, line or polygon that is drawn. */
+function drawingHooks(viewer: Viewer, hooks: Hooks, onRegion: (region: Region | undefined) => void): Pick<GestureListener, "onRegion" | "onPoints"> {
+  return {
+    onRegion: (region) => {
+      viewer.choose(region);
+      onRegion(region);
+      hooks.onChosen?.();
+      hooks.onDrawn?.(region && { name: "", kind: "rectangle", points: [[region.x, region.y], [region.x + region.width, region.y + region.height]] });
+    },
+    onPoints: (kind, points) => { hooks.onDrawn?.(points && { name: "", kind, points }); },
   };
 }
