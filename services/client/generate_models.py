@@ -20,6 +20,7 @@ _WANTED = (
     "Glare",
     "MeasuredRegions",
     "Worker",
+    "WorkOfWorker",
     "Webhook",
     "NewWebhook",
     "PreflightReport",

@@ -10,6 +10,7 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
+from nocturne_client import contract
 from nocturne_client.cli.app import app
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.measuring import glare_of_file, measure_file
@@ -165,6 +166,31 @@ async def test_glare_is_of_panoramas(
     answer = await rest.get(f"/v1/renders/{other}/glare")
     assert answer.status_code == 422
     assert "sensor of type panorama" in answer.text
+
+
+async def test_the_exr_of_a_running_render_has_what_is_committed(
+    rest: httpx.AsyncClient, rendered: Rendered, tmp_path: Path
+) -> None:
+    render_id = await rendered(ramp(HEIGHT, WIDTH))
+    path = tmp_path / "now.exr"
+    path.write_bytes((await rest.get(f"/v1/renders/{render_id}/image.exr")).content)
+    seam = contract.Outline("", "rectangle", [[28, 4], [36, 8]])
+    of_file = measure_file(path, [seam], "Y", 0)
+    asked = {"outlines": [{"kind": "rectangle", "points": seam.points}]}
+    of_render = (await rest.post(f"/v1/renders/{render_id}:measure", json=asked)).json()
+    (one,), (other,) = of_file.measurements, of_render["measurements"]
+    assert one.mean == pytest.approx(other["mean"], rel=1e-6)
+    assert one.mean_error == pytest.approx(other["mean_error"], rel=1e-4)
+    assert of_file.unit == "cd/m2"
+
+
+async def test_the_scene_comes_back_as_it_was_submitted(
+    rest: httpx.AsyncClient, body: dict[str, Any]
+) -> None:
+    render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
+    assert (await rest.get(f"/v1/renders/{render_id}/scene.json")).json() == body["scene"]
+    assert (await rest.get("/v1/renders/none/scene.json")).status_code == 404
+    assert (await rest.get(f"/v1/renders/{render_id}/image.exr")).status_code == 404
 
 
 # --- files, and the command line ---

@@ -32,6 +32,7 @@ from nocturne_client.models import (
     Render,
     Webhook,
     Worker,
+    WorkOfWorker,
 )
 from nocturne_client.scene_files import SceneOnDisk, digest, files_of_import, read_scene
 from nocturne_client.transport import RETRY_DELAYS_S, Transport
@@ -39,10 +40,10 @@ from nocturne_client.transport import RETRY_DELAYS_S, Transport
 if TYPE_CHECKING:
     from nocturne_client.tiles import TileAnswer
 
-ImageKind = Literal["exr", "png"]
+ImageKind = Literal["exr", "png", "scene"]
 UploadProgress = Callable[[Path, int, int], None]
 
-_PATHS: dict[ImageKind, str] = {"exr": "image.exr", "png": "preview.png"}
+_PATHS: dict[ImageKind, str] = {"exr": "image.exr", "png": "preview.png", "scene": "scene.json"}
 # The service sends a comment every 15 s, so a longer silence is a lost connection.
 _WATCH_TIMEOUT = httpx.Timeout(40.0, connect=5.0)
 # A preflight's small renders; the service ends it before that.
@@ -285,6 +286,10 @@ class Client:
         """The workers heard of in the last ten seconds."""
         return [decode(Worker, each) for each in self._transport.get("/v1/workers")["workers"]]
 
+    def work(self) -> Sequence[WorkOfWorker]:
+        """Which renders the workers are tracing, and since when."""
+        return [decode(WorkOfWorker, each) for each in self._transport.get("/v1/workers/work")["work"]]
+
     def tiles(self, render_id: str, since: str = "") -> "TileAnswer":
         """What of the image changed since an earlier answer's cursor, as floats; about 4 MiB at once.
 
@@ -326,7 +331,8 @@ class Client:
                 time.sleep(RETRY_DELAYS_S[failures - 1])
 
     def download(self, render_id: str, kind: ImageKind, path: Path) -> Path:
-        """Writes the image ("exr") or the preview ("png") as it is now; `path` is whole or untouched."""
+        """Writes the image ("exr") or the preview ("png") as it is now, or the "scene" document; `path` is
+        whole or untouched."""
         self._transport.retrying(
             lambda: self._download_once(f"/v1/renders/{_part(render_id)}/{_PATHS[kind]}", path)
         )

@@ -377,6 +377,22 @@ class Worker:
 
 
 @dataclass(frozen=True)
+class WorkOfWorker:
+    """A render that a worker is tracing."""
+
+    worker: str
+    """Its id."""
+    render: str
+    """Id of the render."""
+    name: str
+    """Of the render."""
+    tiles: int
+    """How many of its tiles the worker has."""
+    since: float
+    """Unix time at which it was first seen with the oldest of these."""
+
+
+@dataclass(frozen=True)
 class Webhook:
     """An address that is told how its owner's renders end."""
 

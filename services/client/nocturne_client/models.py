@@ -21,6 +21,7 @@ from nocturne_client.contract import (
     StopConditions,
     Webhook,
     Worker,
+    WorkOfWorker,
 )
 
 __all__ = [
@@ -41,6 +42,7 @@ __all__ = [
     "Render",
     "StopConditions",
     "Webhook",
+    "WorkOfWorker",
     "Worker",
 ]
 

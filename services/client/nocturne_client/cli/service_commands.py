@@ -179,6 +179,9 @@ def get(
         Path | None, typer.Option("--exr", help="Write the image here: XYZ, error, counts.")
     ] = None,
     png: Annotated[Path | None, typer.Option("--png", help="Write the preview here.")] = None,
+    scene: Annotated[
+        Path | None, typer.Option("--scene", help="Write the scene document here, as it was submitted.")
+    ] = None,
     region: Annotated[
         str,
         typer.Option(
@@ -201,6 +204,8 @@ def get(
             client.download(render_id, "exr", exr)
         if png is not None:
             client.download(render_id, "png", png)
+        if scene is not None:
+            client.download(render_id, "scene", scene)
     print_render(render, as_json)
 
 
