@@ -176,6 +176,69 @@ const checks = {
     await page.getByRole("combobox", { name: "View" }).selectOption("Colour");
   },
 
+  async "a reload and a link show what was looked at"({ page }) {
+    await page.getByRole("combobox", { name: "View" }).selectOption("Value");
+    await page.getByLabel("Highest value").fill("3e8");
+    await page.keyboard.press("Enter");
+    await page.waitForURL("**view=luminance&range=*");
+    const before = await canvasStatistics(page);
+    await page.reload();
+    await page.locator("canvas[data-updates]").waitFor();
+    await page.getByRole("group", { name: "Legend" }).getByText("1e8").waitFor();
+    assert.equal((await canvasStatistics(page)).mean, before.mean);
+    await page.getByRole("region", { name: "Region" }).getByText(/\d+, \d+, \d+ × \d+/).waitFor();
+    // As people type it.
+    await page.goto(at(`renders/${given.small}`));
+    await page.locator("canvas[data-updates]").waitFor();
+    await page.getByText(given.small, { exact: true }).waitFor();
+    assert.equal(await page.getByRole("combobox", { name: "View" }).inputValue(), "colour");
+  },
+
+  async "a render is paused, resumed, extended and given another priority"({ page, note }) {
+    const state = async (id, wanted) => { await page.locator(`h1 .badge[data-state="${wanted}"]`).waitFor(); note(`${id} ${wanted}`); };
+    await page.getByRole("button", { name: "Replay" }).click();
+    await page.waitForFunction((small) => !globalThis.location.hash.includes(small), given.small);
+    const id = new URL(page.url()).hash.split("?")[0].split("/").at(-1);
+    await state(id, "SUCCEEDED");
+    await page.getByRole("button", { name: "Extend…" }).click();
+    const dialog = page.getByRole("dialog", { name: "More samples, or another error?" });
+    await dialog.getByLabel("Samples per pixel, in all").fill("1000000");
+    await dialog.getByRole("button", { name: "Extend" }).click();
+    await state(id, "RUNNING");
+    await page.getByRole("button", { name: "Pause" }).click();
+    await state(id, "PAUSED");
+    await page.getByRole("button", { name: "Priority…" }).click();
+    await page.getByRole("dialog", { name: "How much of the workers?" }).getByLabel("Priority").fill("250");
+    await page.keyboard.press("Enter");
+    await page.getByRole("dialog").waitFor({ state: "hidden" });
+    assert.equal((await (await fetch(`${given.url}/v1/renders/${id}`)).json()).priority, 250);
+    // A running render has an EXR, too.
+    const exr = await fetch(new URL(await page.getByRole("link", { name: "Download EXR" }).getAttribute("href"), given.url));
+    assert.equal(exr.status, 200);
+    const scene = await fetch(new URL(await page.getByRole("link", { name: "Scene" }).getAttribute("href"), given.url));
+    assert.equal((await scene.json()).nocturne, 1);
+    await page.getByRole("button", { name: "Resume" }).click();
+    await state(id, "RUNNING");
+    await page.locator(".workers .traces a").first().waitFor();
+    await page.goto(at("#/"));
+    // Several at once, by keyboard.
+    const box = page.locator("li").filter({ has: page.locator(`a[href="${showing(id)}"]`) }).getByRole("checkbox");
+    await box.focus();
+    await page.keyboard.press("Space");
+    const bar = page.getByRole("group", { name: "Selected renders" });
+    await bar.getByText("1 selected").waitFor();
+    await bar.getByRole("button", { name: "Cancel…" }).click();
+    await page.getByRole("dialog").getByRole("button", { name: "Cancel", exact: true }).click();
+    await bar.waitFor({ state: "hidden" });
+    await box.check();
+    await look(page, "selection");
+    await bar.getByRole("button", { name: "Delete…" }).click();
+    await page.getByRole("dialog").getByRole("button", { name: "Delete" }).click();
+    await box.waitFor({ state: "detached" });
+    await page.goto(at(showing(given.small)));
+    await page.locator("canvas[data-updates]").waitFor();
+  },
+
   async "the chart has points, on both axes, and both images can be had"({ page }) {
     await page.locator("figure:not([data-points='0']) .uplot").waitFor();
     await page.getByRole("radio", { name: "Samples per pixel" }).check();
@@ -321,7 +384,7 @@ const checks = {
   },
 
   async "delete asks first, and leads back to a list without the render"({ page }) {
-    const id = new URL(page.url()).hash.split("/").at(-1);
+    const id = new URL(page.url()).hash.split("?")[0].split("/").at(-1);
     await page.getByRole("button", { name: "Delete render…" }).click();
     const dialog = page.getByRole("dialog", { name: "Delete this render?" });
     await dialog.getByRole("button", { name: "Delete render" }).click();

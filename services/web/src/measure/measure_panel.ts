@@ -1,6 +1,6 @@
 /** "Measure": parts of the image with their numbers, a histogram or profile, isolines, and glare where it is known. */
 import { announce, element, setText } from "../dom.ts";
-import { getGlare, getIsolines, keepRegions, measure } from "../service/client.ts";
+import { getGlare, getIsolines, keepRegions, measure } from "../service/measuring.ts";
 import { hasImage, type Measurements, type Outline, type Render } from "../service/types.ts";
 import type { RenderImage } from "../viewer/render_image.ts";
 import { MeasureChart } from "./charts.ts";

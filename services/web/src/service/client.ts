@@ -7,13 +7,8 @@ import type {
   Answer,
   ConvergencePoint,
   CreateRenderRequest,
-  Glare,
   ImportedScene,
   ImportRequest,
-  Isolines,
-  MeasuredRegions,
-  Measurements,
-  Outline,
   PreflightReport,
   PreflightRequest,
   Problem,
@@ -26,6 +21,7 @@ import type {
   TileInProgress,
   Worker,
   WorkerHistory,
+  WorkOfWorker,
 } from "./types.ts";
 
 export class ServiceError extends Error {
@@ -44,6 +40,7 @@ export const previewAddress = (id: string, sequence?: number): string =>
   `${renderAddress(id)}/preview.png${sequence === undefined ? "" : `?v=${sequence}`}`;
 export const thumbnailAddress = (id: string, sequence: number): string => `${renderAddress(id)}/thumbnail.png?v=${sequence}`;
 export const tilesAddress = (id: string): string => `${renderAddress(id)}/tiles`;
+export const sceneAddress = (id: string): string => `${renderAddress(id)}/scene.json`;
 export const imageAddress = (id: string): string => `${renderAddress(id)}/image.exr`;
 
 export async function listRenders(pageToken = ""): Promise<RenderPage> {
@@ -58,6 +55,11 @@ export async function getRender(id: string): Promise<Render> {
 
 export async function cancelRender(id: string): Promise<Render> {
   return getJson<"cancel_render">(`${renderAddress(id)}:cancel`, { method: "POST" });
+}
+
+/** Which renders each worker is tracing, and since when. */
+export async function listWork(): Promise<WorkOfWorker[]> {
+  return (await getJson<"get_work">("/v1/workers/work")).work;
 }
 
 /** Of a render that has ended; with its images. */
@@ -79,27 +81,6 @@ export async function getExplanation(id: string): Promise<string> {
 export async function readRegion(id: string, { x, y, width, height }: Region): Promise<RegionReading> {
   const query = new URLSearchParams(Object.entries({ x, y, width, height }).map(([name, value]) => [name, `${value}`]));
   return getJson<"read_region">(`${renderAddress(id)}/reading?${query.toString()}`);
-}
-
-/** What the parts that are kept with a render show, or the whole image where none are. */
-export async function measure(id: string, bins: number): Promise<Measurements> {
-  return getJson<"measure">(`${renderAddress(id)}:measure`, { method: "POST", body: JSON.stringify({ bins }) });
-}
-
-/** Keeps these parts with the render instead of all that were kept. */
-export async function keepRegions(id: string, regions: readonly Outline[]): Promise<MeasuredRegions> {
-  return getJson<"keep_regions">(`${renderAddress(id)}/regions`, { method: "PUT", body: JSON.stringify({ regions }) });
-}
-
-/** Without levels, at round numbers. */
-export async function getIsolines(id: string, levels: readonly number[]): Promise<Isolines> {
-  const query = new URLSearchParams(levels.map((level) => ["level", `${level}`]));
-  return getJson<"get_isolines">(`${renderAddress(id)}/isolines?${query.toString()}`);
-}
-
-/** Of a panorama; others are refused. */
-export async function getGlare(id: string): Promise<Glare> {
-  return getJson<"get_glare">(`${renderAddress(id)}/glare`);
 }
 
 export async function getTilesInProgress(id: string): Promise<TileInProgress[]> {
@@ -161,12 +142,12 @@ export async function listWorkers(): Promise<Worker[]> {
   return (await getJson<"list_workers">("/v1/workers")).workers;
 }
 
-function renderAddress(id: string): string {
+export function renderAddress(id: string): string {
   return `/v1/renders/${encodeURIComponent(id)}`;
 }
 
 /** What the operation answers at this address. */
-async function getJson<Name extends keyof operations>(address: string, options: RequestInit = {}): Promise<Answer<Name>> {
+export async function getJson<Name extends keyof operations>(address: string, options: RequestInit = {}): Promise<Answer<Name>> {
   const response = await fetch(address, options);
   observeDate(response.headers.get("date"));
   if (!response.ok) throw await failureOf(response);

@@ -29,6 +29,7 @@ export type ImportRequest = Schemas["ImportRequest"];
 export type ImportedScene = Schemas["ImportedScene"];
 export type Interval = Schemas["Interval"];
 export type Worker = Schemas["Worker"];
+export type WorkOfWorker = Schemas["WorkOfWorker"];
 export type WorkerHistory = Schemas["WorkerHistory"];
 export type TileInProgress = Schemas["TileInProgress"];
 export type TilesEvent = Schemas["TilesEvent"];

@@ -86,7 +86,7 @@ function exposureSlider(viewer: Viewer): { node: HTMLElement; refresh: () => voi
   const value = element("output", { for: "exposure" });
   const auto = element("button", { type: "button", class: "quiet" }, "Auto");
   /** Exposure at the slider's middle: that of the image itself, when the slider was last left alone. */
-  let middle = 1;
+  let middle = viewer.isAuto ? 1 : viewer.look.exposure;
   const refresh = (): void => {
     if (viewer.isAuto) {
       middle = viewer.look.exposure;

@@ -1,14 +1,15 @@
 /** A render's image with its tools: fetched tile by tile, followed as it grows. */
 import { announce, element, setText } from "../dom.ts";
-import type { Film, Region } from "../image/film.ts";
+import { clipped, type Film, type Region } from "../image/film.ts";
 import { type Measured, measured } from "../image/look.ts";
 import { FilmSource } from "../image/film_source.ts";
 import { readRegion, tilesAddress } from "../service/client.ts";
 import { hasEnded, type Outline, type RegionReading, type Render } from "../service/types.ts";
 import { samplesText } from "../views/progress_bar.ts";
+import { recall, rememberer } from "./address.ts";
 import { controls } from "./controls.ts";
 import { type GestureListener, listenToGestures } from "./gestures.ts";
-import { inspector } from "./inspector.ts";
+import { type Inspector, inspector } from "./inspector.ts";
 import { legend } from "./legend.ts";
 import { Overlay } from "./overlay.ts";
 import { rangeForm } from "./range_form.ts";
@@ -87,7 +88,7 @@ export function renderImage(id: string, hooks: Hooks = {}): RenderImage {
 
 interface Parts {
   viewer: Viewer;
-  inspector: ReturnType<typeof inspector>;
+  inspector: Inspector;
   begin: (film: Film) => void;
   measure: (measured: Measured) => void;
 }
@@ -109,6 +110,8 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
     node.append(element("p", { class: "problem", role: "alert" }, error instanceof Error ? error.message : String(error)));
     return undefined;
   }
+  let wanted = recall(viewer, hooks.canCompare ?? false);
+  const remember = rememberer(viewer);
   const looked: { pixel?: Region } = {};
   const side = (): "first" | "second" => (viewer.look.side === "second" ? "second" : "first");
   const ask = (region: Region): Promise<RegionReading> | undefined => (side() === "first" ? readRegion(hooks.id, region) : undefined);
@@ -125,14 +128,10 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
     strip.show(viewer.look);
     range.show(viewer.look);
     numbers.refresh();
+    remember();
   };
-  listenToGestures(viewer, tools.drawing, {
-    onPixel: ({ x, y }) => {
-      looked.pixel = { x, y, width: 1, height: 1 };
-      numbers.showPixel({ x, y });
-    },
-    ...drawingHooks(viewer, hooks, (region) => { numbers.showRegion(region); }),
-  });
+  const listener = gestureListener(viewer, numbers, looked, hooks, remember);
+  listenToGestures(viewer, tools.drawing, listener);
   frame.append(zoom);
   node.append(tools.node, frame, strip.node, range.node, element("p", { id: "image-keys", class: "visually-hidden" }, keys), numbers.node);
   return {
@@ -145,6 +144,8 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
     begin: (film) => {
       try {
         viewer.setFilm("first", film);
+        if (wanted) listener.onRegion(clipped(wanted, film));
+        wanted = undefined;
       } catch (error) {
         announce(String(error));
         node.prepend(element("p", { class: "problem", role: "alert" }, error instanceof Error ? error.message : String(error)));
@@ -153,12 +154,17 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
   };
 }
 
-/** What is told of a region, line or polygon that is drawn. */
-function drawingHooks(viewer: Viewer, hooks: Hooks, onRegion: (region: Region | undefined) => void): Pick<GestureListener, "onRegion" | "onPoints"> {
+/** What is told of a pixel that is looked at, and of a region, line or polygon that is drawn. */
+function gestureListener(viewer: Viewer, numbers: Inspector, looked: { pixel?: Region }, hooks: Hooks, remember: () => void): GestureListener {
   return {
+    onPixel: ({ x, y }) => {
+      looked.pixel = { x, y, width: 1, height: 1 };
+      numbers.showPixel({ x, y });
+    },
     onRegion: (region) => {
       viewer.choose(region);
-      onRegion(region);
+      numbers.showRegion(region);
+      remember();
       hooks.onChosen?.();
       hooks.onDrawn?.(region && { name: "", kind: "rectangle", points: [[region.x, region.y], [region.x + region.width, region.y + region.height]] });
     },

@@ -1,0 +1,27 @@
+/** Keeps how the image is looked at in the address. */
+import type { Region } from "../image/film.ts";
+import { fromQuery, toQuery } from "./memory.ts";
+import type { Viewer } from "./viewer.ts";
+
+/** Milliseconds: browsers refuse addresses that change with every step of a slider. */
+const rest = 300;
+
+/** Shows the image as the address says; gives the region that is chosen there. */
+export function recall(viewer: Viewer, canCompare: boolean): Region | undefined {
+  const { chosen, show, ...look } = fromQuery(location.hash.split("?")[1] ?? "");
+  viewer.change(show && (canCompare || show !== "difference") ? { ...look, show } : look);
+  return chosen;
+}
+
+/** What writes it, a moment after the last change. */
+export function rememberer(viewer: Viewer): () => void {
+  const [route = "#/"] = location.hash.split("?");
+  let timer = 0;
+  return () => {
+    window.clearTimeout(timer);
+    timer = window.setTimeout(() => {
+      const query = toQuery(viewer.look, viewer.isAuto);
+      if (location.hash.split("?")[0] === route) history.replaceState(null, "", `${route}${query ? `?${query}` : ""}`);
+    }, rest);
+  };
+}
