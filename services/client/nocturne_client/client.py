@@ -46,6 +46,8 @@ UploadProgress = Callable[[Path, int, int], None]
 _PATHS: dict[ImageKind, str] = {"exr": "image.exr", "png": "preview.png", "scene": "scene.json"}
 # The service sends a comment every 15 s, so a longer silence is a lost connection.
 _WATCH_TIMEOUT = httpx.Timeout(40.0, connect=5.0)
+# A service that is started again is there within seconds; one whose machine is, within minutes.
+_WATCH_DELAYS_S = (*RETRY_DELAYS_S, *([2.0] * 10), *([5.0] * 60))
 # A preflight's small renders; the service ends it before that.
 _PREFLIGHT_TIMEOUT = httpx.Timeout(1000.0, connect=5.0)
 _PIECE_BYTES = 1024 * 1024
@@ -319,16 +321,18 @@ class Client:
         """The render now and after every change, until it has ended. Connects again when cut off."""
         last: Render | None = None
         failures = 0
+        # A service that was there once comes back; one that never was may have another address.
         while last is None or not last.has_ended:
             try:
                 for state in self._watch_once(render_id, last):
                     last, failures = state, 0
                     yield state
             except NocturneClientError as error:
+                delays = RETRY_DELAYS_S if last is None else _WATCH_DELAYS_S
                 failures += 1
-                if not error.can_be_retried or failures > len(RETRY_DELAYS_S):
+                if not error.can_be_retried or failures > len(delays):
                     raise
-                time.sleep(RETRY_DELAYS_S[failures - 1])
+                time.sleep(delays[failures - 1])
 
     def download(self, render_id: str, kind: ImageKind, path: Path) -> Path:
         """Writes the image ("exr") or the preview ("png") as it is now, or the "scene" document; `path` is
