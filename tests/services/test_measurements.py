@@ -1,5 +1,6 @@
 """Photometry of renders and of files: regions that are kept, tables, isolines, glare, and what is refused."""
 
+import asyncio
 import csv
 import io
 import json
@@ -10,7 +11,8 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
-from nocturne_client import contract
+from nocturne_api.service import Service
+from nocturne_client import Client, contract
 from nocturne_client.cli.app import app
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.measuring import glare_of_file, measure_file
@@ -166,6 +168,34 @@ async def test_glare_is_of_panoramas(
     answer = await rest.get(f"/v1/renders/{other}/glare")
     assert answer.status_code == 422
     assert "sensor of type panorama" in answer.text
+
+
+async def test_the_client_and_the_command_line_measure_renders(
+    service: Service, rendered: Rendered, body: dict[str, Any]
+) -> None:
+    url = f"http://127.0.0.1:{service.port}"
+    body["scene"]["sensor"] = {"type": "panorama", "position": [0, 0, 4], "look_at": [0, 0, 0]}
+    render_id = await rendered(np.repeat(ramp(32, 64)[:2], 2, axis=0))
+
+    def use() -> None:
+        with Client(url) as client:
+            seam = contract.Outline("seam", "rectangle", [[28, 4], [36, 8]])
+            found = client.measure(render_id, [seam], "X", 4, (0.0, 1000.0))
+            assert found.quantity == "X"
+            (measured,) = found.measurements
+            assert measured.histogram is not None
+            assert sum(measured.histogram.counts) == 32
+            assert [each.level for each in client.isolines(render_id, [200.0]).isolines] == [200.0]
+            assert client.glare(render_id, azimuth=90.0, threshold=1.0).vertical_illuminance > 0.0
+            assert client.regions(render_id).regions == []
+        words = CliRunner().invoke(
+            app, ["measure", render_id, "--polygon", "1,1 9,1 5,9", "--keep", "--url", url]
+        )
+        assert "luminance in cd/m2" in words.output
+        with Client(url) as client:
+            assert [each.kind for each in client.regions(render_id).regions] == ["polygon"]
+
+    await asyncio.to_thread(use)
 
 
 async def test_the_exr_of_a_running_render_has_what_is_committed(

@@ -123,8 +123,10 @@ def submit(
             for note in (*imported.notes, *(f"missing: {each.message}" for each in imported.missing)):
                 ERRORS.print(note, markup=False, soft_wrap=True)
             source, name = imported.document, name or scene.stem
-            width, height = width or imported.width, height or imported.height
-        film = width or DEFAULT_EDGE, height or DEFAULT_EDGE, samples
+            width = imported.width if width is None else width
+            height = imported.height if height is None else height
+        # 0 is refused by the service, and not taken for nothing.
+        film = DEFAULT_EDGE if width is None else width, DEFAULT_EDGE if height is None else height, samples
         # Chosen here, so that it can be told if the answer does not come.
         request_id = request_id or str(uuid.uuid4())
         try:

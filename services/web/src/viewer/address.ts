@@ -13,15 +13,16 @@ export function recall(viewer: Viewer, canCompare: boolean): Region | undefined 
   return chosen;
 }
 
-/** What writes it, a moment after the last change. */
+/** What writes it, a moment after a change. */
 export function rememberer(viewer: Viewer): () => void {
   const [route = "#/"] = location.hash.split("?");
   let timer = 0;
   return () => {
-    window.clearTimeout(timer);
-    timer = window.setTimeout(() => {
+    timer ||= window.setTimeout(() => {
+      timer = 0;
       const query = toQuery(viewer.look, viewer.isAuto);
-      if (location.hash.split("?")[0] === route) history.replaceState(null, "", `${route}${query ? `?${query}` : ""}`);
+      const address = `${route}${query ? `?${query}` : ""}`;
+      if (location.hash.split("?")[0] === route && location.hash !== address) history.replaceState(null, "", address);
     }, rest);
   };
 }
