@@ -5,7 +5,7 @@ import re
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Reading, Region
 
-_CONFIDENCE = 1.96
+CONFIDENCE = 1.96
 """Standard errors to each side of a 95 % interval."""
 
 _NONE_OF_N = 3.0
@@ -49,4 +49,9 @@ def sentence(reading: Reading) -> str:
 
 def interval(value: float, error: float | None, form: str) -> str:
     """A value with half its 95 % interval, where its standard error is known."""
-    return f"{value:{form}}" + ("" if error is None else f" +- {_CONFIDENCE * error:.2g}")
+    return f"{value:{form}}" + ("" if error is None else f" +- {rounded(CONFIDENCE * error, 2)}")
+
+
+def rounded(value: float, digits: int) -> str:
+    """With so many digits that count, and without a power of ten below a million."""
+    return f"{float(f'{value:.{digits}g}'):g}"

@@ -6,13 +6,14 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.console import Console
 from rich.table import Column, Table
 
 from nocturne_client.cli.output import CONSOLE, ERRORS, AsJson, Url, print_json
 from nocturne_client.client import Client
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Glare, Measurement, Measurements, Outline
-from nocturne_client.readings import interval, parse_region
+from nocturne_client.readings import CONFIDENCE, interval, parse_region, rounded
 
 Target = Annotated[
     str, typer.Argument(metavar="ID|IMAGE.exr", help="A render of the service, or a file on this machine.")
@@ -142,26 +143,29 @@ def _outline(kind: str, text: str) -> Outline:
 
 
 def _print(found: Measurements) -> None:
-    table = Table(
-        Column("part", overflow="fold"),
-        *("pixels", "min", "mean", "max", "U0", "Ud"),
-        box=None,
-        pad_edge=False,
-    )
+    numbers = [Column(name, no_wrap=True) for name in ("pixels", "min", "mean", "max", "U0", "Ud")]
+    table = Table(Column("part", overflow="fold"), *numbers, box=None, pad_edge=False)
     for each in found.measurements:
         table.add_row(
             _name(each.outline),
             f"{each.pixels:,}",
-            interval(each.minimum.value, each.minimum.standard_error, ".4g"),
-            interval(each.mean, each.mean_error, ".4g"),
-            interval(each.maximum.value, each.maximum.standard_error, ".4g"),
-            "-" if each.u0 is None else interval(each.u0, each.u0_error, ".3f"),
-            "-" if each.ud is None else interval(each.ud, each.ud_error, ".3f"),
+            _value(each.minimum.value, each.minimum.standard_error),
+            _value(each.mean, each.mean_error),
+            _value(each.maximum.value, each.maximum.standard_error),
+            _value(each.u0, each.u0_error, 3),
+            _value(each.ud, each.ud_error, 3),
         )
     CONSOLE.print(f"{found.quantity} in {found.unit}".removesuffix(" in ") + ", with 95 % intervals")
-    CONSOLE.print(table)
+    # Lines that are too long for the terminal go on in its next one.
+    Console(highlight=False, width=max(CONSOLE.width, 100)).print(table)
     for each in found.measurements:
         _print_histogram(each)
+
+
+def _value(value: float | None, error: float | None, digits: int = 4) -> str:
+    if value is None:
+        return "-"
+    return rounded(value, digits) + ("" if error is None else f" +- {rounded(CONFIDENCE * error, 2)}")
 
 
 def _print_histogram(measured: Measurement) -> None:
