@@ -14,6 +14,7 @@ from nocturne_scene.photometry.outlines import Outline
 from nocturne_scene.quantities import quantity_named
 from nocturne_scene.uncertainty import ImageMoments, Values
 
+from nocturne_api import limits
 from nocturne_api.models import measurements as models
 from nocturne_api.models.renders import Render
 from nocturne_api.operations.film_parts import FilmPart, film_parts, names_of
@@ -38,6 +39,7 @@ class Measurements:
     def __init__(self, access: FolderAccess, renders: Renders) -> None:
         self._access = access
         self._renders = renders
+        self._measuring = asyncio.Semaphore(limits.MEASUREMENTS_AT_ONCE)
 
     async def regions(self, render_id: str) -> models.MeasuredRegions:
         """Those that are kept with a render; raises NotFound."""
@@ -63,18 +65,19 @@ class Measurements:
             wanted = await self._access.in_database(self._access.folder.measured_regions.of, render.id)
         if not wanted:
             wanted = [("", Outline("rectangle", ((0.0, 0.0), (float(render.width), float(render.height)))))]
-        found = [(name, outline, await self._measured(render, outline, channel)) for name, outline in wanted]
-        answers = [
-            models.Measurement.of(
-                models.Outline.of(name, outline),
-                measured,
-                measuring.profile_as_csv(measured, channel.quantity, channel.unit)
-                if measured.profile
-                else "",
-                await self._histogram(render, outline, measured, channel, request) if request.bins else None,
-            )
-            for name, outline, measured in found
-        ]
+        found, answers = [], []
+        async with self._measuring:
+            for name, outline in wanted:
+                measured = await self._measured(render, outline, channel)
+                histogram = None
+                if request.bins:
+                    histogram = await self._histogram(render, outline, measured, channel, request)
+                profile = ""
+                if measured.profile:
+                    profile = measuring.profile_as_csv(measured, channel.quantity, channel.unit)
+                found.append((name, outline, measured))
+                public = models.Outline.of(name, outline)
+                answers.append(models.Measurement.of(public, measured, profile, histogram))
         return models.Measurements(
             quantity=channel.quantity,
             unit=channel.unit,
@@ -95,7 +98,8 @@ class Measurements:
         blocks = isolines.BlockMeans(render.width, render.height)
         async for part in self._parts(render, Region(0, 0, render.width, render.height)):
             mean, variance = part.image.mean[..., channel.index], part.image.variance[..., channel.index]
-            blocks.add(mean, variance, part.image.samples > 0, part.left, part.top)
+            known = part.image.samples > 0
+            await asyncio.to_thread(blocks.add, mean, variance, known, part.left, part.top)
         blocks.calm()
         means = blocks.means()
         if not np.isfinite(means).any():
@@ -173,7 +177,8 @@ class Measurements:
         low, high = measuring.histogram_range(found, asked.low, asked.high, asked.logarithmic)
         histogram = measuring.Histogram(low, high, asked.bins, asked.logarithmic)
         async for part in self._parts(render, _around(outline)):
-            histogram.add(_values(part, outline, channel.index))
+            values = await asyncio.to_thread(_values, part, outline, channel.index)
+            await asyncio.to_thread(histogram.add, values)
         return models.Histogram.of(histogram)
 
 

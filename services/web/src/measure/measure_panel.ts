@@ -31,6 +31,8 @@ export class MeasurePanel {
   #kept: readonly Outline[] = [];
   #chosen = 0;
   #timer = 0;
+  /** Large images take seconds: one question at a time. */
+  #isAsking = false;
   /** Only panoramas have it: others are asked once. */
   #asksGlare = true;
 
@@ -76,12 +78,14 @@ export class MeasurePanel {
     window.clearTimeout(this.#timer);
     this.#timer = window.setTimeout(() => {
       this.#timer = 0;
-      if (this.node.open && this.#render && hasImage(this.#render)) void this.#trying(this.#ask(this.#render));
+      if (this.#isAsking) this.#later(pause_ms);
+      else if (this.node.open && this.#render && hasImage(this.#render)) void this.#trying(this.#ask(this.#render));
     }, delay_ms);
   }
 
   async #ask(render: Render): Promise<void> {
-    const found = await measure(this.#id, bins);
+    this.#isAsking = true;
+    const found = await measure(this.#id, bins).finally(() => { this.#isAsking = false; });
     this.#kept = isWhole(found, render) ? [] : found.measurements.map(({ outline }) => outline);
     this.#showFound(found);
     const levels = this.#isolines.levels();
