@@ -36,6 +36,10 @@ def test_worker_events(folder: DataFolder, ledger: Ledger) -> None:
     ledger.workers.mirror([_worker("a"), _worker("b")], [(render, 3, "b"), ("deleted", 1, "a")], 1.0)
     assert folder.tiles.at_work(render) == [(3, "b")]
     assert folder.tiles.at_work("deleted") == []
+    ledger.workers.mirror([_worker("b")], [(render, 3, "b"), (render, 5, "b")], 1.5)
+    # Since the oldest of its tiles.
+    assert folder.tiles.work_of_workers(None) == [("b", render, "", 2, 1.0)]
+    assert folder.tiles.work_of_workers("somebody") == []
     ledger.workers.mirror([_worker("b")], [], 2.0)
     ledger.workers.quarantine("b", "lies", 3.0)
     ledger.workers.quarantine("b", "lies again", 4.0)

@@ -3,6 +3,7 @@
 import asyncio
 import copy
 import json
+import re
 import struct
 from collections.abc import Callable
 from pathlib import Path
@@ -122,6 +123,40 @@ def test_watch_connects_again_and_asks_for_later_states_only(monkeypatch: pytest
     assert asked == [None, "1", "1"]
 
 
+def test_watch_outlives_a_service_that_is_started_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As many refusals as a start takes, and more than other calls are tried."""
+    monkeypatch.setattr("nocturne_client.client._WATCH_DELAYS_S", (0.0,) * 9)
+    made = 0
+
+    def answer(_: httpx.Request) -> httpx.Response:
+        nonlocal made
+        made += 1
+        if 1 < made < 10:
+            raise httpx.ConnectError("refused")
+        return httpx.Response(
+            200, text=f"data: {json.dumps(_render('RUNNING' if made == 1 else 'SUCCEEDED', made))}\n\n"
+        )
+
+    with Client("http://test", transport=httpx.MockTransport(answer)) as client:
+        assert [state.state for state in client.watch("r")] == ["RUNNING", "SUCCEEDED"]
+    assert made == 10
+
+
+def test_a_missing_token_is_told_in_words_of_the_command_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("NOCTURNE_TOKEN", raising=False)
+
+    def answer(_: httpx.Request) -> httpx.Response:
+        return httpx.Response(401, json={"detail": "a token is needed: `Authorization: Bearer TOKEN`"})
+
+    for token, words in ((None, "set NOCTURNE_TOKEN to one"), ("nct_x", "does not know this token")):
+        transport = httpx.MockTransport(answer)
+        with (
+            Client("http://test", transport=transport, token=token) as client,
+            pytest.raises(NocturneClientError, match=words),
+        ):
+            client.list()
+
+
 @pytest.mark.parametrize(("status", "calls"), [(503, 3), (500, 1), (404, 1), (422, 1)])
 def test_only_unavailable_is_retried(status: int, calls: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("nocturne_client.transport.RETRY_DELAYS_S", (0.0, 0.0))
@@ -227,6 +262,11 @@ async def test_command_line(
         render_id = submitted.stdout.strip()
         assert json.loads(run("get", render_id, "--json").stdout)["samples"] == 16
         assert render_id in run("list").stdout
+        assert render_id in run("top", "--once").stdout
+        kept = run("delete", render_id)
+        assert "is QUEUED, 0% done. Cancel and delete it?" in kept.output
+        assert kept.exit_code == 1
+        assert json.loads(run("get", render_id, "--json").stdout)["state"] == "QUEUED"
         coordinator_acts.picture(folder, render_id, b"png")
         assert run("get", render_id, "--png", str(tmp_path / "a.png")).exit_code == 0
         assert (tmp_path / "a.png").read_bytes() == b"png"
@@ -238,6 +278,13 @@ async def test_command_line(
         assert isinstance(failed.exception, NocturneClientError)
 
     await asyncio.to_thread(use)
+
+
+def test_who_submits_in_vain_is_told_how_to_get_the_render(scene_path: Path) -> None:
+    """The answer may be what was lost."""
+    tried = CliRunner().invoke(app, ["submit", str(scene_path), "--url", "http://127.0.0.1:9"])
+    assert isinstance(tried.exception, NotReachedError)
+    assert re.search(r"again with --request-id [\w-]{36}", tried.output)
 
 
 def test_no_service_there_is_a_clear_error() -> None:

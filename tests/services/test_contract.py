@@ -11,7 +11,16 @@ from typing import Any
 import pytest
 from google.protobuf.descriptor import Descriptor, FieldDescriptor
 from nocturne.v1 import asset_service_pb2, render_service_pb2
-from nocturne_api.models import assets, preflights, problems, renders, session, webhooks, workers
+from nocturne_api.models import (
+    assets,
+    measurements,
+    preflights,
+    problems,
+    renders,
+    session,
+    webhooks,
+    workers,
+)
 from nocturne_api.models.base import Answer, RequestBody
 from nocturne_api.rest import routes_page
 from nocturne_api.rest.app import described_app
@@ -263,7 +272,7 @@ def test_every_schema_says_what_it_is(name: str) -> None:
 
 _MODELS: list[type[Answer | RequestBody]] = [
     model
-    for module in (assets, preflights, problems, renders, session, webhooks, workers)
+    for module in (assets, measurements, preflights, problems, renders, session, webhooks, workers)
     for model in vars(module).values()
     if isinstance(model, type)
     and issubclass(model, Answer | RequestBody)

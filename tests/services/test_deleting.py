@@ -66,7 +66,7 @@ async def ended(rest: httpx.AsyncClient, folder: DataFolder, body: dict[str, Any
         "lease": "1, 1",
     }.items():
         folder.database.execute(f"INSERT INTO {table} VALUES (?, {values})", (render_id,))  # noqa: S608
-    folder.database.execute("INSERT INTO at_work VALUES (1, ?, 0, 'w')", (render_id,))
+    folder.database.execute("INSERT INTO at_work VALUES (1, ?, 0, 'w', 0)", (render_id,))
     coordinator_acts.picture(folder, render_id, b"a preview")
     folder.image_path(render_id).write_bytes(b"an image")
     coordinator_acts.finish(folder, render_id)

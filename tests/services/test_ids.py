@@ -93,6 +93,19 @@ async def test_the_command_line_takes_beginnings(
     assert renders[2] not in (await _nocturne(service, "list")).stdout
 
 
+async def test_a_list_has_a_line_for_each_render_in_80_columns(
+    body: dict[str, Any],
+    rest: httpx.AsyncClient,
+    service: Service,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    await rest.post("/v1/renders", json={**body, "name": "a name that is much too long for a terminal"})
+    monkeypatch.setattr(CONSOLE, "width", 80)
+    shown = (await _nocturne(service, "list")).stdout.splitlines()
+    assert len(shown) == 2
+    assert all(len(line) <= 80 for line in shown)
+
+
 @pytest.mark.parametrize("columns", [10, 40, 80])
 async def test_lists_show_whole_ids_however_narrow(
     columns: int, renders: list[str], service: Service, monkeypatch: pytest.MonkeyPatch

@@ -27,6 +27,7 @@ _READING = {
     ("POST", "/v1/assets:batchMissing"),
     ("POST", "/v1/pictures"),
     ("POST", "/v1/preflights"),
+    ("POST", "/v1/renders/{render_id}:measure"),
     ("POST", "/v1/session"),
     ("DELETE", "/v1/session"),
 }
@@ -46,6 +47,7 @@ _CALLS: dict[tuple[str, str], tuple[Any, str]] = {
     ("POST", "/v1/renders/{render_id}:setPriority"): ({"priority": 7}, "priority"),
     ("POST", "/v1/renders/{render_id}:lookFirst"): ({}, "look first"),
     ("POST", "/v1/renders/{render_id}:replay"): ({"request_id": "again"}, "replay"),
+    ("PUT", "/v1/renders/{render_id}/regions"): ({"regions": []}, "keep regions"),
     ("POST", "/v1/imports"): ({"files": {"a.xml": _SHA256}}, "import"),
     ("PUT", "/v1/assets/{sha256}"): (_DATA, f"upload {_SHA256}"),
     ("POST", "/v1/workers/{worker_id}:release"): (b"", "release w-1"),

@@ -58,7 +58,7 @@ const checks = {
 
   async "a pixel has the EXR's values, by mouse and by keyboard"({ page }) {
     const { x, y, values } = given.pixel;
-    const canvas = page.locator(".frame canvas");
+    const canvas = page.locator(".frame canvas[tabindex]");
     const box = await canvas.boundingBox();
     const scale = await page.locator(".zoom").textContent().then((text) => parseFloat(text) / 100);
     await page.mouse.move(box.x + box.width / 2 + (x + 0.5 - 64) * scale, box.y + box.height / 2 + (y + 0.5 - 64) * scale);
@@ -79,7 +79,7 @@ const checks = {
   },
 
   async "a region is dragged, and gives means with a smaller error"({ page }) {
-    const box = await page.locator(".frame canvas").boundingBox();
+    const box = await page.locator(".frame canvas[tabindex]").boundingBox();
     await page.getByRole("button", { name: "Region" }).click();
     await page.mouse.move(box.x + box.width / 2 - 40, box.y + box.height / 2 - 40);
     await page.mouse.down();
@@ -119,6 +119,124 @@ const checks = {
     await page.getByRole("group", { name: "Legend" }).getByText("Luminance, cd/m²").waitFor();
     await look(page, "render");
     await page.getByRole("combobox", { name: "View" }).selectOption("Colour");
+  },
+
+  async "false colour has a range that is set, read, and given back"({ page }) {
+    await page.getByRole("combobox", { name: "View" }).selectOption("Value");
+    const before = await canvasStatistics(page);
+    await page.getByLabel("Highest value").fill("3e8");
+    await page.keyboard.press("Enter");
+    await page.getByRole("group", { name: "Legend" }).getByText("1e8").waitFor();
+    const darker = await canvasStatistics(page);
+    assert.notEqual(darker.mean, before.mean);
+    await page.getByRole("combobox", { name: "Steps" }).selectOption("Linear");
+    assert.notEqual((await canvasStatistics(page)).mean, darker.mean);
+    await page.getByRole("button", { name: "Auto range" }).click();
+    assert.equal((await canvasStatistics(page)).mean, before.mean);
+  },
+
+  async "parts are measured, drawn or typed, and kept with the render"({ page }) {
+    await page.getByText("Measure", { exact: true }).click();
+    const rows = page.locator(".measure tbody tr");
+    await rows.filter({ hasText: "Region 0,0 128,128" }).waitFor();
+    await page.getByRole("button", { name: "Line", exact: true }).click();
+    // Pressing buttons scrolls.
+    const box = await page.locator(".frame canvas[tabindex]").boundingBox();
+    await page.mouse.move(box.x + box.width / 2 - 50, box.y + box.height / 2);
+    await page.mouse.down();
+    await page.mouse.move(box.x + box.width / 2 + 50, box.y + box.height / 2, { steps: 2 });
+    await page.mouse.up();
+    await page.getByRole("button", { name: "Line", exact: true }).click();
+    await page.getByRole("button", { name: "Add" }).click();
+    await rows.filter({ hasText: /^Line \d+,6[345] \d+,6[345]/ }).waitFor();
+    await page.getByRole("combobox", { name: "Part" }).selectOption("Polygon");
+    await page.getByLabel("Points in pixels").fill("1,1");
+    await page.keyboard.press("Enter");
+    await page.getByText("Expected three corners or more").waitFor();
+    await page.getByLabel("Points in pixels").fill("20,20 60,20 40,50");
+    await page.getByLabel("Name of the part").fill("desk");
+    await page.keyboard.press("Enter");
+    await rows.filter({ hasText: "desk" }).waitFor();
+    await page.getByRole("checkbox", { name: "Isolines" }).check();
+    await page.waitForResponse((response) => response.url().includes("/isolines"));
+    await page.locator(".measure .uplot").waitFor();
+    const kept = await (await fetch(`${given.url}/v1/renders/${given.small}/regions`)).json();
+    assert.deepEqual(kept.regions.map(({ kind, name }) => [kind, name]), [["line", ""], ["polygon", "desk"]]);
+    // What the page shows is what the API and the command line say.
+    const measured = await (await fetch(`${given.url}/v1/renders/${given.small}:measure`, { method: "POST", body: "{}" })).json();
+    const shown = await rows.filter({ hasText: "desk" }).locator("td").nth(1).textContent();
+    assert.ok(Math.abs(parseFloat(shown) / measured.measurements[1].mean - 1) < 1e-3, `${shown} is not ${measured.measurements[1].mean}`);
+    const download = page.waitForEvent("download");
+    await page.getByRole("link", { name: "Table as CSV" }).click();
+    assert.match(await (await download).createReadStream().then((stream) => stream.toArray()).then(String), /^name,kind,points,.*\r\n.*\r\ndesk,polygon,"20,20 60,20 40,50",luminance,cd\/m2,600,/);
+    await look(page, "measure");
+    await page.getByRole("button", { name: "Remove desk" }).click();
+    await rows.filter({ hasText: "desk" }).waitFor({ state: "detached" });
+    await page.getByText("Measure", { exact: true }).click();
+    await page.getByRole("combobox", { name: "View" }).selectOption("Colour");
+  },
+
+  async "a reload and a link show what was looked at"({ page }) {
+    await page.getByRole("combobox", { name: "View" }).selectOption("Value");
+    await page.getByLabel("Highest value").fill("3e8");
+    await page.keyboard.press("Enter");
+    await page.waitForURL("**view=luminance&range=*");
+    const before = await canvasStatistics(page);
+    await page.reload();
+    await page.locator("canvas[data-updates]").waitFor();
+    await page.getByRole("group", { name: "Legend" }).getByText("1e8").waitFor();
+    assert.equal((await canvasStatistics(page)).mean, before.mean);
+    await page.getByRole("region", { name: "Region" }).getByText(/\d+, \d+, \d+ × \d+/).waitFor();
+    // As people type it.
+    await page.goto(at(`renders/${given.small}`));
+    await page.locator("canvas[data-updates]").waitFor();
+    await page.getByText(given.small, { exact: true }).waitFor();
+    assert.equal(await page.getByRole("combobox", { name: "View" }).inputValue(), "colour");
+  },
+
+  async "a render is paused, resumed, extended and given another priority"({ page, note }) {
+    const state = async (id, wanted) => { await page.locator(`h1 .badge[data-state="${wanted}"]`).waitFor(); note(`${id} ${wanted}`); };
+    await page.getByRole("button", { name: "Replay" }).click();
+    await page.waitForFunction((small) => !globalThis.location.hash.includes(small), given.small);
+    const id = new URL(page.url()).hash.split("?")[0].split("/").at(-1);
+    await state(id, "SUCCEEDED");
+    await page.getByRole("button", { name: "Extend…" }).click();
+    const dialog = page.getByRole("dialog", { name: "More samples, or another error?" });
+    await dialog.getByLabel("Samples per pixel, in all").fill("1000000");
+    await dialog.getByRole("button", { name: "Extend" }).click();
+    await state(id, "RUNNING");
+    await page.getByRole("button", { name: "Pause" }).click();
+    await state(id, "PAUSED");
+    await page.getByRole("button", { name: "Priority…" }).click();
+    await page.getByRole("dialog", { name: "How much of the workers?" }).getByLabel("Priority").fill("250");
+    await page.keyboard.press("Enter");
+    await page.getByRole("dialog").waitFor({ state: "hidden" });
+    assert.equal((await (await fetch(`${given.url}/v1/renders/${id}`)).json()).priority, 250);
+    // A running render has an EXR, too.
+    const exr = await fetch(new URL(await page.getByRole("link", { name: "Download EXR" }).getAttribute("href"), given.url));
+    assert.equal(exr.status, 200);
+    const scene = await fetch(new URL(await page.getByRole("link", { name: "Scene" }).getAttribute("href"), given.url));
+    assert.equal((await scene.json()).nocturne, 1);
+    await page.getByRole("button", { name: "Resume" }).click();
+    await state(id, "RUNNING");
+    await page.locator(".workers .traces a").first().waitFor();
+    await page.goto(at("#/"));
+    // Several at once, by keyboard.
+    const box = page.locator("li").filter({ has: page.locator(`a[href="${showing(id)}"]`) }).getByRole("checkbox");
+    await box.focus();
+    await page.keyboard.press("Space");
+    const bar = page.getByRole("group", { name: "Selected renders" });
+    await bar.getByText("1 selected").waitFor();
+    await bar.getByRole("button", { name: "Cancel…" }).click();
+    await page.getByRole("dialog").getByRole("button", { name: "Cancel", exact: true }).click();
+    await bar.waitFor({ state: "hidden" });
+    await box.check();
+    await look(page, "selection");
+    await bar.getByRole("button", { name: "Delete…" }).click();
+    await page.getByRole("dialog").getByRole("button", { name: "Delete" }).click();
+    await box.waitFor({ state: "detached" });
+    await page.goto(at(showing(given.small)));
+    await page.locator("canvas[data-updates]").waitFor();
   },
 
   async "the chart has points, on both axes, and both images can be had"({ page }) {
@@ -228,7 +346,7 @@ const checks = {
   },
 
   async "a region can be asked for first, and shows who works where"({ page }) {
-    const box = await page.locator(".frame canvas").boundingBox();
+    const box = await page.locator(".frame canvas[tabindex]").boundingBox();
     await page.keyboard.down("Shift");
     await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
     await page.mouse.down();
@@ -266,7 +384,7 @@ const checks = {
   },
 
   async "delete asks first, and leads back to a list without the render"({ page }) {
-    const id = new URL(page.url()).hash.split("/").at(-1);
+    const id = new URL(page.url()).hash.split("?")[0].split("/").at(-1);
     await page.getByRole("button", { name: "Delete render…" }).click();
     const dialog = page.getByRole("dialog", { name: "Delete this render?" });
     await dialog.getByRole("button", { name: "Delete render" }).click();

@@ -176,4 +176,4 @@ def test_the_script_is_small() -> None:
         with gzip.GzipFile(fileobj=packed, mode="wb", mtime=0) as file:
             file.write(script.read_bytes())
         total += len(packed.getvalue())
-    assert 10_000 < total < 300_000
+    assert 10_000 < total < 80_000

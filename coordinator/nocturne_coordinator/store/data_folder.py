@@ -21,6 +21,7 @@ from nocturne_coordinator.store.archive import Archive
 from nocturne_coordinator.store.calls import Calls
 from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.machines import Machines
+from nocturne_coordinator.store.measured_regions import MeasuredRegions
 from nocturne_coordinator.store.meters import Meters
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_coordinator.store.removals import Removals
@@ -58,6 +59,7 @@ class DataFolder:
         self.requests = RenderRequests(self.database, self.renders, self.tiles)
         self.workers = Workers(self.database)
         self.machines = Machines(self.database)
+        self.measured_regions = MeasuredRegions(self.database)
         self.meters = Meters(self.database)
         self.calls = Calls(self.database)
         self.tokens = Tokens(self.database)

@@ -173,6 +173,13 @@ class Renders:
             raise NotFound(f"there is no render {render_id!r}")
         return str(row["scene_document"])
 
+    def engine(self, render_id: str) -> int:
+        """Version of the tracing engine that the render was made for; raises NotFound."""
+        row = self._database.row("SELECT engine FROM render WHERE id = ?", (render_id,))
+        if row is None:
+            raise NotFound(f"there is no render {render_id!r}")
+        return int(row["engine"])
+
     def schedule(self, render_id: str) -> job_pb2.RangeSchedule:
         """Raises NotFound."""
         row = self._database.row("SELECT schedule FROM render WHERE id = ?", (render_id,))

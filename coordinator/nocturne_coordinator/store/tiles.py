@@ -62,6 +62,18 @@ class Tiles:
         )
         return [(row["tile_index"], row["worker_id"]) for row in rows]
 
+    def work_of_workers(self, owner: str | None) -> list[tuple[str, str, str, int, float]]:
+        """For each worker and render that it traces: worker, render, name, tiles, and since when it has the
+        oldest of these. Of one owner's renders only, or of all."""
+        rows = self._database.rows(
+            """SELECT worker_id, render.id, render.name, count(*), min(since)
+               FROM at_work JOIN render ON render.id = at_work.render_id
+               WHERE ?1 IS NULL OR render.owner = ?1
+               GROUP BY worker_id, render.id ORDER BY worker_id, min(since)""",
+            (owner,),
+        )
+        return [(row[0], row[1], row[2], row[3], row[4]) for row in rows]
+
 
 def _with_sums(row: sqlite3.Row) -> tuple[TileChange, bytes]:
     change = TileChange(row["tile_index"], row["revision"], row["samples"], row["invalid_samples"])

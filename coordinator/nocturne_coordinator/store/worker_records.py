@@ -85,6 +85,28 @@ class WorkerRecords:
             ),
         )
 
+    def _mirror_work(self, at_work: list[tuple[str, int, str]], now: float) -> None:
+        """What goes on keeps the time at which it was first seen."""
+        own = self._leases.number
+        self._database.execute(
+            "DELETE FROM at_work WHERE coordinator NOT IN (SELECT number FROM coordinator)"
+        )
+        known = self._database.rows(
+            "SELECT render_id, tile_index, worker_id FROM at_work WHERE coordinator = ?", (own,)
+        )
+        over = {tuple(row) for row in known}.difference(at_work)
+        self._database.execute_many(
+            """DELETE FROM at_work
+               WHERE coordinator = ? AND render_id = ? AND tile_index = ? AND worker_id = ?""",
+            [(own, *each) for each in over],
+        )
+        self._database.execute_many(
+            # A worker may still have a job of a render that was deleted.
+            """INSERT OR IGNORE INTO at_work SELECT ?1, ?2, ?3, ?4, ?5
+               WHERE EXISTS (SELECT 1 FROM render WHERE id = ?2)""",
+            [(own, *each, now) for each in at_work],
+        )
+
     def mirror(self, workers: list[WorkerRow], at_work: list[tuple[str, int, str]], now: float) -> None:
         """Replaces the list of live workers, and of the tiles of our renders that each is tracing.
 
@@ -98,17 +120,7 @@ class WorkerRecords:
             for worker in sorted(before - alive):
                 note_worker(self._database, now, worker, "left", "")
             self._keep_rate(workers, now)
-            self._database.execute(
-                """DELETE FROM at_work
-                   WHERE coordinator = ? OR coordinator NOT IN (SELECT number FROM coordinator)""",
-                (self._leases.number,),
-            )
-            self._database.execute_many(
-                # A worker may still have a job of a render that was deleted.
-                """INSERT OR IGNORE INTO at_work SELECT ?1, ?2, ?3, ?4
-                   WHERE EXISTS (SELECT 1 FROM render WHERE id = ?2)""",
-                [(self._leases.number, *each) for each in at_work],
-            )
+            self._mirror_work(at_work, now)
             self._database.execute("DELETE FROM worker")
             self._database.execute_many(
                 "INSERT OR REPLACE INTO worker VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",

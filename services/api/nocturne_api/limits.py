@@ -41,6 +41,9 @@ PICTURE_MEMORY_BYTES = 4096 * MEBIBYTE
 PICTURE_WALL_S = 60.0
 PICTURES_AT_ONCE = 2
 
+# Measurements read an image's sums, row by row: seconds of a processor for a film of 4K.
+MEASUREMENTS_AT_ONCE = 2
+
 # Calls of one caller, with authentication: the page makes a few a second, a farm's scripts some more.
 CALLS_PER_SECOND = 100.0
 CALLS_AT_ONCE = 1000.0

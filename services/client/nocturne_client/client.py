@@ -19,14 +19,20 @@ from nocturne_client.errors import NocturneClientError
 from nocturne_client.events import data_of
 from nocturne_client.models import (
     Explanation,
+    Glare,
     ImportedScene,
+    Isolines,
+    MeasuredRegions,
+    Measurements,
     NewWebhook,
+    Outline,
     PreflightReport,
     Reading,
     Region,
     Render,
     Webhook,
     Worker,
+    WorkOfWorker,
 )
 from nocturne_client.scene_files import SceneOnDisk, digest, files_of_import, read_scene
 from nocturne_client.transport import RETRY_DELAYS_S, Transport
@@ -34,12 +40,14 @@ from nocturne_client.transport import RETRY_DELAYS_S, Transport
 if TYPE_CHECKING:
     from nocturne_client.tiles import TileAnswer
 
-ImageKind = Literal["exr", "png"]
+ImageKind = Literal["exr", "png", "scene"]
 UploadProgress = Callable[[Path, int, int], None]
 
-_PATHS: dict[ImageKind, str] = {"exr": "image.exr", "png": "preview.png"}
+_PATHS: dict[ImageKind, str] = {"exr": "image.exr", "png": "preview.png", "scene": "scene.json"}
 # The service sends a comment every 15 s, so a longer silence is a lost connection.
 _WATCH_TIMEOUT = httpx.Timeout(40.0, connect=5.0)
+# A service that is started again is there within seconds; one whose machine is, within minutes.
+_WATCH_DELAYS_S = (*RETRY_DELAYS_S, *([2.0] * 10), *([5.0] * 60))
 # A preflight's small renders; the service ends it before that.
 _PREFLIGHT_TIMEOUT = httpx.Timeout(1000.0, connect=5.0)
 _PIECE_BYTES = 1024 * 1024
@@ -221,6 +229,55 @@ class Client:
         answer = self._transport.get(f"/v1/renders/{_part(render_id)}/reading", params)
         return decode(Reading, answer)
 
+    def measure(
+        self,
+        render_id: str,
+        outlines: Sequence[Outline] = (),
+        channel: str = "Y",
+        bins: int = 0,
+        bounds: tuple[float, float] = (0.0, 0.0),
+        logarithmic: bool = False,
+    ) -> Measurements:
+        """Extremes, mean and uniformity of parts of the image, with their errors.
+
+        Without outlines of those kept with the render; where there are none, of the whole film. `bins`: of a
+        histogram, between `bounds` or as the values are.
+        """
+        body = {
+            "outlines": [asdict(outline) for outline in outlines],
+            "channel": channel,
+            "bins": bins,
+            "low": bounds[0],
+            "high": bounds[1],
+            "logarithmic": logarithmic,
+        }
+        return decode(Measurements, self._transport.post(f"/v1/renders/{_part(render_id)}:measure", body))
+
+    def regions(self, render_id: str) -> MeasuredRegions:
+        """Parts of the film that are kept with the render to be measured."""
+        return decode(MeasuredRegions, self._transport.get(f"/v1/renders/{_part(render_id)}/regions"))
+
+    def keep_regions(self, render_id: str, regions: Sequence[Outline]) -> MeasuredRegions:
+        """Keeps these with the render instead of all that were kept."""
+        body = {"regions": [asdict(region) for region in regions]}
+        path = f"/v1/renders/{_part(render_id)}/regions"
+        call = partial(self._transport.send_json, "PUT", path, body)
+        return decode(MeasuredRegions, self._transport.retrying(call))
+
+    def isolines(self, render_id: str, levels: Sequence[float] = (), channel: str = "Y") -> Isolines:
+        """Lines along which the image has these values; without levels, round numbers."""
+        params = {"level": [*levels], "channel": channel}
+        return decode(Isolines, self._transport.get(f"/v1/renders/{_part(render_id)}/isolines", params))
+
+    def glare(
+        self, render_id: str, azimuth: float = 0.0, elevation: float = 0.0, threshold: float | None = None
+    ) -> Glare:
+        """How much an eye that looks at a panorama is disturbed; directions in degrees from its middle."""
+        params = {"azimuth": azimuth, "elevation": elevation}
+        if threshold is not None:
+            params["threshold"] = threshold
+        return decode(Glare, self._transport.get(f"/v1/renders/{_part(render_id)}/glare", params))
+
     def release_worker(self, worker_id: str) -> None:
         """Takes the results of a worker in quarantine again."""
         self._transport.retrying(
@@ -230,6 +287,10 @@ class Client:
     def workers(self) -> Sequence[Worker]:
         """The workers heard of in the last ten seconds."""
         return [decode(Worker, each) for each in self._transport.get("/v1/workers")["workers"]]
+
+    def work(self) -> Sequence[WorkOfWorker]:
+        """Which renders the workers are tracing, and since when."""
+        return [decode(WorkOfWorker, each) for each in self._transport.get("/v1/workers/work")["work"]]
 
     def tiles(self, render_id: str, since: str = "") -> "TileAnswer":
         """What of the image changed since an earlier answer's cursor, as floats; about 4 MiB at once.
@@ -260,19 +321,22 @@ class Client:
         """The render now and after every change, until it has ended. Connects again when cut off."""
         last: Render | None = None
         failures = 0
+        # A service that was there once comes back; one that never was may have another address.
         while last is None or not last.has_ended:
             try:
                 for state in self._watch_once(render_id, last):
                     last, failures = state, 0
                     yield state
             except NocturneClientError as error:
+                delays = RETRY_DELAYS_S if last is None else _WATCH_DELAYS_S
                 failures += 1
-                if not error.can_be_retried or failures > len(RETRY_DELAYS_S):
+                if not error.can_be_retried or failures > len(delays):
                     raise
-                time.sleep(RETRY_DELAYS_S[failures - 1])
+                time.sleep(delays[failures - 1])
 
     def download(self, render_id: str, kind: ImageKind, path: Path) -> Path:
-        """Writes the image ("exr") or the preview ("png") as it is now; `path` is whole or untouched."""
+        """Writes the image ("exr") or the preview ("png") as it is now, or the "scene" document; `path` is
+        whole or untouched."""
         self._transport.retrying(
             lambda: self._download_once(f"/v1/renders/{_part(render_id)}/{_PATHS[kind]}", path)
         )

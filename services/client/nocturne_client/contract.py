@@ -208,6 +208,154 @@ class Reading:
 
 
 @dataclass(frozen=True)
+class Outline:
+    """A part of the film."""
+
+    name: str
+    kind: str
+    points: list[list[float]]
+    """[x, y] in pixels from the film's upper left corner, where pixel i covers [i, i + 1). Two opposite
+    corners of a rectangle; 3 to 256 corners of a polygon; of a line its first and last pixel, [0, 0]
+    being the film's first one.
+    """
+
+
+@dataclass(frozen=True)
+class PixelValue:
+    """What one pixel shows."""
+
+    x: int
+    y: int
+    value: float
+    standard_error: float | None
+    """Standard error; null where it is not known."""
+
+
+@dataclass(frozen=True)
+class Histogram:
+    """How many pixels have which values."""
+
+    edges: list[float]
+    """Where bins begin and end: one more than there are counts."""
+    counts: list[int]
+    outside: int
+    """Pixels below the first bin or above the last."""
+    logarithmic: bool
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """One quantity over the pixels of an outline that have samples; the extremes are those of single
+    pixels.
+    """
+
+    outline: Outline
+    pixels: int
+    unseen_pixels: int
+    """In which no sample found light."""
+    mean: float
+    mean_error: float | None
+    """Standard error; null where it is not known."""
+    minimum: PixelValue
+    maximum: PixelValue
+    u0: float | None
+    """Uniformity, minimum over mean; null in the dark."""
+    u0_error: float | None
+    """Standard error; null where it is not known."""
+    ud: float | None
+    """Minimum over maximum; null in the dark."""
+    ud_error: float | None
+    """Standard error; null where it is not known."""
+    profile: list[PixelValue]
+    """Of a line: its pixels in order."""
+    profile_csv: str
+    """The same as a table (RFC 4180); empty for other outlines."""
+    histogram: Histogram | None
+    """Where one was asked for."""
+
+
+@dataclass(frozen=True)
+class Measurements:
+    """What outlines of an image show."""
+
+    quantity: str
+    """What is measured; the channel's name where it is not Y."""
+    unit: str
+    channel: str
+    measurements: list[Measurement]
+    """In the order of the outlines."""
+    csv: str
+    """The same as a table (RFC 4180), without profiles and histograms."""
+
+
+@dataclass(frozen=True)
+class Isoline:
+    """Lines along which the image has one value."""
+
+    level: float
+    lines: list[list[list[float]]]
+    """Points [x, y] in pixels from the film's upper left corner; closed, or from border to border."""
+
+
+@dataclass(frozen=True)
+class Isolines:
+    """Lines along which the image has these values, of means over blocks of pixels."""
+
+    quantity: str
+    unit: str
+    block: int
+    """Edge of a block in pixels."""
+    isolines: list[Isoline]
+    """Lowest level first."""
+
+
+@dataclass(frozen=True)
+class GlareSource:
+    """Connected pixels that glare."""
+
+    luminance: float
+    """Mean over its solid angle, cd/m2."""
+    solid_angle: float
+    """sr."""
+    position_index: float
+    azimuth_degrees: float
+    """To the right of the line of sight."""
+    elevation_degrees: float
+    """Above the line of sight."""
+
+
+@dataclass(frozen=True)
+class Glare:
+    """How much an eye is disturbed by what a panorama shows."""
+
+    ugr: float | None
+    """Unified glare rating, CIE 117; null where nothing glares."""
+    ugr_error: float | None
+    """Standard error; null where it is not known."""
+    dgp: float | None
+    """Daylight glare probability, Wienold and Christoffersen 2006; null in the dark."""
+    dgp_error: float | None
+    """Standard error; null where it is not known."""
+    vertical_illuminance: float
+    """At the eye, lx."""
+    vertical_illuminance_error: float | None
+    """Standard error; null where it is not known."""
+    background_luminance: float
+    """cd/m2."""
+    sources: list[GlareSource]
+    """Those that count most first."""
+    notes: list[str]
+    """What is outside of the range for which a formula was made."""
+
+
+@dataclass(frozen=True)
+class MeasuredRegions:
+    """Parts of the film that are kept with the render."""
+
+    regions: list[Outline]
+
+
+@dataclass(frozen=True)
 class Worker:
     """One worker process, as it last reported itself."""
 
@@ -226,6 +374,22 @@ class Worker:
     """How it rounds; renders take results of one profile only."""
     incompatible: str
     """Why it gets no jobs though it is not in quarantine; empty: it gets them."""
+
+
+@dataclass(frozen=True)
+class WorkOfWorker:
+    """A render that a worker is tracing."""
+
+    worker: str
+    """Its id."""
+    render: str
+    """Id of the render."""
+    name: str
+    """Of the render."""
+    tiles: int
+    """How many of its tiles the worker has."""
+    since: float
+    """Unix time at which it was first seen with the oldest of these."""
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,14 @@ import time
 from nocturne_client import contract
 from nocturne_client.contract import (
     Explanation,
+    Glare,
     ImportedScene,
+    Isolines,
+    MeasuredRegions,
+    Measurement,
+    Measurements,
     NewWebhook,
+    Outline,
     PreflightReport,
     Progress,
     Reading,
@@ -15,12 +21,19 @@ from nocturne_client.contract import (
     StopConditions,
     Webhook,
     Worker,
+    WorkOfWorker,
 )
 
 __all__ = [
     "Explanation",
+    "Glare",
     "ImportedScene",
+    "Isolines",
+    "MeasuredRegions",
+    "Measurement",
+    "Measurements",
     "NewWebhook",
+    "Outline",
     "PreflightReport",
     "Progress",
     "ReadValue",
@@ -29,6 +42,7 @@ __all__ = [
     "Render",
     "StopConditions",
     "Webhook",
+    "WorkOfWorker",
     "Worker",
 ]
 

@@ -5,7 +5,7 @@ import re
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Reading, Region
 
-_CONFIDENCE = 1.96
+CONFIDENCE = 1.96
 """Standard errors to each side of a 95 % interval."""
 
 _NONE_OF_N = 3.0
@@ -35,17 +35,23 @@ def sentence(reading: Reading) -> str:
         return f"nothing seen: none of {reading.samples:,} samples met light" + (
             f", so {bound}" if reading.samples > _NONE_OF_N else ""
         )
-    told = [f"{reading.quantity or 'Y'} {_interval(y.mean, y.standard_error, '.5g')} {reading.unit}".rstrip()]
+    told = [f"{reading.quantity or 'Y'} {interval(y.mean, y.standard_error, '.5g')} {reading.unit}".rstrip()]
     if reading.u_prime is not None and reading.v_prime is not None:
-        told.append(f"u' {_interval(reading.u_prime, reading.u_prime_error, '.4f')}")
-        told.append(f"v' {_interval(reading.v_prime, reading.v_prime_error, '.4f')}")
+        told.append(f"u' {interval(reading.u_prime, reading.u_prime_error, '.4f')}")
+        told.append(f"v' {interval(reading.v_prime, reading.v_prime_error, '.4f')}")
     told += [
-        f"{value.name} {_interval(value.mean, value.standard_error, '.5g')}" for value in (x, z, *further)
+        f"{value.name} {interval(value.mean, value.standard_error, '.5g')}" for value in (x, z, *further)
     ]
     confidence = "" if y.standard_error is None else " (95 %)"
     unseen = f"; nothing seen in {reading.unseen_pixels:,} of {reading.pixels:,} pixels"
     return ", ".join(told) + confidence + (unseen if reading.unseen_pixels else "")
 
 
-def _interval(value: float, error: float | None, form: str) -> str:
-    return f"{value:{form}}" + ("" if error is None else f" +- {_CONFIDENCE * error:.2g}")
+def interval(value: float, error: float | None, form: str) -> str:
+    """A value with half its 95 % interval, where its standard error is known."""
+    return f"{value:{form}}" + ("" if error is None else f" +- {rounded(CONFIDENCE * error, 2)}")
+
+
+def rounded(value: float, digits: int) -> str:
+    """With so many digits that count, and without a power of ten below a million."""
+    return f"{float(f'{value:.{digits}g}'):g}"

@@ -104,6 +104,8 @@ def _raise_for(response: httpx.Response) -> None:
     if response.status_code < 400:
         return
     response.read()
+    if response.status_code == httpx.codes.UNAUTHORIZED:
+        raise NocturneClientError(_about_tokens(response), response.status_code)
     try:
         body = response.json()
         problems = [Problem(each["place"], each["message"]) for each in body.get("problems", [])]
@@ -111,3 +113,13 @@ def _raise_for(response: httpx.Response) -> None:
     except (ValueError, KeyError, TypeError, AttributeError):
         message = f"{response.request.url} answered {response.status_code} {response.reason_phrase}"
         raise NocturneClientError(message, response.status_code) from None
+
+
+def _about_tokens(response: httpx.Response) -> str:
+    """In words of those who set tokens, not of HTTP."""
+    if "authorization" in response.request.headers:
+        return "the service does not know this token, or it was revoked; see NOCTURNE_TOKEN"
+    return (
+        "the service wants a token: set NOCTURNE_TOKEN to one that `nocturne token create NAME` gave, on the "
+        "machine of the service"
+    )

@@ -84,6 +84,8 @@ document.querySelector(".skip")?.addEventListener("click", (event) => {
 required("sign-out").addEventListener("click", () => void signOut().then(() => { location.reload(); }));
 // Who has a name came with a token.
 getSession().then(({ name }) => { required("sign-out").hidden = name === ""; }, () => undefined);
+// An address as people type it, /renders/ID: the service answers all of these with this page.
+if (location.pathname !== "/") history.replaceState(null, "", `/#${location.pathname}${location.search}`);
 renders.subscribe(showConnection);
 showConnection();
 current = open();

@@ -1,4 +1,4 @@
-/** Addresses after the hash, so that the server needs no rewrites: #/, #/renders/ID, #/compare/ID[/ID], #/workers, #/speed. */
+/** Addresses after the hash; after a "?" stands how an image is looked at (viewer/memory.ts): #/, #/renders/ID, #/compare/ID[/ID], #/workers, #/speed. */
 
 export type Route =
   | { page: "list" }
@@ -16,7 +16,8 @@ const fixedRoutes: Partial<Record<string, Route>> = {
   "#/speed": { page: "speed" },
 };
 
-export function parseRoute(hash: string): Route {
+export function parseRoute(address: string): Route {
+  const [hash = ""] = address.split("?");
   const fixed = fixedRoutes[hash];
   if (fixed) return fixed;
   const [, page, first, second] = /^#\/(renders|compare)\/([^/]+)(?:\/([^/]+))?$/.exec(hash) ?? [];

@@ -131,6 +131,38 @@ READING: dict[str, Any] = {
     "invalid_samples": 0,
 }
 
+OUTLINE: dict[str, Any] = {"name": "desk", "kind": "polygon", "points": [[8, 8], [24, 8], [16, 20]]}
+
+MEASUREMENTS: dict[str, Any] = {
+    "quantity": "illuminance",
+    "unit": "lx",
+    "channel": "Y",
+    "measurements": [
+        {
+            "outline": {"name": "desk", "kind": "rectangle", "points": [[8.0, 8.0], [24.0, 24.0]]},
+            "pixels": 256,
+            "unseen_pixels": 0,
+            "mean": 512.0,
+            "mean_error": 1.2,
+            "minimum": {"x": 9, "y": 23, "value": 318.0, "standard_error": 4.1},
+            "maximum": {"x": 16, "y": 8, "value": 640.0, "standard_error": 5.2},
+            "u0": 0.621,
+            "u0_error": 0.008,
+            "ud": 0.497,
+            "ud_error": 0.0076,
+            "profile": [],
+            "profile_csv": "",
+            "histogram": {
+                "edges": [300.0, 400.0, 500.0, 600.0, 700.0],
+                "counts": [20, 76, 120, 40],
+                "outside": 0,
+                "logarithmic": False,
+            },
+        }
+    ],
+    "csv": "name,kind,points,quantity,unit,pixels,mean,mean_error,...",
+}
+
 EXPLANATION: dict[str, Any] = {"sentence": "It is running on 16 worker threads, shared with 0 other renders."}
 
 WORKER: dict[str, Any] = {

@@ -45,6 +45,22 @@ class WorkerList(Answer):
     workers: list[Worker]
 
 
+class WorkOfWorker(Answer):
+    """A render that a worker is tracing."""
+
+    worker: str = Field(description="Its id.")
+    render: str = Field(description="Id of the render.")
+    name: str = Field(description="Of the render.")
+    tiles: int = Field(description="How many of its tiles the worker has.")
+    since: float = Field(description="Unix time at which it was first seen with the oldest of these.")
+
+
+class WorkList(Answer):
+    """Which renders the workers are tracing, as of the last two seconds."""
+
+    work: list[WorkOfWorker]
+
+
 class WorkerEvent(Answer):
     """What happened to a worker."""
 

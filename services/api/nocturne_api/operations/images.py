@@ -1,6 +1,7 @@
 """Images of renders: files, and the tiles that changed."""
 
 import asyncio
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from nocturne_scene.limits import MAX_RANGES
 
 from nocturne_api.access import CALLER
 from nocturne_api.background.archiver import Archiver
+from nocturne_api.files.current_image import read_current, write_current
 from nocturne_api.files.open_file import OpenFile, open_file
 from nocturne_api.files.tiles import Cursor, TileAnswers, Tiles, encode, runs, tiles_per_answer
 from nocturne_api.operations.folder_access import FolderAccess
@@ -24,6 +26,7 @@ class Images:
         self._folder = access.folder
         self._renders = renders
         self._archiver = archiver
+        self._writing = asyncio.Semaphore(1)
         self._tile_answers = TileAnswers(self._read_tiles)
 
     async def open_thumbnail(self, render_id: str) -> OpenFile:
@@ -35,8 +38,16 @@ class Images:
         return await self._open(render_id, self._folder.preview_path, "preview")
 
     async def open_exr(self, render_id: str) -> OpenFile:
-        """The EXR of what is merged now; raises NotFound, also before the first image."""
+        """The EXR of what is committed now; raises NotFound, also before the first samples."""
+        render = await self._renders.get(render_id)
+        if not render.has_ended:
+            return await self._current_image(render.id)
         return await self._open(render_id, self._folder.image_path, "image")
+
+    async def open_scene(self, render_id: str) -> str:
+        """The scene document as it was submitted, JSON; raises NotFound."""
+        render = await self._renders.get(render_id)
+        return await self._access.in_database(self._folder.renders.scene_document, render.id)
 
     async def tiles(self, render_id: str, since: Cursor) -> Tiles:
         """What of the image changed since; raises NotFound."""
@@ -50,6 +61,18 @@ class Images:
             self._folder.tiles.changed, render_id, (since, MAX_RANGES), MAX_RANGES
         )
         return runs([change.tile_index for change in changes])
+
+    async def _current_image(self, render_id: str) -> OpenFile:
+        # One after the other: each holds all sums of a film.
+        async with self._writing:
+            current = await self._access.in_database(read_current, self._folder, render_id)
+            with tempfile.TemporaryDirectory(prefix="nocturne-image-") as folder:
+                path = Path(folder) / "image.exr"
+                await asyncio.to_thread(write_current, path, *current)
+                opened = await open_file(path)
+        if opened is None:
+            raise NotFound("no image yet")
+        return opened
 
     async def _read_tiles(self, render_id: str, since: Cursor) -> Tiles:
         schedule = await self._access.in_database(self._folder.renders.schedule, render_id)

@@ -16,6 +16,7 @@ from nocturne_api.operations.health import Health
 from nocturne_api.operations.images import Images
 from nocturne_api.operations.imports import Imports
 from nocturne_api.operations.machines import Machines
+from nocturne_api.operations.measurements import Measurements
 from nocturne_api.operations.preflights import Preflights
 from nocturne_api.operations.readings import Readings
 from nocturne_api.operations.render_controls import RenderControls
@@ -52,6 +53,7 @@ class Operations:
         self.streams = RenderStreams(access, self.renders)
         self.images = Images(access, self.renders, archiver)
         self.readings = Readings(access, self.renders)
+        self.measurements = Measurements(access, self.renders)
         self.preflights = Preflights(access, compile_limits)
         self.workers = Workers(access)
         self.machines = Machines(access)

@@ -1,19 +1,15 @@
 """What regions of renders show, in numbers, with their errors."""
 
-import asyncio
 import math
 
 import numpy as np
-from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.region import Region
-from nocturne_coordinator.store.rows import TileChange
 from nocturne_scene.errors import NotFound
 from nocturne_scene.quantities import quantity_named
-from nocturne_scene.ranges import TileGrid
-from nocturne_scene.tile_sums import TileSums, decode
-from nocturne_scene.uncertainty import RegionReading, RegionSums, moments_of
+from nocturne_scene.uncertainty import RegionReading, RegionSums
 
 from nocturne_api.models import renders as models
+from nocturne_api.operations.film_parts import film_parts, names_of
 from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.renders import Renders
 
@@ -32,59 +28,19 @@ class Readings:
         wanted = region or Region(0, 0, render.width, render.height)
         wanted.check(render.width, render.height)
         schedule = await self._access.in_database(self._access.folder.renders.schedule, render.id)
-        grid, names = TileGrid.of(schedule), ["X", "Y", "Z", *schedule.further_responses]
+        names = names_of(schedule)
         sums, invalid_samples = RegionSums(len(names)), 0
-        # A row of tiles after the other: the whole film may be gigabytes.
-        for row in _rows(wanted, grid):
-            tiles = await self._access.in_database(
-                self._access.folder.tiles.between, render.id, row.start, row.stop
-            )
-            await asyncio.to_thread(_add, sums, tiles, wanted, schedule)
-            invalid_samples += sum(change.invalid_samples for change, _ in tiles)
+        async for part in film_parts(self._access, render.id, schedule, wanted):
+            height, width = part.image.samples.shape
+            y, x = part.top + np.arange(height), part.left + np.arange(width)
+            within_y = (y >= wanted.y) & (y < wanted.y + wanted.height)
+            within_x = (x >= wanted.x) & (x < wanted.x + wanted.width)
+            sums.add(part.image, within_y[:, None] & within_x)
+            invalid_samples += part.invalid_samples
         found = sums.reading()
         if found is None:
             raise NotFound(f"{render.id} has no samples there yet")
         return _answer(found, wanted, render.quantity, names, invalid_samples)
-
-
-def _rows(region: Region, grid: TileGrid) -> list[range]:
-    """Indices of the tiles that a region touches, row by row."""
-    size = grid.tile_size
-    first, last = region.x // size, (region.x + region.width - 1) // size
-    rows = range(region.y // size, (region.y + region.height - 1) // size + 1)
-    return [range(row * grid.columns + first, row * grid.columns + last + 1) for row in rows]
-
-
-def _add(
-    sums: RegionSums,
-    tiles: list[tuple[TileChange, bytes]],
-    region: Region,
-    schedule: job_pb2.RangeSchedule,
-) -> None:
-    """Adds what a row of tiles has of a region; side by side, so that all of them are one array."""
-    if not tiles:
-        return
-    grid, further = TileGrid.of(schedule), len(schedule.further_responses)
-    places = [grid.tile(change.tile_index) for change, _ in tiles]
-    decoded: list[TileSums] = [
-        decode(data, tile.width, tile.height, further) for tile, (_, data) in zip(places, tiles, strict=True)
-    ]
-    counts = [
-        np.full((tile.height, tile.width), change.samples, dtype=np.uint32)
-        for tile, (change, _) in zip(places, tiles, strict=True)
-    ]
-    moments = moments_of(
-        np.concatenate([each.pixels for each in decoded], axis=1),
-        np.concatenate(counts, axis=1),
-        np.concatenate([each.block_squares for each in decoded], axis=1),
-        np.concatenate([each.tile_squares for each in decoded])[None],
-        grid.tile_size,
-    )
-    y = np.arange(places[0].y, places[0].y + places[0].height)
-    x = np.concatenate([np.arange(tile.x, tile.x + tile.width) for tile in places])
-    within_y = (y >= region.y) & (y < region.y + region.height)
-    within_x = (x >= region.x) & (x < region.x + region.width)
-    sums.add(moments, within_y[:, None] & within_x)
 
 
 def _answer(
@@ -92,15 +48,15 @@ def _answer(
 ) -> models.Reading:
     quantity = quantity_named(quantity_name)
     values = zip(names, found.mean, found.error, strict=True)
-    u, v = map(_known, found.chromaticity)
-    u_error, v_error = map(_known, found.chromaticity_error)
+    u, v = map(known, found.chromaticity)
+    u_error, v_error = map(known, found.chromaticity_error)
     return models.Reading(
         region=models.Region(x=region.x, y=region.y, width=region.width, height=region.height),
         quantity=quantity.name,
         unit=quantity.unit,
         response_unit=quantity.response_unit,
         values=[
-            models.ReadValue(name=name, mean=mean, standard_error=_known(error))
+            models.ReadValue(name=name, mean=mean, standard_error=known(error))
             for name, mean, error in values
         ],
         u_prime=u,
@@ -117,5 +73,6 @@ def _answer(
     )
 
 
-def _known(value: float) -> float | None:
+def known(value: float) -> float | None:
+    """None where it is not."""
     return None if math.isnan(value) else value

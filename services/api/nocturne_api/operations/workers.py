@@ -4,7 +4,7 @@ from nocturne_coordinator.enrolment import machine_of
 
 from nocturne_api import limits
 from nocturne_api.access import CALLER
-from nocturne_api.models.workers import Worker, WorkerHistory, WorkerList
+from nocturne_api.models.workers import Worker, WorkerHistory, WorkerList, WorkList, WorkOfWorker
 from nocturne_api.operations.folder_access import FolderAccess
 
 
@@ -26,6 +26,18 @@ class Workers:
             workers=[
                 Worker.of(row, quarantined.get(machine_of(row.id), ""), incompatible.get(row.id, ""))
                 for row in rows
+            ]
+        )
+
+    async def work(self) -> WorkList:
+        """Which renders, of those that the caller may see, the workers are tracing."""
+        caller = CALLER.get()
+        caller.need("read")
+        rows = await self._access.in_database(self._folder.tiles.work_of_workers, caller.sees)
+        return WorkList(
+            work=[
+                WorkOfWorker(worker=worker, render=render, name=name, tiles=tiles, since=since)
+                for worker, render, name, tiles, since in rows
             ]
         )
 

@@ -19,6 +19,7 @@ router = APIRouter(prefix="/v1/renders", tags=["images"])
 _OF_ONE = errors(NotFound, AmbiguousId)
 _PNG = {**answers("image/png", "The picture.", conditional=True), **_OF_ONE}
 _EXR = {**answers("image/x-exr", "The image.", conditional=True), **_OF_ONE}
+_SCENE = {**answers("application/json", "The document."), **_OF_ONE}
 _TILES = {
     **answers(MEDIA_TYPE, "The tiles, little-endian (docs/reference/api.md).", conditional=True),
     **_OF_ONE,
@@ -71,8 +72,15 @@ async def read_region(
 
 @router.get("/{render_id}/image.exr", response_class=Response, responses=_EXR)
 async def get_image(render_id: str, request: Request, operations: Service) -> Response:
-    """EXR: all quantities, their errors, n; of what is merged now until the render has ended, then final."""
+    """EXR: all quantities, their errors, n; of what is committed now, and final after the end."""
     return _answer(request, await operations.images.open_exr(render_id), "image/x-exr")
+
+
+@router.get("/{render_id}/scene.json", response_class=Response, responses=_SCENE)
+async def get_scene(render_id: str, operations: Service) -> Response:
+    """The scene document as it was submitted; its files are named by SHA-256."""
+    content = await operations.images.open_scene(render_id)
+    return Response(content, headers={"Cache-Control": "no-cache"}, media_type="application/json")
 
 
 def _answer(request: Request, opened: OpenFile, media_type: str) -> Response:

@@ -24,6 +24,7 @@ _ABOUT = (
 _TAGS = {
     "renders": "Scenes being rendered, and their state.",
     "images": "Previews, images, and the tiles that changed.",
+    "measurements": "Photometry of images: regions, lines, histograms, isolines and glare.",
     "events": "Changes as server-sent events.",
     "preflights": "What a scene needs for a target error, before it is rendered.",
     "imports": "Scenes of other renderers, made scene documents.",

@@ -4,7 +4,7 @@ from fastapi import APIRouter
 from nocturne_scene.errors import NotFound
 from starlette.responses import Response
 
-from nocturne_api.models.workers import WorkerHistory, WorkerList
+from nocturne_api.models.workers import WorkerHistory, WorkerList, WorkList
 from nocturne_api.rest.access import Service
 from nocturne_api.rest.contract import errors
 
@@ -15,6 +15,12 @@ router = APIRouter(prefix="/v1/workers", tags=["workers"])
 async def list_workers(operations: Service) -> WorkerList:
     """The workers heard of in the last ten seconds."""
     return await operations.workers.list()
+
+
+@router.get("/work")
+async def get_work(operations: Service) -> WorkList:
+    """Which renders the workers are tracing, and since when."""
+    return await operations.workers.work()
 
 
 @router.get("/history")

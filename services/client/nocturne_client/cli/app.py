@@ -7,6 +7,7 @@ import typer
 
 from nocturne_client.cli import (
     local_commands,
+    measure_commands,
     preflight_command,
     service_commands,
     token_commands,
@@ -47,6 +48,7 @@ def options(
 
 service_commands.add_to(app)
 local_commands.add_to(app)
+measure_commands.add_to(app)
 preflight_command.add_to(app)
 app.add_typer(token_commands.app)
 app.add_typer(webhook_commands.app)

@@ -17,8 +17,8 @@ from nocturne_client.models import Progress, Render, Worker
 from nocturne_client.transport import DEFAULT_URL
 
 CONSOLE = Console(highlight=False)
-# Of up to eight columns beside the ids, which wrap: five characters each.
-_OTHER_COLUMNS_WIDTH = 40
+# Of the columns beside the ids, with a word of each name: together they fit into 80 columns.
+_OTHER_COLUMNS_WIDTH = 64
 ERRORS = Console(stderr=True, highlight=False)
 
 Url = Annotated[
@@ -163,8 +163,9 @@ def print_renders(renders: list[Render], as_json: bool) -> None:
         for render in renders:
             print_json(asdict(render))
         return
-    columns = ("name", "state", "film", "merged", "error", "left", "age")
-    table = Table(Column("id", no_wrap=True), *columns, box=None, pad_edge=False)
+    name = Column("name", no_wrap=True, overflow="ellipsis", ratio=1)
+    others = [Column(text, no_wrap=True) for text in ("state", "film", "done", "error", "left", "age")]
+    table = Table(Column("id", no_wrap=True), name, *others, box=None, pad_edge=False)
     for render in renders:
         error = render.progress.relative_error
         table.add_row(
@@ -173,13 +174,15 @@ def print_renders(renders: list[Render], as_json: bool) -> None:
             render.state,
             f"{render.width}x{render.height}",
             f"{render.fraction:.0%}",
-            f"{error:.2%}{', not to be trusted' if render.progress.doubt else ''}" if error else "",
+            f"{error:.2%}{'?' if render.progress.doubt else ''}" if error else "",
             "" if render.has_ended or render.seconds_left is None else duration(render.seconds_left),
             duration(time.time() - render.created),
         )
     _print_table(
         table, [render.id for render in renders], "no renders yet; start one with `nocturne submit SCENE`"
     )
+    if any(render.progress.doubt for render in renders):
+        ERRORS.print("[dim]? the error is not to be trusted; `nocturne get ID` says why[/]")
 
 
 def _print_table(table: Table, ids: Sequence[str], nothing: str) -> None:

@@ -1,6 +1,7 @@
 """Commands that talk to a service."""
 
 import sys
+import uuid
 from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
@@ -18,6 +19,7 @@ from nocturne_client.cli.output import (
     print_workers,
 )
 from nocturne_client.cli.stops import Cpu, Drop, Error, For, Stops, TileError, Until, dropped
+from nocturne_client.cli.top import show_top
 from nocturne_client.cli.watching import about, follow, graphics_wanted
 from nocturne_client.client import Client
 from nocturne_client.errors import NocturneClientError
@@ -79,7 +81,7 @@ def add_to(app: typer.Typer) -> None:
     """Adds these commands to the program."""
     app.command(name="list")(list_renders)
     changes = (cancel, delete, pause, resume, extend, priority, replay)
-    for command in (submit, watch, get, *changes, explain, workers):
+    for command in (submit, watch, top, get, *changes, explain, workers):
         app.command()(command)
 
 
@@ -121,9 +123,19 @@ def submit(
             for note in (*imported.notes, *(f"missing: {each.message}" for each in imported.missing)):
                 ERRORS.print(note, markup=False, soft_wrap=True)
             source, name = imported.document, name or scene.stem
-            width, height = width or imported.width, height or imported.height
-        film = width or DEFAULT_EDGE, height or DEFAULT_EDGE, samples
-        render = client.submit(source, *film, name, request_id, uploading, stop=stop, priority=weight)
+            width = imported.width if width is None else width
+            height = imported.height if height is None else height
+        # 0 is refused by the service, and not taken for nothing.
+        film = DEFAULT_EDGE if width is None else width, DEFAULT_EDGE if height is None else height, samples
+        # Chosen here, so that it can be told if the answer does not come.
+        request_id = request_id or str(uuid.uuid4())
+        try:
+            render = client.submit(source, *film, name, request_id, uploading, stop=stop, priority=weight)
+        except NocturneClientError as error:
+            if error.can_be_retried:
+                again = f"Submit it again with --request-id {request_id}: if it was made, you get its id."
+                ERRORS.print(again, markup=False, soft_wrap=True)
+            raise
         for warning in render.warnings:
             ERRORS.print(f"warning: {warning}", markup=False, soft_wrap=True)
         if not then_watch:
@@ -173,12 +185,24 @@ def list_renders(
         print_renders([*client.list(limit)], as_json)
 
 
+def top(
+    once: Annotated[bool, typer.Option("--once", help="Print it once instead of following it.")] = False,
+    url: Url = None,
+) -> None:
+    """Follow all open renders and all workers in this terminal; Ctrl-C ends it."""
+    with Client(url) as client:
+        show_top(client, once)
+
+
 def get(
     render_id: RenderId,
     exr: Annotated[
         Path | None, typer.Option("--exr", help="Write the image here: XYZ, error, counts.")
     ] = None,
     png: Annotated[Path | None, typer.Option("--png", help="Write the preview here.")] = None,
+    scene: Annotated[
+        Path | None, typer.Option("--scene", help="Write the scene document here, as it was submitted.")
+    ] = None,
     region: Annotated[
         str,
         typer.Option(
@@ -201,6 +225,8 @@ def get(
             client.download(render_id, "exr", exr)
         if png is not None:
             client.download(render_id, "png", png)
+        if scene is not None:
+            client.download(render_id, "scene", scene)
     print_render(render, as_json)
 
 
@@ -210,11 +236,22 @@ def cancel(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> Non
         print_render(client.cancel(render_id), as_json)
 
 
-def delete(render_id: RenderId, url: Url = None) -> None:
-    """Forget a render that has ended, with its images and the files that no other render uses."""
+def delete(
+    render_id: RenderId,
+    yes: Annotated[bool, typer.Option("--yes", help="Cancel it without asking if it has not ended.")] = False,
+    url: Url = None,
+) -> None:
+    """Forget a render, with its images and the files that no other render uses; one that runs is
+    cancelled."""
     with Client(url) as client:
+        render = client.get(render_id)
+        if not render.has_ended:
+            about = f"{render.id} ({render.name}) is {render.state}, {render.fraction:.0%} done."
+            if not yes:
+                typer.confirm(f"{about} Cancel and delete it?", abort=True, err=True)
+            client.cancel(render.id)
         # By its whole id: what was unique before a render is gone may be the beginning of another's after it.
-        client.delete(client.get(render_id).id)
+        client.delete(render.id)
 
 
 def pause(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:

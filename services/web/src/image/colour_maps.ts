@@ -31,15 +31,22 @@ export interface Scale {
   logarithmic: boolean;
 }
 
-/** Where on the scale, 0 to 1, its numbers go: powers of ten, or five even steps. */
+/** From so many powers of ten on, numbers between these have no room. */
+const manyDecades = 2.2;
+
+/** Where on the scale, 0 to 1, its numbers go: powers of ten, with 2 and 5 times these where there is room, or five even steps. */
 export function ticks({ low, high, logarithmic }: Scale): { at: number; value: number }[] {
   if (!logarithmic) return [0, 0.25, 0.5, 0.75, 1].map((at) => ({ at, value: low + at * (high - low) }));
   const span = Math.log10(high / low);
+  const digits = span < manyDecades ? [1, 2, 5] : [1];
   const found = [];
-  for (let power = Math.ceil(Math.log10(low) - 1e-9); power <= Math.log10(high) + 1e-9; power += 1) {
-    found.push({ at: (power - Math.log10(low)) / span, value: 10 ** power });
+  for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high) + 1e-9; power += 1) {
+    for (const digit of digits) {
+      const at = (power + Math.log10(digit) - Math.log10(low)) / span;
+      if (at >= -1e-9 && at <= 1 + 1e-9) found.push({ at, value: digit * 10 ** power });
+    }
   }
-  return found;
+  return found.length > 1 ? found : [{ at: 0, value: low }, { at: 1, value: high }];
 }
 
 /** A logarithmic scale over whole powers of ten that has nearly all of the positive values. */

@@ -28,6 +28,8 @@ export interface Look {
   /** Where the wipe stands, 0 to 1. */
   wipe: number;
   scale: Scale;
+  /** Scales that somebody set, by view; the others follow the image. */
+  ranges: Partial<Record<Show, Scale>>;
   chosen: Region | undefined;
   measured: Measured;
 }

@@ -21,6 +21,7 @@ import type {
   TileInProgress,
   Worker,
   WorkerHistory,
+  WorkOfWorker,
 } from "./types.ts";
 
 export class ServiceError extends Error {
@@ -39,6 +40,7 @@ export const previewAddress = (id: string, sequence?: number): string =>
   `${renderAddress(id)}/preview.png${sequence === undefined ? "" : `?v=${sequence}`}`;
 export const thumbnailAddress = (id: string, sequence: number): string => `${renderAddress(id)}/thumbnail.png?v=${sequence}`;
 export const tilesAddress = (id: string): string => `${renderAddress(id)}/tiles`;
+export const sceneAddress = (id: string): string => `${renderAddress(id)}/scene.json`;
 export const imageAddress = (id: string): string => `${renderAddress(id)}/image.exr`;
 
 export async function listRenders(pageToken = ""): Promise<RenderPage> {
@@ -53,6 +55,11 @@ export async function getRender(id: string): Promise<Render> {
 
 export async function cancelRender(id: string): Promise<Render> {
   return getJson<"cancel_render">(`${renderAddress(id)}:cancel`, { method: "POST" });
+}
+
+/** Which renders each worker is tracing, and since when. */
+export async function listWork(): Promise<WorkOfWorker[]> {
+  return (await getJson<"get_work">("/v1/workers/work")).work;
 }
 
 /** Of a render that has ended; with its images. */
@@ -135,12 +142,12 @@ export async function listWorkers(): Promise<Worker[]> {
   return (await getJson<"list_workers">("/v1/workers")).workers;
 }
 
-function renderAddress(id: string): string {
+export function renderAddress(id: string): string {
   return `/v1/renders/${encodeURIComponent(id)}`;
 }
 
 /** What the operation answers at this address. */
-async function getJson<Name extends keyof operations>(address: string, options: RequestInit = {}): Promise<Answer<Name>> {
+export async function getJson<Name extends keyof operations>(address: string, options: RequestInit = {}): Promise<Answer<Name>> {
   const response = await fetch(address, options);
   observeDate(response.headers.get("date"));
   if (!response.ok) throw await failureOf(response);

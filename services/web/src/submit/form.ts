@@ -24,7 +24,7 @@ const fields: Field[] = [
   { name: "samples", label: "Samples per pixel, at most", value: "1024", number: { min: "1", max: "1073741824", step: "1" } },
   { name: "error", label: "Stop at a relative error of, %", value: "", number: { min: "0.0001", max: "100", step: "any" } },
   { name: "minutes", label: "Stop after, minutes", value: "", number: { min: "0.01", max: "100000", step: "any" } },
-  { name: "until", label: "Stop at", value: "", hint: "07:00 Europe/Berlin" },
+  { name: "until", label: "Stop at", value: "", hint: "07:00" },
   { name: "priority", label: "Priority", value: "100", number: { min: "1", max: "1000", step: "1" } },
 ];
 
@@ -65,9 +65,14 @@ export function requestOf(value: (name: string) => string): Asked["request"] {
   const stop: NonNullable<CreateRenderRequest["stop"]> = {};
   if (value("error")) stop.relative_error = Number(value("error")) / 100;
   if (value("minutes")) stop.wall_seconds = 60 * Number(value("minutes"));
-  if (value("until").trim()) stop.until = value("until").trim();
+  if (value("until").trim()) stop.until = withZone(value("until").trim());
   const whole = (name: string): number => Math.round(Number(value(name)));
   return { name: value("name"), width: whole("width"), height: whole("height"), samples: whole("samples"), stop, priority: whole("priority") };
+}
+
+/** A time of day without a zone is that of who types it. */
+function withZone(time: string): string {
+  return /^\d{1,2}:\d{2}$/.test(time) ? `${time} ${Intl.DateTimeFormat().resolvedOptions().timeZone}` : time;
 }
 
 function input({ name, value, number, hint }: Field): HTMLInputElement {

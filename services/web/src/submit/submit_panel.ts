@@ -1,5 +1,6 @@
 /** Submitting a scene: drop a folder or an archive, say what is wanted, send. */
 import { announce, element, setText } from "../dom.ts";
+import { formatDuration } from "../format.ts";
 import { renderRoute } from "../router.ts";
 import { createRender, preflight, ServiceError } from "../service/client.ts";
 import type { CreateRenderRequest, PreflightReport, Problem } from "../service/types.ts";
@@ -73,11 +74,17 @@ export function submitPanel(): { node: HTMLElement; close: () => void } {
 async function preflightOf(wanted: Scene, { request }: Asked, status: HTMLElement): Promise<PreflightReport> {
   const { width, height, stop } = request;
   await upload(wanted.files, (words) => { setText(status, words); });
-  setText(status, "Rendering it small, with and without each part; this takes minutes…");
-  const error = stop.relative_error ?? usualError;
-  const found = await preflight({ scene: wanted.document, width, height, error });
-  setText(status, `${wanted.path} is checked`);
-  return found;
+  const start = performance.now();
+  const tell = (): void => { setText(status, `Rendering it small, with and without each part; this takes minutes… ${formatDuration(Math.round((performance.now() - start) / 1000))}`); };
+  tell();
+  const timer = setInterval(tell, 5000);
+  try {
+    const found = await preflight({ scene: wanted.document, width, height, error: stop.relative_error ?? usualError });
+    setText(status, `${wanted.path} is checked`);
+    return found;
+  } finally {
+    clearInterval(timer);
+  }
 }
 
 /** The scene that is enough; its files are there already. */

@@ -3,6 +3,7 @@ import { element, setText } from "../dom.ts";
 import { formatStops, formatValue } from "../format.ts";
 import { type Triple, whites } from "../image/colour.ts";
 import { middleGrey, type Show, shows, type Tone, tones } from "../image/look.ts";
+import { type Kind, kinds } from "../measure/outlines.ts";
 import type { Viewer } from "./viewer.ts";
 
 const showNames: Record<Show, string> = {
@@ -15,8 +16,8 @@ export interface Controls {
   node: HTMLElement;
   /** Follows what changed by itself. */
   refresh: () => void;
-  /** Whether a drag chooses a region. */
-  choosing: () => boolean;
+  /** What is drawn on the image, rather than panned. */
+  drawing: () => Kind | undefined;
 }
 
 interface Wishes {
@@ -27,10 +28,7 @@ interface Wishes {
 
 export function controls(viewer: Viewer, wishes: Wishes): Controls {
   const exposure = exposureSlider(viewer);
-  const choose = element("button", { type: "button", "aria-pressed": "false", title: "A drag chooses a region; so does Shift with a drag" }, "Region");
-  choose.addEventListener("click", () => {
-    choose.setAttribute("aria-pressed", choose.getAttribute("aria-pressed") === "true" ? "false" : "true");
-  });
+  const drawing = drawingButtons();
   const node = element(
     "div",
     { class: "tools", role: "group", "aria-label": "How the image is shown" },
@@ -45,9 +43,29 @@ export function controls(viewer: Viewer, wishes: Wishes): Controls {
       tick("Gamut", (warnGamut) => { viewer.change({ warnGamut }); }),
       tick("Workers", (workers) => { viewer.change({ workers }); }),
     ),
-    element("span", { class: "group" }, choose, ...zoomButtons(viewer)),
+    element("span", { class: "group" }, ...drawing.nodes, ...zoomButtons(viewer)),
   );
-  return { node, refresh: exposure.refresh, choosing: () => choose.getAttribute("aria-pressed") === "true" };
+  return { node, refresh: exposure.refresh, drawing: drawing.kind };
+}
+
+const hints: Record<Kind, string> = {
+  rectangle: "A drag chooses a region; so does Shift with a drag",
+  polygon: "Clicks set corners; a double click ends",
+  line: "A drag draws a line",
+};
+
+/** One of them is pressed, or none. */
+function drawingButtons(): { nodes: HTMLElement[]; kind: () => Kind | undefined } {
+  let pressed: Kind | undefined;
+  const buttons = (Object.keys(kinds) as Kind[]).map((kind) => {
+    const node = element("button", { type: "button", "aria-pressed": "false", title: hints[kind] }, kinds[kind]);
+    node.addEventListener("click", () => {
+      pressed = pressed === kind ? undefined : kind;
+      for (const other of buttons) other.node.setAttribute("aria-pressed", `${other.kind === pressed}`);
+    });
+    return { kind, node };
+  });
+  return { nodes: buttons.map(({ node }) => node), kind: () => pressed };
 }
 
 function showChoice(viewer: Viewer, canCompare: boolean): HTMLElement {
@@ -68,7 +86,7 @@ function exposureSlider(viewer: Viewer): { node: HTMLElement; refresh: () => voi
   const value = element("output", { for: "exposure" });
   const auto = element("button", { type: "button", class: "quiet" }, "Auto");
   /** Exposure at the slider's middle: that of the image itself, when the slider was last left alone. */
-  let middle = 1;
+  let middle = viewer.isAuto ? 1 : viewer.look.exposure;
   const refresh = (): void => {
     if (viewer.isAuto) {
       middle = viewer.look.exposure;

@@ -1,5 +1,6 @@
 /** Pointer, wheel and keys on the image: pan, zoom, look at a pixel, choose a region. */
 import { clipped, type Region } from "../image/film.ts";
+import type { Kind } from "../measure/outlines.ts";
 import type { Point } from "../image/placement.ts";
 import type { Viewer } from "./viewer.ts";
 
@@ -8,22 +9,30 @@ export interface GestureListener {
   onPixel: (pixel: Point) => void;
   /** A dragged region; undefined: none any more. */
   onRegion: (region: Region | undefined) => void;
+  /** Points of a line or polygon that is drawn, as far as it is; undefined: none any more. */
+  onPoints: (kind: Kind, points: number[][] | undefined) => void;
 }
 
 const wheelStep = 1.0015;
 const keyStep = 1.4;
 const keyPan_px = 64;
 
-/** `choosing`: whether a drag chooses a region, as it does with Shift, rather than pans. */
-export function listenToGestures(viewer: Viewer, choosing: () => boolean, listener: GestureListener): void {
+/** `drawing`: what a drag or clicks draw; with Shift a drag chooses a region in any case; else it pans. */
+export function listenToGestures(viewer: Viewer, drawing: () => Kind | undefined, listener: GestureListener): void {
   const { canvas } = viewer;
   const down = new Map<number, Point>();
-  let start: Point | undefined;
+  let start: { kind: Kind; at: Point } | undefined;
+  let corners: number[][] = [];
 
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
     down.set(event.pointerId, { x: event.clientX, y: event.clientY });
-    start = event.shiftKey || choosing() ? viewer.pixelAt(event.clientX, event.clientY) : undefined;
+    const kind = event.shiftKey ? "rectangle" : drawing();
+    start = kind && { kind, at: inFilm(viewer.pixelAt(event.clientX, event.clientY), viewer) };
+    if (kind === "polygon") {
+      const corner = cornerAt(event, viewer);
+      if (corner.join() !== corners.at(-1)?.join()) listener.onPoints(kind, (corners = [...corners, corner]));
+    }
     listener.onPixel(viewer.pixelAt(event.clientX, event.clientY));
   });
   canvas.addEventListener("pointermove", (event) => {
@@ -33,8 +42,9 @@ export function listenToGestures(viewer: Viewer, choosing: () => boolean, listen
       return;
     }
     const now = { x: event.clientX, y: event.clientY };
-    if (start) listener.onRegion(between(start, viewer.pixelAt(now.x, now.y), viewer));
-    else drag(viewer, down, event.pointerId, now);
+    if (start?.kind === "rectangle") listener.onRegion(between(start.at, viewer.pixelAt(now.x, now.y), viewer));
+    else if (start?.kind === "line") listener.onPoints("line", [start.at, inFilm(viewer.pixelAt(now.x, now.y), viewer)].map(({ x, y }) => [x, y]));
+    else if (!start) drag(viewer, down, event.pointerId, now);
     down.set(event.pointerId, now);
   });
   const up = (event: PointerEvent): void => {
@@ -52,9 +62,28 @@ export function listenToGestures(viewer: Viewer, choosing: () => boolean, listen
     { passive: false },
   );
   canvas.addEventListener("dblclick", () => {
-    viewer.fit();
+    if (drawing() === "polygon") corners = [];
+    else if (!drawing()) viewer.fit();
   });
-  listenToKeys(viewer, listener);
+  listenToKeys(viewer, {
+    ...listener,
+    onRegion: (region) => {
+      corners = [];
+      listener.onPoints("polygon", undefined);
+      listener.onRegion(region);
+    },
+  });
+}
+
+/** The nearest corner between pixels: whole numbers are what people read again. */
+function cornerAt(event: PointerEvent, viewer: Viewer): number[] {
+  const { x, y } = viewer.pointAt(event.clientX, event.clientY);
+  const { width, height } = viewer.films.first ?? { width: 1, height: 1 };
+  return [Math.min(width, Math.max(0, Math.round(x))), Math.min(height, Math.max(0, Math.round(y)))];
+}
+
+function inFilm({ x, y }: Point, viewer: Viewer): Point {
+  return clipped({ x, y, width: 1, height: 1 }, viewer.films.first ?? { width: 1, height: 1 });
 }
 
 /** One finger or the mouse pans, two fingers pan and zoom. */

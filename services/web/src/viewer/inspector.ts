@@ -23,7 +23,7 @@ export type Ask = (region: Region) => Promise<RegionReading> | undefined;
 /** `film`: what is looked at now; `measured`: what its numbers are. */
 export function inspector(film: () => Film | undefined, measured: () => Measured, ask: Ask): Inspector {
   const pixel = column("Pixel", "Point at the image, or use the arrow keys", measured, ask);
-  const region = column("Region", "Drag with Shift, or press Region first", measured, ask);
+  const region = column("Region", window.matchMedia("(pointer: coarse)").matches ? "Press Region, then drag" : "Drag with Shift, or press Region first", measured, ask);
   let at: Region | undefined;
   let chosen: Region | undefined;
   const refresh = (): void => {

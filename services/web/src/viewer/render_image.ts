@@ -1,15 +1,18 @@
 /** A render's image with its tools: fetched tile by tile, followed as it grows. */
 import { announce, element, setText } from "../dom.ts";
-import type { Film, Region } from "../image/film.ts";
+import { clipped, type Film, type Region } from "../image/film.ts";
 import { type Measured, measured } from "../image/look.ts";
 import { FilmSource } from "../image/film_source.ts";
 import { readRegion, tilesAddress } from "../service/client.ts";
-import { hasEnded, type RegionReading, type Render } from "../service/types.ts";
+import { hasEnded, type Outline, type RegionReading, type Render } from "../service/types.ts";
 import { samplesText } from "../views/progress_bar.ts";
+import { recall, rememberer } from "./address.ts";
 import { controls } from "./controls.ts";
-import { listenToGestures } from "./gestures.ts";
-import { inspector } from "./inspector.ts";
+import { type GestureListener, listenToGestures } from "./gestures.ts";
+import { type Inspector, inspector } from "./inspector.ts";
 import { legend } from "./legend.ts";
+import { Overlay } from "./overlay.ts";
+import { rangeForm } from "./range_form.ts";
 import { Viewer } from "./viewer.ts";
 
 const keys = "Arrow keys move from pixel to pixel, with Shift they pan. Plus and minus zoom, 1 shows pixel for pixel, 0 the whole image.";
@@ -18,6 +21,7 @@ export interface RenderImage {
   node: HTMLElement;
   /** Undefined where this browser can't show images. */
   viewer: Viewer | undefined;
+  overlay: Overlay;
   show: (render: Render) => void;
   /** Fetches what changed, if anything did. */
   refresh: () => void;
@@ -31,13 +35,24 @@ export function whyNothingIsShown(render: Render): string {
   return hasEnded(render) ? "No image: it ended before its first samples." : "No samples yet.";
 }
 
-/** `onFilm`: the first tiles are there; `onChosen`: a region was chosen, or none is any more. */
-export function renderImage(id: string, hooks: { onFilm?: (film: Film) => void; onChosen?: () => void; canCompare?: boolean } = {}): RenderImage {
+export interface Hooks {
+  /** The first tiles are there. */
+  onFilm?: (film: Film) => void;
+  onTiles?: () => void;
+  /** A region was chosen, or none is any more. */
+  onChosen?: () => void;
+  /** A part of the image was drawn, as far as it is; undefined: none any more. */
+  onDrawn?: (outline: Outline | undefined) => void;
+  canCompare?: boolean;
+}
+
+export function renderImage(id: string, hooks: Hooks = {}): RenderImage {
   const canvas = element("canvas", { tabindex: "0", role: "application", "aria-describedby": "image-keys" });
   const waiting = element("p", { class: "waiting" }, "No samples yet.");
-  const frame = element("div", { class: "frame" }, canvas, waiting);
+  const overlay = new Overlay();
+  const frame = element("div", { class: "frame" }, canvas, overlay.canvas, waiting);
   const node = element("div", { class: "picture" });
-  const parts = assemble(canvas, node, frame, { id, ...hooks });
+  const parts = assemble(canvas, node, frame, overlay, { id, ...hooks });
   const source = new FilmSource(tilesAddress(id), {
     onFilm: (film) => {
       parts?.begin(film);
@@ -46,6 +61,7 @@ export function renderImage(id: string, hooks: { onFilm?: (film: Film) => void; 
     onTiles: (tiles) => {
       parts?.viewer.putTiles("first", tiles);
       parts?.inspector.refresh();
+      hooks.onTiles?.();
       waiting.hidden = true;
       canvas.dataset.updates = `${Number(canvas.dataset.updates ?? 0) + 1}`;
       canvas.dataset.tiles = `${Number(canvas.dataset.tiles ?? 0) + tiles.length}`;
@@ -54,6 +70,7 @@ export function renderImage(id: string, hooks: { onFilm?: (film: Film) => void; 
   return {
     node,
     viewer: parts?.viewer,
+    overlay,
     show: (render) => {
       parts?.measure(measured(render));
       canvas.setAttribute("aria-label", `Image of ${render.name}, ${samplesText(render)}`);
@@ -71,26 +88,30 @@ export function renderImage(id: string, hooks: { onFilm?: (film: Film) => void; 
 
 interface Parts {
   viewer: Viewer;
-  inspector: ReturnType<typeof inspector>;
+  inspector: Inspector;
   begin: (film: Film) => void;
   measure: (measured: Measured) => void;
 }
 
 /** Puts tools, image, legend and inspector into `node`; a sentence only, where images can't be shown. */
-function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLElement, hooks: { id: string; onChosen?: () => void; canCompare?: boolean }): Parts | undefined {
+function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLElement, overlay: Overlay, hooks: Hooks & { id: string }): Parts | undefined {
   const strip = legend();
+  const range = rangeForm((scale) => { viewer.setRange(scale); });
   let refresh = (): void => undefined;
   const zoom = element("p", { class: "zoom" });
   let viewer: Viewer;
   try {
     viewer = new Viewer(canvas, {
       onLook: () => { refresh(); },
+      onPaint: () => { overlay.paint({ film: viewer.films[side()], show: viewer.look.show, placement: viewer.placement, width: canvas.width, height: canvas.height }); },
       onPlacement: ({ scale }) => { setText(zoom, `${Number((100 * scale).toPrecision(3))} %`); },
     });
   } catch (error) {
     node.append(element("p", { class: "problem", role: "alert" }, error instanceof Error ? error.message : String(error)));
     return undefined;
   }
+  let wanted = recall(viewer, hooks.canCompare ?? false);
+  const remember = rememberer(viewer);
   const looked: { pixel?: Region } = {};
   const side = (): "first" | "second" => (viewer.look.side === "second" ? "second" : "first");
   const ask = (region: Region): Promise<RegionReading> | undefined => (side() === "first" ? readRegion(hooks.id, region) : undefined);
@@ -105,21 +126,14 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
   refresh = () => {
     tools.refresh();
     strip.show(viewer.look);
+    range.show(viewer.look);
     numbers.refresh();
+    remember();
   };
-  listenToGestures(viewer, tools.choosing, {
-    onPixel: ({ x, y }) => {
-      looked.pixel = { x, y, width: 1, height: 1 };
-      numbers.showPixel({ x, y });
-    },
-    onRegion: (region) => {
-      viewer.choose(region);
-      numbers.showRegion(region);
-      hooks.onChosen?.();
-    },
-  });
+  const listener = gestureListener(viewer, numbers, looked, hooks, remember);
+  listenToGestures(viewer, tools.drawing, listener);
   frame.append(zoom);
-  node.append(tools.node, frame, strip.node, element("p", { id: "image-keys", class: "visually-hidden" }, keys), numbers.node);
+  node.append(tools.node, frame, strip.node, range.node, element("p", { id: "image-keys", class: "visually-hidden" }, keys), numbers.node);
   return {
     viewer,
     inspector: numbers,
@@ -130,10 +144,30 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
     begin: (film) => {
       try {
         viewer.setFilm("first", film);
+        if (wanted) listener.onRegion(clipped(wanted, film));
+        wanted = undefined;
       } catch (error) {
         announce(String(error));
         node.prepend(element("p", { class: "problem", role: "alert" }, error instanceof Error ? error.message : String(error)));
       }
     },
+  };
+}
+
+/** What is told of a pixel that is looked at, and of a region, line or polygon that is drawn. */
+function gestureListener(viewer: Viewer, numbers: Inspector, looked: { pixel?: Region }, hooks: Hooks, remember: () => void): GestureListener {
+  return {
+    onPixel: ({ x, y }) => {
+      looked.pixel = { x, y, width: 1, height: 1 };
+      numbers.showPixel({ x, y });
+    },
+    onRegion: (region) => {
+      viewer.choose(region);
+      numbers.showRegion(region);
+      remember();
+      hooks.onChosen?.();
+      hooks.onDrawn?.(region && { name: "", kind: "rectangle", points: [[region.x, region.y], [region.x + region.width, region.y + region.height]] });
+    },
+    onPoints: (kind, points) => { hooks.onDrawn?.(points && { name: "", kind, points }); },
   };
 }

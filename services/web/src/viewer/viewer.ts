@@ -3,6 +3,7 @@ import { GlFilm } from "../image/gl_film.ts";
 import { GlPainter } from "../image/gl_painter.ts";
 import type { Film, Region } from "../image/film.ts";
 import { autoExposure, type Look, scaleOf } from "../image/look.ts";
+import type { Scale } from "../image/colour_maps.ts";
 import { whites } from "../image/colour.ts";
 import { filmPoint, fitted, panned, type Placement, type Point, zoomed } from "../image/placement.ts";
 import type { Tile } from "../image/tiles.ts";
@@ -13,6 +14,8 @@ export interface ViewerListener {
   /** The look or its scale changed by itself, as with the first light of an image. */
   onLook: () => void;
   onPlacement: (placement: Placement) => void;
+  /** The canvas was painted: what lies over it follows. */
+  onPaint: () => void;
 }
 
 export class Viewer {
@@ -20,7 +23,7 @@ export class Viewer {
   readonly films: { first?: Film; second?: Film } = {};
   look: Look = {
     show: "colour", exposure: 1, white: whites.D65, tone: "reinhard", warnClipped: false, warnGamut: false, workers: false,
-    side: "first", wipe: 0.5, scale: { low: 0, high: 1, logarithmic: false }, chosen: undefined,
+    side: "first", wipe: 0.5, scale: { low: 0, high: 1, logarithmic: false }, ranges: {}, chosen: undefined,
     measured: { quantity: "Y", unit: "", mean: 0 },
   };
   readonly #painter: GlPainter;
@@ -67,9 +70,14 @@ export class Viewer {
   change(look: Partial<Look>): void {
     if (look.exposure !== undefined) this.#isAuto = false;
     Object.assign(this.look, look);
-    if (look.show !== undefined) this.#rescale();
+    if (look.show !== undefined || look.ranges !== undefined) this.#rescale();
     this.#request();
     this.#listener.onLook();
+  }
+
+  /** Of this view's colour map; undefined: by the image itself. */
+  setRange(scale: Scale | undefined): void {
+    this.change({ ranges: { ...this.look.ranges, [this.look.show]: scale } });
   }
 
   /** Exposes by the image itself, from now on until somebody says otherwise. */
@@ -105,8 +113,13 @@ export class Viewer {
 
   /** The film's pixel under a point of the window; it may lie outside the film. */
   pixelAt(clientX: number, clientY: number): Point {
-    const point = filmPoint(this.#placement, this.toCanvas(clientX, clientY), this.#size);
+    const point = this.pointAt(clientX, clientY);
     return { x: Math.floor(point.x), y: Math.floor(point.y) };
+  }
+
+  /** The film's point under a point of the window, in pixels and parts of these. */
+  pointAt(clientX: number, clientY: number): Point {
+    return filmPoint(this.#placement, this.toCanvas(clientX, clientY), this.#size);
   }
 
   /** From a point of the window to pixels of the canvas. */
@@ -118,6 +131,11 @@ export class Viewer {
 
   choose(region: Region | undefined): void {
     this.look.chosen = region;
+    this.#request();
+  }
+
+  /** What lies over the image changed. */
+  repaint(): void {
     this.#request();
   }
 
@@ -144,7 +162,8 @@ export class Viewer {
   }
 
   #rescale(): void {
-    if (this.films.first) this.look.scale = scaleOf(this.look.show, this.films.first);
+    const { show, ranges } = this.look;
+    if (this.films.first) this.look.scale = ranges[show] ?? scaleOf(show, this.films.first);
   }
 
   #place(placement: Placement): void {
@@ -171,6 +190,7 @@ export class Viewer {
   #paint(): void {
     this.#frame = 0;
     this.#painter.paint(this.look, this.#placement);
+    this.#listener.onPaint();
     this.canvas.dataset.frames = `${Number(this.canvas.dataset.frames ?? 0) + 1}`;
   }
 }

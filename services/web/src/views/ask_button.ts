@@ -1,4 +1,4 @@
-/** A button for what can't be undone: it asks first. */
+/** A button that asks first: what can't be undone, or what needs numbers. */
 import { element, setText } from "../dom.ts";
 
 export interface Question {
@@ -14,17 +14,20 @@ export interface Question {
 
 let asked = 0;
 
-export function askButton(question: Question, act: () => Promise<void>): { button: HTMLElement; dialog: HTMLElement } {
+/** `fields`: what is to be filled in before; without, the act can't be undone. */
+export function askButton(question: Question, act: () => Promise<void>, fields?: HTMLElement): { button: HTMLElement; dialog: HTMLDialogElement } {
+  const look = { type: "button", class: fields ? "" : "danger" };
   const title = `question-${++asked}`;
-  const button = element("button", { type: "button", class: "danger" }, `${question.act}…`);
+  const button = element("button", look, `${question.act}…`);
   const problem = element("p", { class: "problem", role: "alert" });
   const keep = element("button", { type: "button", autofocus: "" }, question.keep);
-  const confirm = element("button", { type: "button", class: "danger" }, question.act);
+  const confirm = element("button", look, question.act);
   const dialog = element(
     "dialog",
     { "aria-labelledby": title },
     element("h2", { id: title }, question.title),
     element("p", {}, question.text),
+    ...(fields ? [fields] : []),
     problem,
     element("div", { class: "actions" }, keep, confirm),
   );
@@ -47,5 +50,6 @@ export function askButton(question: Question, act: () => Promise<void>): { butto
     confirm.disabled = false;
   };
   confirm.addEventListener("click", () => void confirmed());
+  fields?.addEventListener("keydown", (event) => { if (event.key === "Enter") void confirmed(); });
   return { button, dialog };
 }

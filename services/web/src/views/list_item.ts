@@ -11,9 +11,14 @@ import { thumbnail } from "./thumbnail.ts";
 export interface ListItem {
   node: HTMLElement;
   show: (render: Render) => void;
+  /** Chosen for what is done to several. */
+  box: HTMLInputElement;
 }
 
-export function listItem(): ListItem {
+/** `onSelect`: it was selected, or is not any more. */
+export function listItem(onSelect: () => void): ListItem {
+  const box = element("input", { type: "checkbox" });
+  box.addEventListener("change", onSelect);
   const picture = thumbnail();
   const link = element("a", { class: "name" });
   const badge = stateBadge();
@@ -25,6 +30,7 @@ export function listItem(): ListItem {
   const node = element(
     "li",
     {},
+    box,
     picture.node,
     element("div", { class: "what" }, element("h2", {}, link, badge.node), size),
     element("div", { class: "how-far" }, bar.node, error, finish, cost),
@@ -33,6 +39,7 @@ export function listItem(): ListItem {
   const show = (render: Render): void => {
     link.href = renderRoute(render.id);
     setText(link, render.name || render.id);
+    box.setAttribute("aria-label", `Select ${render.name || render.id}`);
     badge.show(render.state);
     setText(size, `${render.width} × ${render.height} · ${samplesShort(render)}${render.owner ? ` · ${render.owner}` : ""}`);
     bar.show(render);
@@ -41,7 +48,7 @@ export function listItem(): ListItem {
     setText(cost, costText(render));
     picture.show(render);
   };
-  return { node, show };
+  return { node, show, box };
 }
 
 function samplesShort(render: Render): string {
@@ -55,7 +62,7 @@ function errorText({ progress, stop }: Render): string {
 }
 
 function finishText(render: Render): string {
-  if (hasEnded(render)) return render.started > 0 ? `in ${formatDuration(render.ended - render.started)}` : "";
+  if (hasEnded(render)) return render.started > 0 ? `took ${formatDuration(render.ended - render.started)}` : "";
   const end = render.progress.predicted_end;
   return end > 0 ? `${formatDuration(Math.max(0, end - serviceNow()))} left` : "";
 }

@@ -2,9 +2,11 @@
 import { element, setText } from "../dom.ts";
 import type { Renders } from "../service/renders.ts";
 import { submitPanel } from "../submit/submit_panel.ts";
-import { select } from "../viewer/controls.ts";
+import type { Render } from "../service/types.ts";
+import { select as choice } from "../viewer/controls.ts";
 import { listItem, type ListItem } from "./list_item.ts";
 import { type Kind, kinds, listed, type Order, orders, type Wish } from "./list_order.ts";
+import { selectionBar } from "./selection_bar.ts";
 import type { View } from "./view.ts";
 import { workersSection } from "./workers_section.ts";
 
@@ -17,10 +19,11 @@ export function listView(renders: Renders): View {
   const wish: Wish = { text: "", kind: "all", order: "newest" };
   const items = new Map<string, ListItem>();
 
+  const select = (): void => { selection.show(selected()); };
   const update = (): void => {
     const shown = listed(renders.newestFirst(), wish);
     place(list, items, shown.map((render) => {
-      const item = items.get(render.id) ?? listItem();
+      const item = items.get(render.id) ?? listItem(select);
       items.set(render.id, item);
       item.show(render);
       return item.node;
@@ -29,10 +32,16 @@ export function listView(renders: Renders): View {
     empty.hidden = !renders.loaded || shown.length > 0;
     setText(empty, renders.newestFirst().length > 0 ? "No render is like that." : "No renders yet. Submit one below, or with nocturne submit.");
     list.hidden = shown.length === 0;
+    select();
     more.hidden = renders.nextPageToken === "";
   };
+  const selected = (): Render[] => renders.newestFirst().filter(({ id }) => items.get(id)?.box.checked);
+  const selection = selectionBar(renders, () => {
+    for (const { box } of items.values()) box.checked = false;
+    select();
+  });
   const filters = filterBar(wish, update);
-  const node = element("div", {}, element("h1", { tabindex: "-1" }, "Renders"), filters, empty, list, more, submit.node, workers.node);
+  const node = element("div", {}, element("h1", { tabindex: "-1" }, "Renders"), filters, selection.node, empty, list, more, submit.node, workers.node);
   more.addEventListener("click", () => {
     // A failed page leaves the button, to be pressed again.
     renders.fetchNextPage().catch(() => undefined);
@@ -69,11 +78,11 @@ function filterBar(wish: Wish, update: () => void): HTMLElement {
     "div",
     { class: "tools", role: "search" },
     search,
-    select("Show", Object.entries(kinds), wish.kind, (kind) => {
+    choice("Show", Object.entries(kinds), wish.kind, (kind) => {
       wish.kind = kind as Kind;
       update();
     }),
-    select("Order", Object.entries(orders), wish.order, (order) => {
+    choice("Order", Object.entries(orders), wish.order, (order) => {
       wish.order = order as Order;
       update();
     }),

@@ -5,6 +5,7 @@ import { compareRoute } from "../router.ts";
 import { ServiceError } from "../service/client.ts";
 import type { Renders } from "../service/renders.ts";
 import { hasEnded, hasImage, type Render, type RenderState } from "../service/types.ts";
+import { MeasurePanel } from "../measure/measure_panel.ts";
 import { type RenderImage, renderImage } from "../viewer/render_image.ts";
 import { convergenceSection } from "./convergence_section.ts";
 import { lookFirstButton } from "./look_first_button.ts";
@@ -14,9 +15,14 @@ import { workersSection } from "./workers_section.ts";
 
 export function renderView(id: string, renders: Renders): View {
   const panel = summaryPanel(id, renders);
-  const image = renderImage(id, { onChosen: () => { first.show(renders.get(id)); } });
+  const image = renderImage(id, {
+    onChosen: () => { first.show(renders.get(id)); },
+    onDrawn: (outline) => { measuring.draft(outline); },
+    onTiles: () => { measuring.refresh(); },
+  });
+  const measuring = new MeasurePanel(id, image);
   const first = lookFirstButton(id, image.chosen, (render) => { renders.put(render); });
-  image.node.append(first.node);
+  image.node.append(first.node, measuring.node);
   const convergence = convergenceSection(id);
   const workers = workersSection({ id, onTilesInProgress: (byTile) => image.viewer?.showWorkers(byTile) });
   const problem = element("p", { class: "problem", role: "alert" });
@@ -40,6 +46,7 @@ export function renderView(id: string, renders: Renders): View {
         panel.show(render);
         image.show(render);
         first.show(render);
+        measuring.show(render);
         convergence.show(render);
       },
       onEnd: () => {
@@ -57,6 +64,7 @@ export function renderView(id: string, renders: Renders): View {
     close: () => {
       for (const each of stop) each();
       image.close();
+      measuring.close();
       convergence.close();
       workers.close();
     },

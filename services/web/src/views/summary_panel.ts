@@ -1,11 +1,13 @@
 /** The heading, and beside the image: progress, figures, downloads, cancel and delete. */
 import { element, setText } from "../dom.ts";
-import { getExplanation, imageAddress, previewAddress } from "../service/client.ts";
+import { getExplanation, imageAddress, previewAddress, sceneAddress } from "../service/client.ts";
 import type { Renders } from "../service/renders.ts";
 import { hasEnded, hasImage, type Render } from "../service/types.ts";
 import { cancelButton } from "./cancel_button.ts";
+import { controlBar } from "./control_bar.ts";
 import { deleteButton } from "./delete_button.ts";
 import { factsList } from "./facts.ts";
+import { idLine } from "./id_line.ts";
 import { progressBar } from "./progress_bar.ts";
 import { stateBadge } from "./state_badge.ts";
 
@@ -18,6 +20,7 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
   const bar = progressBar();
   const facts = factsList();
   const links = downloads(id);
+  const controls = controlBar(id, (render) => { renders.put(render); });
   const cancel = cancelButton(id, (render) => { renders.put(render); });
   const remove = deleteButton(id, () => {
     renders.forget(id);
@@ -29,7 +32,7 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
     if (!node.isConnected) clearInterval(timer);
     else if (current && !hasEnded(current)) facts.show(current);
   }, 1000);
-  const node = element("aside", { "aria-label": "Figures" }, reason, warnings, way, bar.node, facts.node, links.node, cancel.button, cancel.dialog, remove.button, remove.dialog);
+  const node = element("aside", { "aria-label": "Figures" }, reason, warnings, way, bar.node, facts.node, idLine(id), links.node, controls.node, cancel.button, cancel.dialog, remove.button, remove.dialog);
 
   const show = (render: Render): void => {
     const waits = !hasEnded(render) && !hasImage(render);
@@ -47,6 +50,7 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
     bar.show(render);
     facts.show(render);
     links.show(render);
+    controls.show(render);
     cancel.button.hidden = hasEnded(render);
     remove.button.hidden = !hasEnded(render);
   };
@@ -63,17 +67,18 @@ async function explain(id: string, node: HTMLElement): Promise<void> {
   }
 }
 
-/** Links to the image; the EXR is written when the render ends. */
+/** Links to the image as it is now, and to the scene. */
 function downloads(id: string): { node: HTMLElement; show: (render: Render) => void } {
   const file = `nocturne-${id.slice(0, 12)}`;
   const exr = element("a", { href: imageAddress(id), download: `${file}.exr` }, "Download EXR");
   const png = element("a", { href: previewAddress(id), download: `${file}.png` }, "Download PNG");
-  const node = element("p", { class: "downloads" }, exr, png);
+  const scene = element("a", { href: sceneAddress(id), download: `${file}.json` }, "Scene");
+  const node = element("p", { class: "downloads" }, exr, png, scene);
   return {
     node,
     show: (render) => {
-      node.hidden = !hasImage(render);
-      exr.hidden = !hasEnded(render);
+      exr.hidden = !hasImage(render);
+      png.hidden = !hasImage(render);
     },
   };
 }

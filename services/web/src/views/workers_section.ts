@@ -1,8 +1,10 @@
 /** Table of the workers, updated every two seconds, and the tiles of a render that each is tracing. */
 import { element } from "../dom.ts";
-import { formatCount } from "../format.ts";
-import { getTilesInProgress, listWorkers } from "../service/client.ts";
-import type { Worker } from "../service/types.ts";
+import { formatCount, formatDuration } from "../format.ts";
+import { renderRoute } from "../router.ts";
+import { getTilesInProgress, listWork, listWorkers } from "../service/client.ts";
+import { serviceNow } from "../service/clock.ts";
+import type { Worker, WorkOfWorker } from "../service/types.ts";
 
 const interval_ms = 2000;
 
@@ -26,11 +28,11 @@ export function workersSection(watched?: Watched): { node: HTMLElement; close: (
   const poll = async (): Promise<void> => {
     if (document.hidden) return;
     try {
-      const [workers, inProgress] = await Promise.all([listWorkers(), watched ? getTilesInProgress(watched.id) : []]);
+      const [workers, work, inProgress] = await Promise.all([listWorkers(), listWork(), watched ? getTilesInProgress(watched.id) : []]);
       for (const { id } of workers.toSorted((a, b) => a.id.localeCompare(b.id))) numberOf(id);
       watched?.onTilesInProgress(new Map(inProgress.map(({ tile, worker }) => [tile, numberOf(worker)])));
       const tiles = (worker: string): string => `${inProgress.filter((each) => each.worker === worker).length}`;
-      content.replaceChildren(workers.length > 0 ? table(workers, watched && tiles) : noWorkers());
+      content.replaceChildren(workers.length > 0 ? table(workers, work, watched && tiles) : noWorkers());
     } catch {
       // The bar says that the service is out of reach, or the render that there is none.
     }
@@ -40,9 +42,9 @@ export function workersSection(watched?: Watched): { node: HTMLElement; close: (
   return { node, close: () => { clearInterval(timer); } };
 }
 
-function table(workers: Worker[], tiles: ((worker: string) => string) | undefined): HTMLElement {
-  const headings = ["Worker", "Threads", "Rays/s", "Jobs done", ...(tiles ? ["Tiles now"] : [])];
-  const rows = workers.toSorted((a, b) => a.id.localeCompare(b.id)).map((worker) => row(worker, tiles ? [tiles(worker.id)] : []));
+function table(workers: Worker[], work: WorkOfWorker[], tiles: ((worker: string) => string) | undefined): HTMLElement {
+  const headings = ["Worker", "Traces", "Threads", "Rays/s", "Jobs done", ...(tiles ? ["Tiles now"] : [])];
+  const rows = workers.toSorted((a, b) => a.id.localeCompare(b.id)).map((worker) => row(worker, work.filter((each) => each.worker === worker.id), tiles ? [tiles(worker.id)] : []));
   return element(
     "table",
     {},
@@ -51,12 +53,18 @@ function table(workers: Worker[], tiles: ((worker: string) => string) | undefine
   );
 }
 
-function row(worker: Worker, more: string[]): HTMLElement {
+function row(worker: Worker, work: WorkOfWorker[], more: string[]): HTMLElement {
   const cells = [`${worker.threads}`, formatCount(worker.rays_per_second), formatCount(worker.jobs_done), ...more];
   const name = element("th", { scope: "row" }, worker.id);
   if (worker.quarantine) name.append(element("span", { class: "badge", "data-state": "FAILED", title: worker.quarantine }, "Quarantine"));
   else if (worker.incompatible) name.append(element("span", { class: "badge", "data-state": "PAUSED", title: worker.incompatible }, "No jobs"));
-  return element("tr", {}, name, ...cells.map((text) => element("td", {}, text)));
+  return element("tr", {}, name, element("td", { class: "traces" }, ...work.map(traced)), ...cells.map((text) => element("td", {}, text)));
+}
+
+/** "headlight, for 8 min": which render, and since when it has the oldest of its tiles. */
+function traced({ render, name, since }: WorkOfWorker): HTMLElement {
+  const seconds = Math.max(0, serviceNow() - since);
+  return element("span", {}, element("a", { href: renderRoute(render) }, name || render), seconds >= 60 ? `, for ${formatDuration(seconds)}` : "");
 }
 
 function noWorkers(): HTMLElement {

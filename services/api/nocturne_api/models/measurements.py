@@ -1,0 +1,218 @@
+"""Photometry of images: regions, lines, histograms, isolines and glare."""
+
+from typing import Literal, Self
+
+from nocturne_scene.photometry import glare, measuring, outlines
+from pydantic import ConfigDict, Field
+
+from nocturne_api.models import examples
+from nocturne_api.models.base import Answer, RequestBody
+
+_POINTS = (
+    "[x, y] in pixels from the film's upper left corner, where pixel i covers [i, i + 1). Two opposite "
+    "corners of a rectangle; 3 to 256 corners of a polygon; of a line its first and last pixel, [0, 0] "
+    "being the film's first one."
+)
+_ERROR = "Standard error; null where it is not known."
+
+OutlineKind = Literal["rectangle", "polygon", "line"]
+
+
+def _known(value: float) -> float | None:
+    return value if value == value else None
+
+
+class OutlineRequest(RequestBody):
+    """A part of the film to measure."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [examples.OUTLINE]})
+
+    name: str = Field(default="", max_length=100, description="At most 100 characters.")
+    kind: OutlineKind
+    points: list[list[float]] = Field(max_length=outlines.MAX_CORNERS, description=_POINTS)
+
+
+class MeasureRequest(RequestBody):
+    """What to measure; without outlines those kept with the render, and where there are none the whole
+    film."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"outlines": [examples.OUTLINE], "bins": 64}]})
+
+    outlines: list[OutlineRequest] = Field(default_factory=list, max_length=64)
+    channel: str = Field(default="Y", description="X, Y, Z, or a further response of the sensor.")
+    bins: int = Field(
+        default=0, ge=0, le=measuring.MAX_BINS, description="Of a histogram of each outline; 0: none is made."
+    )
+    low: float = Field(
+        default=0.0, description="Where the histogram begins; with high 0, too: by its values."
+    )
+    high: float = Field(default=0.0, description="Where the histogram ends.")
+    logarithmic: bool = Field(default=False, description="Bins are even steps of the logarithm.")
+
+
+class KeepRegionsRequest(RequestBody):
+    """Parts of the film that are kept with the render, instead of all that were."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"regions": [examples.OUTLINE]}]})
+
+    regions: list[OutlineRequest] = Field(max_length=64)
+
+
+class Outline(Answer):
+    """A part of the film."""
+
+    name: str
+    kind: OutlineKind
+    points: list[list[float]] = Field(description=_POINTS)
+
+    @classmethod
+    def of(cls, name: str, outline: outlines.Outline) -> Self:
+        """The public side of an outline."""
+        return cls(name=name, kind=outline.kind, points=[[x, y] for x, y in outline.points])
+
+
+class MeasuredRegions(Answer):
+    """Parts of the film that are kept with the render."""
+
+    regions: list[Outline]
+
+
+class PixelValue(Answer):
+    """What one pixel shows."""
+
+    x: int
+    y: int
+    value: float
+    standard_error: float | None = Field(description=_ERROR)
+
+    @classmethod
+    def of(cls, pixel: measuring.PixelValue) -> Self:
+        """The public side of a pixel's value."""
+        return cls(x=pixel.x, y=pixel.y, value=pixel.value, standard_error=_known(pixel.standard_error))
+
+
+class Histogram(Answer):
+    """How many pixels have which values."""
+
+    edges: list[float] = Field(description="Where bins begin and end: one more than there are counts.")
+    counts: list[int]
+    outside: int = Field(description="Pixels below the first bin or above the last.")
+    logarithmic: bool
+
+    @classmethod
+    def of(cls, found: measuring.Histogram) -> Self:
+        """The public side of a histogram."""
+        return cls(
+            edges=found.edges().tolist(),
+            counts=found.counts.tolist(),
+            outside=found.outside,
+            logarithmic=found.logarithmic,
+        )
+
+
+class Measurement(Answer):
+    """One quantity over the pixels of an outline that have samples; the extremes are those of single
+    pixels."""
+
+    outline: Outline
+    pixels: int
+    unseen_pixels: int = Field(description="In which no sample found light.")
+    mean: float
+    mean_error: float | None = Field(description=_ERROR)
+    minimum: PixelValue
+    maximum: PixelValue
+    u0: float | None = Field(description="Uniformity, minimum over mean; null in the dark.")
+    u0_error: float | None = Field(description=_ERROR)
+    ud: float | None = Field(description="Minimum over maximum; null in the dark.")
+    ud_error: float | None = Field(description=_ERROR)
+    profile: list[PixelValue] = Field(description="Of a line: its pixels in order.")
+    profile_csv: str = Field(description="The same as a table (RFC 4180); empty for other outlines.")
+    histogram: Histogram | None = Field(description="Where one was asked for.")
+
+    @classmethod
+    def of(
+        cls, outline: Outline, found: measuring.Measured, profile_csv: str, histogram: Histogram | None
+    ) -> Self:
+        """The public side of what was measured."""
+        return cls(
+            outline=outline,
+            pixels=found.pixels,
+            unseen_pixels=found.unseen_pixels,
+            mean=found.mean,
+            mean_error=_known(found.mean_error),
+            minimum=PixelValue.of(found.minimum),
+            maximum=PixelValue.of(found.maximum),
+            u0=_known(found.u0),
+            u0_error=_known(found.u0_error),
+            ud=_known(found.ud),
+            ud_error=_known(found.ud_error),
+            profile=[PixelValue.of(each) for each in found.profile],
+            profile_csv=profile_csv,
+            histogram=histogram,
+        )
+
+
+class Measurements(Answer):
+    """What outlines of an image show."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [examples.MEASUREMENTS]})
+
+    quantity: str = Field(description="What is measured; the channel's name where it is not Y.")
+    unit: str
+    channel: str
+    measurements: list[Measurement] = Field(description="In the order of the outlines.")
+    csv: str = Field(description="The same as a table (RFC 4180), without profiles and histograms.")
+
+
+class Isoline(Answer):
+    """Lines along which the image has one value."""
+
+    level: float
+    lines: list[list[list[float]]] = Field(
+        description="Points [x, y] in pixels from the film's upper left corner; closed, or from border to "
+        "border."
+    )
+
+
+class Isolines(Answer):
+    """Lines along which the image has these values, of means over blocks of pixels."""
+
+    quantity: str
+    unit: str
+    block: int = Field(description="Edge of a block in pixels.")
+    isolines: list[Isoline] = Field(description="Lowest level first.")
+
+
+class GlareSource(Answer):
+    """Connected pixels that glare."""
+
+    luminance: float = Field(description="Mean over its solid angle, cd/m2.")
+    solid_angle: float = Field(description="sr.")
+    position_index: float
+    azimuth_degrees: float = Field(description="To the right of the line of sight.")
+    elevation_degrees: float = Field(description="Above the line of sight.")
+
+
+class Glare(Answer):
+    """How much an eye is disturbed by what a panorama shows."""
+
+    ugr: float | None = Field(description="Unified glare rating, CIE 117; null where nothing glares.")
+    ugr_error: float | None = Field(description=_ERROR)
+    dgp: float | None = Field(
+        description="Daylight glare probability, Wienold and Christoffersen 2006; null in the dark."
+    )
+    dgp_error: float | None = Field(description=_ERROR)
+    vertical_illuminance: float = Field(description="At the eye, lx.")
+    vertical_illuminance_error: float | None = Field(description=_ERROR)
+    background_luminance: float = Field(description="cd/m2.")
+    sources: list[GlareSource] = Field(description="Those that count most first.")
+    notes: list[str] = Field(description="What is outside of the range for which a formula was made.")
+
+    @classmethod
+    def of(cls, found: glare.Glare) -> Self:
+        """The public side of a glare rating."""
+        numbers = {
+            name: _known(getattr(found, name)) for name in cls.model_fields.keys() - {"sources", "notes"}
+        }
+        sources = [GlareSource.model_validate(each) for each in found.sources]
+        return cls.model_validate({**numbers, "sources": sources, "notes": [*found.notes]})

@@ -1,0 +1,177 @@
+"""`nocturne measure` and `nocturne glare` of EXR files: the same formulas as the service's."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from nocturne_scene.compare.images import Picture, read_picture
+from nocturne_scene.errors import InputError
+from nocturne_scene.photometry import glare, measuring
+from nocturne_scene.photometry.directions import Projection
+from nocturne_scene.photometry.outlines import Kind, Outline
+from nocturne_scene.quantities import LUMINANCE, Quantity, quantity_named
+from nocturne_scene.tile_sums import blocks_in
+from nocturne_scene.uncertainty import ImageMoments
+
+from nocturne_client import contract
+from nocturne_client.errors import NocturneClientError, Problem
+
+
+def measure_file(
+    image: Path, outlines: Sequence[contract.Outline], channel: str, bins: int
+) -> contract.Measurements:
+    """What parts of an image show, or all of it. Raises NocturneClientError."""
+    try:
+        picture = read_picture(image)
+        quantity, moments = _quantity(image), _moments(picture)
+        if channel not in picture.names:
+            expected = ", ".join(picture.names)
+            raise InputError.at(str(image), f"{channel!r} is not known; expected {expected}")
+        name, unit = _named(quantity, picture.names, channel)
+        height, width = moments.samples.shape
+        wanted = [(each.name, _outline(each)) for each in outlines] or [
+            ("", Outline("rectangle", ((0.0, 0.0), (float(width), float(height)))))
+        ]
+        for _, outline in wanted:
+            outline.check(width, height, outline.kind)
+        index = picture.names.index(channel)
+        found = [(text, outline, _measured(moments, outline, index)) for text, outline in wanted]
+    except InputError as error:
+        raise _refused(error) from error
+    return contract.Measurements(
+        quantity=name,
+        unit=unit,
+        channel=channel,
+        measurements=[
+            _measurement(text, outline, one, _histogram(moments, outline, one, index, bins), (name, unit))
+            for text, outline, one in found
+        ],
+        csv=measuring.as_csv(found, name, unit),
+    )
+
+
+def glare_of_file(
+    image: Path, projection: str, field_degrees: float, view: tuple[float, float, float | None]
+) -> contract.Glare:
+    """`view`: azimuth and elevation in degrees, and the luminance of what glares. NocturneClientError."""
+    azimuth, elevation, threshold = view
+    eye = glare.View(azimuth, elevation, glare.DEFAULT_THRESHOLD if threshold is None else threshold)
+    try:
+        moments = _moments(read_picture(image))
+        quantity = _quantity(image)
+        # Of other programs' images nothing is known; who asks for glare says that they are luminance.
+        seen = quantity if quantity.name else LUMINANCE
+        found = glare.glare_of(moments, seen, cast("Projection", projection), eye, field_degrees)
+    except InputError as error:
+        raise _refused(error) from error
+    sources = [
+        contract.GlareSource(
+            each.luminance,
+            each.solid_angle,
+            each.position_index,
+            each.azimuth_degrees,
+            each.elevation_degrees,
+        )
+        for each in found.sources
+    ]
+    return contract.Glare(
+        ugr=_known(found.ugr),
+        ugr_error=_known(found.ugr_error),
+        dgp=_known(found.dgp),
+        dgp_error=_known(found.dgp_error),
+        vertical_illuminance=found.vertical_illuminance,
+        vertical_illuminance_error=_known(found.vertical_illuminance_error),
+        background_luminance=found.background_luminance,
+        sources=sources,
+        notes=[*found.notes],
+    )
+
+
+def _quantity(image: Path) -> Quantity:
+    spec = oiio.ImageBuf(str(image)).spec()
+    return quantity_named(spec.getattribute("nocturne:quantity") or "")
+
+
+def _named(quantity: Quantity, names: Sequence[str], channel: str) -> tuple[str, str]:
+    """What a channel is, and its unit."""
+    if channel == "Y":
+        return quantity.name or "Y", quantity.unit
+    return channel, quantity.unit if names.index(channel) < len("XYZ") else quantity.response_unit
+
+
+def _moments(picture: Picture) -> ImageMoments:
+    """Of other programs' images no error is known, as of one sample."""
+    if picture.moments is not None:
+        return picture.moments
+    height, width = picture.xyz.shape[:2]
+    unknown = np.full(picture.xyz.shape, np.nan)
+    blocks = np.full((blocks_in(height), blocks_in(width)), np.nan)
+    samples = np.ones((height, width), dtype=np.uint32)
+    return ImageMoments(
+        picture.xyz, unknown, unknown, blocks, np.full((1, 1), np.nan), max(width, height), samples
+    )
+
+
+def _measured(moments: ImageMoments, outline: Outline, index: int) -> measuring.Measured:
+    adding = measuring.Measuring(outline, moments.mean.shape[-1], index)
+    adding.add(moments, 0, 0)
+    found = adding.measured()
+    if found is None:
+        raise InputError.at(outline.kind, "has no samples")
+    return found
+
+
+def _histogram(
+    moments: ImageMoments, outline: Outline, found: measuring.Measured, index: int, bins: int
+) -> contract.Histogram | None:
+    if not bins:
+        return None
+    height, width = moments.samples.shape
+    chosen = outline.mask(0, 0, width, height) & (moments.samples > 0)
+    counted = measuring.Histogram(*measuring.histogram_range(found, 0.0, 0.0, False), bins, False)
+    counted.add(moments.mean[chosen][:, index])
+    return contract.Histogram(counted.edges().tolist(), counted.counts.tolist(), counted.outside, False)
+
+
+def _measurement(
+    name: str,
+    outline: Outline,
+    found: measuring.Measured,
+    histogram: contract.Histogram | None,
+    named: tuple[str, str],
+) -> contract.Measurement:
+    numbers: dict[str, Any] = {
+        each: _known(getattr(found, each)) for each in ("mean_error", "u0", "u0_error", "ud", "ud_error")
+    }
+    return contract.Measurement(
+        outline=contract.Outline(name, outline.kind, [[x, y] for x, y in outline.points]),
+        pixels=found.pixels,
+        unseen_pixels=found.unseen_pixels,
+        mean=found.mean,
+        minimum=_pixel(found.minimum),
+        maximum=_pixel(found.maximum),
+        profile=[_pixel(each) for each in found.profile],
+        profile_csv=measuring.profile_as_csv(found, *named) if found.profile else "",
+        histogram=histogram,
+        **numbers,
+    )
+
+
+def _pixel(pixel: measuring.PixelValue) -> contract.PixelValue:
+    return contract.PixelValue(pixel.x, pixel.y, pixel.value, _known(pixel.standard_error))
+
+
+def _outline(outline: contract.Outline) -> Outline:
+    return Outline(cast("Kind", outline.kind), tuple((x, y) for x, y in outline.points))
+
+
+def _known(value: float) -> float | None:
+    return None if math.isnan(value) else value
+
+
+def _refused(error: InputError) -> NocturneClientError:
+    problems = [Problem(each.place, each.message) for each in error.problems]
+    return NocturneClientError("the image can't be measured", problems=problems)

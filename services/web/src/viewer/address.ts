@@ -1,0 +1,28 @@
+/** Keeps how the image is looked at in the address. */
+import type { Region } from "../image/film.ts";
+import { fromQuery, toQuery } from "./memory.ts";
+import type { Viewer } from "./viewer.ts";
+
+/** Milliseconds: browsers refuse addresses that change with every step of a slider. */
+const rest = 300;
+
+/** Shows the image as the address says; gives the region that is chosen there. */
+export function recall(viewer: Viewer, canCompare: boolean): Region | undefined {
+  const { chosen, show, ...look } = fromQuery(location.hash.split("?")[1] ?? "");
+  viewer.change(show && (canCompare || show !== "difference") ? { ...look, show } : look);
+  return chosen;
+}
+
+/** What writes it, a moment after a change. */
+export function rememberer(viewer: Viewer): () => void {
+  const [route = "#/"] = location.hash.split("?");
+  let timer = 0;
+  return () => {
+    timer ||= window.setTimeout(() => {
+      timer = 0;
+      const query = toQuery(viewer.look, viewer.isAuto);
+      const address = `${route}${query ? `?${query}` : ""}`;
+      if (location.hash.split("?")[0] === route && location.hash !== address) history.replaceState(null, "", address);
+    }, rest);
+  };
+}

@@ -1,0 +1,52 @@
+/** How an image is looked at, as the part of the address after "?": a link shows the same, and so does a reload. Pure. */
+import type { Scale } from "../image/colour_maps.ts";
+import type { Region } from "../image/film.ts";
+import { type Look, type Show, shows, type Tone, tones } from "../image/look.ts";
+
+export interface Memory {
+  show?: Show;
+  tone?: Tone;
+  exposure?: number;
+  ranges?: Look["ranges"];
+  chosen?: Region;
+}
+
+/** What differs from how images are shown by themselves; empty: nothing. `isAuto`: the exposure follows the image. */
+export function toQuery({ show, tone, exposure, ranges, chosen }: Pick<Look, "show" | "tone" | "exposure" | "ranges" | "chosen">, isAuto: boolean): string {
+  const query = new URLSearchParams();
+  if (show !== "colour") query.set("view", show);
+  if (tone !== "reinhard") query.set("tone", tone);
+  if (!isAuto) query.set("exposure", exposure.toPrecision(4));
+  const range = ranges[show];
+  if (range) query.set("range", `${range.low},${range.high},${range.logarithmic ? "log" : "linear"}`);
+  if (chosen) query.set("region", [chosen.x, chosen.y, chosen.width, chosen.height].join());
+  return query.toString().replaceAll("%2C", ",");
+}
+
+/** What an address says; what it says wrongly is left out. */
+export function fromQuery(text: string): Memory {
+  const query = new URLSearchParams(text);
+  const show = shows.find((each) => each === query.get("view"));
+  const tone = tones.find((each) => each === query.get("tone"));
+  const exposure = Number(query.get("exposure"));
+  const range = rangeOf(query.get("range") ?? "");
+  const chosen = regionOf(query.get("region") ?? "");
+  return {
+    ...(show && { show }),
+    ...(tone && { tone }),
+    ...(exposure > 0 && Number.isFinite(exposure) && { exposure }),
+    ...(show && range && { ranges: { [show]: range } }),
+    ...(chosen && { chosen }),
+  };
+}
+
+function rangeOf(text: string): Scale | undefined {
+  const [low = NaN, high = NaN] = text.split(",").map(Number);
+  return high > low ? { low, high, logarithmic: low > 0 && text.endsWith("log") } : undefined;
+}
+
+function regionOf(text: string): Region | undefined {
+  const parts = text.split(",").map(Number);
+  const [x = -1, y = -1, width = 0, height = 0] = parts;
+  return parts.every(Number.isInteger) && Math.min(x, y) >= 0 && Math.min(width, height) > 0 ? { x, y, width, height } : undefined;
+}

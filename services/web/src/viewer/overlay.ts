@@ -1,0 +1,131 @@
+/** What lies over the image: isolines with their values, outlines that are measured, and the values of pixels when they are large. */
+import { element } from "../dom.ts";
+import { formatValue } from "../format.ts";
+import type { Film } from "../image/film.ts";
+import type { Show } from "../image/look.ts";
+import type { Placement, Point } from "../image/placement.ts";
+import type { Isolines, Outline } from "../service/types.ts";
+
+/** Edge of a pixel on the screen from which its value has room, in pixels of the style sheet. */
+const roomForValue_px = 44;
+/** A shorter isoline has no room for its value. */
+const roomForLabel_px = 90;
+const labelsPerLevel = 3;
+
+const ink = "#ffffff";
+const halo = "rgb(0 0 0 / 75%)";
+const drawn = "#ffd166";
+
+export interface Seen {
+  film: Film | undefined;
+  show: Show;
+  placement: Placement;
+  /** Of the canvas, device pixels. */
+  width: number;
+  height: number;
+}
+
+export class Overlay {
+  readonly canvas = element("canvas", { class: "overlay", "aria-hidden": "true" });
+  isolines: Isolines | undefined;
+  outlines: readonly Outline[] = [];
+  /** What is being drawn. */
+  draft: Outline | undefined;
+  #isEmpty = true;
+
+  paint(seen: Seen): void {
+    const values = showsValues(seen) ? seen.film : undefined;
+    const outlines = this.draft ? [...this.outlines, this.draft] : this.outlines;
+    const isEmpty = !values && !this.isolines && outlines.length === 0;
+    if (isEmpty && this.#isEmpty) return;
+    this.#isEmpty = isEmpty;
+    // Also clears it.
+    this.canvas.width = seen.width;
+    this.canvas.height = seen.height;
+    const context = this.canvas.getContext("2d");
+    if (context) this.#draw(context, seen, values, outlines);
+  }
+
+  #draw(context: CanvasRenderingContext2D, seen: Seen, values: Film | undefined, outlines: readonly Outline[]): void {
+    const ratio = devicePixelRatio;
+    Object.assign(context, { font: `${12 * ratio}px system-ui, sans-serif`, textAlign: "center", textBaseline: "middle", lineJoin: "round" });
+    const at = (x: number, y: number): Point => onCanvas({ x, y }, seen);
+    if (values) paintValues(context, values, seen, ratio);
+    for (const { level, lines } of this.isolines?.isolines ?? []) paintIsolines(context, `${Number(formatValue(level, 4))}`, lines, at, seen, ratio);
+    for (const outline of outlines) paintOutline(context, outline, at, ratio, outline === this.draft ? drawn : ink);
+  }
+}
+
+function showsValues({ show, placement }: Seen): boolean {
+  return placement.scale >= roomForValue_px * devicePixelRatio && (show === "luminance" || show === "error" || show === "colour");
+}
+
+/** From a point of the film to pixels of the canvas. */
+export function onCanvas({ x, y }: Point, { placement, width, height }: Pick<Seen, "placement" | "width" | "height">): Point {
+  return { x: (x - placement.x) * placement.scale + width / 2, y: (y - placement.y) * placement.scale + height / 2 };
+}
+
+function paintValues(context: CanvasRenderingContext2D, film: Film, seen: Seen, ratio: number): void {
+  const { placement: { x, y, scale }, width, height } = seen;
+  const channel = seen.show === "error" ? 3 : 1;
+  for (let row = Math.floor(y - height / 2 / scale); row <= y + height / 2 / scale; row += 1) {
+    for (let column = Math.floor(x - width / 2 / scale); column <= x + width / 2 / scale; column += 1) {
+      const value = film.pixel(column, row)?.values[channel];
+      if (value === undefined) continue;
+      label(context, formatValue(value, 3), onCanvas({ x: column + 0.5, y: row + 0.5 }, seen), ratio);
+    }
+  }
+}
+
+function paintIsolines(context: CanvasRenderingContext2D, text: string, lines: readonly (readonly number[][])[], at: (x: number, y: number) => Point, seen: Seen, ratio: number): void {
+  const inside = ({ x, y }: Point): boolean => x > 30 && y > 12 && x < seen.width - 30 && y < seen.height - 12;
+  const paths = lines.map((line) => line.map(([x = 0, y = 0]) => at(x, y)));
+  for (const path of paths) stroke(context, path, ratio, ink, false);
+  const longest = paths.map((path) => ({ path, length: lengthOf(path) })).filter(({ length }) => length > roomForLabel_px * ratio).sort((a, b) => b.length - a.length);
+  for (const { path } of longest.slice(0, labelsPerLevel)) {
+    const middle = path.slice(path.length >> 1).find(inside) ?? path.find(inside);
+    if (middle) label(context, text, middle, ratio);
+  }
+}
+
+function paintOutline(context: CanvasRenderingContext2D, outline: Outline, at: (x: number, y: number) => Point, ratio: number, colour: string): void {
+  const path = cornersOf(outline).map(([x = 0, y = 0]) => at(x, y));
+  stroke(context, path, ratio, colour, outline.kind !== "line");
+  const mean = (of: (point: Point) => number): number => path.reduce((sum, point) => sum + of(point), 0) / path.length;
+  if (outline.name) label(context, outline.name, { x: mean(({ x }) => x), y: mean(({ y }) => y) }, ratio);
+}
+
+function cornersOf({ kind, points }: Outline): readonly (readonly number[])[] {
+  // A line goes from the middle of its first pixel to that of its last.
+  if (kind === "line") return points.map(([x = 0, y = 0]) => [x + 0.5, y + 0.5]);
+  if (kind === "polygon") return points;
+  const [[x0 = 0, y0 = 0] = [], [x1 = 0, y1 = 0] = []] = points;
+  return [[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
+}
+
+function stroke(context: CanvasRenderingContext2D, path: readonly Point[], ratio: number, colour: string, closed: boolean): void {
+  context.beginPath();
+  path.forEach(({ x, y }, index) => { if (index === 0) context.moveTo(x, y); else context.lineTo(x, y); });
+  if (closed) context.closePath();
+  for (const [width, style] of [[3.5, halo], [1.5, colour]] as const) {
+    context.lineWidth = width * ratio;
+    context.strokeStyle = style;
+    context.stroke();
+  }
+}
+
+/** Readable on any colour. */
+function label(context: CanvasRenderingContext2D, text: string, { x, y }: Point, ratio: number): void {
+  context.lineWidth = 3.5 * ratio;
+  context.strokeStyle = halo;
+  context.strokeText(text, x, y);
+  context.fillStyle = ink;
+  context.fillText(text, x, y);
+}
+
+function lengthOf(path: readonly Point[]): number {
+  return path.reduce((sum, { x, y }, index) => {
+    const before = path[index - 1];
+    return before ? sum + Math.hypot(x - before.x, y - before.y) : sum;
+  }, 0);
+}
