@@ -77,10 +77,10 @@ demo: proto web programs  ## Start the service, render the Cornell box, show whe
 stop:  ## Stop the service that `make demo` started
 	@python3 -c "import json, os, signal; os.kill(json.load(open('data/service.json'))['pid'], signal.SIGTERM)"
 
-# Beside what the page promises about time runs no more than one C++ test. Of the tests in Python some trace and some wait,
-# so there are twice as many processes as processors.
-test: check  ## All tests
-	@$(MAKE) --no-print-directory --jobs 2 test-cpp test-python
+# Two at a time, in this order: beside what the page promises about time runs no more than mypy, then one linter or C++ test. Of
+# the tests in Python some trace and some wait, so there are twice as many processes as processors.
+test: build  ## All checks and tests
+	@$(MAKE) --no-print-directory --jobs 2 check-types test-python check-page check-form test-cpp
 test-cpp: build
 	@ctest --test-dir build/release --output-on-failure --no-tests=error > build/ctest.log || { cat build/ctest.log; false; }
 	@grep "tests passed" build/ctest.log
