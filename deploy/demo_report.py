@@ -44,8 +44,8 @@ def _error(progress: dict[str, Any], unit: str) -> str:
         return "How far the image is off is not known yet."
     digits = max(0, 1 - math.floor(math.log10(interval))) if interval > 0.0 else 0
     lines = [
-        f"Its error: a pixel is off by about {100.0 * error:.2g} % of its luminance, the grain that you see. The",
-        f"mean of the image is known much better: {mean:.{digits}f} +- {interval:.{digits}f} {unit} (95 %).",
+        f"Its error: a pixel is off by about {100.0 * error:.2g} % of its luminance, the grain that you see.",
+        f"The mean of all is known much better: {mean:.{digits}f} +- {interval:.{digits}f} {unit} (95 %).",
     ]
     if progress["doubt"]:
         lines += [
