@@ -77,10 +77,10 @@ demo: proto web programs  ## Start the service, render the Cornell box, show whe
 stop:  ## Stop the service that `make demo` started
 	@python3 -c "import json, os, signal; os.kill(json.load(open('data/service.json'))['pid'], signal.SIGTERM)"
 
-# Beside what the page promises about time runs no more than one C++ test. Of the tests in Python some trace and some wait,
-# so there are twice as many processes as processors.
-test: check  ## All tests
-	@$(MAKE) --no-print-directory --jobs 2 test-cpp test-python
+# Two at a time, in this order: beside what the page promises about time runs no more than mypy, then one linter or C++ test. Of
+# the tests in Python some trace and some wait, so there are twice as many processes as processors.
+test: build  ## All checks and tests
+	@$(MAKE) --no-print-directory --jobs 2 check-types test-python check-page check-form test-cpp
 test-cpp: build
 	@ctest --test-dir build/release --output-on-failure --no-tests=error > build/ctest.log || { cat build/ctest.log; false; }
 	@grep "tests passed" build/ctest.log
@@ -121,12 +121,12 @@ screenshots: build  ## Pictures of the page for docs/how-to/page.md, by its test
 soak: build  ## Random faults for SOAK_SECONDS (default 600), and all that takes minutes (a quarter of an hour more)
 	pytest -m soak
 
-accuracy: build  ## Images against known values with twice the samples of `make test` (some ten minutes)
-	NOCTURNE_ACCURACY=1 pytest -m "not soak" $(PROCESSES) 4 tests/accuracy
+accuracy: build  ## Images against known values with four times the samples of `make test` (some ten minutes)
+	NOCTURNE_ACCURACY=1 pytest -m "not soak" $(PROCESSES) 4 tests/accuracy tests/scene/test_uncertainty.py
 
 fuzz: build  ## Any calls, messages, scenes and bytes, many times more than in the tests (about 20 minutes)
 	NOCTURNE_FUZZ_EXAMPLES=300 pytest tests/services/test_any_calls.py tests/scene/formats/test_any_scene.py \
-	  tests/coordinator/test_result_handler.py tests/faults/test_any_order.py
+	  tests/coordinator/test_result_handler.py tests/faults/test_any_order.py tests/faults/test_in_memory.py
 	NOCTURNE_FUZZ_TRIES=1000 NOCTURNE_FUZZ_SEED=$$RANDOM pytest tests/system/test_any_bytes.py
 
 references: build  ## Other renderers' scenes against their own reference images (minutes)
@@ -166,6 +166,7 @@ docs: contract  ## Pages that are generated from the code, and the documentation
 	  > docs/reference/commands.md
 	$(PYTHON) -m examples.gallery --page
 	$(PYTHON) -m sphinx --fail-on-warning --keep-going --quiet -c docs -d build/docs-doctrees . build/docs-site
+	NOCTURNE_SITE=$(CURDIR)/build/docs-site pytest --quiet -m soak tests/docs/test_site.py
 
 gallery: build  ## Pictures of examples whose entry in examples/gallery.toml is new, and docs/gallery.md (minutes)
 	$(PYTHON) -m examples.gallery

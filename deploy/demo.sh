@@ -25,10 +25,6 @@ id=$(nocturne submit examples/cornell/scene.json --width 512 --height 512 --samp
     python3 -c 'import json, sys; print(json.load(sys.stdin)["id"])')
 nocturne watch "$id"
 mkdir -p build/demo
-nocturne get "$id" --exr build/demo/cornell.exr --png build/demo/cornell.png >/dev/null
+nocturne get "$id" --exr build/demo/cornell.exr --png build/demo/cornell.png --json >build/demo/cornell.json
 
-echo
-echo "Image (XYZ, Y in cd/m2, with standard errors):  $PWD/build/demo/cornell.exr"
-echo "Picture:                                        $PWD/build/demo/cornell.png"
-echo "Page:                                           $NOCTURNE_URL/#/renders/$id"
-echo "The service goes on; stop it with:              make stop"
+python3 deploy/demo_report.py build/demo/cornell.json "$NOCTURNE_URL"

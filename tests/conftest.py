@@ -33,7 +33,12 @@ class _Scheduling(LoadScopeScheduling):  # type: ignore[misc]  # pytest-xdist's 
         return path if path.startswith(_WHOLE) else nodeid
 
 
-_WHOLE = ("tests/system/", "tests/faults/", "tests/docs/test_site.py", "tests/accuracy/test_cornell.py")
+_WHOLE = (
+    "tests/system/",
+    "tests/faults/",
+    "tests/accuracy/test_cornell.py",
+    "tests/accuracy/test_error_bars.py",
+)
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:

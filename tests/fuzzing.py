@@ -15,3 +15,8 @@ def tried(examples: int) -> settings:
         database=None,
         suppress_health_check=list(HealthCheck),
     )
+
+
+def seeds(count: int) -> range:
+    """So many, or as many as `make fuzz` asks for."""
+    return range(int(_ASKED or count))

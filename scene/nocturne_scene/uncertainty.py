@@ -50,8 +50,12 @@ def variance_of_mean(sums: Values, squares: Values, counts: Values | Counts) -> 
 def covariance_of_means(products: Values, a: Values, b: Values, counts: Values | Counts) -> Values:
     """Of the means of n pairs of numbers; 0 below two."""
     n = np.maximum(counts, 2).astype(np.float64)
-    found: Values = (products - a * b / n) / (n * (n - 1.0))
-    return np.where(counts < 2, 0.0, found)
+    found: Values = a * b
+    found /= n
+    np.subtract(products, found, out=found)
+    found /= n * (n - 1.0)
+    found[np.broadcast_to(counts < 2, found.shape)] = 0.0
+    return found
 
 
 def block_sums(values: Values) -> Values:

@@ -20,6 +20,7 @@ class SeenBothWays:
     pixels: tuple[int, int] = (16, 16)
     """Edges are multiples of 8."""
     samples: int = 512
+    """Half of them are taken in `make test`, twice as many in `make accuracy`."""
 
 
 def _scene(sensor: Document, surfaces: list[Document], **further: Any) -> Document:

@@ -12,6 +12,7 @@ import pytest
 from tests.accuracy.agreement import compare
 from tests.accuracy.cameras_both_ways import SCENES
 from tests.accuracy.meters import image_by
+from tests.accuracy.tracing import part_of
 from tests.system.images import Image
 
 pytestmark = pytest.mark.system
@@ -19,7 +20,8 @@ pytestmark = pytest.mark.system
 
 def _trace(name: str, direction: str, seed: int, folder: Path) -> Image:
     scene = SCENES[name]
-    return image_by(direction, scene.document, scene.pixels, scene.samples, seed, folder / direction)
+    samples = part_of(2 * scene.samples)
+    return image_by(direction, scene.document, scene.pixels, samples, seed, folder / direction)
 
 
 @pytest.mark.parametrize("name", SCENES)

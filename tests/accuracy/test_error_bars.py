@@ -17,7 +17,7 @@ from nocturne_scene.compare.images import read_picture
 from nocturne_scene.uncertainty import CONFIDENCE, ImageMoments, read_region
 
 from tests.accuracy.scenes import furnace
-from tests.accuracy.tracing import Document, run, write
+from tests.accuracy.tracing import IN_FULL, Document, run, write
 
 pytestmark = pytest.mark.system
 
@@ -78,7 +78,7 @@ def image_and_truth(tmp_path_factory: pytest.TempPathFactory) -> tuple[ImageMome
     return image, _RADIANCE / (1.0 - _ALBEDO) * integrals
 
 
-@pytest.mark.parametrize("edge", [1, 2, 4, 8])
+@pytest.mark.parametrize("edge", [1, 2, 4, 8] if IN_FULL else [2, 8])
 def test_intervals_of_a_furnace_hold_its_radiance(
     edge: int, image_and_truth: tuple[ImageMoments, Values]
 ) -> None:

@@ -42,7 +42,7 @@ def _check_points(
         here.mkdir()
         tile, meter = white_tile(point)
         scene = measured_scene(meter, [tile, *surfaces])
-        reading = Measurement(scene, here, 8, 8).by_pixels(128) * pi
+        reading = Measurement(scene, here, 8, 8).by_pixels(256) * pi
         reading.check(truth, uncertainty, values=len(points))
 
 

@@ -294,7 +294,7 @@ def test_airlight(case: tuple[float, float, float, float, float, float], tmp_pat
     fog |= {"phase": {"type": "henyey_greenstein", "g": g}} if g else {}
     document |= {"media": {"fog": fog}, "unbounded_media": ["fog"]}
     # Few photons meet the lamp: with fewer than these their mean is not normal.
-    read(document, tmp_path, 32 * _SAMPLES).check(_AIRLIGHTS[case], 4e-4)
+    read(document, tmp_path, 64 * _SAMPLES).check(_AIRLIGHTS[case], 4e-4)
 
 
 def test_attenuation_through_air_around_a_planet(tmp_path: Path) -> None:

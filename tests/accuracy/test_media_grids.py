@@ -108,4 +108,4 @@ def test_attenuation_through_a_gaussian(beside: float, depth: float, tmp_path: P
         "media": {"smoke": {"absorption": 5.0, "density": {"asset": "ball.vdb", "grid": "density"}}},
         "environment": {"radiance": 1.0},
     }
-    Measurement(document, tmp_path, 8, 8).by_pixels(2048).check(exp(-depth), 1e-5, values=3)
+    Measurement(document, tmp_path, 8, 8).by_pixels(4096).check(exp(-depth), 1e-5, values=3)

@@ -223,6 +223,27 @@ def test_images_that_are_due_together_are_written_one_by_one() -> None:
         assert {each.render_id for each in followed if isinstance(each, do.WritePreview)} == {"a", "b", "c"}
 
 
+@pytest.mark.parametrize(("renders", "pause"), [(1, 10.0), (2, 10.0), (6, 30.0)])
+def test_previews_of_many_renders_cost_no_more_than_those_of_two(renders: int, pause: float) -> None:
+    """One that takes 0.1 s is a hundredth of ten seconds."""
+    shell = Shell(tuple(row(f"{number}", 3000) for number in range(renders)))
+    shell.take_up()
+    shell.tell(StreamIsReady(at(0.1)))
+    shell.answers[do.WritePreview] = lambda _: at(shell.now.now + 0.1)
+    for number in range(renders):
+        shell.result(f"{number}", 0.2)
+
+    def previews(now: float) -> int:
+        for render in shell.core.state.renders.values():
+            # As if new samples had come.
+            render.pictured_photons = 0
+        return kinds(shell.tell(Tick(at(now)))).count("WritePreview")
+
+    assert previews(1.0) == renders
+    assert previews(0.9 + pause) == 0
+    assert previews(2.0 + pause) == renders
+
+
 def test_a_state_that_must_not_be_is_found() -> None:
     shell = Shell((row("r"),))
     shell.take_up()

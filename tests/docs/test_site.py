@@ -1,5 +1,9 @@
-"""The documentation site: it builds without a warning, and every link within it leads somewhere."""
+"""The documentation site: it builds without a warning, and every link within it leads somewhere.
 
+What needs it is run by `make docs`; links between the pages' sources are in test_docs.py, in every run.
+"""
+
+import os
 import subprocess
 import sys
 from html.parser import HTMLParser
@@ -51,7 +55,9 @@ def _dead(site: Path) -> list[str]:
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The site, built anew."""
+    """The site: the one of `make docs`, or built anew."""
+    if "NOCTURNE_SITE" in os.environ:
+        return Path(os.environ["NOCTURNE_SITE"]).resolve()
     folder = tmp_path_factory.mktemp("site")
     command = [sys.executable, "-m", "sphinx", "--fail-on-warning", "--keep-going", "--quiet"]
     places: list[str | Path] = ["-c", ROOT / "docs", "-d", folder / "doctrees", ROOT, folder / "html"]
@@ -60,10 +66,12 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return (folder / "html").resolve()
 
 
+@pytest.mark.soak
 def test_links_within_the_site_lead_somewhere(site: Path) -> None:
     assert _dead(site) == []
 
 
+@pytest.mark.soak
 def test_the_site_has_all_its_parts(site: Path) -> None:
     for page in ("index", "docs/quick-start", "docs/gallery", "docs/reference/python", "examples/fog/README"):
         assert (site / f"{page}.html").is_file(), page

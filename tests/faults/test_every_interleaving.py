@@ -16,11 +16,11 @@ from tests.faults.explorer import Explorer
     [
         (3, 2, 0, 0, 549),
         (3, 1, 1, 0, 1_630),
-        (3, 2, 1, 0, 72_624),
+        pytest.param(3, 2, 1, 0, 72_624, marks=pytest.mark.soak),
         (3, 1, 2, 0, 18_656),
         (2, 2, 2, 0, 25_703),
         (2, 1, 0, 1, 2_275),
-        (2, 1, 1, 1, 48_298),
+        pytest.param(2, 1, 1, 1, 48_298, marks=pytest.mark.soak),
         (3, 1, 0, 1, 31_016),
     ],
 )

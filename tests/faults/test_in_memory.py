@@ -24,9 +24,10 @@ from tests.coordinator.simulated_worker import Shuffled
 from tests.coordinator.test_result_handler import SPOILT
 from tests.coordinator.world import Crashed, World
 from tests.faults.test_lies import Flooder, Forger
+from tests.fuzzing import seeds
 
 POINTS = ("received", "merged", "before-commit", "after-commit", "after-acknowledge")
-SEEDS = range(20)
+SEEDS = seeds(8)
 MOST, ODD = "a" * 16, "b" * 16
 
 Alter = Callable[[job_pb2.JobResult], list[job_pb2.JobResult | bytes]]

@@ -116,9 +116,10 @@ def test_a_job_beyond_its_processor_time_fails_and_says_so(service: ServiceProce
     assert service.client.get(good).state == "SUCCEEDED"
 
 
+@pytest.mark.parametrize("service", ["0.3"], indirect=True)
 def test_ranges_are_cut_by_what_earlier_ones_took(service: ServiceProcesses) -> None:
     """P2: jobs of a slow scene take about as long as they should, and its threads do other work between."""
-    slow = submit(service, SLOW, 2048, 16)
+    slow = submit(service, SLOW, 2048, 8)
     planned = service.client.get(slow).progress.ranges_planned
     wait_for(lambda: service.client.get(slow).progress.ranges_planned > planned, "the ranges to be cut")
     wait_for_more_ranges(service.client, slow, 3)

@@ -127,21 +127,9 @@ def test_no_child_outlives_a_killed_parent(tmp_path: Path) -> None:
         assert service.stop() == 0
 
 
-def test_bounds_of_owners_and_of_the_folder_are_passed_on(tmp_path: Path) -> None:
-    with Up(tmp_path, 0, 1, "--auth", "--owner-open-renders", "1", "--data-bytes", "1e9") as service:
-        token = re.search(r"nct_[\w-]+", service.program.log.read_text())
-        assert token is not None
-        with closing(Client(service.url, token=token[0])) as client:
-            client.submit(CORNELL, 40, 30, 16)
-            with pytest.raises(NocturneClientError, match="open renders") as caught:
-                client.submit(CORNELL, 40, 30, 16)
-            assert caught.value.status == 429
-        headers = {"Authorization": f"Bearer {token[0]}"}
-        metrics = httpx.get(f"{service.url}/metrics", headers=headers, trust_env=False).text
-        assert "nocturne_data_bytes_bound 1e+09" in metrics
-
-
-def test_with_tokens_the_first_one_is_shown_once(tmp_path_factory: pytest.TempPathFactory) -> None:
+def test_with_tokens_the_first_one_is_shown_once_and_bounds_are_passed_on(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> None:
     folder = tmp_path_factory.mktemp("auth")
     with Up(folder, 1, 1, "--auth") as service:
         said = service.program.log.read_text()
@@ -154,5 +142,13 @@ def test_with_tokens_the_first_one_is_shown_once(tmp_path_factory: pytest.TempPa
             wait_for(lambda: client.get(render.id).has_ended, "the render to end")
             assert client.get(render.id).state == "SUCCEEDED"
             assert client.get(render.id).owner.startswith("admin-")
-    with Up(folder, 0, 1, "--auth") as again:
+    with Up(folder, 0, 1, "--auth", "--owner-open-renders", "1", "--data-bytes", "1e9") as again:
         assert "nct_" not in again.program.log.read_text().replace(said, "")
+        with closing(Client(again.url, token=token[0])) as client:
+            client.submit(CORNELL, 40, 30, 16)
+            with pytest.raises(NocturneClientError, match="open renders") as caught:
+                client.submit(CORNELL, 40, 30, 16)
+            assert caught.value.status == 429
+        headers = {"Authorization": f"Bearer {token[0]}"}
+        metrics = httpx.get(f"{again.url}/metrics", headers=headers, trust_env=False).text
+        assert "nocturne_data_bytes_bound 1e+09" in metrics

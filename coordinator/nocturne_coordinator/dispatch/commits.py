@@ -29,7 +29,12 @@ _PREVIEW_SHARE = 0.01
 _FIRST_IMAGE_SECONDS = 10.0
 _IMAGE_SECONDS = 60.0
 _IMAGE_SHARE = 0.003
-"""Shortest time between two, and the part of all time that may go into them. An EXR costs ten previews."""
+"""Shortest time between two of a render, and the part of all time that may go into them. A preview and the
+error have a share each; an EXR costs ten previews."""
+
+_FULL_SHARES = 2
+"""Where more renders than these are at work, they divide what so many would have: what people look at shall
+not cost more the more there is to look at."""
 
 
 class Commits:
@@ -116,25 +121,29 @@ class Commits:
         Results wait meanwhile: for six images of a million pixels in a row, that would be seconds.
         """
         images = []
-        for render in list(self._state.renders.values()):
-            if render.totals.photons == render.pictured_photons:
-                continue
+        changed = [
+            each for each in self._state.renders.values() if each.totals.photons != each.pictured_photons
+        ]
+        part = min(1.0, _FULL_SHARES / max(1, len(changed)))
+        for render in changed:
             render.next_image = render.next_image or at.now + _FIRST_IMAGE_SECONDS
             begun = at.now
             if begun >= render.next_preview:
                 at = yield WritePreview(render.id)
-                render.next_preview = begun + max(_PREVIEW_SECONDS, (at.now - begun) / _PREVIEW_SHARE)
+                pause = max(_PREVIEW_SECONDS, (at.now - begun) / (part * _PREVIEW_SHARE))
+                render.next_preview = begun + pause
             begun = at.now
             if begun >= render.next_figures:
                 at = yield from self._show_error(render)
-                render.next_figures = begun + max(_PREVIEW_SECONDS, (at.now - begun) / _PREVIEW_SHARE)
+                pause = max(_PREVIEW_SECONDS, (at.now - begun) / (part * _PREVIEW_SHARE))
+                render.next_figures = begun + pause
             if at.now >= render.next_image:
                 images.append(render)
         if images:
             longest = min(images, key=lambda render: render.next_image)
             begun = at.now
             at = yield WriteImage(longest.id)
-            longest.next_image = begun + max(_IMAGE_SECONDS, (at.now - begun) / _IMAGE_SHARE)
+            longest.next_image = begun + max(_IMAGE_SECONDS, (at.now - begun) / (part * _IMAGE_SHARE))
 
     def show_final(self, render: RunningRender) -> Steps[None]:
         """The last preview and image of a render, of all that is committed."""

@@ -4,11 +4,10 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from nocturne_scene.uncertainty import mean_y_error
+from nocturne_scene import uncertainty
 
 from nocturne_coordinator.dispatch.heavy_tails import unevenness
 from nocturne_coordinator.dispatch.merge import Counts, Sums
-from nocturne_coordinator.dispatch.variance import variance_of_mean
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,11 +52,13 @@ def estimate_error(sums: Sums, counts: Counts, squares: Squares | None = None) -
 
     Without `squares`, pixels are taken as independent of each other.
     """
-    y = sums[..., 1] / np.maximum(counts, 1)
+    # Numbers of one kind are far apart in a film's sums: they are collected once, not for each step below.
+    sums_y, squares_y = np.ascontiguousarray(sums[..., 1]), np.ascontiguousarray(sums[..., 3])
+    y = sums_y / np.maximum(counts, 1)
     mean, samples = float(np.mean(y)), int(counts.min())
-    unseen = int(np.count_nonzero(sums[..., 1] <= 0.0))
+    unseen = int(np.count_nonzero(sums_y <= 0.0))
     known = ErrorEstimate(mean=mean, pixels=y.size, unseen_pixels=unseen, samples=samples)
-    variances = variance_of_mean(sums, counts)
+    variances = uncertainty.variance_of_mean(sums_y, squares_y, counts)
     if mean <= 0.0 or samples < 2 or not variances.any():
         return known
     flat = (variances / (y * y + 0.01 * mean * mean)).ravel()
@@ -66,7 +67,7 @@ def estimate_error(sums: Sums, counts: Counts, squares: Squares | None = None) -
     return replace(
         known,
         relative_error=float(np.sqrt(total / flat.size)),
-        mean_error=mean_y_error(sums[..., 1], variances, counts, squares),
+        mean_error=uncertainty.mean_y_error(sums_y, variances, counts, squares),
         worst_share=float(np.sum(np.partition(flat, flat.size - worst)[flat.size - worst :])) / total,
         effective_pixels=total * total / float(np.dot(flat, flat)),
         unevenness=unevenness(y, variances),

@@ -75,5 +75,7 @@ class Fleet:
 
     def _find_incompatible(self) -> dict[str, str]:
         before, found = self.incompatible, incompatible(self.workers, self.quarantined, self._profiles)
-        self.incompatible = found
+        if found != before:
+            # The same object tells `live` that nothing changed.
+            self.incompatible = found
         return {worker: found[worker] for worker in found.keys() - before.keys()}

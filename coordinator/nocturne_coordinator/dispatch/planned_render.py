@@ -115,17 +115,19 @@ def check_sums(sums: TileSums, samples: int) -> None:
     # One quantity after the other: a step of numpy's for all three is as fast as one for each.
     of_xyz = np.ascontiguousarray(np.moveaxis(pixels[..., :XYZ_SUMS], -1, 0))
     firsts, squares, products = of_xyz[:3], of_xyz[_XX_YY_ZZ], of_xyz[_XY_XZ_YZ]
-    further = np.split(pixels[..., XYZ_SUMS:], 2, axis=-1)
-    blocks = block_sums(firsts[1])
-    for one, square in ((firsts, squares), further, (blocks, sums.block_squares)):
-        _check_products(one * one, square * samples)
+    pairs = [(firsts, squares), (block_sums(firsts[1]), sums.block_squares)]
+    if further := (pixels.shape[-1] - XYZ_SUMS) // 2:
+        responses = pixels[..., XYZ_SUMS:]
+        pairs.append((responses[..., :further], responses[..., further:]))
+    for one, square in pairs:
+        _check_products(one * one, square, samples)
     # Y is never negative: squares of what n have together are at least their own squares', at most n times.
     for parts, whole, number in (
         (block_sums(squares[1]), sums.block_squares, BLOCK**2),
         (sums.block_squares.sum(keepdims=True)[0], sums.tile_squares, sums.block_squares.size),
     ):
         _check_products(parts, whole)
-        _check_products(whole, parts * number)
+        _check_products(whole, parts, number)
     roots = np.sqrt(squares)
     _check_products(products, roots[[0, 0, 1]] * roots[[1, 2, 2]])
 
@@ -143,9 +145,9 @@ def _check_counts(partial: job_pb2.Partial, photons: int) -> None:
         raise RefusedResult(f"{partial.cpu_seconds} processor seconds")
 
 
-def _check_products(products: Sums, bound: Sums) -> None:
+def _check_products(products: Sums, bound: Sums, times: int = 1) -> None:
     """No n numbers have a sum whose square is above n times the sum of their squares, and no pairs a sum of
-    products above the root of both sums of squares (Cauchy-Schwarz)."""
+    products above the root of both sums of squares (Cauchy-Schwarz). `times`: n."""
     # The slack is for rounding, and for squares that are too small for a float64.
-    if not (products <= bound * (1 + 1e-9) + 1e-150).all():
+    if not (products <= bound * (times * (1 + 1e-9)) + 1e-150).all():
         raise RefusedResult("sums of values and of their squares or products that no samples have")

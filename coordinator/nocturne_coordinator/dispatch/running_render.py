@@ -71,7 +71,8 @@ class RunningRender:
         self.next_figures = 0.0
         self.next_image = 0.0
         self.pictured_photons = 0
-        self._dirty: set[int] = set()
+        self._dirty: dict[int, bytes] = {}
+        """Sums to commit, by tile: encoded while they are in the processor's cache, which a film exceeds."""
         self._dirty_totals = False
         self._is_seen = row.totals.ranges > 0
         self._recent: deque[tuple[float, int]] = deque()
@@ -114,8 +115,9 @@ class RunningRender:
             self.totals.cpu_seconds += merged.cpu_seconds
             self._learn_cost(merged.index, merged.cpu_seconds)
             self._recent.append((now, merged.photons))
-            self._dirty.add(tile_index)
             self._contributors.setdefault(tile_index, set()).add(merged.worker)
+        if outcome.released:
+            self._dirty[tile_index] = self.film.tile_bytes(tile_index)
         return outcome
 
     def fail_tile(self, failed: FailedTile) -> list[RangeSums]:
@@ -284,7 +286,7 @@ class RunningRender:
         return TileRow(
             tile,
             film.samples(tile),
-            film.tile_bytes(tile),
+            self._dirty[tile],
             self._invalid_samples[tile],
             film.error_before(tile),
         )

@@ -11,9 +11,6 @@ import numpy as np
 
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.formats import archives
-from nocturne_scene.formats.gltf.read import import_gltf
-from nocturne_scene.formats.mitsuba.read import import_mitsuba
-from nocturne_scene.formats.pbrt.read import import_pbrt
 from nocturne_scene.formats.reading.environments import light_up
 from nocturne_scene.formats.reading.findings import SHOWN, Findings
 from nocturne_scene.formats.reading.options import Imported, ImportOptions
@@ -21,12 +18,35 @@ from nocturne_scene.formats.reading.scene_writer import DOCUMENT, SceneWriter
 
 Importer = Callable[[Path, SceneWriter, Findings, ImportOptions], None]
 
+
+# Each is imported with its first scene: with scipy and trimesh they take longer than a small scene takes to
+# render, and every command that takes any scene knows their names.
+
+
+def _mitsuba(file: Path, writer: SceneWriter, findings: Findings, options: ImportOptions) -> None:
+    from nocturne_scene.formats.mitsuba.read import import_mitsuba
+
+    import_mitsuba(file, writer, findings, options)
+
+
+def _pbrt(file: Path, writer: SceneWriter, findings: Findings, options: ImportOptions) -> None:
+    from nocturne_scene.formats.pbrt.read import import_pbrt
+
+    import_pbrt(file, writer, findings, options)
+
+
+def _gltf(file: Path, writer: SceneWriter, findings: Findings, options: ImportOptions) -> None:
+    from nocturne_scene.formats.gltf.read import import_gltf
+
+    import_gltf(file, writer, findings, options)
+
+
 FORMATS: dict[str, Importer] = {
-    ".xml": import_mitsuba,
-    ".pbrt": import_pbrt,
-    ".pbrt.gz": import_pbrt,
-    ".gltf": import_gltf,
-    ".glb": import_gltf,
+    ".xml": _mitsuba,
+    ".pbrt": _pbrt,
+    ".pbrt.gz": _pbrt,
+    ".gltf": _gltf,
+    ".glb": _gltf,
 }
 """Importers by the end of a file's name."""
 

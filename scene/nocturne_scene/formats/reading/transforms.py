@@ -5,7 +5,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 Matrix = NDArray[np.float64]
 
@@ -60,6 +59,9 @@ def is_mirrored(matrix: Matrix) -> bool:
 
 def rotation_of(linear: Matrix) -> tuple[list[float], float] | None:
     """Axis and degrees of a 3 x 3 rotation; None if it is the identity."""
+    # Late: it takes longer to import than all else that commands need which take a scene of any format.
+    from scipy.spatial.transform import Rotation
+
     turn = Rotation.from_matrix(linear).as_rotvec()
     angle = float(np.linalg.norm(turn))
     return None if angle < 1e-12 else ((turn / angle).tolist(), math.degrees(angle))
