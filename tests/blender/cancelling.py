@@ -14,7 +14,7 @@ nocturne_blender.register()
 
 from nocturne_blender import engine  # noqa: E402 - after Blender knows it
 
-shown = []
+shown: list[bool] = []
 show = engine._show
 
 
@@ -29,8 +29,8 @@ def _stop_if_asked(_: Any) -> None:
 
 
 # In the background nobody can press Escape.
-engine._show = _shown
-engine.NocturneEngine._stop_if_asked = _stop_if_asked
+vars(engine)["_show"] = _shown
+setattr(engine.NocturneEngine, "_stop_if_asked", _stop_if_asked)  # noqa: B010 - mypy takes no other way
 scene = bpy.context.scene
 scene.render.engine = "NOCTURNE"
 scene.render.resolution_x = scene.render.resolution_y = 64

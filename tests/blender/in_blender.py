@@ -16,7 +16,7 @@ sys.path[:0] = [
 ]
 
 import nocturne_blender  # noqa: E402 - after its path
-import scenes  # noqa: E402 - after its path
+import scenes  # type: ignore[import-not-found]  # noqa: E402 - after its path
 
 
 def main() -> None:

@@ -14,7 +14,7 @@ def sensor(scene: Any, camera: Any, findings: Findings) -> Json:
     position = matrix.translation
     forward, up = -matrix.col[2].to_3d(), matrix.col[1].to_3d()
     _tell_losses(scene, camera, findings)
-    pose = {
+    pose: Json = {
         "position": list(position),
         "look_at": list(position + forward),
         "up": list(up),

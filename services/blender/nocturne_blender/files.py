@@ -79,7 +79,7 @@ def exr(pixels: Floats) -> bytes:
     rows["y"], rows["size"] = np.arange(height), 12 * width
     rows["pixels"] = pixels[..., ::-1].transpose(0, 2, 1)
     offsets = len(head) + 8 * height + rows.itemsize * np.arange(height)
-    return head + offsets.astype("<u8").tobytes() + rows.tobytes()
+    return b"".join((head, offsets.astype("<u8").tobytes(), rows.tobytes()))
 
 
 def png(pixels: NDArray[np.uint8]) -> bytes:

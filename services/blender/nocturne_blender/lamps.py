@@ -142,7 +142,7 @@ def _hidden_from(lamp: Any) -> Json:
 
 
 def _mean_scale(matrix: Any) -> float:
-    return sum(matrix.to_scale()) / 3
+    return float(sum(matrix.to_scale())) / 3
 
 
 def _ellipse(centre: Any, first: Any, second: Any) -> Json:

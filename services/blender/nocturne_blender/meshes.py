@@ -82,6 +82,6 @@ def _file(
 
 def _got(items: Any, name: str, shape: tuple[int, ...], kind: type) -> Any:
     width = shape[1] if len(shape) > 1 else 1
-    values = np.empty(len(items) * width, kind)
+    values: Any = np.empty(len(items) * width, kind)
     items.foreach_get(name, values)
     return values.reshape(shape)
