@@ -137,10 +137,10 @@ peers: build  ## Exported scenes rendered by another renderer, which is installe
 	$(PYTHON) -m bench.peer.install
 	pytest -m peers -s
 
-blender: build  ## Blender's add-on inside Blender's own Python module, which is installed into build/blender (minutes)
+blender: build  ## Blender's add-on in Blender's own Python module, installed into build/blender; its picture in docs (minutes)
 	test -x build/blender/bin/python || $(SYSTEM_PYTHON) -m venv build/blender
 	build/blender/bin/pip install --quiet --require-hashes -r tests/blender/requirements.lock
-	pytest -m blender -s tests/blender
+	NOCTURNE_SCREENSHOTS=$(CURDIR)/docs/images/blender pytest -m blender -s tests/blender
 
 stability: build  ## Torture cases by every method; writes docs/explanation/stability.md (some ten minutes)
 	$(PYTHON) -m tests.stability

@@ -1,5 +1,6 @@
 """File > Render in a real Blender with a real service: images, passes, cancelling, animations, the zip."""
 
+import os
 import re
 from pathlib import Path
 
@@ -95,3 +96,12 @@ def test_zip_installs_as_an_extension_and_starts_a_service(tmp_path: Path) -> No
     run(TOP / "services" / "blender" / "make_zip.py", str(tmp_path / "dist"))
     run(_HERE / "installing.py", str(tmp_path), str(NOCTURNE), str(free_port_pair()))
     assert (tmp_path / "image.png").stat().st_size > 0
+
+
+@pytest.mark.skipif("NOCTURNE_SCREENSHOTS" not in os.environ, reason="`make blender` makes it")
+def test_picture_for_the_page(running_service: Up, tmp_path: Path) -> None:
+    """Of the spheres, for docs/how-to/blender.md."""
+    picture = Path(os.environ["NOCTURNE_SCREENSHOTS"]) / "spheres.png"
+    size = ("--size", "640", "360", "--samples", "512", "--picture", str(picture))
+    render(tmp_path, "spheres", "NOCTURNE", "--url", running_service.url, *size)
+    assert picture.stat().st_size > 0

@@ -136,7 +136,7 @@ def _glossy(node: Any, reader: Reader) -> Shader:
     if abs(reader.number(node.inputs["Anisotropy"])) > 0:
         reader.lost("no equal of brushed metal along a mesh's tangents; taken as even")
     colour, rough = reader.reflectance(node.inputs["Color"]), reader.scalar(node.inputs["Roughness"])
-    return Shader(principled.metal(colour, rough, reader))
+    return Shader(principled.metal(colour, rough))
 
 
 def _glass(node: Any, reader: Reader) -> Shader:

@@ -6,12 +6,8 @@ from .nodes import Reader
 
 Json = Any
 
-# nm at which a metal's colour is taken as its red, green and blue.
-_PRIMARIES = ((450.0, 2), (550.0, 1), (610.0, 0))
-# What reflects all has no index.
-_MOST = 0.999
 # Inputs that change nothing at these values.
-_LEFT_OUT = {"Subsurface Weight": 0.0, "Sheen Weight": 0.0, "Coat Weight": 0.0, "Anisotropic": 0.0}
+_LEFT_OUT = {"Subsurface Weight": 0.0, "Sheen Weight": 0.0, "Anisotropic": 0.0}
 
 
 def kernel(node: Any, reader: Reader) -> Json:
@@ -19,37 +15,54 @@ def kernel(node: Any, reader: Reader) -> Json:
     for name, nothing in _LEFT_OUT.items():
         if reader.number(node.inputs[name]) != nothing:
             reader.lost(f"no equal of {name!r}; left out")
-    base, rough = node.inputs["Base Color"], reader.scalar(node.inputs["Roughness"])
-    index = max(1.0, reader.number(node.inputs["IOR"]))
-    found = _plastic(base, rough, index, reader)
+    if reader.colour(node.inputs["Specular Tint"]) != [1.0, 1.0, 1.0]:
+        reader.lost("no equal of 'Specular Tint'; taken as white")
+    rough, index = reader.scalar(node.inputs["Roughness"]), _index(node, reader)
+    found: Json = {
+        "type": "principled",
+        "base": reader.reflectance(node.inputs["Base Color"]),
+        "metallic": reader.scalar(node.inputs["Metallic"]),
+        "roughness": rough,
+        "index": index,
+    } | _coat(node, reader)
     through = reader.scalar(node.inputs["Transmission Weight"])
-    if through != 0.0:
-        found = _mixed(found, glass(index, rough, reader), through)
-    metallic = reader.scalar(node.inputs["Metallic"])
-    if metallic != 0.0:
-        found = _mixed(found, metal(reader.reflectance(base), rough, reader), metallic)
+    if through != 0.0 and found["metallic"] != 1.0:
+        if found["metallic"] != 0.0:
+            reader.lost("no equal of glass that is partly metal; what is not let through is")
+        clear = glass(index, rough, reader)
+        found = (
+            clear if through == 1.0 else {"type": "blend", "first": found, "second": clear, "weight": through}
+        )
     opacity = reader.scalar(node.inputs["Alpha"])
     return found if opacity == 1.0 else {"type": "mask", "kernel": found, "opacity": opacity}
 
 
-def _plastic(base: Any, rough: Json, index: float, reader: Reader) -> Json:
-    reflectance = reader.reflectance(base)
-    if index == 1.0:
-        return {"type": "lambertian", "reflectance": reflectance}
-    return {"type": "coated_diffuse", "index": index, "reflectance": reflectance} | _alpha(rough, reader)
+def _index(node: Any, reader: Reader) -> float:
+    """The index whose reflectance at normal incidence is the IOR's times twice the Specular IOR Level."""
+    index = max(1.0, reader.number(node.inputs["IOR"]))
+    level = 2 * reader.number(node.inputs["Specular IOR Level"])
+    if level == 1.0:
+        return index
+    root = min(0.99, max(0.0, level) * ((index - 1) / (index + 1)) ** 2) ** 0.5
+    return float((1 + root) / (1 - root))
 
 
-def metal(colour: Json, rough: Json, reader: Reader) -> Json:
-    """A conductor that reflects a colour at normal incidence: k^2 / (4 + k^2) where n is 1."""
-    if isinstance(colour, dict) and "texture" in colour:
-        reader.lost("no equal of a metal with a texture; taken as grey")
-        colour = 0.5
-    rgb = colour["rgb"] if isinstance(colour, dict) else [colour] * 3
-    table = [
-        [at, 2 * (min(_MOST, rgb[part]) / (1 - min(_MOST, rgb[part]))) ** 0.5] for at, part in _PRIMARIES
-    ]
-    k: Json = table[0][1] if isinstance(colour, float) else {"table": table}
-    return {"type": "conductor", "index": {"n": 1.0, "k": k}} | _alpha(rough, reader)
+def _coat(node: Any, reader: Reader) -> Json:
+    amount = reader.scalar(node.inputs["Coat Weight"])
+    if amount == 0.0:
+        return {}
+    if reader.colour(node.inputs["Coat Tint"]) != [1.0, 1.0, 1.0]:
+        reader.lost("no equal of 'Coat Tint'; taken as clear")
+    return {
+        "coat": amount,
+        "coat_roughness": reader.scalar(node.inputs["Coat Roughness"]),
+        "coat_index": min(4.0, max(1.0, reader.number(node.inputs["Coat IOR"]))),
+    }
+
+
+def metal(colour: Json, rough: Json) -> Json:
+    """Metal of a colour at normal incidence."""
+    return {"type": "principled", "base": colour, "metallic": 1.0, "roughness": rough}
 
 
 def glass(index: float, rough: Json, reader: Reader) -> Json:
@@ -72,7 +85,3 @@ def complement(weight: Json) -> Json:
     if isinstance(weight, float):
         return 1 - weight
     return weight | {"gain": -weight.get("gain", 1.0), "bias": 1 - weight.get("bias", 0.0)}
-
-
-def _mixed(first: Json, second: Json, weight: Json) -> Json:
-    return second if weight == 1.0 else {"type": "blend", "first": first, "second": second, "weight": weight}
