@@ -38,6 +38,13 @@ def test_factory_scene_agrees_with_cycles(running_service: Up, tmp_path: Path) -
     assert _mean(ours, *cube) == pytest.approx(_mean(cycles, *cube), rel=_AGREE)
 
 
+def test_principled_materials_agree_with_cycles(running_service: Up, tmp_path: Path) -> None:
+    """The cube's own Principled BSDF: a rough dielectric over a diffuse base."""
+    ours, cycles = _both(tmp_path, running_service, "plastic")
+    cube = (slice(30, 66), slice(44, 84))
+    assert _mean(ours, *cube) == pytest.approx(_mean(cycles, *cube), rel=_AGREE)
+
+
 def test_passes_hold_the_image_in_absolute_units(running_service: Up, tmp_path: Path) -> None:
     """X, Y, Z in cd/m2 belong to the combined image; each pixel has its error and its samples."""
     ours = render(tmp_path, "factory", "NOCTURNE", "--url", running_service.url, "--samples", "16")
@@ -102,6 +109,6 @@ def test_zip_installs_as_an_extension_and_starts_a_service(tmp_path: Path) -> No
 def test_picture_for_the_page(running_service: Up, tmp_path: Path) -> None:
     """Of the spheres, for docs/how-to/blender.md."""
     picture = Path(os.environ["NOCTURNE_SCREENSHOTS"]) / "spheres.png"
-    size = ("--size", "640", "360", "--samples", "512", "--picture", str(picture))
+    size = ("--size", "480", "270", "--samples", "192", "--picture", str(picture))
     render(tmp_path, "spheres", "NOCTURNE", "--url", running_service.url, *size)
     assert picture.stat().st_size > 0
