@@ -42,6 +42,8 @@ def main() -> None:
     bpy.ops.render.render(write_still=True)
     if asked.picture:
         _set_format(scene, "IMAGE", "PNG")
+        scene.render.image_settings.color_depth = "8"
+        scene.render.image_settings.color_mode = "RGB"
         bpy.data.images["Render Result"].save_render(str(asked.picture))
 
 
