@@ -20,9 +20,9 @@ CPP_SOURCES := $(shell find worker tests/worker bench -name '*.cpp' -o -name '*.
 STAMPS := build/stamps
 # Which tests stay together, and which come first: tests/conftest.py.
 PROCESSES := --numprocesses
-NOT_MINUTES := not soak and not references and not peers and not containers
+NOT_MINUTES := not soak and not references and not peers and not containers and not blender
 
-.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-python format unit system screenshots soak accuracy fuzz references peers stability preflights sanitize bench lock contract docs gallery clean
+.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-python format unit system screenshots soak accuracy fuzz references peers blender stability preflights sanitize bench lock contract docs gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -63,9 +63,10 @@ programs: build/release/build.ninja  ## The C++ programs alone
 build: proto web worker  ## Everything
 
 # The scene language, the client, and the service with the contracts and the page inside.
-dist: proto web  ## Python wheels of scene, client and service, in build/dist
+dist: proto web  ## Python wheels of scene, client and service, and the add-on for Blender, in build/dist
 	rm -rf build/dist
 	$(PYTHON) -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir build/dist ./scene ./services/client ./services/api
+	$(PYTHON) services/blender/make_zip.py build/dist
 	@ls build/dist
 
 containers: build  ## Images on a real Docker Engine: compose up, all parts killed, the same bits (half an hour at first)
@@ -135,6 +136,11 @@ references: build  ## Other renderers' scenes against their own reference images
 peers: build  ## Exported scenes rendered by another renderer, which is installed into build/peers (minutes)
 	$(PYTHON) -m bench.peer.install
 	pytest -m peers -s
+
+blender: build  ## Blender's add-on in Blender's own Python module, installed into build/blender; its picture in docs (minutes)
+	test -x build/blender/bin/python || $(SYSTEM_PYTHON) -m venv build/blender
+	build/blender/bin/pip install --quiet --require-hashes -r tests/blender/requirements.lock
+	NOCTURNE_SCREENSHOTS=$(CURDIR)/docs/images/blender pytest -m blender -s tests/blender
 
 stability: build  ## Torture cases by every method; writes docs/explanation/stability.md (some ten minutes)
 	$(PYTHON) -m tests.stability

@@ -51,6 +51,29 @@ def test_a_metal_has_its_measured_index(document: dict[str, Any], compiled: Comp
     assert (gold.roughness.alpha_u.constant, gold.roughness.alpha_v.constant) == (0.2, 0.2)
 
 
+def test_a_principled_surface_has_its_defaults(document: dict[str, Any], compiled: Compile) -> None:
+    scene = compiled(with_kernel(document, {"type": "principled", "base": 0.4, "metallic": 0.25, "coat": 1}))
+    found = kernel_of(scene).principled
+    numbers = (found.metallic, found.roughness, found.coat, found.coat_roughness)
+    assert [each.constant for each in numbers] == [0.25, 0.5, 1.0, 0.0]
+    assert found.coat_index == 1.5
+    assert list(scene.spectra[found.base.spectrum].values) == pytest.approx([0.4])
+    assert list(scene.spectra[found.index].values) == pytest.approx([1.5])
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("base", 1.5), ("metallic", -0.1), ("roughness", 2), ("index", 0.0), ("coat_index", 5)],
+)
+def test_mistakes_of_a_principled_surface_are_told(
+    document: dict[str, Any], compiled: Compile, field: str, value: float
+) -> None:
+    kernel = {"type": "principled", "base": 0.4} | {field: value}
+    with pytest.raises(InputError) as caught:
+        compiled(with_kernel(document, kernel))
+    assert f"$.surfaces[0].kernel.{field}" in str(caught.value)
+
+
 def test_a_metal_can_be_given_in_numbers(document: dict[str, Any], compiled: Compile) -> None:
     index = {"n": 0.18344, "k": {"table": [[500, 3], [600, 4]]}}
     scene = compiled(with_kernel(document, {"type": "conductor", "index": index}))

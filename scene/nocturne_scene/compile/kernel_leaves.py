@@ -19,6 +19,7 @@ from nocturne_scene.document.kernels import (
     Measured,
     NullKernel,
     Phong,
+    Principled,
     RoughKernel,
     ThinPane,
 )
@@ -81,6 +82,8 @@ class Leaves:
                 reflectance = colour(kernel.reflectance, ".reflectance")
                 phong = scene_pb2.Phong(reflectance=reflectance, exponent=kernel.exponent)
                 return Leaf(scene_pb2.Kernel(phong=phong))
+            case Principled():
+                return Leaf(scene_pb2.Kernel(principled=self._principled(kernel)))
             case Measured():
                 measured = scene_pb2.Measured(blob=compile_measured(self._workspace, kernel))
                 return Leaf(scene_pb2.Kernel(measured=measured))
@@ -105,6 +108,18 @@ class Leaves:
                 ".transmittance",
             )
         return message
+
+    def _principled(self, kernel: Principled) -> scene_pb2.Principled:
+        scalar = self._textures.scalar
+        return scene_pb2.Principled(
+            base=self._textures.reflectance(kernel.base, ".base"),
+            metallic=scalar(kernel.metallic, ".metallic"),
+            roughness=scalar(kernel.roughness, ".roughness"),
+            index=self._index(kernel.index),
+            coat=scalar(kernel.coat, ".coat"),
+            coat_roughness=scalar(kernel.coat_roughness, ".coat_roughness"),
+            coat_index=kernel.coat_index,
+        )
 
     def _conductor(self, kernel: Conductor) -> scene_pb2.Conductor:
         try:

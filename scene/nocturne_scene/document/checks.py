@@ -10,6 +10,7 @@ from nocturne_scene.document.kernels import (
     Kernel,
     Lambertian,
     Phong,
+    Principled,
     ThinPane,
     inner_kernels,
 )
@@ -98,6 +99,8 @@ def _reflectances(kernel: Kernel) -> list[tuple[str, Reference | ColourTexture]]
     match kernel:
         case Lambertian() | Phong() | CoatedDiffuse():
             return [("reflectance", kernel.reflectance)]
+        case Principled():
+            return [("base", kernel.base)]
         case DiffuseTransmitter():
             return [("reflectance", kernel.reflectance), ("transmittance", kernel.transmittance)]
         case ThinPane():

@@ -115,6 +115,30 @@ class Phong(Node):
     exponent: Annotated[Finite, Field(ge=0, le=bounds.PHONG_EXPONENT)] = Field(description="n.")
 
 
+class Principled(Node):
+    """The principled surface of exchange formats: metal, a dielectric over a diffuse base, or between both.
+
+    Its parts: GGX microfacets whose alpha is the square of a roughness; metal by Schlick's reflectance;
+    a base that gets what the dielectric lets through; a clear coat over all. Formulas:
+    worker/src/kernels/principled.h.
+    """
+
+    type: Literal["principled"]
+    base: ColourReference = Field(
+        description="Diffuse reflectance, and what metal reflects at normal incidence; in [0, 1]."
+    )
+    metallic: ScalarReference = Field(default=0.0, description="How much of it is metal, in [0, 1].")
+    roughness: ScalarReference = Field(
+        default=0.5, description="Square root of the microfacets' alpha, in [0, 1]; 0 is polished."
+    )
+    index: IndexReference = Field(default=1.5, description="Index of refraction over the base.")
+    coat: ScalarReference = Field(default=0.0, description="How much of the clear coat is there, in [0, 1].")
+    coat_roughness: ScalarReference = Field(default=0.0, description="The coat's, as `roughness`.")
+    coat_index: Annotated[Finite, Field(ge=1, le=4)] = Field(
+        default=1.5, description="Index of refraction of the coat."
+    )
+
+
 class Measured(Node):
     """A measured, isotropic reflection: a MERL file, or a spectral table in the half-angle frame.
 
@@ -173,6 +197,7 @@ _TAGS = {
         "thin_pane",
         "coated_diffuse",
         "phong",
+        "principled",
         "measured",
         "blend",
         "mask",
@@ -191,6 +216,7 @@ Kernel = (
     | ThinPane
     | CoatedDiffuse
     | Phong
+    | Principled
     | Measured
     | Blend
     | Mask
@@ -205,6 +231,7 @@ _Inline = (
     | Annotated[ThinPane, Tag("<thin pane>")]
     | Annotated[CoatedDiffuse, Tag("<coated diffuse>")]
     | Annotated[Phong, Tag("<phong>")]
+    | Annotated[Principled, Tag("<principled>")]
     | Annotated[Measured, Tag("<measured>")]
     | Annotated[Blend, Tag("<blend>")]
     | Annotated[Mask, Tag("<mask>")]

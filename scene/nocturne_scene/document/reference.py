@@ -56,6 +56,7 @@ _ORDER = (
     "ThinPane",
     "CoatedDiffuse",
     "Phong",
+    "Principled",
     "Measured",
     "Blend",
     "Mask",

@@ -12,7 +12,7 @@ SODIUM_NM = 589.29
 """Middle of the sodium D lines, to which a catalogue's n_D belongs."""
 
 # Metals' indices give them their colour and part no photons, so they stay.
-_REFRACTING = ("dielectric", "thin_pane", "coated_diffuse")
+_REFRACTING = ("dielectric", "thin_pane", "coated_diffuse", "principled")
 
 
 def dispersion(document: Document) -> Iterator[Simplification]:
@@ -23,7 +23,9 @@ def dispersion(document: Document) -> Iterator[Simplification]:
 
 def _disperses(value: Document) -> bool:
     kind = value.get("type")
-    return isinstance(kind, str) and kind in _REFRACTING and not isinstance(value.get("index"), int | float)
+    return (
+        isinstance(kind, str) and kind in _REFRACTING and not isinstance(value.get("index", 1.5), int | float)
+    )
 
 
 def _one_index(document: Document) -> None:

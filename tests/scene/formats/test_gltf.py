@@ -89,23 +89,65 @@ def test_glb_holds_the_same(tmp_path: Path) -> None:
     assert json.loads(found.document.read_text())["surfaces"][0]["luminaire"]["radiance"]["luminance"] == 1
 
 
-def test_metal_reflects_its_colour_at_normal_incidence(tmp_path: Path) -> None:
+def test_brushed_metal_reflects_its_colour_at_normal_incidence(tmp_path: Path) -> None:
     """((n - 1)^2 + k^2) / ((n + 1)^2 + k^2) is the base colour; alpha is the square of roughness."""
     pbr = {"baseColorFactor": [0.6, 0.6, 0.6, 1], "metallicFactor": 1, "roughnessFactor": 0.5}
-    found = kernel(tmp_path, {"pbrMetallicRoughness": pbr})
+    extensions = {"KHR_materials_anisotropy": {"anisotropyStrength": 0.5}}
+    found = kernel(tmp_path, {"pbrMetallicRoughness": pbr, "extensions": extensions})
     n, k = found["index"]["n"], found["index"]["k"]
     assert ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2) == pytest.approx(0.6)
-    assert found["roughness"] == pytest.approx(0.25)
+    assert found["roughness_v"] == pytest.approx(0.25)
 
 
-def test_light_that_went_through_the_coat_comes_out_as_the_base_colour_says(tmp_path: Path) -> None:
+def test_metal_and_plastic_are_one_kernel(tmp_path: Path) -> None:
+    """Base colour, metal and roughness go over as they are."""
+    pbr = {"baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 0.25, "roughnessFactor": 0.3}
+    found = kernel(tmp_path, {"pbrMetallicRoughness": pbr})
+    assert found == {
+        "type": "principled",
+        "base": 0.5,
+        "metallic": 0.25,
+        "roughness": 0.3,
+        "index": pytest.approx(1.5),
+    }
+
+
+def test_a_clear_coat_is_the_kernels(tmp_path: Path) -> None:
+    (tmp_path / "in").mkdir()
+    write_exr(tmp_path / "in" / "t.exr", np.array([[[0.2, 0.5, 0.9], [1.0, 0.0, 0.5]]]))
+    scene = tree()
+    coat = {
+        "clearcoatFactor": 0.8,
+        "clearcoatRoughnessFactor": 0.5,
+        "clearcoatRoughnessTexture": {"index": 0},
+    }
+    scene |= {"images": [{"uri": "t.exr"}], "textures": [{"source": 0}]}
+    pbr = {"baseColorFactor": [0.5, 0.5, 0.5, 1]}
+    scene["materials"] = [
+        {
+            "pbrMetallicRoughness": pbr,
+            "emissiveFactor": [1, 1, 1],
+            "extensions": {"KHR_materials_clearcoat": coat},
+        }
+    ]
+    document, found = imported(tmp_path, scene)
+    [entry] = document["kernels"].values()
+    assert entry["coat"] == 0.8
+    asset = found.document.parent / entry["coat_roughness"]["texture"]["asset"]
+    stored = np.asarray(oiio.ImageBuf(str(asset)).get_pixels(oiio.FLOAT))
+    assert stored[0, :, 0] == pytest.approx(0.5 * np.array([0.5, 0.0]), abs=3e-3)
+
+
+def test_light_that_went_through_a_brushed_coat_comes_out_as_the_base_colour_says(tmp_path: Path) -> None:
     """D. Judd, J. Res. NBS 29 (1942): of evenly distributed light 0.596 is reflected back inside."""
     pbr = {"baseColorFactor": [0.2, 0.5, 0.9, 1], "metallicFactor": 0}
-    under = np.array(kernel(tmp_path, {"pbrMetallicRoughness": pbr})["reflectance"]["rgb"])
+    extensions = {"KHR_materials_anisotropy": {"anisotropyStrength": 0.5}}
+    found = kernel(tmp_path, {"pbrMetallicRoughness": pbr, "extensions": extensions})
+    under = np.array(found["reflectance"]["rgb"])
     assert under * (1 - 0.596) / (1 - 0.596 * under) == pytest.approx(np.array([0.2, 0.5, 0.9]), rel=2e-3)
 
 
-def test_a_textured_base_is_changed_texel_by_texel(tmp_path: Path) -> None:
+def test_a_textured_base_is_multiplied_texel_by_texel(tmp_path: Path) -> None:
     (tmp_path / "in").mkdir()
     write_exr(tmp_path / "in" / "t.exr", np.array([[[0.2, 0.5, 0.9], [1.0, 0.0, 0.5]]]))
     scene = tree()
@@ -114,20 +156,12 @@ def test_a_textured_base_is_changed_texel_by_texel(tmp_path: Path) -> None:
     scene["materials"] = [{"pbrMetallicRoughness": pbr, "emissiveFactor": [1, 1, 1]}]
     document, found = imported(tmp_path, scene)
     [entry] = document["kernels"].values()
-    assert entry["reflectance"]["texture"]["encoding"] == "linear"
-    asset = found.document.parent / entry["reflectance"]["texture"]["asset"]
-    under = np.asarray(oiio.ImageBuf(str(asset)).get_pixels(oiio.FLOAT))
+    assert entry["base"]["texture"]["encoding"] == "linear"
+    asset = found.document.parent / entry["base"]["texture"]["asset"]
+    base = np.asarray(oiio.ImageBuf(str(asset)).get_pixels(oiio.FLOAT))
     stored = np.array([[[0.2, 0.5, 0.9], [1.0, 0.0, 0.5]]])
     expected = decoded(stored) * [1, 1, 0.5]
-    assert under * (1 - 0.596) / (1 - 0.596 * under) == pytest.approx(expected, rel=3e-3)
-
-
-def test_a_partly_metallic_one_is_a_blend(tmp_path: Path) -> None:
-    pbr = {"baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 0.25, "roughnessFactor": 0}
-    found = kernel(tmp_path, {"pbrMetallicRoughness": pbr})
-    assert found["weight"] == 0.25
-    assert (found["first"]["type"], found["first"]["index"]) == ("coated_diffuse", 1.5)
-    assert found["second"]["type"] == "conductor"
+    assert base == pytest.approx(expected, rel=3e-3)
 
 
 def test_glass_with_a_volume_absorbs_and_disperses(tmp_path: Path) -> None:

@@ -119,6 +119,23 @@ def test_what_else_is_principled_is_refused_by_name(
     assert said in str(raised.value)
 
 
+def test_what_else_is_principled_is_ours_where_losses_are_allowed(tmp_path: Path) -> None:
+    found = kernel(
+        tmp_path, principled(base_color=0.7, metallic=0.4, roughness=0.3, eta=1.6), allow_missing=True
+    )
+    assert found == {
+        "type": "two_sided",
+        "front": {
+            "type": "principled",
+            "base": pytest.approx(0.7),
+            "metallic": pytest.approx(0.4),
+            "roughness": pytest.approx(0.3),
+            "index": pytest.approx(1.6),
+        },
+        "back": {"type": "lambertian", "reflectance": 0.0},
+    }
+
+
 def test_a_raw_constant_is_a_number(tmp_path: Path) -> None:
     bsdf = (
         '<bsdf type="roughconductor"><string name="material" value="Al"/>'

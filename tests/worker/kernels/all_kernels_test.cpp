@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <tuple>
 
 #include "kernel_checks.h"
 #include "kernels/any_kernel.h"
@@ -44,6 +45,14 @@ class Shown {
     for (const float n : {0.0f, 10.0f, 1000.0f})
       add("phong " + std::to_string(n), Phong{Colour(line(0.5f, 1.0f)), n});
     add("null kernel", NullKernel{});
+    for (const auto& [metallic, roughness, coat] : {std::tuple{0.0f, 0.5f, 0.0f},
+                                                    {0.5f, 0.3f, 0.8f},
+                                                    {1.0f, 0.7f, 0.0f},
+                                                    {1.0f, 0.0f, 1.0f}}) {
+      add("principled " + std::to_string(metallic) + " " + std::to_string(coat),
+          Principled(Colour(line(0.2f, 0.9f)), Scalar(metallic), Scalar(roughness),
+                     line(1.6f, 1.4f), {Scalar(coat), Scalar(0.4f), 1.5f}));
+    }
     for (const double g : {-0.5, 0.0, 0.8}) {
       add("phase " + std::to_string(g),
           Phase{line(1.0f, 2.0f), line(4.0f, 1.0f), HenyeyGreenstein(g)});
@@ -254,6 +263,11 @@ TEST(AllKernels, AreSoundEverywhere) {
     expect_sound(Dielectric{roughness}.bind(s), wo, wi, u);
     expect_sound(CoatedDiffuse(Spectrum(index), roughness, Colour(Spectrum(1.0f))).bind(s), wo, wi,
                  u);
+    expect_sound(
+        Principled(Colour(Spectrum(1.0f)), Scalar(b[0]), Scalar(std::sqrt(kAlphas[i % 7])),
+                   Spectrum(index), {Scalar(b[1]), Scalar(std::sqrt(kAlphas[i / 7 % 7])), 1.5f})
+            .bind(s),
+        wo, wi, u);
     expect_sound(ThinPane(Spectrum(index), Spectrum(b[1])).bind(s), wo, wi, u);
     expect_sound(Phong{Colour(Spectrum(1.0f)), 1e6f * b[1] * b[1] * b[1]}.bind(s), wo, wi, u);
     expect_sound(table.bind(s), wo, wi, u);

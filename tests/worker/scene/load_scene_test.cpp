@@ -117,6 +117,12 @@ TEST(LoadScene, RefusesDamagedMessagesInWords) {
          m.add_kernels()->mutable_blend()->add_parts()->set_kernel(1);
        }},
       {"blend", [](auto& m) { m.add_kernels()->mutable_blend(); }},
+      {"coat's index",
+       [](auto& m) {
+         auto& principled = *m.add_kernels()->mutable_principled();
+         *principled.mutable_base() = m.kernels(0).lambertian().reflectance();
+         principled.set_coat_index(0.5);
+       }},
       {"12 numbers", [](auto& m) { m.add_instances()->add_transforms(1.0); }},
       {"important shape", [](auto& m) { m.add_important_shapes()->set_weight(1); }},
       {"without texels", [](auto& m) { m.mutable_environment()->mutable_map(); }},

@@ -15,8 +15,9 @@
 
 namespace nocturne {
 
-using AnyKernel = std::variant<Lambertian, DiffuseTransmitter, Conductor, Dielectric, ThinPane,
-                               CoatedDiffuse, Measured, Phong, NullKernel, Blend, Phase>;
+using AnyKernel =
+    std::variant<Lambertian, DiffuseTransmitter, Conductor, Dielectric, ThinPane, CoatedDiffuse,
+                 Measured, Phong, Principled, NullKernel, Blend, Phase>;
 
 /// Whether f(kernel) holds for the kernel at `index`, or for any part of it where it is a blend.
 template <class F>

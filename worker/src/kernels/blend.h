@@ -19,6 +19,7 @@
 #include "kernels/measured.h"
 #include "kernels/null_kernel.h"
 #include "kernels/phong.h"
+#include "kernels/principled.h"
 #include "kernels/thin_pane.h"
 #include "math/constants.h"
 #include "parameters/scalar.h"
@@ -30,7 +31,7 @@ template <int N>
 using AnyBoundPart =
     std::variant<BoundNullKernel<N>, BoundLambertian<N>, BoundDiffuseTransmitter<N>,
                  BoundConductor<N>, BoundDielectric<N>, BoundThinPane<N>, BoundCoatedDiffuse<N>,
-                 BoundMeasured<N>, BoundPhong<N>>;
+                 BoundMeasured<N>, BoundPhong<N>, BoundPrincipled<N>>;
 
 template <int N>
 class BoundBlend {

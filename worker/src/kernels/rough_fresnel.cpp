@@ -6,6 +6,7 @@
 
 #include "kernels/fresnel.h"
 #include "kernels/ggx.h"
+#include "kernels/table_cell.h"
 
 namespace nocturne {
 namespace {
@@ -16,19 +17,6 @@ namespace {
 constexpr std::size_t kAlphas = 17, kCosines = 25, kRatios = 49;
 constexpr float kRatiosPerOctave = 16.0f;
 constexpr int kNormals = 12;
-
-struct Cell {
-  std::size_t index;
-  float t;
-};
-
-Cell cell(float position, std::size_t nodes) {
-  const float clamped = std::clamp(position, 0.0f, static_cast<float>(nodes - 1));
-  const std::size_t index = std::min(static_cast<std::size_t>(clamped), nodes - 2);
-  return {index, clamped - static_cast<float>(index)};
-}
-
-float mix(float a, float b, float t) { return a + t * (b - a); }
 
 std::size_t place(std::size_t ratio, std::size_t alpha) { return ratio * kAlphas + alpha; }
 
@@ -50,10 +38,10 @@ double average(double cosine, float alpha, double ratio) {
 }
 
 struct TableCell {
-  Cell ratio, alpha;
+  TablePlace ratio, alpha;
   TableCell(float alpha_value, float ratio_value)
-      : ratio(cell((std::log2(ratio_value) + 1.0f) * kRatiosPerOctave, kRatios)),
-        alpha(cell(std::sqrt(alpha_value) * static_cast<float>(kAlphas - 1), kAlphas)) {}
+      : ratio(table_place((std::log2(ratio_value) + 1.0f) * kRatiosPerOctave, kRatios)),
+        alpha(table_place(std::sqrt(alpha_value) * static_cast<float>(kAlphas - 1), kAlphas)) {}
 
   template <class F>
   float interpolate(const F& at) const {
@@ -102,8 +90,8 @@ RoughFresnel::RoughFresnel()
 }
 
 float RoughFresnel::reflectance(float cosine, float alpha, float ratio) const {
-  const Cell c =
-      cell(std::sqrt(std::max(0.0f, cosine)) * static_cast<float>(kCosines - 1), kCosines);
+  const TablePlace c =
+      table_place(std::sqrt(std::max(0.0f, cosine)) * static_cast<float>(kCosines - 1), kCosines);
   const float difference = TableCell(alpha, ratio).interpolate([&](std::size_t p) {
     const float* row = &difference_[p * kCosines];
     return mix(row[c.index], row[c.index + 1], c.t);

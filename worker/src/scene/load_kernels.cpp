@@ -44,6 +44,8 @@ class KernelLoader {
         require(exponent >= 0.0 && exponent <= 1e6, "a Phong exponent outside [0, 1e6]");
         return Phong{colour(message.phong().reflectance()), static_cast<float>(exponent)};
       }
+      case v1::Kernel::kPrincipled:
+        return principled(message.principled());
       case v1::Kernel::kNullKernel:
         return NullKernel{};
       case v1::Kernel::kBlend:
@@ -61,6 +63,18 @@ class KernelLoader {
     return {load_scalar(context_, message.alpha_u(), 0.0, 1.0),
             load_scalar(context_, message.alpha_v(), 0.0, 1.0),
             message.beckmann() ? FacetDistribution::kBeckmann : FacetDistribution::kGgx};
+  }
+
+  Principled principled(const v1::Principled& message) const {
+    const double coat_index = message.coat_index();
+    require(coat_index >= 1.0 && coat_index <= 4.0, "a coat's index outside [1, 4]");
+    const auto scalar = [&](const v1::Scalar& each) {
+      return load_scalar(context_, each, 0.0, 1.0);
+    };
+    return Principled(
+        colour(message.base()), scalar(message.metallic()), scalar(message.roughness()),
+        context_.spectrum(message.index()),
+        {scalar(message.coat()), scalar(message.coat_roughness()), static_cast<float>(coat_index)});
   }
 
   Blend blend(const v1::Blend& message) const {
@@ -102,6 +116,13 @@ bool is_specular_like(const v1::Roughness& roughness) {
          std::max(roughness.alpha_u().constant(), roughness.alpha_v().constant()) <= kMaxAlpha;
 }
 
+// Metal alone: a dielectric has its diffuse base.
+bool is_specular_like(const v1::Principled& kernel) {
+  constexpr double kMaxRoughness = 0.5;  // alpha 0.25
+  return !varies(kernel.metallic()) && kernel.metallic().constant() >= 1.0 &&
+         !varies(kernel.roughness()) && kernel.roughness().constant() <= kMaxRoughness;
+}
+
 bool is_specular_like(const v1::CompiledScene& message, const v1::Kernel& kernel) {
   // As narrow as a microfacet's lobe at the same limit: n = 2 / alpha^2 - 2.
   constexpr double kMinExponent = 20.0;
@@ -112,6 +133,8 @@ bool is_specular_like(const v1::CompiledScene& message, const v1::Kernel& kernel
       return is_specular_like(kernel.dielectric().roughness());
     case v1::Kernel::kPhong:
       return kernel.phong().exponent() >= kMinExponent;
+    case v1::Kernel::kPrincipled:
+      return is_specular_like(kernel.principled());
     case v1::Kernel::kBlend:
       return std::ranges::all_of(kernel.blend().parts(), [&](const v1::Blend::Part& part) {
         return is_specular_like(message, message.kernels(static_cast<int>(part.kernel())));
@@ -169,6 +192,10 @@ bool needs_detail(const v1::CompiledScene& message, std::uint32_t index) {
              varies(kernel.coated_diffuse().reflectance());
     case v1::Kernel::kPhong:
       return varies(kernel.phong().reflectance());
+    case v1::Kernel::kPrincipled:
+      return varies(kernel.principled().base()) || varies(kernel.principled().metallic()) ||
+             varies(kernel.principled().roughness()) || varies(kernel.principled().coat()) ||
+             varies(kernel.principled().coat_roughness());
     case v1::Kernel::kBlend:
       return std::ranges::any_of(kernel.blend().parts(), [&](const v1::Blend::Part& part) {
         return needs_detail(message, part.kernel()) ||

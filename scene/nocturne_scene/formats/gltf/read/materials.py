@@ -23,6 +23,7 @@ from nocturne_scene.spectra import rgb as rgb_spectra
 
 KNOWN = (
     "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
     "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -96,7 +97,7 @@ class Materials:
         if "occlusionTexture" in entry:
             self.findings.note(shown, "the occlusion texture is left out: light finds out what is in its way")
         if is_lit(entry):
-            opaque = self._opaque(workflow, extensions, place)
+            opaque = self._opaque(workflow, extensions, frame, place)
             kernel = self._transmitting(opaque, workflow, extensions, frame, place)
             luminaire = self._emission(entry, extensions, frame, place)
         else:
@@ -168,19 +169,65 @@ class Materials:
         root = float(np.sqrt(min(0.999, max(0.0, min(1.0, reflectance) * factor))))
         return (1 + root) / (1 - root)
 
-    def _opaque(self, workflow: Workflow, extensions: Json, place: str) -> Json:
+    def _opaque(self, workflow: Workflow, extensions: Json, frame: Frame, place: str) -> Json:
+        anisotropy = value(extensions, "KHR_materials_anisotropy", {})
+        if number(self.container, anisotropy, "anisotropyStrength", 0.0, place) != 0.0:
+            return self._brushed(workflow, extensions, place)
+        index, coat = self._coat_index(extensions, place), self._clearcoat(extensions, frame, place)
+        base = self._base(workflow, workflow.base[..., :3])
+        if index == 1.0 and workflow.metallic == 0.0 and not coat:
+            return {"type": "lambertian", "reflectance": base}
+        return {
+            "type": "principled",
+            "base": base,
+            "metallic": self._scalar(workflow, workflow.metallic, "metallic"),
+            "roughness": self._scalar(workflow, workflow.rough, "roughness"),
+            "index": index,
+            **coat,
+        }
+
+    def _base(self, workflow: Workflow, pixels: Pixels) -> Json:
+        if pixels.ndim == 3:
+            return self.pictures.baked(workflow.base_use, pixels, "base")
+        return colours.reflectance(pixels.tolist())
+
+    def _scalar(self, workflow: Workflow, found: float | Pixels, name: str) -> Json:
+        return found if isinstance(found, float) else self.pictures.baked(workflow.rough_use, found, name)
+
+    def _clearcoat(self, extensions: Json, frame: Frame, place: str) -> Json:
+        """Of KHR_materials_clearcoat: varnish over everything, of index 1.5."""
+        entry = value(extensions, "KHR_materials_clearcoat", {})
+        amount = number(self.container, entry, "clearcoatFactor", 0.0, place)
+        if amount == 0.0:
+            return {}
+        if "clearcoatNormalTexture" in entry:
+            self.findings.lost(
+                self.container.at(place),
+                "no equal of a clear coat's own normals; it has those of what is below",
+            )
+        rough = number(self.container, entry, "clearcoatRoughnessFactor", 0.0, place)
+        return {
+            "coat": self._channel(entry, "clearcoatTexture", (amount, 0), frame, place),
+            "coat_roughness": self._channel(entry, "clearcoatRoughnessTexture", (rough, 1), frame, place),
+        }
+
+    def _channel(self, entry: Json, name: str, wanted: tuple[float, int], frame: Frame, place: str) -> Json:
+        """A factor, times a channel of a picture where there is one."""
+        factor, channel = wanted
+        if name not in entry:
+            return factor
+        pixels = self.pictures.pixels(entry[name], place)[..., channel : channel + 1]
+        _, use = self.pictures.use(entry[name], frame, place)
+        return self.pictures.baked(use, factor * pixels, name)
+
+    def _brushed(self, workflow: Workflow, extensions: Json, place: str) -> Json:
+        """A blend of metal and plastic with one alpha along the brush and one across."""
         # What light that went through the coat comes out with, not what is under it.
         index = self._coat_index(extensions, place)
-        coat = smooth_coat(index)
-        changed = coat.changed(workflow.base[..., :3], linear=True)
-        if workflow.base.ndim == 3:
-            metal_colour = workflow.base[..., :3].mean(axis=(0, 1))
-            base = self.pictures.baked(workflow.base_use, changed, "base")
-        else:
-            metal_colour, base = workflow.base[:3], colours.reflectance(changed.tolist())
-        metallic: Json = workflow.metallic
-        if not isinstance(metallic, float):
-            metallic = self.pictures.baked(workflow.rough_use, metallic, "metallic")
+        changed = smooth_coat(index).changed(workflow.base[..., :3], linear=True)
+        metal_colour = workflow.base[..., :3].reshape(-1, 3).mean(axis=0)
+        base = self._base(workflow, changed)
+        metallic = self._scalar(workflow, workflow.metallic, "metallic")
         roughness = self._roughness(workflow, extensions, place)
         plastic = {"type": "coated_diffuse", "index": index, "reflectance": base, **roughness}
         if index == 1.0:

@@ -1,7 +1,7 @@
 """Mitsuba's principled material, where it is one of the kernels: metal, or glass.
 
 Between the two, and where nothing is let through, it adds a diffuse lobe to a glossy one without regard to
-each other; that has no equal.
+each other; that has no equal, and our own principled kernel stands in its place.
 """
 
 from nocturne_scene.errors import InputError
@@ -18,7 +18,7 @@ _SAMPLING = ("main_specular_sampling_rate", "clearcoat_sampling_rate", "diffuse_
 
 
 def principled(context: Context, properties: Properties) -> Json:
-    """A kernel: of metal a conductor, to be seen from the front; of glass a dielectric."""
+    """A kernel: of metal a conductor, to be seen from the front; of glass a dielectric; else ours."""
     metallic = textures.number(context, properties, "metallic", 0.0)
     transmission = textures.number(context, properties, "spec_trans", 0.0)
     base = textures.colour(context, properties, "base_color", 0.5)
@@ -40,10 +40,16 @@ def principled(context: Context, properties: Properties) -> Json:
         return {"type": "dielectric", "index": index} | roughness
     context.findings.lost(
         properties.place,
-        'no equal of a principled "metallic" other than 1, or 0 with a "spec_trans" of 1. Taken as a coat',
+        'no equal of a principled "metallic" other than 1, or 0 with a "spec_trans" of 1. Taken as ours',
     )
     properties.ignore(*_OF_DIFFUSE)
-    return {"type": "coated_diffuse", "index": index, "reflectance": base} | roughness
+    return {
+        "type": "principled",
+        "base": base,
+        "metallic": metallic,
+        "roughness": float(roughness["roughness"] ** 0.5),
+        "index": index,
+    }
 
 
 def _index(properties: Properties) -> float:

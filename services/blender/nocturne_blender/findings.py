@@ -1,0 +1,14 @@
+"""What of a scene has no equal, for whoever renders it."""
+
+
+class Findings:
+    """Sentences, each once."""
+
+    def __init__(self) -> None:
+        self.sentences: list[str] = []
+
+    def lost(self, name: str, what: str) -> None:
+        """`name`: the object, material or light in Blender."""
+        sentence = f"{name}: {what}"
+        if sentence not in self.sentences:
+            self.sentences.append(sentence)

@@ -1,0 +1,157 @@
+"""A Blender scene as a scene document with its files."""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from mathutils import Matrix
+
+from . import cameras
+from .files import Files
+from .findings import Findings
+from .images import Images
+from .lamps import Lamps
+from .materials import Materials
+from .meshes import parts_of
+from .world import environment
+
+Json = Any
+
+_WITH_GEOMETRY = ("MESH", "CURVE", "SURFACE", "FONT", "META")
+# How far a scale may differ along the axes before it counts as stretched.
+_EVEN = 1e-5
+
+
+class NothingToRender(Exception):
+    """A scene without a camera."""
+
+
+@dataclass(frozen=True)
+class SentScene:
+    """What goes to the service."""
+
+    document: Json
+    files: Files
+    findings: Findings
+
+
+@dataclass(frozen=True)
+class _Shown:
+    """An object, where it is seen."""
+
+    thing: Any
+    matrix: Any
+
+
+def read(depsgraph: Any) -> SentScene:
+    """The document of an evaluated scene; raises NothingToRender."""
+    scene = depsgraph.scene_eval
+    if scene.camera is None:
+        raise NothingToRender("the scene has no camera")
+    files, findings = Files(), Findings()
+    images = Images(files, findings)
+    document: Json = {
+        "nocturne": 1,
+        "name": scene.name,
+        "kernels": {},
+        "media": {},
+        "groups": {},
+        "sensor": cameras.sensor(scene, scene.camera.evaluated_get(depsgraph), findings),
+        "surfaces": [],
+        "instances": [],
+        "distant": [],
+    }
+    lamps = Lamps(document, files, findings)
+    materials = Materials(document, images, findings)
+    sky = environment(scene.world, images, findings)
+    if sky is not None:
+        document["environment"] = sky
+    objects = _Objects(document, files, findings, materials, depsgraph)
+    shown: dict[int, list[_Shown]] = defaultdict(list)
+    for instance in depsgraph.object_instances:
+        if not instance.show_self:
+            continue
+        thing = instance.object
+        matrix = instance.matrix_world.copy()
+        if thing.type == "LIGHT":
+            lamps.add(thing, matrix)
+        elif thing.type in _WITH_GEOMETRY:
+            # What is shown more than once has one evaluated geometry.
+            key = hash((thing.data.session_uid, thing.data.as_pointer(), _materials_of(thing)))
+            shown[key].append(_Shown(thing.original.evaluated_get(depsgraph), matrix))
+        elif thing.type in ("VOLUME", "CURVES", "POINTCLOUD"):
+            findings.lost(thing.name, f"no equal of an object of the type {thing.type}; left out")
+    for places in shown.values():
+        objects.add(places)
+    return SentScene({key: part for key, part in document.items() if part not in ({}, [])}, files, findings)
+
+
+def _materials_of(thing: Any) -> tuple[str, ...]:
+    return tuple(_name(slot.material) for slot in thing.material_slots)
+
+
+def _name(material: Any) -> str:
+    return "" if material is None else str(material.name_full)
+
+
+class _Objects:
+    """Puts geometry into a document."""
+
+    def __init__(
+        self, document: Json, files: Files, findings: Findings, materials: Materials, depsgraph: Any
+    ) -> None:
+        self._document, self._files, self._findings = document, files, findings
+        self._materials, self._depsgraph = materials, depsgraph
+
+    def add(self, places: list[_Shown]) -> None:
+        """One geometry, at one or many places."""
+        even = [(each, found) for each in places if (found := placement(each.matrix)) is not None]
+        stretched = [each for each in places if placement(each.matrix) is None]
+        for each in stretched:
+            self._document["surfaces"] += self._surfaces(each, each.matrix)
+        if not even:
+            return
+        members = list(self._surfaces(even[0][0], None))
+        if not members:
+            return
+        if len(even) == 1 or any("luminaire" in member for member in members):
+            self._document["surfaces"] += [member | where for _, where in even for member in members]
+            return
+        name = f"group {len(self._document['groups']) + 1}"
+        self._document["groups"][name] = members
+        self._document["instances"] += [{"group": name} | where for _, where in even]
+
+    def _surfaces(self, shown: _Shown, transform: Any) -> Iterator[Json]:
+        slots = shown.thing.material_slots
+        for part in parts_of(shown.thing, self._depsgraph, self._files, transform):
+            material = slots[min(part.slot, len(slots) - 1)].material if len(slots) else None
+            fields = self._materials.fields(material)
+            if not shown.thing.visible_camera:
+                if "luminaire" in fields:
+                    fields = fields | {"luminaire": fields["luminaire"] | {"hidden_from": "camera"}}
+                else:
+                    self._findings.lost(shown.thing.name, "is seen by the camera: only lights can be hidden")
+            yield {"shape": part.shape} | fields
+
+
+def placement(matrix: Any) -> Json | None:
+    """Scale, rotation and shift of a matrix; None where it mirrors or stretches."""
+    shift, turn, scale = matrix.decompose()
+    factor = sum(scale) / 3
+    if factor <= 0:
+        return None
+    again = Matrix.LocRotScale(shift, turn, (factor,) * 3)
+    if any(
+        abs(a - b) > _EVEN * factor
+        for one, two in zip(matrix.to_3x3(), again.to_3x3(), strict=True)
+        for a, b in zip(one, two, strict=True)
+    ):
+        return None
+    found: Json = {"translate": list(shift)} if shift.length > 0 else {}
+    if abs(factor - 1) > 1e-7:
+        found["scale"] = factor
+    axis, angle = turn.to_axis_angle()
+    if abs(angle) > 1e-7:
+        found["rotate"] = {"axis": list(axis), "degrees": angle * 57.29577951308232}
+    return found
