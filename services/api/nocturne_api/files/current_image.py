@@ -58,6 +58,7 @@ def write_current(
         row.quantity,
         row.doubt,
         row.truncated_paths,
+        schedule.way,
     )
     of_tiles = squares.reshape(-1, grid.columns)
     write_image(
