@@ -24,8 +24,8 @@ class Images:
         self._findings = findings
         self._assets: dict[tuple[str, bool], str] = {}
 
-    def texture(self, node: Any, *, colour: bool) -> Json | None:
-        """A Texture for an Image Texture node; None where there is no image."""
+    def texture(self, node: Any, *, colour: bool, alpha: bool) -> Json | None:
+        """A Texture of an Image Texture node's colours or opacity; None where there is no image."""
         image = node.image
         if image is None or (not image.has_data and not image.size[0]):
             self._findings.lost(node.name, "has no image")
@@ -38,6 +38,8 @@ class Images:
                 image.name, f"no equal of the extension {node.extension}; the image is repeated"
             )
             wrap = "repeat"
+        if alpha:
+            return {"asset": self._files.add(_opacity(image)), "encoding": "linear", "wrap": wrap}
         encoding = "sRGB" if image.colorspace_settings.name == "sRGB" and not image.is_float else "linear"
         if not colour and encoding == "sRGB":
             self._findings.lost(image.name, "holds numbers and not colours, but is not Non-Color")
@@ -64,10 +66,7 @@ def _content(image: Any, *, floats: bool) -> bytes:
         path = Path(bpy.path.abspath(image.filepath, library=image.library))
         if path.is_file():
             return path.read_bytes()
-    width, height = image.size
-    values = np.empty(width * height * image.channels, np.float32)
-    image.pixels.foreach_get(values)
-    pixels = values.reshape(height, width, image.channels)[::-1]
+    pixels = _pixels(image)
     if image.channels < 3:
         pixels = np.repeat(pixels[..., :1], 3, axis=2)
     if floats and not image.is_float and image.colorspace_settings.name == "sRGB":
@@ -76,3 +75,18 @@ def _content(image: Any, *, floats: bool) -> bytes:
         return exr(pixels[..., :3])
     # Pixels of byte images are as stored, not yet linear.
     return png(np.rint(np.clip(pixels, 0, 1) * 255).astype(np.uint8))
+
+
+def _opacity(image: Any) -> bytes:
+    """A file of an image's fourth channel; white where it has none."""
+    pixels = _pixels(image)
+    alpha = pixels[..., 3:4] if image.channels == 4 else np.ones_like(pixels[..., :1])
+    return png(np.rint(np.clip(alpha, 0, 1) * 255).astype(np.uint8))
+
+
+def _pixels(image: Any) -> Any:
+    """Of an image, the top row first."""
+    width, height = image.size
+    values = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(values)
+    return values.reshape(height, width, image.channels)[::-1]

@@ -61,8 +61,3 @@ def radiance(rgb: Sequence[float], lumens_per_watt: float = LUMENS_PER_WATT) -> 
 def textured_radiance(use: Json, strength: float) -> Json:
     """Radiance of an image's colours times a number of W m-2 sr-1."""
     return use | {"spectrum": radiance([strength] * 3)} if strength > 0 else 0.0
-
-
-def coefficient(rgb: Sequence[float]) -> Json:
-    """A part in [0, 1] of a medium's density by wavelength."""
-    return reflectance(rgb)

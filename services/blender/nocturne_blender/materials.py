@@ -101,6 +101,8 @@ class Materials:
         radiance = 0.0
         for shader, part in ((first, 1 - weight), (second, weight)) if isinstance(weight, float) else ():
             if shader.radiance != 0.0:
+                if radiance != 0.0:
+                    reader.lost("no equal of two shaders that both emit; the second one is taken")
                 radiance = _scaled(shader.radiance, part)
         if not isinstance(weight, float) and (first.radiance != 0.0 or second.radiance != 0.0):
             reader.lost("no equal of light mixed by a texture; left out")

@@ -49,7 +49,7 @@ class Reader:
     def scalar(self, socket: Any) -> Json:
         """A number in [0, 1], or a ScalarTexture."""
         node = source(socket)
-        use = None if node is None else self._use(node, colour=False)
+        use = None if node is None else self._use(node, colour=False, alpha=_of_alpha(socket))
         return min(1.0, max(0.0, self.number(socket))) if use is None else use
 
     def reflectance(self, socket: Any) -> Json:
@@ -69,10 +69,10 @@ class Reader:
             return [node.outputs[0].default_value] * 3
         return None
 
-    def _use(self, node: Any, *, colour: bool) -> Json | None:
+    def _use(self, node: Any, *, colour: bool, alpha: bool = False) -> Json | None:
         if node.bl_idname != "ShaderNodeTexImage":
             return None
-        texture = self.images.texture(node, colour=colour)
+        texture = self.images.texture(node, colour=colour, alpha=alpha)
         if texture is None:
             return None
         return {"texture": texture} | self._mapping(node)
@@ -111,6 +111,11 @@ def source(socket: Any) -> Any:
         else:
             return node
     return None
+
+
+def _of_alpha(socket: Any) -> bool:
+    """Whether a socket is linked to the opacity of an image."""
+    return bool(socket.links[0].from_socket.identifier == "Alpha")
 
 
 def _link(socket: Any) -> Any:
