@@ -119,13 +119,15 @@ def test_compile_writes_what_the_tracer_takes(scene: dict[str, Any], tmp_path: P
 def test_compile_says_what_it_left_out(
     scene: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """To standard error: standard output is for programs."""
+    """And how the scene is traced. To standard error: standard output is for programs."""
     scene["spectra"] = {**scene.get("spectra", {}), "spare": 0.5}
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(scene))
     local_commands.compile_scene(path, tmp_path / "out")
     said = capsys.readouterr()
-    assert said.err == "left out: $.spectra.spare: nothing uses it\n"
+    left_out, way = said.err.splitlines()
+    assert left_out == "left out: $.spectra.spare: nothing uses it"
+    assert way.startswith("traced by photons from the sensor: no other way was found better")
     assert len(said.out.strip()) == 64
 
 

@@ -211,7 +211,7 @@ std::string blob_name(const std::string& sha256) {
 }
 
 std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBlob& find_blob,
-                                        std::stop_token stop) {
+                                  std::stop_token stop) {
   const FindBlob find_or_stop = [&](const std::string& sha256) {
     go_on_unless_stopped(stop);
     return find_blob(sha256);

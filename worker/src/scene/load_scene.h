@@ -13,6 +13,6 @@ namespace nocturne {
 /// Every index, count and number is checked before memory is taken. Throws SceneError, also soon
 /// after a stop is requested.
 std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBlob& find_blob,
-                                        std::stop_token stop = {});
+                                  std::stop_token stop = {});
 
 }  // namespace nocturne
