@@ -12,13 +12,14 @@ def sums_of(samples: Values) -> TileSums:
     """`samples`: shape (samples, height, width, values), the values of X, Y, Z and further responses."""
     _, height, width, values = samples.shape
     sums = TileSums.zeros(width, height, values - 3)
-    x, y, z = (samples[..., index] for index in range(3))
     further = samples[..., 3:]
-    products = np.stack([x, y, z, y * y, x * x, z * z, x * y, x * z, y * z], axis=-1)
-    sums.pixels[...] = np.concatenate([products, further, further**2], axis=-1).sum(axis=0)
-    blocks = np.array([block_sums(each) for each in y]).reshape(-1, blocks_in(height), blocks_in(width))
-    sums.block_squares[...] = (blocks**2).sum(axis=0)
-    sums.tile_squares[...] = (blocks.sum(axis=(1, 2)) ** 2).sum()
+    products = _products(samples[..., :3])
+    sums.pixels[...] = np.concatenate([samples[..., :3], products, further, further**2], axis=-1).sum(axis=0)
+    blocks = np.array([block_sums(each) for each in samples[..., :3]])
+    sums.block_products[...] = _products(blocks.reshape(-1, blocks_in(height), blocks_in(width), 3)).sum(
+        axis=0
+    )
+    sums.tile_products[...] = _products(blocks.sum(axis=(1, 2))).sum(axis=0)
     return sums
 
 
@@ -30,13 +31,18 @@ def sums_of_independent(first: Values, spread: Values, samples: int) -> TileSums
     """
     height, width, values = first.shape
     sums = TileSums.zeros(width, height, values - 3)
-    x, y, z = (first[..., index] for index in range(3))
     scale = (spread / samples)[..., None]
-    squares = np.stack([y * y, x * x, z * z, x * y, x * z, y * z], axis=-1) * scale
+    squares = _products(first[..., :3]) * scale
     further = first[..., 3:]
     sums.pixels[..., :3], sums.pixels[..., 3:XYZ_SUMS] = first[..., :3], squares
     sums.pixels[..., XYZ_SUMS:] = np.concatenate([further, further**2 * scale], axis=-1)
-    blocks, noise = block_sums(y), block_sums(squares[..., 0] - y * y / samples)
-    sums.block_squares[...] = blocks**2 / samples + noise
-    sums.tile_squares[...] = blocks.sum() ** 2 / samples + noise.sum()
+    noise = block_sums(squares - _products(first[..., :3]) / samples)
+    blocks = block_sums(first[..., :3])
+    sums.block_products[...] = _products(blocks) / samples + noise
+    sums.tile_products[...] = _products(blocks.sum(axis=(0, 1))) / samples + noise.sum(axis=(0, 1))
     return sums
+
+
+def _products(xyz: Values) -> Values:
+    x, y, z = np.moveaxis(xyz, -1, 0)
+    return np.stack([y * y, x * x, z * z, x * y, x * z, y * z], axis=-1)

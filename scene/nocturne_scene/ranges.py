@@ -14,7 +14,7 @@ from nocturne_scene.responses import name_problems
 from nocturne_scene.tile_sums import XYZ_SUMS, numbers_in, sums_per_pixel
 
 TILE_SIZE = 32
-"""Pixels: a result has 32 x 32 x 9 sums x 8 bytes = 72 KiB, and half a KiB of blocks."""
+"""Pixels: a result has 32 x 32 x 9 sums x 8 bytes = 72 KiB, and 3 KiB of blocks."""
 
 _MAX_PARTIAL = 144 * 1024
 """Bytes: tiles of more sums per pixel are smaller, so that the messages of a full window fit in memory."""

@@ -12,6 +12,9 @@ XYZ_SUMS = 9
 """Sums of a pixel without further responses: X, Y, Z, YY, XX, ZZ, XY, XZ, YZ. Then come a sum for each
 further response and one of its square for each."""
 
+PRODUCTS = 6
+"""Sums over samples of products of what pixels together have: YY, XX, ZZ, XY, XZ, YZ."""
+
 BLOCK = 4
 """Edge of a block in pixels; blocks begin at a tile's upper left corner."""
 
@@ -35,10 +38,10 @@ class TileSums:
 
     pixels: Values
     """Shape (height, width, sums_per_pixel)."""
-    block_squares: Values
-    """Shape (blocks down, blocks across): squares of what each block's pixels together have as Y."""
-    tile_squares: Values
-    """Shape (1,): the same of the whole tile."""
+    block_products: Values
+    """Shape (blocks down, blocks across, PRODUCTS), of what each block's pixels together have."""
+    tile_products: Values
+    """Shape (1, PRODUCTS): the same of the whole tile."""
 
     def encode(self) -> bytes:
         """Float64, little endian: pixels, blocks, tile."""
@@ -49,8 +52,8 @@ class TileSums:
         """Of a tile without samples."""
         return cls(
             np.zeros((height, width, sums_per_pixel(further))),
-            np.zeros((blocks_in(height), blocks_in(width))),
-            np.zeros(1),
+            np.zeros((blocks_in(height), blocks_in(width), PRODUCTS)),
+            np.zeros((1, PRODUCTS)),
         )
 
     def __iadd__(self, other: "TileSums") -> Self:
@@ -66,12 +69,12 @@ class TileSums:
 
     @property
     def _parts(self) -> tuple[Values, Values, Values]:
-        return self.pixels, self.block_squares, self.tile_squares
+        return self.pixels, self.block_products, self.tile_products
 
 
 def numbers_in(width: int, height: int, further: int) -> int:
     """How many a tile has."""
-    return width * height * sums_per_pixel(further) + blocks_in(width) * blocks_in(height) + 1
+    return width * height * sums_per_pixel(further) + PRODUCTS * (blocks_in(width) * blocks_in(height) + 1)
 
 
 def decode(data: bytes, width: int, height: int, further: int) -> TileSums:
@@ -94,8 +97,8 @@ def split(numbers: Values, width: int, height: int, further: int) -> TileSums:
     end = width * height * per_pixel
     return TileSums(
         numbers[:end].reshape(height, width, per_pixel),
-        numbers[end:-1].reshape(blocks_in(height), blocks_in(width)),
-        numbers[-1:],
+        numbers[end:-PRODUCTS].reshape(blocks_in(height), blocks_in(width), PRODUCTS),
+        numbers[-PRODUCTS:].reshape(1, PRODUCTS),
     )
 
 

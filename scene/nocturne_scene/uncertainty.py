@@ -21,6 +21,10 @@ CONFIDENCE = 1.96
 _SQUARES = (4, 3, 5)
 _PRODUCTS = (6, 7, 8)
 _PAIRS = ((0, 1), (0, 2), (1, 2))
+# Of PRODUCTS: the factors of each, and the places of the squares of X, Y, Z and of the products of pairs.
+_FACTORS = ((1, 1), (0, 0), (2, 2), *_PAIRS)
+_OF_SQUARES, _OF_PAIRS = [1, 0, 2], [3, 4, 5]
+_Y = 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,10 +37,11 @@ class ImageMoments:
     """Of the mean, same shape; 0 where there is none or below two samples, NaN where it was not kept."""
     covariance: Values
     """Of the means XY, XZ, YZ, shape (height, width, 3)."""
-    block_variance: Values
-    """Of the sum of the mean Y of each block's pixels, shape (blocks down, blocks across)."""
+    block_covariance: Values
+    """Of the sums of the mean X, Y, Z of each block's pixels, shape (blocks down, blocks across, 6): YY, XX,
+    ZZ, XY, XZ, YZ."""
     tile_variance: Values
-    """Of the sum of the mean Y of each tile's pixels, shape (tiles down, tiles across)."""
+    """Of the sums of the mean X, Y, Z of each tile's pixels, shape (tiles down, tiles across, 3)."""
     tile_size: int
     samples: Counts
     """Shape (height, width)."""
@@ -59,64 +64,62 @@ def covariance_of_means(products: Values, a: Values, b: Values, counts: Values |
 
 
 def block_sums(values: Values) -> Values:
-    """Over blocks of pixels, in the order in which C++ adds them; shape (blocks down, blocks across)."""
-    down, across = (blocks_in(edge) for edge in values.shape)
-    if values.shape != (down * BLOCK, across * BLOCK):
-        values = np.pad(values, [(0, -edge % BLOCK) for edge in values.shape])
+    """Over blocks of pixels, in the order in which C++ adds them; shape (blocks down, blocks across, ...)."""
+    height, width, *more = values.shape
+    down, across = blocks_in(height), blocks_in(width)
+    if (height, width) != (down * BLOCK, across * BLOCK):
+        values = np.pad(values, [(0, -height % BLOCK), (0, -width % BLOCK), *[(0, 0)] * len(more)])
     # By pixel of the block: a sum over the first axis is added up one after the other.
-    pixels = values.reshape(down, BLOCK, across, BLOCK).transpose(1, 3, 0, 2).reshape(BLOCK**2, down, across)
+    blocks = values.reshape(down, BLOCK, across, BLOCK, *more).swapaxes(1, 2)
+    pixels = np.moveaxis(blocks, (2, 3), (0, 1)).reshape(BLOCK**2, down, across, *more)
     total: Values = np.add.reduce(pixels)
     return total
 
 
 def tile_sums(of_blocks: Values, tile_size: int) -> Values:
-    """Over the blocks of each tile, row by row as C++ adds them; shape (tiles down, tiles across)."""
-    height, width = of_blocks.shape
+    """Over the blocks of each tile, row by row as C++ adds them; shape (tiles down, tiles across, ...)."""
+    height, width, *more = of_blocks.shape
     down, across = min(blocks_in(tile_size), height), min(blocks_in(tile_size), width)
-    padded = np.pad(of_blocks, ((0, -height % down), (0, -width % across)))
-    tiles = padded.reshape(padded.shape[0] // down, down, padded.shape[1] // across, across)
-    one_after_the_other = np.cumsum(tiles.swapaxes(1, 2).reshape(*tiles.shape[::2], -1), axis=-1)
-    total: Values = one_after_the_other[..., -1]
+    padded = np.pad(of_blocks, [(0, -height % down), (0, -width % across), *[(0, 0)] * len(more)])
+    tiles = padded.reshape(padded.shape[0] // down, down, padded.shape[1] // across, across, *more)
+    rows, columns = tiles.shape[0], tiles.shape[2]
+    one_after_the_other = np.cumsum(tiles.swapaxes(1, 2).reshape(rows, columns, -1, *more), axis=2)
+    total: Values = one_after_the_other[:, :, -1]
     return total
 
 
-def block_and_tile_variances(
-    y: Values, counts: Counts, block_squares: Values, tile_squares: Values, tile_size: int
-) -> tuple[Values, Values]:
-    """Of the sums of mean Y over blocks and over tiles, from sums of Y and of squares; a tile's pixels have
-    one number of samples."""
-    blocks = block_sums(y)
-    tiles = tile_sums(blocks, tile_size)
-    of_blocks = variance_of_mean(blocks, block_squares, counts[::BLOCK, ::BLOCK])
-    of_tiles = variance_of_mean(tiles, tile_squares, counts[::tile_size, ::tile_size])
-    return of_blocks, of_tiles
-
-
 def moments_of(
-    sums: Values, counts: Counts, block_squares: Values, tile_squares: Values, tile_size: int
+    sums: Values, counts: Counts, block_products: Values, tile_products: Values, tile_size: int
 ) -> ImageMoments:
-    """From sums as `nocturne_scene.tile_sums` has them, of whole tiles."""
+    """From sums as `nocturne_scene.tile_sums` has them, of whole tiles whose pixels have as many samples.
+
+    Products have the shapes (blocks down, blocks across, 6) and (tiles down, tiles across, 6).
+    """
     further = (sums.shape[-1] - XYZ_SUMS) // 2
     n = counts[..., None]
     values = [0, 1, 2, *range(XYZ_SUMS, XYZ_SUMS + further)]
     squares = [*_SQUARES, *range(XYZ_SUMS + further, XYZ_SUMS + 2 * further)]
     first, second = ([pair[side] for pair in _PAIRS] for side in (0, 1))
-    of_blocks, of_tiles = block_and_tile_variances(
-        sums[..., 1], counts, block_squares, tile_squares, tile_size
-    )
+    one, other = ([pair[side] for pair in _FACTORS] for side in (0, 1))
+    blocks = block_sums(sums[..., :3])
+    of_blocks = covariance_of_means(block_products, blocks[..., one], blocks[..., other], n[::BLOCK, ::BLOCK])
+    of_blocks[..., :3] = np.maximum(of_blocks[..., :3], 0.0)
     return ImageMoments(
         sums[..., values] / np.maximum(n, 1),
         variance_of_mean(sums[..., values], sums[..., squares], n),
         covariance_of_means(sums[..., list(_PRODUCTS)], sums[..., first], sums[..., second], n),
         of_blocks,
-        of_tiles,
+        variance_of_mean(
+            tile_sums(blocks, tile_size), tile_products[..., _OF_SQUARES], n[::tile_size, ::tile_size]
+        ),
         tile_size,
         counts,
     )
 
 
 class _Correlation:
-    """How far errors of a region's pixels go together, from what blocks and tiles have together."""
+    """How far errors of a region's pixels in one quantity go together, from what blocks and tiles have
+    together."""
 
     def __init__(self) -> None:
         self._variance = self._of_blocks = self._of_tiles = 0.0
@@ -129,26 +132,33 @@ class _Correlation:
         of_tiles: Values,
         tile_size: int,
         chosen: NDArray[np.bool_],
-    ) -> None:
-        """Of Y; fields as in ImageMoments. What is NaN was not kept, and counts as independent."""
-        inside = block_sums(np.where(chosen, variance, 0.0))
+    ) -> Values:
+        """Variances of a quantity's means, and of their sums over blocks and tiles. What is NaN was not
+        kept, and counts as independent. Gives the part of each block's variance that is chosen."""
+        whole, inside = block_sums(variance), block_sums(np.where(chosen, variance, 0.0))
         self._variance += float(np.sum(inside))
-        self._of_blocks += float(np.sum(_ratio(of_blocks, block_sums(variance)) * inside))
+        self._of_blocks += float(np.sum(_ratio(of_blocks, whole) * inside))
         beyond = _ratio(of_tiles, tile_sums(of_blocks, tile_size))
         self._of_tiles += float(np.sum(beyond * tile_sums(inside, tile_size)))
         self._pixels += int(np.count_nonzero(chosen))
+        return np.divide(inside, whole, out=np.zeros_like(whole), where=whole > 0.0)
+
+    def part(self) -> float:
+        """Of what a block's pixels share, a region's: less than a block has less of it, about as its edge is
+        shorter."""
+        return min(1.0, (math.sqrt(self._pixels) - 1.0) / (BLOCK - 1.0))
 
     def factor(self) -> float:
-        """The variance of the region's Y over that of pixels that know nothing of each other; at least 1."""
+        """The variance of the region's mean over that of pixels that know nothing of each other; at least
+        1."""
         if not self._variance > 0.0:
             return 1.0
-        # Less than a block has less of what a block's pixels share, about as its edge is shorter. More has a
-        # part in what different blocks share, as its pairs of pixels are in different blocks.
-        part = min(1.0, (math.sqrt(self._pixels) - 1.0) / (BLOCK - 1.0))
+        # More than a block has a part in what different blocks share, as its pairs of pixels are in different
+        # blocks.
         apart = max(0.0, 1.0 - BLOCK**2 / self._pixels)
         within = max(0.0, self._of_blocks / self._variance - 1.0)
         beyond = max(0.0, self._of_tiles / self._variance - 1.0)
-        return (1.0 + part * within) * (1.0 + apart * beyond)
+        return (1.0 + self.part() * within) * (1.0 + apart * beyond)
 
 
 def _ratio(variance: Values, independent: Values) -> Values:
@@ -158,18 +168,21 @@ def _ratio(variance: Values, independent: Values) -> Values:
 
 
 def mean_y_error(
-    y: Values, variance: Values, counts: Counts, squares: tuple[Values, Values, int] | None = None
+    y: Values, variance: Values, counts: Counts, products: tuple[Values, Values, int] | None = None
 ) -> float:
     """Standard error of the mean Y of whole tiles, from sums of Y and the variances of the pixels' means.
 
-    `squares`: of blocks, of tiles, and the edge of a tile; without, pixels are taken as independent.
+    `products`: of blocks, of tiles, and the edge of a tile; without, pixels are taken as independent.
     """
     total = float(np.sum(variance))
-    if squares is not None:
-        of_blocks, of_tiles, tile_size = squares
-        found = block_and_tile_variances(y, counts, of_blocks, of_tiles, tile_size)
+    if products is not None:
+        block_products, tile_products, edge = products
+        blocks = block_sums(y)
+        # Squares of Y come first.
+        of_blocks = variance_of_mean(blocks, block_products[..., 0], counts[::BLOCK, ::BLOCK])
+        of_tiles = variance_of_mean(tile_sums(blocks, edge), tile_products[..., 0], counts[::edge, ::edge])
         correlation = _Correlation()
-        correlation.add(variance, *found, tile_size, counts > 0)
+        correlation.add(variance, of_blocks, of_tiles, edge, counts > 0)
         total *= correlation.factor()
     return math.sqrt(total) / y.size
 
@@ -202,8 +215,10 @@ class RegionSums:
         """`values`: X, Y, Z and further responses."""
         self._mean = np.zeros(values)
         self._variance = np.zeros(values)
-        self._covariance = np.zeros(3)
-        self._correlation = _Correlation()
+        # Of X, Y, Z: by pixels alone, and what blocks have together, as PRODUCTS.
+        self._covariance = np.zeros(6)
+        self._of_blocks = np.zeros(6)
+        self._correlations = [_Correlation() for _ in "XYZ"]
         self._pixels = self._unseen = self._samples = 0
         self._fewest, self._most = 2**63, 0
 
@@ -214,10 +229,18 @@ class RegionSums:
             return
         self._mean += image.mean[chosen].sum(axis=0)
         self._variance += image.variance[chosen].sum(axis=0)
-        self._covariance += image.covariance[chosen].sum(axis=0)
-        self._correlation.add(
-            image.variance[..., 1], image.block_variance, image.tile_variance, image.tile_size, chosen
-        )
+        self._covariance[_OF_PAIRS] += image.covariance[chosen].sum(axis=0)
+        for index, correlation in enumerate(self._correlations):
+            of_blocks = image.block_covariance[..., _OF_SQUARES[index]]
+            inside = correlation.add(
+                image.variance[..., index],
+                of_blocks,
+                image.tile_variance[..., index],
+                image.tile_size,
+                chosen,
+            )
+            if index == _Y:
+                self._of_blocks += np.nansum(image.block_covariance * inside[..., None], axis=(0, 1))
         samples = image.samples[chosen]
         self._pixels += len(samples)
         self._unseen += int(np.count_nonzero(image.mean[chosen][:, 1] <= 0.0))
@@ -228,23 +251,39 @@ class RegionSums:
         """None where no pixel has samples."""
         if not self._pixels:
             return None
-        factor, n = self._correlation.factor(), self._pixels
+        factors, n = [each.factor() for each in self._correlations], self._pixels
         mean = self._mean / n
         known = self._fewest > 1
-        variance = self._variance * factor / n**2 if known else np.full(len(mean), np.nan)
-        covariance = self._covariance * factor / n**2
+        # Further responses are not kept for blocks.
+        each_factor = np.array([*factors, *[max(factors)] * (len(mean) - 3)])
+        variance = self._variance * each_factor / n**2 if known else np.full(len(mean), np.nan)
+        covariance = self._covariances(variance)
         chromaticity, errors = chromaticity_of(mean, variance, covariance)
         return RegionReading(
             tuple(map(float, mean)),
             tuple(map(float, np.sqrt(variance))),
             chromaticity,
             errors,
-            factor,
+            factors[_Y],
             n,
             self._unseen,
             self._samples,
             (self._fewest, self._most),
         )
+
+    def _covariances(self, variance: Values) -> Values:
+        """Of the means XY, XZ, YZ, of which these are the variances: correlated as pixels alone are, and the
+        more as blocks are the more the region is like one."""
+        alone = self._covariance.copy()
+        alone[_OF_SQUARES] = self._variance[:3]
+        part = self._correlations[_Y].part()
+        together = (1.0 - part) * alone + part * self._of_blocks if self._of_blocks[0] > 0.0 else alone
+        found = []
+        for (one, other), product in zip(_PAIRS, together[_OF_PAIRS], strict=True):
+            both = math.sqrt(max(0.0, together[_OF_SQUARES[one]] * together[_OF_SQUARES[other]]))
+            correlation = min(1.0, max(-1.0, product / both)) if both > 0.0 else 0.0
+            found.append(correlation * math.sqrt(variance[one] * variance[other]))
+        return np.array(found)
 
 
 def chromaticity_of(

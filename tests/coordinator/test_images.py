@@ -33,7 +33,7 @@ def film(samples: int = 10, further: int = 0) -> tuple[Sums, Counts]:
     return sums_of(draws).pixels, np.full((7, 9), samples, dtype=np.uint32)
 
 
-SQUARES = Squares(np.zeros((2, 3)), np.zeros((1, 1)), 32)
+SQUARES = Squares(np.zeros((2, 3, 6)), np.zeros((1, 1, 6)), 32)
 """Of a film whose blocks nobody looks at."""
 
 
@@ -84,7 +84,7 @@ def test_exr_has_the_errors_of_all_quantities(tmp_path: Path) -> None:
     draws = np.random.default_rng(1).random((10, 7, 9, 4))
     draws[..., 2] += draws[..., 0]
     sums = sums_of(draws)
-    squares = Squares(sums.block_squares, sums.tile_squares[None], 32)
+    squares = Squares(sums.block_products, sums.tile_products[None], 32)
     path = tmp_path / "image.exr"
     write_image(path, sums.pixels, np.full((7, 9), 10, np.uint32), squares, PROVENANCE, ("rod",))
     with OpenEXR.File(str(path), separate_channels=True) as file:
@@ -98,12 +98,21 @@ def test_exr_has_the_errors_of_all_quantities(tmp_path: Path) -> None:
             for y in range(7)
         ]
         assert read[f"{name}.correlation"] == pytest.approx(np.array(expected), abs=1e-5)
-    blocks = np.array([block_sums(each) for each in draws[..., 1]])
-    of_pixels = block_sums(draws[..., 1].var(axis=0, ddof=1))
-    assert read["Y.blockRatio"][::4, ::4] == pytest.approx(blocks.var(axis=0, ddof=1) / of_pixels, rel=1e-5)
-    assert (read["Y.blockRatio"][:4, 4:8] == read["Y.blockRatio"][0, 4]).all()
-    tile = blocks.sum(axis=(1, 2)).var(ddof=1) / blocks.var(axis=0, ddof=1).sum()
-    assert read["Y.tileRatio"] == pytest.approx(tile, rel=1e-5)
+    together = np.array([block_sums(each) for each in draws[..., :3]])
+    for index, name in enumerate("XYZ"):
+        blocks = together[..., index]
+        of_pixels = block_sums(draws[..., index].var(axis=0, ddof=1))
+        found = read[f"{name}.blockRatio"]
+        assert found[::4, ::4] == pytest.approx(blocks.var(axis=0, ddof=1) / of_pixels, rel=1e-5)
+        assert (found[:4, 4:8] == found[0, 4]).all()
+        tile = blocks.sum(axis=(1, 2)).var(ddof=1) / blocks.var(axis=0, ddof=1).sum()
+        assert read[f"{name}.tileRatio"] == pytest.approx(tile, rel=1e-5)
+    for name, one, other in (("XY", 0, 1), ("XZ", 0, 2), ("YZ", 1, 2)):
+        expected = [
+            [np.corrcoef(together[:, y, x, one], together[:, y, x, other])[0, 1] for x in range(3)]
+            for y in range(2)
+        ]
+        assert read[f"{name}.blockCorrelation"][::4, ::4] == pytest.approx(np.array(expected), abs=1e-5)
 
 
 def test_exr_has_linear_srgb_for_viewers(tmp_path: Path) -> None:

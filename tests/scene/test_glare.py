@@ -25,8 +25,8 @@ def image_of(y: Values, error: float = 0.0) -> ImageMoments:
         mean,
         variance,
         variance.copy(),
-        np.zeros(tuple(-(-edge // 4) for edge in y.shape)),
-        np.zeros((1, 1)),
+        np.zeros((*(-(-edge // 4) for edge in y.shape), 6)),
+        np.zeros((1, 1, 3)),
         max(y.shape),
         np.full(y.shape, 16, dtype=np.uint32),
     )

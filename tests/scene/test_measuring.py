@@ -24,7 +24,7 @@ def image_of(samples: Values) -> ImageMoments:
     """`samples`: of Y, shape (samples, EDGE, EDGE); X is twice, Z three times that."""
     found = sums.sums_of(samples[..., None] * [2.0, 1.0, 3.0])
     counts = np.full((EDGE, EDGE), len(samples), dtype=np.uint32)
-    return moments_of(found.pixels, counts, found.block_squares, found.tile_squares[None], EDGE)
+    return moments_of(found.pixels, counts, found.block_products, found.tile_products[None], EDGE)
 
 
 def constant(y: Values) -> ImageMoments:
@@ -66,7 +66,9 @@ def test_parts_of_a_film_add_up_to_it() -> None:
     for top in (4, 0):
         found = sums.sums_of(np.stack([y, y])[:, top : top + 4, :, None] * [2.0, 1.0, 3.0])
         counts = np.full((4, EDGE), 2, dtype=np.uint32)
-        halves.add(moments_of(found.pixels, counts, found.block_squares, found.tile_squares[None], 8), 0, top)
+        halves.add(
+            moments_of(found.pixels, counts, found.block_products, found.tile_products[None], 8), 0, top
+        )
     assert halves.measured() == measured(constant(y), outline)
 
 

@@ -46,8 +46,8 @@ def moments(drawn: Values, tile_size: int = EDGE) -> ImageMoments:
     return moments_of(
         np.concatenate([np.concatenate([each.pixels for each in row], axis=1) for row in rows]),
         np.full((height, width), len(drawn), dtype=np.uint32),
-        np.concatenate([np.concatenate([each.block_squares for each in row], axis=1) for row in rows]),
-        np.array([[each.tile_squares[0] for each in row] for row in rows]),
+        np.concatenate([np.concatenate([each.block_products for each in row], axis=1) for row in rows]),
+        np.array([[each.tile_products[0] for each in row] for row in rows]),
         tile_size,
     )
 
@@ -82,6 +82,14 @@ def shared_in_blocks(random: np.random.Generator, samples: int) -> Values:
     own = coloured(random, samples)
     common = coloured(random, samples, EDGE // BLOCK).repeat(BLOCK, axis=1).repeat(BLOCK, axis=2)
     return 0.25 * own + 0.75 * common
+
+
+def of_one_colour_in_blocks(random: np.random.Generator, samples: int) -> Values:
+    """The pixels of a block of 4 x 4 have one wavelength in a sample, and brightness of their own, which is
+    less skewed than an exponential: colour is what they share."""
+    colour = random.integers(0, 3, (samples, EDGE // BLOCK, EDGE // BLOCK))
+    colour = colour.repeat(BLOCK, axis=1).repeat(BLOCK, axis=2)
+    return _COLOURS[colour] * random.gamma(4.0, 0.25, (samples, EDGE, EDGE, 1))
 
 
 def shared_in_shifted_blocks(random: np.random.Generator, samples: int) -> Values:
@@ -144,7 +152,15 @@ def coverage(draw: Draw, seed: int) -> dict[str, Values]:
 
 
 @pytest.mark.parametrize(
-    "draw", [coloured, with_a_lamp, shared_in_blocks, shared_in_shifted_blocks, scattered]
+    "draw",
+    [
+        coloured,
+        with_a_lamp,
+        shared_in_blocks,
+        of_one_colour_in_blocks,
+        shared_in_shifted_blocks,
+        scattered,
+    ],
 )
 def test_intervals_hold_the_truth(draw: Draw) -> None:
     """X, Y, Z, a response, u' and v', from a pixel to the film, of pixels that are alone and that share.
@@ -191,13 +207,16 @@ def test_ranges_add_up_to_the_sums_of_all_samples(
         first += cut
     counts = np.full((height, width), len(drawn), dtype=np.uint32)
     tile_size = max(width, height)
-    found = moments_of(total.pixels, counts, total.block_squares, total.tile_squares[None], tile_size)
+    found = moments_of(total.pixels, counts, total.block_products, total.tile_products[None], tile_size)
     assert found.mean == pytest.approx(drawn.mean(axis=0))
     assert found.variance == pytest.approx(drawn.var(axis=0, ddof=1) / len(drawn), abs=1e-12)
-    blocks = np.array([block_sums(each) for each in drawn[..., 1]])
-    assert found.block_variance == pytest.approx(blocks.var(axis=0, ddof=1) / len(drawn), abs=1e-12)
-    whole = blocks.sum(axis=(1, 2)).var(ddof=1) / len(drawn)
-    assert found.tile_variance == pytest.approx(np.array([[whole]]), abs=1e-10)
+    blocks = np.array([block_sums(each) for each in drawn[..., :3]])
+    apart = blocks - blocks.mean(axis=0)
+    for index, (one, other) in enumerate(((1, 1), (0, 0), (2, 2), (0, 1), (0, 2), (1, 2))):
+        expected = (apart[..., one] * apart[..., other]).sum(axis=0) / (len(drawn) - 1) / len(drawn)
+        assert found.block_covariance[..., index] == pytest.approx(expected, abs=1e-11)
+    whole = blocks.sum(axis=(1, 2)).var(axis=0, ddof=1) / len(drawn)
+    assert found.tile_variance[0, 0] == pytest.approx(whole, abs=1e-10)
     off = drawn - drawn.mean(axis=0)
     for index, (one, other) in enumerate(((0, 1), (0, 2), (1, 2))):
         products = (off[..., one] * off[..., other]).sum(axis=0) / (len(drawn) - 1) / len(drawn)
@@ -210,7 +229,7 @@ def test_a_tile_from_before_has_errors_of_y_alone() -> None:
     old = np.concatenate([drawn[..., :3], drawn[..., 1:2] ** 2, drawn[..., 3:]], axis=-1).sum(axis=0)
     sums = decode(old.tobytes(), 7, 6, 1)
     counts = np.full((6, 7), 5, dtype=np.uint32)
-    image = moments_of(sums.pixels, counts, sums.block_squares, sums.tile_squares[None], 32)
+    image = moments_of(sums.pixels, counts, sums.block_products, sums.tile_products[None], 32)
     found = read_region(image)
     assert found is not None
     assert found.mean == pytest.approx(drawn.mean(axis=(0, 1, 2)))

@@ -230,7 +230,7 @@ def image(folder: Path, drawn: Values, quantity: str = "luminance") -> Path:
     path = folder / "image.exr"
     sums = sums_of(drawn)
     counts = np.full(drawn.shape[1:3], len(drawn), dtype=np.uint32)
-    squares = Squares(sums.block_squares, sums.tile_squares[None], max(drawn.shape[1:3]))
+    squares = Squares(sums.block_products, sums.tile_products[None], max(drawn.shape[1:3]))
     write_image(path, sums.pixels, counts, squares, Provenance("0" * 64, "", 2, quantity=quantity))
     return path
 

@@ -18,7 +18,7 @@ def _image(folder: Path, width: int, height: int, quantity: str = "luminous inte
     sums = TileSums.zeros(width, height)
     sums.pixels[..., :] = 1.0
     provenance = Provenance("0" * 64, "{}", 2, quantity=quantity)
-    squares = Squares(sums.block_squares, sums.tile_squares[None], max(width, height))
+    squares = Squares(sums.block_products, sums.tile_products[None], max(width, height))
     write_image(path, sums.pixels, np.ones((height, width), dtype=np.uint32), squares, provenance)
     return path
 

@@ -93,8 +93,8 @@ async def test_pixels_are_those_of_the_exr(
     counts[:, TILE:] = 4
     whole = np.concatenate([left.pixels, right.pixels], axis=1)
     squares = Squares(
-        np.concatenate([left.block_squares, right.block_squares], axis=1),
-        np.concatenate([left.tile_squares, right.tile_squares])[None],
+        np.concatenate([left.block_products, right.block_products], axis=1),
+        np.concatenate([left.tile_products, right.tile_products])[None],
         TILE,
     )
     write_image(tmp_path / "a.exr", whole, counts, squares, Provenance("", "", 1))

@@ -41,9 +41,9 @@ class Squares(NamedTuple):
     """What tells how errors of neighbours go together; see nocturne_scene.tile_sums."""
 
     of_blocks: Sums
-    """Shape (blocks down, blocks across)."""
+    """Products, shape (blocks down, blocks across, 6)."""
     of_tiles: Sums
-    """Shape (tiles down, tiles across)."""
+    """The same of tiles, shape (tiles down, tiles across, 6)."""
     tile_size: int
 
 

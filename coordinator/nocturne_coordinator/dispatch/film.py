@@ -4,7 +4,7 @@ import math
 from bisect import bisect_left
 
 import numpy as np
-from nocturne_scene.tile_sums import BLOCK, TileSums, blocks_in, decode, sums_per_pixel
+from nocturne_scene.tile_sums import BLOCK, PRODUCTS, TileSums, blocks_in, decode, sums_per_pixel
 
 from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate, Squares, estimate_error
 from nocturne_coordinator.dispatch.merge import Counts, Offered, RangeSums, Sums, TileState
@@ -14,8 +14,8 @@ from nocturne_coordinator.dispatch.trust import RangeEnd, confirmed, samples_to_
 
 
 class Film:
-    """Sums, of 72 bytes or more per pixel and 8 per block of pixels, and the merge state of every tile, which
-    holds views into them."""
+    """Sums, of 72 bytes or more per pixel and 48 per block of pixels, and the merge state of every tile,
+    which holds views into them."""
 
     def __init__(self, render: PlannedRender, stop: StopConditions | None = None) -> None:
         """`stop` says which tiles end before the schedule does. ValueError if it does not fit the
@@ -24,8 +24,8 @@ class Film:
         self._stop = stop or EVERYTHING
         width, height = render.schedule.width, render.schedule.height
         self.sums: Sums = np.zeros((height, width, sums_per_pixel(render.further)))
-        self.block_squares: Sums = np.zeros((blocks_in(height), blocks_in(width)))
-        self.tile_squares: Sums = np.zeros(render.grid.count)
+        self.block_products: Sums = np.zeros((blocks_in(height), blocks_in(width), PRODUCTS))
+        self.tile_products: Sums = np.zeros((render.grid.count, PRODUCTS))
         self.counts: Counts = np.zeros((height, width), dtype=np.uint32)
         self.tiles = [TileState(self._views(index)) for index in range(render.grid.count)]
         self._tile_counts = [self.counts[self._area(index)] for index in range(render.grid.count)]
@@ -119,8 +119,8 @@ class Film:
     def squares(self) -> Squares:
         """What tells how errors of neighbours go together."""
         grid = self._render.grid
-        tiles = self.tile_squares.reshape(-1, grid.columns)
-        return Squares(self.block_squares, tiles, grid.tile_size)
+        tiles = self.tile_products.reshape(-1, grid.columns, PRODUCTS)
+        return Squares(self.block_products, tiles, grid.tile_size)
 
     def _end(self, merged: int) -> int:
         return self._render.ranges[merged - 1].end if merged > 0 else 0
@@ -135,7 +135,7 @@ class Film:
         samples = self._end(state.merged)
         sums = state.sums
         counts = np.full(sums.pixels.shape[:2], samples, dtype=np.uint32)
-        squares = Squares(sums.block_squares, sums.tile_squares[None], self._render.grid.tile_size)
+        squares = Squares(sums.block_products, sums.tile_products[None], self._render.grid.tile_size)
         estimate = estimate_error(sums.pixels, counts, squares)
         before, now = self._now[tile_index], RangeEnd.of(estimate)
         self._before[tile_index], self._now[tile_index] = before, now
@@ -157,8 +157,8 @@ class Film:
         columns = slice(tile.x // BLOCK, blocks_in(tile.x + tile.width))
         return TileSums(
             self.sums[self._area(tile_index)],
-            self.block_squares[rows, columns],
-            self.tile_squares[tile_index : tile_index + 1],
+            self.block_products[rows, columns],
+            self.tile_products[tile_index : tile_index + 1],
         )
 
     def _area(self, tile_index: int) -> tuple[slice, slice]:

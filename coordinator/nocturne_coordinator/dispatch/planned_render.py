@@ -17,6 +17,7 @@ _BEYOND_PHYSICS = 1e150
 """No sum in cd/m2 comes near; squares of what is below are finite."""
 _XX_YY_ZZ, _XY_XZ_YZ = [4, 3, 5], [6, 7, 8]
 """Places of squares and products among a pixel's sums."""
+_Y_X_Z = [1, 0, 2]
 
 
 class RefusedResult(Exception):
@@ -108,28 +109,40 @@ def check_partial(
 def check_sums(sums: TileSums, samples: int) -> None:
     """RefusedResult if no samples have such sums."""
     pixels = sums.pixels
-    for numbers in (pixels, sums.block_squares, sums.tile_squares):
+    for numbers in (pixels, sums.block_products, sums.tile_products):
         # With a NaN inside, minimum and maximum are NaN, and compare false.
         if not (numbers.min() >= 0.0 and numbers.max() < _BEYOND_PHYSICS):
             raise RefusedResult("sums that are negative, not finite or beyond all physics")
     # One quantity after the other: a step of numpy's for all three is as fast as one for each.
     of_xyz = np.ascontiguousarray(np.moveaxis(pixels[..., :XYZ_SUMS], -1, 0))
     firsts, squares, products = of_xyz[:3], of_xyz[_XX_YY_ZZ], of_xyz[_XY_XZ_YZ]
-    pairs = [(firsts, squares), (block_sums(firsts[1]), sums.block_squares)]
+    pairs = [(firsts, squares)]
     if further := (pixels.shape[-1] - XYZ_SUMS) // 2:
         responses = pixels[..., XYZ_SUMS:]
         pairs.append((responses[..., :further], responses[..., further:]))
     for one, square in pairs:
         _check_products(one * one, square, samples)
-    # Y is never negative: squares of what n have together are at least their own squares', at most n times.
-    for parts, whole, number in (
-        (block_sums(squares[1]), sums.block_squares, BLOCK**2),
-        (sums.block_squares.sum(keepdims=True)[0], sums.tile_squares, sums.block_squares.size),
-    ):
-        _check_products(parts, whole)
-        _check_products(whole, parts, number)
     roots = np.sqrt(squares)
     _check_products(products, roots[[0, 0, 1]] * roots[[1, 2, 2]])
+    _check_together(sums, samples)
+
+
+def _check_together(sums: TileSums, samples: int) -> None:
+    """The same of what blocks and the tile have together. YY, XX, ZZ, XY, XZ, YZ come last everywhere."""
+    of_pixels = block_sums(sums.pixels[..., :XYZ_SUMS])
+    of_blocks, of_tile = sums.block_products, sums.tile_products[0]
+    y_x_z = of_pixels[..., _Y_X_Z]
+    _check_products(y_x_z * y_x_z, of_blocks[..., :3], samples)
+    # Values are never negative: products of what n have together are at least the sum of their own.
+    _check_products(of_pixels[..., 3:], of_blocks)
+    _check_products(of_blocks.sum(axis=(0, 1)), of_tile)
+    # And squares are at most n times that.
+    _check_products(of_blocks[..., :3], of_pixels[..., 3:6], BLOCK**2)
+    blocks = of_blocks.shape[0] * of_blocks.shape[1]
+    _check_products(of_tile[:3], of_blocks[..., :3].sum(axis=(0, 1)), blocks)
+    for products in (of_blocks, of_tile):
+        roots = np.sqrt(products[..., :3])
+        _check_products(products[..., 3:], roots[..., [1, 1, 0]] * roots[..., [0, 2, 2]])
 
 
 def _check_counts(partial: job_pb2.Partial, photons: int) -> None:

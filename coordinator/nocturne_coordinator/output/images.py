@@ -202,7 +202,10 @@ def _exr_channels(
     channels = {
         **_planes(names, mean),
         **_planes([f"{name}.stderr" for name in names], errors.astype(np.float32)),
-        **_planes([f"{pair}.correlation" for pair in ("XY", "XZ", "YZ")], _correlations(moments, errors)),
+        **_planes(
+            [f"{pair}.correlation" for pair in ("XY", "XZ", "YZ")],
+            _correlation_of(moments.covariance, errors),
+        ),
         **_ratios(moments),
         "n": np.ascontiguousarray(counts, dtype=np.uint32),
     }
@@ -211,25 +214,33 @@ def _exr_channels(
     return {**channels, **rgb}
 
 
-def _correlations(moments: ImageMoments, errors: Pixels) -> npt.NDArray[np.float32]:
+def _correlation_of(covariance: Pixels, errors: Pixels) -> npt.NDArray[np.float32]:
     """Of the errors of X and Y, X and Z, Y and Z; 0 where one of them has none."""
     both = errors[..., [0, 0, 1]] * errors[..., [1, 2, 2]]
-    found = np.divide(moments.covariance, both, out=np.zeros_like(both), where=both > 0.0)
+    found = np.divide(covariance, both, out=np.zeros_like(both), where=both > 0.0)
     return np.clip(found, -1.0, 1.0).astype(np.float32)
 
 
 def _ratios(moments: ImageMoments) -> dict[str, npt.NDArray[np.float32]]:
-    """Variances of blocks over their pixels', and of tiles over their blocks'; 1 without noise."""
+    """Variances of blocks over their pixels', and of tiles over their blocks', 1 without noise; and how X, Y,
+    Z of blocks go together."""
     edge, (height, width) = moments.tile_size, moments.samples.shape
-    of_pixels = block_sums(moments.variance[..., 1])
-    of_blocks = tile_sums(moments.block_variance, edge)
+    of_blocks = moments.block_covariance[..., [1, 0, 2]]
+    block_ratio = _ratio(of_blocks, block_sums(moments.variance[..., :3]))
+    tile_ratio = _ratio(moments.tile_variance, tile_sums(of_blocks, edge))
+    errors = np.sqrt(of_blocks)
+    correlation = _correlation_of(moments.block_covariance[..., 3:], errors)
     found = {
-        "Y.blockRatio": (_ratio(moments.block_variance, of_pixels), BLOCK),
-        "Y.tileRatio": (_ratio(moments.tile_variance, of_blocks), edge),
+        **{f"{name}.blockRatio": (block_ratio[..., index], BLOCK) for index, name in enumerate("XYZ")},
+        **{f"{name}.tileRatio": (tile_ratio[..., index], edge) for index, name in enumerate("XYZ")},
+        **{
+            f"{name}.blockCorrelation": (correlation[..., index], BLOCK)
+            for index, name in enumerate(("XY", "XZ", "YZ"))
+        },
     }
     return {
-        name: np.ascontiguousarray(ratio.repeat(size, axis=0)[:height].repeat(size, axis=1)[:, :width])
-        for name, (ratio, size) in found.items()
+        name: np.ascontiguousarray(values.repeat(size, axis=0)[:height].repeat(size, axis=1)[:, :width])
+        for name, (values, size) in found.items()
     }
 
 

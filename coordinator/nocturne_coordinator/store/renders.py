@@ -30,7 +30,7 @@ _COLUMNS = ", ".join(field.name for field in fields(RenderRow))
 _NEWEST = 2**63 - 1
 
 # X, Y, Z and their errors, three correlations, two ratios, R, G, B and the samples, 4 bytes each.
-_EXR_CHANNELS = 15
+_EXR_CHANNELS = 22
 
 
 class Renders:

@@ -1,7 +1,7 @@
 """OpenEXR files as images in XYZ, with their noise where they tell it."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -19,7 +19,13 @@ Values = NDArray[np.float64]
 # Linear sRGB to XYZ, IEC 61966-2-1; transposed, for rows of pixels.
 _RGB_TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]).T
 
-_TOGETHER = frozenset(("XY.correlation", "XZ.correlation", "YZ.correlation", "Y.blockRatio", "Y.tileRatio"))
+_PAIRS = ("XY", "XZ", "YZ")
+_TOGETHER = frozenset(
+    (
+        *(f"{pair}.{what}" for pair in _PAIRS for what in ("correlation", "blockCorrelation")),
+        *(f"{each}.{what}" for each in "XYZ" for what in ("blockRatio", "tileRatio")),
+    )
+)
 """How errors go together."""
 
 _MAX_PIXELS = 2**26
@@ -91,19 +97,29 @@ def _with_moments(picture: Picture, channels: Mapping[str, Values], schedule: st
     names = ("X", "Y", "Z", *sorted(known - {*"XYZ"}))
     edge = int(json.loads(schedule)["tileSize"]) if schedule else max(picture.xyz.shape)
     error = np.stack([channels[f"{name}.stderr"] for name in names], axis=-1)
-    correlation = np.stack([channels[f"{pair}.correlation"] for pair in ("XY", "XZ", "YZ")], axis=-1)
-    of_blocks = block_sums(error[..., 1] ** 2) * channels["Y.blockRatio"][::BLOCK, ::BLOCK]
-    of_tiles = tile_sums(of_blocks, edge) * channels["Y.tileRatio"][::edge, ::edge]
+    of_blocks = block_sums(error[..., :3] ** 2) * _planes(channels, "XYZ", "blockRatio")[::BLOCK, ::BLOCK]
+    of_tiles = tile_sums(of_blocks, edge) * _planes(channels, "XYZ", "tileRatio")[::edge, ::edge]
+    together = _planes(channels, _PAIRS, "blockCorrelation")[::BLOCK, ::BLOCK]
+    products = _covariance(together, np.sqrt(of_blocks))
     moments = ImageMoments(
         np.stack([channels[name] for name in names], axis=-1),
         error**2,
-        correlation * error[..., [0, 0, 1]] * error[..., [1, 2, 2]],
-        of_blocks,
+        _covariance(_planes(channels, _PAIRS, "correlation"), error),
+        np.concatenate([of_blocks[..., [1, 0, 2]], products], axis=-1),
         of_tiles,
         edge,
         channels["n"].astype(np.uint32),
     )
     return replace(picture, moments=moments, names=names)
+
+
+def _planes(channels: Mapping[str, Values], of: Iterable[str], what: str) -> Values:
+    return np.stack([channels[f"{each}.{what}"] for each in of], axis=-1)
+
+
+def _covariance(correlation: Values, error: Values) -> Values:
+    found: Values = correlation * error[..., [0, 0, 1]] * error[..., [1, 2, 2]]
+    return found
 
 
 def write_difference(file: Path, image: Values, reference: Values) -> None:

@@ -62,7 +62,7 @@ TileSums equal_samples(std::size_t further) {
     }
     for (std::uint32_t sample = 0; sample < kSamples; ++sample) {
       add_sample(values.data(), further, &film.sums[film.channels * pixel]);
-      blocks.add(pixel % kWidth, pixel / kWidth, sample, values[1]);
+      blocks.add(pixel % kWidth, pixel / kWidth, sample, values.data());
     }
   }
   blocks.add_to(film);
@@ -88,7 +88,7 @@ TEST_F(WriteExr, HoldsMeansErrorsAndCounts) {
   film.sums[8] += squares(3.0 * 5.0);
   write(film, {});
   const auto image = read();
-  EXPECT_EQ(image.size(), 15u);
+  EXPECT_EQ(image.size(), 22u);
   expect_means(image.at("X"), 0);
   expect_means(image.at("Y"), 1);
   expect_means(image.at("Z"), 2);
@@ -104,16 +104,25 @@ TEST_F(WriteExr, HoldsMeansErrorsAndCounts) {
 
 TEST_F(WriteExr, TellsHowErrorsOfNeighboursGoTogether) {
   TileSums film = equal_samples(0);
-  EXPECT_EQ(film.block_squares.size(), 1u);
+  EXPECT_EQ(film.block_products.size(), TileSums::kProducts);
   film.sums[3] += squares(9.0);
   film.sums[film.channels + 3] += squares(16.0);
-  film.block_squares[0] += squares(49.0);  // (3 + 4)^2: wholly correlated
-  film.tile_squares[0] += squares(98.0);
+  film.block_products[0] += squares(49.0);  // (3 + 4)^2: wholly correlated
+  film.tile_products[0] += squares(98.0);
+  film.sums[4] += squares(4.0);
+  film.block_products[1] += squares(16.0);
+  film.tile_products[1] += squares(8.0);
+  film.block_products[3] += squares(0.5 * 7.0 * 4.0);
   write(film, {});
   const auto image = read();
   EXPECT_FLOAT_EQ(image.at("Y.blockRatio")[0], 49.0f / 25.0f);
   EXPECT_EQ(image.at("Y.blockRatio"), std::vector<float>(kPixels, image.at("Y.blockRatio")[0]));
   EXPECT_FLOAT_EQ(image.at("Y.tileRatio")[5], 2.0f);
+  EXPECT_FLOAT_EQ(image.at("X.blockRatio")[3], 4.0f);
+  EXPECT_FLOAT_EQ(image.at("X.tileRatio")[0], 0.5f);
+  EXPECT_EQ(image.at("Z.blockRatio")[0], 1.0f);
+  EXPECT_FLOAT_EQ(image.at("XY.blockCorrelation")[4], 0.5f);
+  EXPECT_EQ(image.at("XZ.blockCorrelation")[4], 0.0f);
 }
 
 TEST_F(WriteExr, HasTwoChannelsForEachFurtherResponse) {
@@ -121,7 +130,7 @@ TEST_F(WriteExr, HasTwoChannelsForEachFurtherResponse) {
   film.sums[TileSums::kXyzSums + 3] += squares(4.0);
   write(film, {"rod", "A-far-red"});
   const auto image = read();
-  EXPECT_EQ(image.size(), 19u);
+  EXPECT_EQ(image.size(), 26u);
   expect_means(image.at("Z"), 2);
   EXPECT_EQ(image.at("Y.stderr"), std::vector<float>(kPixels, 0));
   expect_means(image.at("rod"), 3);
@@ -155,7 +164,7 @@ TEST_F(WriteExr, HasSrgbForViewers) {
 TEST_F(WriteExr, AResponseMayBeCalledR) {
   write(equal_samples(1), {"R"});
   const auto image = read();
-  EXPECT_EQ(image.size(), 14u);
+  EXPECT_EQ(image.size(), 21u);
   expect_means(image.at("R"), 3);
 }
 

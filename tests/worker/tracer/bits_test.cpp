@@ -38,7 +38,7 @@ TEST(Bits, SizeOfBatchesDoesNotMatter) {
   const TileRange range{8, 4, 16, 16, 4, 12};
   const auto traced = [&](std::uint32_t groups) {
     const TileSums tile = trace_tile(*scene, kFilm, range, Method::kAdjointPhotons, groups);
-    return std::pair{tile.sums, tile.block_squares};
+    return std::pair{tile.sums, tile.block_products};
   };
   const auto sums = traced(2048);
   EXPECT_EQ(traced(256), sums);
@@ -62,8 +62,8 @@ TEST(Bits, NumberOfThreadsDoesNotMatter) {
   const TileSums one = trace(1);
   const TileSums three = trace(3);
   EXPECT_EQ(one.sums, three.sums);
-  EXPECT_EQ(one.block_squares, three.block_squares);
-  EXPECT_EQ(one.tile_squares, three.tile_squares);
+  EXPECT_EQ(one.block_products, three.block_products);
+  EXPECT_EQ(one.tile_products, three.tile_products);
   EXPECT_EQ(one.photons, 40u * 24u * 20u);
   EXPECT_GT(one.rays, one.photons);
   EXPECT_EQ(one.invalid_samples, 0u);

@@ -70,7 +70,7 @@ TEST(Sharing, BitsDoNotDependOnBatchesAndThreads) {
     const auto traced = [&](std::uint32_t groups) {
       const TileSums tile =
           trace_tile(*scene, kFilm, {8, 4, 18, 15, 4, 40}, Method::kAdjointPhotons, groups);
-      return std::tuple{tile.sums, tile.block_squares, tile.rays};
+      return std::tuple{tile.sums, tile.block_products, tile.rays};
     };
     const auto sums = traced(2048);
     EXPECT_EQ(traced(256), sums);

@@ -33,6 +33,14 @@ double ratio(double variance, double independent) {
 
 // Places of a pixel's sums; see TileSums.
 enum Sum : std::uint8_t { kX, kY, kZ, kYY, kXX, kZZ, kXY, kXZ, kYZ };
+// Those of the squares of X, Y, Z, and what the products from kXY on are of.
+constexpr std::array<std::size_t, 3> kSquares{kXX, kYY, kZZ};
+constexpr std::array<std::array<std::size_t, 2>, 3> kPairs{{{kX, kY}, {kX, kZ}, {kY, kZ}}};
+
+// Of two errors with this product; 0 where there is none.
+double correlation(double covariance, double errors) {
+  return errors > 0.0 ? std::clamp(covariance / errors, -1.0, 1.0) : 0.0;
+}
 
 // The channels of floats of an image, side by side for each pixel.
 class Channels {
@@ -45,7 +53,9 @@ class Channels {
     const std::size_t values = names_.size();
     for (std::size_t i = 0; i < values; ++i) names_.push_back(names_[i] + ".stderr");
     for (const char* name :
-         {"XY.correlation", "XZ.correlation", "YZ.correlation", "Y.blockRatio", "Y.tileRatio"}) {
+         {"XY.correlation", "XZ.correlation", "YZ.correlation", "X.blockRatio", "Y.blockRatio",
+          "Z.blockRatio", "X.tileRatio", "Y.tileRatio", "Z.tileRatio", "XY.blockCorrelation",
+          "XZ.blockCorrelation", "YZ.blockCorrelation"}) {
       names_.emplace_back(name);
     }
     values_.resize(names_.size() * film.width * film.height);
@@ -61,7 +71,8 @@ class Channels {
     std::size_t index = 0;
     for (std::uint32_t y = 0; y < film_.height; y += tile_size) {
       for (std::uint32_t x = 0; x < film_.width; x += tile_size) {
-        put_ratios_of_tile(film_.tile_squares[index++], x, y, std::min(tile_size, film_.width - x),
+        put_ratios_of_tile(&film_.tile_products[TileSums::kProducts * index++], x, y,
+                           std::min(tile_size, film_.width - x),
                            std::min(tile_size, film_.height - y));
       }
     }
@@ -92,45 +103,75 @@ class Channels {
     for (std::size_t i = 0; i < film_.further; ++i) {
       put(std::sqrt(variance(of_pixel, further + i, squares + i)));
     }
-    const auto correlation = [&](std::size_t a, std::size_t b, std::size_t products) {
-      const double both = errors[a] * errors[b];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto [a, b] = kPairs[i];
       const double found =
-          covariance_of_means(of_pixel[products], of_pixel[a], of_pixel[b], samples_);
-      return both > 0.0 ? std::clamp(found / both, -1.0, 1.0) : 0.0;
-    };
-    put(correlation(kX, kY, kXY));
-    put(correlation(kX, kZ, kXZ));
-    put(correlation(kY, kZ, kYZ));
+          covariance_of_means(of_pixel[kXY + i], of_pixel[a], of_pixel[b], samples_);
+      put(correlation(found, errors[a] * errors[b]));
+    }
   }
 
-  void put_ratios_of_tile(double tile_squares, std::uint32_t left, std::uint32_t top,
+  // X, Y, Z of what some pixels have together: sums, their products, and variances of pixels alone.
+  struct Together {
+    std::array<double, 3> sums{}, variances{};
+  };
+
+  void add(const double* pixel, Together& to) const {
+    for (std::size_t i = 0; i < 3; ++i) {
+      to.sums[i] += pixel[i];
+      to.variances[i] += variance(pixel, i, kSquares[i]);
+    }
+  }
+
+  /// Of the means of X, Y, Z from sums and TileSums::kProducts.
+  std::array<double, 3> variances(const Together& of, const double* products) const {
+    std::array<double, 3> found{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      found[i] = variance_of_mean(products[kSquares[i] - kYY], of.sums[i], samples_);
+    }
+    return found;
+  }
+
+  void put_ratios_of_tile(const double* tile_products, std::uint32_t left, std::uint32_t top,
                           std::uint32_t width, std::uint32_t height) {
     constexpr std::uint32_t kBlock = TileSums::kBlock;
-    double sum = 0.0, of_blocks = 0.0;
+    const std::size_t first = names_.size() - 9;
+    Together blocks;
     for (std::uint32_t y = top; y < top + height; y += kBlock) {
       for (std::uint32_t x = left; x < left + width; x += kBlock) {
         const std::uint32_t right = std::min(x + kBlock, left + width);
         const std::uint32_t bottom = std::min(y + kBlock, top + height);
-        double block_sum = 0.0, of_pixels = 0.0;
+        Together pixels;
+        for_each_pixel(x, y, right, bottom,
+                       [&](std::uint32_t px, std::uint32_t py) { add(sums(px, py), pixels); });
+        const double* const products =
+            &film_.block_products[TileSums::kProducts *
+                                  (std::size_t{y / kBlock} * film_.block_columns() + x / kBlock)];
+        const auto of_block = variances(pixels, products);
+        std::array<float, 3> ratios{}, correlations{};
+        for (std::size_t i = 0; i < 3; ++i) {
+          blocks.sums[i] += pixels.sums[i];
+          blocks.variances[i] += of_block[i];
+          ratios[i] = static_cast<float>(ratio(of_block[i], pixels.variances[i]));
+          const auto [a, b] = kPairs[i];
+          const double found = covariance_of_means(products[kXY - kYY + i], pixels.sums[a],
+                                                   pixels.sums[b], samples_);
+          correlations[i] = static_cast<float>(
+              correlation(found, std::sqrt(of_block[a]) * std::sqrt(of_block[b])));
+        }
         for_each_pixel(x, y, right, bottom, [&](std::uint32_t px, std::uint32_t py) {
-          block_sum += sums(px, py)[kY];
-          of_pixels += variance(sums(px, py), kY, kYY);
-        });
-        const double squares =
-            film_.block_squares[std::size_t{y / kBlock} * film_.block_columns() + x / kBlock];
-        const double of_block = variance_of_mean(squares, block_sum, samples_);
-        sum += block_sum;
-        of_blocks += of_block;
-        const auto found = static_cast<float>(ratio(of_block, of_pixels));
-        for_each_pixel(x, y, right, bottom, [&](std::uint32_t px, std::uint32_t py) {
-          channels(px, py)[names_.size() - 2] = found;
+          std::ranges::copy(ratios, channels(px, py) + first);
+          std::ranges::copy(correlations, channels(px, py) + first + 6);
         });
       }
     }
-    const auto found =
-        static_cast<float>(ratio(variance_of_mean(tile_squares, sum, samples_), of_blocks));
+    const auto of_tile = variances(blocks, tile_products);
+    std::array<float, 3> ratios{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      ratios[i] = static_cast<float>(ratio(of_tile[i], blocks.variances[i]));
+    }
     for_each_pixel(left, top, left + width, top + height, [&](std::uint32_t x, std::uint32_t y) {
-      channels(x, y)[names_.size() - 1] = found;
+      std::ranges::copy(ratios, channels(x, y) + first + 3);
     });
   }
 

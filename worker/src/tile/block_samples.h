@@ -1,4 +1,4 @@
-// What blocks of pixels measure in each sample: their squares tell the errors of regions, also
+// What blocks of pixels measure in each sample: their products tell the errors of regions, also
 // where neighbours share what they found.
 #pragma once
 
@@ -16,31 +16,39 @@ class BlockSamples {
   BlockSamples(const TileSums& tile, std::uint32_t samples)
       : columns_(tile.block_columns()),
         samples_(samples),
-        values_(tile.block_squares.size() * samples) {}
+        values_(tile.block_products.size() / TileSums::kProducts * samples * kValues) {}
 
-  /// Y of a pixel, counted from the tile's corner, in a sample, counted from the first one. A
+  /// X, Y, Z of a pixel, counted from the tile's corner, in a sample, counted from the first one. A
   /// block's pixels must come in one order, whatever the batches are.
-  void add(std::uint32_t x, std::uint32_t y, std::uint32_t sample, double value) {
+  void add(std::uint32_t x, std::uint32_t y, std::uint32_t sample, const double* xyz) {
     const std::size_t block = std::size_t{y / TileSums::kBlock} * columns_ + x / TileSums::kBlock;
-    values_[block * samples_ + sample] += value;
+    double* const value = &values_[(block * samples_ + sample) * kValues];
+    for (std::size_t i = 0; i < kValues; ++i) value[i] += xyz[i];
   }
 
-  /// Adds the squares to a tile's.
+  /// Adds the products to a tile's.
   void add_to(TileSums& tile) const {
-    std::vector<double> whole(samples_);
+    std::vector<double> whole(samples_ * kValues);
     const double* value = values_.data();
-    for (double& of_block : tile.block_squares) {
-      double squares = 0.0;
-      for (double& total : whole) {
-        squares += *value * *value;
-        total += *value++;
-      }
-      of_block += squares;
+    for (std::size_t at = 0; at < tile.block_products.size(); at += TileSums::kProducts) {
+      add_products(value, &tile.block_products[at]);
+      for (double& total : whole) total += *value++;
     }
-    for (const double total : whole) tile.tile_squares.front() += total * total;
+    add_products(whole.data(), tile.tile_products.data());
   }
 
  private:
+  static constexpr std::size_t kValues = TileSums::kXyzValues;
+
+  void add_products(const double* values, double* to) const {
+    std::array<double, TileSums::kProducts> sums{};
+    for (std::size_t sample = 0; sample < samples_; ++sample, values += kValues) {
+      const auto products = products_of(values);
+      for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += products[i];
+    }
+    for (std::size_t i = 0; i < sums.size(); ++i) to[i] += sums[i];
+  }
+
   const std::size_t columns_, samples_;
   std::vector<double> values_;
 };

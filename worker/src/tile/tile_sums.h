@@ -20,6 +20,8 @@ struct TileSums {
   static constexpr std::size_t kXyzValues = 3;
   /// A pixel's sums before those of further responses: X, Y, Z, YY, XX, ZZ, XY, XZ, YZ.
   static constexpr std::size_t kXyzSums = 9;
+  /// Products of what pixels together have: YY, XX, ZZ, XY, XZ, YZ.
+  static constexpr std::size_t kProducts = 6;
   /// Edge of a block, pixels. Blocks begin at the tile's upper left corner.
   static constexpr std::uint32_t kBlock = 4;
 
@@ -30,11 +32,11 @@ struct TileSums {
   std::size_t channels;
   /// Channels of each pixel side by side, row by row.
   std::vector<double> sums;
-  /// Over samples, the squares of what each block's pixels together have as Y, row by row: from
-  /// them come errors of regions, also where pixels are not independent.
-  std::vector<double> block_squares;
+  /// Over samples, the kProducts of what each block's pixels together have, row by row: from them
+  /// come errors of regions, also where pixels are not independent.
+  std::vector<double> block_products;
   /// The same of the whole tile; of a film's tiles, row by row.
-  std::vector<double> tile_squares;
+  std::vector<double> tile_products;
   std::uint64_t photons = 0;
   std::uint64_t rays = 0;
   /// Photons left out because their contribution was negative or not finite.
@@ -48,8 +50,8 @@ struct TileSums {
         further(further_responses),
         channels(kXyzSums + 2 * further),
         sums(channels * w * h),
-        block_squares(std::size_t{block_columns()} * blocks_in(h)),
-        tile_squares(tiles) {}
+        block_products(kProducts * block_columns() * blocks_in(h)),
+        tile_products(kProducts * tiles) {}
 
   static std::uint32_t blocks_in(std::uint32_t pixels) { return (pixels + kBlock - 1) / kBlock; }
   std::uint32_t block_columns() const { return blocks_in(width); }
@@ -58,14 +60,14 @@ struct TileSums {
 
   /// All numbers, in the order in which they are sent and written: pixels, blocks, tiles.
   std::array<const std::vector<double>*, 3> numbers() const {
-    return {&sums, &block_squares, &tile_squares};
+    return {&sums, &block_products, &tile_products};
   }
 
   /// Sums of other samples of the same pixels.
   TileSums& operator+=(const TileSums& other) {
     add(other.sums, sums);
-    add(other.block_squares, block_squares);
-    add(other.tile_squares, tile_squares);
+    add(other.block_products, block_products);
+    add(other.tile_products, tile_products);
     return add_counts(other);
   }
 
@@ -83,12 +85,19 @@ struct TileSums {
   }
 };
 
+/// Of one X, Y, Z, in the order that TileSums has.
+inline std::array<double, TileSums::kProducts> products_of(const double* xyz) {
+  const double x = xyz[0], y = xyz[1], z = xyz[2];
+  return {y * y, x * x, z * z, x * y, x * z, y * z};
+}
+
 /// One sample's values into a pixel's sums, in the order that TileSums has.
 inline void add_sample(const double* sample, std::size_t further, double* pixel) {
-  const double x = sample[0], y = sample[1], z = sample[2];
-  const std::array<double, TileSums::kXyzSums> products{x,     y,     z,     y * y, x * x,
-                                                        z * z, x * y, x * z, y * z};
-  for (std::size_t c = 0; c < TileSums::kXyzSums; ++c) pixel[c] += products[c];
+  const auto products = products_of(sample);
+  for (std::size_t c = 0; c < TileSums::kXyzValues; ++c) pixel[c] += sample[c];
+  for (std::size_t c = 0; c < TileSums::kProducts; ++c) {
+    pixel[TileSums::kXyzValues + c] += products[c];
+  }
   const double* const responses = sample + TileSums::kXyzValues;
   double* const sums = pixel + TileSums::kXyzSums;
   for (std::size_t c = 0; c < further; ++c) {

@@ -37,10 +37,13 @@ void place_rows(const std::vector<double>& from, std::size_t row, std::vector<do
 void place(const TileSums& tile, const TileRange& where, std::size_t index, TileSums& image) {
   place_rows(tile.sums, tile.channels * tile.width, image.sums, image.channels * image.width,
              image.channels * (std::size_t{where.y} * image.width + where.x));
+  constexpr std::size_t kProducts = TileSums::kProducts;
   const std::size_t columns = image.block_columns();
-  place_rows(tile.block_squares, tile.block_columns(), image.block_squares, columns,
-             where.y / TileSums::kBlock * columns + where.x / TileSums::kBlock);
-  image.tile_squares[index] = tile.tile_squares.front();
+  place_rows(tile.block_products, kProducts * tile.block_columns(), image.block_products,
+             kProducts * columns,
+             kProducts * (where.y / TileSums::kBlock * columns + where.x / TileSums::kBlock));
+  std::ranges::copy(tile.tile_products,
+                    image.tile_products.begin() + static_cast<std::ptrdiff_t>(kProducts * index));
   image.add_counts(tile);
 }
 

@@ -57,7 +57,7 @@ TileSums trace_pixels(const Scene& scene, Film film, const TileRange& range, std
       const std::uint32_t x = at.x - range.x, y = at.y - range.y;
       const std::size_t pixel = y * std::size_t{range.width} + x;
       add_sample(measured, tile.further, &tile.sums[pixel * tile.channels]);
-      blocks.add(x, y, at.sample - range.first_sample, measured[1]);
+      blocks.add(x, y, at.sample - range.first_sample, measured);
       measured += tile.values();
     }
     samples.clear();

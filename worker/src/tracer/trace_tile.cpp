@@ -47,7 +47,7 @@ TileSums trace_alone(const Scene& scene, Film film, const TileRange& range, cons
         tile.invalid_samples += Response<1>(scene.wavelengths, from.wavelengths)
                                     .add(path.radiance, from.weight, values.data());
         add_sample(values.data(), tile.further, pixel);
-        blocks.add(x - range.x, y - range.y, sample - range.first_sample, values[1]);
+        blocks.add(x - range.x, y - range.y, sample - range.first_sample, values.data());
       }
     }
   }

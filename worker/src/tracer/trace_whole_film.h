@@ -44,7 +44,7 @@ class FilmSamples {
       const auto pixel = static_cast<std::uint32_t>(cell % pixels_);
       const auto sample = static_cast<std::uint32_t>(cell / pixels_);
       add_sample(values, film.further, &film.sums[pixel * film.channels]);
-      blocks.add(pixel % film.width, pixel / film.width, first + sample, values[1]);
+      blocks.add(pixel % film.width, pixel / film.width, first + sample, values);
       std::fill_n(values, per_pixel_, 0.0);
       touched_[cell] = 0;
     }

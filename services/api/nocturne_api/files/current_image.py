@@ -11,7 +11,7 @@ from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.rows import RenderRow, TileChange
 from nocturne_scene.errors import NotFound
 from nocturne_scene.ranges import TileGrid
-from nocturne_scene.tile_sums import BLOCK, blocks_in, decode, sums_per_pixel
+from nocturne_scene.tile_sums import BLOCK, PRODUCTS, blocks_in, decode, sums_per_pixel
 
 MAX_PIXELS = 2**24
 """Of a film of this size the sums are 1.2 GB."""
@@ -38,17 +38,17 @@ def write_current(
     height, width = row.height, row.width
     sums = np.zeros((height, width, sums_per_pixel(further)))
     counts = np.zeros((height, width), dtype=np.uint32)
-    blocks = np.zeros((blocks_in(height), blocks_in(width)))
-    squares, samples = np.zeros(grid.count), [0] * grid.count
+    blocks = np.zeros((blocks_in(height), blocks_in(width), PRODUCTS))
+    whole, samples = np.zeros((grid.count, PRODUCTS)), [0] * grid.count
     for change, data in tiles:
         tile = grid.tile(change.tile_index)
         found = decode(data, tile.width, tile.height, further)
         area = np.s_[tile.y : tile.y + tile.height, tile.x : tile.x + tile.width]
         sums[area], counts[area] = found.pixels, change.samples
         y, x = tile.y // BLOCK, tile.x // BLOCK
-        down, across = found.block_squares.shape
-        blocks[y : y + down, x : x + across] = found.block_squares
-        squares[change.tile_index], samples[change.tile_index] = found.tile_squares[0], change.samples
+        down, across, _ = found.block_products.shape
+        blocks[y : y + down, x : x + across] = found.block_products
+        whole[change.tile_index], samples[change.tile_index] = found.tile_products[0], change.samples
     provenance = Provenance(
         row.scene_sha256,
         schedule_json(schedule),
@@ -60,7 +60,7 @@ def write_current(
         row.truncated_paths,
         schedule.way,
     )
-    of_tiles = squares.reshape(-1, grid.columns)
+    of_tiles = whole.reshape(-1, grid.columns, PRODUCTS)
     write_image(
         path,
         sums,

@@ -74,8 +74,8 @@ def _part(tiles: list[tuple[TileChange, bytes]], grid: TileGrid, further: int) -
     moments = moments_of(
         np.concatenate([each.pixels for each in decoded], axis=1),
         np.concatenate(counts, axis=1),
-        np.concatenate([each.block_squares for each in decoded], axis=1),
-        np.concatenate([each.tile_squares for each in decoded])[None],
+        np.concatenate([each.block_products for each in decoded], axis=1),
+        np.concatenate([each.tile_products for each in decoded])[None],
         grid.tile_size,
     )
     return FilmPart(moments, places[0].x, places[0].y, sum(change.invalid_samples for change, _ in tiles))

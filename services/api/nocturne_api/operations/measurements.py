@@ -202,7 +202,7 @@ class _Whole:
         whole = all(parts[0].image.samples.shape[1] == width for parts in rows.values())
         if not whole or sum(len(image.samples) for image in found) != height:
             raise NotFound("parts of the image have no samples yet")
-        fields = ("mean", "variance", "covariance", "block_variance", "tile_variance")
+        fields = ("mean", "variance", "covariance", "block_covariance", "tile_variance")
         arrays = {name: np.concatenate([getattr(image, name) for image in found]) for name in fields}
         return ImageMoments(
             **arrays, tile_size=found[0].tile_size, samples=np.concatenate([each.samples for each in found])

@@ -13,7 +13,7 @@ from nocturne_scene.photometry import glare, measuring
 from nocturne_scene.photometry.directions import Projection
 from nocturne_scene.photometry.outlines import Kind, Outline
 from nocturne_scene.quantities import LUMINANCE, Quantity, quantity_named
-from nocturne_scene.tile_sums import blocks_in
+from nocturne_scene.tile_sums import PRODUCTS, blocks_in
 from nocturne_scene.uncertainty import ImageMoments
 
 from nocturne_client import contract
@@ -108,10 +108,10 @@ def _moments(picture: Picture) -> ImageMoments:
         return picture.moments
     height, width = picture.xyz.shape[:2]
     unknown = np.full(picture.xyz.shape, np.nan)
-    blocks = np.full((blocks_in(height), blocks_in(width)), np.nan)
+    blocks = np.full((blocks_in(height), blocks_in(width), PRODUCTS), np.nan)
     samples = np.ones((height, width), dtype=np.uint32)
     return ImageMoments(
-        picture.xyz, unknown, unknown, blocks, np.full((1, 1), np.nan), max(width, height), samples
+        picture.xyz, unknown, unknown, blocks, np.full((1, 1, 3), np.nan), max(width, height), samples
     )
 
 
