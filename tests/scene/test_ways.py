@@ -33,6 +33,7 @@ class Asked:
             "sharing": sharing,
             "gain": 7.5,
             "finds_more": False,
+            "aimed": forward,
             "photons": 123456,
         }
 
@@ -128,7 +129,7 @@ def test_a_meter_may_be_met_by_photons_and_they_are_aimed(
     changed = {**document, "sensor": meter, "important_directions": [ball]}
     trace = Asked(monkeypatch, forward=True)
     _, tracing = compiled(changed, blobs, LARGE)
-    assert [chosen for chosen, _ in trace.asked] == [["direction"]]
+    assert [chosen for chosen, _ in trace.asked] == [["direction", "aim"]]
     assert tracing.direction == scene_pb2.DIRECTION_FORWARD
     assert tracing.aimed_emission == 0.9
     # Adjoint photons have no use for that.

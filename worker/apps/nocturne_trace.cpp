@@ -238,7 +238,8 @@ std::string figures_json(const PilotFigures& figures) {
   std::ostringstream json;
   json.precision(6);
   json << "{\"photons\": \"" << kNames[figures.photons] << "\", \"sharing\": " << figures.sharing
-       << ", \"mean\": " << figures.mean << ", \"mean_error\": " << figures.mean_error
+       << ", \"aimed\": " << (figures.aimed ? "true" : "false") << ", \"mean\": " << figures.mean
+       << ", \"mean_error\": " << figures.mean_error
        << ", \"relative_mse\": " << figures.relative_mse << ", \"cost\": " << figures.cost << '}';
   return json.str();
 }
@@ -253,6 +254,7 @@ void run_pilot(const Options& options, const v1::CompiledScene& message,
   const PilotResult found = run_pilot(*scene, {.film = plan.film,
                                                .samples = plan.range_ends.back(),
                                                .direction = open("direction"),
+                                               .aim = open("aim"),
                                                .sharing = open("sharing"),
                                                .threads = options.threads});
   std::string tried;
@@ -263,6 +265,7 @@ void run_pilot(const Options& options, const v1::CompiledScene& message,
   file.precision(6);
   file << "{\"forward_photons\": "
        << (found.choice.direction != Direction::kAdjoint ? "true" : "false")
+       << ", \"aimed\": " << (found.choice.aimed ? "true" : "false")
        << ", \"sharing\": " << found.choice.sharing << ", \"gain\": " << found.choice.gain
        << ", \"finds_more\": " << (found.choice.finds_more ? "true" : "false")
        << ", \"photons\": " << found.photons << ", \"rays\": " << found.rays
@@ -359,11 +362,13 @@ int main(int argc, char** argv) {
                  "of --output and --statistics stands for the seed")
       ->check(CLI::Range(1, 1'000'000))
       ->excludes(job);
-  app.add_option("--pilot", options.pilot,
-                 "Instead of an image, a JSON file that tells which way to trace is best, of those "
-                 "that are open: direction (adjoint photons, or what the scene says), sharing")
+  app.add_option(
+         "--pilot", options.pilot,
+         "Instead of an image, a JSON file that tells which way to trace is best, of those "
+         "that are open: direction (adjoint photons, or what the scene says), aim (of forward "
+         "photons, as the scene says or not), sharing")
       ->delimiter(',')
-      ->check(CLI::IsMember({"direction", "sharing"}))
+      ->check(CLI::IsMember({"direction", "aim", "sharing"}))
       ->excludes(job);
   app.add_flag("--quiet", options.quiet, "No progress");
   CLI11_PARSE(app, argc, argv);

@@ -84,9 +84,10 @@ def open_ways(
     with_forward = _forward(document, scene, film) if may_forward else None
     if with_forward is not None:
         chosen.append("direction")
-        aimed = tracing.aimed_emission
-        if aimed is None:
-            aimed = _AIMED if scene.important_shapes else 0.0
+        aimed = tracing.aimed_emission or 0.0
+        if tracing.aimed_emission is None and scene.important_shapes:
+            chosen.append("aim")
+            aimed = _AIMED
         given = Ways(with_forward, given.sharing, aimed)
     if tracing.sharing == "auto" and tracing.estimator == "two_photons" and given.direction != "forward":
         chosen.append("sharing")
@@ -130,7 +131,7 @@ def choose(
     ways = Ways(
         asked.direction if found["forward_photons"] else default.direction,
         int(found["sharing"]) if "sharing" in chosen else asked.sharing,
-        asked.aimed_emission if found["forward_photons"] else default.aimed_emission,
+        asked.aimed_emission if found["aimed"] else 0.0,
     )
     return ways, _sentence(ways, default, found)
 

@@ -95,7 +95,8 @@ class Tracing(Node):
         default=None,
         description="For photons from luminaires on surfaces, with `forward` and `both`: the part that is "
         "sent towards `$.important_directions`, such as glass that makes a caustic. The others leave as the "
-        "luminaire emits, so that no light is lost. Default: 0, but 0.9 where `auto` chose the direction.",
+        "luminaire emits, so that no light is lost. Default: 0, or 0.9 where the pilot "
+        "that chooses the direction finds that better.",
     )
     sequence: Literal["sobol", "independent"] = Field(
         default="sobol",

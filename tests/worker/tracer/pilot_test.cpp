@@ -53,6 +53,7 @@ PilotResult pilot(const test::SceneBuilder& builder, bool direction, unsigned th
   return run_pilot(*builder.load(), {.film = {64, 48},
                                      .samples = 4096,
                                      .direction = direction,
+                                     .aim = false,
                                      .sharing = true,
                                      .threads = threads});
 }
@@ -108,6 +109,27 @@ TEST(Pilot, StartsPhotonsAtTheLampForACaustic) {
   EXPECT_TRUE(found.choice.finds_more || found.choice.gain > 5.0);
 }
 
+TEST(Pilot, AimsForwardPhotonsWhereThatHelps) {
+  for (const bool at_the_ball : {true, false}) {
+    test::SceneBuilder builder = floor_and_lamp(true);
+    auto& important = *builder.message.add_important_shapes();
+    important.set_weight(1.0);
+    auto& sphere = *important.mutable_sphere();
+    test::SceneBuilder::set(*sphere.mutable_centre(),
+                            at_the_ball ? Vec3{0, -0.3f, -0.5f} : Vec3{3, 3, -0.5f});
+    sphere.set_radius(0.5);
+    builder.message.mutable_tracing()->set_aimed_emission(0.9);
+    const PilotResult found = run_pilot(*builder.load(), {.film = {64, 48},
+                                                          .samples = 4096,
+                                                          .direction = true,
+                                                          .aim = true,
+                                                          .sharing = false,
+                                                          .threads = 2});
+    EXPECT_EQ(found.choice.direction, Direction::kBoth);
+    EXPECT_EQ(found.choice.aimed, at_the_ball);
+  }
+}
+
 TEST(Pilot, TracesNoForwardPhotonsWithoutMirrorsAndGlass) {
   test::SceneBuilder builder = floor_and_lamp(false);
   builder.message.mutable_tracing()->set_direction(v1::DIRECTION_BOTH);
@@ -123,6 +145,7 @@ TEST(Pilot, FindsTheSameForAnyNumberOfThreadsAndLeavesTheScene) {
     return run_pilot(*scene, {.film = {64, 48},
                               .samples = 1024,
                               .direction = false,
+                              .aim = false,
                               .sharing = true,
                               .threads = threads});
   };
@@ -138,9 +161,12 @@ TEST(Pilot, FindsTheSameForAnyNumberOfThreadsAndLeavesTheScene) {
 
 TEST(Pilot, TakesASmallPartOfTheRender) {
   for (const std::uint32_t samples : {1024u, 16384u}) {
-    const PilotResult found = run_pilot(
-        *lit_by_its_ceiling().load(),
-        {.film = {64, 48}, .samples = samples, .direction = false, .sharing = true, .threads = 2});
+    const PilotResult found = run_pilot(*lit_by_its_ceiling().load(), {.film = {64, 48},
+                                                                       .samples = samples,
+                                                                       .direction = false,
+                                                                       .aim = false,
+                                                                       .sharing = true,
+                                                                       .threads = 2});
     EXPECT_LT(static_cast<double>(found.photons), 0.03 * 64 * 48 * samples);
   }
 }

@@ -43,8 +43,11 @@ class Pilot {
   Pilot& operator=(const Pilot&) = delete;
 
   PilotResult run() {
-    result_.choice = {Direction::kAdjoint, 1, 1.0, false};
-    if (!request_.direction) result_.choice.direction = before_.direction;
+    result_.choice = {Direction::kAdjoint, 1, false, 1.0, false};
+    if (!request_.direction) {
+      result_.choice.direction = before_.direction;
+      result_.choice.aimed = before_.aimed_emission > 0.0f;
+    }
     if (request_.direction && forward_can_bring()) choose_direction();
     if (request_.sharing && result_.choice.direction != Direction::kForward &&
         before_.estimator == Estimator::kTwoPhotons) {
@@ -71,10 +74,12 @@ class Pilot {
   }
 
   void choose_direction() {
-    const Film film = reduced(budget_ / 2 / (3 * kImages * kSamples));
+    std::vector<bool> aims{before_.aimed_emission > 0.0f};
+    if (request_.aim && aims.front()) aims.push_back(false);
+    const auto ways = static_cast<double>(2 + aims.size());
+    const Film film = reduced(budget_ / 2 / (ways * kImages * kSamples));
     const auto square = whole(film);
     const Images all = images(Direction::kAdjoint, 1, film, square);
-    const Images forward = images(before_.direction, 1, film, square, kImages, true);
     Images rest, left = all;
     if (before_.direction == Direction::kBoth) {
       rest = images(Direction::kBoth, 1, film, square);
@@ -84,23 +89,34 @@ class Pilot {
         }
       }
     }
-    const std::vector<double> shown = shown_by({&all}, {&rest, &forward});
-    PilotFigures adjoint = figures(PilotFigures::kAdjoint, 1, all, shown);
+    std::vector<Images> forward;
+    for (const bool aimed : aims) {
+      scene_.options.aimed_emission = aimed ? before_.aimed_emission : 0.0f;
+      forward.push_back(images(before_.direction, 1, film, square, kImages, true));
+    }
+    const Images& best = *std::ranges::min_element(
+        forward, {}, [](const Images& each) { return mean_and_error(each)[1]; });
+    const std::vector<double> shown = shown_by({&all}, {&rest, &best});
+    const PilotFigures adjoint = figures(PilotFigures::kAdjoint, 1, all, shown);
     PilotFigures others{.photons = PilotFigures::kAdjointOfBoth};
     if (!rest.empty()) others = figures(PilotFigures::kAdjointOfBoth, 1, rest, shown);
-    PilotFigures from_luminaires = figures(PilotFigures::kForward, 1, forward, shown);
-    from_luminaires.cost *= kForwardCost;
     const PilotFigures left_to_them = figures(PilotFigures::kAdjoint, 1, left, shown);
-    result_.tried = {adjoint, others, from_luminaires};
-    if (rest.empty()) result_.tried.erase(result_.tried.begin() + 1);
-    const ForwardPays pays = forward_pays(adjoint, others, left_to_them, from_luminaires);
-    if (pays == ForwardPays::kNot) return;
-    result_.choice.finds_more = pays == ForwardPays::kFindsMore;
-    forward_ = from_luminaires;
-    result_.choice.direction = before_.direction;
-    result_.choice.gain =
-        adjoint.relative_mse * adjoint.cost /
-        ((others.relative_mse + forward_.relative_mse) * (others.cost + forward_.cost));
+    result_.tried = {adjoint};
+    if (!rest.empty()) result_.tried.push_back(others);
+    for (std::size_t i = 0; i < aims.size(); ++i) {
+      PilotFigures found = figures(PilotFigures::kForward, 1, forward[i], shown);
+      found.aimed = aims[i];
+      found.cost *= kForwardCost;
+      result_.tried.push_back(found);
+      const ForwardPays pays = forward_pays(adjoint, others, left_to_them, found);
+      const double gain = adjoint.relative_mse * adjoint.cost /
+                          ((others.relative_mse + found.relative_mse) * (others.cost + found.cost));
+      const bool better =
+          result_.choice.direction == Direction::kAdjoint || gain > result_.choice.gain;
+      if (pays == ForwardPays::kNot || !better) continue;
+      forward_ = found;
+      result_.choice = {before_.direction, 1, found.aimed, gain, pays == ForwardPays::kFindsMore};
+    }
   }
 
   void choose_sharing() {

@@ -14,8 +14,9 @@ struct PilotRequest {
   Film film;
   /// Of each pixel, in the render that is to come: the pilot takes a small part of that.
   std::uint32_t samples;
-  /// What is open. Direction: adjoint, or what the scene's options say.
-  bool direction, sharing;
+  /// What is open. Direction: adjoint, or what the scene's options say. Aim: whether forward
+  /// photons are aimed as these say, or not.
+  bool direction, aim, sharing;
   unsigned threads;
 };
 
@@ -25,6 +26,8 @@ struct PilotFigures {
   Photons photons;
   /// Pixels that share.
   std::uint32_t sharing = 1;
+  /// Forward photons that are aimed at important shapes.
+  bool aimed = false;
   /// Mean Y of the pilot's pixels, and its standard error.
   double mean = 0.0, mean_error = 0.0;
   /// Relative MSE of Y (docs/explanation/units-and-errors.md) of one sample of each pixel.
@@ -37,6 +40,7 @@ struct PilotFigures {
 struct PilotChoice {
   Direction direction;
   std::uint32_t sharing;
+  bool aimed;
   /// How many times less time it takes to the same error than adjoint photons of pixels alone.
   double gain;
   /// These missed light that the way finds, so that `gain` says nothing.

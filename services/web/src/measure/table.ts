@@ -43,7 +43,7 @@ function row(measured: Measurement, index: number, { chosen, onChoose, onRemove 
   ];
   const node = element("tr", {}, element("th", { scope: "row" }, element("label", {}, radio, nameOf(measured))), ...cells.map((text) => element("td", {}, text)));
   if (onRemove) {
-    const remove = element("button", { type: "button", class: "quiet", "aria-label": `Remove ${nameOf(measured)}` }, "Remove");
+    const remove = element("button", { type: "button", class: "quiet", "aria-label": `Remove ${nameOf(measured)}`, title: "Remove" }, "×");
     remove.addEventListener("click", () => { onRemove(index); });
     node.append(element("td", {}, remove));
   }
