@@ -55,7 +55,7 @@ class Way:
         """The document, traced this way."""
         return {
             **document,
-            "tracing": {**document.get("tracing", {}), "direction": "adjoint", **self.tracing},
+            "tracing": {**document.get("tracing", {}), "direction": "adjoint", "sharing": 1, **self.tracing},
             "sensor": {**document["sensor"], **self.sensor},
         }
 

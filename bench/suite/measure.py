@@ -51,7 +51,8 @@ _OPENINGS = Way(
     OPENINGS,
     applies=_has_important,
 )
-_AUTO = Way("auto", "the default: what a pilot chooses, whose time is left out", {"direction": "auto"})
+_OPEN = {"direction": "auto", "sharing": "auto"}
+_AUTO = Way("auto", "the default: what a pilot chooses, whose time is left out", _OPEN)
 _AIMED = Way(
     "forward, aimed",
     "photons from the luminaires, nine of ten towards what the scene calls important",
