@@ -41,7 +41,7 @@ class TileSums:
     block_products: Values
     """Shape (blocks down, blocks across, PRODUCTS), of what each block's pixels together have."""
     tile_products: Values
-    """Shape (1, PRODUCTS): the same of the whole tile."""
+    """Shape (1, PRODUCTS): the same of the whole tile; of a film, a row for each of its tiles."""
 
     def encode(self) -> bytes:
         """Float64, little endian: pixels, blocks, tile."""
@@ -91,14 +91,14 @@ def decode(data: bytes, width: int, height: int, further: int) -> TileSums:
     return split(found, width, height, further)
 
 
-def split(numbers: Values, width: int, height: int, further: int) -> TileSums:
-    """Views into as many numbers as a tile has."""
+def split(numbers: Values, width: int, height: int, further: int, tiles: int = 1) -> TileSums:
+    """Views into as many numbers as a tile has, or a film of so many tiles."""
     per_pixel = sums_per_pixel(further)
     end = width * height * per_pixel
     return TileSums(
         numbers[:end].reshape(height, width, per_pixel),
-        numbers[end:-PRODUCTS].reshape(blocks_in(height), blocks_in(width), PRODUCTS),
-        numbers[-PRODUCTS:].reshape(1, PRODUCTS),
+        numbers[end : -PRODUCTS * tiles].reshape(blocks_in(height), blocks_in(width), PRODUCTS),
+        numbers[-PRODUCTS * tiles :].reshape(tiles, PRODUCTS),
     )
 
 

@@ -12,6 +12,8 @@ import pytest
 from nocturne_client import NocturneClientError
 from nocturne_client.cli.app import app
 from nocturne_client.local.image_error import image_error
+from nocturne_client.local.local_stop import LocalStop
+from nocturne_client.local.render import LocalRender, render_scene
 from typer.testing import CliRunner
 
 from tests.scene.formats.mitsuba_import import SENSOR
@@ -145,3 +147,17 @@ def test_a_scene_of_another_renderer_is_rendered_with_its_film(tmp_path: Path) -
     assert done.exit_code == 0, done.output
     assert "missing: ball.xml:" in done.stderr
     assert channels(tmp_path / "ball.exr")["Y"].shape == (20, 40)
+
+
+def test_what_fails_between_ranges_ends_the_render(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, scene: Path
+) -> None:
+    """The program asks after each range, and would wait for an answer for ever."""
+
+    def fail(*_: object) -> bool:
+        raise ValueError("sums that nobody can read")
+
+    monkeypatch.setattr(LocalStop, "is_met", fail)
+    asked = LocalRender(scene, tmp_path / "a.exr", 16, 16, 64, 1, stop={"relative_error": 0.1})
+    with pytest.raises(ValueError, match="nobody can read"):
+        render_scene(asked)

@@ -10,7 +10,7 @@ from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.error_estimate import Squares, estimate_error
 from nocturne_coordinator.dispatch.trust import RangeEnd, confirmed
 from nocturne_scene.ranges import TileGrid
-from nocturne_scene.tile_sums import blocks_in, sums_per_pixel
+from nocturne_scene.tile_sums import PRODUCTS, split
 
 
 class LocalStop:
@@ -31,13 +31,12 @@ class LocalStop:
     def _has_error(self, samples: int, sums_file: Path) -> bool:
         schedule = self._schedule
         width, height, grid = schedule.width, schedule.height, TileGrid.of(schedule)
-        blocks, tiles = (blocks_in(height), blocks_in(width)), (-1, grid.columns)
         numbers = np.fromfile(sums_file, dtype="<f8")
-        first = width * height * sums_per_pixel(len(schedule.further_responses))
-        pixels, of_blocks, of_tiles = np.split(numbers, [first, first + blocks[0] * blocks[1]])
-        squares = Squares(of_blocks.reshape(blocks), of_tiles.reshape(tiles), grid.tile_size)
+        sums = split(numbers, width, height, len(schedule.further_responses), grid.count)
+        of_tiles = sums.tile_products.reshape(-1, grid.columns, PRODUCTS)
+        squares = Squares(sums.block_products, of_tiles, grid.tile_size)
         counts = np.full((height, width), samples, dtype=np.uint32)
-        now = RangeEnd.of(estimate_error(pixels.reshape(height, width, -1), counts, squares))
+        now = RangeEnd.of(estimate_error(sums.pixels, counts, squares))
         met = confirmed(self._before, now, self._error)
         self._before = now
         return met

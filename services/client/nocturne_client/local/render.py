@@ -3,8 +3,8 @@
 import re
 import subprocess
 import tempfile
-import threading
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any
@@ -84,17 +84,15 @@ def _trace(command: list[str], name: str, stop: LocalStop | None = None, sums: P
     process = subprocess.Popen(  # noqa: S603
         command, stdin=pipe, stdout=pipe, stderr=subprocess.PIPE, text=True, errors="replace"
     )
-    answering = threading.Thread(target=_answer, args=(process, stop, sums), daemon=True)
-    with process:
+    with process, ThreadPoolExecutor(1) as beside:
+        answered = beside.submit(_answer, process, stop, sums) if stop and sums else None
         try:
-            if stop:
-                answering.start()
             said = _show(process.stderr, name)
         except BaseException:
             process.terminate()
             raise
-    if stop:
-        answering.join()
+    if answered:
+        answered.result()
     if process.returncode != 0:
         raise NocturneClientError(f"nocturne-trace failed ({process.returncode}): {said}")
     if said:
@@ -102,12 +100,17 @@ def _trace(command: list[str], name: str, stop: LocalStop | None = None, sums: P
 
 
 def _answer(process: "subprocess.Popen[str]", stop: LocalStop, sums: Path) -> None:
-    """Tells the program after each range whether it is to go on."""
-    for line in process.stdout or ():
-        answer = "stop" if stop.is_met(int(line), sums) else "go"
-        if process.stdin is not None:
-            process.stdin.write(f"{answer}\n")
-            process.stdin.flush()
+    """Tells the program after each range whether it is to go on; ends it where that fails, as it would wait
+    for ever."""
+    try:
+        for line in process.stdout or ():
+            answer = "stop" if stop.is_met(int(line), sums) else "go"
+            if process.stdin is not None:
+                process.stdin.write(f"{answer}\n")
+                process.stdin.flush()
+    except BaseException:
+        process.terminate()
+        raise
 
 
 def _show(lines: IO[str] | None, name: str) -> str:
