@@ -1,7 +1,6 @@
 #include "tracer/pilot.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <exception>
@@ -11,8 +10,8 @@
 namespace nocturne {
 namespace {
 
-/// Independent images by each way, and samples of a pixel in each of them.
-constexpr std::uint32_t kImages = 4, kSamples = 16;
+/// Independent images by each way.
+constexpr std::uint32_t kImages = 4;
 /// Part of the render's samples that a pilot takes, their most, and the most rays.
 constexpr double kPart = 0.025, kMostSamples = 1.5e6, kMostRays = 12e6;
 /// Edge of the squares of the film, pixels, in which neighbours share.
@@ -20,9 +19,6 @@ constexpr std::uint32_t kSquare = 16;
 /// Of an occlusion query between neighbours, and of a forward photon's ray with its connection to
 /// the camera and its place on the film, in rays of adjoint photons: measured, docs/decisions/0062.
 constexpr double kQueryCost = 0.7, kForwardCost = 1.5;
-/// Half an edge of the neighbourhood, pixels, whose mean is taken for what its middle shows: a
-/// pixel's own samples are so few that one bright one would hide how far it is off.
-constexpr std::uint32_t kAround = 3;
 /// A way is left for another that is so much better; sharing is judged by a few squares of the
 /// film.
 constexpr double kWorthIt = 1.25, kSharingWorthIt = 1.5;
@@ -30,9 +26,6 @@ constexpr double kWorthIt = 1.25, kSharingWorthIt = 1.5;
 constexpr double kApart = 5.0;
 /// Forward photons whose mean is less certain have hardly found the sensor yet.
 constexpr double kCertain = 0.2;
-
-/// Sums of each image, square by square of the film.
-using Images = std::vector<std::vector<TileSums>>;
 
 class Pilot {
  public:
@@ -63,8 +56,8 @@ class Pilot {
     const double part = std::min(kPart * pixels * request_.samples, kMostSamples);
     // What a sample takes, by a few of them.
     const Film small = reduced(256.0);
-    const Images probe = images(Direction::kAdjoint, 1, small, whole(small), 1);
-    const double taken = pixels_of(small) * kSamples;
+    const PilotImages probe = images(Direction::kAdjoint, 1, small, whole(small), 1);
+    const double taken = pixels_of(small) * kPilotSamples;
     return std::min(part, kMostRays / std::max(1.0, rays_of(probe) / taken));
   }
 
@@ -77,10 +70,10 @@ class Pilot {
     std::vector<bool> aims{before_.aimed_emission > 0.0f};
     if (request_.aim && aims.front()) aims.push_back(false);
     const auto ways = static_cast<double>(2 + aims.size());
-    const Film film = reduced(budget_ / 2 / (ways * kImages * kSamples));
+    const Film film = reduced(budget_ / 2 / (ways * kImages * kPilotSamples));
     const auto square = whole(film);
-    const Images all = images(Direction::kAdjoint, 1, film, square);
-    Images rest, left = all;
+    const PilotImages all = images(Direction::kAdjoint, 1, film, square);
+    PilotImages rest, left = all;
     if (before_.direction == Direction::kBoth) {
       rest = images(Direction::kBoth, 1, film, square);
       for (std::uint32_t i = 0; i < kImages; ++i) {
@@ -89,22 +82,22 @@ class Pilot {
         }
       }
     }
-    std::vector<Images> forward;
+    std::vector<PilotImages> forward;
     for (const bool aimed : aims) {
       scene_.options.aimed_emission = aimed ? before_.aimed_emission : 0.0f;
       forward.push_back(images(before_.direction, 1, film, square, kImages, true));
     }
-    const Images& best = *std::ranges::min_element(
-        forward, {}, [](const Images& each) { return mean_and_error(each)[1]; });
+    const PilotImages& best = *std::ranges::min_element(
+        forward, {}, [](const PilotImages& each) { return mean_and_error(each)[1]; });
     const std::vector<double> shown = shown_by({&all}, {&rest, &best});
-    const PilotFigures adjoint = figures(PilotFigures::kAdjoint, 1, all, shown);
+    const PilotFigures adjoint = figures_of(PilotFigures::kAdjoint, 1, all, shown);
     PilotFigures others{.photons = PilotFigures::kAdjointOfBoth};
-    if (!rest.empty()) others = figures(PilotFigures::kAdjointOfBoth, 1, rest, shown);
-    const PilotFigures left_to_them = figures(PilotFigures::kAdjoint, 1, left, shown);
+    if (!rest.empty()) others = figures_of(PilotFigures::kAdjointOfBoth, 1, rest, shown);
+    const PilotFigures left_to_them = figures_of(PilotFigures::kAdjoint, 1, left, shown);
     result_.tried = {adjoint};
     if (!rest.empty()) result_.tried.push_back(others);
     for (std::size_t i = 0; i < aims.size(); ++i) {
-      PilotFigures found = figures(PilotFigures::kForward, 1, forward[i], shown);
+      PilotFigures found = figures_of(PilotFigures::kForward, 1, forward[i], shown);
       found.aimed = aims[i];
       found.cost *= kForwardCost;
       result_.tried.push_back(found);
@@ -120,14 +113,14 @@ class Pilot {
   }
 
   void choose_sharing() {
-    const double squares = budget_ / 2 / (2 * kImages * kSamples) / (kSquare * kSquare);
+    const double squares = budget_ / 2 / (2 * kImages * kPilotSamples) / (kSquare * kSquare);
     const auto film = some_squares(std::max(1.0, squares));
     const Direction direction = result_.choice.direction;
-    const Images alone = images(direction, 1, request_.film, film);
-    const Images shared = images(direction, 16, request_.film, film);
+    const PilotImages alone = images(direction, 1, request_.film, film);
+    const PilotImages shared = images(direction, 16, request_.film, film);
     const std::vector<double> shown = shown_by({&alone}, {&shared});
-    const PilotFigures one = figures(PilotFigures::kSharing, 1, alone, shown);
-    PilotFigures sixteen = figures(PilotFigures::kSharing, 16, shared, shown);
+    const PilotFigures one = figures_of(PilotFigures::kSharing, 1, alone, shown);
+    PilotFigures sixteen = figures_of(PilotFigures::kSharing, 16, shared, shown);
     sixteen.cost = one.cost + kQueryCost * (sixteen.cost - one.cost);
     result_.tried.insert(result_.tried.end(), {one, sixteen});
     const double gain = efficiency_with_forward(sixteen) / efficiency_with_forward(one);
@@ -153,7 +146,7 @@ class Pilot {
   }
 
   static std::vector<TileRange> whole(Film film) {
-    return {{0, 0, film.width, film.height, 0, kSamples}};
+    return {{0, 0, film.width, film.height, 0, kPilotSamples}};
   }
 
   /// Squares of the render's film, spread over it (by the golden ratio).
@@ -169,18 +162,18 @@ class Pilot {
       const std::uint32_t index = count == all ? i : static_cast<std::uint32_t>(part * all);
       const std::uint32_t x = index % columns * kSquare, y = index / columns * kSquare;
       squares.push_back(
-          {x, y, std::min(kSquare, width - x), std::min(kSquare, height - y), 0, kSamples});
+          {x, y, std::min(kSquare, width - x), std::min(kSquare, height - y), 0, kPilotSamples});
     }
     return squares;
   }
 
   /// Independent images of some squares of a film.
-  Images images(Direction direction, std::uint32_t sharing, Film film,
-                const std::vector<TileRange>& squares, std::uint32_t count = kImages,
-                bool from_luminaires = false) {
+  PilotImages images(Direction direction, std::uint32_t sharing, Film film,
+                     const std::vector<TileRange>& squares, std::uint32_t count = kImages,
+                     bool from_luminaires = false) {
     scene_.options.direction = direction;
     scene_.options.sharing = sharing;
-    Images made;
+    PilotImages made;
     for (std::uint32_t image = 0; image < count; ++image) {
       scene_.options.seed = before_.seed + image;
       made.push_back(squares_of(film, squares, from_luminaires));
@@ -218,128 +211,6 @@ class Pilot {
     }
     if (failure) std::rethrow_exception(failure);
     return made;
-  }
-
-  static double rays_of(const Images& images) {
-    double rays = 0.0;
-    for (const auto& image : images) {
-      for (const TileSums& sums : image) rays += static_cast<double>(sums.rays);
-    }
-    return rays;
-  }
-
-  /// f(place among all pixels, Y) for an image.
-  template <class F>
-  static void for_each_pixel(const std::vector<TileSums>& image, const F& f) {
-    std::size_t place = 0;
-    for (const TileSums& sums : image) {
-      for (std::size_t at = 1; at < sums.sums.size(); at += sums.channels) {
-        f(place++, sums.sums[at] / kSamples);
-      }
-    }
-  }
-
-  /// Y around each pixel: of two ways, each of which is a sum of images, by what is certain of
-  /// their means.
-  static std::vector<double> shown_by(const std::vector<const Images*>& one,
-                                      const std::vector<const Images*>& other) {
-    const double certain = 1.0 / square_of_error(one), other_certain = 1.0 / square_of_error(other);
-    const bool both = std::isfinite(certain) && std::isfinite(other_certain);
-    const double weight = both ? certain / (certain + other_certain) : 0.5;
-    std::vector<TileSums> mean = weighted(one, weight);
-    const std::vector<TileSums> rest = weighted(other, 1.0 - weight);
-    std::vector<double> around;
-    for (std::size_t i = 0; i < mean.size(); ++i) {
-      mean[i] += rest[i];
-      for (std::uint32_t y = 0; y < mean[i].height; ++y) {
-        for (std::uint32_t x = 0; x < mean[i].width; ++x)
-          around.push_back(mean_around(mean[i], x, y));
-      }
-    }
-    return around;
-  }
-
-  static double square_of_error(const std::vector<const Images*>& way) {
-    double square = 0.0;
-    for (const Images* images : way) square += std::pow(mean_and_error(*images)[1], 2);
-    return square;
-  }
-
-  /// Mean of the images of each part, all parts added up, times `weight`.
-  static std::vector<TileSums> weighted(const std::vector<const Images*>& way, double weight) {
-    std::vector<TileSums> sum;
-    for (const Images* images : way) {
-      for (const auto& image : *images) {
-        std::vector<TileSums> part = image;
-        for (TileSums& square : part) {
-          for (double& value : square.sums) value *= weight / static_cast<double>(images->size());
-        }
-        if (sum.empty()) {
-          sum = std::move(part);
-        } else {
-          for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += part[i];
-        }
-      }
-    }
-    return sum;
-  }
-
-  static double mean_around(const TileSums& image, std::uint32_t x, std::uint32_t y) {
-    const auto from = [](std::uint32_t at) { return at < kAround ? 0 : at - kAround; };
-    const std::uint32_t end_x = std::min(image.width, x + kAround + 1);
-    const std::uint32_t end_y = std::min(image.height, y + kAround + 1);
-    double sum = 0.0, pixels = 0.0;
-    for (std::uint32_t row = from(y); row < end_y; ++row) {
-      for (std::uint32_t column = from(x); column < end_x; ++column) {
-        sum += image.sums[(std::size_t{row} * image.width + column) * image.channels + 1];
-        ++pixels;
-      }
-    }
-    return sum / pixels / kSamples;
-  }
-
-  /// Of Y over all pixels, and its standard error by how the images differ.
-  static std::array<double, 2> mean_and_error(const Images& images) {
-    std::vector<double> means;
-    for (const auto& image : images) {
-      double total = 0.0;
-      std::size_t pixels = 0;
-      for_each_pixel(image, [&](std::size_t, double y) {
-        total += y;
-        ++pixels;
-      });
-      means.push_back(total / static_cast<double>(pixels));
-    }
-    const auto count = static_cast<double>(means.size());
-    double mean = 0.0, squares = 0.0;
-    for (const double each : means) mean += each / count;
-    for (const double each : means) squares += (each - mean) * (each - mean);
-    return {mean, std::sqrt(squares / (count - 1.0) / count)};
-  }
-
-  static PilotFigures figures(PilotFigures::Photons photons, std::uint32_t sharing,
-                              const Images& images, const std::vector<double>& shown) {
-    const auto pixels = static_cast<double>(shown.size());
-    const auto count = static_cast<double>(images.size());
-    std::vector<double> sums(shown.size()), squares(shown.size());
-    for (const auto& image : images) {
-      for_each_pixel(image, [&](std::size_t pixel, double y) {
-        sums[pixel] += y;
-        squares[pixel] += y * y;
-      });
-    }
-    double all = 0.0;
-    for (const double y : shown) all += y / pixels;
-    const auto [mean, error] = mean_and_error(images);
-    PilotFigures found{.photons = photons, .sharing = sharing, .mean = mean, .mean_error = error};
-    for (std::size_t pixel = 0; pixel < shown.size(); ++pixel) {
-      const double variance =
-          std::max(0.0, squares[pixel] - sums[pixel] * sums[pixel] / count) / (count - 1.0);
-      const double scale = shown[pixel] * shown[pixel] + 0.01 * all * all;
-      if (scale > 0.0) found.relative_mse += kSamples * variance / scale / pixels;
-    }
-    found.cost = rays_of(images) / (pixels * count * kSamples);
-    return found;
   }
 
   Scene& scene_;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scene/scene.h"
+#include "tracer/pilot_figures.h"
 #include "tracer/trace_tile.h"
 
 namespace nocturne {
@@ -18,22 +19,6 @@ struct PilotRequest {
   /// photons are aimed as these say, or not.
   bool direction, aim, sharing;
   unsigned threads;
-};
-
-/// What photons of one kind did.
-struct PilotFigures {
-  enum Photons { kAdjoint, kAdjointOfBoth, kForward, kSharing };
-  Photons photons;
-  /// Pixels that share.
-  std::uint32_t sharing = 1;
-  /// Forward photons that are aimed at important shapes.
-  bool aimed = false;
-  /// Mean Y of the pilot's pixels, and its standard error.
-  double mean = 0.0, mean_error = 0.0;
-  /// Relative MSE of Y (docs/explanation/units-and-errors.md) of one sample of each pixel.
-  double relative_mse = 0.0;
-  /// Of a sample, in rays of the usual cost.
-  double cost = 0.0;
 };
 
 /// The way with the least error for the same time.

@@ -1,0 +1,48 @@
+// What a pilot's images tell of a way to trace.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "tile/tile_sums.h"
+
+namespace nocturne {
+
+/// Samples of a pixel in each of a pilot's images.
+inline constexpr std::uint32_t kPilotSamples = 16;
+
+/// Independent images: sums of each, square by square of the film.
+using PilotImages = std::vector<std::vector<TileSums>>;
+
+/// What photons of one kind did.
+struct PilotFigures {
+  enum Photons { kAdjoint, kAdjointOfBoth, kForward, kSharing };
+  Photons photons;
+  /// Pixels that share.
+  std::uint32_t sharing = 1;
+  /// Forward photons that are aimed at important shapes.
+  bool aimed = false;
+  /// Mean Y of the pilot's pixels, and its standard error.
+  double mean = 0.0, mean_error = 0.0;
+  /// Relative MSE of Y (docs/explanation/units-and-errors.md) of one sample of each pixel.
+  double relative_mse = 0.0;
+  /// Of a sample, in rays of the usual cost.
+  double cost = 0.0;
+};
+
+/// Y around each pixel: of two ways, each of which is a sum of images, by what is certain of their
+/// means.
+std::vector<double> shown_by(const std::vector<const PilotImages*>& one,
+                             const std::vector<const PilotImages*>& other);
+
+/// Of Y over all pixels, and its standard error by how the images differ; needs two.
+std::array<double, 2> mean_and_error(const PilotImages& images);
+
+double rays_of(const PilotImages& images);
+
+/// Of images whose pixels show `shown`.
+PilotFigures figures_of(PilotFigures::Photons photons, std::uint32_t sharing,
+                        const PilotImages& images, const std::vector<double>& shown);
+
+}  // namespace nocturne
