@@ -206,7 +206,7 @@ async def test_samples_are_bounded_by_owner(tmp_path: Path) -> None:
 
 async def test_bytes_are_bounded_by_owner(tmp_path: Path) -> None:
     """P7: uploads and what renders take; a refused upload is not counted, a deleted file neither."""
-    async with guarded(tmp_path, owner_stored_bytes=300_000) as service:
+    async with guarded(tmp_path, owner_stored_bytes=350_000) as service:
         token = service.token("alice", "submit")
         async with service.rest(token) as alice, service.rest(service.token("bob", "submit")) as bob:
             data = [bytes([number]) * 130_000 for number in range(3)]
@@ -215,7 +215,7 @@ async def test_bytes_are_bounded_by_owner(tmp_path: Path) -> None:
                 assert (await alice.put(path, content=content)).status_code == 200
             refused = await alice.put(paths[2], content=data[2])
             assert (refused.status_code, refused.json()["reason"]) == (429, "QUOTA")
-            assert "390,000 stored bytes, and may have 300,000: delete renders" in refused.json()["detail"]
+            assert "390,000 stored bytes, and may have 350,000: delete renders" in refused.json()["detail"]
             assert (await alice.head(paths[2])).status_code == 404
             async with service.grpc() as channel:
                 stub = asset_service_pb2_grpc.AssetServiceStub(channel)
@@ -226,7 +226,7 @@ async def test_bytes_are_bounded_by_owner(tmp_path: Path) -> None:
                         iter([asset_service_pb2.UploadRequest(asset=about)]), metadata=metadata(token)
                     )
             assert caught.value.code() == grpc.StatusCode.RESOURCE_EXHAUSTED
-            # A film of 40 x 30 takes 154 KB when it is done.
+            # A film of 40 x 30 takes 196 KB when it is done.
             assert (await alice.post("/v1/renders", json=request("a"))).status_code == 429
             assert (await bob.put(paths[2], content=data[2])).status_code == 200
             # An upload of other bytes than were said fails, and counts nothing.

@@ -29,7 +29,7 @@ _COLUMNS = ", ".join(field.name for field in fields(RenderRow))
 # SQLite integers are signed 64 bits.
 _NEWEST = 2**63 - 1
 
-# X, Y, Z and their errors, three correlations, two ratios, R, G, B and the samples, 4 bytes each.
+# X, Y, Z and their errors, three correlations, nine of blocks and tiles, R, G, B, samples: 4 bytes each.
 _EXR_CHANNELS = 22
 
 
