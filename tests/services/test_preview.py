@@ -109,6 +109,14 @@ def test_no_tev_there(address: str) -> None:
         Tev(address)
 
 
+def test_a_port_beyond_the_last_is_no_other_port() -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        with pytest.raises(NocturneClientError, match="expected at most 65535"):
+            Tev(f"127.0.0.1:{taken.getsockname()[1] + 65536}")
+
+
 @pytest.mark.parametrize(
     ("environment", "graphics"),
     [

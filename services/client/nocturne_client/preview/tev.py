@@ -21,6 +21,7 @@ DEFAULT_PORT = 14158
 _CREATE = 4
 _UPDATE = 6
 _TIMEOUT_S = 10.0
+_LAST_PORT = 65535
 
 CHANNELS = ("R", "G", "B", "X", "Y", "Z", "Y.stderr")
 """Linear sRGB for the eye, and what was measured."""
@@ -33,6 +34,9 @@ class Tev:
         """`address`: HOST or HOST:PORT. Raises NocturneClientError where tev does not listen there."""
         host, _, port = address.rpartition(":") if ":" in address else (address, "", str(DEFAULT_PORT))
         try:
+            if int(port) > _LAST_PORT:
+                # Resolvers take it modulo 65536, where something else may listen.
+                raise ValueError(f"there is no port {port}; expected at most {_LAST_PORT}")
             self._socket = socket.create_connection((host, int(port)), _TIMEOUT_S)
         except (OSError, ValueError, OverflowError) as error:
             raise NocturneClientError(
