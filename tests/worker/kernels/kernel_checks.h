@@ -1,12 +1,14 @@
 // What the tests of kernels share: random numbers, sums over a sampler's draws.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <optional>
 
 #include "kernels/kernel.h"
+#include "pdfs/directions.h"
 #include "sampling/philox.h"
 #include "sampling/sequence.h"
 
@@ -67,6 +69,20 @@ template <class Bound>
 Mean sampled_albedo(const Bound& kernel, Vec3 wo, std::uint32_t draws, std::uint32_t seed = 1) {
   return mean_of(
       draws, [&](std::uint32_t i) { return weight(kernel, wo, kernel_numbers(numbers(i, seed))); });
+}
+
+/// A kernel's value over the cosine is the same both ways: the largest relative difference, of
+/// values above 1e-3, over random pairs of directions of one hemisphere.
+template <class Bound>
+float largest_asymmetry(const Bound& kernel) {
+  float largest = 0.0f;
+  for (std::uint32_t i = 0; i < 2000; ++i) {
+    const auto u = numbers(i, 31);
+    const Vec3 a = UniformHemisphere::sample(u[0], u[1]), b = UniformHemisphere::sample(u[2], u[3]);
+    const float f = kernel.value(a, b)[0] / b.z;
+    largest = std::max(largest, std::abs(kernel.value(b, a)[0] / a.z - f) / std::max(1e-3f, f));
+  }
+  return largest;
 }
 
 }  // namespace nocturne::test

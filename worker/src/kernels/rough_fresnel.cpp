@@ -5,8 +5,8 @@
 #include <cstddef>
 
 #include "kernels/fresnel.h"
-#include "kernels/ggx.h"
 #include "kernels/table_cell.h"
+#include "kernels/table_quadrature.h"
 
 namespace nocturne {
 namespace {
@@ -21,20 +21,9 @@ constexpr int kNormals = 12;
 std::size_t place(std::size_t ratio, std::size_t alpha) { return ratio * kAlphas + alpha; }
 
 double average(double cosine, float alpha, double ratio) {
-  const Ggx ggx{alpha, alpha};
-  const Vec3 wo{static_cast<float>(std::sqrt((1.0 - cosine) * (1.0 + cosine))), 0.0f,
-                static_cast<float>(cosine)};
-  double sum = 0.0;
-  for (int i = 0; i < kNormals; ++i) {
-    for (int j = 0; j < kNormals; ++j) {
-      // The half circle: wo lies in the plane y = 0.
-      const Vec3 h = ggx.sample_visible(wo, (static_cast<float>(i) + 0.5f) / kNormals,
-                                        0.5f * (static_cast<float>(j) + 0.5f) / kNormals);
-      const auto facing = static_cast<double>(std::clamp(dot(wo, h), 0.0f, 1.0f));
-      sum += fresnel_dielectric(facing, ratio);
-    }
-  }
-  return sum / (kNormals * kNormals);
+  return mean_over_visible_normals(cosine, alpha, kNormals, [&](Vec3 wo, Vec3 h) {
+    return fresnel_dielectric(static_cast<double>(std::clamp(dot(wo, h), 0.0f, 1.0f)), ratio);
+  });
 }
 
 struct TableCell {
@@ -73,18 +62,7 @@ RoughFresnel::RoughFresnel()
         row[c] =
             static_cast<float>(average(cosine, alpha, ratio) - fresnel_dielectric(cosine, ratio));
       }
-      // 2 x the integral of d(x) mu dmu, mu = x^2: 4 d(x) x^3 dx, d linear in each cell.
-      double mean = 0.0;
-      for (std::size_t c = 0; c + 1 < kCosines; ++c) {
-        const double x0 = static_cast<double>(c) / (kCosines - 1);
-        const double x1 = static_cast<double>(c + 1) / (kCosines - 1);
-        const double slope =
-            (static_cast<double>(row[c + 1]) - static_cast<double>(row[c])) / (x1 - x0);
-        const double base = static_cast<double>(row[c]) - slope * x0;
-        mean += base * (std::pow(x1, 4) - std::pow(x0, 4)) +
-                slope * 0.8 * (std::pow(x1, 5) - std::pow(x0, 5));
-      }
-      mean_difference_[place(r, a)] = static_cast<float>(mean);
+      mean_difference_[place(r, a)] = static_cast<float>(cosine_weighted_mean({row, kCosines}));
     }
   }
 }

@@ -1,11 +1,9 @@
 #include "tracer/pilot.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
-#include <mutex>
-#include <thread>
+
+#include "tracer/by_threads.h"
 
 namespace nocturne {
 namespace {
@@ -188,28 +186,10 @@ class Pilot {
   std::vector<TileSums> squares_of(Film film, const std::vector<TileRange>& squares,
                                    bool from_luminaires) const {
     std::vector<TileSums> made(squares.size(), TileSums(0, 0, 0));
-    std::atomic<std::size_t> next = 0;
-    std::exception_ptr failure;
-    std::mutex mutex;
-    const auto work = [&] {
-      try {
-        for (std::size_t i = next++; i < squares.size(); i = next++) {
-          made[i] = from_luminaires ? trace_from_luminaires(scene_, film, squares[i])
-                                    : trace_from_sensor(scene_, film, squares[i]);
-        }
-      } catch (...) {
-        next = squares.size();
-        const std::lock_guard lock(mutex);
-        if (!failure) failure = std::current_exception();
-      }
-    };
-    {
-      std::vector<std::jthread> pool;
-      const auto most = static_cast<unsigned>(squares.size());
-      for (unsigned i = 1; i < std::min(request_.threads, most); ++i) pool.emplace_back(work);
-      work();
-    }
-    if (failure) std::rethrow_exception(failure);
+    by_threads(squares.size(), request_.threads, [&](std::size_t i) {
+      made[i] = from_luminaires ? trace_from_luminaires(scene_, film, squares[i])
+                                : trace_from_sensor(scene_, film, squares[i]);
+    });
     return made;
   }
 

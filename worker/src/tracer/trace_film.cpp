@@ -1,11 +1,10 @@
 #include "tracer/trace_film.h"
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
 #include <mutex>
-#include <thread>
 #include <vector>
+
+#include "tracer/by_threads.h"
 
 namespace nocturne {
 namespace {
@@ -65,44 +64,26 @@ TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, uns
   const double all = static_cast<double>(plan.film.width) * plan.film.height *
                      (plan.range_ends.back() - plan.first_sample);
   TileSums image = no_sums(scene, plan);
-  std::atomic<std::uint32_t> next = 0;
   std::mutex mutex;
   double done = 0.0;
-  std::exception_ptr failure;
-
-  const auto trace_tiles = [&] {
-    for (std::uint32_t index = next++; index < columns * rows; index = next++) {
-      TileRange tile{(index % columns) * plan.tile_size,
-                     (index / columns) * plan.tile_size,
-                     0,
-                     0,
-                     plan.first_sample,
-                     0};
-      tile.width = std::min(plan.tile_size, plan.film.width - tile.x);
-      tile.height = std::min(plan.tile_size, plan.film.height - tile.y);
-      const TileSums sums = trace_ranges(scene, plan, tile, method, [&](std::uint64_t photons) {
-        const std::lock_guard lock(mutex);
-        done += static_cast<double>(photons);
-        progress(done / all);
-      });
+  by_threads(std::size_t{columns} * rows, threads, [&](std::size_t number) {
+    const auto index = static_cast<std::uint32_t>(number);
+    TileRange tile{(index % columns) * plan.tile_size,
+                   (index / columns) * plan.tile_size,
+                   0,
+                   0,
+                   plan.first_sample,
+                   0};
+    tile.width = std::min(plan.tile_size, plan.film.width - tile.x);
+    tile.height = std::min(plan.tile_size, plan.film.height - tile.y);
+    const TileSums sums = trace_ranges(scene, plan, tile, method, [&](std::uint64_t photons) {
       const std::lock_guard lock(mutex);
-      place(sums, tile, index, image);
-    }
-  };
-  // A thread that throws stops the others; what it threw is thrown again from here.
-  const auto work = [&] {
-    try {
-      trace_tiles();
-    } catch (...) {
-      next = columns * rows;
-      const std::lock_guard lock(mutex);
-      if (!failure) failure = std::current_exception();
-    }
-  };
-  std::vector<std::jthread> pool;
-  for (unsigned i = 0; i < std::max(1u, threads); ++i) pool.emplace_back(work);
-  pool.clear();  // joins
-  if (failure) std::rethrow_exception(failure);
+      done += static_cast<double>(photons);
+      progress(done / all);
+    });
+    const std::lock_guard lock(mutex);
+    place(sums, tile, number, image);
+  });
   return image;
 }
 

@@ -1,0 +1,48 @@
+// What tables over roughness and angle are filled by: means over GGX facets, made once.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "kernels/ggx.h"
+
+namespace nocturne {
+
+/// Mean of f(wo, normal) over the facets' normals that `wo`, at a cosine to the surface's normal,
+/// sees: midpoints, count x count over half a circle, for `wo` lies in the plane y = 0.
+template <class F>
+double mean_over_visible_normals(double cosine, float alpha, int count, const F& f) {
+  const Ggx ggx{alpha, alpha};
+  const Vec3 wo{static_cast<float>(std::sqrt((1.0 - cosine) * (1.0 + cosine))), 0.0f,
+                static_cast<float>(cosine)};
+  const auto midpoint = [&](int i) {
+    return (static_cast<float>(i) + 0.5f) / static_cast<float>(count);
+  };
+  double sum = 0.0;
+  for (int i = 0; i < count; ++i) {
+    for (int j = 0; j < count; ++j) {
+      sum += f(wo, ggx.sample_visible(wo, midpoint(i), 0.5f * midpoint(j)));
+    }
+  }
+  return sum / (count * count);
+}
+
+/// 2 x the integral of e(mu) mu dmu over [0, 1], from values at cosines mu = x^2 with x equally
+/// spaced: 4 e(x) x^3 dx, e linear in each cell.
+inline double cosine_weighted_mean(std::span<const float> values) {
+  const auto cells = static_cast<double>(values.size() - 1);
+  double mean = 0.0;
+  for (std::size_t c = 0; c + 1 < values.size(); ++c) {
+    const double x0 = static_cast<double>(c) / cells;
+    const double x1 = static_cast<double>(c + 1) / cells;
+    const double slope =
+        (static_cast<double>(values[c + 1]) - static_cast<double>(values[c])) / (x1 - x0);
+    const double base = static_cast<double>(values[c]) - slope * x0;
+    mean += base * (std::pow(x1, 4) - std::pow(x0, 4)) +
+            slope * 0.8 * (std::pow(x1, 5) - std::pow(x0, 5));
+  }
+  return mean;
+}
+
+}  // namespace nocturne
