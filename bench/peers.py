@@ -15,7 +15,7 @@ from bench.peer.contenders import Contender, Film, Frame, Ours, mitsuba
 from bench.peer.install import Installed, install
 from bench.peer.scenes import Scene, scenes
 from bench.report import Figures, Row, significant
-from bench.scenes import compile_film
+from bench.scenes import Document, compile_film
 
 # As many for each renderer as the machines that we measure on have.
 _THREADS = 2
@@ -87,13 +87,22 @@ def _scene(scene: Scene, size: _Size, installed: Installed) -> Figures:
     film = Film(scene.width // size.shrink, scene.height // size.shrink)
     with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as name, ExitStack() as stack:
         folder = Path(name)
-        compiled = compile_film(scene.write(folder), folder, film.width, film.height, 1)
-        contenders: dict[str, Contender] = {OURS: Ours(compiled, film, _THREADS)}
+        ours, way = _ours(scene.write(folder), folder, film, size)
+        contenders: dict[str, Contender] = {OURS: ours}
         theirs = stack.enter_context(
             mitsuba(installed, folder / "scene.json", folder / "mitsuba", film, _THREADS)
         )
         contenders |= {sampler: theirs[sampler] for sampler in PEERS}
-        return _compare(contenders, size)
+        return _compare(contenders, size) | {"way": way}
+
+
+def _ours(document: Document, folder: Path, film: Film, size: _Size) -> tuple[Ours, str]:
+    """By the way that a pilot chooses for the largest budget, whose time is left out; the way in words."""
+    plain = Ours(compile_film(document, folder, film.width, film.height, 1), film, _THREADS)
+    rate = plain.frame(size.trial_samples, _TRIAL_SEED).cpu_s / size.trial_samples
+    samples = _samples(max(size.budgets_cpu_s), rate)
+    chosen = compile_film(document, folder, film.width, film.height, samples, folder / "chosen")
+    return Ours(chosen, film, _THREADS), chosen.way
 
 
 def _compare(contenders: Mapping[str, Contender], size: _Size) -> Figures:

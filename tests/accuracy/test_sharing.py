@@ -42,8 +42,8 @@ _SPHERES: dict[str, Document] = {
 }
 
 
-def room(*inside: Document, **further: Any) -> Document:
-    """Walls of different colours, open in front, a lamp below the ceiling."""
+def room(*inside: Document, wall: Callable[[float], Document] = diffuse, **further: Any) -> Document:
+    """Walls of different albedos, open in front, a lamp below the ceiling."""
     walls = [
         (quad([-1, 0, -1], [0, 0, 2], [2, 0, 0]), 0.7),
         (quad([-1, 2, -1], [2, 0, 0], [0, 0, 2]), 0.8),
@@ -58,12 +58,33 @@ def room(*inside: Document, **further: Any) -> Document:
         "look_at": [0, 0.9, 0],
         "vertical_field_of_view_degrees": 38,
     }
-    surfaces = [*(surface(shape, diffuse(albedo)) for shape, albedo in walls), lamp, *inside]
+    surfaces = [*(surface(shape, wall(albedo)) for shape, albedo in walls), lamp, *inside]
     return {"nocturne": 1, "sensor": camera, "surfaces": surfaces, **further}
 
 
 def _with_sphere(kernel: str) -> Document:
     return room(surface(sphere([0.2, 0.55, 0.1], 0.5), _SPHERES[kernel]))
+
+
+def _varnished(albedo: float) -> Document:
+    return {"type": "coated_diffuse", "reflectance": albedo, "index": 1.5, "roughness": 0.3}
+
+
+def _lacquered(albedo: float) -> Document:
+    return {"type": "coated_diffuse", "reflectance": albedo, "index": 1.5}
+
+
+def _principled(albedo: float) -> Document:
+    return {"type": "principled", "base": albedo, "metallic": 0.2, "roughness": 0.6, "coat": 0.5}
+
+
+def _cloth(albedo: float) -> Document:
+    return {"type": "diffuse_transmitter", "reflectance": albedo, "transmittance": 0.8 - albedo}
+
+
+def _half_mirror(albedo: float) -> Document:
+    metal = {"type": "conductor", "index": "Al", "roughness": 0.2}
+    return {"type": "blend", "first": metal, "second": diffuse(albedo), "weight": 0.6}
 
 
 def _thin_walls() -> Document:
@@ -88,6 +109,11 @@ def _moving() -> Document:
 SCENES: dict[str, Callable[[], Document]] = {
     "cornell": lambda: cornell({}),
     **{name: partial(_with_sphere, name) for name in _SPHERES},
+    "varnished walls": lambda: room(wall=_varnished),
+    "lacquered walls": lambda: room(wall=_lacquered),
+    "principled walls": lambda: room(wall=_principled),
+    "walls of cloth": lambda: room(wall=_cloth),
+    "half mirrors": lambda: room(wall=_half_mirror),
     "thin walls": _thin_walls,
     "instances": _instances,
     "motion": _moving,

@@ -65,12 +65,16 @@ struct BoundCoatedDiffuse {
                 leaving);
   }
 
+  Spectral<N> diffuse_value(Vec3 wo, Vec3 wi) const {
+    if (wi.z <= 0.0f) return 0.0f;
+    return each(
+        [&](float o, float i, float g) { return (1.0f - o) * (1.0f - i) * g * kInvPi * wi.z; },
+        coat(wo), coat(wi), gain);
+  }
+
   Spectral<N> value(Vec3 wo, Vec3 wi) const {
     if (wi.z <= 0.0f) return 0.0f;
-    const Spectral<N> in = coat(wi), out = coat(wo);
-    Spectral<N> r =
-        each([&](float o, float i, float g) { return (1.0f - o) * (1.0f - i) * g * kInvPi * wi.z; },
-             out, in, gain);
+    Spectral<N> r = diffuse_value(wo, wi);
     if (!roughness.smooth) {
       const Vec3 h = half_vector(wo, wi);
       const double facing = static_cast<double>(std::clamp(dot(wo, h), 0.0f, 1.0f));

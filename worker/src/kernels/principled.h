@@ -107,6 +107,11 @@ struct BoundPrincipled {
     return r;
   }
 
+  Spectral<N> diffuse_value(Vec3 wo, Vec3 wi) const {
+    if (wi.z <= 0.0f) return 0.0f;
+    return diffuse(wo, wi, coat.reflectance(wo.z), coat.reflectance(wi.z));
+  }
+
   std::optional<Draw<N>> sample(Vec3 wo, const KernelNumbers& numbers, std::size_t) const {
     const Choice choice = choose(wo);
     const Vec3 mirror{-wo.x, -wo.y, wo.z};

@@ -465,10 +465,12 @@ void Geometry::intersect_packets(std::span<const TimedRay> rays,
   }
 }
 
-void Geometry::occluded(std::span<const TimedRay> rays, std::span<std::uint8_t> blocked) const {
+void Geometry::occluded(std::span<const TimedRay> rays, std::span<std::uint8_t> blocked,
+                        Ways ways) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  context.flags = ways == Ways::kTogether ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                          : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   for (std::size_t first = 0; first < rays.size(); first += kPacket) {
     const auto some = rays.subspan(first, std::min(kPacket, rays.size() - first));
     alignas(32) std::array<int, kPacket> valid;

@@ -38,6 +38,9 @@ struct NearCrossing {
   bool touches_first;
 };
 
+/// How rays of a list lie to those beside them: only what a query costs depends on it.
+enum class Ways { kScattered, kTogether };
+
 class Geometry {
  public:
   /// Shape i becomes surface i. Throws std::runtime_error where Embree can't build.
@@ -74,7 +77,8 @@ class Geometry {
   DepartingRay depart(const Hit& hit, Vec3 direction, float time) const;
 
   /// 1 where there is anything in front of the origin, nearer than the ray's end, else 0.
-  void occluded(std::span<const TimedRay> rays, std::span<std::uint8_t> blocked) const;
+  void occluded(std::span<const TimedRay> rays, std::span<std::uint8_t> blocked,
+                Ways ways = Ways::kScattered) const;
 
   /// What a hit's ray crosses, at the same time, no further from the hit than `reach` metres along
   /// the ray, in exact order; mostly the hit is among them, though a little beside an edge it need

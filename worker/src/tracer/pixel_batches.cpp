@@ -3,6 +3,7 @@
 #include "math/in_place.h"
 #include "tracer/response.h"
 #include "tracer/sharing_blocks.h"
+#include "tracer/stages/share.h"
 #include "tracer/trace_batch.h"
 
 namespace nocturne {
@@ -56,7 +57,7 @@ void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums
     start(batch_, samples_.back().start, sequence);
   }
   trace_batch(batch_);
-  for (const Taken<N>& taken : batch_.sharing.taken) estimator_.take(taken);
+  share(batch_);
   counts.rays += batch_.rays;
   counts.truncated_paths += batch_.limits.truncated();
   for (std::size_t i = 0; i < samples.size(); ++i, values += counts.values()) {

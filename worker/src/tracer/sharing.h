@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -26,7 +27,28 @@ struct FirstVertex {
   bool diffuse_like;
 };
 
-/// A surface that photons met next, and that sends the same to all sides.
+/// A way by which light came to a second vertex, where the vertex's kernel asks for it.
+template <int N>
+struct Arrival {
+  /// In the kernel's frame.
+  Vec3 wi;
+  /// Where what came by it is counted, as of weight 1 at the vertex.
+  std::uint32_t tally;
+  /// Of the same vertex, or kNone.
+  std::uint32_t next;
+
+  static constexpr std::uint32_t kNone = ~0u;
+};
+
+/// An arrival with 1 / (the kernel's value that its tally holds).
+template <int N>
+struct Counted {
+  Vec3 wi;
+  std::uint32_t tally;
+  Spectral<N> inverse;
+};
+
+/// A surface that photons met next, whose kernel has a diffuse part.
 template <int N>
 struct SecondVertex {
   std::uint32_t sample;
@@ -35,15 +57,16 @@ struct SecondVertex {
   /// What each carried there; zero for those that went elsewhere.
   Spectral<N> weight;
   Hit hit;
-  /// On the side that they came from: the geometric normal, and that of the kernel.
-  Vec3 normal, kernel_normal;
-};
-
-/// What a first vertex takes of a second one: `factor` times its tally.
-template <int N>
-struct Taken {
-  std::uint32_t sample, tally;
-  Spectral<N> factor;
+  /// The geometric normal on the side that they came from.
+  Vec3 normal;
+  Frame frame;
+  /// Lambert's kernel sends the same to all sides: all that is found is in `tally`.
+  bool lambertian;
+  /// Of another kernel: its diffuse part is shared, by arrival; in `tally` is what came by mirrors.
+  Vec3 wo;
+  std::uint32_t kernel;
+  Shading<N> shading;
+  std::uint32_t arrivals = Arrival<N>::kNone;
 };
 
 /// A first and a second vertex of a block.
@@ -55,6 +78,29 @@ struct Meeting {
   Spectral<N> value, density;
 };
 
+/// Those of one block.
+template <int N>
+struct BlockMeetings {
+  std::vector<Meeting<N>> found, sorted;
+  /// Of each second vertex: how many, and after `sort` where the next one's begin.
+  std::vector<std::uint32_t> ends;
+
+  void clear(std::size_t seconds) {
+    found.clear();
+    ends.assign(seconds, 0);
+  }
+  void add(const Meeting<N>& meeting) {
+    found.push_back(meeting);
+    ++ends[meeting.second];
+  }
+  /// By second vertex, otherwise in the order in which they were added.
+  void sort() {
+    std::exclusive_scan(ends.begin(), ends.end(), ends.begin(), 0u);
+    sorted.resize(found.size());
+    for (const Meeting<N>& meeting : found) sorted[ends[meeting.second]++] = meeting;
+  }
+};
+
 template <int N>
 struct Sharing {
   /// First sample of each block of the batch; empty where nothing is shared.
@@ -64,10 +110,11 @@ struct Sharing {
   std::vector<PhotonSequence> sequences;
   std::vector<std::optional<FirstVertex<N>>> firsts;
   std::vector<SecondVertex<N>> seconds;
-  std::vector<Taken<N>> taken;
+  std::vector<Arrival<N>> arrivals;
   /// Of the block at hand.
-  std::vector<Meeting<N>> meetings;
-  std::vector<Spectral<N>> densities;
+  BlockMeetings<N> block;
+  /// Of the second vertex at hand.
+  std::vector<Counted<N>> counted;
 
   bool on() const { return !blocks.empty(); }
   void clear() {
@@ -75,7 +122,7 @@ struct Sharing {
     sequences.clear();
     firsts.clear();
     seconds.clear();
-    taken.clear();
+    arrivals.clear();
   }
 };
 

@@ -13,7 +13,6 @@
 #include "tracer/stages/fly.h"
 #include "tracer/stages/intersect.h"
 #include "tracer/stages/scatter.h"
-#include "tracer/stages/share.h"
 #include "tracer/stages/start.h"
 
 namespace nocturne {
@@ -29,7 +28,6 @@ void trace_batch(Batch<N, Estimator, Media>& batch) {
     if constexpr (Media) fly(batch);  // media before it: which are met, what passes
     count(batch);                     // light that is met, with its MIS weight
     scatter(batch);                   // kernels: next event estimation, roulette, directions
-    if (rays == 1) share(batch);      // second vertices of neighbours, where the way is free
     connect(batch);                   // to lights and to the camera, where the way is free
     batch.groups.swap(batch.next);
     batch.next.clear();

@@ -1,6 +1,7 @@
 // Counts the light that photons from the sensor meet.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -21,11 +22,13 @@ class RadianceEstimator {
     radiance_.emplace_back();
     return static_cast<std::uint32_t>(radiance_.size() - 1);
   }
-  /// What neighbours found too.
-  void take(const Taken<N>& taken) {
+  bool found(std::uint32_t tally) const {
+    return std::ranges::any_of(radiance_[tally], [](double each) { return each != 0.0; });
+  }
+  /// A sample's part of another tally.
+  void take(std::size_t sample, std::uint32_t tally, const Spectral<N>& factor) {
     for (std::size_t i = 0; i < N; ++i) {
-      radiance_[taken.sample][i] +=
-          static_cast<double>(taken.factor[i]) * radiance_[taken.tally][i];
+      radiance_[sample][i] += static_cast<double>(factor[i]) * radiance_[tally][i];
     }
   }
 

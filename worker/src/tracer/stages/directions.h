@@ -4,7 +4,7 @@
 
 #include <bit>
 
-#include "tracer/stages/leave.h"
+#include "tracer/stages/offer.h"
 
 namespace nocturne {
 
@@ -59,6 +59,7 @@ void draw_from_kernel(Batch& batch, Group<N>& group, const Vertex<N>& vertex, co
       return;
     }
     if (on.shares) on.sequence = batch.sharing.sequences[on.sample];
+    on.tally = tally_from(batch, group, draw.wi);
     const Spectral<N> pdf = survival * kernel.pdf(vertex.wo, draw.wi);
     on.weight *= ratio(kernel.value(vertex.wo, draw.wi), pdf);
     on.mis.technique = MisTechnique::kNone;

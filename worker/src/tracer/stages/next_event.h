@@ -32,6 +32,7 @@ void estimate_next_event(Batch& batch, const Group<N>& group, const Vertex<N>& v
   go_on(batch, group, vertex, wi, false, [&](Group<N>& photon) {
     photon.sequence = sequence;
     photon.shares = false;
+    photon.tally = tally_from(batch, group, wi);
     photon.weight *= kernel.value(vertex.wo, wi);
     photon.mis = {MisTechnique::kLights, here, *direction, survival * kernel.pdf(vertex.wo, wi)};
   });
@@ -58,7 +59,7 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
   shadow.way.ray.direction = light.direction;
   shadow.way.time = sample.time;
   shadow.way.end = light.free_distance;
-  shadow.tally = group.tally;
+  shadow.tally = tally_from(batch, group, wi);
   shadow.light = found;
 }
 

@@ -80,6 +80,7 @@ void prepare(Batch& batch, Chunk<N, Bound>& chunk) {
     chunk.two_photons[i] =
         second && !passes_on && kernel.smooth() && may_see_lights(batch, group, vertex);
     if constexpr (Batch::kAdjoint) {
+      group.second = Group<N>::kNone;
       if (group.shares) offer_second(batch, group, vertex, kernel);
       group.shares = false;
     }
