@@ -120,12 +120,12 @@ def _put_tracing(
     ways, said = given_ways(workspace.document), ""
     if film is not None and film.all_samples >= WORTH_A_PILOT:
         start = workspace.photons_can_start
-        chosen, asked = open_ways(workspace.document, message, film, photons_can_start=start)
-        if chosen:
+        left_open = open_ways(workspace.document, message, film, photons_can_start=start)
+        if left_open.names:
             before = len(workspace.dropped)
-            message.tracing.CopyFrom(compile_tracing(workspace, message, asked, scatters=scatters))
+            message.tracing.CopyFrom(compile_tracing(workspace, message, left_open.asked, scatters=scatters))
             del workspace.dropped[before:]
-            ways, said = choose(message, workspace.blobs.root, film, chosen, asked)
+            ways, said = choose(message, workspace.blobs.root, film, left_open)
     message.tracing.CopyFrom(compile_tracing(workspace, message, ways, scatters=scatters))
     message.tracing.way = said
 
