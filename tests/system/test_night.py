@@ -61,8 +61,8 @@ def test_a_time_stops_it_and_a_replay_gives_the_bits(service: ServiceProcesses, 
     service.have_workers(3)
     render = service.client.submit(CORNELL, WIDTH, HEIGHT, _MANY, stop={"wall_seconds": 1.5})
     wait_for(lambda: _is_foreseen(service, render.id), "a forecast, or the end")
-    # One leaves in order, in the middle of a job: it finishes or hands it back, and nothing fails. Two stay: one
-    # alone would trace on for as long as the end waits for somebody to check its results.
+    # One leaves in order, in the middle of a job: it finishes or hands it back, and nothing fails. Two stay:
+    # nobody could check the results of one alone.
     service.have_workers(2)
     state, image, path = ended(service, render.id, tmp_path)
     assert state == "STOPPED_EARLY"
