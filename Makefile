@@ -22,7 +22,7 @@ STAMPS := build/stamps
 PROCESSES := --numprocesses
 NOT_MINUTES := not soak and not references and not peers and not containers and not blender
 
-.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-python format unit system screenshots soak accuracy fuzz references peers blender stability preflights sanitize bench lock contract docs gallery clean
+.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-python heaviest format unit system screenshots soak accuracy fuzz references peers blender stability preflights sanitize bench lock contract docs gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -107,6 +107,9 @@ format:  ## Put code into the agreed form
 	@clang-format -i $(CPP_SOURCES)
 	ruff check --fix-only --quiet .
 	ruff format --quiet .
+
+heaviest: build  ## Python tests and files by the processor time that they take, with all that they start
+	PYTHONPATH=. pytest -p tests.cpu_times -m "$(NOT_MINUTES)" $(PROCESSES) 2
 
 unit: test-cpp  ## Tests of single parts: C++, Python, page
 	pytest -m "not system and $(NOT_MINUTES)" $(PROCESSES) 4

@@ -1,5 +1,6 @@
 """What the pixels of each kind of sensor measure, and in which unit."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from nocturne.v1 import scene_pb2
@@ -16,6 +17,12 @@ class Quantity:
     response_unit: str
     """Of a further response without a unit of its own: the integral of spectral radiance (irradiance,
     intensity) times the response, over wavelength."""
+
+    def of_channel(self, name: str, names: Sequence[str]) -> tuple[str, str]:
+        """What a channel is, and its unit; `names` are those of all channels: X, Y, Z, further responses."""
+        if name == "Y":
+            return self.name or "Y", self.unit
+        return name, self.unit if names.index(name) < len("XYZ") else self.response_unit
 
 
 LUMINANCE = Quantity("luminance", "L", "cd/m2", "W m-2 sr-1")

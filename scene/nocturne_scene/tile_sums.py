@@ -15,6 +15,18 @@ further response and one of its square for each."""
 PRODUCTS = 6
 """Sums over samples of products of what pixels together have: YY, XX, ZZ, XY, XZ, YZ."""
 
+PRODUCTS_SQUARES, PRODUCTS_PAIRS = [1, 0, 2], [3, 4, 5]
+"""Places in PRODUCTS of XX, YY, ZZ and of XY, XZ, YZ. Taking the first of Y, X, Z gives X, Y, Z, and back."""
+
+PIXEL_SQUARES, PIXEL_PAIRS = [4, 3, 5], [6, 7, 8]
+"""The same places among the sums of a pixel."""
+
+PAIRS = ("XY", "XZ", "YZ")
+"""In the order of their products."""
+
+PAIR_FIRST, PAIR_SECOND = [0, 0, 1], [1, 2, 2]
+"""Places in X, Y, Z of the two factors of each pair."""
+
 BLOCK = 4
 """Edge of a block in pixels; blocks begin at a tile's upper left corner."""
 

@@ -9,7 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from nocturne_scene.tile_sums import BLOCK, XYZ_SUMS, blocks_in
+from nocturne_scene.tile_sums import (
+    BLOCK,
+    PAIR_FIRST,
+    PAIR_SECOND,
+    PIXEL_PAIRS,
+    PIXEL_SQUARES,
+    PRODUCTS,
+    PRODUCTS_PAIRS,
+    PRODUCTS_SQUARES,
+    XYZ_SUMS,
+    blocks_in,
+)
 
 Values = NDArray[np.float64]
 Counts = NDArray[np.uint32]
@@ -17,13 +28,8 @@ Counts = NDArray[np.uint32]
 CONFIDENCE = 1.96
 """Standard errors to each side of a 95 % interval."""
 
-# Where a pixel's sums have the squares of X, Y, Z and the products XY, XZ, YZ.
-_SQUARES = (4, 3, 5)
-_PRODUCTS = (6, 7, 8)
-_PAIRS = ((0, 1), (0, 2), (1, 2))
-# Of PRODUCTS: the factors of each, and the places of the squares of X, Y, Z and of the products of pairs.
-_FACTORS = ((1, 1), (0, 0), (2, 2), *_PAIRS)
-_OF_SQUARES, _OF_PAIRS = [1, 0, 2], [3, 4, 5]
+# The factors of each of PRODUCTS.
+_FIRST_FACTORS, _SECOND_FACTORS = [*PRODUCTS_SQUARES, *PAIR_FIRST], [*PRODUCTS_SQUARES, *PAIR_SECOND]
 _Y = 1
 
 
@@ -98,19 +104,18 @@ def moments_of(
     further = (sums.shape[-1] - XYZ_SUMS) // 2
     n = counts[..., None]
     values = [0, 1, 2, *range(XYZ_SUMS, XYZ_SUMS + further)]
-    squares = [*_SQUARES, *range(XYZ_SUMS + further, XYZ_SUMS + 2 * further)]
-    first, second = ([pair[side] for pair in _PAIRS] for side in (0, 1))
-    one, other = ([pair[side] for pair in _FACTORS] for side in (0, 1))
+    squares = [*PIXEL_SQUARES, *range(XYZ_SUMS + further, XYZ_SUMS + 2 * further)]
     blocks = block_sums(sums[..., :3])
-    of_blocks = covariance_of_means(block_products, blocks[..., one], blocks[..., other], n[::BLOCK, ::BLOCK])
+    factors = blocks[..., _FIRST_FACTORS], blocks[..., _SECOND_FACTORS]
+    of_blocks = covariance_of_means(block_products, *factors, n[::BLOCK, ::BLOCK])
     of_blocks[..., :3] = np.maximum(of_blocks[..., :3], 0.0)
     return ImageMoments(
         sums[..., values] / np.maximum(n, 1),
         variance_of_mean(sums[..., values], sums[..., squares], n),
-        covariance_of_means(sums[..., list(_PRODUCTS)], sums[..., first], sums[..., second], n),
+        covariance_of_means(sums[..., PIXEL_PAIRS], sums[..., PAIR_FIRST], sums[..., PAIR_SECOND], n),
         of_blocks,
         variance_of_mean(
-            tile_sums(blocks, tile_size), tile_products[..., _OF_SQUARES], n[::tile_size, ::tile_size]
+            tile_sums(blocks, tile_size), tile_products[..., PRODUCTS_SQUARES], n[::tile_size, ::tile_size]
         ),
         tile_size,
         counts,
@@ -216,8 +221,8 @@ class RegionSums:
         self._mean = np.zeros(values)
         self._variance = np.zeros(values)
         # Of X, Y, Z: by pixels alone, and what blocks have together, as PRODUCTS.
-        self._covariance = np.zeros(6)
-        self._of_blocks = np.zeros(6)
+        self._covariance = np.zeros(PRODUCTS)
+        self._of_blocks = np.zeros(PRODUCTS)
         self._correlations = [_Correlation() for _ in "XYZ"]
         self._pixels = self._unseen = self._samples = 0
         self._fewest, self._most = 2**63, 0
@@ -229,9 +234,9 @@ class RegionSums:
             return
         self._mean += image.mean[chosen].sum(axis=0)
         self._variance += image.variance[chosen].sum(axis=0)
-        self._covariance[_OF_PAIRS] += image.covariance[chosen].sum(axis=0)
+        self._covariance[PRODUCTS_PAIRS] += image.covariance[chosen].sum(axis=0)
         for index, correlation in enumerate(self._correlations):
-            of_blocks = image.block_covariance[..., _OF_SQUARES[index]]
+            of_blocks = image.block_covariance[..., PRODUCTS_SQUARES[index]]
             inside = correlation.add(
                 image.variance[..., index],
                 of_blocks,
@@ -275,12 +280,12 @@ class RegionSums:
         """Of the means XY, XZ, YZ, of which these are the variances: correlated as pixels alone are, and the
         more as blocks are the more the region is like one."""
         alone = self._covariance.copy()
-        alone[_OF_SQUARES] = self._variance[:3]
+        alone[PRODUCTS_SQUARES] = self._variance[:3]
         part = self._correlations[_Y].part()
         together = (1.0 - part) * alone + part * self._of_blocks if self._of_blocks[0] > 0.0 else alone
         found = []
-        for (one, other), product in zip(_PAIRS, together[_OF_PAIRS], strict=True):
-            both = math.sqrt(max(0.0, together[_OF_SQUARES[one]] * together[_OF_SQUARES[other]]))
+        for one, other, product in zip(PAIR_FIRST, PAIR_SECOND, together[PRODUCTS_PAIRS], strict=True):
+            both = math.sqrt(max(0.0, together[PRODUCTS_SQUARES[one]] * together[PRODUCTS_SQUARES[other]]))
             correlation = min(1.0, max(-1.0, product / both)) if both > 0.0 else 0.0
             found.append(correlation * math.sqrt(variance[one] * variance[other]))
         return np.array(found)
@@ -299,7 +304,7 @@ def chromaticity_of(
         return (math.nan, math.nan), (math.nan, math.nan)
     u, v = 4.0 * x / whole, 9.0 * y / whole
     matrix = np.diag(variance[:3])
-    for (one, other), value in zip(_PAIRS, covariance, strict=True):
+    for one, other, value in zip(PAIR_FIRST, PAIR_SECOND, covariance, strict=True):
         matrix[one, other] = matrix[other, one] = value
     weights = np.array([1.0, 15.0, 3.0])
     slopes = (np.array([4.0, 0.0, 0.0]) - u * weights, np.array([0.0, 9.0, 0.0]) - v * weights)

@@ -9,7 +9,7 @@ import pytest
 from tests.accuracy.agreement import compare, sidak_bound
 from tests.accuracy.scenes import cornell, furnace
 from tests.accuracy.spectral_meters import NO_ROULETTE, Estimate, flat, scene
-from tests.accuracy.tracing import Document, trace
+from tests.accuracy.tracing import Document, part_of, trace
 from tests.system.images import differing_values
 
 pytestmark = pytest.mark.system
@@ -75,7 +75,7 @@ def test_index_1_in_a_scene(tmp_path: Path) -> None:
     with_ball = cornell(plain | {"seed": 2})
     ball = {"type": "sphere", "centre": [0.2, 0.35, 0.2], "radius": 0.12}
     with_ball["surfaces"].append({"shape": ball, "kernel": {"type": "dielectric", "index": 1.0}})
-    images = [trace(document, tmp_path, 32, 512) for document in (cornell(plain), with_ball)]
+    images = [trace(document, tmp_path, 32, part_of(512)) for document in (cornell(plain), with_ball)]
     compare(*images).check_mean_and_tiles()
 
 

@@ -14,7 +14,7 @@ from nocturne_client.local.compiled import compile_to
 from tests.accuracy.agreement import ROUNDING, compare, sidak_bound
 from tests.accuracy.scenes import BLACK, box, furnace, quad, sphere, surface
 from tests.accuracy.spectral_meters import Y_PER_RADIANCE, Estimate, flat
-from tests.accuracy.tracing import Document, run, trace, write
+from tests.accuracy.tracing import IN_FULL, Document, run, trace, write
 from tests.system.images import Image
 
 pytestmark = pytest.mark.system
@@ -127,7 +127,7 @@ def test_media_in_instances_are_those_of_bodies_placed_directly(tmp_path: Path) 
         folder = tmp_path / str(seed)
         folder.mkdir()
         tracing = {"seed": seed, "sequence": "independent"}
-        images.append(trace(scene | part | {"tracing": tracing}, folder, 32, 256))
+        images.append(trace(scene | part | {"tracing": tracing}, folder, 32 if IN_FULL else 16, 256))
     compare(*images).check()
     assert (images[0].y_error < 0.2 * images[0].y).all()
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.accuracy.ruler import Ruler, Vector
-from tests.accuracy.tracing import Document, trace
+from tests.accuracy.tracing import IN_FULL, Document, trace
 
 pytestmark = pytest.mark.system
 
@@ -114,7 +114,7 @@ def test_rainbows_stand_where_descartes_says(nm: float, reflections: int, tmp_pa
     assert least == pytest.approx(expected, abs=5e-4)
 
 
-@pytest.mark.parametrize("nm", RAINBOWS)
+@pytest.mark.parametrize("nm", RAINBOWS if IN_FULL else [*RAINBOWS][:2])
 def test_rainbows_by_photons_from_the_sun(nm: float, tmp_path: Path) -> None:
     """Photons leave a drop, in bins of 0.011 degrees around both bows, as Descartes' rays do.
 

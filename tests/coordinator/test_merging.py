@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.audit import Auditor
-from nocturne_coordinator.dispatch.merge import RangeSums, TileState, Verdict
+from nocturne_coordinator.dispatch.merge import MergeResult, RangeSums, TileState
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
@@ -47,12 +47,12 @@ def test_a_tile_adds_in_sample_order(order: list[int], repeats: list[int], value
 
 def test_a_tile_says_what_became_of_a_range() -> None:
     tile = TileState(TileSums.zeros(1, 1, 2))
-    assert tile.offer(tile_range(1))[0] is Verdict.EARLY
-    assert tile.offer(tile_range(1))[0] is Verdict.DUPLICATE
-    assert tile.offer(tile_range(limits.RANGES_AHEAD))[0] is Verdict.TOO_EARLY
+    assert tile.offer(tile_range(1))[0] is MergeResult.EARLY
+    assert tile.offer(tile_range(1))[0] is MergeResult.DUPLICATE
+    assert tile.offer(tile_range(limits.RANGES_AHEAD))[0] is MergeResult.TOO_EARLY
     verdict, released, surplus = tile.offer(tile_range(0))
-    assert (verdict, [each.index for each in released], surplus) == (Verdict.MERGED, [0, 1], [])
-    assert tile.offer(tile_range(0))[0] is Verdict.DUPLICATE
+    assert (verdict, [each.index for each in released], surplus) == (MergeResult.MERGED, [0, 1], [])
+    assert tile.offer(tile_range(0))[0] is MergeResult.DUPLICATE
 
 
 class Session:

@@ -289,6 +289,24 @@ def test_honest_workers_agree() -> None:
     assert world.store.bad_workers == {}
 
 
+def test_nothing_more_is_traced_while_an_end_waits_for_audits() -> None:
+    """L1: whoever could check the last results is gone."""
+    stop = StopConditions(wall_seconds=3.0)
+    world = World(settings=Settings(commit_seconds=0.1, audit_share=1.0, audit_share_new=1.0))
+    world.start()
+    render = world.create(2**17, stop)
+    world.worker()
+    other = world.worker()
+    world.run(2.0)
+    other.die()
+    world.run(4.0)
+    done = world.done(render)
+    assert not world.row(render).state.ended
+    world.run_until(lambda: world.row(render).state.ended)
+    assert world.row(render).state is RenderState.STOPPED_EARLY
+    assert world.done(render) == done
+
+
 def test_garbage() -> None:
     """L2: each kind of impossible result is refused, and its range done again."""
     world, render = running(settings=Settings(commit_seconds=0.1, overdue_seconds=1.0), workers=0)

@@ -8,7 +8,8 @@ import pytest
 from nocturne.v1 import scene_pb2
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile import ways
-from nocturne_scene.compile.compiler import CompiledOutput, compile_scene
+from nocturne_scene.compile.compiler import compile_scene
+from nocturne_scene.compile.output import CompiledOutput
 from nocturne_scene.document.read import parse_document
 from nocturne_scene.film import Film
 

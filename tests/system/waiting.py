@@ -1,7 +1,7 @@
 """Waits on conditions, never on time: limits are generous, because test machines can be slow.
 
 What is asked for often costs the service that answers more than what it is asked about, so the pause between
-two questions grows: a twentieth of the time waited so far, 10 to 50 ms.
+two questions grows: a tenth of the time waited so far, 10 to 200 ms.
 """
 
 import time
@@ -26,4 +26,4 @@ def wait_for(find: Callable[[], _T], what: str, seconds: float = LIMIT_S) -> _T:
 
 def pause(waited: float) -> None:
     """Between two questions."""
-    time.sleep(min(0.05, max(0.01, waited / 20)))
+    time.sleep(min(0.2, max(0.01, waited / 10)))

@@ -5,6 +5,7 @@
  *   exr: the image of `small`; pixel: {x, y, values} of it, read by OpenImageIO; archive: a ZIP of the Cornell box;
  *   screenshots: a folder.
  * Prints a line per check; exit code 1 at the first that fails.
+ * One file, though long: a visit, in which each check goes on from the page as the one before left it.
  */
 import assert from "node:assert/strict";
 import { canvasStatistics, checkLooks, launch, nextUpdates, openPage, quiet } from "./browser.mjs";

@@ -1,5 +1,6 @@
 // The tracer alone: a compiled scene and a range schedule in, an EXR out, no service. Gives the
-// bits that the service gives.
+// bits that the service gives. One file, though long: options, what they ask for, and what is
+// written, with nothing that anyone else would use.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>

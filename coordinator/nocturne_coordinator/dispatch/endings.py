@@ -25,11 +25,13 @@ class Endings:
 
     def finish(self, at: Moment) -> Steps[None]:
         """Ends the renders that are to end now."""
-        endings = [
-            (render, *ending)
+        ending = [
+            (render, *how)
             for render in self._state.renders.values()
-            if (ending := render.ending(at.now, at.unix)) and self._audits_are_done(render, at.now)
+            if (how := render.ending(at.now, at.unix))
         ]
+        endings = [each for each in ending if self._audits_are_done(each[0], at.now)]
+        self._state.needs_audits_only = {each[0].id for each in ending} - {each[0].id for each in endings}
         if at.now < self._next_finish or not (endings or self._state.failed):
             return
         self._next_finish = at.now + self._state.settings.commit_seconds

@@ -32,7 +32,7 @@ class _Failures:
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class PoisonedJob:
     """A job that is given up, and why: its tile gets no more samples."""
 
     reason: str
@@ -51,7 +51,7 @@ class FailurePolicy:
 
     def failed(
         self, key: JobKey, worker: str, reason: str, live: Collection[str], died: bool = False
-    ) -> Verdict | None:
+    ) -> PoisonedJob | None:
         """A worker failed at a job, or sent what can't be right, or died; the verdict if the job is at fault.
 
         `live`: who works now. Where these are too few, it is enough that all of them failed, and that it was
@@ -69,7 +69,7 @@ class FailurePolicy:
         if len(failures.reasons) < needed and not nobody_else:
             return None
         del self._failures[key]
-        return Verdict(reason, tuple(sorted(failures.reasons)))
+        return PoisonedJob(reason, tuple(sorted(failures.reasons)))
 
     def succeeded(self, key: JobKey, worker: str) -> list[str]:
         """A job was done; gives the workers that have failed at too many jobs that others could do."""

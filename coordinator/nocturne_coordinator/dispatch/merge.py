@@ -40,7 +40,7 @@ class RangeSums:
     truncated_paths: int = 0
 
 
-class Verdict(Enum):
+class MergeResult(Enum):
     """What became of an offered range."""
 
     MERGED = "merged"
@@ -55,7 +55,7 @@ class Verdict(Enum):
 class Offered(NamedTuple):
     """What became of an offered range."""
 
-    verdict: Verdict
+    verdict: MergeResult
     released: list[RangeSums]
     """Merged now: it and those that waited for it."""
     surplus: list[RangeSums]
@@ -82,9 +82,9 @@ class TileState:
         """Takes a range. `enough` is asked at the end of each merged range: whether that was the tile's
         last."""
         if self.closed or offered.index < self.merged or offered.index in self.waiting:
-            return Offered(Verdict.DUPLICATE, [], [])
+            return Offered(MergeResult.DUPLICATE, [], [])
         if offered.index >= self.merged + RANGES_AHEAD:
-            return Offered(Verdict.TOO_EARLY, [], [])
+            return Offered(MergeResult.TOO_EARLY, [], [])
         self.waiting[offered.index] = offered
         released = []
         while not self.closed and (following := self.waiting.pop(self.merged, None)) is not None:
@@ -93,7 +93,7 @@ class TileState:
             released.append(following)
             self.closed = enough(self)
         surplus = self.close() if self.closed else []
-        return Offered(Verdict.MERGED if released else Verdict.EARLY, released, surplus)
+        return Offered(MergeResult.MERGED if released else MergeResult.EARLY, released, surplus)
 
     def close(self) -> list[RangeSums]:
         """No more samples from here on; gives what waited."""

@@ -7,7 +7,19 @@ import numpy as np
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 from nocturne_scene.ranges import RangeList, SampleRange, TileGrid
-from nocturne_scene.tile_sums import BLOCK, XYZ_SUMS, TileSums, decode, numbers_in
+from nocturne_scene.tile_sums import (
+    BLOCK,
+    PAIR_FIRST,
+    PAIR_SECOND,
+    PIXEL_PAIRS,
+    PIXEL_SQUARES,
+    PRODUCTS_PAIRS,
+    PRODUCTS_SQUARES,
+    XYZ_SUMS,
+    TileSums,
+    decode,
+    numbers_in,
+)
 from nocturne_scene.uncertainty import block_sums
 
 from nocturne_coordinator.dispatch.merge import Sums
@@ -15,9 +27,6 @@ from nocturne_coordinator.limits import MAX_RAYS_PER_PHOTON
 
 _BEYOND_PHYSICS = 1e150
 """No sum in cd/m2 comes near; squares of what is below are finite."""
-_XX_YY_ZZ, _XY_XZ_YZ = [4, 3, 5], [6, 7, 8]
-"""Places of squares and products among a pixel's sums."""
-_Y_X_Z = [1, 0, 2]
 
 
 class RefusedResult(Exception):
@@ -115,7 +124,7 @@ def check_sums(sums: TileSums, samples: int) -> None:
             raise RefusedResult("sums that are negative, not finite or beyond all physics")
     # One quantity after the other: a step of numpy's for all three is as fast as one for each.
     of_xyz = np.ascontiguousarray(np.moveaxis(pixels[..., :XYZ_SUMS], -1, 0))
-    firsts, squares, products = of_xyz[:3], of_xyz[_XX_YY_ZZ], of_xyz[_XY_XZ_YZ]
+    firsts, squares, products = of_xyz[:3], of_xyz[PIXEL_SQUARES], of_xyz[PIXEL_PAIRS]
     pairs = [(firsts, squares)]
     if further := (pixels.shape[-1] - XYZ_SUMS) // 2:
         responses = pixels[..., XYZ_SUMS:]
@@ -123,7 +132,7 @@ def check_sums(sums: TileSums, samples: int) -> None:
     for one, square in pairs:
         _check_products(one * one, square, samples)
     roots = np.sqrt(squares)
-    _check_products(products, roots[[0, 0, 1]] * roots[[1, 2, 2]])
+    _check_products(products, roots[PAIR_FIRST] * roots[PAIR_SECOND])
     _check_together(sums, samples)
 
 
@@ -131,7 +140,7 @@ def _check_together(sums: TileSums, samples: int) -> None:
     """The same of what blocks and the tile have together. YY, XX, ZZ, XY, XZ, YZ come last everywhere."""
     of_pixels = block_sums(sums.pixels[..., :XYZ_SUMS])
     of_blocks, of_tile = sums.block_products, sums.tile_products[0]
-    y_x_z = of_pixels[..., _Y_X_Z]
+    y_x_z = of_pixels[..., PRODUCTS_SQUARES]
     _check_products(y_x_z * y_x_z, of_blocks[..., :3], samples)
     # Values are never negative: products of what n have together are at least the sum of their own.
     _check_products(of_pixels[..., 3:], of_blocks)
@@ -141,8 +150,8 @@ def _check_together(sums: TileSums, samples: int) -> None:
     blocks = of_blocks.shape[0] * of_blocks.shape[1]
     _check_products(of_tile[:3], of_blocks[..., :3].sum(axis=(0, 1)), blocks)
     for products in (of_blocks, of_tile):
-        roots = np.sqrt(products[..., :3])
-        _check_products(products[..., 3:], roots[..., [1, 1, 0]] * roots[..., [0, 2, 2]])
+        roots = np.sqrt(products[..., PRODUCTS_SQUARES])
+        _check_products(products[..., PRODUCTS_PAIRS], roots[..., PAIR_FIRST] * roots[..., PAIR_SECOND])
 
 
 def _check_counts(partial: job_pb2.Partial, photons: int) -> None:

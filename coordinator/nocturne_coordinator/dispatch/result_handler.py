@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 
-from nocturne_coordinator.dispatch.failure_policy import Verdict as PoisonedJob
+from nocturne_coordinator.dispatch.failure_policy import PoisonedJob
 from nocturne_coordinator.dispatch.instructions import DEBUG, ERROR, WARNING, Log
-from nocturne_coordinator.dispatch.merge import RangeSums, Verdict
+from nocturne_coordinator.dispatch.merge import MergeResult, RangeSums
 from nocturne_coordinator.dispatch.planned_render import RefusedResult, check_partial
 from nocturne_coordinator.dispatch.profiles import profile_of, refusal_of
 from nocturne_coordinator.dispatch.records import FailedTile
@@ -129,19 +129,14 @@ class ResultHandler:
             else:
                 self._fail(render, key, worker, result.failure[:MAX_REASON], outcome)
             return
+        partial, whole = result.partial, render.planned
         try:
-            sums = check_partial(
-                result.partial,
-                result.job,
-                render.planned.further,
-                render.planned.photons_per_sample,
-            )
+            sums = check_partial(partial, result.job, whole.further, whole.photons_per_sample)
         except RefusedResult as refusal:
             self._refuse_of(render, entry, f"worker={worker}: {refusal}", outcome)
             self._fail(render, key, worker, f"worker {worker} sent {refusal}", outcome)
             return
         render.floating_point_profile = floating_point_profile
-        partial = result.partial
         offered = RangeSums(
             planned.index,
             sums,
@@ -179,17 +174,17 @@ class ResultHandler:
         partial: job_pb2.Partial,
     ) -> None:
         verdict, released, surplus = render.offer(key.tile_index, offered, now)
-        if verdict is Verdict.TOO_EARLY:
+        if verdict is MergeResult.TOO_EARLY:
             self._give_back(key, outcome)
         else:
             outcome.withdrawn.extend(self._state.scheduler.received(key, now))
         waiting = render.film.tiles[key.tile_index].waiting.get(key.range_index)
-        if verdict is Verdict.DUPLICATE and waiting is not None and waiting.entry == offered.entry:
+        if verdict is MergeResult.DUPLICATE and waiting is not None and waiting.entry == offered.entry:
             # The stream is read again from its start, and this very entry is still to be merged.
             return
-        if verdict is Verdict.DUPLICATE:
+        if verdict is MergeResult.DUPLICATE:
             self._compare(render, key, offered.worker, partial, outcome)
-        elif verdict is not Verdict.TOO_EARLY:
+        elif verdict is not MergeResult.TOO_EARLY:
             self._state.auditor.accepted(
                 key,
                 offered.worker,
@@ -199,7 +194,7 @@ class ResultHandler:
             )
             for guilty in self._state.failure_policy.succeeded(key, offered.worker):
                 outcome.quarantined[guilty] = "It failed at three jobs that other workers could do."
-        if verdict in (Verdict.TOO_EARLY, Verdict.DUPLICATE):
+        if verdict in (MergeResult.TOO_EARLY, MergeResult.DUPLICATE):
             outcome.settled.append(offered.entry)
         if released:
             self.merged += len(released)

@@ -45,6 +45,8 @@ class State:
     among those that are read before it."""
     audits_end: dict[str, float] = field(default_factory=dict)
     """When renders end that wait for audits, whatever becomes of these."""
+    needs_audits_only: set[str] = field(default_factory=set)
+    """Renders that end as soon as their audits are done: they get no other jobs."""
     odd_since: dict[str, float] = field(default_factory=dict)
     """Renders that most workers can't help with, and since when."""
     folder_trouble: bool = False

@@ -1,6 +1,8 @@
 """Which jobs are on the stream: keeps the window full, makes use of what is found there, takes back what is
 overdue. Pure."""
 
+from collections.abc import Collection
+
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 
@@ -94,7 +96,7 @@ class Window:
         if self._state.fleet.threads and at.now >= self._next_overdue:
             yield from self._return_overdue(at)
         scheduler, threads = self._state.scheduler, self._state.fleet.threads
-        keys = scheduler.take(min(self.size - scheduler.in_flight, _MAX_PUBLISH), self._without_workers())
+        keys = scheduler.take(min(self.size - scheduler.in_flight, _MAX_PUBLISH), self._not_wanted())
         try:
             entries = yield from self._publish(keys)
         except QueueError:
@@ -143,8 +145,12 @@ class Window:
         if entries:
             yield Withdraw(tuple(entries))
 
+    def _not_wanted(self) -> Collection[str]:
+        """Renders whose jobs would only fill the window."""
+        return {*self._without_workers(), *self._state.needs_audits_only}
+
     def _without_workers(self) -> list[str]:
-        """Renders that no worker can work on though some are there: their jobs would fill the window."""
+        """Renders that no worker can work on though some are there."""
         machines = self._state.fleet.machines_by_profile
         if not machines:
             return []

@@ -14,7 +14,14 @@ import numpy.typing as npt
 import OpenEXR
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne_scene.quantities import LUMINANCE, quantity_named
-from nocturne_scene.tile_sums import BLOCK
+from nocturne_scene.tile_sums import (
+    BLOCK,
+    PAIR_FIRST,
+    PAIR_SECOND,
+    PAIRS,
+    PRODUCTS_PAIRS,
+    PRODUCTS_SQUARES,
+)
 from nocturne_scene.uncertainty import ImageMoments, block_sums, moments_of, tile_sums
 
 from nocturne_coordinator.dispatch.error_estimate import Squares
@@ -203,7 +210,7 @@ def _exr_channels(
         **_planes(names, mean),
         **_planes([f"{name}.stderr" for name in names], errors.astype(np.float32)),
         **_planes(
-            [f"{pair}.correlation" for pair in ("XY", "XZ", "YZ")],
+            [f"{pair}.correlation" for pair in PAIRS],
             _correlation_of(moments.covariance, errors),
         ),
         **_ratios(moments),
@@ -216,7 +223,7 @@ def _exr_channels(
 
 def _correlation_of(covariance: Pixels, errors: Pixels) -> npt.NDArray[np.float32]:
     """Of the errors of X and Y, X and Z, Y and Z; 0 where one of them has none."""
-    both = errors[..., [0, 0, 1]] * errors[..., [1, 2, 2]]
+    both = errors[..., PAIR_FIRST] * errors[..., PAIR_SECOND]
     found = np.divide(covariance, both, out=np.zeros_like(both), where=both > 0.0)
     return np.clip(found, -1.0, 1.0).astype(np.float32)
 
@@ -225,18 +232,15 @@ def _ratios(moments: ImageMoments) -> dict[str, npt.NDArray[np.float32]]:
     """Variances of blocks over their pixels', and of tiles over their blocks', 1 without noise; and how X, Y,
     Z of blocks go together."""
     edge, (height, width) = moments.tile_size, moments.samples.shape
-    of_blocks = moments.block_covariance[..., [1, 0, 2]]
+    of_blocks = moments.block_covariance[..., PRODUCTS_SQUARES]
     block_ratio = _ratio(of_blocks, block_sums(moments.variance[..., :3]))
     tile_ratio = _ratio(moments.tile_variance, tile_sums(of_blocks, edge))
     errors = np.sqrt(of_blocks)
-    correlation = _correlation_of(moments.block_covariance[..., 3:], errors)
+    correlation = _correlation_of(moments.block_covariance[..., PRODUCTS_PAIRS], errors)
     found = {
         **{f"{name}.blockRatio": (block_ratio[..., index], BLOCK) for index, name in enumerate("XYZ")},
         **{f"{name}.tileRatio": (tile_ratio[..., index], edge) for index, name in enumerate("XYZ")},
-        **{
-            f"{name}.blockCorrelation": (correlation[..., index], BLOCK)
-            for index, name in enumerate(("XY", "XZ", "YZ"))
-        },
+        **{f"{name}.blockCorrelation": (correlation[..., index], BLOCK) for index, name in enumerate(PAIRS)},
     }
     return {
         name: np.ascontiguousarray(values.repeat(size, axis=0)[:height].repeat(size, axis=1)[:, :width])

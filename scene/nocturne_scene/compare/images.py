@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.library_words import without_paths
-from nocturne_scene.tile_sums import BLOCK
+from nocturne_scene.tile_sums import BLOCK, PAIR_FIRST, PAIR_SECOND, PAIRS, PRODUCTS_SQUARES
 from nocturne_scene.uncertainty import ImageMoments, block_sums, tile_sums
 
 Values = NDArray[np.float64]
@@ -19,10 +19,9 @@ Values = NDArray[np.float64]
 # Linear sRGB to XYZ, IEC 61966-2-1; transposed, for rows of pixels.
 _RGB_TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]).T
 
-_PAIRS = ("XY", "XZ", "YZ")
 _TOGETHER = frozenset(
     (
-        *(f"{pair}.{what}" for pair in _PAIRS for what in ("correlation", "blockCorrelation")),
+        *(f"{pair}.{what}" for pair in PAIRS for what in ("correlation", "blockCorrelation")),
         *(f"{each}.{what}" for each in "XYZ" for what in ("blockRatio", "tileRatio")),
     )
 )
@@ -99,13 +98,13 @@ def _with_moments(picture: Picture, channels: Mapping[str, Values], schedule: st
     error = np.stack([channels[f"{name}.stderr"] for name in names], axis=-1)
     of_blocks = block_sums(error[..., :3] ** 2) * _planes(channels, "XYZ", "blockRatio")[::BLOCK, ::BLOCK]
     of_tiles = tile_sums(of_blocks, edge) * _planes(channels, "XYZ", "tileRatio")[::edge, ::edge]
-    together = _planes(channels, _PAIRS, "blockCorrelation")[::BLOCK, ::BLOCK]
+    together = _planes(channels, PAIRS, "blockCorrelation")[::BLOCK, ::BLOCK]
     products = _covariance(together, np.sqrt(of_blocks))
     moments = ImageMoments(
         np.stack([channels[name] for name in names], axis=-1),
         error**2,
-        _covariance(_planes(channels, _PAIRS, "correlation"), error),
-        np.concatenate([of_blocks[..., [1, 0, 2]], products], axis=-1),
+        _covariance(_planes(channels, PAIRS, "correlation"), error),
+        np.concatenate([of_blocks[..., PRODUCTS_SQUARES], products], axis=-1),
         of_tiles,
         edge,
         channels["n"].astype(np.uint32),
@@ -118,7 +117,7 @@ def _planes(channels: Mapping[str, Values], of: Iterable[str], what: str) -> Val
 
 
 def _covariance(correlation: Values, error: Values) -> Values:
-    found: Values = correlation * error[..., [0, 0, 1]] * error[..., [1, 2, 2]]
+    found: Values = correlation * error[..., PAIR_FIRST] * error[..., PAIR_SECOND]
     return found
 
 

@@ -4,7 +4,6 @@ A checked document in, the tracer's message and its blobs out, addressed by cont
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from itertools import islice
 
 from nocturne.v1 import scene_pb2
@@ -17,6 +16,7 @@ from nocturne_scene.compile.kernels import Kernels
 from nocturne_scene.compile.lights import Lights
 from nocturne_scene.compile.media import Media
 from nocturne_scene.compile.origin import frame_of
+from nocturne_scene.compile.output import CompiledOutput
 from nocturne_scene.compile.sensors import compile_sensor
 from nocturne_scene.compile.shapes import Shapes
 from nocturne_scene.compile.surfaces import Surfaces
@@ -36,20 +36,6 @@ from nocturne_scene.film import Film
 
 # Layout of CompiledScene; raised with every change that an older worker would misread.
 FORMAT = 3
-
-
-@dataclass(frozen=True)
-class CompiledOutput:
-    """Where the compiled scene is, and which parts of the document it does without, in words with their
-    places.
-    """
-
-    scene_sha256: str
-    dropped: list[str]
-    warnings: list[str] = field(default_factory=list)
-    """What can hardly be meant, in words with their places."""
-    way: str = ""
-    """How it is traced and why, in words; empty where no pilot chose."""
 
 
 def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None = None) -> CompiledOutput:
@@ -120,12 +106,12 @@ def _put_tracing(
     ways, said = given_ways(workspace.document), ""
     if film is not None and film.all_samples >= WORTH_A_PILOT:
         start = workspace.photons_can_start
-        chosen, asked = open_ways(workspace.document, message, film, photons_can_start=start)
-        if chosen:
+        left_open = open_ways(workspace.document, message, film, photons_can_start=start)
+        if left_open.names:
             before = len(workspace.dropped)
-            message.tracing.CopyFrom(compile_tracing(workspace, message, asked, scatters=scatters))
+            message.tracing.CopyFrom(compile_tracing(workspace, message, left_open.asked, scatters=scatters))
             del workspace.dropped[before:]
-            ways, said = choose(message, workspace.blobs.root, film, chosen, asked)
+            ways, said = choose(message, workspace.blobs.root, film, left_open)
     message.tracing.CopyFrom(compile_tracing(workspace, message, ways, scatters=scatters))
     message.tracing.way = said
 

@@ -9,7 +9,7 @@ import json
 import os
 import subprocess
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -61,6 +61,18 @@ class Ways:
         return f"{_SAID[self.direction]}{shared}"
 
 
+@dataclass(frozen=True)
+class OpenWays:
+    """What a document leaves to a pilot."""
+
+    names: list[str]
+    """Of what is open, as `nocturne-trace --pilot` takes them; none: no pilot is needed."""
+    default: Ways
+    """The ways where the pilot finds no better ones."""
+    asked: Ways
+    """The ways to compile the pilot's scene for: all that it may choose."""
+
+
 def given_ways(document: SceneDocument) -> Ways:
     """What the document says, and without a pilot for what it leaves open."""
     tracing = document.tracing
@@ -73,25 +85,24 @@ def given_ways(document: SceneDocument) -> Ways:
 
 def open_ways(
     document: SceneDocument, scene: scene_pb2.CompiledScene, film: Film, *, photons_can_start: bool
-) -> tuple[list[str], Ways]:
-    """What a pilot is to choose, of `nocturne-trace --pilot`, and the ways to compile its scene for.
-
-    `photons_can_start`: at all luminaires.
-    """
-    tracing, given = document.tracing, given_ways(document)
-    chosen = []
+) -> OpenWays:
+    """What a pilot is to choose. `photons_can_start`: at all luminaires."""
+    tracing, default = document.tracing, given_ways(document)
+    names, asked = [], default
     may_forward = tracing.direction == "auto" and photons_can_start
     with_forward = _forward(document, scene, film) if may_forward else None
     if with_forward is not None:
-        chosen.append("direction")
+        names.append("direction")
+        # Photons from the sensor are aimed at nothing.
+        default = replace(default, aimed_emission=0.0)
         aimed = tracing.aimed_emission or 0.0
         if tracing.aimed_emission is None and scene.important_shapes:
-            chosen.append("aim")
+            names.append("aim")
             aimed = _AIMED
-        given = Ways(with_forward, given.sharing, aimed)
-    if tracing.sharing == "auto" and tracing.estimator == "two_photons" and given.direction != "forward":
-        chosen.append("sharing")
-    return chosen, given
+        asked = Ways(with_forward, asked.sharing, aimed)
+    if tracing.sharing == "auto" and tracing.estimator == "two_photons" and asked.direction != "forward":
+        names.append("sharing")
+    return OpenWays(names, default, asked)
 
 
 def _forward(document: SceneDocument, scene: scene_pb2.CompiledScene, film: Film) -> str | None:
@@ -109,31 +120,25 @@ def _forward(document: SceneDocument, scene: scene_pb2.CompiledScene, film: Film
     return direction
 
 
-def choose(
-    scene: scene_pb2.CompiledScene, blobs: Path, film: Film, chosen: list[str], asked: Ways
-) -> tuple[Ways, str]:
-    """The better ones of `chosen`, and how that was found, in a sentence. `scene` is compiled for `asked`.
+def choose(scene: scene_pb2.CompiledScene, blobs: Path, film: Film, ways: OpenWays) -> tuple[Ways, str]:
+    """The better ones, and how that was found, in a sentence. `scene` is compiled for `ways.asked`.
 
     Without nocturne-trace, or where it fails, nothing is chosen, and the sentence says so.
     """
-    default = Ways(
-        "adjoint" if "direction" in chosen else asked.direction,
-        1 if "sharing" in chosen else asked.sharing,
-        0.0 if "direction" in chosen else asked.aimed_emission,
-    )
+    default, asked = ways.default, ways.asked
     program = find_program("nocturne-trace")
     if program is None:
         return default, f"{default.named()}: nothing was compared, as nocturne-trace is missing here"
     try:
-        found = _run(program, scene, blobs, film, chosen)
+        found = _run(program, scene, blobs, film, ways.names)
     except (OSError, subprocess.SubprocessError, ValueError):
         return default, f"{default.named()}: nothing was compared, as the pilot failed"
-    ways = Ways(
+    better = Ways(
         asked.direction if found["forward_photons"] else default.direction,
-        int(found["sharing"]) if "sharing" in chosen else asked.sharing,
+        int(found["sharing"]) if "sharing" in ways.names else asked.sharing,
         asked.aimed_emission if found["aimed"] else 0.0,
     )
-    return ways, _sentence(ways, default, found)
+    return better, _sentence(better, default, found)
 
 
 def _run(

@@ -19,7 +19,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.photometry.directions import PixelDirections, Projection, directions_of
@@ -194,6 +193,9 @@ def _error(slope: Values, variance: Values) -> float:
 def _connected(bright: NDArray[np.bool_], wraps: bool) -> tuple[NDArray[np.int64], int]:
     """Numbers of sources from 1, and how many; neighbours by edge or corner are one, across a panorama's seam
     too."""
+    # Late: it takes a tenth of a second to import, and services seldom need it.
+    from scipy import ndimage
+
     labels, count = ndimage.label(bright, structure=np.ones((3, 3)))
     labels = np.asarray(labels, dtype=np.int64)
     if wraps and count:

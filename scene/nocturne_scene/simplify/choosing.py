@@ -8,7 +8,7 @@ from typing import Literal
 from nocturne_scene.simplify.simplification import Simplification
 from nocturne_scene.simplify.statistics import UNBIASED, Bias, Interval
 
-Verdict = Literal["needed", "not needed", "undecided", "same image"]
+Need = Literal["needed", "not needed", "undecided", "same image"]
 
 _WORTH = 0.95
 """A simplification that leaves more of the time than this is not worth a simpler scene."""
@@ -59,7 +59,7 @@ class Model:
         return sqrt(self.believed_bias.local.value**2 + self.noise * self.seconds * pixels / seconds)
 
 
-def verdict(model: Model, error: float) -> Verdict:
+def verdict(model: Model, error: float) -> Need:
     """Whether a target needs what the model does without."""
     if model.exact:
         return "same image"

@@ -1,4 +1,7 @@
-"""The client: every operation of the service as one method."""
+"""The client: every operation of the service as one method.
+
+One file, though long: a list of short methods, each a call.
+"""
 
 import os
 import tempfile

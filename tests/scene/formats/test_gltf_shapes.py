@@ -1,4 +1,7 @@
-"""glTF's moving and coloured shapes, against the specification's formulas worked out here by other ways."""
+"""glTF's moving and coloured shapes, against the specification's formulas worked out here by other ways.
+
+One file, though long: all its tests build their models with the same few functions.
+"""
 
 import base64
 import json

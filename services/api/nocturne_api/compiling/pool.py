@@ -12,7 +12,7 @@ from typing import Any
 
 from nocturne_coordinator.errors import ObjectStoreUnavailable
 from nocturne_scene.blobs import BlobStore
-from nocturne_scene.compile.compiler import CompiledOutput
+from nocturne_scene.compile.output import CompiledOutput
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.errors import InputError
 from nocturne_scene.film import Film

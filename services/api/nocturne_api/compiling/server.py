@@ -1,9 +1,11 @@
 """The process that forks a throw-away child for each scene. `python -m nocturne_api.compiling.server SOCKET`.
 
-It has one thread, and imports and loads what a compile needs once, so that a child costs a fork. It ends when
-its standard input does: with the API process, however that ends.
+It has one thread, and imports and loads what a compile needs once, so that a child costs a fork. Only what
+reads mesh files comes later, when nobody has asked for a while: it takes longer to import than all the rest.
+The process ends when its standard input does: with the API process, however that ends.
 """
 
+import importlib
 import os
 import resource
 import selectors
@@ -21,11 +23,12 @@ from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
-from nocturne_scene.meshes import files as _  # noqa: F401 - what the compiler imports late, with its first mesh
 
 from nocturne_api.compiling.pool import WARM_SCENE, CompileLimits
 
 _MEBIBYTE = 1024 * 1024
+
+_IDLE_S = 10.0
 
 
 def main() -> None:
@@ -41,10 +44,16 @@ def main() -> None:
         sys.stdout.flush()
         selector.register(listener, selectors.EVENT_READ)
         selector.register(sys.stdin, selectors.EVENT_READ)
+        idle: float | None = _IDLE_S
         while True:
-            ready = [key.fileobj for key, _ in selector.select()]
+            ready = [key.fileobj for key, _ in selector.select(idle)]
             if sys.stdin in ready:
                 return
+            if not ready:
+                # With trimesh, which the compiler imports with its first mesh.
+                importlib.import_module("nocturne_scene.meshes.files")
+                idle = None
+                continue
             accepted, _ = listener.accept()
             if os.fork() == 0:
                 try:

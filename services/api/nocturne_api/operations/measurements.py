@@ -145,11 +145,7 @@ class Measurements:
         names = names_of(schedule)
         if name not in names:
             raise InputError.at("$.channel", f"{name[:40]!r} is not known; expected {', '.join(names)}")
-        quantity = quantity_named(render.quantity)
-        index = names.index(name)
-        if name == "Y":
-            return _Channel(index, quantity.name or "Y", quantity.unit)
-        return _Channel(index, name, quantity.unit if index < len("XYZ") else quantity.response_unit)
+        return _Channel(names.index(name), *quantity_named(render.quantity).of_channel(name, names))
 
     async def _parts(self, render: Render, region: Region) -> AsyncIterator[FilmPart]:
         schedule = await self._access.in_database(self._access.folder.renders.schedule, render.id)

@@ -175,7 +175,7 @@ def print_renders(renders: list[Render], as_json: bool) -> None:
             f"{render.width}x{render.height}",
             f"{render.fraction:.0%}",
             f"{error:.2%}{'?' if render.progress.doubt else ''}" if error else "",
-            "" if render.has_ended or render.seconds_left is None else duration(render.seconds_left),
+            time_left(render),
             duration(time.time() - render.created),
         )
     _print_table(
@@ -193,6 +193,11 @@ def _print_table(table: Table, ids: Sequence[str], nothing: str) -> None:
     needed = max(len(each) for each in ids) + _OTHER_COLUMNS_WIDTH
     # Lines that are too long for the terminal go on in its next one.
     Console(highlight=False, width=max(CONSOLE.width, needed)).print(table)
+
+
+def time_left(render: Render) -> str:
+    """Roughly; empty where it has ended, or nothing is predicted yet."""
+    return "" if render.has_ended or render.seconds_left is None else duration(render.seconds_left)
 
 
 def duration(seconds: float) -> str:

@@ -7,7 +7,7 @@ from rich.live import Live
 from rich.markup import escape
 from rich.table import Column, Table
 
-from nocturne_client.cli.output import CONSOLE, duration
+from nocturne_client.cli.output import CONSOLE, duration, time_left
 from nocturne_client.client import Client
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Render, Worker, WorkOfWorker
@@ -56,7 +56,7 @@ def _of_renders(renders: list[Render]) -> Table:
             render.state,
             f"{render.fraction:.0%}",
             f"{error:.2%}" if error else "",
-            "" if render.has_ended or render.seconds_left is None else duration(render.seconds_left),
+            time_left(render),
         )
     return table
 

@@ -30,7 +30,7 @@ def measure_file(
         if channel not in picture.names:
             expected = ", ".join(picture.names)
             raise InputError.at(str(image), f"{channel!r} is not known; expected {expected}")
-        name, unit = _named(quantity, picture.names, channel)
+        name, unit = quantity.of_channel(channel, picture.names)
         height, width = moments.samples.shape
         wanted = [(each.name, _outline(each)) for each in outlines] or [
             ("", Outline("rectangle", ((0.0, 0.0), (float(width), float(height)))))
@@ -93,13 +93,6 @@ def glare_of_file(
 def _quantity(image: Path) -> Quantity:
     spec = oiio.ImageBuf(str(image)).spec()
     return quantity_named(spec.getattribute("nocturne:quantity") or "")
-
-
-def _named(quantity: Quantity, names: Sequence[str], channel: str) -> tuple[str, str]:
-    """What a channel is, and its unit."""
-    if channel == "Y":
-        return quantity.name or "Y", quantity.unit
-    return channel, quantity.unit if names.index(channel) < len("XYZ") else quantity.response_unit
 
 
 def _moments(picture: Picture) -> ImageMoments:

@@ -1,4 +1,7 @@
-"""Materials of glTF and their extensions, as kernels."""
+"""Materials of glTF and their extensions, as kernels.
+
+One file, though long: extensions change what the parts before them found, in the order of the specification.
+"""
 
 from dataclasses import dataclass, field
 

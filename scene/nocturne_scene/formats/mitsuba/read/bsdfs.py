@@ -1,6 +1,8 @@
 """Materials: Mitsuba's BSDF plugins as kernels.
 
 Most of its materials are black from behind; ours scatter on both sides, so `two_sided` says what is behind.
+
+One file, though long: a short function for each plugin, and their table.
 """
 
 from collections.abc import Callable
@@ -56,7 +58,7 @@ class Bsdf:
     """A kernel, and what changes the surface's shading normal (fields of a surface)."""
 
     kernel: Json
-    relief: dict[str, Any] = field(default_factory=dict)
+    normal_or_bump: dict[str, Any] = field(default_factory=dict)
 
 
 def front_only(kernel: Json) -> Json:
@@ -273,20 +275,20 @@ def _inside(context: Context, properties: Properties, least: int, most: int) -> 
 def _two_sided(context: Context, properties: Properties) -> Bsdf:
     inside = _inside(context, properties, 1, 2)
     if len(inside) == 1:
-        return Bsdf(front_of(inside[0].kernel), inside[0].relief)
+        return Bsdf(front_of(inside[0].kernel), inside[0].normal_or_bump)
     front, back = (front_of(each.kernel) for each in inside)
-    return Bsdf({"type": "two_sided", "front": front, "back": back}, inside[0].relief)
+    return Bsdf({"type": "two_sided", "front": front, "back": back}, inside[0].normal_or_bump)
 
 
 def _mask(context: Context, properties: Properties) -> Bsdf:
     [inside] = _inside(context, properties, 1, 1)
     opacity = textures.number(context, properties, "opacity", 0.5)
-    return Bsdf({"type": "mask", "kernel": inside.kernel, "opacity": opacity}, inside.relief)
+    return Bsdf({"type": "mask", "kernel": inside.kernel, "opacity": opacity}, inside.normal_or_bump)
 
 
 def _blend(context: Context, properties: Properties) -> Bsdf:
     first, second = _inside(context, properties, 2, 2)
-    if first.relief or second.relief:
+    if first.normal_or_bump or second.normal_or_bump:
         context.findings.lost(properties.place, "no equal of normal and bump maps inside a blend")
     weight = textures.number(context, properties, "weight", 0.5)
     return Bsdf({"type": "blend", "first": first.kernel, "second": second.kernel, "weight": weight})
@@ -322,7 +324,7 @@ def _normal_map(context: Context, properties: Properties) -> Bsdf:
     use = None if element is None else textures.texture(context, element)
     if isinstance(use, float):
         raise InputError.at(properties.place, "a normal map has three values")
-    return Bsdf(inside.kernel, inside.relief | ({} if use is None else {"normal_map": use}))
+    return Bsdf(inside.kernel, inside.normal_or_bump | ({} if use is None else {"normal_map": use}))
 
 
 def _bump_map(context: Context, properties: Properties) -> Bsdf:
@@ -337,7 +339,7 @@ def _bump_map(context: Context, properties: Properties) -> Bsdf:
             properties.place,
             "heights of the bump map are taken as metres, not as parts of the surface's size",
         )
-        return Bsdf(inside.kernel, inside.relief | {"bump_map": use | {"height": height}})
+        return Bsdf(inside.kernel, inside.normal_or_bump | {"bump_map": use | {"height": height}})
     return inside
 
 

@@ -82,7 +82,7 @@ def _material(context: Context, properties: Properties) -> _Material:
     if len(found) > 1:
         raise InputError.at(properties.place, f"a shape has one material, found {len(found)}")
     material = bsdf(context, found[0]) if found else _DEFAULT
-    surface: Json = {"kernel": _named(context, found, material), **material.relief}
+    surface: Json = {"kernel": _named(context, found, material), **material.normal_or_bump}
     interior(context, properties, surface, material.kernel)
     emitters = properties.take_all("emitter")
     if len(emitters) > 1:

@@ -22,7 +22,7 @@ class State:
     transform: Matrix = field(default_factory=lambda: IDENTITY)
     material: Json = field(default_factory=lambda: {"type": "lambertian", "reflectance": 0.5})
     """A kernel, or the name of one."""
-    relief: Json = field(default_factory=dict)
+    normal_or_bump: Json = field(default_factory=dict)
     area_light: tuple[str, list[Parameter], str] | None = None
     reversed: bool = False
     media: tuple[str, str] = ("", "")
@@ -44,7 +44,7 @@ class Context:
     coordinate_systems: dict[str, Matrix] = field(default_factory=dict)
     textures: dict[str, Json] = field(default_factory=dict)
     materials: dict[str, tuple[str, Json]] = field(default_factory=dict)
-    """Kernel's name and relief."""
+    """Kernel's name and normal_or_bump."""
     media: dict[str, str] = field(default_factory=dict)
     """Names in the document by name; empty where there is nothing."""
     enclosed: set[str] = field(default_factory=set)

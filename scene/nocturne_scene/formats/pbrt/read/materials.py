@@ -20,24 +20,24 @@ def material(context: Context, kind: str, parameters: Parameters) -> tuple[Json,
         )
         return {"type": "lambertian", "reflectance": 0.5}, {}
     kernel = _MATERIALS[kind](context, parameters)
-    relief = _relief(context, parameters)
+    normal_or_bump = _normal_or_bump(context, parameters)
     parameters.finish()
-    return kernel, relief
+    return kernel, normal_or_bump
 
 
-def _relief(context: Context, parameters: Parameters) -> Json:
-    relief: Json = {}
+def _normal_or_bump(context: Context, parameters: Parameters) -> Json:
+    normal_or_bump: Json = {}
     normals = parameters.word("normalmap", None)
     if normals is not None:
         asset = context.writer.copy(context.file(normals, parameters.place))
-        relief["normal_map"] = {"texture": {"asset": asset, "encoding": "linear"}}
+        normal_or_bump["normal_map"] = {"texture": {"asset": asset, "encoding": "linear"}}
     heights = parameters.take("displacement")
     if heights is not None:
         found = spectra.texture(context, heights) if heights.type == "texture" else {}
         if "texture" in found:
             height = found.pop("spectrum", 1.0) if "spectrum" in (found := dict(found)) else 1.0
-            relief["bump_map"] = found | {"height": height}
-    return relief
+            normal_or_bump["bump_map"] = found | {"height": height}
+    return normal_or_bump
 
 
 def _roughness(context: Context, parameters: Parameters, default: float) -> Json:

@@ -50,18 +50,18 @@ def _kernel(reader: Reader, kind: str, parameters: Parameters) -> tuple[Json, Js
 
 def _material(reader: Reader, stream: Stream, place: str) -> None:
     kind, parameters = reader.plugin("material", stream, place)
-    kernel, relief = _kernel(reader, kind, parameters)
+    kernel, normal_or_bump = _kernel(reader, kind, parameters)
     # Written once, however many shapes follow.
     reader.context.state.material = reader.context.writer.name("kernels", kind or "interface", kernel)
-    reader.context.state.relief = relief
+    reader.context.state.normal_or_bump = normal_or_bump
 
 
 def _make_material(reader: Reader, stream: Stream, place: str) -> None:
     name = stream.string(place)
     parameters = reader.context.parameters(f"material {name}", place, stream.parameters(place))
     kind = parameters.word("type", "")
-    kernel, relief = _kernel(reader, kind, parameters)
-    reader.context.materials[name] = (reader.context.writer.name("kernels", name, kernel), relief)
+    kernel, normal_or_bump = _kernel(reader, kind, parameters)
+    reader.context.materials[name] = (reader.context.writer.name("kernels", name, kernel), normal_or_bump)
 
 
 def _named_material(reader: Reader, stream: Stream, place: str) -> None:
@@ -69,7 +69,7 @@ def _named_material(reader: Reader, stream: Stream, place: str) -> None:
     if name not in reader.context.materials:
         known = ", ".join(sorted(reader.context.materials)[:20]) or "none"
         raise InputError.at(place, f'no material "{name[:80]}"; known: {known}')
-    reader.context.state.material, reader.context.state.relief = reader.context.materials[name]
+    reader.context.state.material, reader.context.state.normal_or_bump = reader.context.materials[name]
 
 
 def _texture(reader: Reader, stream: Stream, place: str) -> None:

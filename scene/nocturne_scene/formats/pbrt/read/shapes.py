@@ -37,7 +37,7 @@ def surface(context: Context, kind: str, parameters: Parameters, *, gathers: boo
     opacity = spectra.scalar(context, parameters, "alpha", 1.0)
     if opacity != 1.0:
         kernel = {"type": "mask", "kernel": kernel, "opacity": opacity}
-    found: Json = {"kernel": kernel, **state.relief}
+    found: Json = {"kernel": kernel, **state.normal_or_bump}
     named = (
         context.writer.document.get("kernels", {}).get(state.material)
         if isinstance(state.material, str)

@@ -1,0 +1,17 @@
+"""What the compiler gives; apart from it, for those who let other processes compile."""
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class CompiledOutput:
+    """Where the compiled scene is, and which parts of the document it does without, in words with their
+    places.
+    """
+
+    scene_sha256: str
+    dropped: list[str]
+    warnings: list[str] = field(default_factory=list)
+    """What can hardly be meant, in words with their places."""
+    way: str = ""
+    """How it is traced and why, in words; empty where no pilot chose."""
