@@ -16,8 +16,8 @@ from nocturne_client.local.compiled import compile_to
 from nocturne_scene.compare.images import read_picture
 from nocturne_scene.uncertainty import CONFIDENCE, ImageMoments, read_region
 
-from tests.accuracy.scenes import furnace
-from tests.accuracy.tracing import IN_FULL, Document, run, write
+from tests.accuracy.scenes import diffuse, furnace, measured_scene, quad, sphere, surface
+from tests.accuracy.tracing import IN_FULL, Document, run, run_seeds, write
 
 pytestmark = pytest.mark.system
 
@@ -104,3 +104,68 @@ def test_intervals_hold_it_where_pixels_share(
     """Wavelengths are common to blocks. The formula is cautious, so no interval is too wide to pass."""
     rates = held(*shared_image_and_truth, edge)
     assert (rates >= 0.95 - SKEW - 4.0 * math.sqrt(0.95 * 0.05) / (_EDGE // edge)).all(), rates
+
+
+_SEEDS = 40
+_FILM = 16
+_MANY = 1024
+"""Samples: of 64, so few photons of the caustic are in a pixel that what they bring is far from normal."""
+
+
+def _caustic() -> Document:
+    """A floor beside a ball of metal outside of the picture: forward photons bring what it mirrors."""
+    camera = {
+        "type": "pinhole",
+        "position": [0, 0, 4],
+        "look_at": [0, 0, 0],
+        "up": [0, 1, 0],
+        "vertical_field_of_view_degrees": 20.0,
+    }
+    surfaces = [
+        surface(quad([-3, -3, 0], [6, 0, 0], [0, 6, 0]), diffuse(0.6)),
+        {"shape": sphere([1.6, 0.0, 0.7], 0.6), "kernel": {"type": "conductor", "index": "Au"}},
+        surface(quad([-2.3, -0.3, 3], [0, 0.6, 0], [0.6, 0, 0]), diffuse(0.0), 20.0),
+    ]
+    return measured_scene(camera, surfaces, direction="both", sequence="independent", sharing=1)
+
+
+@pytest.fixture(scope="module")
+def images_by_both(tmp_path_factory: pytest.TempPathFactory) -> list[ImageMoments]:
+    folder = tmp_path_factory.mktemp("both")
+    compiled = compile_to(write(_caustic(), folder), folder, _FILM, _FILM, _MANY)
+    run_seeds(compiled, folder, _SEEDS)
+    found = [read_picture(folder / f"{seed}.exr").moments for seed in range(1, _SEEDS + 1)]
+    return [each for each in found if each is not None]
+
+
+@pytest.mark.skipif(not IN_FULL, reason="half a minute, in `make accuracy`")
+@pytest.mark.parametrize("edge", [4, 8, 16])
+def test_intervals_hold_it_by_both_directions(edge: int, images_by_both: list[ImageMoments]) -> None:
+    """X, Y, Z, u' and v' of each region, against the mean of all other seeds; and how images scatter.
+
+    A photon from a luminaire lights pixels far apart, so only seeds are independent trials. A standard
+    deviation from n of them is known to a part of 1 / sqrt(2 (n - 1)).
+    """
+    read = [_readings(image, edge) for image in images_by_both]
+    mean, error = np.array([each[0] for each in read]), np.array([each[1] for each in read])
+    scatter = np.sqrt(mean.var(axis=0, ddof=1).mean(axis=0) / (error**2).mean(axis=(0, 1)))
+    assert (np.abs(scatter - 1.0) <= 4.0 / math.sqrt(2.0 * (_SEEDS - 1))).all(), scatter
+    others = (mean.sum(axis=0) - mean) / (_SEEDS - 1)
+    # The others' mean has an error, too.
+    wide = CONFIDENCE * math.sqrt(1.0 + 1.0 / (_SEEDS - 1)) * error
+    rates = (np.abs(mean - others) <= wide).mean(axis=(0, 1))
+    assert (rates >= 0.95 - SKEW - 4.0 * math.sqrt(0.95 * 0.05 / _SEEDS)).all(), rates
+
+
+def _readings(image: ImageMoments, edge: int) -> tuple[Values, Values]:
+    """X, Y, Z, u' and v' of all regions with such an edge, and their errors."""
+    means, errors = [], []
+    for y in range(0, _FILM, edge):
+        for x in range(0, _FILM, edge):
+            chosen = np.zeros((_FILM, _FILM), dtype=np.bool_)
+            chosen[y : y + edge, x : x + edge] = True
+            reading = read_region(image, chosen)
+            assert reading is not None
+            means.append([*reading.mean[:3], *reading.chromaticity])
+            errors.append([*reading.error[:3], *reading.chromaticity_error])
+    return np.array(means), np.array(errors)

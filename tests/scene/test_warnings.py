@@ -1,6 +1,7 @@
 """What a scene says that can hardly be meant."""
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -182,3 +183,52 @@ def test_a_texture_finer_than_the_film_is_told(
     assert warnings(document, blobs) == []
     texture["scale"] = [2, 2]
     assert "has 14 of them" in warnings(document, blobs, Film(80, 80, 1))[0]
+
+
+def test_what_moves_too_far_for_its_size_is_told(document: dict[str, Any], blobs: BlobStore) -> None:
+    for distance, told in ((1e4, 0), (1e6, 1)):
+        document["surfaces"].append({"shape": TETRAHEDRON, "motion": {"translate": [distance, 0, 0]}})
+        document["surfaces"][-1]["kernel"] = {"type": "lambertian", "reflectance": 0.5}
+        found = [each for each in warnings(document, blobs) if ".motion: moves 1 m" in each]
+        assert len(found) == told
+
+
+def test_opaque_surfaces_in_one_place_are_told(document: dict[str, Any], blobs: BlobStore) -> None:
+    """Turned over or not; a null kernel there is no matter."""
+    quad = {"type": "quad", "corner": [0, 0, 9], "edge_u": [1, 0, 0], "edge_v": [0, 1, 0]}
+    turned = quad | {"edge_u": quad["edge_v"], "edge_v": quad["edge_u"]}
+    grey = {"type": "lambertian", "reflectance": 0.5}
+    document["surfaces"].append({"shape": quad, "kernel": grey})
+    document["surfaces"].append({"shape": quad, "kernel": {"type": "null"}, "luminaire": {"radiance": 1.0}})
+    assert warnings(document, blobs) == []
+    document["surfaces"].append({"shape": turned, "kernel": grey})
+    count = len(document["surfaces"])
+    [told] = warnings(document, blobs)
+    assert told.startswith(f"$.surfaces[{count - 1}]: lies exactly on $.surfaces[{count - 3}]")
+
+
+def test_normals_far_off_their_triangles_are_told(document: dict[str, Any], blobs: BlobStore) -> None:
+    """A pyramid's corners have normals between its faces'."""
+    document["surfaces"].append(
+        {"shape": TETRAHEDRON, "kernel": {"type": "lambertian", "reflectance": 0.5}},
+    )
+    assert warnings(document, blobs) == []
+    document["surfaces"][-1]["shape"] = TETRAHEDRON | {"smooth": True}
+    [told] = warnings(document, blobs)
+    assert "interpolated normals are" in told
+
+
+def test_a_map_that_is_bright_at_a_pole_is_told(
+    document: dict[str, Any], blobs: BlobStore, tmp_path: Path
+) -> None:
+    """An even map loses nothing. Of the first row alone, which ends at the cosine of pi / 16, the same flux
+    fills texels that end at 7 / 8: on a surface that faces the pole it counts by the mean cosine.
+    """
+    for rest, told in ((1.0, 0), (0.0, 1)):
+        picture = np.full((16, 32, 3), rest, np.float32)
+        picture[0] = 1.0
+        digest = blobs.put(write_exr(tmp_path / "sky.exr", picture, "RGB").read_bytes())
+        document["environment"] = {"asset": f"sha256:{digest}", "luminance": 100.0}
+        found = [each for each in warnings(document, blobs) if "at a pole" in each]
+        assert len(found) == told
+    assert f"{1 - 1.875 / (1 + math.cos(math.pi / 16)):.2%}" in found[0]

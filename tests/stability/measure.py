@@ -72,7 +72,8 @@ def _look(case: Case, method: Way, folder: Path, samples: int, seed: int, thread
         return Verdict(Word.REFUSED, said=str(first))
     if case.truth is None:
         return Verdict(Word.ACCEPTED, said="it was compiled")
-    return _trace(case, case.truth, method, compiled, folder, threads)
+    verdict = _trace(case, case.truth, method, compiled, folder, threads)
+    return replace(verdict, warned=bool(compiled.warnings))
 
 
 def _trace(

@@ -21,7 +21,8 @@ says what came of it:
   standard error, which says how small a fault could have been seen.
 - **noisy**: no fault is seen, but the standard error is above {noisy:g} %, or single pixels carry the sum, or
   a deviation became smaller with more samples (a heavy tail: error bars are not to be trusted).
-- **off by** so much: what is read is not the truth, and more samples do not mend it.
+- **off by** so much: what is read is not the truth, and more samples do not mend it. *Warned of*: compiling
+  the scene says so. By the default every such cell is.
 - **uneven**: pixels that should be alike differ by far more than their error bars.
 - **found nothing**: no photon met any light.
 - **refused**: an error, before anything is traced. For the last group this is the only right answer.
@@ -57,7 +58,12 @@ def from_json(text: str) -> Matrix:
     return {
         case: {
             method: Verdict(
-                Word(cell["verdict"]), cell.get("off"), cell.get("error"), cell.get("said", ""), cell["cpu_s"]
+                Word(cell["verdict"]),
+                cell.get("off"),
+                cell.get("error"),
+                cell.get("said", ""),
+                cell["cpu_s"],
+                cell.get("warned", False),
             )
             for method, cell in row.items()
         }
@@ -73,6 +79,8 @@ def _plain(verdict: Verdict) -> dict[str, Any]:
         found["error"] = float(f"{verdict.error:.3g}")
     if verdict.said:
         found["said"] = verdict.said
+    if verdict.warned:
+        found["warned"] = True
     return found | {"cpu_s": round(verdict.cpu_s, 2)}
 
 
@@ -117,7 +125,8 @@ def _cell(verdict: Verdict, truth: float | None) -> str:
         case Word.BIASED if truth == 0.0:
             return f"**{verdict.off:.2g} instead of 0**"
         case Word.BIASED:
-            return f"**off by {100 * (verdict.off or 0.0):+.2g} %**{error}"
+            told = ", warned of" if verdict.warned else ""
+            return f"**off by {100 * (verdict.off or 0.0):+.2g} %**{error}{told}"
         case Word.NOT_APPLICABLE:
             return ""
         case Word.REFUSED:

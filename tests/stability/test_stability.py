@@ -92,6 +92,13 @@ def test_kept_matrix_has_all_cases_and_its_page() -> None:
     assert (CHECKOUT / "docs" / "explanation" / "stability.md").read_text() == page(matrix)
 
 
+def test_the_default_is_never_off_without_a_warning() -> None:
+    matrix = from_json((CHECKOUT / "bench" / "results" / "stability.json").read_text())
+    off = {name: row[_DEFAULT.name] for name, row in matrix.items() if row[_DEFAULT.name].word is Word.BIASED}
+    assert off, "the page has had such cells since it was first made"
+    assert [name for name, verdict in off.items() if not verdict.warned] == []
+
+
 def test_one_that_could_not_see_a_fault_is_no_way_out() -> None:
     case = _ALL["furnace at 100000 m"]
     row = {"two photons": Verdict(Word.BIASED, -3e-3, 2e-4), "path": Verdict(Word.RIGHT, -3e-3, 1e-3)}

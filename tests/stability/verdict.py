@@ -49,6 +49,8 @@ class Verdict:
     said: str = ""
     """The message of what was refused, or why it failed."""
     cpu_s: float = 0.0
+    warned: bool = False
+    """Whether compiling told of something that can hardly be meant."""
 
     @property
     def good(self) -> bool:

@@ -1,7 +1,7 @@
 """A render as the coordinator schedules it, and the check that a result belongs to it. Pure."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from google.protobuf.message import DecodeError
@@ -11,16 +11,14 @@ from nocturne_scene.tile_sums import (
     BLOCK,
     PAIR_FIRST,
     PAIR_SECOND,
-    PIXEL_PAIRS,
-    PIXEL_SQUARES,
-    PRODUCTS_PAIRS,
+    PRODUCTS,
     PRODUCTS_SQUARES,
     XYZ_SUMS,
     TileSums,
+    blocks_in,
     decode,
     numbers_in,
 )
-from nocturne_scene.uncertainty import block_sums
 
 from nocturne_coordinator.dispatch.merge import Sums
 from nocturne_coordinator.limits import MAX_RAYS_PER_PHOTON
@@ -117,41 +115,40 @@ def check_partial(
 
 def check_sums(sums: TileSums, samples: int) -> None:
     """RefusedResult if no samples have such sums."""
-    pixels = sums.pixels
-    for numbers in (pixels, sums.block_products, sums.tile_products):
+    height, width = sums.pixels.shape[:2]
+    # One quantity after the other: X, Y, Z, then YY, XX, ZZ, XY, XZ, YZ of pixels, of blocks and of the tile,
+    # so that one step of numpy's does for all of them.
+    of_xyz = np.ascontiguousarray(sums.pixels[..., :XYZ_SUMS].reshape(-1, XYZ_SUMS).T)
+    of_blocks, of_tile = sums.block_products.reshape(-1, PRODUCTS).T, sums.tile_products.T
+    products = np.concatenate([of_xyz[3:], of_blocks, of_tile], axis=1)
+    further = sums.pixels[..., XYZ_SUMS:]
+    for numbers in (of_xyz[:3], products, *([further] if further.size else [])):
         # With a NaN inside, minimum and maximum are NaN, and compare false.
         if not (numbers.min() >= 0.0 and numbers.max() < _BEYOND_PHYSICS):
             raise RefusedResult("sums that are negative, not finite or beyond all physics")
-    # One quantity after the other: a step of numpy's for all three is as fast as one for each.
-    of_xyz = np.ascontiguousarray(np.moveaxis(pixels[..., :XYZ_SUMS], -1, 0))
-    firsts, squares, products = of_xyz[:3], of_xyz[PIXEL_SQUARES], of_xyz[PIXEL_PAIRS]
-    pairs = [(firsts, squares)]
-    if further := (pixels.shape[-1] - XYZ_SUMS) // 2:
-        responses = pixels[..., XYZ_SUMS:]
-        pairs.append((responses[..., :further], responses[..., further:]))
-    for one, square in pairs:
-        _check_products(one * one, square, samples)
-    roots = np.sqrt(squares)
-    _check_products(products, roots[PAIR_FIRST] * roots[PAIR_SECOND])
-    _check_together(sums, samples)
-
-
-def _check_together(sums: TileSums, samples: int) -> None:
-    """The same of what blocks and the tile have together. YY, XX, ZZ, XY, XZ, YZ come last everywhere."""
-    of_pixels = block_sums(sums.pixels[..., :XYZ_SUMS])
-    of_blocks, of_tile = sums.block_products, sums.tile_products[0]
-    y_x_z = of_pixels[..., PRODUCTS_SQUARES]
-    _check_products(y_x_z * y_x_z, of_blocks[..., :3], samples)
+    if count := further.shape[-1] // 2:
+        _check_products(further[..., :count] ** 2, further[..., count:], samples)
+    down, across = _blocks_of(height), _blocks_of(width)
+    pixels_of_blocks = (down @ of_xyz.reshape(-1, height, width) @ across.T).reshape(XYZ_SUMS, -1)
+    firsts = np.concatenate([of_xyz[PRODUCTS_SQUARES], pixels_of_blocks[PRODUCTS_SQUARES]], axis=1)
+    _check_products(firsts * firsts, products[:3, : firsts.shape[1]], samples)
+    roots = np.sqrt(products[PRODUCTS_SQUARES])
+    _check_products(products[3:], roots[PAIR_FIRST] * roots[PAIR_SECOND])
     # Values are never negative: products of what n have together are at least the sum of their own.
-    _check_products(of_pixels[..., 3:], of_blocks)
-    _check_products(of_blocks.sum(axis=(0, 1)), of_tile)
+    together = products[:, of_xyz.shape[1] :]
+    apart = np.concatenate([pixels_of_blocks[3:], of_blocks.sum(axis=1, keepdims=True)], axis=1)
+    _check_products(apart, together)
     # And squares are at most n times that.
-    _check_products(of_blocks[..., :3], of_pixels[..., 3:6], BLOCK**2)
-    blocks = of_blocks.shape[0] * of_blocks.shape[1]
-    _check_products(of_tile[:3], of_blocks[..., :3].sum(axis=(0, 1)), blocks)
-    for products in (of_blocks, of_tile):
-        roots = np.sqrt(products[..., PRODUCTS_SQUARES])
-        _check_products(products[..., PRODUCTS_PAIRS], roots[..., PAIR_FIRST] * roots[..., PAIR_SECOND])
+    many = np.full(together.shape[1], float(BLOCK**2))
+    many[-1] = of_blocks.shape[1]
+    _check_products(together[:3], apart[:3] * many)
+
+
+@cache
+def _blocks_of(edge: int) -> Sums:
+    """A row for each block along an edge, with 1 for each of its pixels."""
+    pixels = np.arange(edge) // BLOCK
+    return np.asarray(pixels == np.arange(blocks_in(edge))[:, None], dtype=np.float64)
 
 
 def _check_counts(partial: job_pb2.Partial, photons: int) -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from nocturne_scene.blobs import NoteKey
 from nocturne_scene.compile.bodies import Body, cross, open_edges, parts, winding
+from nocturne_scene.compile.coarse import coarse
 from nocturne_scene.compile.fine_textures import fine_textures
 from nocturne_scene.compile.placement import placement_of
 from nocturne_scene.compile.shapes import Shapes
@@ -48,6 +49,7 @@ def warnings_of(workspace: Workspace, shapes: Shapes, film: Film | None) -> list
         *_open_bodies(workspace, shapes),
         *_crossing_bodies(document, shapes),
         *_depth_limit(workspace, shapes),
+        *coarse(workspace, shapes),
         *(fine_textures(workspace, shapes, film) if film is not None else ()),
     ]
 

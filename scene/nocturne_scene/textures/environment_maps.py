@@ -68,6 +68,34 @@ def convert(source: Path, target: BinaryIO, *, points: bool = False) -> tuple[in
         return columns, count
 
 
+def polar_change(source: Path) -> float:
+    """By which part the light on a surface that faces a pole changes where a picture becomes texels.
+
+    Of the pole with more light. Raises UnusableImageError.
+    """
+    with opened(source) as picture:
+        spec = picture.spec()
+        _check_shape(spec)
+        count = spec.height
+        means = np.array([row.mean(axis=0, keepdims=True) for row in _rows(picture, spec)])
+    texels = np.array(list(equal_area_rows(iter(means), count)))
+    before, after = (
+        np.array([_irradiance(rows.mean(axis=(1, 2)), side * edges) for side in (1.0, -1.0)])
+        for rows, edges in (
+            (means, np.cos(np.pi * np.arange(count + 1) / count)),
+            (texels, 1.0 - 2.0 * np.arange(count + 1) / count),
+        )
+    )
+    largest = float(before.max())
+    return float(np.abs(after - before).max()) / largest if largest > 0.0 else 0.0
+
+
+def _irradiance(rows: Floats, edges: Floats) -> float:
+    """Of a surface that faces a pole, over pi; `edges` of the rows are cosines to that pole."""
+    squares = np.clip(edges, 0.0, 1.0) ** 2
+    return float(np.abs(np.diff(squares)) @ rows)
+
+
 def interpolated(pixels: _Pixels) -> tuple[Iterator[_Pixels], int, int]:
     """Rows, their number and that of columns of a picture whose values lie at points: finer, as areas.
 

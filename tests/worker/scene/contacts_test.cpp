@@ -113,6 +113,46 @@ TEST(Contacts, ASheetHidesTheBodyOnIt) {
   }
 }
 
+// The surfaces of a straight way.
+std::vector<std::uint32_t> surfaces_on(const Scene& scene, DepartingRay from, std::size_t count) {
+  std::vector<std::uint32_t> met;
+  while (met.size() < count) {
+    auto hit = scene.geometry.intersect(from.ray, 0.0f, from.departure);
+    if (!hit) break;
+    contacts_of(scene, from.ray, 0.0f, from.departure, *hit);
+    met.push_back(hit->surface);
+    from = scene.geometry.depart(*hit, from.ray.direction, 0.0f);
+  }
+  return met;
+}
+
+// It hides nothing of the glass that it lies on, and is met on the glass's outside.
+TEST(Contacts, WhatLightPassesStraightLiesOutsideOfTheBody) {
+  test::SceneBuilder builder;
+  builder.add_glass_box({-1, -1, 0}, {1, 1, 1}, 1.5f);
+  builder.add_quad(0.5f, 1.0f, {-2, -2, 0}, {4, 0, 0}, {0, 4, 0});
+  builder.message.mutable_kernels()->rbegin()->mutable_null_kernel();
+  const auto scene = builder.load();
+  const std::uint32_t sheet = 6;
+  for (std::uint32_t i = 0; i < 1'000; ++i) {
+    const auto u = any_numbers(i);
+    const Vec3 direction = any_direction(i, 1);
+    const Vec3 at{u[0] - 0.5f, u[1] - 0.5f, 0.0f};
+    if (std::fabs(direction.z) < 0.5f) continue;
+    const auto met = surfaces_on(*scene, {{at - 0.3f * direction, direction}, {}}, 2);
+    ASSERT_EQ(met.size(), 2u);
+    EXPECT_EQ(met[direction.z > 0.0f ? 0 : 1], sheet) << direction.z;
+    EXPECT_NE(met[0], met[1]);
+    if (direction.z < 0.0f) continue;
+    // What the glass mirrors passes it once more.
+    auto mirror = scene->geometry.intersect({at + Vec3{0, 0, -0.3f}, {0, 0, 1}}, 0.0f);
+    Hit face = *mirror;
+    face.surface = met[1];
+    const auto back = surfaces_on(*scene, scene->geometry.depart(face, -direction, 0.0f), 2);
+    EXPECT_EQ(back, std::vector<std::uint32_t>{sheet});
+  }
+}
+
 TEST(Contacts, NothingIsLookedForWithoutBodies) {
   test::SceneBuilder builder;
   builder.add_furnace(0.5f, 1.0f);

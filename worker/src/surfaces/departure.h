@@ -14,8 +14,10 @@ struct Departure {
 
   /// From the ray's origin to where it starts, m: what rounding took.
   Vec3 residual = {0.0f, 0.0f, 0.0f};
-  /// What it leaves, as in Hit; kNothing where it starts in a medium or at the sensor.
+  /// What it leaves, as in Hit, or left before it met a medium; kNothing where it left nothing.
   std::uint32_t surface = kNothing, instance = kNothing, primitive = 0;
+  /// It starts within a medium.
+  bool in_medium = false;
   /// False: the ray starts at its origin, off the surface that it left, and nothing is left out.
   bool exact = false;
 

@@ -41,6 +41,52 @@ bool of_one_surface(const Crossed& a, const Crossed& b) {
   return a.surface == b.surface && a.instance == b.instance;
 }
 
+bool in_one_place(std::span<const Crossed> crossed, std::size_t a, std::size_t b,
+                  std::span<const CloseSurface> close) {
+  const Crossed &first = crossed[a], &second = crossed[b];
+  if (std::fabs(dot(first.at.normal, second.at.normal)) < kParallel) return false;
+  const CloseSurface &is = close[first.surface], &other = close[second.surface];
+  const double apart = std::fabs(second.at.distance - first.at.distance);
+  const bool exactly = !(is.body || other.body) || is.straight || other.straight;
+  const double unit = exactly ? 0.0 : is.luminaire || other.luminaire ? kRounding : kSixDigits;
+  if (apart * std::fabs(first.at.facing) >
+      unit * (first.at.coordinate + second.at.coordinate) + first.at.noise + second.at.noise) {
+    return false;
+  }
+  if (of_one_surface(first, second)) {
+    const bool in_order = first.at.distance <= second.at.distance;
+    return !(in_order ? first : second).at.entering() && (in_order ? second : first).at.entering();
+  }
+  const auto nearer = [&](const Crossed& one, const Crossed& to) {
+    return std::ranges::any_of(crossed, [&](const Crossed& face) {
+      return of_one_surface(face, one) && face.at.entering() != one.at.entering() &&
+             std::fabs(face.at.distance - to.at.distance) < apart;
+    });
+  };
+  return !nearer(first, second) && !nearer(second, first);
+}
+
+bool is_sheet(const CloseSurface& is) { return is.straight && !is.body; }
+bool is_seen_body(const CloseSurface& is) { return is.body && !is.straight; }
+
+// Where bodies touch, nothing lies between them: then a sheet hides their boundaries.
+bool lies_on(std::span<const Crossed> crossed, std::size_t sheet, std::size_t body,
+             std::span<const CloseSurface> close) {
+  const Crossed& boundary = crossed[body];
+  if (!is_sheet(close[crossed[sheet].surface]) || !is_seen_body(close[boundary.surface]) ||
+      !in_one_place(crossed, sheet, body, close)) {
+    return false;
+  }
+  for (std::size_t i = 0; i < crossed.size(); ++i) {
+    const bool same =
+        of_one_surface(crossed[i], boundary) && crossed[i].at.entering() == boundary.at.entering();
+    if (!same && is_seen_body(close[crossed[i].surface]) && in_one_place(crossed, i, body, close)) {
+      return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 ExactCrossing cross_exactly(const Shape& shape, const Placement* placement, Double3 origin,
@@ -107,27 +153,14 @@ bool share_corner(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
 
 bool touch(std::span<const Crossed> crossed, std::size_t a, std::size_t b,
            std::span<const CloseSurface> close) {
-  const Crossed &first = crossed[a], &second = crossed[b];
-  if (std::fabs(dot(first.at.normal, second.at.normal)) < kParallel) return false;
-  const CloseSurface &is = close[first.surface], &other = close[second.surface];
-  const double apart = std::fabs(second.at.distance - first.at.distance);
-  const bool exactly = !(is.body || other.body) || is.straight || other.straight;
-  const double unit = exactly ? 0.0 : is.luminaire || other.luminaire ? kRounding : kSixDigits;
-  if (apart * std::fabs(first.at.facing) >
-      unit * (first.at.coordinate + second.at.coordinate) + first.at.noise + second.at.noise) {
-    return false;
-  }
-  if (of_one_surface(first, second)) {
-    const bool in_order = first.at.distance <= second.at.distance;
-    return !(in_order ? first : second).at.entering() && (in_order ? second : first).at.entering();
-  }
-  const auto nearer = [&](const Crossed& one, const Crossed& to) {
-    return std::ranges::any_of(crossed, [&](const Crossed& face) {
-      return of_one_surface(face, one) && face.at.entering() != one.at.entering() &&
-             std::fabs(face.at.distance - to.at.distance) < apart;
-    });
-  };
-  return !nearer(first, second) && !nearer(second, first);
+  return in_one_place(crossed, a, b, close) && !sheet_order(crossed, a, b, close);
+}
+
+std::optional<bool> sheet_order(std::span<const Crossed> crossed, std::size_t a, std::size_t b,
+                                std::span<const CloseSurface> close) {
+  if (lies_on(crossed, a, b, close)) return crossed[b].at.entering();
+  if (lies_on(crossed, b, a, close)) return !crossed[a].at.entering();
+  return std::nullopt;
 }
 
 bool same_crossing(const Shape& shape, const Crossed& left, const Crossed& again) {

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "surfaces/departure.h"
@@ -24,7 +25,7 @@ struct CloseSurface {
   /// Emits: what bounds a body touches it only where the numbers leave no room between.
   bool luminaire = false;
   /// Lets light straight through, as a mask or the boundary of fog: it hides nothing that it lies
-  /// on, and may as well lie beside it.
+  /// on, and lies beside it, on the outside of a body.
   bool straight = false;
 };
 
@@ -68,6 +69,12 @@ struct Crossed {
 /// is by surface.
 bool touch(std::span<const Crossed> crossed, std::size_t a, std::size_t b,
            std::span<const CloseSurface> close);
+
+/// Of a sheet that lets light straight through and the one body on whose boundary it lies exactly:
+/// whether the line crosses `a` before `b`, since the sheet is outside of the body. No value: they
+/// are no such two.
+std::optional<bool> sheet_order(std::span<const Crossed> crossed, std::size_t a, std::size_t b,
+                                std::span<const CloseSurface> close);
 
 /// Whether they are one crossing, which a ray next to an edge finds twice.
 bool same_crossing(const Shape& shape, const Crossed& left, const Crossed& again);

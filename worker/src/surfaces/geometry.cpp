@@ -225,13 +225,16 @@ struct Geometry::Embree {
     return f(shapes[surface], &placement);
   }
 
-  // A line, and what was left where it starts. Embree measures from `back` metres behind that.
+  // A line. Embree measures from `back` metres behind its origin.
   struct Line {
     Double3 origin;
     Vec3 direction;
     float time;
     double back = 0.0;
+    // What was left where it starts.
     std::optional<Crossed> left = {};
+    // Of one that starts in a medium: what was left before.
+    std::optional<Crossed> passed = {};
   };
 
   Crossed crossed(const Line& line, Found found) const {
@@ -252,8 +255,13 @@ struct Geometry::Embree {
   Line line_of(const Ray& ray, float time, const Departure& departure) const {
     Line line{departure.start(ray), ray.direction, time};
     if (departure.surface == Departure::kNothing) return line;
-    line.left = crossed_shape(
+    const Crossed before = crossed_shape(
         line, {departure.surface, departure.instance, departure.primitive, 0.0f, 0.0f, 0.0f});
+    if (departure.in_medium) {
+      line.passed = before;
+      return line;
+    }
+    line.left = before;
     line.left->at.distance = 0.0;
     return line;
   }
@@ -271,10 +279,10 @@ struct Geometry::Embree {
       found[count] = as_found;
       crossed[count++] = at;
     }
-    // The last is what was left.
+    // The last is what was left, now or before.
     std::span<const Crossed> with(const Line& line) {
-      if (!line.left) return std::span(crossed).first(count);
-      crossed[count] = *line.left;
+      if (!line.left && !line.passed) return std::span(crossed).first(count);
+      crossed[count] = line.left ? *line.left : *line.passed;
       return std::span(crossed).first(count + 1);
     }
   };
@@ -284,9 +292,14 @@ struct Geometry::Embree {
   void for_each_ahead(const Line& line, Picture& picture, const F& f) const {
     const auto all = picture.with(line);
     for (std::size_t i = 0; i < picture.count; ++i) {
-      if (!(all[i].at.distance > 0.0)) continue;
+      const auto order = line.left ? sheet_order(all, picture.count, i, close) : std::nullopt;
+      if (!order.value_or(all[i].at.distance > 0.0)) continue;
       if (line.left && (same_crossing(shapes[all[i].surface], *line.left, all[i]) ||
                         touch(all, picture.count, i, close))) {
+        continue;
+      }
+      // Crossed together with what is behind, where the medium was entered.
+      if (line.passed && !(line.passed->at.distance > 0.0) && touch(all, picture.count, i, close)) {
         continue;
       }
       f(i);
@@ -347,7 +360,7 @@ struct Geometry::Embree {
     });
     if (first != kMaxNear) {
       Hit hit = located(from, ray.direction, time, search.picture.found[first]);
-      hit.distance = static_cast<float>(search.picture.crossed[first].at.distance);
+      hit.distance = std::max(0.0f, static_cast<float>(search.picture.crossed[first].at.distance));
       return hit;
     }
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
@@ -532,6 +545,11 @@ std::size_t Geometry::crossings_near(const Ray& ray, float time, const Departure
   std::sort(ahead.begin(), ahead.begin() + static_cast<std::ptrdiff_t>(count),
             [&](std::size_t a, std::size_t b) { return order(a) < order(b); });
   const auto all = picture.with(line);
+  for (std::size_t i = count; i-- > 1;) {
+    if (sheet_order(all, ahead[i], ahead[i - 1], embree_->close).value_or(false)) {
+      std::swap(ahead[i], ahead[i - 1]);
+    }
+  }
   if (count > 0 && departure.exact && !line.left) {
     // In a medium, between surfaces that touch: what lies behind was not crossed either.
     for (std::size_t i = 0; i < picture.count; ++i) {
@@ -544,7 +562,7 @@ std::size_t Geometry::crossings_near(const Ray& ray, float time, const Departure
   for (std::size_t i = 0; i < count; ++i) {
     found[i] = {embree_->located(from, ray.direction, time, picture.found[ahead[i]]),
                 all[ahead[i]].at, i == 0 || touch(all, ahead[0], ahead[i], embree_->close)};
-    found[i].hit.distance = static_cast<float>(found[i].at.distance);
+    found[i].hit.distance = std::max(0.0f, static_cast<float>(found[i].at.distance));
   }
   return count;
 }

@@ -25,12 +25,19 @@ void absorb(const Batch& batch, Group<N>& group, float way) {
   group.weight *= batch.scene.transmittance(group.inside, way, batch.sample_of(group).wavelengths);
 }
 
-/// Where a collision in a medium is, as exactly as its ray's start.
+/// Where a collision in a medium is, as exactly as its ray's start; it may be between surfaces that
+/// were crossed together where the medium was entered.
 template <int N>
 DepartingRay depart_in_medium(const Group<N>& group, const Hit& hit, Vec3 direction) {
-  return DepartingRay::from(group.departure.start(group.ray) +
-                                static_cast<double>(hit.distance) * Double3(group.ray.direction),
-                            direction);
+  DepartingRay from =
+      DepartingRay::from(group.departure.start(group.ray) +
+                             static_cast<double>(hit.distance) * Double3(group.ray.direction),
+                         direction);
+  from.departure.surface = group.departure.surface;
+  from.departure.instance = group.departure.instance;
+  from.departure.primitive = group.departure.primitive;
+  from.departure.in_medium = true;
+  return from;
 }
 
 /// Sends a group on from a hit. What absorbs begins at the surface.
