@@ -40,7 +40,7 @@ class PlannedRender:
 
     @cached_property
     def ranges(self) -> RangeList:
-        return RangeList(self.schedule)
+        return RangeList(self.schedule.range_ends)
 
     @property
     def photons_per_sample(self) -> int:

@@ -141,4 +141,6 @@ def schedule_json(schedule: job_pb2.RangeSchedule) -> str:
         content["furtherResponses"] = list(schedule.further_responses)
     if schedule.photons_per_sample:
         content["photonsPerSample"] = schedule.photons_per_sample
+    if schedule.photon_range_ends:
+        content["photonRangeEnds"] = list(schedule.photon_range_ends)
     return json.dumps(content, separators=(",", ":"))
