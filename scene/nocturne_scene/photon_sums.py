@@ -3,6 +3,7 @@ directions together; as in worker/src/tile/photon_range.h."""
 
 import zlib
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -28,6 +29,21 @@ _Factors = tuple[Values, Values]
 
 _FACTORS = ([1, 0, 2, 0, 0, 1], [1, 0, 2, 1, 2, 2])
 """Of PRODUCTS, places in X, Y, Z."""
+
+
+@dataclass(frozen=True, slots=True)
+class PackedPhotons:
+    """A photon range's sums as they were sent: unpacked, they are some ten times as large."""
+
+    data: bytes
+    width: int
+    height: int
+    further: int
+    tiles: int
+
+    def unpacked(self) -> TileSums:
+        """ValueError where `data` is none of such a film."""
+        return decode_photon_sums(self.data, self.width, self.height, self.further, self.tiles)
 
 
 def decode_photon_sums(data: bytes, width: int, height: int, further: int, tiles: int) -> TileSums:

@@ -108,7 +108,7 @@ def make_schedule(
                 "$.samples", f"is {samples}; at most {most} of this film, with photons from luminaires"
             )
         schedule.photon_range_ends.extend(_range_ends(bundles, MAX_PHOTON_RANGE))
-    planned = TileGrid.of(schedule).count * len(schedule.range_ends)
+    planned = ranges_planned(schedule)
     if planned > limits.MAX_RANGES:
         raise InputError.at(
             "$.samples", f"{samples} samples of this film are {planned} jobs; at most {limits.MAX_RANGES}"
@@ -154,28 +154,40 @@ def _forward_photons_of(schedule: job_pb2.RangeSchedule) -> ForwardPhotons:
     return ForwardPhotons.ALONE if one_tile else ForwardPhotons.NONE
 
 
+def entries_of(schedule: job_pb2.RangeSchedule) -> int:
+    """Of a manifest: its tiles, and one more for forward photons that have ranges of their own."""
+    return TileGrid.of(schedule).count + bool(schedule.photon_range_ends)
+
+
+def ranges_planned(schedule: job_pb2.RangeSchedule) -> int:
+    """Of all tiles, and of forward photons."""
+    return TileGrid.of(schedule).count * len(schedule.range_ends) + len(schedule.photon_range_ends)
+
+
 def recut_schedule(
-    schedule: job_pb2.RangeSchedule, completed: int, longest: int
+    schedule: job_pb2.RangeSchedule, completed: int, longest: int, *, forward_photons: bool = False
 ) -> job_pb2.RangeSchedule | None:
     """The same samples in ranges of at most `longest`, but for ranges that begin before sample `completed`:
-    some tile has those, and all tiles are to be cut alike.
+    some tile has those, and all tiles are to be cut alike. `forward_photons`: ranges of these, in bundles.
 
     None where there is nothing to cut, or where there would be more ranges than MAX_CUT_RANGES.
     """
-    most = min(MAX_CUT_RANGES, limits.MAX_RANGES // TileGrid.of(schedule).count)
+    tiles = 1 if forward_photons else TileGrid.of(schedule).count
+    before = schedule.photon_range_ends if forward_photons else schedule.range_ends
+    most = min(MAX_CUT_RANGES, limits.MAX_RANGES // tiles)
     longest = max(longest, FIRST_RANGE)
     ends: list[int] = []
-    for first, end in pairwise([0, *schedule.range_ends]):
+    for first, end in pairwise([0, *before]):
         if first >= completed and end - first > longest:
             if len(ends) + (end - first) // longest > most:
                 return None
             ends.extend(range(first + longest, end, longest))
         ends.append(end)
-    if len(ends) == len(schedule.range_ends) or len(ends) > most:
+    if len(ends) == len(before) or len(ends) > most:
         return None
     recut = job_pb2.RangeSchedule()
     recut.CopyFrom(schedule)
-    recut.range_ends[:] = ends
+    (recut.photon_range_ends if forward_photons else recut.range_ends)[:] = ends
     return recut
 
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Any, TypeVar
 
-from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions, stop_conditions
 from nocturne_coordinator.limits import DEFAULT_PRIORITY, MAX_NAME, MAX_REQUEST_ID
 from nocturne_coordinator.store.data_folder import DataFolder
@@ -18,7 +17,6 @@ from nocturne_coordinator.store.rows import NewRender
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.film import Film
-from nocturne_scene.limits import MAX_FORWARD_PIXELS
 from nocturne_scene.ranges import make_schedule
 from nocturne_scene.scene_ranges import schedule_for_scene
 
@@ -71,7 +69,6 @@ def compiled(
         output = compile_in_child(document, folder.blobs, compile_limits, Film(*film))
         scene_sha256, warnings, way = output.scene_sha256, tuple(output.warnings), output.way
         schedule = schedule_for_scene(folder.blobs, scene_sha256, *film)
-        _check_served(schedule)
         files = blobs_of_scene(folder.blobs, scene_sha256)
         for sha256 in files:
             # Here too, not in the object store only.
@@ -96,17 +93,6 @@ def compiled(
         way=way,
         files=files,
     )
-
-
-def _check_served(schedule: job_pb2.RangeSchedule) -> None:
-    """InputError where only `nocturne render` can trace it so far."""
-    if schedule.photon_range_ends:
-        pixels = schedule.width * schedule.height
-        raise InputError.at(
-            "$.width",
-            f"the film of a scene with photons from both directions has {pixels} pixels; a service takes at "
-            f"most {MAX_FORWARD_PIXELS} yet, `nocturne render` more",
-        )
 
 
 def checked_stop(asked: Mapping[str, Any], before: StopConditions) -> StopConditions:
