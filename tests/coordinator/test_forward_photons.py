@@ -12,7 +12,7 @@ from nocturne_coordinator.dispatch.planned_render import PlannedRender, RefusedR
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState, Totals
 from nocturne_coordinator.dispatch.running_render import PHOTON_COMMIT_SECONDS, RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
-from nocturne_coordinator.dispatch.stopping import StopConditions
+from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_scene.photon_sums import with_photons
 from nocturne_scene.ranges import PHOTON_BUNDLE, ForwardPhotons, make_schedule
 from nocturne_scene.tile_sums import numbers_in
@@ -33,8 +33,8 @@ def schedule() -> job_pb2.RangeSchedule:
     return schedule
 
 
-def _running(schedule: job_pb2.RangeSchedule, **stop: float) -> RunningRender:
-    row = OpenRender("r", RenderState.RUNNING, schedule, SCENE, 1, Totals(), StopConditions(**stop))
+def _running(schedule: job_pb2.RangeSchedule, stop: StopConditions = EVERYTHING) -> RunningRender:
+    row = OpenRender("r", RenderState.RUNNING, schedule, SCENE, 1, Totals(), stop)
     return RunningRender(row, [])
 
 
@@ -165,7 +165,7 @@ def test_at_the_end_all_is_committed_at_once(schedule: job_pb2.RangeSchedule) ->
 
 
 def test_photons_end_when_no_tile_needs_more(schedule: job_pb2.RangeSchedule) -> None:
-    render = _running(schedule, tile_relative_error=0.5)
+    render = _running(schedule, StopConditions(tile_relative_error=0.5))
     for tile in range(TILES):
         render.film.give_up(tile)
     assert not render.film.complete

@@ -103,11 +103,10 @@ def _forward(document: SceneDocument, scene: scene_pb2.CompiledScene, film: Film
     traced_so = scene_pb2.CompiledScene(sensor=scene.sensor, tracing=scene.tracing)
     traced_so.tracing.direction = DIRECTIONS[direction]
     try:
-        schedule = schedule_of(traced_so, film.width, film.height, film.samples)
+        schedule_of(traced_so, film.width, film.height, film.samples)
     except InputError:
         return None
-    # Services do not take ranges of forward photons yet.
-    return None if schedule.photon_range_ends else direction
+    return direction
 
 
 def choose(
