@@ -1,7 +1,9 @@
 """Forward photons in ranges of their own: merged in order, shown with tiles' samples, committed seldom."""
 
 import zlib
+from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,10 +11,14 @@ from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.admission import forward_ranges
 from nocturne_coordinator.dispatch.merge import RangeSums, Verdict
 from nocturne_coordinator.dispatch.planned_render import PlannedRender, RefusedResult
-from nocturne_coordinator.dispatch.records import OpenRender, RenderState, Totals
+from nocturne_coordinator.dispatch.records import OpenRender, RenderCommit, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.running_render import PHOTON_COMMIT_SECONDS, RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.ledger import Ledger
+from nocturne_coordinator.store.ownership import Ownership
+from nocturne_coordinator.store.rows import NewRender
 from nocturne_scene.photon_sums import with_photons
 from nocturne_scene.ranges import PHOTON_BUNDLE, ForwardPhotons, make_schedule
 from nocturne_scene.tile_sums import numbers_in
@@ -218,3 +224,64 @@ def test_both_kinds_go_on_together() -> None:
         else:
             # No range of a tile that begins later went before.
             assert last <= first * PHOTON_BUNDLE / planned.pixels
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Iterator[DataFolder]:
+    folder = DataFolder(tmp_path)
+    yield folder
+    folder.close()
+
+
+@pytest.fixture
+def ledger(folder: DataFolder) -> Iterator[Ledger]:
+    ownership = Ownership(folder.root, folder.database)
+    yield Ledger(folder.database, ownership)
+    ownership.release()
+
+
+def _stored(folder: DataFolder, ledger: Ledger, schedule: job_pb2.RangeSchedule) -> tuple[str, int]:
+    """A render that runs; its id and fence."""
+    new = NewRender("a", "name", SCENE, "{}", WIDTH, HEIGHT, 8, schedule)
+    render_id = folder.renders.create(new).id
+    taken = ledger.renders.take(render_id)
+    assert taken is not None
+    assert ledger.commits.start(render_id, taken.fence, 1.0)
+    return render_id, taken.fence
+
+
+def _commit(
+    ledger: Ledger, render: tuple[str, int], rows: list[TileRow], workers: dict[int, list[str]]
+) -> None:
+    commit = RenderCommit(*render, rows, Totals(), 0.0, contributors=workers, photon_bundles=1)
+    assert ledger.commits.commit([commit]) == []
+
+
+def test_what_a_commit_leaves_out_stays(
+    folder: DataFolder, ledger: Ledger, schedule: job_pb2.RangeSchedule
+) -> None:
+    render = _stored(folder, ledger, schedule)
+    _commit(ledger, render, [TileRow(0, 4, b"", own=b"own"), TileRow(2, 0, b"", photons=b"p")], {})
+    assert folder.tiles.changed(render[0], (0, -1), 9) == []
+    both = TileRow(0, 4, b"both", photons=b"photons")
+    _commit(ledger, render, [both, TileRow(PHOTONS, 1, b"")], {})
+    _commit(ledger, render, [TileRow(0, 8, b"later", own=b"more")], {})
+    expected = [
+        TileRow(PHOTONS, 1, b""),
+        TileRow(2, 0, b"", photons=b"p"),
+        TileRow(0, 8, b"later", own=b"more", photons=b"photons"),
+    ]
+    assert list(ledger.renders.tiles(render[0])) == expected
+    assert [each.tile_index for each in folder.tiles.changed(render[0], (0, -1), 9)] == [0]
+    assert folder.tiles.manifest(render[0]) == (8, 0, 0, 0, 1)
+
+
+def test_a_tile_of_a_liar_takes_all_forward_photons_with_it(
+    folder: DataFolder, ledger: Ledger, schedule: job_pb2.RangeSchedule
+) -> None:
+    render = _stored(folder, ledger, schedule)
+    rows = [TileRow(0, 4, b"x", own=b"x", photons=b"x"), TileRow(1, 4, b"x", own=b"x", photons=b"x")]
+    workers = {0: ["liar"], 1: ["honest"], PHOTONS: ["honest"]}
+    _commit(ledger, render, [*rows, TileRow(PHOTONS, 1, b"")], workers)
+    ledger.workers.distrust("liar")
+    assert folder.tiles.manifest(render[0]) == (0, 4, 0, 0, 0)

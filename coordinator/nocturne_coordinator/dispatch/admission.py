@@ -153,8 +153,11 @@ class Admission:
             except FolderTrouble as trouble:
                 yield from self._commits.report(trouble)
             else:
-                longest = max(end - first for first, end in pairwise([0, *schedule.range_ends]))
-                yield Log(INFO, f"render={render.id} has ranges of at most {longest} samples from here on")
+                longest = _longest(schedule.range_ends)
+                bundles = _longest(schedule.photon_range_ends)
+                photons = f" and {bundles} bundles of forward photons" if bundles else ""
+                line = f"render={render.id} has ranges of at most {longest} samples{photons} from here on"
+                yield Log(INFO, line)
                 yield from self._commits.drop(render.id, jobs_stay=True)
                 yield LookAgain()
 
@@ -262,6 +265,11 @@ class Admission:
         per_pixel = sums_per_pixel(len(row.schedule.further_responses))
         wanted = row.schedule.width * row.schedule.height * per_pixel
         return len(renders) < most and held + wanted <= most_sums
+
+
+def _longest(ends: Iterable[int]) -> int:
+    """Of some ranges; 0: there are none."""
+    return max((end - first for first, end in pairwise([0, *ends])), default=0)
 
 
 def forward_ranges(planned: PlannedRender) -> ForwardRanges | None:

@@ -68,7 +68,7 @@ class Film:
         if tile_index < self._render.grid.count:
             if sums:
                 state.sums.assign(self._decoded(tile_index, sums))
-            if self._forward is not None and photons:
+            if self._forward is not None and photons and self.bundles:
                 self._forward.tile(tile_index).assign(self._decoded(tile_index, photons))
         state.merged = self._render.ranges_of(tile_index).merged_at(samples) if samples else 0
         closed = state.closed

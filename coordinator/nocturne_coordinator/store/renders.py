@@ -106,7 +106,8 @@ class Renders:
     def _bytes_of(self, new: NewRender) -> int:
         """What the render takes of the disk when it is done: sums, image, scene and its files."""
         further = len(new.schedule.further_responses)
-        sums = 8 * numbers_in(new.width, new.height, further)
+        # Forward photons in ranges of their own have sums, too, and both together.
+        sums = 8 * numbers_in(new.width, new.height, further) * (3 if new.schedule.photon_range_ends else 1)
         image = 4 * new.width * new.height * (_EXR_CHANNELS + 2 * further)
         files = (self._blob_here(sha256) for sha256 in new.files)
         here = sum(file.stat().st_size for file in files if file is not None)

@@ -54,6 +54,12 @@ class WorkerRecords:
                        (SELECT tile_index FROM contribution WHERE render_id = ? AND worker_id = ?)""",
                     (row["render_id"], row["render_id"], worker_id),
                 )
+                # A tile's row has the forward photons that fell on it: without it none are whole.
+                self._database.execute(
+                    """DELETE FROM tile WHERE render_id = ?1
+                       AND tile_index = (SELECT tiles FROM render WHERE id = ?1)""",
+                    (row["render_id"],),
+                )
                 self._database.execute(
                     """DELETE FROM contribution WHERE render_id = ? AND tile_index NOT IN
                        (SELECT tile_index FROM tile WHERE render_id = ?)""",
