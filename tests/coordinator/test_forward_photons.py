@@ -170,6 +170,17 @@ def test_at_the_end_all_is_committed_at_once(schedule: job_pb2.RangeSchedule) ->
     assert len(commit.tiles) == TILES + 1
 
 
+def test_ranges_of_photons_that_take_too_long_are_cut(schedule: job_pb2.RangeSchedule) -> None:
+    schedule.photon_range_ends[:] = [1, 2, 4, 8, 16, 48]
+    render = _running(schedule)
+    render.offer(PHOTONS, replace(_photons(render.planned, 0), cpu_seconds=5.0), 0.0)
+    recut = render.recut()
+    assert recut is not None
+    # 32 bundles would take 160 s; those that take less than half a minute stay together.
+    assert list(recut.photon_range_ends) == [1, 2, 4, 8, 12, 16, *range(20, 49, 4)]
+    assert recut.range_ends == schedule.range_ends
+
+
 def test_photons_end_when_no_tile_needs_more(schedule: job_pb2.RangeSchedule) -> None:
     render = _running(schedule, StopConditions(tile_relative_error=0.5))
     for tile in range(TILES):

@@ -35,7 +35,14 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def alone(scene: Path) -> Image:
     output = scene.with_name("alone.exr")
     film = ["--width", str(WIDTH), "--height", str(HEIGHT), "--samples", str(SAMPLES)]
-    command: list[str | Path] = [Path(sys.executable).with_name("nocturne"), "render", scene, "-o", output, *film]
+    command: list[str | Path] = [
+        Path(sys.executable).with_name("nocturne"),
+        "render",
+        scene,
+        "-o",
+        output,
+        *film,
+    ]
     subprocess.run(command, check=True, capture_output=True)
     return Image.read(output)
 

@@ -26,7 +26,6 @@ from nocturne_coordinator.dispatch.records import (
     TileRow,
 )
 from nocturne_coordinator.dispatch.trust import CONFIDENCE, RangeEnd, confirmed, doubt_of, falls
-from nocturne_coordinator.limits import RANGES_AHEAD
 
 _RATE_SECONDS = 10.0
 """Over which photons per second are counted: many jobs, yet soon 0 when the workers are gone."""
@@ -186,8 +185,9 @@ class RunningRender:
             return f"{used} {stop.relative_error:.3%} was asked for."
         if not stop.tile_relative_error:
             return ""
-        full = sum(samples == last for samples in self.film.manifest())
-        met = len(self.film.tiles) - len(self.failed_tiles) - full
+        tiles = self.planned.grid.count
+        full = sum(samples == last for samples in self.film.manifest()[:tiles])
+        met = tiles - len(self.failed_tiles) - full
         have = f"{met} tiles have relative error {stop.tile_relative_error:.3%}"
         return f"{have}, {full} all {last} samples: they do not, or their error is not to be trusted."
 
@@ -260,11 +260,12 @@ class RunningRender:
         return max(samples[tiles:] if forward else samples[:tiles])
 
     def _learn_cost(
-        self, tile_index: int, range_index: int, cpu_seconds: float, ahead: int = RANGES_AHEAD + 1
+        self, tile_index: int, range_index: int, cpu_seconds: float, ahead: int | None = None
     ) -> None:
         """A range took so long: those of its tile that may be published by now do so for each sample."""
         ranges = self.planned.ranges_of(tile_index)
         took = ranges[range_index]
+        ahead = self.film.tiles[tile_index].ahead + 1 if ahead is None else ahead
         last = min(range_index + ahead, len(ranges)) - 1
         following = ranges[last]
         samples = following.end - following.first
