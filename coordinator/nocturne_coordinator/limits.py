@@ -53,6 +53,18 @@ MAX_WINDOW = 40_000
 RANGES_AHEAD = 4
 """Ranges of one tile that may be in flight or wait for an earlier one; bounds what a slow worker holds up."""
 
+MAX_PHOTON_BYTES = 2**28
+"""Of the results of one render's ranges of forward photons that wait in Redis; see photon_ranges_ahead."""
+
+_PHOTON_BYTES_PER_PIXEL = 16
+"""Measured, of a film that is lit all over: 25 bytes are packed to 12 to 15 (decision 0074)."""
+
+
+def photon_ranges_ahead(pixels: int) -> int:
+    """RANGES_AHEAD of forward photons, of which a result is as large as the film: 8 of two million pixels."""
+    return max(2, min(32, MAX_PHOTON_BYTES // (_PHOTON_BYTES_PER_PIXEL * pixels)))
+
+
 DISTINCT_WORKERS = 3
 """Workers that failed at a job before it is given up: the third says it isn't the worker's fault."""
 

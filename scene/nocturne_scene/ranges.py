@@ -1,7 +1,8 @@
 """How a render is cut into tiles and sample ranges: a fixed function of film, samples and responses. Pure."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from functools import cached_property
 from itertools import pairwise
 from typing import Self
@@ -31,10 +32,28 @@ MAX_CUT_RANGES = 2**16
 MAX_JOB = MAX_RANGE * TILE_SIZE**2
 """Photons: shortens the ranges of tiles that are larger than usual."""
 
+PHOTON_BUNDLE = 2**18
+"""Forward photons, by which ranges of them are counted; as in worker/src/tile/photon_range.h."""
+
+MAX_PHOTON_RANGE = 2**7
+"""Bundles: 34 million photons are about half a minute where a photon takes 1 us, and a result for a film of
+two million pixels is then below 1 MB for each second of tracing. Where it takes longer, ranges are cut."""
+
+
+class ForwardPhotons(Enum):
+    """How photons from luminaires take part in a film."""
+
+    NONE = "none"
+    ALONE = "alone"
+    """They bring all light; the film is one tile."""
+    BESIDE = "beside"
+    """Beside adjoint photons: in one tile with these where the film is small, else in ranges of their own."""
+
 
 @dataclass(frozen=True, slots=True)
 class SampleRange:
-    """Samples [first, end) of every pixel of a tile, the `index`-th range of its schedule."""
+    """Samples [first, end) of every pixel of a tile, or bundles of forward photons of the film; the
+    `index`-th range of its schedule."""
 
     index: int
     first: int
@@ -47,23 +66,19 @@ def make_schedule(
     samples: int,
     further_responses: Sequence[str] = (),
     *,
-    one_tile: bool = False,
+    forward_photons: ForwardPhotons = ForwardPhotons.NONE,
     photons_per_sample: int = 1,
 ) -> job_pb2.RangeSchedule:
     """The schedule of a film of width x height pixels with `samples` samples per pixel.
 
-    `further_responses` are the names of the sensor's, besides X, Y and Z. `one_tile`: the whole film is one
-    tile, as a photon from a luminaire may meet any pixel. `photons_per_sample`: photons that travel together.
-    Raises InputError with the places `$.width`,
-    `$.height`, `$.samples`, and `$.scene` for the names.
+    `further_responses` are the names of the sensor's, besides X, Y and Z. `photons_per_sample`: photons that
+    travel together. Raises InputError with the places `$.width`, `$.height`, `$.samples`, and `$.scene` for
+    the names.
     """
     problems = [*_edge_problems("$.width", width), *_edge_problems("$.height", height)]
-    per_pixel = sums_per_pixel(len(further_responses))
-    most = limits.MAX_FORWARD_PIXELS if one_tile else limits.MAX_FILM_PIXELS
-    most = most * XYZ_SUMS // per_pixel
-    if not problems and width * height > most:
-        of = " of a scene with photons from luminaires" if one_tile else ""
-        problems.append(Problem("$.width", f"the film{of} has {width * height} pixels; at most {most}"))
+    one_tile = _is_one_tile(width * height, forward_photons, len(further_responses))
+    if not problems:
+        problems.extend(_size_problems(width, height, forward_photons, len(further_responses)))
     problems.extend(Problem("$.scene", message) for message in name_problems(further_responses))
     if not 1 <= samples <= limits.MAX_SAMPLES:
         problems.append(Problem("$.samples", f"is {samples}; expected 1 to {limits.MAX_SAMPLES}"))
@@ -85,7 +100,15 @@ def make_schedule(
         further_responses=further_responses,
         photons_per_sample=photons_per_sample if photons_per_sample > 1 else 0,
     )
-    planned = TileGrid.of(schedule).count * len(schedule.range_ends)
+    if forward_photons is ForwardPhotons.BESIDE and not one_tile:
+        bundles = -(-width * height * samples // PHOTON_BUNDLE)
+        if bundles // MAX_PHOTON_RANGE > limits.MAX_FORWARD_RANGES:
+            most = limits.MAX_FORWARD_RANGES * MAX_PHOTON_RANGE * PHOTON_BUNDLE // (width * height)
+            raise InputError.at(
+                "$.samples", f"is {samples}; at most {most} of this film, with photons from luminaires"
+            )
+        schedule.photon_range_ends.extend(_range_ends(bundles, MAX_PHOTON_RANGE))
+    planned = ranges_planned(schedule)
     if planned > limits.MAX_RANGES:
         raise InputError.at(
             "$.samples", f"{samples} samples of this film are {planned} jobs; at most {limits.MAX_RANGES}"
@@ -109,39 +132,85 @@ def extended_schedule(schedule: job_pb2.RangeSchedule, samples: int) -> job_pb2.
         schedule.height,
         samples,
         list(schedule.further_responses),
-        one_tile=schedule.tile_size >= max(schedule.width, schedule.height) > TILE_SIZE,
+        forward_photons=_forward_photons_of(schedule),
         photons_per_sample=schedule.photons_per_sample,
     )
     extended = job_pb2.RangeSchedule()
     extended.CopyFrom(schedule)
-    del extended.range_ends[:]
-    extended.range_ends.extend([*before, *(end for end in fresh.range_ends if end > before[-1])])
+    extended.range_ends[:] = _continued(before, fresh.range_ends)
+    if photons := list(schedule.photon_range_ends):
+        extended.photon_range_ends[:] = _continued(photons, fresh.photon_range_ends)
     return extended
 
 
+def _continued(before: list[int], fresh: Iterable[int]) -> list[int]:
+    return [*before, *(end for end in fresh if end > before[-1])]
+
+
+def _forward_photons_of(schedule: job_pb2.RangeSchedule) -> ForwardPhotons:
+    if schedule.photon_range_ends:
+        return ForwardPhotons.BESIDE
+    one_tile = schedule.tile_size >= max(schedule.width, schedule.height) > TILE_SIZE
+    return ForwardPhotons.ALONE if one_tile else ForwardPhotons.NONE
+
+
+def entries_of(schedule: job_pb2.RangeSchedule) -> int:
+    """Of a manifest: its tiles, and one more for forward photons that have ranges of their own."""
+    return TileGrid.of(schedule).count + bool(schedule.photon_range_ends)
+
+
+def ranges_planned(schedule: job_pb2.RangeSchedule) -> int:
+    """Of all tiles, and of forward photons."""
+    return TileGrid.of(schedule).count * len(schedule.range_ends) + len(schedule.photon_range_ends)
+
+
 def recut_schedule(
-    schedule: job_pb2.RangeSchedule, completed: int, longest: int
+    schedule: job_pb2.RangeSchedule, completed: int, longest: int, *, forward_photons: bool = False
 ) -> job_pb2.RangeSchedule | None:
     """The same samples in ranges of at most `longest`, but for ranges that begin before sample `completed`:
-    some tile has those, and all tiles are to be cut alike.
+    some tile has those, and all tiles are to be cut alike. `forward_photons`: ranges of these, in bundles.
 
     None where there is nothing to cut, or where there would be more ranges than MAX_CUT_RANGES.
     """
-    most = min(MAX_CUT_RANGES, limits.MAX_RANGES // TileGrid.of(schedule).count)
+    tiles = 1 if forward_photons else TileGrid.of(schedule).count
+    before = schedule.photon_range_ends if forward_photons else schedule.range_ends
+    most = min(MAX_CUT_RANGES, limits.MAX_RANGES // tiles)
     longest = max(longest, FIRST_RANGE)
     ends: list[int] = []
-    for first, end in pairwise([0, *schedule.range_ends]):
+    for first, end in pairwise([0, *before]):
         if first >= completed and end - first > longest:
             if len(ends) + (end - first) // longest > most:
                 return None
             ends.extend(range(first + longest, end, longest))
         ends.append(end)
-    if len(ends) == len(schedule.range_ends) or len(ends) > most:
+    if len(ends) == len(before) or len(ends) > most:
         return None
     recut = job_pb2.RangeSchedule()
     recut.CopyFrom(schedule)
-    recut.range_ends[:] = ends
+    (recut.photon_range_ends if forward_photons else recut.range_ends)[:] = ends
     return recut
+
+
+def _is_one_tile(pixels: int, forward_photons: ForwardPhotons, further: int) -> bool:
+    """Whether forward photons and all else are jobs of the whole film, as the result of one is small."""
+    small = pixels <= limits.MAX_FORWARD_PIXELS * XYZ_SUMS // sums_per_pixel(further)
+    return forward_photons is ForwardPhotons.ALONE or (forward_photons is ForwardPhotons.BESIDE and small)
+
+
+def _size_problems(
+    width: int, height: int, forward_photons: ForwardPhotons, further: int
+) -> Iterator[Problem]:
+    most, of = {
+        ForwardPhotons.NONE: (limits.MAX_FILM_PIXELS, ""),
+        ForwardPhotons.ALONE: (limits.MAX_FORWARD_PIXELS, " of a scene with photons from luminaires alone"),
+        ForwardPhotons.BESIDE: (limits.MAX_BOTH_PIXELS, " of a scene with photons from luminaires"),
+    }[forward_photons]
+    most = most * XYZ_SUMS // sums_per_pixel(further)
+    if width * height > most:
+        yield Problem("$.width", f"the film{of} has {width * height} pixels; at most {most}")
+    edge = limits.MAX_BOTH_EDGE
+    if forward_photons is ForwardPhotons.BESIDE and max(width, height) > edge:
+        yield Problem("$.width", f"the film{of} is {max(width, height)} pixels wide or high; at most {edge}")
 
 
 def _edge_problems(place: str, edge: int) -> list[Problem]:
@@ -203,10 +272,10 @@ class TileGrid:
 
 
 class RangeList:
-    """The sample ranges of a schedule, found by index or by their first sample."""
+    """Ranges of a schedule, found by index or by their first sample."""
 
-    def __init__(self, schedule: job_pb2.RangeSchedule) -> None:
-        self._ends = list(schedule.range_ends)
+    def __init__(self, ends: Iterable[int]) -> None:
+        self._ends = list(ends)
         self._index_by_first = {first: index for index, first in enumerate([0, *self._ends[:-1]])}
 
     def __len__(self) -> int:

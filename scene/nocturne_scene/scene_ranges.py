@@ -4,7 +4,13 @@ from nocturne.v1 import job_pb2, scene_pb2
 
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.quantities import quantity_of
-from nocturne_scene.ranges import make_schedule
+from nocturne_scene.ranges import ForwardPhotons, make_schedule
+
+_FORWARD_PHOTONS = {
+    scene_pb2.DIRECTION_ADJOINT: ForwardPhotons.NONE,
+    scene_pb2.DIRECTION_FORWARD: ForwardPhotons.ALONE,
+    scene_pb2.DIRECTION_BOTH: ForwardPhotons.BESIDE,
+}
 
 
 def schedule_for_scene(
@@ -24,7 +30,7 @@ def schedule_of(
         height,
         samples,
         [response.name for response in scene.sensor.further_responses],
-        one_tile=scene.tracing.direction != scene_pb2.DIRECTION_ADJOINT,
+        forward_photons=_FORWARD_PHOTONS[scene.tracing.direction],
         photons_per_sample=scene.tracing.group,
     )
     schedule.quantity = quantity_of(scene.sensor).name

@@ -74,6 +74,10 @@ class TileSums:
             np.add(own, added, out=own)
         return self
 
+    def unpacked(self) -> Self:
+        """These sums: some others wait packed."""
+        return self
+
     def assign(self, other: "TileSums") -> None:
         """In place."""
         for own, assigned in zip(self._parts, other._parts, strict=True):

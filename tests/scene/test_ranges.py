@@ -1,7 +1,9 @@
 """The schedule covers every sample of every pixel once."""
 
+import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,9 +15,14 @@ from nocturne_scene.errors import InputError
 from nocturne_scene.ranges import (
     FIRST_RANGE,
     MAX_JOB,
+    MAX_PHOTON_RANGE,
     MAX_RANGE,
+    PHOTON_BUNDLE,
+    TILE_SIZE,
+    ForwardPhotons,
     RangeList,
     TileGrid,
+    extended_schedule,
     make_schedule,
 )
 from nocturne_scene.scene_ranges import schedule_for_scene
@@ -29,7 +36,7 @@ def test_ranges_double_then_stay() -> None:
 
 @given(samples=st.integers(1, 100_000))
 def test_ranges_cover_all_samples_once(samples: int) -> None:
-    ranges = RangeList(make_schedule(1, 1, samples))
+    ranges = RangeList(make_schedule(1, 1, samples).range_ends)
     following = 0
     for index in range(len(ranges)):
         planned = ranges[index]
@@ -137,16 +144,52 @@ def test_the_plan_is_spelled_as_ever() -> None:
 def test_a_scene_with_photons_from_luminaires_has_one_tile_and_jobs_as_long_as_any(
     width: int, height: int, samples: int
 ) -> None:
-    schedule = make_schedule(width, height, samples, one_tile=True)
+    schedule = make_schedule(width, height, samples, forward_photons=ForwardPhotons.ALONE)
     grid = TileGrid.of(schedule)
     assert grid.count == 1
     assert (grid.tile(0).width, grid.tile(0).height) == (width, height)
-    ranges = RangeList(schedule)
+    ranges = RangeList(schedule.range_ends)
     for index in range(len(ranges)):
         length = ranges[index].end - ranges[index].first
         assert length <= MAX_RANGE
         assert length <= FIRST_RANGE or length * width * height <= MAX_JOB
     assert schedule.range_ends[-1] == samples
+
+
+@given(width=st.integers(600, 4096), height=st.integers(600, 4096), samples=st.integers(1, 500))
+def test_a_large_film_of_both_directions_has_tiles_and_ranges_of_photons(
+    width: int, height: int, samples: int
+) -> None:
+    schedule = make_schedule(width, height, samples, forward_photons=ForwardPhotons.BESIDE)
+    assert schedule.tile_size == TILE_SIZE
+    assert schedule.range_ends == make_schedule(width, height, samples).range_ends
+    lengths = np.diff([0, *schedule.photon_range_ends])
+    assert 0 < lengths.min() <= lengths.max() <= MAX_PHOTON_RANGE
+    photons = PHOTON_BUNDLE * schedule.photon_range_ends[-1]
+    assert 0 <= photons - width * height * samples < PHOTON_BUNDLE
+    text = json.loads(schedule_json(schedule))
+    assert text["photonRangeEnds"] == list(schedule.photon_range_ends)
+
+
+def test_both_directions_have_one_tile_where_the_film_is_small() -> None:
+    both = make_schedule(512, 512, 64, forward_photons=ForwardPhotons.BESIDE)
+    assert both == make_schedule(512, 512, 64, forward_photons=ForwardPhotons.ALONE)
+    assert not both.photon_range_ends
+
+
+@pytest.mark.parametrize("film", [(16384, 64), (4097, 1000)])
+def test_both_directions_have_films_of_which_a_thread_can_hold_the_sums(film: tuple[int, int]) -> None:
+    with pytest.raises(InputError, match="at most 4096"):
+        make_schedule(*film, 4, forward_photons=ForwardPhotons.BESIDE)
+
+
+def test_more_samples_continue_the_ranges_of_photons() -> None:
+    few = make_schedule(1920, 1080, 8, forward_photons=ForwardPhotons.BESIDE)
+    more = extended_schedule(few, 64)
+    before = list(few.photon_range_ends)
+    assert list(more.photon_range_ends)[: len(before)] == before
+    fresh = make_schedule(1920, 1080, 64, forward_photons=ForwardPhotons.BESIDE)
+    assert more.photon_range_ends[-1] == fresh.photon_range_ends[-1]
 
 
 @pytest.mark.parametrize(
@@ -155,5 +198,5 @@ def test_a_scene_with_photons_from_luminaires_has_one_tile_and_jobs_as_long_as_a
 )
 def test_a_film_that_is_too_large_for_one_tile_is_refused(film: tuple[int, int, int], place: str) -> None:
     with pytest.raises(InputError) as caught:
-        make_schedule(*film, one_tile=True)
+        make_schedule(*film, forward_photons=ForwardPhotons.ALONE)
     assert [problem.place for problem in caught.value.problems] == [place]

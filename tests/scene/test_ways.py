@@ -112,8 +112,17 @@ def test_photons_start_at_luminaires_only_where_they_can(
     grouped = {**document, "groups": {"lamps": [lamp]}, "instances": [{"group": "lamps"}]}
     compiled(grouped, blobs, LARGE)
     # Nor on films that are too large for them.
-    compiled(document, blobs, Film(2048, 1024, 64))
+    compiled(document, blobs, Film(8192, 4096, 64))
     assert [chosen for chosen, _ in trace.asked] == [["sharing"], ["sharing"]]
+
+
+def test_photons_may_start_at_luminaires_for_a_large_film(
+    document: dict[str, Any], blobs: BlobStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trace = Asked(monkeypatch, forward=True)
+    _, tracing = compiled(document, blobs, Film(1920, 1080, 64))
+    assert [chosen for chosen, _ in trace.asked] == [["direction", "sharing"]]
+    assert tracing.direction == scene_pb2.DIRECTION_BOTH
 
 
 def test_a_meter_may_be_met_by_photons_and_they_are_aimed(

@@ -12,7 +12,8 @@
 #include "assets/errors.h"
 #include "digest/sha256.h"
 #include "log/log.h"
-#include "tracer/trace_tile.h"
+#include "tile/photon_range.h"
+#include "trace_job.h"
 #include "worker_loop/worker_options.h"
 
 namespace nocturne {
@@ -26,27 +27,24 @@ double thread_cpu_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-v1::Partial to_partial(const TileSums& tile, double cpu_seconds) {
-  v1::Partial partial;
-  for (const auto* values : tile.numbers()) {
-    partial.mutable_sums()->append(reinterpret_cast<const char*>(values->data()),
-                                   values->size() * sizeof(double));
+std::string sums_to_send(const v1::Job& job, const TileSums& sums) {
+  if (job.photons_by_tiles_of() > 0) return encode_photon_sums(sums);
+  std::string bytes;
+  for (const auto* values : sums.numbers()) {
+    bytes.append(reinterpret_cast<const char*>(values->data()), values->size() * sizeof(double));
   }
+  return bytes;
+}
+
+v1::Partial to_partial(const v1::Job& job, const TileSums& tile, double cpu_seconds) {
+  v1::Partial partial;
+  partial.set_sums(sums_to_send(job, tile));
   partial.set_photons(tile.photons);
   partial.set_rays(tile.rays);
   partial.set_invalid_samples(tile.invalid_samples);
   partial.set_truncated_paths(tile.truncated_paths);
   partial.set_cpu_seconds(cpu_seconds);
   return partial;
-}
-
-TileRange to_range(const v1::Job& job) {
-  return {.x = job.tile().x(),
-          .y = job.tile().y(),
-          .width = job.tile().width(),
-          .height = job.tile().height(),
-          .first_sample = job.first_sample(),
-          .end_sample = job.end_sample()};
 }
 
 /// Those of which something is read while photons are traced.
@@ -105,9 +103,8 @@ v1::Partial JobTracer::trace(const v1::Job& job, RunningJob& running) {
   }
   running.begin_tracing();
   const double start = thread_cpu_seconds();
-  const TileSums tile = trace_tile(*scene, Film{job.film_width(), job.film_height()}, to_range(job),
-                                   Method::kAdjointPhotons, kBatchGroups, running.stop_token());
-  return to_partial(tile, thread_cpu_seconds() - start);
+  const TileSums sums = trace_job(*scene, job, running.stop_token());
+  return to_partial(job, sums, thread_cpu_seconds() - start);
 }
 
 }  // namespace nocturne

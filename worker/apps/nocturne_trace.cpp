@@ -22,6 +22,7 @@
 #include "rounding/floating_point_profile.h"
 #include "scene/load_scene.h"
 #include "textures/texture.h"
+#include "trace_job.h"
 #include "tracer/path_limits.h"
 #include "tracer/pilot.h"
 #include "tracer/trace_film.h"
@@ -59,15 +60,17 @@ FilmPlan checked_schedule(const v1::RangeSchedule& schedule) {
               schedule.width() <= 16384 && schedule.height() > 0 && schedule.height() <= 16384 &&
               pixels <= (1u << 26) && schedule.tile_size() > 0 && schedule.tile_size() <= 16384 &&
               schedule.range_ends_size() > 0;
-  std::uint32_t last = 0;
-  for (const std::uint32_t end : schedule.range_ends()) {
-    good = good && end > last;
-    last = end;
-  }
+  const auto increasing = [](const auto& ends) {
+    return std::ranges::adjacent_find(ends, std::greater_equal()) == ends.end() &&
+           (ends.empty() || ends[0] > 0);
+  };
+  good = good && increasing(schedule.range_ends()) && increasing(schedule.photon_range_ends());
   if (!good) throw std::runtime_error("the schedule's film, tiles or sample ranges make no sense");
   return {{schedule.width(), schedule.height()},
           schedule.tile_size(),
-          {schedule.range_ends().data(), static_cast<std::size_t>(schedule.range_ends_size())}};
+          {schedule.range_ends().data(), static_cast<std::size_t>(schedule.range_ends_size())},
+          {schedule.photon_range_ends().data(),
+           static_cast<std::size_t>(schedule.photon_range_ends_size())}};
 }
 
 // The schedule's names, which must be those of the scene's sensor.
@@ -85,10 +88,12 @@ std::vector<std::string> checked_responses(const v1::RangeSchedule& schedule,
 
 // Names need no escapes: they are letters, digits, '.', '_' and '-'.
 std::string schedule_json(const v1::RangeSchedule& schedule) {
-  std::string ends, responses;
-  for (const std::uint32_t end : schedule.range_ends()) {
-    ends += (ends.empty() ? "" : ",") + std::to_string(end);
-  }
+  const auto joined = [](const auto& ends) {
+    std::string text;
+    for (const std::uint32_t end : ends) text += (text.empty() ? "" : ",") + std::to_string(end);
+    return "[" + text + "]";
+  };
+  std::string responses;
   for (const std::string& name : schedule.further_responses()) {
     responses += (responses.empty() ? "\"" : ",\"") + name + "\"";
   }
@@ -96,10 +101,13 @@ std::string schedule_json(const v1::RangeSchedule& schedule) {
   if (schedule.photons_per_sample() != 0) {
     responses += ",\"photonsPerSample\":" + std::to_string(schedule.photons_per_sample());
   }
+  if (schedule.photon_range_ends_size() != 0) {
+    responses += ",\"photonRangeEnds\":" + joined(schedule.photon_range_ends());
+  }
   return "{\"width\":" + std::to_string(schedule.width()) +
          ",\"height\":" + std::to_string(schedule.height()) +
-         ",\"tileSize\":" + std::to_string(schedule.tile_size()) + ",\"rangeEnds\":[" + ends + "]" +
-         responses + "}";
+         ",\"tileSize\":" + std::to_string(schedule.tile_size()) +
+         ",\"rangeEnds\":" + joined(schedule.range_ends()) + responses + "}";
 }
 
 FindBlob blobs_in(const std::string& folder) {
@@ -185,14 +193,7 @@ void run_job(const Options& options) {
   check_job(job);
   const auto scene =
       load_scene(read_message<v1::CompiledScene>(options.scene), blobs_in(options.blobs));
-  const TileSums tile = trace_tile(*scene, Film{job.film_width(), job.film_height()},
-                                   {.x = job.tile().x(),
-                                    .y = job.tile().y(),
-                                    .width = job.tile().width(),
-                                    .height = job.tile().height(),
-                                    .first_sample = job.first_sample(),
-                                    .end_sample = job.end_sample()});
-  write_sums(options.output, tile);
+  write_sums(options.output, trace_job(*scene, job));
 }
 
 // An image, its statistics, and its warnings; `scene_sha256` goes into the image.

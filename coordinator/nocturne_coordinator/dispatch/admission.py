@@ -1,10 +1,12 @@
 """Renders that come and go, as the data folder says. Pure."""
 
+from bisect import bisect_right
 from collections import Counter, deque
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
 
 from nocturne.v1 import job_pb2
+from nocturne_scene.ranges import PHOTON_BUNDLE, ranges_planned
 from nocturne_scene.tile_sums import sums_per_pixel
 
 from nocturne_coordinator import limits
@@ -27,11 +29,14 @@ from nocturne_coordinator.dispatch.instructions import (
     TakeUpStreams,
     TellWorkers,
 )
+from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.profiles import should_start_anew, usual_profiles
+from nocturne_coordinator.dispatch.range_queue import ForwardRanges
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.state import State
 from nocturne_coordinator.errors import FolderTrouble, LeaseLost
+from nocturne_coordinator.limits import photon_ranges_ahead
 
 _ODD_SECONDS = 10.0
 """How long most workers must round otherwise than a render's before it is started anew: a worker's status
@@ -68,6 +73,8 @@ class Admission:
             if render.id not in rows or not rows[render.id].asks_the_same(render.row)
         ]
         # What is merged of them is kept, unless they were cancelled.
+        for render_id in changed:
+            state.renders[render_id].commit_photons_next()
         if changed and not (yield from self._commits.commit(at)):
             return False
         # A commit may have found one of them lost.
@@ -146,8 +153,11 @@ class Admission:
             except FolderTrouble as trouble:
                 yield from self._commits.report(trouble)
             else:
-                longest = max(end - first for first, end in pairwise([0, *schedule.range_ends]))
-                yield Log(INFO, f"render={render.id} has ranges of at most {longest} samples from here on")
+                longest = _longest(schedule.range_ends)
+                bundles = _longest(schedule.photon_range_ends)
+                photons = f" and {bundles} bundles of forward photons" if bundles else ""
+                line = f"render={render.id} has ranges of at most {longest} samples{photons} from here on"
+                yield Log(INFO, line)
                 yield from self._commits.drop(render.id, jobs_stay=True)
                 yield LookAgain()
 
@@ -224,19 +234,23 @@ class Admission:
             priority=row.priority,
             owner_weight=row.owner_weight,
             cost=render.cost,
+            forward=forward_ranges(render.planned),
         )
         if row.fence > 1:
             # Its results are read again, those too that were to be deleted when it was let go.
             self._state.settled.pop(row.id, None)
             yield TakeUpStreams(row.id)
         self._look_first(row)
-        done, planned = render.totals.ranges, len(render.planned.ranges) * render.planned.grid.count
+        done, planned = render.totals.ranges, ranges_planned(row.schedule)
         how = "resumed" if done else "started"
         yield Log(INFO, f"render={row.id} {how}; {done} of {planned} ranges are merged")
 
     def _look_first(self, row: OpenRender) -> None:
-        grid = self._state.renders[row.id].planned.grid
-        tiles: frozenset[int] = row.look_first.tiles(grid) if row.look_first else frozenset()
+        planned = self._state.renders[row.id].planned
+        tiles: frozenset[int] = row.look_first.tiles(planned.grid) if row.look_first else frozenset()
+        if tiles:
+            # Forward photons fall on any.
+            tiles |= {planned.photon_index}
         self._state.scheduler.set_first(row.id, tiles)
 
     def _has_room(self, row: OpenRender, newcomer: bool) -> bool:
@@ -247,10 +261,25 @@ class Admission:
         most, most_sums = limits.MAX_RUNNING, limits.MAX_RUNNING_SUMS
         if newcomer:
             most, most_sums = most + limits.MAX_NEWCOMERS, 2 * most_sums
-        held = sum(render.film.sums.size for render in renders.values())
+        held = sum(render.film.numbers_held for render in renders.values())
         per_pixel = sums_per_pixel(len(row.schedule.further_responses))
         wanted = row.schedule.width * row.schedule.height * per_pixel
         return len(renders) < most and held + wanted <= most_sums
+
+
+def _longest(ends: Iterable[int]) -> int:
+    """Of some ranges; 0: there are none."""
+    return max((end - first for first, end in pairwise([0, *ends])), default=0)
+
+
+def forward_ranges(planned: PlannedRender) -> ForwardRanges | None:
+    """How ranges of forward photons go along with those of tiles."""
+    if planned.photon_ranges is None:
+        return None
+    firsts = [0, *planned.schedule.photon_range_ends[:-1]]
+    ends = planned.schedule.range_ends
+    turns = [bisect_right(ends, first * PHOTON_BUNDLE / planned.pixels) for first in firsts]
+    return ForwardRanges(planned.photon_index, turns, photon_ranges_ahead(planned.pixels))
 
 
 def _is_lost(render: RunningRender, rows: Mapping[str, OpenRender]) -> bool:

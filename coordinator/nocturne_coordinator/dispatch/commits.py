@@ -74,12 +74,13 @@ class Commits:
         if changed or fences:
             done: CommitDone = yield Commit(tuple(changes for _, changes in changed), fences)
             for render, _ in changed:
-                render.committed()
+                if entries := render.committed():
+                    state.settled.setdefault(render.id, []).extend(entries)
             for render_id in done.lost:
                 yield from self.lose(render_id)
             at = done.at
-        if entries := [entry for each in state.settled.values() for entry in each]:
-            yield Acknowledge(tuple(entries))
+        if settled := [entry for each in state.settled.values() for entry in each]:
+            yield Acknowledge(tuple(settled))
         state.settled.clear()
         yield from self._show(at)
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from nocturne_scene.photon_sums import PackedPhotons
 from nocturne_scene.tile_sums import TileSums
 
 from nocturne_coordinator.limits import RANGES_AHEAD
@@ -28,7 +29,7 @@ class RangeSums:
 
     index: int
     """Of the range in its schedule."""
-    sums: TileSums
+    sums: TileSums | PackedPhotons
     photons: int
     rays: int
     invalid_samples: int
@@ -77,18 +78,20 @@ class TileState:
     waiting: dict[int, RangeSums] = field(default_factory=dict)
     closed: bool = False
     """Gets no more samples."""
+    ahead: int = RANGES_AHEAD
+    """Ranges that may be in flight or wait."""
 
     def offer(self, offered: RangeSums, enough: Callable[["TileState"], bool] = never) -> Offered:
         """Takes a range. `enough` is asked at the end of each merged range: whether that was the tile's
         last."""
         if self.closed or offered.index < self.merged or offered.index in self.waiting:
             return Offered(MergeResult.DUPLICATE, [], [])
-        if offered.index >= self.merged + RANGES_AHEAD:
+        if offered.index >= self.merged + self.ahead:
             return Offered(MergeResult.TOO_EARLY, [], [])
         self.waiting[offered.index] = offered
         released = []
         while not self.closed and (following := self.waiting.pop(self.merged, None)) is not None:
-            self.sums += following.sums
+            self.sums += following.sums.unpacked()
             self.merged += 1
             released.append(following)
             self.closed = enough(self)

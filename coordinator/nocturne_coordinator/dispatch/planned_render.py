@@ -6,11 +6,13 @@ from functools import cache, cached_property
 import numpy as np
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
-from nocturne_scene.ranges import RangeList, SampleRange, TileGrid
+from nocturne_scene.photon_sums import PackedPhotons
+from nocturne_scene.ranges import PHOTON_BUNDLE, RangeList, SampleRange, TileGrid, entries_of
 from nocturne_scene.tile_sums import (
     BLOCK,
     PAIR_FIRST,
     PAIR_SECOND,
+    PIXEL_SQUARES,
     PRODUCTS,
     PRODUCTS_SQUARES,
     XYZ_SUMS,
@@ -25,6 +27,8 @@ from nocturne_coordinator.limits import MAX_RAYS_PER_PHOTON
 
 _BEYOND_PHYSICS = 1e150
 """No sum in cd/m2 comes near; squares of what is below are finite."""
+_PHOTON_SLACK = 0.01
+"""Squares of photons lose up to 1/256 to rounding."""
 
 
 class RefusedResult(Exception):
@@ -47,7 +51,41 @@ class PlannedRender:
 
     @cached_property
     def ranges(self) -> RangeList:
-        return RangeList(self.schedule)
+        return RangeList(self.schedule.range_ends)
+
+    @cached_property
+    def photon_ranges(self) -> RangeList | None:
+        """Of forward photons, where they have ranges of their own: those of a tile after the last."""
+        ends = self.schedule.photon_range_ends
+        return RangeList(ends) if ends else None
+
+    @property
+    def photon_index(self) -> int:
+        """Index of the tile that stands for forward photons of the whole film."""
+        return self.grid.count
+
+    def ranges_of(self, tile_index: int) -> RangeList:
+        """Of a tile, or of forward photons."""
+        if self.photon_ranges is not None and tile_index == self.photon_index:
+            return self.photon_ranges
+        return self.ranges
+
+    @property
+    def tiles(self) -> int:
+        """Of the film, and one more for forward photons that have ranges of their own."""
+        return entries_of(self.schedule)
+
+    @property
+    def pixels(self) -> int:
+        return self.schedule.width * self.schedule.height
+
+    def photons_in(self, tile_index: int, planned: SampleRange) -> int:
+        """That a range takes."""
+        size = PHOTON_BUNDLE
+        if tile_index < self.grid.count:
+            tile = self.grid.tile(tile_index)
+            size = tile.width * tile.height
+        return (planned.end - planned.first) * size * self.photons_per_sample
 
     @property
     def photons_per_sample(self) -> int:
@@ -59,10 +97,13 @@ class PlannedRender:
         return len(self.schedule.further_responses)
 
     def job(self, tile_index: int, planned: SampleRange) -> job_pb2.Job:
+        forward = tile_index >= self.grid.count
+        film = job_pb2.Tile(width=self.schedule.width, height=self.schedule.height)
         return job_pb2.Job(
             render_id=self.id,
             tile_index=tile_index,
-            tile=self.grid.tile(tile_index),
+            tile=film if forward else self.grid.tile(tile_index),
+            photons_by_tiles_of=self.schedule.tile_size if forward else 0,
             first_sample=planned.first,
             end_sample=planned.end,
             scene=self.scene,
@@ -77,17 +118,34 @@ class PlannedRender:
         But for the floating-point profile, of which the first jobs of a render have none (results tell their
         own), and the bound on processor time, which follows what was learned of the render.
         """
-        planned = self.ranges.find(job.first_sample, job.end_sample)
+        if job.tile_index >= self.tiles:
+            raise RefusedResult(f"tile {job.tile_index} of {self.tiles}")
+        planned = self.ranges_of(job.tile_index).find(job.first_sample, job.end_sample)
         if planned is None:
             raise RefusedResult(f"samples [{job.first_sample}, {job.end_sample}) are not a planned range")
-        if job.tile_index >= self.grid.count:
-            raise RefusedResult(f"tile {job.tile_index} of {self.grid.count}")
         asked = self.job(job.tile_index, planned)
         asked.floating_point_profile = job.floating_point_profile
         asked.max_cpu_seconds = job.max_cpu_seconds
         if job != asked:
             raise RefusedResult("tile, scene, film or engine differ from the schedule")
         return planned
+
+    def check_partial(self, partial: job_pb2.Partial, job: job_pb2.Job) -> TileSums | PackedPhotons:
+        """The sums of a partial result of a job that was found; RefusedResult if they can't be."""
+        if job.photons_by_tiles_of:
+            return self._check_photons(partial, job)
+        return check_partial(partial, job, self.further, self.photons_per_sample)
+
+    def _check_photons(self, partial: job_pb2.Partial, job: job_pb2.Job) -> PackedPhotons:
+        photons = (job.end_sample - job.first_sample) * PHOTON_BUNDLE
+        _check_counts(partial, photons * self.photons_per_sample)
+        schedule = self.schedule
+        sums = PackedPhotons(partial.sums, schedule.width, schedule.height, self.further, self.grid.count)
+        try:
+            check_photon_sums(sums.unpacked(), photons)
+        except ValueError as error:
+            raise RefusedResult(str(error)) from None
+        return sums
 
 
 def render_of(data: bytes) -> str:
@@ -144,6 +202,20 @@ def check_sums(sums: TileSums, samples: int) -> None:
     _check_products(together[:3], apart[:3] * many)
 
 
+def check_photon_sums(sums: TileSums, photons: int) -> None:
+    """RefusedResult if no photons bring such sums of a film; squares are known to eight bits."""
+    pixels = sums.pixels
+    for numbers in (pixels, sums.block_products, sums.tile_products):
+        if not (numbers.min() >= 0.0 and numbers.max() < _BEYOND_PHYSICS):
+            raise RefusedResult("sums that are negative, not finite or beyond all physics")
+    further = (pixels.shape[-1] - XYZ_SUMS) // 2
+    values = [0, 1, 2, *range(XYZ_SUMS, XYZ_SUMS + further)]
+    squares = [*PIXEL_SQUARES, *range(XYZ_SUMS + further, XYZ_SUMS + 2 * further)]
+    for value, square in zip(values, squares, strict=True):
+        one = pixels[..., value]
+        _check_products(one * one, pixels[..., square], photons, slack=_PHOTON_SLACK)
+
+
 @cache
 def _blocks_of(edge: int) -> Sums:
     """A row for each block along an edge, with 1 for each of its pixels."""
@@ -164,9 +236,9 @@ def _check_counts(partial: job_pb2.Partial, photons: int) -> None:
         raise RefusedResult(f"{partial.cpu_seconds} processor seconds")
 
 
-def _check_products(products: Sums, bound: Sums, times: int = 1) -> None:
+def _check_products(products: Sums, bound: Sums, times: int = 1, slack: float = 1e-9) -> None:
     """No n numbers have a sum whose square is above n times the sum of their squares, and no pairs a sum of
-    products above the root of both sums of squares (Cauchy-Schwarz). `times`: n."""
+    products above the root of both sums of squares (Cauchy-Schwarz). `times`: n; `slack`: a part."""
     # The slack is for rounding, and for squares that are too small for a float64.
-    if not (products <= bound * (times * (1 + 1e-9)) + 1e-150).all():
+    if not (products <= bound * (times * (1 + slack)) + 1e-150).all():
         raise RefusedResult("sums of values and of their squares or products that no samples have")

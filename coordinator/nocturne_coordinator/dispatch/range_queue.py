@@ -4,6 +4,8 @@ from collections.abc import Callable, Set
 from dataclasses import dataclass, field
 from heapq import heappush
 
+from nocturne_coordinator.limits import RANGES_AHEAD
+
 
 @dataclass(slots=True)
 class FairShare:
@@ -11,6 +13,17 @@ class FairShare:
 
     weight: float
     virtual_time: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class ForwardRanges:
+    """Ranges of forward photons, which are those of a tile after the last."""
+
+    tile: int
+    turns: list[int]
+    """Of each, the range of tiles whose samples begin as late: both kinds go on together."""
+    ahead: int
+    """How many may be in flight or wait."""
 
 
 @dataclass(slots=True)
@@ -24,12 +37,14 @@ class RangeQueue:
     """Per tile, the range to publish next; those below it were published once."""
     horizon: list[int]
     """Per tile, the ranges that it is expected to need."""
-    ready: list[tuple[bool, int, int]]
-    """Heap of (may wait, range to publish next, tile): earlier ranges first, so the whole frame is first."""
+    ready: list[tuple[bool, int, bool, int, int]]
+    """Heap of (may wait, turn, is a tile, range to publish next, tile): earlier ranges first, so the whole
+    frame is first. Of forward photons before those of tiles, as they take longest."""
     owner: str
     share: FairShare
-    cost: Callable[[int], float]
-    """Of a range by its index, in any unit that all renders have in common."""
+    cost: Callable[[int, int], float]
+    """Of a tile's range, by the indices of both, in any unit that all renders have in common."""
+    forward: ForwardRanges | None = None
     again: list[tuple[int, int]] = field(default_factory=list)
     """Heap of (range, tile) to publish once more."""
     held: set[tuple[int, int]] = field(default_factory=set)
@@ -42,14 +57,27 @@ class RangeQueue:
     def make_ready(self, range_index: int, tile: int) -> None:
         """Every tile's first range goes before all others: there is always a whole frame."""
         may_wait = bool(self.first) and range_index > 0 and tile not in self.first
-        heappush(self.ready, (may_wait, range_index, tile))
+        forward = self.forward if self._is_forward(tile) else None
+        turn = forward.turns[range_index] if forward else range_index
+        heappush(self.ready, (may_wait, turn, forward is None, range_index, tile))
+
+    def ranges_of(self, tile: int) -> int:
+        """How many a tile has, or forward photons."""
+        return len(self.forward.turns) if self.forward and self._is_forward(tile) else self.ranges
+
+    def ahead_of(self, tile: int) -> int:
+        """How many of them may be in flight or wait."""
+        return self.forward.ahead if self.forward and self._is_forward(tile) else RANGES_AHEAD
+
+    def _is_forward(self, tile: int) -> bool:
+        return self.forward is not None and tile == self.forward.tile
 
     def nowhere(self, tile: int, elsewhere: Set[int]) -> list[int]:
         """Open ranges of a tile that would never be published: neither `elsewhere` nor to come here."""
         # From here on each comes by itself; what lies before must be somewhere.
-        comes = min((index for _, index, of in self.ready if of == tile), default=self.ranges)
+        comes = min((index for *_, index, of in self.ready if of == tile), default=self.ranges_of(tile))
         if tile in self.blocked:
             comes = min(comes, self.following[tile])
         somewhere = elsewhere | {index for index, of in self.again if of == tile}
-        open_ranges = range(self.completed[tile], min(comes, self.ranges))
+        open_ranges = range(self.completed[tile], min(comes, self.ranges_of(tile)))
         return [index for index in open_ranges if index not in somewhere]

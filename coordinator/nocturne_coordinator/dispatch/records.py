@@ -146,6 +146,11 @@ class TileRow:
     """Photons left out of them."""
     error_before: float = 0.0
     """See Film.error_before."""
+    own: bytes = b""
+    """Where forward photons have ranges of their own, `sums` are those of both together, and these those of
+    the tile's own samples; empty: as they were committed before."""
+    photons: bytes = b""
+    """And these those of forward photons that fell on it, likewise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,6 +167,8 @@ class RenderCommit:
     forecast: Forecast = UNKNOWN
     contributors: Mapping[int, Iterable[str]] = field(default_factory=dict)
     """By tile, the workers whose work is new in its sums."""
+    photon_bundles: int = 0
+    """Forward photons in ranges of their own, which are among all photons, but no samples of pixels."""
     failed_tiles: Iterable[FailedTile] = ()
     """All of the render's."""
     floating_point_profile: str = ""

@@ -8,7 +8,7 @@ from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.failure_policy import PoisonedJob
 from nocturne_coordinator.dispatch.instructions import DEBUG, ERROR, WARNING, Log
 from nocturne_coordinator.dispatch.merge import MergeResult, RangeSums
-from nocturne_coordinator.dispatch.planned_render import RefusedResult, check_partial
+from nocturne_coordinator.dispatch.planned_render import RefusedResult
 from nocturne_coordinator.dispatch.profiles import profile_of, refusal_of
 from nocturne_coordinator.dispatch.records import FailedTile
 from nocturne_coordinator.dispatch.running_render import RunningRender
@@ -129,9 +129,9 @@ class ResultHandler:
             else:
                 self._fail(render, key, worker, result.failure[:MAX_REASON], outcome)
             return
-        partial, whole = result.partial, render.planned
+        partial = result.partial
         try:
-            sums = check_partial(partial, result.job, whole.further, whole.photons_per_sample)
+            sums = render.planned.check_partial(partial, result.job)
         except RefusedResult as refusal:
             self._refuse_of(render, entry, f"worker={worker}: {refusal}", outcome)
             self._fail(render, key, worker, f"worker {worker} sent {refusal}", outcome)
@@ -155,9 +155,9 @@ class ResultHandler:
     ) -> None:
         """A worker stopped a job beyond its processor time: shorter ones take its place, if they can."""
         # By our own figures: what the worker says it took might be anything.
-        cpu_seconds = render.max_cpu_seconds(render.planned.ranges[key.range_index])
+        cpu_seconds = render.max_cpu_seconds(render.planned.ranges_of(key.tile_index)[key.range_index])
         self._state.scheduler.charge(render.id, cpu_seconds)
-        if render.stopped_too_long(key.range_index, cpu_seconds):
+        if render.stopped_too_long(key.tile_index, key.range_index, cpu_seconds):
             outcome.lines.append(Log(WARNING, f"{key} took too long at worker={worker}; it is cut"))
             self._give_back(key, outcome)
         else:
@@ -198,7 +198,8 @@ class ResultHandler:
             outcome.settled.append(offered.entry)
         if released:
             self.merged += len(released)
-            outcome.settled.extend(each.entry for each in (*released, *surplus))
+            if key.tile_index != render.planned.photon_index:
+                outcome.settled.extend(each.entry for each in (*released, *surplus))
             self._update_scheduler(render, key.tile_index, released[-1].index + 1, outcome)
 
     def _update_scheduler(
@@ -245,7 +246,7 @@ class ResultHandler:
             self._fail_tile(render, key, verdict, outcome)
 
     def _fail_tile(self, render: RunningRender, key: JobKey, verdict: PoisonedJob, outcome: Outcome) -> None:
-        planned = render.planned.ranges[key.range_index]
+        planned = render.planned.ranges_of(key.tile_index)[key.range_index]
         failed = FailedTile(key.tile_index, planned.first, planned.end, verdict.reason, verdict.workers)
         outcome.settled.extend(each.entry for each in render.fail_tile(failed))
         outcome.withdrawn.extend(self._state.scheduler.finish_tile(render.id, key.tile_index))

@@ -5,6 +5,7 @@ One file, though long: each result changes film, totals and what is to be commit
 
 from collections import deque
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import cast
 
 from nocturne.v1 import job_pb2
@@ -25,13 +26,16 @@ from nocturne_coordinator.dispatch.records import (
     TileRow,
 )
 from nocturne_coordinator.dispatch.trust import CONFIDENCE, RangeEnd, confirmed, doubt_of, falls
-from nocturne_coordinator.limits import RANGES_AHEAD
 
 _RATE_SECONDS = 10.0
 """Over which photons per second are counted: many jobs, yet soon 0 when the workers are gone."""
 
 _USUAL_COST = 1e-6
 """Processor seconds per photon, before anything was measured: what the example scenes cost."""
+
+PHOTON_COMMIT_SECONDS = 30.0
+"""Between two commits of forward photons, which fall on all tiles: they write sums of the whole film three
+times."""
 
 _HISTORY_STEP = 1.01
 """A point of the error's history for every 1 % more photons: about 1400 for a render of a million samples."""
@@ -82,16 +86,20 @@ class RunningRender:
         self._since = now
         self._invalid_samples = [0] * len(self.film.tiles)
         for tile in tiles:
-            self.film.load(tile.tile_index, tile.samples, tile.sums, tile.error_before)
+            own = tile.own or tile.sums
+            self.film.load(tile.tile_index, tile.samples, own, tile.error_before, tile.photons)
             self._invalid_samples[tile.tile_index] = tile.invalid_samples
         for tile_index in self.failed_tiles:
             self.film.give_up(tile_index)
         self.totals.ranges = sum(state.merged for state in self.film.tiles)
-        samples = int(self.film.counts.sum(dtype="uint64"))
-        self.totals.photons = samples * self.planned.photons_per_sample
+        self.totals.photons = self.film.traced_samples * self.planned.photons_per_sample
         self._job_seconds = job_seconds
-        self._longest: int | None = None
-        """Samples to which ranges are to be cut; None: they may stay as they are."""
+        self._longest: dict[bool, int] = {}
+        """Samples to which ranges of tiles are to be cut, and bundles to which those of forward photons."""
+        self._committing_photons = False
+        self._photon_entries: list[bytes] = []
+        """Results whose forward photons are merged and not committed yet: that is a whole film."""
+        self._next_photon_commit = now + PHOTON_COMMIT_SECONDS
 
     @property
     def id(self) -> str:
@@ -100,7 +108,10 @@ class RunningRender:
     @property
     def merged_ranges(self) -> list[int]:
         """Per tile; all planned ones for a tile that needs no more."""
-        return [len(self.planned.ranges) if tile.closed else tile.merged for tile in self.film.tiles]
+        return [
+            len(self.planned.ranges_of(index)) if tile.closed else tile.merged
+            for index, tile in enumerate(self.film.tiles)
+        ]
 
     def offer(self, tile_index: int, offered: RangeSums, now: float) -> Offered:
         """Merges a range when its turn has come; see TileState.offer."""
@@ -113,10 +124,12 @@ class RunningRender:
             self.totals.truncated_paths += merged.truncated_paths
             self._invalid_samples[tile_index] += merged.invalid_samples
             self.totals.cpu_seconds += merged.cpu_seconds
-            self._learn_cost(merged.index, merged.cpu_seconds)
+            self._learn_cost(tile_index, merged.index, merged.cpu_seconds)
             self._recent.append((now, merged.photons))
             self._contributors.setdefault(tile_index, set()).add(merged.worker)
-        if outcome.released:
+        if outcome.released and tile_index == self.planned.photon_index:
+            self._photon_entries.extend(each.entry for each in (*outcome.released, *outcome.surplus))
+        elif outcome.released:
             self._dirty[tile_index] = self.film.tile_bytes(tile_index)
         return outcome
 
@@ -172,8 +185,9 @@ class RunningRender:
             return f"{used} {stop.relative_error:.3%} was asked for."
         if not stop.tile_relative_error:
             return ""
-        full = sum(samples == last for samples in self.film.manifest())
-        met = len(self.film.tiles) - len(self.failed_tiles) - full
+        tiles = self.planned.grid.count
+        full = sum(samples == last for samples in self.film.manifest()[:tiles])
+        met = tiles - len(self.failed_tiles) - full
         have = f"{met} tiles have relative error {stop.tile_relative_error:.3%}"
         return f"{have}, {full} all {last} samples: they do not, or their error is not to be trusted."
 
@@ -188,13 +202,17 @@ class RunningRender:
         return f"Relative error {error}, mean {estimate.mean:.4g} +- {interval:.2g} (95 %)."
 
     def _degraded(self) -> str:
-        places = []
-        for index in sorted(self.failed_tiles)[:5]:
-            tile = self.planned.grid.tile(index)
-            places.append(f"{index} (x {tile.x}, y {tile.y}, {self.film.samples(index)} samples)")
+        places = [f"{index} ({self._place(index)})" for index in sorted(self.failed_tiles)[:5]]
         more = f" and {len(self.failed_tiles) - 5} more" if len(self.failed_tiles) > 5 else ""
         reason = next(iter(self.failed_tiles.values())).reason
         return f"Tiles {', '.join(places)}{more} failed on several workers: {reason}"
+
+    def _place(self, tile_index: int) -> str:
+        samples = self.film.samples(tile_index)
+        if tile_index == self.planned.photon_index:
+            return f"forward photons, {samples} bundles"
+        tile = self.planned.grid.tile(tile_index)
+        return f"x {tile.x}, y {tile.y}, {samples} samples"
 
     def ran_seconds(self, now: float) -> float:
         """Time running, pauses left out."""
@@ -202,23 +220,23 @@ class RunningRender:
 
     def forecast(self, now: float, unix_time: float, rate: float) -> Forecast:
         """When it will end, and what it will have cost."""
-        schedule, per_sample = self.planned.schedule, self.planned.photons_per_sample
+        per_sample = self.planned.photons_per_sample
         measured = Measured(
             photons=self.totals.photons,
             photons_wanted=self.film.expected_samples * per_sample,
-            mean_samples=self.totals.photons / (schedule.width * schedule.height * per_sample),
+            mean_samples=self.film.mean_samples,
             estimate=self.estimate,
-            range_ends=schedule.range_ends,
+            range_ends=self.planned.schedule.range_ends,
             photons_per_second=rate,
             cpu_seconds=self.totals.cpu_seconds,
             ran_seconds=self.ran_seconds(now),
         )
         return forecast(measured, self.row.stop, unix_time)
 
-    def cost(self, range_index: int) -> float:
-        """Processor seconds that a range of a whole tile takes, as far as is known; for sharing workers."""
-        planned, tile = self.planned.ranges[range_index], self.planned.grid.tile(0)
-        photons = (planned.end - planned.first) * tile.width * tile.height * self.planned.photons_per_sample
+    def cost(self, tile_index: int, range_index: int) -> float:
+        """Processor seconds that a range takes, as far as is known; for sharing workers."""
+        planned = self.planned.ranges_of(tile_index)[range_index]
+        photons = self.planned.photons_in(tile_index, planned)
         known = self.totals.photons > 0 and self.totals.cpu_seconds > 0.0
         return photons * (self.totals.cpu_seconds / self.totals.photons if known else _USUAL_COST)
 
@@ -226,47 +244,74 @@ class RunningRender:
         """Processor seconds after which a job is stopped."""
         return max_cpu_seconds(planned.end - planned.first, self.totals.photons > 0, self._job_seconds)
 
-    def stopped_too_long(self, range_index: int, cpu_seconds: float) -> bool:
+    def stopped_too_long(self, tile_index: int, range_index: int, cpu_seconds: float) -> bool:
         """A job was stopped after so long; whether its range will be cut."""
-        planned = self.planned.ranges[range_index]
-        if planned.first < max(self.film.manifest()) or planned.end - planned.first <= FIRST_RANGE:
+        planned = self.planned.ranges_of(tile_index)[range_index]
+        forward = tile_index == self.planned.photon_index
+        if planned.first < self._completed(forward) or planned.end - planned.first <= FIRST_RANGE:
             return False
-        self._learn_cost(range_index, cpu_seconds, ahead=1)
+        self._learn_cost(tile_index, range_index, cpu_seconds, ahead=1)
         return self.recut() is not None
 
-    def _learn_cost(self, range_index: int, cpu_seconds: float, ahead: int = RANGES_AHEAD + 1) -> None:
+    def _completed(self, forward: bool) -> int:
+        """Samples that some tile has, or bundles of forward photons: their ranges stay as they are."""
+        samples = self.film.manifest()
+        tiles = self.planned.grid.count
+        return max(samples[tiles:] if forward else samples[:tiles])
+
+    def _learn_cost(
+        self, tile_index: int, range_index: int, cpu_seconds: float, ahead: int | None = None
+    ) -> None:
         """A range took so long: those of its tile that may be published by now do so for each sample."""
-        took = self.planned.ranges[range_index]
-        last = min(range_index + ahead, len(self.planned.ranges)) - 1
-        following = self.planned.ranges[last]
+        ranges = self.planned.ranges_of(tile_index)
+        took = ranges[range_index]
+        ahead = self.film.tiles[tile_index].ahead + 1 if ahead is None else ahead
+        last = min(range_index + ahead, len(ranges)) - 1
+        following = ranges[last]
         samples = following.end - following.first
         predicted = cpu_seconds * samples / (took.end - took.first)
         if wanted := longest_range(predicted, samples, self._job_seconds):
-            self._longest = min(self._longest or wanted, wanted)
+            forward = tile_index == self.planned.photon_index
+            self._longest[forward] = min(self._longest.get(forward, wanted), wanted)
 
     def recut(self) -> job_pb2.RangeSchedule | None:
         """The schedule with shorter ranges, where those that come next would take too long. A replay keeps
         its own."""
-        if self._longest is None or self.row.stop.tile_samples:
+        if self.row.stop.tile_samples:
             return None
-        schedule = recut_schedule(self.planned.schedule, max(self.film.manifest()), self._longest)
-        if schedule is None:
-            self._longest = None
-        return schedule
+        for forward, longest in list(self._longest.items()):
+            schedule = recut_schedule(
+                self.planned.schedule, self._completed(forward), longest, forward_photons=forward
+            )
+            if schedule is not None:
+                return schedule
+            del self._longest[forward]
+        return None
 
     def waiting_entries(self) -> list[bytes]:
         """Result entries of ranges that wait for earlier ones."""
-        return [early.entry for state in self.film.tiles for early in state.waiting.values()]
+        waiting = [early.entry for state in self.film.tiles for early in state.waiting.values()]
+        return [*waiting, *self._photon_entries]
+
+    def commit_photons_next(self) -> None:
+        """The next commit has forward photons, too: the render is let go after it."""
+        self._next_photon_commit = 0.0
 
     # --- committing ---
 
     def changes(self, now: float, unix_time: float) -> RenderCommit | None:
         """What is to be committed, if anything; call `committed` when that is done."""
         rate = self._rate(now)
-        if not (self._dirty or self._dirty_totals) and (rate > 0.0 or self._last_rate == 0.0):
+        with_photons = self._photons_are_due(now, unix_time)
+        changed = self._dirty or self._dirty_totals or with_photons
+        if not changed and (rate > 0.0 or self._last_rate == 0.0):
             return None
         self._last_rate = rate
         tiles = [self._tile_row(tile) for tile in sorted(self._dirty)]
+        self._committing_photons = with_photons
+        if with_photons:
+            tiles = self._all_rows()
+            self._next_photon_commit = now + PHOTON_COMMIT_SECONDS
         return RenderCommit(
             self.id,
             self.row.fence,
@@ -277,30 +322,45 @@ class RunningRender:
             tiles_done=self.film.tiles_done,
             forecast=self.forecast(now, unix_time, rate),
             contributors=self._contributors,
+            photon_bundles=self.film.bundles,
             failed_tiles=tuple(self.failed_tiles.values()),
             floating_point_profile=self.floating_point_profile,
         )
 
+    def _photons_are_due(self, now: float, unix_time: float) -> bool:
+        """Forward photons fall on all tiles: they are committed seldom, and before the render is let go."""
+        is_due = now >= self._next_photon_commit or self._condition_met(now, unix_time) is not None
+        return bool(self._photon_entries) and is_due
+
     def _tile_row(self, tile: int) -> TileRow:
         film = self.film
-        return TileRow(
-            tile,
-            film.samples(tile),
-            self._dirty[tile],
-            self._invalid_samples[tile],
-            film.error_before(tile),
-        )
+        own = self._dirty.get(tile, b"")
+        row = TileRow(tile, film.samples(tile), own, self._invalid_samples[tile], film.error_before(tile))
+        return replace(row, sums=film.shown_bytes(tile), own=own) if film.has_forward_ranges else row
+
+    def _all_rows(self) -> list[TileRow]:
+        """All tiles with the forward photons that fell on them, and the number of these."""
+        forward = self.planned.photon_index
+        tiles = [
+            replace(self._tile_row(tile), photons=self.film.photon_bytes(tile)) for tile in range(forward)
+        ]
+        return [*tiles, TileRow(forward, self.film.samples(forward), b"", self._invalid_samples[forward])]
 
     @property
     def is_unseen(self) -> bool:
         """Whether something is merged and nothing was ever committed."""
         return bool(self._dirty) and not self._is_seen
 
-    def committed(self) -> None:
+    def committed(self) -> list[bytes]:
+        """Gives results that are of no more use, beside those that are settled when they are merged."""
         self._is_seen = self._is_seen or bool(self._dirty)
         self._dirty.clear()
         self._contributors = {}
         self._dirty_totals = False
+        if not self._committing_photons:
+            return []
+        entries, self._photon_entries = self._photon_entries, []
+        return entries
 
     def _rate(self, now: float) -> float:
         """Photons per second, over the last seconds."""
@@ -315,14 +375,12 @@ class RunningRender:
 
     def error_point(self, unix_time: float) -> tuple[ErrorPoint, bool]:
         """The error now, and whether enough was added since the last point for the history."""
-        schedule = self.planned.schedule
         self._judge()
         estimate = self.estimate
         point = ErrorPoint(
             unix_time=unix_time,
             photons=self.totals.photons,
-            samples=self.totals.photons
-            / (schedule.width * schedule.height * self.planned.photons_per_sample),
+            samples=self.film.mean_samples,
             relative_error=estimate.relative_error,
             worst_share=estimate.worst_share,
             effective_pixels=estimate.effective_pixels,

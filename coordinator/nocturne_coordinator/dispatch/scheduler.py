@@ -12,8 +12,8 @@ from heapq import heappop, heappush
 from statistics import median
 from typing import NamedTuple
 
-from nocturne_coordinator.dispatch.range_queue import FairShare, RangeQueue
-from nocturne_coordinator.limits import DEFAULT_PRIORITY, RANGES_AHEAD
+from nocturne_coordinator.dispatch.range_queue import FairShare, ForwardRanges, RangeQueue
+from nocturne_coordinator.limits import DEFAULT_PRIORITY
 
 MIN_OVERDUE = 60.0
 """Seconds: six leases; workers claim a dead worker's jobs themselves long before."""
@@ -75,7 +75,8 @@ class Scheduler:
         owner: str = "",
         priority: float = DEFAULT_PRIORITY,
         owner_weight: float = DEFAULT_PRIORITY,
-        cost: Callable[[int], float] = lambda _: 1.0,
+        cost: Callable[[int, int], float] = lambda *_: 1.0,
+        forward: ForwardRanges | None = None,
     ) -> None:
         """A render runs from here on; `completed` holds each tile's completed ranges, `ranges` for one that
         needs no more.
@@ -83,8 +84,6 @@ class Scheduler:
         `horizon`: what each tile is expected to need, all unless given. Owners share the workers by their
         weight, and an owner's renders share by priority what the owner gets.
         """
-        ready = [(False, done, tile) for tile, done in enumerate(completed) if done < ranges]
-        ready.sort()
         share = self._owners.setdefault(owner, FairShare(owner_weight, _least(self._owners.values())))
         share.weight = owner_weight
         beside = [queue.share for queue in self._queues.values() if queue.owner == owner]
@@ -93,11 +92,16 @@ class Scheduler:
             list(completed),
             list(completed),
             list(horizon) or [ranges] * len(completed),
-            ready,
+            [],
             owner,
             FairShare(priority, _least(beside)),
             cost,
+            forward,
         )
+        queue = self._queues[render_id]
+        for tile, done in enumerate(completed):
+            if done < queue.ranges_of(tile):
+                queue.make_ready(done, tile)
 
     def set_priority(self, render_id: str, priority: float) -> None:
         """The render's weight beside its owner's other renders from now on."""
@@ -110,7 +114,7 @@ class Scheduler:
             return
         queue.first = tiles
         before, queue.ready = queue.ready, []
-        for _, range_index, tile in before:
+        for *_, range_index, tile in before:
             queue.make_ready(range_index, tile)
 
     def remove(self, render_id: str) -> list[bytes]:
@@ -168,10 +172,10 @@ class Scheduler:
         queue = self._queues[render_id]
         done = queue.completed[tile_index]
         entries = []
-        for index in range(done, min(done + RANGES_AHEAD, queue.ranges)):
+        for index in range(done, min(done + queue.ahead_of(tile_index), queue.ranges_of(tile_index))):
             published = self._outstanding.pop(JobKey(render_id, tile_index, index), None)
             entries.extend(published.entries if published else [])
-        self.completed(render_id, tile_index, queue.ranges)
+        self.completed(render_id, tile_index, queue.ranges_of(tile_index))
         return entries
 
     def returned(self, key: JobKey) -> list[bytes]:
@@ -237,7 +241,7 @@ class Scheduler:
                     least = min((each.share for each in able.values()), key=lambda share: share.virtual_time)
                     queue.share.virtual_time = max(queue.share.virtual_time, least.virtual_time)
                 continue
-            self.charge(render_id, queue.cost(key.range_index))
+            self.charge(render_id, queue.cost(key.tile_index, key.range_index))
             jobs.append(key)
         return jobs
 
@@ -304,13 +308,13 @@ class Scheduler:
         if self._held != sum(len(each.held) for each in self._queues.values()):
             return "the number of ranges that wait"
         for tile, done in enumerate(queue.completed):
-            if done != (queue.ranges if closed[tile] else merged[tile]):
+            if done != (queue.ranges_of(tile) if closed[tile] else merged[tile]):
                 return f"tile {tile} has {merged[tile]} ranges, the scheduler says {done}"
             held = {index for index, of in queue.held if of == tile}
             if held != set(waiting[tile]):
                 return f"tile {tile}: ranges {sorted(waiting[tile])} wait, the scheduler says {sorted(held)}"
             out = {key.range_index for key in self._outstanding if key[:2] == (render_id, tile)}
-            if out & held or any(not done <= index < queue.ranges for index in out):
+            if out & held or any(not done <= index < queue.ranges_of(tile) for index in out):
                 return (
                     f"tile {tile}: ranges {sorted(out)} are published, {sorted(held)} wait, {done} are done"
                 )
@@ -332,7 +336,7 @@ class Scheduler:
         if queue is None or not 0 <= key.tile_index < len(queue.completed):
             return False
         return (
-            queue.completed[key.tile_index] <= key.range_index < queue.ranges
+            queue.completed[key.tile_index] <= key.range_index < queue.ranges_of(key.tile_index)
             and (key.range_index, key.tile_index) not in queue.held
         )
 
@@ -343,14 +347,14 @@ class Scheduler:
             if self.wants(key := JobKey(render_id, tile, range_index)):
                 return key
         while queue.ready:
-            _, range_index, tile = heappop(queue.ready)
-            if queue.completed[tile] >= queue.ranges:
+            *_, range_index, tile = heappop(queue.ready)
+            if queue.completed[tile] >= queue.ranges_of(tile):
                 continue
-            if range_index >= min(queue.completed[tile] + RANGES_AHEAD, queue.horizon[tile]):
+            if range_index >= min(queue.completed[tile] + queue.ahead_of(tile), queue.horizon[tile]):
                 queue.blocked.add(tile)
                 continue
             queue.following[tile] = range_index + 1
-            if range_index + 1 < queue.ranges:
+            if range_index + 1 < queue.ranges_of(tile):
                 queue.make_ready(range_index + 1, tile)
             if self.wants(key := JobKey(render_id, tile, range_index)):
                 return key

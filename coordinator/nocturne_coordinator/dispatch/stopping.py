@@ -14,7 +14,9 @@ from datetime import date, datetime, time, timedelta, tzinfo
 from typing import Any, Self
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
+from nocturne.v1 import job_pb2
 from nocturne_scene.errors import InputError, Problem
+from nocturne_scene.ranges import TileGrid, entries_of
 
 from nocturne_coordinator import limits
 
@@ -196,12 +198,16 @@ def _zone(name: str) -> tzinfo:
         raise ValueError(f"{name} is no time zone; expected {_EXAMPLES}") from None
 
 
-def check_tile_samples(samples: Sequence[int], tiles: int, range_ends: Sequence[int]) -> None:
-    """Raises InputError unless each tile has a number of samples that is 0 or the end of a planned range."""
-    if len(samples) != tiles:
-        raise InputError.at("$.stop.tile_samples", f"{len(samples)} numbers for {tiles} tiles")
-    ends = {0, *range_ends}
-    wrong = next((index for index, end in enumerate(samples) if end not in ends), None)
+def check_tile_samples(samples: Sequence[int], schedule: job_pb2.RangeSchedule) -> None:
+    """Raises InputError unless each tile has a number of samples that is 0 or the end of a planned range, and
+    forward photons, last, likewise."""
+    tiles, entries = TileGrid.of(schedule).count, entries_of(schedule)
+    if len(samples) != entries:
+        raise InputError.at("$.stop.tile_samples", f"{len(samples)} numbers for {entries} tiles")
+    ends, photons = {0, *schedule.range_ends}, {0, *schedule.photon_range_ends}
+    wrong = next(
+        (index for index, end in enumerate(samples) if end not in (ends if index < tiles else photons)), None
+    )
     if wrong is not None:
         raise InputError.at(
             f"$.stop.tile_samples[{wrong}]", f"{samples[wrong]} samples are not the end of a planned range"

@@ -38,23 +38,26 @@ def validate_state(state: State, window: int) -> None:
 
 def _check_counts(render: RunningRender) -> None:
     film = render.film
-    samples = sum(
-        film.samples(index) * film.tiles[index].sums.pixels[..., 0].size for index in range(len(film.tiles))
-    )
-    photons = samples * render.planned.photons_per_sample
+    count = render.planned.grid.count
+    samples = sum(film.samples(index) * film.tiles[index].sums.pixels[..., 0].size for index in range(count))
+    photons = film.traced_samples * render.planned.photons_per_sample
+    seen = not film.has_forward_ranges or film.samples(count) > 0
     _require(
-        int(film.counts.sum(dtype=np.uint64)) == samples, f"{render.id}: counts are not those of the tiles"
+        int(film.counts.sum(dtype=np.uint64)) == seen * samples,
+        f"{render.id}: counts are not those of the tiles",
     )
     _require(render.totals.photons == photons, f"{render.id}: photons are not those of the samples")
     ranges = sum(tile.merged for tile in film.tiles)
     _require(render.totals.ranges == ranges, f"{render.id}: ranges are not those of the tiles")
-    _require(film.tiles_done == sum(tile.closed for tile in film.tiles), f"{render.id}: tiles done")
+    _require(
+        film.tiles_done == min(count, sum(tile.closed for tile in film.tiles)), f"{render.id}: tiles done"
+    )
     _require(
         all(film.tiles[index].closed for index in render.failed_tiles), f"{render.id}: a failed tile goes on"
     )
     for tile in film.tiles:
         _require(not (tile.closed and tile.waiting), f"{render.id}: a range waits for a tile that is closed")
-        _require(len(tile.waiting) < limits.RANGES_AHEAD, f"{render.id}: too many ranges wait")
+        _require(len(tile.waiting) < tile.ahead, f"{render.id}: too many ranges wait")
 
 
 def _check_entries(state: State) -> None:

@@ -182,7 +182,8 @@ class Window:
 
     def _job_bytes(self, key: JobKey) -> bytes:
         render = self._state.renders[key.render_id]
-        job = render.planned.job(key.tile_index, render.planned.ranges[key.range_index])
+        planned = render.planned.ranges_of(key.tile_index)[key.range_index]
+        job = render.planned.job(key.tile_index, planned)
         job.floating_point_profile = render.floating_point_profile
-        job.max_cpu_seconds = render.max_cpu_seconds(render.planned.ranges[key.range_index])
+        job.max_cpu_seconds = render.max_cpu_seconds(planned)
         return job.SerializeToString()

@@ -115,7 +115,9 @@ class Previews:
 def provenance_of(render: RunningRender) -> Provenance:
     """What the render's image says of itself."""
     samples = render.film.manifest()
-    whole = all(each == render.planned.schedule.range_ends[-1] for each in samples)
+    schedule = render.planned.schedule
+    last = [schedule.range_ends[-1]] * render.planned.grid.count + list(schedule.photon_range_ends[-1:])
+    whole = samples == last
     return Provenance(
         render.planned.scene.hex(),
         schedule_json(render.planned.schedule),
@@ -141,4 +143,6 @@ def schedule_json(schedule: job_pb2.RangeSchedule) -> str:
         content["furtherResponses"] = list(schedule.further_responses)
     if schedule.photons_per_sample:
         content["photonsPerSample"] = schedule.photons_per_sample
+    if schedule.photon_range_ends:
+        content["photonRangeEnds"] = list(schedule.photon_range_ends)
     return json.dumps(content, separators=(",", ":"))

@@ -31,7 +31,7 @@ def write_bundle(folder: DataFolder, render: PlannedRender, failed: FailedTile) 
     """Writes it beside the render's images, whole or not at all; OSError where that can't be done."""
     target = folder.bundle_path(render.id, failed.tile_index)
     target.parent.mkdir(parents=True, exist_ok=True)
-    planned = render.ranges.find(failed.first_sample, failed.end_sample)
+    planned = render.ranges_of(failed.tile_index).find(failed.first_sample, failed.end_sample)
     job = render.job(failed.tile_index, planned or SampleRange(0, failed.first_sample, failed.end_sample))
     failure = {"reason": failed.reason, "workers": failed.workers}
     words = _README.format(

@@ -20,7 +20,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self
 
+from nocturne.v1 import job_pb2
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.ranges import entries_of
 from nocturne_scene.replacing import UNFINISHED, replacing
 
 from nocturne_coordinator.output.images import manifest_text
@@ -159,8 +161,8 @@ def _state(source: sqlite3.Connection) -> tuple[Any, ...]:
 
 
 def _manifests(database: sqlite3.Connection) -> Iterator[tuple[str, str]]:
-    for render_id, tiles in database.execute("SELECT id, tiles FROM render ORDER BY number").fetchall():
-        samples = [0] * tiles
+    for render_id, schedule in database.execute("SELECT id, schedule FROM render ORDER BY number").fetchall():
+        samples = [0] * entries_of(job_pb2.RangeSchedule.FromString(schedule))
         for index, count in database.execute(
             "SELECT tile_index, samples FROM tile WHERE render_id = ?", (render_id,)
         ):

@@ -3,7 +3,7 @@
 import json
 
 from nocturne.v1 import job_pb2
-from nocturne_scene.ranges import TileGrid
+from nocturne_scene.ranges import ranges_planned
 
 from nocturne_coordinator.dispatch.records import ErrorPoint, OpenRender, RenderCommit, RenderState
 from nocturne_coordinator.store.database import Database
@@ -49,7 +49,7 @@ class Commits:
         totals = commit.totals
         changed = self._database.execute(
             """UPDATE render SET ranges_done = ?, photons = ?, rays = ?, invalid_samples = ?,
-                   truncated_paths = ?, cpu_seconds = ?,
+                   truncated_paths = ?, photon_bundles = ?, cpu_seconds = ?,
                    audited = ?, refused = ?, photons_per_second = iif(state = 'RUNNING', ?, 0), ran_seconds =
                    ?, tiles_done = ?, tiles_failed = ?, predicted_end = ?, predicted_cpu_seconds = ?,
                    floating_point_profile = ?, sequence = sequence + 1
@@ -60,6 +60,7 @@ class Commits:
                 min(totals.rays, _LARGEST),
                 totals.invalid_samples,
                 min(totals.truncated_paths, _LARGEST),
+                commit.photon_bundles,
                 totals.cpu_seconds,
                 totals.audited,
                 totals.refused,
@@ -77,11 +78,13 @@ class Commits:
 
     def _write_tiles(self, commit: RenderCommit) -> None:
         self._database.execute_many(
-            """INSERT INTO tile (render_id, tile_index, samples, sums, invalid_samples, error_before,
-                   revision)
-               VALUES (?1, ?2, ?3, ?4, ?5, ?6, (SELECT sequence FROM render WHERE id = ?1))
+            """INSERT INTO tile (render_id, tile_index, samples, sums, invalid_samples, error_before, own,
+                   photons, revision)
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, (SELECT sequence FROM render WHERE id = ?1))
                ON CONFLICT DO UPDATE SET samples = excluded.samples, sums = excluded.sums,
                    invalid_samples = excluded.invalid_samples, error_before = excluded.error_before,
+                   own = iif(length(excluded.own), excluded.own, own),
+                   photons = iif(length(excluded.photons), excluded.photons, photons),
                    revision = excluded.revision""",
             [
                 (
@@ -91,6 +94,8 @@ class Commits:
                     tile.sums,
                     tile.invalid_samples,
                     tile.error_before,
+                    tile.own,
+                    tile.photons,
                 )
                 for tile in commit.tiles
             ],
@@ -185,7 +190,7 @@ class Commits:
                    WHERE id = ? AND state = 'RUNNING'""",
                 (
                     schedule.SerializeToString(deterministic=True),
-                    TileGrid.of(schedule).count * len(schedule.range_ends),
+                    ranges_planned(schedule),
                     render_id,
                 ),
             )
@@ -208,7 +213,8 @@ class Commits:
                 self._database.execute(f"DELETE FROM {table} WHERE render_id = ?", (render_id,))  # noqa: S608
             self._database.execute(
                 """UPDATE render SET floating_point_profile = '', ranges_done = 0, photons = 0, rays = 0,
-                       invalid_samples = 0, truncated_paths = 0, tiles_done = 0, tiles_failed = 0,
+                       invalid_samples = 0, truncated_paths = 0, photon_bundles = 0, tiles_done = 0,
+                       tiles_failed = 0,
                        relative_error = 0, mean = 0, mean_error = 0, unseen_pixels = 0, doubt = '',
                        sequence = sequence + 1
                    WHERE id = ?""",

@@ -74,13 +74,14 @@ class OpenRenders:
             return self._open_render(row)
 
     def tiles(self, render_id: str) -> Iterator[TileRow]:
-        """The committed tiles, one after the other: all at once may be gigabytes."""
+        """The committed tiles, one after the other: all at once may be gigabytes. Last ones first: forward
+        photons are counted after the last."""
         indices = self._database.rows(
-            "SELECT tile_index FROM tile WHERE render_id = ? ORDER BY tile_index", (render_id,)
+            "SELECT tile_index FROM tile WHERE render_id = ? ORDER BY tile_index DESC", (render_id,)
         )
         for index in indices:
             row = self._database.row(
-                """SELECT tile_index, samples, sums, invalid_samples, error_before FROM tile
+                """SELECT tile_index, samples, sums, invalid_samples, error_before, own, photons FROM tile
                    WHERE render_id = ? AND tile_index = ?""",
                 (render_id, index["tile_index"]),
             )

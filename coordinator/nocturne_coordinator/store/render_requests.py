@@ -5,7 +5,7 @@ Asking twice is asking once.
 
 import time
 
-from nocturne_scene.ranges import TileGrid, extended_schedule
+from nocturne_scene.ranges import extended_schedule, ranges_planned
 
 from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.records import RenderState
@@ -109,7 +109,7 @@ class RenderRequests:
                     samples,
                     schedule.SerializeToString(deterministic=True),
                     stop.to_json(),
-                    TileGrid.of(schedule).count * len(schedule.range_ends),
+                    ranges_planned(schedule),
                     render.state.value if goes_on else "QUEUED",
                     render_id,
                 ),

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.errors import InputError, NotFound, Problem
-from nocturne_scene.ranges import TileGrid
+from nocturne_scene.ranges import TileGrid, ranges_planned
 from nocturne_scene.tile_sums import numbers_in
 
 from nocturne_coordinator import limits
@@ -68,7 +68,7 @@ class Renders:
         if any(self._blob_here(sha256) is None for sha256 in new.files):
             raise FilesGone("files of the scene were deleted with another render")
         if new.stop.tile_samples:
-            check_tile_samples(new.stop.tile_samples, tiles, new.schedule.range_ends)
+            check_tile_samples(new.stop.tile_samples, new.schedule)
         self._database.execute(
             """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
                    photons_per_sample, scene_sha256, engine, created, ranges_planned, schedule,
@@ -87,7 +87,7 @@ class Renders:
                 new.scene_sha256,
                 int(job_pb2.ENGINE_CURRENT),
                 time.time(),
-                tiles * len(new.schedule.range_ends),
+                ranges_planned(new.schedule),
                 new.schedule.SerializeToString(deterministic=True),
                 new.scene_document,
                 new.stop.to_json(),
@@ -106,7 +106,8 @@ class Renders:
     def _bytes_of(self, new: NewRender) -> int:
         """What the render takes of the disk when it is done: sums, image, scene and its files."""
         further = len(new.schedule.further_responses)
-        sums = 8 * numbers_in(new.width, new.height, further)
+        # Forward photons in ranges of their own have sums, too, and both together.
+        sums = 8 * numbers_in(new.width, new.height, further) * (3 if new.schedule.photon_range_ends else 1)
         image = 4 * new.width * new.height * (_EXR_CHANNELS + 2 * further)
         files = (self._blob_here(sha256) for sha256 in new.files)
         here = sum(file.stat().st_size for file in files if file is not None)

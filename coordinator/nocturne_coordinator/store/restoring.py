@@ -96,8 +96,12 @@ def _damaged_tiles(connection: sqlite3.Connection) -> Iterator[str]:
 
 def _check_tile(planned: PlannedRender, row: sqlite3.Row) -> None:
     """Raises unless the tile's samples are planned and its sums such as samples have."""
+    if row["samples"]:
+        planned.ranges_of(row["tile_index"]).merged_at(row["samples"])
+    if not row["sums"]:
+        # Forward photons' own row, or a tile that has not all kinds of photons yet.
+        return
     tile = planned.grid.tile(row["tile_index"])
-    planned.ranges.merged_at(row["samples"])
     sums = decode(row["sums"], tile.width, tile.height, planned.further)
     # Of a tile from before squares of all quantities were kept, they are not known.
     if len(row["sums"]) == 8 * numbers_in(tile.width, tile.height, planned.further):

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from nocturne.v1 import job_pb2
+from nocturne_scene.ranges import PHOTON_BUNDLE
 
 from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
@@ -67,6 +68,8 @@ class RenderRow:
     way: str
     """How it is traced and why; empty where no pilot chose."""
     truncated_paths: int
+    photon_bundles: int
+    """Forward photons in ranges of their own: among all photons, but no samples of pixels."""
     relative_error: float
     worst_share: float
     effective_pixels: float
@@ -103,7 +106,8 @@ class RenderRow:
     @property
     def mean_samples(self) -> float:
         """Mean over pixels of samples merged."""
-        return self.photons / (self.width * self.height * self.photons_per_sample)
+        samples = self.photons / self.photons_per_sample - self.photon_bundles * PHOTON_BUNDLE
+        return samples / (self.width * self.height)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,9 @@
 
 import sqlite3
 
+from nocturne.v1 import job_pb2
 from nocturne_scene.errors import NotFound
+from nocturne_scene.ranges import entries_of
 
 from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.rows import TileChange
@@ -21,7 +23,7 @@ class Tiles:
         """
         rows = self._database.rows(
             """SELECT tile_index, revision, samples, invalid_samples FROM tile
-               WHERE render_id = ? AND (revision, tile_index) > (?, ?)
+               WHERE render_id = ? AND (revision, tile_index) > (?, ?) AND length(sums)
                ORDER BY revision, tile_index LIMIT ?""",
             (render_id, *since, limit),
         )
@@ -31,7 +33,7 @@ class Tiles:
         """The same tiles with their sums; see nocturne_scene.tile_sums."""
         rows = self._database.rows(
             """SELECT tile_index, revision, samples, invalid_samples, sums FROM tile
-               WHERE render_id = ? AND (revision, tile_index) > (?, ?)
+               WHERE render_id = ? AND (revision, tile_index) > (?, ?) AND length(sums)
                ORDER BY revision, tile_index LIMIT ?""",
             (render_id, *since, limit),
         )
@@ -41,24 +43,29 @@ class Tiles:
         """Tiles with indices in [first, end) that have samples, with their sums."""
         rows = self._database.rows(
             """SELECT tile_index, revision, samples, invalid_samples, sums FROM tile
-               WHERE render_id = ? AND tile_index >= ? AND tile_index < ? ORDER BY tile_index""",
+               WHERE render_id = ? AND tile_index >= ? AND tile_index < ? AND length(sums)
+               ORDER BY tile_index""",
             (render_id, first, end),
         )
         return [_with_sums(row) for row in rows]
 
     def manifest(self, render_id: str) -> tuple[int, ...]:
-        """Committed samples of each tile, row by row; raises NotFound."""
-        render = self._database.row("SELECT tiles FROM render WHERE id = ?", (render_id,))
+        """Committed samples of each tile, row by row, and bundles of forward photons where they have ranges
+        of their own; raises NotFound."""
+        render = self._database.row("SELECT schedule FROM render WHERE id = ?", (render_id,))
         if render is None:
             raise NotFound(f"there is no render {render_id!r}")
         rows = self._database.rows("SELECT tile_index, samples FROM tile WHERE render_id = ?", (render_id,))
         samples = {row["tile_index"]: row["samples"] for row in rows}
-        return tuple(samples.get(index, 0) for index in range(render["tiles"]))
+        schedule = job_pb2.RangeSchedule.FromString(render["schedule"])
+        return tuple(samples.get(index, 0) for index in range(entries_of(schedule)))
 
     def at_work(self, render_id: str) -> list[tuple[int, str]]:
-        """Tiles of a render that are being traced, and by whom."""
+        """Tiles of a render that are being traced, and by whom; forward photons of all of them are none."""
         rows = self._database.rows(
-            "SELECT tile_index, worker_id FROM at_work WHERE render_id = ? ORDER BY tile_index", (render_id,)
+            """SELECT tile_index, worker_id FROM at_work JOIN render ON render.id = render_id
+               WHERE render_id = ? AND tile_index != render.tiles ORDER BY tile_index""",
+            (render_id,),
         )
         return [(row["tile_index"], row["worker_id"]) for row in rows]
 

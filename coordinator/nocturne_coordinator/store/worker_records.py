@@ -1,7 +1,7 @@
 """What coordinators write of workers: who is there, who does what, and whose work is not trusted."""
 
 from nocturne.v1 import job_pb2
-from nocturne_scene.ranges import TileGrid
+from nocturne_scene.ranges import entries_of
 
 from nocturne_coordinator.dispatch.records import RenderState, WorkerRow
 from nocturne_coordinator.dispatch.stopping import StopConditions
@@ -54,6 +54,12 @@ class WorkerRecords:
                        (SELECT tile_index FROM contribution WHERE render_id = ? AND worker_id = ?)""",
                     (row["render_id"], row["render_id"], worker_id),
                 )
+                # A tile's row has the forward photons that fell on it: without it none are whole.
+                self._database.execute(
+                    """DELETE FROM tile WHERE render_id = ?1
+                       AND tile_index = (SELECT tiles FROM render WHERE id = ?1)""",
+                    (row["render_id"],),
+                )
                 self._database.execute(
                     """DELETE FROM contribution WHERE render_id = ? AND tile_index NOT IN
                        (SELECT tile_index FROM tile WHERE render_id = ?)""",
@@ -72,7 +78,7 @@ class WorkerRecords:
         tiles = self._database.rows("SELECT tile_index, samples FROM tile WHERE render_id = ?", (render_id,))
         schedule = self._database.row("SELECT schedule FROM render WHERE id = ?", (render_id,))
         assert schedule is not None  # noqa: S101 - it has tiles
-        samples = [0] * TileGrid.of(job_pb2.RangeSchedule.FromString(schedule["schedule"])).count
+        samples = [0] * entries_of(job_pb2.RangeSchedule.FromString(schedule["schedule"]))
         for tile in tiles:
             samples[tile["tile_index"]] = tile["samples"]
         self._database.execute(

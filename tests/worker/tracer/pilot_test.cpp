@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "support/scene_builder.h"
+#include "support/caustic_scene.h"
 
 namespace nocturne {
 namespace {
@@ -58,35 +58,11 @@ PilotResult pilot(const test::SceneBuilder& builder, bool direction, unsigned th
                                      .threads = threads});
 }
 
-test::SceneBuilder two_photons() {
-  test::SceneBuilder builder;
-  builder.message.mutable_tracing()->set_estimator(v1::ESTIMATOR_TWO_PHOTONS);
-  return builder;
-}
-
 // A lamp that shines at the ceiling alone.
 test::SceneBuilder lit_by_its_ceiling() {
-  test::SceneBuilder builder = two_photons();
+  test::SceneBuilder builder = test::two_photons();
   builder.add_furnace(0.7f, 0.0f);
   builder.add_quad(0.0f, 50.0f, {-0.2f, 0.5f, -0.2f}, {0, 0, 0.4f}, {0.4f, 0, 0});
-  return builder;
-}
-
-// A small lamp above a floor, and a ball of glass between them if there is one.
-test::SceneBuilder floor_and_lamp(bool ball) {
-  test::SceneBuilder builder = two_photons();
-  builder.add_quad(0.5f, 0.0f, {-2, -1, -2}, {0, 0, 4}, {4, 0, 0});
-  builder.add_sphere(0.0f, 5e4f, {0, 3, -0.5f}, 0.02);
-  builder.look({0, 1, 3}, {0, -1, -0.5f}, 0.5);
-  if (ball) {
-    builder.add_glass_box({9, 9, 9}, {9.1f, 9.1f, 9.1f}, 1.5f);
-    auto& surfaces = *builder.message.mutable_surfaces();
-    auto& sphere = *surfaces.Mutable(surfaces.size() - 1)->mutable_sphere();
-    test::SceneBuilder::set(*sphere.mutable_centre(), {0, -0.3f, -0.5f});
-    sphere.set_radius(0.5);
-    surfaces.DeleteSubrange(surfaces.size() - 6, 5);
-    builder.message.mutable_tracing()->set_direction(v1::DIRECTION_BOTH);
-  }
   return builder;
 }
 
@@ -97,13 +73,13 @@ TEST(Pilot, SharesWhereLightComesByOtherSurfaces) {
 }
 
 TEST(Pilot, LeavesPixelsAloneInDirectLight) {
-  const PilotResult found = pilot(floor_and_lamp(false), false);
+  const PilotResult found = pilot(test::floor_and_lamp(false), false);
   EXPECT_EQ(found.choice.sharing, 1u);
   EXPECT_EQ(found.choice.gain, 1.0);
 }
 
 TEST(Pilot, StartsPhotonsAtTheLampForACaustic) {
-  const PilotResult found = pilot(floor_and_lamp(true), true);
+  const PilotResult found = pilot(test::floor_and_lamp(true), true);
   EXPECT_EQ(found.choice.direction, Direction::kBoth);
   // Photons from the camera hardly ever get through the glass to so small a lamp.
   EXPECT_TRUE(found.choice.finds_more || found.choice.gain > 5.0);
@@ -111,7 +87,7 @@ TEST(Pilot, StartsPhotonsAtTheLampForACaustic) {
 
 TEST(Pilot, AimsForwardPhotonsWhereThatHelps) {
   for (const bool at_the_ball : {true, false}) {
-    test::SceneBuilder builder = floor_and_lamp(true);
+    test::SceneBuilder builder = test::floor_and_lamp(true);
     auto& important = *builder.message.add_important_shapes();
     important.set_weight(1.0);
     auto& sphere = *important.mutable_sphere();
@@ -131,7 +107,7 @@ TEST(Pilot, AimsForwardPhotonsWhereThatHelps) {
 }
 
 TEST(Pilot, TracesNoForwardPhotonsWithoutMirrorsAndGlass) {
-  test::SceneBuilder builder = floor_and_lamp(false);
+  test::SceneBuilder builder = test::floor_and_lamp(false);
   builder.message.mutable_tracing()->set_direction(v1::DIRECTION_BOTH);
   const PilotResult found = pilot(builder, true);
   EXPECT_EQ(found.choice.direction, Direction::kAdjoint);

@@ -22,6 +22,21 @@ TEST(CheckJob, AcceptsTheBounds) {
   EXPECT_NO_THROW(check_job(job));
 }
 
+// A range of forward photons, of the largest film.
+v1::Job photons() {
+  v1::Job job = test::make_job();
+  job.set_film_width(4096);
+  job.set_film_height(4096);
+  job.mutable_tile()->set_x(0);
+  job.mutable_tile()->set_y(0);
+  job.mutable_tile()->set_width(4096);
+  job.mutable_tile()->set_height(4096);
+  job.set_photons_by_tiles_of(32);
+  return job;
+}
+
+TEST(CheckJob, AcceptsForwardPhotonsOfAWholeFilm) { EXPECT_NO_THROW(check_job(photons())); }
+
 struct BadJob {
   std::string field;
   std::function<void(v1::Job&)> spoil;
@@ -59,7 +74,27 @@ INSTANTIATE_TEST_SUITE_P(
         BadJob{"tile.y + height ", [](v1::Job& job) { job.mutable_tile()->set_y(31); }},
         BadJob{"end_sample ", [](v1::Job& job) { job.set_end_sample(0); }},
         BadJob{"end_sample ", [](v1::Job& job) { job.set_end_sample((1U << 31) + 1); }},
-        BadJob{"first_sample ", [](v1::Job& job) { job.set_first_sample(4); }}));
+        BadJob{"first_sample ", [](v1::Job& job) { job.set_first_sample(4); }},
+        BadJob{"tile.width ",
+               [](v1::Job& job) {
+                 job = photons();
+                 job.mutable_tile()->set_width(1024);
+               }},
+        BadJob{"tile.width ",
+               [](v1::Job& job) {
+                 job = photons();
+                 job.set_film_width(4097);
+                 job.mutable_tile()->set_width(4097);
+               }},
+        BadJob{"photons_by_tiles_of ",
+               [](v1::Job& job) {
+                 job = photons();
+                 job.set_photons_by_tiles_of(1025);
+               }},
+        BadJob{"photons_by_tiles_of % 4 ", [](v1::Job& job) {
+                 job = photons();
+                 job.set_photons_by_tiles_of(30);
+               }}));
 
 }  // namespace
 }  // namespace nocturne

@@ -11,8 +11,9 @@
 
 namespace nocturne {
 
-/// Calls work(0) .. work(count - 1), each once, in this and further threads. Where one throws, the
-/// others stop after what they are at, and it is thrown again from here.
+/// Calls work(0) .. work(count - 1), each once and begun in this order, in this and further
+/// threads. Where one throws, the others stop after what they are at, and it is thrown again from
+/// here.
 template <class Work>
 void by_threads(std::size_t count, unsigned threads, const Work& work) {
   std::atomic<std::size_t> next = 0;

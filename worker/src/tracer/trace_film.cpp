@@ -1,109 +1,200 @@
 #include "tracer/trace_film.h"
 
 #include <algorithm>
+#include <condition_variable>
 #include <mutex>
 #include <vector>
 
 #include "tracer/by_threads.h"
+#include "tracer/trace_photon_range.h"
 
 namespace nocturne {
 namespace {
 
-// All ranges of one tile, merged; `merge` says how far it is after each.
-template <class Merged>
-TileSums trace_ranges(const Scene& scene, const FilmPlan& plan, TileRange tile, Method method,
-                      const Merged& merged) {
-  TileSums total(tile.width, tile.height, scene.wavelengths.further_curves());
-  for (const std::uint32_t end : plan.range_ends) {
-    tile.end_sample = end;
-    const TileSums range = trace_tile(scene, plan.film, tile, method);
-    total += range;
-    tile.first_sample = end;
-    merged(range.photons);
-  }
-  return total;
-}
-
-// Copies rows of `row` values into rows of `to_row` values, from value `first` on.
-void place_rows(const std::vector<double>& from, std::size_t row, std::vector<double>& to,
-                std::size_t to_row, std::size_t first) {
+// Adds rows of `row` values to rows of `to_row` values, from value `first` on.
+void add_rows(const std::vector<double>& from, std::size_t row, std::vector<double>& to,
+              std::size_t to_row, std::size_t first) {
   for (std::size_t at = 0; at < from.size(); at += row, first += to_row) {
-    std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(at), row,
-                to.begin() + static_cast<std::ptrdiff_t>(first));
+    for (std::size_t i = 0; i < row; ++i) to[first + i] += from[at + i];
   }
 }
 
-void place(const TileSums& tile, const TileRange& where, std::size_t index, TileSums& image) {
-  place_rows(tile.sums, tile.channels * tile.width, image.sums, image.channels * image.width,
-             image.channels * (std::size_t{where.y} * image.width + where.x));
+void add_tile(const TileSums& tile, const TileRange& where, std::size_t index, TileSums& image) {
+  add_rows(tile.sums, tile.channels * tile.width, image.sums, image.channels * image.width,
+           image.channels * (std::size_t{where.y} * image.width + where.x));
   constexpr std::size_t kProducts = TileSums::kProducts;
   const std::size_t columns = image.block_columns();
-  place_rows(tile.block_products, kProducts * tile.block_columns(), image.block_products,
-             kProducts * columns,
-             kProducts * (where.y / TileSums::kBlock * columns + where.x / TileSums::kBlock));
-  std::ranges::copy(tile.tile_products,
-                    image.tile_products.begin() + static_cast<std::ptrdiff_t>(kProducts * index));
+  add_rows(tile.block_products, kProducts * tile.block_columns(), image.block_products,
+           kProducts * columns,
+           kProducts * (where.y / TileSums::kBlock * columns + where.x / TileSums::kBlock));
+  for (std::size_t i = 0; i < kProducts; ++i) {
+    image.tile_products[kProducts * index + i] += tile.tile_products[i];
+  }
   image.add_counts(tile);
 }
 
-std::uint32_t tiles_in(std::uint32_t pixels, const FilmPlan& plan) {
-  return (pixels + plan.tile_size - 1) / plan.tile_size;
-}
+/// Some ranges one after the other, and where the first of them begins.
+struct Ranges {
+  std::uint32_t first;
+  std::span<const std::uint32_t> ends;
 
-TileSums no_sums(const Scene& scene, const FilmPlan& plan) {
-  return {plan.film.width, plan.film.height, scene.wavelengths.further_curves(),
-          std::size_t{tiles_in(plan.film.width, plan)} * tiles_in(plan.film.height, plan)};
+  std::uint32_t end() const { return ends.empty() ? first : ends.back(); }
+};
+
+/// A film's sums, to which ranges are added: of its tiles, and of forward photons.
+class GrowingFilm {
+ public:
+  GrowingFilm(const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
+              const std::function<void(double)>& progress)
+      : scene_(scene),
+        plan_(plan),
+        method_(method),
+        threads_(threads),
+        progress_(progress),
+        columns_(tiles_in(plan.film.width)),
+        rows_(tiles_in(plan.film.height)),
+        tiles_(no_sums()) {
+    if (!plan.photon_ends.empty()) photons_.push_back(no_sums());
+    all_ = static_cast<double>(plan.film.width) * plan.film.height * plan.range_ends.back() +
+           static_cast<double>(bundles(plan.photon_ends) * kPhotonBundle);
+  }
+
+  /// Traces ranges of all tiles, and of forward photons.
+  void add(const Ranges& samples, const Ranges& photons) {
+    const std::size_t photon_ranges = photons.ends.size();
+    // Ranges of photons take longest, and are begun first.
+    by_threads(photon_ranges + std::size_t{columns_} * rows_, threads_, [&](std::size_t i) {
+      if (i < photon_ranges) {
+        add_photons_in_order(i == 0 ? photons.first : photons.ends[i - 1], photons.ends[i]);
+      } else {
+        trace_tile_ranges(i - photon_ranges, samples);
+      }
+    });
+  }
+
+  /// What all ranges up to these ends measure together.
+  TileSums sums(std::uint32_t samples, std::uint32_t bundles) const& {
+    return with_photons(tiles_, samples, bundles);
+  }
+  TileSums sums(std::uint32_t samples, std::uint32_t bundles) && {
+    return with_photons(std::move(tiles_), samples, bundles);
+  }
+
+ private:
+  static std::uint64_t bundles(std::span<const std::uint32_t> ends) {
+    return ends.empty() ? 0 : ends.back();
+  }
+
+  std::uint32_t tiles_in(std::uint32_t pixels) const {
+    return (pixels + plan_.tile_size - 1) / plan_.tile_size;
+  }
+
+  TileSums with_photons(TileSums film, std::uint32_t samples, std::uint32_t bundles) const {
+    if (!photons_.empty()) add_photons(photons_.front(), bundles, samples, plan_.tile_size, film);
+    return film;
+  }
+
+  TileSums no_sums() const {
+    return {plan_.film.width, plan_.film.height, scene_.wavelengths.further_curves(),
+            std::size_t{columns_} * rows_};
+  }
+
+  void trace_tile_ranges(std::size_t index, const Ranges& samples) {
+    const auto column = static_cast<std::uint32_t>(index % columns_);
+    const auto row = static_cast<std::uint32_t>(index / columns_);
+    TileRange tile{column * plan_.tile_size, row * plan_.tile_size, 0, 0, samples.first, 0};
+    tile.width = std::min(plan_.tile_size, plan_.film.width - tile.x);
+    tile.height = std::min(plan_.tile_size, plan_.film.height - tile.y);
+    TileSums total(tile.width, tile.height, scene_.wavelengths.further_curves());
+    for (const std::uint32_t end : samples.ends) {
+      tile.end_sample = end;
+      total += trace_tile(scene_, plan_.film, tile, method_);
+      report(std::uint64_t{tile.width} * tile.height * (end - tile.first_sample));
+      tile.first_sample = end;
+    }
+    const std::lock_guard lock(mutex_);
+    add_tile(total, tile, index, tiles_);
+  }
+
+  /// Waits for the ranges before it, of which other threads are at work: so there are never more
+  /// sums of whole films than threads.
+  void add_photons_in_order(std::uint32_t first, std::uint32_t end) {
+    try {
+      const TileSums found = trace_photon_range(scene_, plan_.film, plan_.tile_size, {first, end});
+      std::unique_lock lock(mutex_);
+      turn_.wait(lock, [&] { return added_bundles_ == first || failed_; });
+      if (failed_) return;
+      photons_.front() += found;
+      added_bundles_ = end;
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      failed_ = true;
+      turn_.notify_all();
+      throw;
+    }
+    turn_.notify_all();
+    report((end - first) * kPhotonBundle);
+  }
+
+  void report(std::uint64_t photons) {
+    const std::lock_guard lock(mutex_);
+    done_ += static_cast<double>(photons);
+    progress_(done_ / all_);
+  }
+
+  const Scene& scene_;
+  const FilmPlan& plan_;
+  const Method method_;
+  const unsigned threads_;
+  const std::function<void(double)>& progress_;
+  const std::uint32_t columns_, rows_;
+  TileSums tiles_;
+  /// None or one.
+  std::vector<TileSums> photons_;
+  std::uint32_t added_bundles_ = 0;
+  bool failed_ = false;
+  std::condition_variable turn_;
+  std::mutex mutex_;
+  double all_ = 0.0, done_ = 0.0;
+};
+
+/// Of the photon ranges from `first` on, those that begin below this part of all bundles; at least
+/// one at the start.
+Ranges photon_ranges_for(std::span<const std::uint32_t> ends, std::size_t first_range,
+                         double part) {
+  const std::uint32_t first = first_range == 0 ? 0 : ends[first_range - 1];
+  std::size_t last = first_range;
+  while (last < ends.size() && (last == 0 ? 0 : ends[last - 1]) < part * ends.back()) ++last;
+  return {first, ends.subspan(first_range, last - first_range)};
 }
 
 }  // namespace
 
 TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
                     const std::function<void(double)>& progress) {
-  const std::uint32_t columns = tiles_in(plan.film.width, plan);
-  const std::uint32_t rows = tiles_in(plan.film.height, plan);
-  const double all = static_cast<double>(plan.film.width) * plan.film.height *
-                     (plan.range_ends.back() - plan.first_sample);
-  TileSums image = no_sums(scene, plan);
-  std::mutex mutex;
-  double done = 0.0;
-  by_threads(std::size_t{columns} * rows, threads, [&](std::size_t number) {
-    const auto index = static_cast<std::uint32_t>(number);
-    TileRange tile{(index % columns) * plan.tile_size,
-                   (index / columns) * plan.tile_size,
-                   0,
-                   0,
-                   plan.first_sample,
-                   0};
-    tile.width = std::min(plan.tile_size, plan.film.width - tile.x);
-    tile.height = std::min(plan.tile_size, plan.film.height - tile.y);
-    const TileSums sums = trace_ranges(scene, plan, tile, method, [&](std::uint64_t photons) {
-      const std::lock_guard lock(mutex);
-      done += static_cast<double>(photons);
-      progress(done / all);
-    });
-    const std::lock_guard lock(mutex);
-    place(sums, tile, number, image);
-  });
-  return image;
+  GrowingFilm film(scene, plan, method, threads, progress);
+  const Ranges photons{0, plan.photon_ends};
+  film.add({0, plan.range_ends}, photons);
+  return std::move(film).sums(plan.range_ends.back(), photons.end());
 }
 
 std::pair<TileSums, std::uint32_t> trace_film_by_ranges(
     const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
     const std::function<void(double)>& progress,
     const std::function<bool(std::uint32_t, const TileSums&)>& go_on) {
-  TileSums image = no_sums(scene, plan);
-  const double all = plan.range_ends.back();
-  std::uint32_t first = 0;
+  GrowingFilm film(scene, plan, method, threads, progress);
+  std::uint32_t first = 0, bundles = 0;
+  std::size_t photon_ranges = 0;
   for (const std::uint32_t& end : plan.range_ends) {
-    const FilmPlan one{plan.film, plan.tile_size, {&end, 1}, first};
-    const TileSums range = trace_film(scene, one, method, threads, [&](double share) {
-      progress((first + share * (end - first)) / all);
-    });
-    image += range;
+    const Ranges photons = photon_ranges_for(plan.photon_ends, photon_ranges,
+                                             static_cast<double>(end) / plan.range_ends.back());
+    film.add({first, {&end, 1}}, photons);
+    photon_ranges += photons.ends.size();
+    bundles = photons.end();
     first = end;
-    if (end != plan.range_ends.back() && !go_on(end, image)) break;
+    if (end != plan.range_ends.back() && !go_on(end, film.sums(end, bundles))) break;
   }
-  return {std::move(image), first};
+  return {std::move(film).sums(first, bundles), first};
 }
 
 }  // namespace nocturne

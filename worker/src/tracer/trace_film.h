@@ -15,20 +15,23 @@ struct FilmPlan {
   Film film;
   std::uint32_t tile_size;
   std::span<const std::uint32_t> range_ends;
-  /// Where the first range begins.
-  std::uint32_t first_sample = 0;
+  /// Where the ranges of forward photons of a film of several tiles end, in bundles; none: there
+  /// are no such ranges.
+  std::span<const std::uint32_t> photon_ends = {};
 };
 
 /// Sums of the film, row by row; photons, rays and invalid samples of all tiles. A tile's ranges
-/// are added up in sample order, so the bits don't depend on the number of threads. `progress` is
-/// told the share of photons traced, from any thread, one at a time. Throws what tracing a tile
-/// throws.
+/// are added up in sample order, and ranges of forward photons in theirs, so the bits don't depend
+/// on the number of threads; each thread may hold such a range, which is as large as the film.
+/// `progress` is told the share of photons traced, from any thread, one at a time. Throws what
+/// tracing a tile throws.
 TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
                     const std::function<void(double)>& progress);
 
 /// The same bits, one range of the whole film after the other: `go_on` is asked after each but the
 /// last one, with the samples of every pixel so far and their sums, and ends the image there by
-/// false. Gives the samples that every pixel has, too.
+/// false. Gives the samples that every pixel has, too. Forward photons go along, as many for each
+/// sample in the part as in the whole.
 std::pair<TileSums, std::uint32_t> trace_film_by_ranges(
     const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
     const std::function<void(double)>& progress,

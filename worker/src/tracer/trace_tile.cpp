@@ -1,31 +1,17 @@
 #include "tracer/trace_tile.h"
 
-#include <immintrin.h>
-
 #include <algorithm>
 #include <stdexcept>
 
 #include "tile/block_samples.h"
 #include "tracer/baselines/path_tracer.h"
 #include "tracer/baselines/ray_marcher.h"
+#include "tracer/flush_denormals.h"
 #include "tracer/trace_pixels.h"
 #include "tracer/trace_whole_film.h"
 
 namespace nocturne {
 namespace {
-
-// Numbers below 1e-38 count as zero while tracing (Embree wants it so); the caller's setting comes
-// back afterwards.
-class FlushDenormals {
- public:
-  FlushDenormals() : before_(_mm_getcsr()) { _mm_setcsr(before_ | 0x8040u); }
-  ~FlushDenormals() { _mm_setcsr(before_); }
-  FlushDenormals(const FlushDenormals&) = delete;
-  FlushDenormals& operator=(const FlushDenormals&) = delete;
-
- private:
-  unsigned before_;
-};
 
 // One sample after the other, for methods that are there for comparison; Trace is
 // baselines::PathResult(scene, start, sequence).
@@ -62,15 +48,18 @@ template <int N, bool Media>
 TileSums trace_photons(const Scene& scene, Film film, const TileRange& range, Side side,
                        std::uint32_t groups, const std::stop_token& stop) {
   const Direction direction = scene.options.direction;
-  if (side == Side::kSensor || direction == Direction::kAdjoint) {
+  const bool whole_film = range.width == film.width && range.height == film.height;
+  // Photons from luminaires that fall on a film of several tiles come in ranges of their own.
+  const bool apart = side == Side::kBoth && direction == Direction::kBoth && !whole_film;
+  if (side == Side::kSensor || direction == Direction::kAdjoint || apart) {
     return trace_pixels<N, Media>(scene, film, range, groups, stop);
   }
-  if (range.width != film.width || range.height != film.height) {
+  if (!whole_film) {
     throw std::invalid_argument("a tile with forward photons that is not the whole film");
   }
   const bool from_pixels = side == Side::kBoth && direction == Direction::kBoth;
-  const auto trace = [&](auto whole_film) {
-    return whole_film.trace(range.first_sample, range.end_sample);
+  const auto trace = [&](auto film_tracer) {
+    return film_tracer.trace(range.first_sample, range.end_sample);
   };
   return direction == Direction::kForward
              ? trace(WholeFilm<N, SensorEstimator<N>, Media>(scene, film, groups, false, stop))

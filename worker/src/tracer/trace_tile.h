@@ -26,7 +26,9 @@ struct Method {
 };
 
 /// Sums over the range's samples in sample order: a pure function of its arguments, bit for bit,
-/// and the same for any size of batches. The range must lie in the film. Throws
+/// and the same for any size of batches. The range must lie in the film. With both directions, a
+/// tile that is less than the film has what its adjoint photons bring; see trace_photon_range.h for
+/// the rest. Throws
 /// std::invalid_argument where the method can't trace the scene, TracingStopped within milliseconds
 /// after a stop was requested.
 TileSums trace_tile(const Scene& scene, Film film, const TileRange& range,

@@ -1,0 +1,298 @@
+"""Forward photons in ranges of their own: merged in order, shown with tiles' samples, committed seldom."""
+
+import zlib
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from nocturne.v1 import job_pb2
+from nocturne_coordinator.dispatch.admission import forward_ranges
+from nocturne_coordinator.dispatch.merge import RangeSums, Verdict
+from nocturne_coordinator.dispatch.planned_render import PlannedRender, RefusedResult
+from nocturne_coordinator.dispatch.records import OpenRender, RenderCommit, RenderState, TileRow, Totals
+from nocturne_coordinator.dispatch.running_render import PHOTON_COMMIT_SECONDS, RunningRender
+from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
+from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
+from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.ledger import Ledger
+from nocturne_coordinator.store.ownership import Ownership
+from nocturne_coordinator.store.rows import NewRender
+from nocturne_scene.photon_sums import with_photons
+from nocturne_scene.ranges import PHOTON_BUNDLE, ForwardPhotons, make_schedule
+from nocturne_scene.tile_sums import numbers_in
+
+from tests.coordinator.service import SCENE
+from tests.coordinator.simulated_worker import simulated_sums
+
+# Four tiles; photons are as many as for a film that is large enough for ranges of its own.
+WIDTH, HEIGHT = 40, 36
+TILES = 4
+PHOTONS = TILES
+
+
+@pytest.fixture
+def schedule() -> job_pb2.RangeSchedule:
+    schedule = make_schedule(WIDTH, HEIGHT, 8)
+    schedule.photon_range_ends.extend([1, 2, 4])
+    return schedule
+
+
+def _running(schedule: job_pb2.RangeSchedule, stop: StopConditions = EVERYTHING) -> RunningRender:
+    row = OpenRender("r", RenderState.RUNNING, schedule, SCENE, 1, Totals(), stop)
+    return RunningRender(row, [])
+
+
+def _photon_bytes(value: int) -> bytes:
+    """Of a film on which every pixel has the same, with some rest of squares."""
+    pixels = WIDTH * HEIGHT
+    whole = np.full(pixels, value, dtype=">f4").view(np.uint8).reshape(-1, 4)
+    planes = [whole[:, byte].tobytes() for byte in range(4)]
+    products = (numbers_in(WIDTH, HEIGHT, 0) - 9 * pixels) // 6 + TILES - 1
+    square = np.full(6 * (pixels + products), value, dtype=">f4").view(np.uint8).reshape(-1, 4)
+    # Kinds follow each other, each by its bytes.
+    parts = [*planes * 3]
+    for count in [pixels] * 6 + [products - TILES] * 6 + [TILES] * 6:
+        parts += [square[:count, byte].tobytes() for byte in range(2)]
+    return zlib.compress(b"".join(parts))
+
+
+def _photons(planned: PlannedRender, index: int, value: int = 1) -> RangeSums:
+    found = planned.ranges_of(PHOTONS)[index]
+    count = (found.end - found.first) * PHOTON_BUNDLE
+    partial = job_pb2.Partial(sums=_photon_bytes(value), photons=count, rays=count)
+    sums = planned.check_partial(partial, planned.job(PHOTONS, found))
+    return RangeSums(index, sums, count, count, 0, 1.0, b"photons-%d" % index)
+
+
+def _samples(planned: PlannedRender, tile: int, index: int) -> RangeSums:
+    job = planned.job(tile, planned.ranges_of(tile)[index])
+    photons = planned.photons_in(tile, planned.ranges_of(tile)[index])
+    entry = b"tile-%d-%d" % (tile, index)
+    return RangeSums(index, simulated_sums(job, 0), photons, 3 * photons, 0, 0.1, entry)
+
+
+def _merge_all(render: RunningRender) -> None:
+    for index in range(3):
+        render.offer(PHOTONS, _photons(render.planned, index), 0.0)
+    for tile in range(TILES):
+        for index in range(2):
+            render.offer(tile, _samples(render.planned, tile, index), 0.0)
+
+
+def test_nothing_is_shown_until_both_kinds_of_photons_came(schedule: job_pb2.RangeSchedule) -> None:
+    render = _running(schedule)
+    render.offer(0, _samples(render.planned, 0, 0), 0.0)
+    assert not render.film.counts.any()
+    assert not render.film.sums.any()
+    assert render.film.shown_bytes(0) == b""
+    render.offer(PHOTONS, _photons(render.planned, 0), 0.0)
+    assert (render.film.counts > 0).sum() == 32 * 32
+    assert (render.film.counts[:32, :32] == 4).all()
+    assert render.film.shown_bytes(0) != b""
+    assert render.film.shown_bytes(1) == b""
+
+
+def test_photon_ranges_are_merged_in_order_and_once(schedule: job_pb2.RangeSchedule) -> None:
+    render = _running(schedule)
+    verdicts = [render.offer(PHOTONS, _photons(render.planned, i, i + 1), 0.0).verdict for i in (1, 0, 1, 2)]
+    assert verdicts == [Verdict.EARLY, Verdict.MERGED, Verdict.DUPLICATE, Verdict.MERGED]
+    assert render.film.bundles == 4
+    assert render.totals.photons == 4 * PHOTON_BUNDLE
+    assert render.film.mean_samples == 0.0
+
+
+def test_what_is_shown_are_the_sums_of_both(schedule: job_pb2.RangeSchedule) -> None:
+    render = _running(schedule)
+    _merge_all(render)
+    film = render.film
+    tile = film.tiles[3].sums
+    photons = film.tiles[PHOTONS].sums
+    part = replace(
+        photons,
+        pixels=photons.pixels[32:, 32:],
+        block_products=photons.block_products[8:, 8:],
+        tile_products=photons.tile_products[3:],
+    )
+    expected = with_photons(tile, 8, part, 4, WIDTH * HEIGHT)
+    np.testing.assert_array_equal(film.sums[32:, 32:], expected.pixels)
+    np.testing.assert_array_equal(film.squares.of_blocks[8:, 8:], expected.block_products)
+    np.testing.assert_array_equal(film.squares.of_tiles[1, 1], expected.tile_products[0])
+    assert film.complete
+    assert film.mean_samples == 8
+
+
+def test_photons_are_committed_seldom_and_their_results_kept_until_then(
+    schedule: job_pb2.RangeSchedule,
+) -> None:
+    render = _running(schedule)
+    render.offer(PHOTONS, _photons(render.planned, 0), 0.0)
+    render.offer(0, _samples(render.planned, 0, 0), 0.0)
+    early = render.changes(1.0, 1.0)
+    assert early is not None
+    assert [(row.tile_index, bool(row.photons)) for row in early.tiles] == [(0, False)]
+    assert render.committed() == []
+    assert render.waiting_entries() == [b"photons-0"]
+    due = render.changes(PHOTON_COMMIT_SECONDS, 1.0)
+    assert due is not None
+    assert [row.tile_index for row in due.tiles] == [0, 1, 2, 3, PHOTONS]
+    assert all(row.photons for row in due.tiles[:-1])
+    assert due.tiles[-1].samples == due.photon_bundles == 1
+    assert render.committed() == [b"photons-0"]
+    assert render.waiting_entries() == []
+
+
+def test_a_render_goes_on_with_what_was_committed(schedule: job_pb2.RangeSchedule) -> None:
+    render = _running(schedule)
+    for index in range(2):
+        render.offer(PHOTONS, _photons(render.planned, index), 0.0)
+    for tile in range(TILES):
+        render.offer(tile, _samples(render.planned, tile, 0), 0.0)
+    render.commit_photons_next()
+    commit = render.changes(1.0, 1.0)
+    assert commit is not None
+    again = RunningRender(render.row, reversed(commit.tiles))
+    assert again.film.manifest() == render.film.manifest() == [4, 4, 4, 4, 2]
+    assert again.totals.photons == render.totals.photons
+    np.testing.assert_array_equal(again.film.sums, render.film.sums)
+    np.testing.assert_array_equal(again.film.counts, render.film.counts)
+    np.testing.assert_array_equal(
+        again.film.tiles[PHOTONS].sums.pixels, render.film.tiles[PHOTONS].sums.pixels
+    )
+
+
+def test_at_the_end_all_is_committed_at_once(schedule: job_pb2.RangeSchedule) -> None:
+    render = _running(schedule)
+    _merge_all(render)
+    commit = render.changes(1.0, 1.0)
+    assert commit is not None
+    assert len(commit.tiles) == TILES + 1
+
+
+def test_ranges_of_photons_that_take_too_long_are_cut(schedule: job_pb2.RangeSchedule) -> None:
+    schedule.photon_range_ends[:] = [1, 2, 4, 8, 16, 48]
+    render = _running(schedule)
+    render.offer(PHOTONS, replace(_photons(render.planned, 0), cpu_seconds=5.0), 0.0)
+    recut = render.recut()
+    assert recut is not None
+    # 32 bundles would take 160 s; those that take less than half a minute stay together.
+    assert list(recut.photon_range_ends) == [1, 2, 4, 8, 12, 16, *range(20, 49, 4)]
+    assert recut.range_ends == schedule.range_ends
+
+
+def test_photons_end_when_no_tile_needs_more(schedule: job_pb2.RangeSchedule) -> None:
+    render = _running(schedule, StopConditions(tile_relative_error=0.5))
+    for tile in range(TILES):
+        render.film.give_up(tile)
+    assert not render.film.complete
+    render.offer(PHOTONS, _photons(render.planned, 0), 0.0)
+    assert render.film.complete
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda partial: partial.MergeFrom(job_pb2.Partial(sums=b"x")),
+        lambda partial: partial.MergeFrom(job_pb2.Partial(photons=1)),
+        lambda partial: partial.MergeFrom(job_pb2.Partial(sums=_photon_bytes(2**20))),
+    ],
+)
+def test_other_results_are_refused(schedule: job_pb2.RangeSchedule, spoil: object) -> None:
+    assert callable(spoil)
+    planned = _running(schedule).planned
+    found = planned.ranges_of(PHOTONS)[0]
+    partial = job_pb2.Partial(sums=_photon_bytes(1), photons=PHOTON_BUNDLE, rays=PHOTON_BUNDLE)
+    planned.check_partial(partial, planned.job(PHOTONS, found))
+    spoil(partial)
+    with pytest.raises(RefusedResult):
+        planned.check_partial(partial, planned.job(PHOTONS, found))
+
+
+def test_both_kinds_go_on_together() -> None:
+    """Of a film of two million pixels: forward photons first, then the tiles that begin as late."""
+    schedule = make_schedule(1920, 1080, 64, forward_photons=ForwardPhotons.BESIDE)
+    planned = PlannedRender("r", schedule, b"", job_pb2.ENGINE_CURRENT)
+    scheduler = Scheduler()
+    tiles = planned.grid.count
+    counts = [len(planned.ranges_of(index)) for index in range(tiles + 1)]
+    scheduler.add(
+        "r", len(planned.ranges), [0] * (tiles + 1), horizon=counts, forward=forward_ranges(planned)
+    )
+    order: list[JobKey] = []
+    while keys := scheduler.take(1):
+        order.extend(keys)
+        scheduler.published(keys[0], b"", 0.0)
+        scheduler.received(keys[0], 0.0)
+        scheduler.completed("r", keys[0].tile_index, keys[0].range_index + 1)
+    assert len(order) == len(set(order)) == sum(counts)
+    assert order[0] == JobKey("r", tiles, 0)
+    last = 0.0
+    for key in order:
+        first = planned.ranges_of(key.tile_index)[key.range_index].first
+        if key.tile_index < tiles:
+            last = max(last, first)
+        else:
+            # No range of a tile that begins later went before.
+            assert last <= first * PHOTON_BUNDLE / planned.pixels
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Iterator[DataFolder]:
+    folder = DataFolder(tmp_path)
+    yield folder
+    folder.close()
+
+
+@pytest.fixture
+def ledger(folder: DataFolder) -> Iterator[Ledger]:
+    ownership = Ownership(folder.root, folder.database)
+    yield Ledger(folder.database, ownership)
+    ownership.release()
+
+
+def _stored(folder: DataFolder, ledger: Ledger, schedule: job_pb2.RangeSchedule) -> tuple[str, int]:
+    """A render that runs; its id and fence."""
+    new = NewRender("a", "name", SCENE, "{}", WIDTH, HEIGHT, 8, schedule)
+    render_id = folder.renders.create(new).id
+    taken = ledger.renders.take(render_id)
+    assert taken is not None
+    assert ledger.commits.start(render_id, taken.fence, 1.0)
+    return render_id, taken.fence
+
+
+def _commit(
+    ledger: Ledger, render: tuple[str, int], rows: list[TileRow], workers: dict[int, list[str]]
+) -> None:
+    commit = RenderCommit(*render, rows, Totals(), 0.0, contributors=workers, photon_bundles=1)
+    assert ledger.commits.commit([commit]) == []
+
+
+def test_what_a_commit_leaves_out_stays(
+    folder: DataFolder, ledger: Ledger, schedule: job_pb2.RangeSchedule
+) -> None:
+    render = _stored(folder, ledger, schedule)
+    _commit(ledger, render, [TileRow(0, 4, b"", own=b"own"), TileRow(2, 0, b"", photons=b"p")], {})
+    assert folder.tiles.changed(render[0], (0, -1), 9) == []
+    both = TileRow(0, 4, b"both", photons=b"photons")
+    _commit(ledger, render, [both, TileRow(PHOTONS, 1, b"")], {})
+    _commit(ledger, render, [TileRow(0, 8, b"later", own=b"more")], {})
+    expected = [
+        TileRow(PHOTONS, 1, b""),
+        TileRow(2, 0, b"", photons=b"p"),
+        TileRow(0, 8, b"later", own=b"more", photons=b"photons"),
+    ]
+    assert list(ledger.renders.tiles(render[0])) == expected
+    assert [each.tile_index for each in folder.tiles.changed(render[0], (0, -1), 9)] == [0]
+    assert folder.tiles.manifest(render[0]) == (8, 0, 0, 0, 1)
+
+
+def test_a_tile_of_a_liar_takes_all_forward_photons_with_it(
+    folder: DataFolder, ledger: Ledger, schedule: job_pb2.RangeSchedule
+) -> None:
+    render = _stored(folder, ledger, schedule)
+    rows = [TileRow(0, 4, b"x", own=b"x", photons=b"x"), TileRow(1, 4, b"x", own=b"x", photons=b"x")]
+    workers = {0: ["liar"], 1: ["honest"], PHOTONS: ["honest"]}
+    _commit(ledger, render, [*rows, TileRow(PHOTONS, 1, b"")], workers)
+    ledger.workers.distrust("liar")
+    assert folder.tiles.manifest(render[0]) == (0, 4, 0, 0, 0)

@@ -1,0 +1,89 @@
+"""Real workers, photons of both directions on a film of many tiles: the service's image is that of
+`nocturne render` in every bit, whatever happens on the way."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.faults.faults import deliver_waiting_results_again, kill_worker
+from tests.system.images import Image, differing_values
+from tests.system.renders import ROOT, has_ended
+from tests.system.service_processes import ServiceProcesses
+from tests.system.waiting import wait_for
+
+pytestmark = pytest.mark.system
+
+# Just above the largest film that is one tile: 289 of them, of two ranges, and three ranges of photons.
+WIDTH, HEIGHT, SAMPLES = 520, 520, 8
+RANGES = 17 * 17 * 2 + 3
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    document = json.loads((ROOT / "examples" / "reflector" / "scene.json").read_text())
+    document["tracing"] = {**document.get("tracing", {}), "direction": "both", "sharing": 1}
+    path = tmp_path_factory.mktemp("scene") / "scene.json"
+    path.write_text(json.dumps(document))
+    return path
+
+
+@pytest.fixture(scope="module")
+def alone(scene: Path) -> Image:
+    output = scene.with_name("alone.exr")
+    film = ["--width", str(WIDTH), "--height", str(HEIGHT), "--samples", str(SAMPLES)]
+    command: list[str | Path] = [
+        Path(sys.executable).with_name("nocturne"),
+        "render",
+        scene,
+        "-o",
+        output,
+        *film,
+    ]
+    subprocess.run(command, check=True, capture_output=True)
+    return Image.read(output)
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceProcesses]:
+    running = ServiceProcesses(tmp_path_factory.mktemp("service"))
+    running.start()
+    yield running
+    running.close()
+
+
+def _finished(service: ServiceProcesses, render_id: str, tmp_path: Path) -> Image:
+    wait_for(lambda: has_ended(service.client, render_id), "the render to end")
+    render = service.client.get(render_id)
+    assert render.state == "SUCCEEDED"
+    assert render.progress.ranges_done == render.progress.ranges_planned == RANGES
+    assert render.progress.mean_samples == SAMPLES
+    service.check_nothing_left()
+    return Image.read(service.client.download(render_id, "exr", tmp_path / "image.exr"))
+
+
+def test_photon_ranges_are_merged_exactly_once(
+    service: ServiceProcesses, scene: Path, alone: Image, tmp_path: Path
+) -> None:
+    """S2, T3, W1, C1: results twice, a worker killed, the coordinator killed, all in one render."""
+    service.have_workers(2)
+    render_id = service.client.submit(scene, WIDTH, HEIGHT, SAMPLES).id
+    wait_for(lambda: service.client.get(render_id).progress.ranges_done > 0, "something to be committed")
+    deliver_waiting_results_again(service, render_id)
+    hit = kill_worker(service, render_id)
+    service.coordinator.kill()
+    service.coordinator.start()
+    image = _finished(service, render_id, tmp_path)
+    assert hit
+    assert differing_values(image, alone) == {}
+
+
+def test_a_replay_has_the_same_bits(service: ServiceProcesses, alone: Image, tmp_path: Path) -> None:
+    """One worker, by the manifest, which counts forward photons last."""
+    service.have_workers(1)
+    first = next(each.id for each in service.client.list() if each.has_ended)
+    replayed = service.client.replay(first, "again").id
+    assert differing_values(_finished(service, replayed, tmp_path), alone) == {}

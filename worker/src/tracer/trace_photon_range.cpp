@@ -1,0 +1,150 @@
+#include "tracer/trace_photon_range.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+#include <tuple>
+#include <vector>
+
+#include "tracer/estimators/camera_estimator.h"
+#include "tracer/estimators/sensor_estimator.h"
+#include "tracer/flush_denormals.h"
+#include "tracer/photon_batches.h"
+#include "tracer/response.h"
+
+namespace nocturne {
+namespace {
+
+template <int N, class Estimator, bool Media>
+class PhotonsOnFilm {
+ public:
+  PhotonsOnFilm(const Scene& scene, Film film, std::uint32_t tile_size, const std::stop_token& stop)
+      : pixels_(std::uint64_t{film.width} * film.height),
+        tile_blocks_(tile_size / TileSums::kBlock),
+        tile_columns_((film.width + tile_size - 1) / tile_size),
+        batch_size_(samples_in_batch(scene.options, kBatchGroups)),
+        photons_(scene, film, batch_size_, stop),
+        sums_(film.width, film.height, scene.wavelengths.further_curves(),
+              std::size_t{tile_columns_} * ((film.height + tile_size - 1) / tile_size)),
+        of_pixel_(sums_.values()) {}
+
+  TileSums trace(const PhotonRange& range) {
+    std::vector<PhotonIndex> batch;
+    const std::uint64_t end = range.end * kPhotonBundle;
+    for (std::uint64_t photon = range.first * kPhotonBundle; photon < end; ++photon) {
+      batch.push_back({static_cast<std::uint32_t>(photon % pixels_),
+                       static_cast<std::uint32_t>(photon / pixels_)});
+      if (batch.size() < batch_size_ && photon + 1 < end) continue;
+      photons_.trace(batch, sums_);
+      add_splats();
+      batch.clear();
+    }
+    return std::move(sums_);
+  }
+
+ private:
+  /// A splat and where it fell; those of one pixel, block and tile lie together.
+  struct Fallen {
+    std::size_t tile, block, pixel;
+    const Splat<N>* splat;
+
+    auto place() const { return std::tie(tile, block, pixel); }
+  };
+
+  void add_splats() {
+    const std::vector<Splat<N>>& splats = photons_.splats();
+    for (std::size_t i = 0; i < splats.size(); ++i) {
+      fallen_.push_back(fallen(splats[i]));
+      if (i + 1 < splats.size() && splats[i + 1].sample == splats[i].sample) continue;
+      add_photon();
+      fallen_.clear();
+    }
+  }
+
+  Fallen fallen(const Splat<N>& splat) const {
+    const std::uint32_t x = splat.pixel % sums_.width / TileSums::kBlock;
+    const std::uint32_t y = splat.pixel / sums_.width / TileSums::kBlock;
+    const std::size_t tile = std::size_t{y / tile_blocks_} * tile_columns_ + x / tile_blocks_;
+    return {tile, std::size_t{y} * sums_.block_columns() + x, splat.pixel, &splat};
+  }
+
+  /// All that one photon brought: what it has in a pixel, a block and a tile is squared there.
+  void add_photon() {
+    std::ranges::stable_sort(fallen_, {}, &Fallen::place);
+    for (std::size_t i = 0; i < fallen_.size(); ++i) {
+      const Fallen& at = fallen_[i];
+      const Fallen* const next = i + 1 < fallen_.size() ? &fallen_[i + 1] : nullptr;
+      sums_.invalid_samples += photons_.add(*at.splat, of_pixel_.data());
+      if (next != nullptr && next->pixel == at.pixel) continue;
+      for (std::size_t c = 0; c < of_block_.size(); ++c) of_block_[c] += of_pixel_[c];
+      add_sample(of_pixel_.data(), sums_.further, &sums_.sums[at.pixel * sums_.channels]);
+      std::ranges::fill(of_pixel_, 0.0);
+      if (next != nullptr && next->block == at.block) continue;
+      for (std::size_t c = 0; c < of_tile_.size(); ++c) of_tile_[c] += of_block_[c];
+      add_products(of_block_, sums_.block_products, at.block);
+      if (next != nullptr && next->tile == at.tile) continue;
+      add_products(of_tile_, sums_.tile_products, at.tile);
+    }
+  }
+
+  using Xyz = std::array<double, TileSums::kXyzValues>;
+
+  static void add_products(Xyz& values, std::vector<double>& sums, std::size_t index) {
+    const auto products = products_of(values.data());
+    for (std::size_t i = 0; i < products.size(); ++i)
+      sums[index * products.size() + i] += products[i];
+    values.fill(0.0);
+  }
+
+  const std::uint64_t pixels_;
+  const std::uint32_t tile_blocks_, tile_columns_, batch_size_;
+  PhotonBatches<N, Estimator, Media> photons_;
+  TileSums sums_;
+  std::vector<Fallen> fallen_;
+  std::vector<double> of_pixel_;
+  Xyz of_block_{}, of_tile_{};
+};
+
+template <int N, bool Media>
+TileSums trace_in_groups(const Scene& scene, Film film, std::uint32_t tile_size,
+                         const PhotonRange& range, const std::stop_token& stop) {
+  if (scene.options.direction == Direction::kForward) {
+    return PhotonsOnFilm<N, SensorEstimator<N>, Media>(scene, film, tile_size, stop).trace(range);
+  }
+  return PhotonsOnFilm<N, CameraEstimator<N>, Media>(scene, film, tile_size, stop).trace(range);
+}
+
+template <int N>
+TileSums trace_group(const Scene& scene, Film film, std::uint32_t tile_size,
+                     const PhotonRange& range, const std::stop_token& stop) {
+  return scene.media.empty() ? trace_in_groups<N, false>(scene, film, tile_size, range, stop)
+                             : trace_in_groups<N, true>(scene, film, tile_size, range, stop);
+}
+
+TileSums trace_any(const Scene& scene, Film film, std::uint32_t tile_size, const PhotonRange& range,
+                   const std::stop_token& stop) {
+  switch (scene.options.group) {
+    case 4:
+      return trace_group<4>(scene, film, tile_size, range, stop);
+    case 8:
+      return trace_group<8>(scene, film, tile_size, range, stop);
+    default:
+      return trace_group<1>(scene, film, tile_size, range, stop);
+  }
+}
+
+}  // namespace
+
+TileSums trace_photon_range(const Scene& scene, Film film, std::uint32_t tile_size,
+                            const PhotonRange& range, const std::stop_token& stop) {
+  if (scene.options.direction == Direction::kAdjoint) {
+    throw std::invalid_argument("a range of forward photons of a scene that has none");
+  }
+  const FlushDenormals flush;
+  TileSums sums = trace_any(scene, film, tile_size, range, stop);
+  sums.photons = range.photons() * scene.options.group;
+  round_photon_sums(sums);
+  return sums;
+}
+
+}  // namespace nocturne
