@@ -330,11 +330,14 @@ const checks = {
     await page.getByLabel("choose a file").setInputFiles(given.archive);
     await page.getByLabel("Samples per pixel, at most").fill("100000");
     await page.getByLabel("Stop at a relative error of, %").fill("0.1");
+    await page.getByRole("checkbox", { name: "albedo" }).check();
+    await page.getByRole("checkbox", { name: "depth" }).check();
     await look(page, "list");
     const start = Date.now();
     await page.getByRole("button", { name: "Render", exact: true }).click();
     await page.locator("canvas[data-updates]").waitFor();
     const first = Date.now() - start;
+    await page.getByText("albedo, depth", { exact: true }).waitFor();
     const before = await canvasStatistics(page);
     const since = Date.now();
     await nextUpdates(page, 4);

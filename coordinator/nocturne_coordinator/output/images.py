@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import OpenEXR
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from nocturne_scene.layers import NO_LAYERS, Layers
 from nocturne_scene.quantities import LUMINANCE, quantity_named
 from nocturne_scene.tile_sums import BLOCK
 from nocturne_scene.uncertainty import ImageMoments, block_sums, moments_of, tile_sums
@@ -148,9 +149,10 @@ def write_image(
     squares: Squares,
     provenance: Provenance,
     further_responses: Sequence[str] = (),
+    layers: Layers = NO_LAYERS,
 ) -> None:
     """Writes an EXR, as worker/src/image/write_exr.h does: all quantities, their errors and how these go
-    together as float, n as uint; R, G, B for viewers."""
+    together as float, n as uint; R, G, B for viewers; layers beside them."""
     header = {
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,
@@ -170,8 +172,10 @@ def write_image(
         header["nocturne:way"] = provenance.way
     if provenance.truncated_paths:
         header["nocturne:truncatedPaths"] = str(provenance.truncated_paths)
+    # A sensor may have responses with such names: they go first.
+    channels = {**layers.channels, **_exr_channels(sums, counts, squares, further_responses)}
     try:
-        with OpenEXR.File(header, _exr_channels(sums, counts, squares, further_responses)) as file:
+        with OpenEXR.File({**header, **layers.attributes}, channels) as file:
             file.write(str(path))
     except RuntimeError as trouble:
         raise OSError(f"can't write {path}: {trouble}") from trouble

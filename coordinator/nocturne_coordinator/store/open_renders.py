@@ -14,7 +14,7 @@ from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.leases import Leases
 
 _COLUMNS = """id, state, scene_sha256, engine, schedule, photons, rays, invalid_samples, truncated_paths,
-    cpu_seconds, audited, refused, stop, priority, owner, ran_seconds, look_first, floating_point_profile,
+    cpu_seconds, audited, refused, stop, priority, owner, ran_seconds, look_first, floating_point_profile, layers_sha256,
     coalesce((SELECT weight FROM token WHERE token.name = render.owner), 100) AS owner_weight,
     coalesce((SELECT fence FROM lease WHERE lease.render_id = render.id), 0) AS fence,
     coalesce((SELECT coordinator.number FROM lease JOIN coordinator ON coordinator.number = lease.coordinator
@@ -115,6 +115,7 @@ class OpenRenders:
             fence=row["fence"],
             look_first=Region.from_json(row["look_first"]) if row["look_first"] else None,
             floating_point_profile=row["floating_point_profile"],
+            layers_sha256=row["layers_sha256"],
             failed_tiles=tuple(
                 FailedTile(
                     each["tile_index"],

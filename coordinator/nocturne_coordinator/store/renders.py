@@ -13,6 +13,7 @@ from pathlib import Path
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.errors import InputError, NotFound, Problem
+from nocturne_scene.layers import CHANNELS
 from nocturne_scene.ranges import TileGrid
 from nocturne_scene.tile_sums import numbers_in
 
@@ -73,8 +74,8 @@ class Renders:
             """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
                    photons_per_sample, scene_sha256, engine, created, ranges_planned, schedule,
                    scene_document, stop, priority, owner, tiles, floating_point_profile, quantity,
-                   warnings, way, stored_bytes)
-               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
+                   warnings, way, layers, layers_sha256, stored_bytes)
+               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
             (
                 render_id,
                 new.request_id,
@@ -98,6 +99,8 @@ class Renders:
                 new.schedule.quantity,
                 json.dumps(new.warnings),
                 new.way,
+                json.dumps(new.layers),
+                new.layers_sha256,
                 self._bytes_of(new),
             ),
         )
@@ -107,7 +110,8 @@ class Renders:
         """What the render takes of the disk when it is done: sums, image, scene and its files."""
         further = len(new.schedule.further_responses)
         sums = 8 * numbers_in(new.width, new.height, further)
-        image = 4 * new.width * new.height * (_EXR_CHANNELS + 2 * further)
+        layers = sum(len(CHANNELS[layer]) for layer in new.layers)
+        image = 4 * new.width * new.height * (_EXR_CHANNELS + 2 * further + layers)
         files = (self._blob_here(sha256) for sha256 in new.files)
         here = sum(file.stat().st_size for file in files if file is not None)
         return sums + image + len(new.scene_document) + here
@@ -232,6 +236,7 @@ def _render_row(row: sqlite3.Row) -> RenderRow:
     values["state"] = RenderState(values["state"])
     values["image_final"] = bool(values["image_final"])
     values["warnings"] = tuple(json.loads(values["warnings"]))
+    values["layers"] = tuple(json.loads(values["layers"]))
     values["stop"] = StopConditions.from_json(values["stop"])
     return RenderRow(**values)
 
@@ -245,6 +250,8 @@ def _request_digest(new: NewRender) -> str:
     content: list[object] = [new.name, new.scene_document, new.width, new.height, new.samples]
     if new.stop.request() or new.priority != limits.DEFAULT_PRIORITY:
         content += [new.stop.request(), new.priority]
+    if new.layers:
+        content.append(["layers", *new.layers])
     return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
 

@@ -32,6 +32,9 @@ class NewRender:
     """What of the scene can hardly be meant, with its place."""
     way: str = ""
     """How it is traced and why; empty where no pilot chose."""
+    layers: tuple[str, ...] = ()
+    layers_sha256: str = ""
+    """Layers that are wanted, and the blob that holds them."""
     files: tuple[str, ...] = ()
     """Digests of the compiled scene's files, which must be there when the render is made."""
 
@@ -66,6 +69,9 @@ class RenderRow:
     """What of the scene can hardly be meant, with its place."""
     way: str
     """How it is traced and why; empty where no pilot chose."""
+    layers: tuple[str, ...]
+    layers_sha256: str
+    """See NewRender."""
     truncated_paths: int
     relative_error: float
     worst_share: float

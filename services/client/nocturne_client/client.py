@@ -110,12 +110,14 @@ class Client:
         progress: UploadProgress | None = None,
         stop: Mapping[str, Any] | None = None,
         priority: int = 0,
+        layers: Sequence[str] = (),
     ) -> Render:
         """Uploads what the scene document at `scene` names and the service lacks, and starts a render.
 
         `scene` may be a document itself, as imports give it: the service has its files.
         Film in pixels, at most `samples` per pixel. `stop`: what else ends it, whichever comes first, of
         relative_error, tile_relative_error, wall_seconds, cpu_seconds, until ("07:00 Europe/Berlin").
+        `layers`: what the EXR is to tell of surfaces, of albedo, normal, depth, position, object, material.
         Submitting again with the same `request_id` gives the same render.
         """
         if isinstance(scene, Path):
@@ -132,6 +134,7 @@ class Client:
             "samples": samples,
             "stop": dict(stop or {}),
             "priority": priority,
+            "layers": [*layers],
         }
         return decode(Render, self._transport.post("/v1/renders", body))
 

@@ -135,6 +135,8 @@ class Render:
     """How it is traced and why, in words: what a pilot chose. Empty: the scene left nothing open, or the
     render is too small for a pilot.
     """
+    layers: list[str]
+    """Layers that its EXR has beside the image."""
     sequence: int
     """Grows with every change that watchers should see."""
     created: float

@@ -46,6 +46,7 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
                     samples=request.samples,
                     stop=asked_stop(request.stop),
                     priority=request.priority,
+                    layers=[*request.layers],
                 )
             )
             return render_message(created)

@@ -32,6 +32,7 @@ CREATE_RENDER: dict[str, Any] = {
     "samples": 1024,
     "stop": {"relative_error": 0.01, "until": "07:00 Europe/Berlin"},
     "priority": 100,
+    "layers": ["albedo", "normal"],
 }
 
 PREFLIGHT: dict[str, Any] = {"scene": SCENE, "width": 640, "height": 480, "error": 0.02, "budget_seconds": 60}
@@ -62,6 +63,7 @@ RENDER: dict[str, Any] = {
         "$.surfaces[2].shape: bounds a body, and is open: 4 edges belong to one face only; light that passes "
         "there is taken to be inside"
     ],
+    "layers": ["albedo", "normal"],
     "way": "photons from the sensor, shared by blocks of 16 pixels: 5.8 times less time to the same error "
     "than by photons from the sensor, by a pilot of 933,632 photons",
     "sequence": 12,

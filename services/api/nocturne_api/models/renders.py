@@ -142,6 +142,7 @@ class Render(Answer):
         description="How it is traced and why, in words: what a pilot chose. Empty: the scene left nothing "
         "open, or the render is too small for a pilot."
     )
+    layers: list[str] = Field(description="Layers that its EXR has beside the image.")
     sequence: int = Field(description="Grows with every change that watchers should see.")
     created: float = Field(description="Unix time, seconds.")
     started: float = Field(description="Unix time, seconds; 0 before the start.")
@@ -295,6 +296,11 @@ class CreateRenderRequest(RequestBody):
     samples: int = Field(description="Samples per pixel, at most.")
     stop: Stop = Field(default_factory=dict)
     priority: int = Field(default=0, description="1 to 1000; 0 means 100.")
+    layers: list[str] = Field(
+        default_factory=list,
+        description="What the EXR is to tell of the surfaces in the image: albedo, normal, depth, position, "
+        "object, material.",
+    )
 
 
 class RenderActionRequest(RequestBody):

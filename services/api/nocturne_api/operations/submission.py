@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Any, TypeVar
@@ -17,6 +17,7 @@ from nocturne_coordinator.store.rows import NewRender
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.film import Film
+from nocturne_scene.layers import known_layers
 from nocturne_scene.ranges import make_schedule
 from nocturne_scene.scene_ranges import schedule_for_scene
 
@@ -30,7 +31,8 @@ _SHA256 = re.compile("[0-9a-f]{64}")
 class CreateRequest:
     """A scene to render. `scene` is the scene document as decoded JSON; film in pixels; samples per pixel.
 
-    `stop`: what else ends it, see `stop_conditions`. `priority`: 0 for the usual one.
+    `stop`: what else ends it, see `stop_conditions`. `priority`: 0 for the usual one. `layers`: see
+    `nocturne_scene.layers`.
     """
 
     request_id: str
@@ -41,6 +43,7 @@ class CreateRequest:
     samples: int
     stop: Mapping[str, Any] = field(default_factory=dict)
     priority: int = 0
+    layers: Sequence[str] = ()
 
 
 def compiled(
@@ -62,20 +65,23 @@ def compiled(
     stop = found.collect(lambda: checked_stop(request.stop, before.stop if before else EVERYTHING))
     priority = request.priority or DEFAULT_PRIORITY
     found.collect(lambda: check_priority(priority))
-    if found.problems or schedule is None or document is None or stop is None:
+    layers = found.collect(lambda: known_layers(request.layers))
+    if found.problems or schedule is None or document is None or stop is None or layers is None:
         raise InputError(found.problems)
     if before is None:
         check_quota(folder.database, owner, quota, more_renders=1)
-        output = compile_in_child(document, folder.blobs, compile_limits, Film(*film))
+        output = compile_in_child(document, folder.blobs, compile_limits, Film(*film), layers)
         scene_sha256, warnings, way = output.scene_sha256, tuple(output.warnings), output.way
+        layers_sha256 = output.layers_sha256
         schedule = schedule_for_scene(folder.blobs, scene_sha256, *film)
-        files = blobs_of_scene(folder.blobs, scene_sha256)
+        files = (*blobs_of_scene(folder.blobs, scene_sha256), *filter(None, [layers_sha256]))
         for sha256 in files:
             # Here too, not in the object store only.
             folder.blobs.path(sha256)
     else:
         files = ()
         scene_sha256, warnings, way = before.scene_sha256, before.warnings, before.way
+        layers_sha256 = before.layers_sha256
         schedule = folder.renders.schedule(before.id)
     return NewRender(
         request_id=request.request_id,
@@ -91,6 +97,8 @@ def compiled(
         owner=owner,
         warnings=warnings,
         way=way,
+        layers=layers,
+        layers_sha256=layers_sha256,
         files=files,
     )
 

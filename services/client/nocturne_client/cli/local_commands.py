@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from nocturne_client.cli.layers import LayerNames, layer_names
 from nocturne_client.cli.output import CONSOLE, ERRORS, AsJson, print_json
 from nocturne_client.cli.service_commands import (
     DEFAULT_EDGE,
@@ -111,6 +112,7 @@ def render(
     ] = None,
     error: Error = "",
     duration: For = "",
+    layers: LayerNames = "",
     light: Light = "",
     allow_missing: AllowMissing = False,
 ) -> None:
@@ -125,7 +127,9 @@ def render(
     threads = threads or len(os.sched_getaffinity(0))
     with imported_or_same(scene, light, allow_missing, DEFAULT_EDGE) as (document, film):
         edges = width or film[0], height or film[1]
-        render_scene(LocalRender(document, output, *edges, samples, threads, seed, statistics, stop))
+        film = *edges, samples
+        names = layer_names(layers)
+        render_scene(LocalRender(document, output, *film, threads, seed, statistics, stop, names))
     typer.echo(output)
 
 

@@ -66,6 +66,7 @@ def print_render(render: Render, as_json: bool) -> None:
         ("merged", f"{render.fraction:.1%}, {progress.samples_merged:,} samples, {progress.rays:,} rays"),
         *(("warning", warning) for warning in render.warnings),
         *([("traced by", render.way)] if render.way else []),
+        *([("layers", ", ".join(render.layers))] if render.layers else []),
         ("relative error", _error(progress)),
         (_mean_name(render), _mean(render)),
         ("nothing seen", f"in {progress.unseen_pixels:,} of {render.width * render.height:,} pixels"),

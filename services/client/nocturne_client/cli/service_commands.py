@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from nocturne_client.cli.layers import LayerNames, layer_names
 from nocturne_client.cli.output import (
     ERRORS,
     AsJson,
@@ -103,6 +104,7 @@ def submit(
     weight: Annotated[
         int, typer.Option("--priority", help="1 to 1000; twice as much gets twice the work.")
     ] = 0,
+    layers: LayerNames = "",
     then_watch: Annotated[bool, typer.Option("--watch", help="Follow it to its end.")] = False,
     light: Light = "",
     allow_missing: AllowMissing = False,
@@ -130,7 +132,9 @@ def submit(
         # Chosen here, so that it can be told if the answer does not come.
         request_id = request_id or str(uuid.uuid4())
         try:
-            render = client.submit(source, *film, name, request_id, uploading, stop=stop, priority=weight)
+            render = client.submit(
+                source, *film, name, request_id, uploading, stop, weight, layer_names(layers)
+            )
         except NocturneClientError as error:
             if error.can_be_retried:
                 again = f"Submit it again with --request-id {request_id}: if it was made, you get its id."
