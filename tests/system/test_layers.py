@@ -111,8 +111,10 @@ def test_the_image_has_the_same_bits_with_and_without(tmp_path: Path) -> None:
 
 def test_another_reader_groups_them(tmp_path: Path) -> None:
     render(scene(LEFT), tmp_path, "albedo", "object")
-    spec = oiio.ImageInput.open(str(tmp_path / "albedo-object.exr")).spec()
-    assert {*CHANNELS["albedo"], "id.object", "X", "n"} <= {*spec.channelnames}
+    picture = oiio.ImageInput.open(str(tmp_path / "albedo-object.exr"))
+    assert picture is not None
+    assert {*CHANNELS["albedo"], "id.object", "X", "n"} <= {*picture.spec().channelnames}
+    picture.close()
 
 
 def test_names_that_there_are_not_are_told(tmp_path: Path) -> None:

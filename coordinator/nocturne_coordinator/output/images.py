@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import OpenEXR
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from nocturne_scene.bands import spectral_attributes
 from nocturne_scene.layers import NO_LAYERS, Layers
 from nocturne_scene.quantities import LUMINANCE, quantity_named
 from nocturne_scene.tile_sums import BLOCK
@@ -166,6 +167,7 @@ def write_image(
     if provenance.manifest:
         header["nocturne:tileSamples"] = provenance.manifest
     header |= _measured(provenance.quantity)
+    header |= spectral_attributes(further_responses, quantity_named(provenance.quantity))
     if provenance.doubt:
         header["nocturne:errorDoubt"] = provenance.doubt
     if provenance.way:

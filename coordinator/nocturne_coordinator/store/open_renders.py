@@ -14,7 +14,8 @@ from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.leases import Leases
 
 _COLUMNS = """id, state, scene_sha256, engine, schedule, photons, rays, invalid_samples, truncated_paths,
-    cpu_seconds, audited, refused, stop, priority, owner, ran_seconds, look_first, floating_point_profile, layers_sha256,
+    cpu_seconds, audited, refused, stop, priority, owner, ran_seconds, look_first, floating_point_profile,
+    layers_sha256,
     coalesce((SELECT weight FROM token WHERE token.name = render.owner), 100) AS owner_weight,
     coalesce((SELECT fence FROM lease WHERE lease.render_id = render.id), 0) AS fence,
     coalesce((SELECT coordinator.number FROM lease JOIN coordinator ON coordinator.number = lease.coordinator

@@ -75,7 +75,8 @@ class Renders:
                    photons_per_sample, scene_sha256, engine, created, ranges_planned, schedule,
                    scene_document, stop, priority, owner, tiles, floating_point_profile, quantity,
                    warnings, way, layers, layers_sha256, stored_bytes)
-               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
+               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?,
+                   ?)""",
             (
                 render_id,
                 new.request_id,

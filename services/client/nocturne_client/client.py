@@ -14,6 +14,7 @@ from urllib.parse import quote
 
 import httpx
 
+from nocturne_client.changes import changed
 from nocturne_client.decoding import decode
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.events import data_of
@@ -111,12 +112,14 @@ class Client:
         stop: Mapping[str, Any] | None = None,
         priority: int = 0,
         layers: Sequence[str] = (),
+        changes: Mapping[str, Any] | None = None,
     ) -> Render:
         """Uploads what the scene document at `scene` names and the service lacks, and starts a render.
 
         `scene` may be a document itself, as imports give it: the service has its files.
         Film in pixels, at most `samples` per pixel. `stop`: what else ends it, whichever comes first, of
         relative_error, tile_relative_error, wall_seconds, cpu_seconds, until ("07:00 Europe/Berlin").
+        `changes` of the document: values by their places, such as `sensor.position[0]`.
         `layers`: what the EXR is to tell of surfaces, of albedo, normal, depth, position, object, material.
         Submitting again with the same `request_id` gives the same render.
         """
@@ -128,7 +131,7 @@ class Client:
         body = {
             "request_id": request_id or str(uuid.uuid4()),
             "name": name or on_disk.name,
-            "scene": on_disk.document,
+            "scene": changed(on_disk.document, changes or {}),
             "width": width,
             "height": height,
             "samples": samples,

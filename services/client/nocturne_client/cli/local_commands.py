@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from nocturne_client.cli.layers import LayerNames, layer_names
+from nocturne_client.cli.additions import BandEdges, LayerNames, Settings, changes_of, layer_names
 from nocturne_client.cli.output import CONSOLE, ERRORS, AsJson, print_json
 from nocturne_client.cli.service_commands import (
     DEFAULT_EDGE,
@@ -113,6 +113,8 @@ def render(
     error: Error = "",
     duration: For = "",
     layers: LayerNames = "",
+    bands: BandEdges = "",
+    settings: Settings = None,
     light: Light = "",
     allow_missing: AllowMissing = False,
 ) -> None:
@@ -125,11 +127,11 @@ def render(
 
     stop = Stops(error, duration=duration).asked()
     threads = threads or len(os.sched_getaffinity(0))
+    names, changes = layer_names(layers), changes_of(settings, bands)
     with imported_or_same(scene, light, allow_missing, DEFAULT_EDGE) as (document, film):
         edges = width or film[0], height or film[1]
-        film = *edges, samples
-        names = layer_names(layers)
-        render_scene(LocalRender(document, output, *film, threads, seed, statistics, stop, names))
+        how = threads, seed, statistics, stop, names, changes
+        render_scene(LocalRender(document, output, *edges, samples, *how))
     typer.echo(output)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from nocturne_client.cli.layers import LayerNames, layer_names
+from nocturne_client.cli.additions import BandEdges, LayerNames, Settings, changes_of, layer_names
 from nocturne_client.cli.output import (
     ERRORS,
     AsJson,
@@ -105,6 +105,8 @@ def submit(
         int, typer.Option("--priority", help="1 to 1000; twice as much gets twice the work.")
     ] = 0,
     layers: LayerNames = "",
+    bands: BandEdges = "",
+    settings: Settings = None,
     then_watch: Annotated[bool, typer.Option("--watch", help="Follow it to its end.")] = False,
     light: Light = "",
     allow_missing: AllowMissing = False,
@@ -133,7 +135,15 @@ def submit(
         request_id = request_id or str(uuid.uuid4())
         try:
             render = client.submit(
-                source, *film, name, request_id, uploading, stop, weight, layer_names(layers)
+                source,
+                *film,
+                name,
+                request_id,
+                uploading,
+                stop,
+                weight,
+                layer_names(layers),
+                changes_of(settings, bands),
             )
         except NocturneClientError as error:
             if error.can_be_retried:

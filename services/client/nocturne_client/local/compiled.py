@@ -1,8 +1,9 @@
 """Compiles a scene into a folder, without a service."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import compile_scene
@@ -13,6 +14,7 @@ from nocturne_scene.layers import known_layers
 from nocturne_scene.ranges import make_schedule
 from nocturne_scene.scene_ranges import schedule_for_scene
 
+from nocturne_client.changes import changed
 from nocturne_client.errors import NocturneClientError, Problem
 from nocturne_client.scene_files import SceneOnDisk, read_scene
 
@@ -45,15 +47,16 @@ def compile_to(
     samples: int,
     seed: int | None = None,
     layers: Sequence[str] = (),
+    changes: Mapping[str, Any] | None = None,
 ) -> CompiledFolder:
     """Writes scene.pb, schedule.pb and blobs/ into `folder`. Raises NocturneClientError with all problems.
 
-    `seed` instead of the scene's own. `layers`: see `nocturne_scene.layers`.
+    `seed` instead of the scene's own. `layers`: see `nocturne_scene.layers`. `changes`: see
+    `nocturne_client.changes`.
     """
     on_disk = read_scene(scene)
-    if seed is not None:
-        tracing = {**on_disk.document.get("tracing", {}), "seed": seed}
-        on_disk = replace(on_disk, document={**on_disk.document, "tracing": tracing})
+    made = {**(changes or {}), **({} if seed is None else {"tracing.seed": seed})}
+    on_disk = replace(on_disk, document=changed(on_disk.document, made))
     try:
         # Problems of the film are told before the work.
         make_schedule(width, height, samples)

@@ -41,6 +41,8 @@ class LocalRender:
     """Of the service's conditions, relative_error and wall_seconds."""
     layers: Sequence[str] = ()
     """Names of layers; see nocturne_scene.layers."""
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    """Of the scene document; see nocturne_client.changes."""
 
 
 def render_scene(asked: LocalRender) -> None:
@@ -54,7 +56,7 @@ def render_scene(asked: LocalRender) -> None:
             raise NocturneClientError(f"{path.absolute().parent}: no such folder")
     with tempfile.TemporaryDirectory(prefix="nocturne-") as folder:
         film = asked.width, asked.height, asked.samples
-        compiled = compile_to(asked.scene, Path(folder), *film, asked.seed, asked.layers)
+        compiled = compile_to(asked.scene, Path(folder), *film, asked.seed, asked.layers, asked.changes)
         for warning in compiled.warnings:
             ERRORS.print(f"warning: {warning}", markup=False, soft_wrap=True)
         if compiled.way:
