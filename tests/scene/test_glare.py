@@ -49,8 +49,8 @@ def glare(projection: Projection, y: Values, view: View | None = None, error: fl
     return glare_of(image_of(y, error), LUMINANCE, projection, view or View())
 
 
-# CIE 117:1995, table 4.1, as transcribed in github.com/123VincentB/eulumdat-ugr, src/eulumdat_ugr/guth.py: its
-# row for sources straight above the line of sight (T/R = 0), H/R and the position index.
+# CIE 117:1995, table 4.1, as transcribed in github.com/123VincentB/eulumdat-ugr (guth.py): its row
+# for sources straight above the line of sight (T/R = 0), H/R and the position index.
 _ABOVE = {
     0.3: 1.90,
     0.5: 2.86,

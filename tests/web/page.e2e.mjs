@@ -44,6 +44,24 @@ const checks = {
     await page.getByRole("combobox", { name: "Show" }).selectOption("All states");
   },
 
+  async "a denoised picture stands beside the true image, or the service says that it has none"({ page, note }) {
+    await page.goto(at(showing(given.small)));
+    const button = page.getByRole("button", { name: "Show a denoised picture" });
+    await button.focus();
+    await page.keyboard.press("Enter");
+    const shown = page.getByRole("img", { name: "Denoised, to look at" });
+    const lacking = page.getByText(/has no denoiser/);
+    await shown.or(lacking).waitFor({ timeout: 60_000 });
+    const made = await shown.isVisible();
+    note(made ? "the denoiser is there" : "there is no denoiser here");
+    if (made) {
+      await page.getByRole("img", { name: "Where they differ" }).evaluate((image) => image.decode());
+      await page.getByRole("link", { name: "Denoised EXR" }).waitFor();
+    }
+    await look(page, "denoised");
+    await page.goto(at("#/"));
+  },
+
   async "the keyboard opens a render"({ page }) {
     const link = page.locator(`a[href="${showing(given.small)}"]`);
     await link.focus();

@@ -129,6 +129,17 @@ def write_preview(path: Path, sums: Sums, counts: Counts, compression: int) -> N
     _write_png(path, spec, pixels)
 
 
+def write_rgb_png(path: Path, pixels: npt.NDArray[np.uint8]) -> None:
+    """Writes a PNG of bytes, shape (height, width, 3)."""
+    _write_png(path, oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, "uint8"), pixels)
+
+
+def srgb_to_xyz(linear: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """X, Y, Z of linear sRGB, shape (height, width, 3)."""
+    xyz: npt.NDArray[np.float32] = linear @ np.linalg.inv(_XYZ_TO_SRGB)
+    return xyz
+
+
 def write_thumbnail(path: Path, sums: Sums, counts: Counts) -> None:
     """Writes a tone-mapped PNG of at most THUMBNAIL_EDGE pixels a side, each the mean of a square."""
     size = -(-max(counts.shape) // THUMBNAIL_EDGE)

@@ -41,10 +41,17 @@ from nocturne_client.transport import RETRY_DELAYS_S, Transport
 if TYPE_CHECKING:
     from nocturne_client.tiles import TileAnswer
 
-ImageKind = Literal["exr", "png", "scene"]
+ImageKind = Literal["exr", "png", "scene", "denoised_exr", "denoised_png", "difference"]
 UploadProgress = Callable[[Path, int, int], None]
 
-_PATHS: dict[ImageKind, str] = {"exr": "image.exr", "png": "preview.png", "scene": "scene.json"}
+_PATHS: dict[ImageKind, str] = {
+    "exr": "image.exr",
+    "png": "preview.png",
+    "scene": "scene.json",
+    "denoised_exr": "denoised.exr",
+    "denoised_png": "denoised.png",
+    "difference": "difference.png",
+}
 # The service sends a comment every 15 s, so a longer silence is a lost connection.
 _WATCH_TIMEOUT = httpx.Timeout(40.0, connect=5.0)
 # A service that is started again is there within seconds; one whose machine is, within minutes.
@@ -342,7 +349,11 @@ class Client:
 
     def download(self, render_id: str, kind: ImageKind, path: Path) -> Path:
         """Writes the image ("exr") or the preview ("png") as it is now, or the "scene" document; `path` is
-        whole or untouched."""
+        whole or untouched.
+
+        "denoised_exr", "denoised_png": a picture without noise, to look at; "difference": where that leaves
+        the true image by more than its error bar.
+        """
         self._transport.retrying(
             lambda: self._download_once(f"/v1/renders/{_part(render_id)}/{_PATHS[kind]}", path)
         )

@@ -11,6 +11,7 @@ from nocturne_api.background.space import Space, StorageLimits
 from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits, prepare
 from nocturne_api.operations.assets import Assets
+from nocturne_api.operations.denoised import Denoised
 from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.health import Health
 from nocturne_api.operations.images import Images
@@ -52,6 +53,7 @@ class Operations:
         self.controls = RenderControls(access)
         self.streams = RenderStreams(access, self.renders)
         self.images = Images(access, self.renders, archiver)
+        self.denoised = Denoised(self.renders, self.images)
         self.readings = Readings(access, self.renders)
         self.measurements = Measurements(access, self.renders)
         self.preflights = Preflights(access, compile_limits)

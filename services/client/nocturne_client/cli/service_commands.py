@@ -22,7 +22,7 @@ from nocturne_client.cli.output import (
 from nocturne_client.cli.stops import Cpu, Drop, Error, For, Stops, TileError, Until, dropped
 from nocturne_client.cli.top import show_top
 from nocturne_client.cli.watching import about, follow, graphics_wanted
-from nocturne_client.client import Client
+from nocturne_client.client import Client, ImageKind
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.readings import parse_region, sentence
 from nocturne_client.scene_files import is_of_other_renderer
@@ -217,6 +217,14 @@ def get(
     scene: Annotated[
         Path | None, typer.Option("--scene", help="Write the scene document here, as it was submitted.")
     ] = None,
+    denoised: Annotated[
+        Path | None,
+        typer.Option("--denoised", help="Write a denoised picture here, .png or .exr: to look at only."),
+    ] = None,
+    difference: Annotated[
+        Path | None,
+        typer.Option("--difference", help="Write a PNG of where that leaves the image's error bars."),
+    ] = None,
     region: Annotated[
         str,
         typer.Option(
@@ -235,12 +243,17 @@ def get(
             reading = client.read_region(render.id, parse_region(region))
             print_json(asdict(reading)) if as_json else typer.echo(sentence(reading))
             return
-        if exr is not None:
-            client.download(render_id, "exr", exr)
-        if png is not None:
-            client.download(render_id, "png", png)
-        if scene is not None:
-            client.download(render_id, "scene", scene)
+        as_png = denoised is not None and denoised.suffix.lower() == ".png"
+        files: dict[ImageKind, Path | None] = {
+            "exr": exr,
+            "png": png,
+            "scene": scene,
+            "denoised_png" if as_png else "denoised_exr": denoised,
+            "difference": difference,
+        }
+        for kind, path in files.items():
+            if path is not None:
+                client.download(render_id, kind, path)
     print_render(render, as_json)
 
 

@@ -41,6 +41,8 @@ export const previewAddress = (id: string, sequence?: number): string =>
 export const thumbnailAddress = (id: string, sequence: number): string => `${renderAddress(id)}/thumbnail.png?v=${sequence}`;
 export const tilesAddress = (id: string): string => `${renderAddress(id)}/tiles`;
 export const sceneAddress = (id: string): string => `${renderAddress(id)}/scene.json`;
+/** Of pictures that the service makes of the image when somebody asks. */
+export const derivedAddress = (id: string, name: string): string => `${renderAddress(id)}/${name}`;
 export const imageAddress = (id: string): string => `${renderAddress(id)}/image.exr`;
 
 export async function listRenders(pageToken = ""): Promise<RenderPage> {
@@ -144,6 +146,13 @@ export async function listWorkers(): Promise<Worker[]> {
 
 export function renderAddress(id: string): string {
   return `/v1/renders/${encodeURIComponent(id)}`;
+}
+
+/** Has the service make such a picture; it keeps it for those who ask next. */
+export async function makePicture(id: string, name: string): Promise<void> {
+  const response = await fetch(derivedAddress(id, name));
+  if (!response.ok) throw await failureOf(response);
+  await response.blob();
 }
 
 /** What the operation answers at this address. */
