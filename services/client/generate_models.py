@@ -18,6 +18,7 @@ _WANTED = (
     "Measurements",
     "Isolines",
     "Glare",
+    "Group",
     "MeasuredRegions",
     "Worker",
     "WorkOfWorker",

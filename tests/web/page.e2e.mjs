@@ -62,6 +62,18 @@ const checks = {
     await page.goto(at("#/"));
   },
 
+  async "a group is shown as one, by the link of its renders"({ page }) {
+    const rows = page.locator(".renders li");
+    await rows.first().getByRole("link", { name: "group boxes" }).or(rows.nth(1).getByRole("link", { name: "group boxes" })).first().focus();
+    await page.keyboard.press("Enter");
+    await page.getByRole("heading", { name: "Group boxes" }).waitFor();
+    await page.getByText(/^2 of 2 renders have ended, 100.0 % is done/).waitFor();
+    while ((await rows.count()) !== 2) await page.waitForTimeout(50);
+    await look(page, "group");
+    await page.getByRole("link", { name: "← All renders" }).click();
+    await page.getByRole("heading", { name: "Renders", exact: true }).waitFor();
+  },
+
   async "the keyboard opens a render"({ page }) {
     const link = page.locator(`a[href="${showing(given.small)}"]`);
     await link.focus();

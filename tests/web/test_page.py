@@ -52,7 +52,7 @@ ONE_LAMP: dict[str, Any] = {
 """A photon of it ends at its first hit: a large film is there soon."""
 
 
-def submit(url: str, scene: dict[str, Any], film: tuple[int, int], samples: int) -> str:
+def submit(url: str, scene: dict[str, Any], film: tuple[int, int], samples: int, group: str = "") -> str:
     """Submits a scene; gives the render's id."""
     body = {
         "request_id": secrets.token_hex(8),
@@ -61,6 +61,7 @@ def submit(url: str, scene: dict[str, Any], film: tuple[int, int], samples: int)
         "width": film[0],
         "height": film[1],
         "samples": samples,
+        "group": group,
     }
     response = httpx.post(f"{url}/v1/renders", json=body, timeout=30)
     assert response.status_code == 201, response.text
@@ -135,7 +136,7 @@ def test_the_page(running_service: Up, guarded_url: str, tmp_path: Path) -> None
     assert (DIST / "index.html").is_file(), "run npm run build in services/web"
     url = running_service.url
     cornell = json.loads((ROOT / "examples" / "cornell" / "scene.json").read_text())
-    small, other = (submit(url, cornell, (128, 128), samples) for samples in (64, 16))
+    small, other = (submit(url, cornell, (128, 128), samples, "boxes") for samples in (64, 16))
     large = submit(url, ONE_LAMP, (3840, 2160), 1)
     # What the page promises about time it promises beside nothing else.
     wait_for(lambda: all(has_ended(url, each) for each in (small, other, large)), "renders to end", 120)

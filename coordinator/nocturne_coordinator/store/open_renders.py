@@ -11,6 +11,7 @@ from nocturne_coordinator.dispatch.records import FailedTile, OpenRender, Render
 from nocturne_coordinator.dispatch.region import Region
 from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.groups import WAITS
 from nocturne_coordinator.store.leases import Leases
 
 _COLUMNS = """id, state, scene_sha256, engine, schedule, photons, rays, invalid_samples, truncated_paths,
@@ -38,7 +39,8 @@ class OpenRenders:
                     UNION SELECT id FROM lease JOIN render ON id = render_id
                         WHERE coordinator <> 0 AND state = 'QUEUED'
                     UNION SELECT id FROM (
-                        SELECT id, row_number() OVER of_owner AS place FROM render WHERE state = 'QUEUED'
+                        SELECT id, row_number() OVER of_owner AS place FROM render
+                        WHERE state = 'QUEUED' AND NOT ({WAITS})
                         WINDOW of_owner AS (PARTITION BY owner ORDER BY priority DESC, number)
                     ) WHERE place <= ?)
                 ORDER BY priority DESC, number""",  # noqa: S608

@@ -74,9 +74,9 @@ class Renders:
             """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
                    photons_per_sample, scene_sha256, engine, created, ranges_planned, schedule,
                    scene_document, stop, priority, owner, tiles, floating_point_profile, quantity,
-                   warnings, way, layers, layers_sha256, stored_bytes)
+                   warnings, way, layers, layers_sha256, in_group, after_group, stored_bytes)
                VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?,
-                   ?)""",
+                   ?, ?, ?)""",
             (
                 render_id,
                 new.request_id,
@@ -102,6 +102,8 @@ class Renders:
                 new.way,
                 json.dumps(new.layers),
                 new.layers_sha256,
+                new.in_group,
+                new.after_group,
                 self._bytes_of(new),
             ),
         )
@@ -152,8 +154,11 @@ class Renders:
         more = ", and more" if len(rows) > limits.IDS_SHOWN else ""
         raise AmbiguousId(f"more than one render has an id that begins with {start!r}: {shown}{more}")
 
-    def page(self, page_size: int, page_token: str, owner: str | None = None) -> tuple[list[RenderRow], str]:
-        """Newest first, of one owner or of all; the next page's token, empty on the last.
+    def page(
+        self, page_size: int, page_token: str, owner: str | None = None, group: str = ""
+    ) -> tuple[list[RenderRow], str]:
+        """Newest first, of one owner or of all, of one group or of any; the next page's token, empty on the
+        last.
 
         A page size of 0 means 50, at most 200 come.
 
@@ -162,11 +167,13 @@ class Renders:
         if page_size < 0:
             raise InputError.at("page_size", f"is {page_size}; expected 0 to {limits.MAX_PAGE}")
         size = min(page_size or limits.DEFAULT_PAGE, limits.MAX_PAGE)
-        of_owner = "" if owner is None else "owner = ? AND"
+        wanted = {"owner": owner, "in_group": group or None}
+        asked = {column: value for column, value in wanted.items() if value is not None}
+        conditions = "".join(f"{column} = ? AND " for column in asked)
         rows = self._database.rows(
-            f"""SELECT number, {_COLUMNS} FROM render WHERE {of_owner} number < ?
+            f"""SELECT number, {_COLUMNS} FROM render WHERE {conditions} number < ?
                 ORDER BY number DESC LIMIT ?""",  # noqa: S608
-            (*(() if owner is None else (owner,)), _decode_page_token(page_token), size + 1),
+            (*asked.values(), _decode_page_token(page_token), size + 1),
         )
         token = _encode_page_token(rows[size - 1]["number"]) if len(rows) > size else ""
         return [_render_row(row) for row in rows[:size]], token
@@ -253,6 +260,8 @@ def _request_digest(new: NewRender) -> str:
         content += [new.stop.request(), new.priority]
     if new.layers:
         content.append(["layers", *new.layers])
+    if new.in_group or new.after_group:
+        content.append(["group", new.in_group, new.after_group])
     return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
 

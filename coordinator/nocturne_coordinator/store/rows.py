@@ -35,6 +35,9 @@ class NewRender:
     layers: tuple[str, ...] = ()
     layers_sha256: str = ""
     """Layers that are wanted, and the blob that holds them."""
+    in_group: str = ""
+    after_group: str = ""
+    """What it was submitted with, and what has to end before it begins; see store/groups.py."""
     files: tuple[str, ...] = ()
     """Digests of the compiled scene's files, which must be there when the render is made."""
 
@@ -71,6 +74,9 @@ class RenderRow:
     """How it is traced and why; empty where no pilot chose."""
     layers: tuple[str, ...]
     layers_sha256: str
+    """See NewRender."""
+    in_group: str
+    after_group: str
     """See NewRender."""
     truncated_paths: int
     relative_error: float

@@ -21,6 +21,7 @@ from nocturne_client.events import data_of
 from nocturne_client.models import (
     Explanation,
     Glare,
+    Group,
     ImportedScene,
     Isolines,
     MeasuredRegions,
@@ -120,6 +121,8 @@ class Client:
         priority: int = 0,
         layers: Sequence[str] = (),
         changes: Mapping[str, Any] | None = None,
+        group: str = "",
+        after: str = "",
     ) -> Render:
         """Uploads what the scene document at `scene` names and the service lacks, and starts a render.
 
@@ -128,6 +131,7 @@ class Client:
         relative_error, tile_relative_error, wall_seconds, cpu_seconds, until ("07:00 Europe/Berlin").
         `changes` of the document: values by their places, such as `sensor.position[0]`.
         `layers`: what the EXR is to tell of surfaces, of albedo, normal, depth, position, object, material.
+        Renders with the same `group` are one; `after`: a group that has to end before this render begins.
         Submitting again with the same `request_id` gives the same render.
         """
         if isinstance(scene, Path):
@@ -145,6 +149,8 @@ class Client:
             "stop": dict(stop or {}),
             "priority": priority,
             "layers": [*layers],
+            "group": group,
+            "after": after,
         }
         return decode(Render, self._transport.post("/v1/renders", body))
 
@@ -367,12 +373,16 @@ class Client:
             return False
         return True
 
-    def list(self, limit: int = 50) -> Sequence[Render]:
-        """The newest renders, at most `limit`."""
+    def group(self, name: str) -> Group:
+        """All renders of a group together."""
+        return decode(Group, self._transport.get(f"/v1/groups/{_part(name)}"))
+
+    def list(self, limit: int = 50, group: str = "") -> Sequence[Render]:
+        """The newest renders, of one group or of any, at most `limit`."""
         found: list[Render] = []
         token = ""
         while len(found) < limit:
-            params = {"page_size": min(200, limit - len(found)), "page_token": token}
+            params = {"page_size": min(200, limit - len(found)), "page_token": token, "group": group}
             page = self._transport.get("/v1/renders", params=params)
             found += [decode(Render, each) for each in page["renders"]]
             token = page["next_page_token"]

@@ -6,6 +6,7 @@ from nocturne_client import contract
 from nocturne_client.contract import (
     Explanation,
     Glare,
+    Group,
     ImportedScene,
     Isolines,
     MeasuredRegions,
@@ -27,6 +28,7 @@ from nocturne_client.contract import (
 __all__ = [
     "Explanation",
     "Glare",
+    "Group",
     "ImportedScene",
     "Isolines",
     "MeasuredRegions",

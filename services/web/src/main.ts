@@ -25,6 +25,8 @@ function viewOf(hash: string): View {
   switch (route.page) {
     case "list":
       return listView(renders);
+    case "group":
+      return listView(renders, route.name);
     case "render":
       return renderView(route.id, renders);
     case "unknown":

@@ -9,7 +9,7 @@ function render(id: string, name: string, state: Render["state"], error: number,
 }
 
 const all = [render("r-3", "glass", "RUNNING", 0.1, 300, 5), render("r-2", "box", "SUCCEEDED", 0.5, 0, 50), render("r-1", "sky", "RUNNING", 0.2, 200, 1)];
-const ids = (wish: Partial<Parameters<typeof listed>[1]>): string => listed(all, { text: "", kind: "all", order: "newest", ...wish }).map(({ id }) => id).join();
+const ids = (wish: Partial<Parameters<typeof listed>[1]>): string => listed(all, { text: "", kind: "all", order: "newest", group: "", ...wish }).map(({ id }) => id).join();
 
 test("filters by words and by state", () => {
   assert.equal(ids({}), "r-3,r-2,r-1");

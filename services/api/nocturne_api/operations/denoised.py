@@ -22,6 +22,10 @@ class Denoised:
         self._kept = tempfile.TemporaryDirectory(prefix="nocturne-denoised-", ignore_cleanup_errors=True)
         self._one_by_one = asyncio.Lock()
 
+    def close(self) -> None:
+        """Removes what is kept."""
+        self._kept.cleanup()
+
     async def open(self, render_id: str, name: str) -> OpenFile:
         """A file by its name in `denoising.pictures`. Raises NotFound: no image yet, or no denoiser."""
         render = await self._renders.get(render_id)

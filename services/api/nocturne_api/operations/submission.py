@@ -32,7 +32,7 @@ class CreateRequest:
     """A scene to render. `scene` is the scene document as decoded JSON; film in pixels; samples per pixel.
 
     `stop`: what else ends it, see `stop_conditions`. `priority`: 0 for the usual one. `layers`: see
-    `nocturne_scene.layers`.
+    `nocturne_scene.layers`. `group` and `after`: what it belongs to, and what has to end before it.
     """
 
     request_id: str
@@ -44,6 +44,8 @@ class CreateRequest:
     stop: Mapping[str, Any] = field(default_factory=dict)
     priority: int = 0
     layers: Sequence[str] = ()
+    group: str = ""
+    after: str = ""
 
 
 def compiled(
@@ -56,7 +58,10 @@ def compiled(
     """
     found = _Problems()
     found.add(request_id_problems(request.request_id))
-    found.add(_name_problems(request.name))
+    for field_name in ("name", "group", "after"):
+        found.add(_name_problems(getattr(request, field_name), f"$.{field_name}"))
+    if request.group and request.group == request.after:
+        found.add([Problem("$.after", "is the render's own group, which would never begin")])
     film = (request.width, request.height, request.samples)
     schedule = found.collect(lambda: make_schedule(*film))
     document = found.collect(lambda: check_document(request.scene))
@@ -99,6 +104,8 @@ def compiled(
         way=way,
         layers=layers,
         layers_sha256=layers_sha256,
+        in_group=request.group,
+        after_group=request.after,
         files=files,
     )
 
@@ -118,9 +125,9 @@ def request_id_problems(request_id: str) -> Iterator[Problem]:
         yield Problem("$.request_id", message)
 
 
-def _name_problems(name: str) -> Iterator[Problem]:
+def _name_problems(name: str, place: str) -> Iterator[Problem]:
     if len(name) > MAX_NAME or not name.isprintable():
-        yield Problem("$.name", f"expected at most {MAX_NAME} printable characters")
+        yield Problem(place, f"expected at most {MAX_NAME} printable characters")
 
 
 def digest_problems(digest: str, place: str) -> Iterator[Problem]:

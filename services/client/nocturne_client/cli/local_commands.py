@@ -8,7 +8,7 @@ import typer
 
 from nocturne_client.cli.additions import BandEdges, LayerNames, Settings, changes_of, layer_names
 from nocturne_client.cli.output import CONSOLE, ERRORS, AsJson, print_json
-from nocturne_client.cli.service_commands import (
+from nocturne_client.cli.scene_options import (
     DEFAULT_EDGE,
     AllowMissing,
     AnyScenePath,

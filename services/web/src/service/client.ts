@@ -5,6 +5,7 @@ import { decodeTiles } from "../image/tiles.ts";
 import type { operations } from "./openapi.d.ts";
 import type {
   Answer,
+  Group,
   ConvergencePoint,
   CreateRenderRequest,
   ImportedScene,
@@ -45,8 +46,13 @@ export const sceneAddress = (id: string): string => `${renderAddress(id)}/scene.
 export const derivedAddress = (id: string, name: string): string => `${renderAddress(id)}/${name}`;
 export const imageAddress = (id: string): string => `${renderAddress(id)}/image.exr`;
 
-export async function listRenders(pageToken = ""): Promise<RenderPage> {
-  const query = new URLSearchParams({ page_size: "50" });
+export async function getGroup(name: string): Promise<Group> {
+  return getJson<"get_group">(`/v1/groups/${encodeURIComponent(name)}`);
+}
+
+/** `group`: of this one only, up to 200 at once. */
+export async function listRenders(pageToken = "", group = ""): Promise<RenderPage> {
+  const query = new URLSearchParams({ page_size: group ? "200" : "50", group });
   if (pageToken) query.set("page_token", pageToken);
   return getJson<"list_renders">(`/v1/renders?${query.toString()}`);
 }
