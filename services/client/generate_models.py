@@ -19,6 +19,7 @@ _WANTED = (
     "Isolines",
     "Glare",
     "Group",
+    "Session",
     "MeasuredRegions",
     "Worker",
     "WorkOfWorker",

@@ -53,6 +53,10 @@ def image(path: Path) -> Path:
     return path
 
 
+def values(*numbers: float) -> pictures.Values:
+    return np.array(numbers, dtype=np.float32)
+
+
 @pytest.mark.usefixtures("denoiser")
 def test_are_no_image_for_any_reader_of_ours(tmp_path: Path) -> None:
     pictures.write_denoised(image(tmp_path / "image.exr"), tmp_path)
@@ -72,8 +76,8 @@ def test_tell_where_they_leave_the_error_bars(tmp_path: Path) -> None:
         np.float32([1.0, 1.4, 2.2, 2.0]), np.float32([1, 1, 1, 2]), np.float32([0.5] * 3 + [0])
     )
     assert bars == pytest.approx([0.0, 0.8, 2.4, 0.0])
-    assert np.isinf(pictures.error_bars(np.float32([1]), np.float32([2]), np.float32([0])))
-    colours = pictures.coloured(np.float32([[0.5, 1.5, 2.5, 9.0]]))
+    assert np.isinf(pictures.error_bars(values(1), values(2), values(0)))
+    colours = pictures.coloured(values(0.5, 1.5, 2.5, 9.0)[None])
     assert len({tuple(pixel) for pixel in colours[0]}) == 4
     pictures.write_denoised(image(tmp_path / "image.exr"), tmp_path)
     with OpenEXR.File(str(tmp_path / pictures.EXR), separate_channels=True) as file:

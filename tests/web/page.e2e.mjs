@@ -2,11 +2,13 @@
  * The page in a browser, against a running service with workers. Environment: NOCTURNE_E2E, JSON of
  *   url, api_pid: the service; auth_url, token: another API on the same data that asks for tokens;
  *   small, other: ids of renders 128 x 128 of the Cornell box that have ended; large: one of 3840 x 2160 that will have;
+ *   quarantine: a command that puts the worker named after it in quarantine;
  *   exr: the image of `small`; pixel: {x, y, values} of it, read by OpenImageIO; archive: a ZIP of the Cornell box;
  *   screenshots: a folder.
  * Prints a line per check; exit code 1 at the first that fails.
  */
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
 import { canvasStatistics, checkLooks, launch, nextUpdates, openPage, quiet } from "./browser.mjs";
 
 const given = JSON.parse(process.env.NOCTURNE_E2E);
@@ -288,6 +290,12 @@ const checks = {
     await page.getByRole("radio", { name: "Wipe" }).waitFor();
     await page.locator(".uplot").waitFor();
     await look(page, "compare");
+    const place = page.getByRole("slider", { name: "Place of the wipe" });
+    await place.fill("0.25");
+    await page.waitForURL("**wipe=0.250");
+    await page.reload();
+    await page.getByRole("radio", { name: "Wipe" }).waitFor();
+    assert.equal(await place.inputValue(), "0.25");
     await page.getByRole("radio", { name: "First" }).check();
     const first = await canvasStatistics(page);
     await page.getByRole("button", { name: "Flip" }).click();
@@ -449,6 +457,18 @@ const checks = {
     for (let tries = 0; tries < 3 && rate < 30; tries += 1) rate = Math.max(rate, await pan());
     note(`${rate.toFixed(0)} frames a second, painted by the processor`);
     if (quiet()) assert.ok(rate >= 30, `${rate} frames a second`);
+  },
+
+  async "a worker in quarantine is released, by keyboard"({ page }) {
+    const [worker] = (await (await fetch(`${given.url}/v1/workers`)).json()).workers;
+    const [program, ...words] = given.quarantine;
+    execFileSync(program, [...words, worker.id]);
+    await page.goto(at("#/workers"));
+    const button = page.getByRole("button", { name: `Release ${worker.id}` });
+    await button.focus();
+    await page.keyboard.press("Enter");
+    await button.waitFor({ state: "detached" });
+    await page.getByText("Quarantine", { exact: true }).waitFor({ state: "detached" });
   },
 
   async "workers and speed have their pages"({ page }) {

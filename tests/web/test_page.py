@@ -52,6 +52,14 @@ ONE_LAMP: dict[str, Any] = {
 """A photon of it ends at its first hit: a large film is there soon."""
 
 
+QUARANTINE = """
+import sqlite3, sys, time
+with sqlite3.connect(sys.argv[1], timeout=20) as database:
+    database.execute("INSERT INTO quarantine VALUES (?, 'for a test', ?)", (sys.argv[2], time.time()))
+"""
+"""Puts a worker in quarantine, as a coordinator does whose audits it failed."""
+
+
 def submit(url: str, scene: dict[str, Any], film: tuple[int, int], samples: int, group: str = "") -> str:
     """Submits a scene; gives the render's id."""
     body = {
@@ -150,6 +158,7 @@ def test_the_page(running_service: Up, guarded_url: str, tmp_path: Path) -> None
         "small": small,
         "other": other,
         "large": large,
+        "quarantine": [sys.executable, "-c", QUARANTINE, str(running_service.data / "nocturne.db")],
         "exr": str(as_mitsuba_writes_it(exr, tmp_path / "piz.exr")),
         "pixel": pixel_of(exr),
         "archive": str(archive_of(ROOT / "examples" / "cornell", tmp_path / "cornell.zip")),

@@ -32,6 +32,7 @@ from nocturne_client.models import (
     Reading,
     Region,
     Render,
+    Session,
     Webhook,
     Worker,
     WorkOfWorker,
@@ -364,6 +365,11 @@ class Client:
             lambda: self._download_once(f"/v1/renders/{_part(render_id)}/{_PATHS[kind]}", path)
         )
         return path
+
+    def session(self) -> tuple[Session, str]:
+        """Who the caller is to the service, and the time of its answer as HTTP tells it."""
+        answer = self._transport.send("GET", "/v1/session")
+        return decode(Session, answer.json()), answer.headers.get("date", "")
 
     def is_ready(self) -> bool:
         """Whether the service answers."""

@@ -374,6 +374,16 @@ class Group:
 
 
 @dataclass(frozen=True)
+class Session:
+    """Who the caller is."""
+
+    name: str
+    """Of the token; empty without authentication."""
+    scopes: list[str]
+    """Of read, submit, worker and admin."""
+
+
+@dataclass(frozen=True)
 class MeasuredRegions:
     """Parts of the film that are kept with the render."""
 

@@ -130,8 +130,10 @@ def render(
     names, changes = layer_names(layers), changes_of(settings, bands)
     with imported_or_same(scene, light, allow_missing, DEFAULT_EDGE) as (document, film):
         edges = width or film[0], height or film[1]
-        how = threads, seed, statistics, stop, names, changes
-        render_scene(LocalRender(document, output, *edges, samples, *how))
+        asked = LocalRender(
+            document, output, *edges, samples, threads, seed, statistics, stop, names, changes
+        )
+        render_scene(asked)
     typer.echo(output)
 
 
@@ -288,11 +290,17 @@ def compare_images(
     raise typer.Exit(int(differs))
 
 
-def doctor(as_json: AsJson = False) -> None:
+def doctor(
+    url: Annotated[
+        str | None, typer.Option("--url", help="Look at this service instead of this machine.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
     """Say what is missing on this machine and how to get it. Exit status 1 if something needed is."""
     from nocturne_client.local.doctor import examine, table_of
+    from nocturne_client.local.service_check import examine_service
 
-    findings = examine()
+    findings = examine_service(url) if url else examine()
     if as_json:
         print_json([vars(finding) for finding in findings])
     else:

@@ -46,6 +46,12 @@ export const sceneAddress = (id: string): string => `${renderAddress(id)}/scene.
 export const derivedAddress = (id: string, name: string): string => `${renderAddress(id)}/${name}`;
 export const imageAddress = (id: string): string => `${renderAddress(id)}/image.exr`;
 
+/** Takes the results of a worker in quarantine again. */
+export async function releaseWorker(id: string): Promise<void> {
+  const response = await fetch(`/v1/workers/${encodeURIComponent(id)}:release`, { method: "POST" });
+  if (!response.ok) throw await failureOf(response);
+}
+
 export async function getGroup(name: string): Promise<Group> {
   return getJson<"get_group">(`/v1/groups/${encodeURIComponent(name)}`);
 }
