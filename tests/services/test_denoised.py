@@ -72,9 +72,7 @@ def test_are_no_image_for_any_reader_of_ours(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("denoiser")
 def test_tell_where_they_leave_the_error_bars(tmp_path: Path) -> None:
-    bars = pictures.error_bars(
-        np.float32([1.0, 1.4, 2.2, 2.0]), np.float32([1, 1, 1, 2]), np.float32([0.5] * 3 + [0])
-    )
+    bars = pictures.error_bars(values(1.0, 1.4, 2.2, 2.0), values(1, 1, 1, 2), values(0.5, 0.5, 0.5, 0))
     assert bars == pytest.approx([0.0, 0.8, 2.4, 0.0])
     assert np.isinf(pictures.error_bars(values(1), values(2), values(0)))
     colours = pictures.coloured(values(0.5, 1.5, 2.5, 9.0)[None])

@@ -358,9 +358,20 @@ const checks = {
     await page.getByRole("button", { name: "Import without these" }).click();
     await page.getByText("ball.xml is imported").waitFor();
     assert.equal(await page.getByLabel("Width, pixels").inputValue(), "24");
-    await page.getByLabel("Samples per pixel, at most").fill("4");
+    await page.context().grantPermissions(["notifications"]);
+    await page.evaluate(() => {
+      globalThis.told = [];
+      globalThis.Notification = class {
+        static permission = "granted";
+        static requestPermission() { return Promise.resolve("granted"); }
+        constructor(title) { globalThis.told.push(title); }
+      };
+    });
+    await page.getByRole("checkbox", { name: "Notify me of ends" }).check();
+    await page.getByLabel("Samples per pixel, at most").fill("20000");
     await page.getByRole("button", { name: "Render", exact: true }).click();
     await page.locator('h1 .badge[data-state="SUCCEEDED"]').waitFor();
+    assert.deepEqual(await page.evaluate(() => globalThis.told), ["ball: Succeeded"]);
     await page.goto(at("#/"));
   },
 

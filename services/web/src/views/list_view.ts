@@ -1,5 +1,6 @@
 /** The list of renders: filtered, in an order, and a place to submit another. */
 import { element, setText } from "../dom.ts";
+import { notifyBox } from "../service/notifier.ts";
 import type { Renders } from "../service/renders.ts";
 import { submitPanel } from "../submit/submit_panel.ts";
 import type { Render } from "../service/types.ts";
@@ -94,5 +95,6 @@ function filterBar(wish: Wish, update: () => void): HTMLElement {
       wish.order = order as Order;
       update();
     }),
+    notifyBox(),
   );
 }
