@@ -1,10 +1,9 @@
 #include "tracer/layers.h"
 
 #include <algorithm>
-#include <atomic>
-#include <future>
 #include <optional>
 
+#include "tracer/by_threads.h"
 #include "tracer/pixel_sample.h"
 #include "tracer/stages/travel.h"
 #include "tracer/vertex.h"
@@ -172,19 +171,12 @@ std::vector<PixelLayers> trace_layers(const Scene& scene, Film film, std::uint32
                                       unsigned threads) {
   const LayerTracer tracer(scene, film, std::max(1u, samples));
   std::vector<PixelLayers> layers(std::size_t{film.width} * film.height);
-  std::atomic<std::uint32_t> next = 0;
-  const auto trace_rows = [&] {
-    for (std::uint32_t y = next++; y < film.height; y = next++) {
-      for (std::uint32_t x = 0; x < film.width; ++x) {
-        layers[std::size_t{y} * film.width + x] = tracer.trace(x, y);
-      }
+  by_threads(film.height, threads, [&](std::size_t row) {
+    const auto y = static_cast<std::uint32_t>(row);
+    for (std::uint32_t x = 0; x < film.width; ++x) {
+      layers[row * film.width + x] = tracer.trace(x, y);
     }
-  };
-  std::vector<std::future<void>> pool;
-  for (unsigned i = 0; i < std::max(1u, threads); ++i) {
-    pool.push_back(std::async(std::launch::async, trace_rows));
-  }
-  for (auto& each : pool) each.get();
+  });
   return layers;
 }
 
