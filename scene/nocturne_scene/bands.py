@@ -16,7 +16,8 @@ _VERSION = "1.0"
 
 def band_name(middle_nm: float) -> str:
     """The channel of a band with its middle there."""
-    return f"S0.{middle_nm:.6f}nm".replace(".", ",").replace("S0,", "S0.")
+    number = f"{middle_nm:.6f}".replace(".", ",")
+    return f"S0.{number}nm"
 
 
 def is_band(name: str) -> bool:
