@@ -115,6 +115,13 @@ async def test_come_from_the_service(
         assert again.status_code == 304
 
 
+async def test_films_that_are_too_large_are_refused(rest: httpx.AsyncClient, body: dict[str, Any]) -> None:
+    made = (await rest.post("/v1/renders", json={**body, "width": 8192, "height": 4096})).json()["id"]
+    answer = await rest.get(f"/v1/renders/{made}/denoised.png")
+    assert answer.status_code == 404
+    assert "pixels are not denoised" in answer.json()["detail"]
+
+
 async def test_a_service_without_a_denoiser_says_so(
     rest: httpx.AsyncClient,
     folder: DataFolder,

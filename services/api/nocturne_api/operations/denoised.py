@@ -9,6 +9,7 @@ from nocturne_scene.errors import NotFound
 
 from nocturne_api.denoising.pool import denoise_in_child
 from nocturne_api.files.open_file import OpenFile, open_file
+from nocturne_api.limits import PICTURE_PIXELS
 from nocturne_api.operations.images import Images
 from nocturne_api.operations.renders import Renders
 
@@ -29,6 +30,8 @@ class Denoised:
     async def open(self, render_id: str, name: str) -> OpenFile:
         """A file by its name in `denoising.pictures`. Raises NotFound: no image yet, or no denoiser."""
         render = await self._renders.get(render_id)
+        if render.width * render.height > PICTURE_PIXELS:
+            raise NotFound(f"images of more than {PICTURE_PIXELS} pixels are not denoised")
         folder = Path(self._kept.name) / f"{render.id}-{render.sequence}"
         async with self._one_by_one:
             if not folder.exists():
