@@ -50,7 +50,7 @@ def _walls() -> list[Document]:
     plaster, ceiling = _textured(_PLASTER, 0.75), _diffuse(0.8)
     x, y, z = [_WIDTH, 0, 0], [0, _HEIGHT, 0], [0, 0, _DEPTH]
     low, high, near, far = _WINDOW
-    beside = [
+    beside: list[tuple[Vec, Vec, Vec]] = [
         ([0, 0, 0], [0, low, 0], z),
         ([0, high, 0], [0, _HEIGHT - high, 0], z),
         ([0, low, 0], [0, high - low, 0], [0, 0, near]),

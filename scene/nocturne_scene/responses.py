@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 
+from nocturne_scene.bands import is_band
 from nocturne_scene.limits import MAX_FURTHER_RESPONSES
 
 _NAME = re.compile("[A-Za-z][A-Za-z0-9_-]{0,30}")
@@ -15,12 +16,14 @@ def name_problems(names: Sequence[str]) -> Iterator[str]:
     if len(names) > MAX_FURTHER_RESPONSES:
         yield f"{len(names)} further responses; at most {MAX_FURTHER_RESPONSES}"
     for index, name in enumerate(names):
-        if not _NAME.fullmatch(name):
+        if name in names[:index]:
+            yield f"two responses are named {name!r}"
+        elif is_band(name):
+            continue
+        elif not _NAME.fullmatch(name):
             yield (
                 f"{name[:40]!r} can't be a response's name: expected a letter, "
                 "then at most 30 letters, digits, '_' and '-'"
             )
         elif name in _TAKEN:
             yield f"{name!r} can't be a response's name: it means another channel of an image"
-        elif name in names[:index]:
-            yield f"two responses are named {name!r}"

@@ -18,6 +18,8 @@ _WANTED = (
     "Measurements",
     "Isolines",
     "Glare",
+    "Group",
+    "Session",
     "MeasuredRegions",
     "Worker",
     "WorkOfWorker",

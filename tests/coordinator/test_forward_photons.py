@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.admission import forward_ranges
-from nocturne_coordinator.dispatch.merge import RangeSums, Verdict
+from nocturne_coordinator.dispatch.merge import RangeSums, MergeResult
 from nocturne_coordinator.dispatch.planned_render import PlannedRender, RefusedResult
 from nocturne_coordinator.dispatch.records import OpenRender, RenderCommit, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.running_render import PHOTON_COMMIT_SECONDS, RunningRender
@@ -97,7 +97,7 @@ def test_nothing_is_shown_until_both_kinds_of_photons_came(schedule: job_pb2.Ran
 def test_photon_ranges_are_merged_in_order_and_once(schedule: job_pb2.RangeSchedule) -> None:
     render = _running(schedule)
     verdicts = [render.offer(PHOTONS, _photons(render.planned, i, i + 1), 0.0).verdict for i in (1, 0, 1, 2)]
-    assert verdicts == [Verdict.EARLY, Verdict.MERGED, Verdict.DUPLICATE, Verdict.MERGED]
+    assert verdicts == [MergeResult.EARLY, MergeResult.MERGED, MergeResult.DUPLICATE, MergeResult.MERGED]
     assert render.film.bundles == 4
     assert render.totals.photons == 4 * PHOTON_BUNDLE
     assert render.film.mean_samples == 0.0

@@ -49,8 +49,8 @@ def glare(projection: Projection, y: Values, view: View | None = None, error: fl
     return glare_of(image_of(y, error), LUMINANCE, projection, view or View())
 
 
-# CIE 117:1995, table 4.1, its row for sources straight above the line of sight (T/R = 0): H/R and the
-# position index.
+# CIE 117:1995, table 4.1, as transcribed in github.com/123VincentB/eulumdat-ugr (guth.py): its row
+# for sources straight above the line of sight (T/R = 0), H/R and the position index.
 _ABOVE = {
     0.3: 1.90,
     0.5: 2.86,
@@ -67,6 +67,27 @@ _ABOVE = {
 def test_position_indices_are_those_of_the_published_table(height: float, index: float) -> None:
     found = position_index(np.array(0.0), np.array(height), np.array(1.0))
     assert float(found) == pytest.approx(index, rel=0.05)
+
+
+# Of the same table, T/R and H/R.
+_BESIDE = {
+    (0.3, 0.2): 1.60,
+    (0.5, 0.5): 2.91,
+    (1.0, 0.0): 2.11,
+    (1.0, 1.0): 7.00,
+    (1.3, 0.3): 3.70,
+    (2.0, 0.5): 5.80,
+    (2.0, 1.5): 12.85,
+    (3.0, 0.0): 4.22,
+    (3.0, 1.9): 16.00,
+}
+
+
+@pytest.mark.parametrize(("place", "index"), _BESIDE.items())
+def test_position_indices_are_near_the_published_table(place: tuple[float, float], index: float) -> None:
+    """Levin's formula is a fit, 12 % at most from Guth's plot."""
+    found = position_index(np.array(place[0]), np.array(place[1]), np.array(1.0))
+    assert float(found) == pytest.approx(index, rel=0.12)
 
 
 def test_the_line_of_sight_has_position_index_1() -> None:

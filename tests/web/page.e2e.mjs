@@ -2,12 +2,14 @@
  * The page in a browser, against a running service with workers. Environment: NOCTURNE_E2E, JSON of
  *   url, api_pid: the service; auth_url, token: another API on the same data that asks for tokens;
  *   small, other: ids of renders 128 x 128 of the Cornell box that have ended; large: one of 3840 x 2160 that will have;
+ *   quarantine: a command that puts the worker named after it in quarantine;
  *   exr: the image of `small`; pixel: {x, y, values} of it, read by OpenImageIO; archive: a ZIP of the Cornell box;
  *   screenshots: a folder.
  * Prints a line per check; exit code 1 at the first that fails.
  * One file, though long: a visit, in which each check goes on from the page as the one before left it.
  */
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
 import { canvasStatistics, checkLooks, launch, nextUpdates, openPage, quiet } from "./browser.mjs";
 
 const given = JSON.parse(process.env.NOCTURNE_E2E);
@@ -43,6 +45,36 @@ const checks = {
     await page.getByRole("combobox", { name: "Show" }).selectOption("Ended");
     await row.waitFor();
     await page.getByRole("combobox", { name: "Show" }).selectOption("All states");
+  },
+
+  async "a denoised picture stands beside the true image, or the service says that it has none"({ page, note }) {
+    await page.goto(at(showing(given.small)));
+    const button = page.getByRole("button", { name: "Show a denoised picture" });
+    await button.focus();
+    await page.keyboard.press("Enter");
+    const shown = page.getByRole("img", { name: "Denoised, to look at" });
+    const lacking = page.getByText(/has no denoiser/);
+    await shown.or(lacking).waitFor({ timeout: 60_000 });
+    const made = await shown.isVisible();
+    note(made ? "the denoiser is there" : "there is no denoiser here");
+    if (made) {
+      await page.getByRole("img", { name: "Where they differ" }).evaluate((image) => image.decode());
+      await page.getByRole("link", { name: "Denoised EXR" }).waitFor();
+    }
+    await look(page, "denoised");
+    await page.goto(at("#/"));
+  },
+
+  async "a group is shown as one, by the link of its renders"({ page }) {
+    const rows = page.locator(".renders li");
+    await rows.first().getByRole("link", { name: "group boxes" }).or(rows.nth(1).getByRole("link", { name: "group boxes" })).first().focus();
+    await page.keyboard.press("Enter");
+    await page.getByRole("heading", { name: "Group boxes" }).waitFor();
+    await page.getByText(/^2 of 2 renders have ended, 100.0 % is done/).waitFor();
+    while ((await rows.count()) !== 2) await page.waitForTimeout(50);
+    await look(page, "group");
+    await page.getByRole("link", { name: "← All renders" }).click();
+    await page.getByRole("heading", { name: "Renders", exact: true }).waitFor();
   },
 
   async "the keyboard opens a render"({ page }) {
@@ -259,6 +291,12 @@ const checks = {
     await page.getByRole("radio", { name: "Wipe" }).waitFor();
     await page.locator(".uplot").waitFor();
     await look(page, "compare");
+    const place = page.getByRole("slider", { name: "Place of the wipe" });
+    await place.fill("0.25");
+    await page.waitForURL("**wipe=0.250");
+    await page.reload();
+    await page.getByRole("radio", { name: "Wipe" }).waitFor();
+    assert.equal(await place.inputValue(), "0.25");
     await page.getByRole("radio", { name: "First" }).check();
     const first = await canvasStatistics(page);
     await page.getByRole("button", { name: "Flip" }).click();
@@ -321,9 +359,20 @@ const checks = {
     await page.getByRole("button", { name: "Import without these" }).click();
     await page.getByText("ball.xml is imported").waitFor();
     assert.equal(await page.getByLabel("Width, pixels").inputValue(), "24");
-    await page.getByLabel("Samples per pixel, at most").fill("4");
+    await page.context().grantPermissions(["notifications"]);
+    await page.evaluate(() => {
+      globalThis.told = [];
+      globalThis.Notification = class {
+        static permission = "granted";
+        static requestPermission() { return Promise.resolve("granted"); }
+        constructor(title) { globalThis.told.push(title); }
+      };
+    });
+    await page.getByRole("checkbox", { name: "Notify me of ends" }).check();
+    await page.getByLabel("Samples per pixel, at most").fill("20000");
     await page.getByRole("button", { name: "Render", exact: true }).click();
     await page.locator('h1 .badge[data-state="SUCCEEDED"]').waitFor();
+    assert.deepEqual(await page.evaluate(() => globalThis.told), ["ball: Succeeded"]);
     await page.goto(at("#/"));
   },
 
@@ -331,11 +380,14 @@ const checks = {
     await page.getByLabel("choose a file").setInputFiles(given.archive);
     await page.getByLabel("Samples per pixel, at most").fill("100000");
     await page.getByLabel("Stop at a relative error of, %").fill("0.1");
+    await page.getByRole("checkbox", { name: "albedo" }).check();
+    await page.getByRole("checkbox", { name: "depth" }).check();
     await look(page, "list");
     const start = Date.now();
     await page.getByRole("button", { name: "Render", exact: true }).click();
     await page.locator("canvas[data-updates]").waitFor();
     const first = Date.now() - start;
+    await page.getByText("albedo, depth", { exact: true }).waitFor();
     const before = await canvasStatistics(page);
     const since = Date.now();
     await nextUpdates(page, 4);
@@ -417,6 +469,18 @@ const checks = {
     for (let tries = 0; tries < 3 && rate < 30; tries += 1) rate = Math.max(rate, await pan());
     note(`${rate.toFixed(0)} frames a second, painted by the processor`);
     if (quiet()) assert.ok(rate >= 30, `${rate} frames a second`);
+  },
+
+  async "a worker in quarantine is released, by keyboard"({ page }) {
+    const [worker] = (await (await fetch(`${given.url}/v1/workers`)).json()).workers;
+    const [program, ...words] = given.quarantine;
+    execFileSync(program, [...words, worker.id]);
+    await page.goto(at("#/workers"));
+    const button = page.getByRole("button", { name: `Release ${worker.id}` });
+    await button.focus();
+    await page.keyboard.press("Enter");
+    await button.waitFor({ state: "detached" });
+    await page.getByText("Quarantine", { exact: true }).waitFor({ state: "detached" });
   },
 
   async "workers and speed have their pages"({ page }) {

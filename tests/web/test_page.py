@@ -52,7 +52,15 @@ ONE_LAMP: dict[str, Any] = {
 """A photon of it ends at its first hit: a large film is there soon."""
 
 
-def submit(url: str, scene: dict[str, Any], film: tuple[int, int], samples: int) -> str:
+QUARANTINE = """
+import sqlite3, sys, time
+with sqlite3.connect(sys.argv[1], timeout=20) as database:
+    database.execute("INSERT INTO quarantine VALUES (?, 'for a test', ?)", (sys.argv[2], time.time()))
+"""
+"""Puts a worker in quarantine, as a coordinator does whose audits it failed."""
+
+
+def submit(url: str, scene: dict[str, Any], film: tuple[int, int], samples: int, group: str = "") -> str:
     """Submits a scene; gives the render's id."""
     body = {
         "request_id": secrets.token_hex(8),
@@ -61,6 +69,7 @@ def submit(url: str, scene: dict[str, Any], film: tuple[int, int], samples: int)
         "width": film[0],
         "height": film[1],
         "samples": samples,
+        "group": group,
     }
     response = httpx.post(f"{url}/v1/renders", json=body, timeout=30)
     assert response.status_code == 201, response.text
@@ -135,7 +144,7 @@ def test_the_page(running_service: Up, guarded_url: str, tmp_path: Path) -> None
     assert (DIST / "index.html").is_file(), "run npm run build in services/web"
     url = running_service.url
     cornell = json.loads((ROOT / "examples" / "cornell" / "scene.json").read_text())
-    small, other = (submit(url, cornell, (128, 128), samples) for samples in (64, 16))
+    small, other = (submit(url, cornell, (128, 128), samples, "boxes") for samples in (64, 16))
     large = submit(url, ONE_LAMP, (3840, 2160), 1)
     # What the page promises about time it promises beside nothing else.
     wait_for(lambda: all(has_ended(url, each) for each in (small, other, large)), "renders to end", 120)
@@ -149,6 +158,7 @@ def test_the_page(running_service: Up, guarded_url: str, tmp_path: Path) -> None
         "small": small,
         "other": other,
         "large": large,
+        "quarantine": [sys.executable, "-c", QUARANTINE, str(running_service.data / "nocturne.db")],
         "exr": str(as_mitsuba_writes_it(exr, tmp_path / "piz.exr")),
         "pixel": pixel_of(exr),
         "archive": str(archive_of(ROOT / "examples" / "cornell", tmp_path / "cornell.zip")),

@@ -23,6 +23,7 @@
 #include "scene/load_scene.h"
 #include "textures/texture.h"
 #include "trace_job.h"
+#include "tracer/layers.h"
 #include "tracer/path_limits.h"
 #include "tracer/pilot.h"
 #include "tracer/trace_film.h"
@@ -37,6 +38,7 @@ struct Options {
   unsigned threads = std::thread::hardware_concurrency();
   std::uint64_t texture_bytes = kTextureMemoryBytes;
   unsigned seeds = 0;
+  std::uint32_t layer_samples = 0;
   std::vector<std::string> pilot;
   bool quiet = false;
 };
@@ -276,6 +278,18 @@ void run_pilot(const Options& options, const v1::CompiledScene& message,
   if (!file.flush()) throw std::runtime_error(options.output + ": can't be written");
 }
 
+// What surfaces are like, as float32, row by row: see PixelLayers.
+void run_layers(const Options& options, const v1::CompiledScene& message,
+                const v1::RangeSchedule& schedule) {
+  const FilmPlan plan = checked_schedule(schedule);
+  const auto scene = load_scene(message, blobs_in(options.blobs));
+  const auto layers = trace_layers(*scene, plan.film, options.layer_samples, options.threads);
+  std::ofstream file(options.output, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(layers.data()),
+             static_cast<std::streamsize>(layers.size() * sizeof(PixelLayers)));
+  if (!file.flush()) throw std::runtime_error(options.output + ": can't be written");
+}
+
 std::string with_seed(std::string path, unsigned seed) {
   constexpr std::string_view kPlace = "{seed}";
   const auto at = path.find(kPlace);
@@ -306,6 +320,7 @@ void run(const Options& options) {
   const auto message = read_message<v1::CompiledScene>(options.scene);
   const auto schedule = read_message<v1::RangeSchedule>(options.schedule);
   if (!options.pilot.empty()) return run_pilot(options, message, schedule);
+  if (options.layer_samples != 0) return run_layers(options, message, schedule);
   if (options.seeds != 0) return run_seeds(options, message, schedule);
   run_film(options, message, schedule, sha256_of_file(options.scene));
 }
@@ -371,6 +386,11 @@ int main(int argc, char** argv) {
          "photons, as the scene says or not), sharing")
       ->delimiter(',')
       ->check(CLI::IsMember({"direction", "aim", "sharing"}))
+      ->excludes(job);
+  app.add_option("--layers", options.layer_samples,
+                 "Instead of an image, what the surfaces in it are like, from this many samples of "
+                 "each pixel: albedo, normal, depth, position, object and material as float32")
+      ->check(CLI::Range(1, 1024))
       ->excludes(job);
   app.add_flag("--quiet", options.quiet, "No progress");
   CLI11_PARSE(app, argc, argv);

@@ -104,6 +104,8 @@ class OpenRender:
     look_first: Region | None = None
     floating_point_profile: str = ""
     """How all its workers round; empty before the first result."""
+    layers_sha256: str = ""
+    """Of the blob that holds the layers of its image; empty: it has none."""
 
     def asks_the_same(self, other: "OpenRender") -> bool:
         """Whether schedule and conditions are those of another state of this render."""

@@ -13,6 +13,8 @@ import numpy as np
 import numpy.typing as npt
 import OpenEXR
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from nocturne_scene.bands import spectral_attributes
+from nocturne_scene.layers import NO_LAYERS, Layers
 from nocturne_scene.quantities import LUMINANCE, quantity_named
 from nocturne_scene.tile_sums import (
     BLOCK,
@@ -134,6 +136,17 @@ def write_preview(path: Path, sums: Sums, counts: Counts, compression: int) -> N
     _write_png(path, spec, pixels)
 
 
+def write_rgb_png(path: Path, pixels: npt.NDArray[np.uint8]) -> None:
+    """Writes a PNG of bytes, shape (height, width, 3)."""
+    _write_png(path, oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, "uint8"), pixels)
+
+
+def srgb_to_xyz(linear: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """X, Y, Z of linear sRGB, shape (height, width, 3)."""
+    xyz: npt.NDArray[np.float32] = linear @ np.linalg.inv(_XYZ_TO_SRGB)
+    return xyz
+
+
 def write_thumbnail(path: Path, sums: Sums, counts: Counts) -> None:
     """Writes a tone-mapped PNG of at most THUMBNAIL_EDGE pixels a side, each the mean of a square."""
     size = -(-max(counts.shape) // THUMBNAIL_EDGE)
@@ -155,9 +168,10 @@ def write_image(
     squares: Squares,
     provenance: Provenance,
     further_responses: Sequence[str] = (),
+    layers: Layers = NO_LAYERS,
 ) -> None:
     """Writes an EXR, as worker/src/image/write_exr.h does: all quantities, their errors and how these go
-    together as float, n as uint; R, G, B for viewers."""
+    together as float, n as uint; R, G, B for viewers; layers beside them."""
     header = {
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,
@@ -171,14 +185,17 @@ def write_image(
     if provenance.manifest:
         header["nocturne:tileSamples"] = provenance.manifest
     header |= _measured(provenance.quantity)
+    header |= spectral_attributes(further_responses, quantity_named(provenance.quantity))
     if provenance.doubt:
         header["nocturne:errorDoubt"] = provenance.doubt
     if provenance.way:
         header["nocturne:way"] = provenance.way
     if provenance.truncated_paths:
         header["nocturne:truncatedPaths"] = str(provenance.truncated_paths)
+    # A sensor may have responses with such names: they go first.
+    channels = {**layers.channels, **_exr_channels(sums, counts, squares, further_responses)}
     try:
-        with OpenEXR.File(header, _exr_channels(sums, counts, squares, further_responses)) as file:
+        with OpenEXR.File({**header, **layers.attributes}, channels) as file:
             file.write(str(path))
     except RuntimeError as trouble:
         raise OSError(f"can't write {path}: {trouble}") from trouble

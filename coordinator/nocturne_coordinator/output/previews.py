@@ -9,6 +9,7 @@ from pathlib import Path
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.errors import NotFound
+from nocturne_scene.layers import NO_LAYERS, Layers, read_layers
 from nocturne_scene.replacing import replacing, sync
 
 from nocturne_coordinator.dispatch.records import FailedTile
@@ -77,7 +78,8 @@ class Previews:
         names = render.planned.schedule.further_responses
         with self._in_place(render, self._folder.image_path, durable=final) as path:
             film = render.film
-            write_image(path, film.sums, film.counts, film.squares, provenance_of(render), names)
+            layers = layers_of(self._folder, render.row.layers_sha256)
+            write_image(path, film.sums, film.counts, film.squares, provenance_of(render), names, layers)
 
     @contextmanager
     def _in_place(
@@ -110,6 +112,17 @@ class Previews:
             with suppress(OSError):
                 path.parent.rmdir()
             raise
+
+
+def layers_of(folder: DataFolder, sha256: str) -> Layers:
+    """Those of a render; none where it has none, or where their file is gone: the image does without."""
+    if not sha256:
+        return NO_LAYERS
+    try:
+        return read_layers(folder.blobs.path(sha256))
+    except (NotFound, OSError) as error:
+        _log.warning("layers=%s are left out of an image: %s", sha256, error)
+        return NO_LAYERS
 
 
 def provenance_of(render: RunningRender) -> Provenance:

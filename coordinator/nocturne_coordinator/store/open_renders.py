@@ -11,10 +11,12 @@ from nocturne_coordinator.dispatch.records import FailedTile, OpenRender, Render
 from nocturne_coordinator.dispatch.region import Region
 from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.groups import WAITS
 from nocturne_coordinator.store.leases import Leases
 
 _COLUMNS = """id, state, scene_sha256, engine, schedule, photons, rays, invalid_samples, truncated_paths,
     cpu_seconds, audited, refused, stop, priority, owner, ran_seconds, look_first, floating_point_profile,
+    layers_sha256,
     coalesce((SELECT weight FROM token WHERE token.name = render.owner), 100) AS owner_weight,
     coalesce((SELECT fence FROM lease WHERE lease.render_id = render.id), 0) AS fence,
     coalesce((SELECT coordinator.number FROM lease JOIN coordinator ON coordinator.number = lease.coordinator
@@ -37,7 +39,8 @@ class OpenRenders:
                     UNION SELECT id FROM lease JOIN render ON id = render_id
                         WHERE coordinator <> 0 AND state = 'QUEUED'
                     UNION SELECT id FROM (
-                        SELECT id, row_number() OVER of_owner AS place FROM render WHERE state = 'QUEUED'
+                        SELECT id, row_number() OVER of_owner AS place FROM render
+                        WHERE state = 'QUEUED' AND NOT ({WAITS})
                         WINDOW of_owner AS (PARTITION BY owner ORDER BY priority DESC, number)
                     ) WHERE place <= ?)
                 ORDER BY priority DESC, number""",  # noqa: S608
@@ -116,6 +119,7 @@ class OpenRenders:
             fence=row["fence"],
             look_first=Region.from_json(row["look_first"]) if row["look_first"] else None,
             floating_point_profile=row["floating_point_profile"],
+            layers_sha256=row["layers_sha256"],
             failed_tiles=tuple(
                 FailedTile(
                     each["tile_index"],

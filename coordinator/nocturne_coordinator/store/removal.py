@@ -50,7 +50,8 @@ def delete_render(folder: DataFolder, render_id: str) -> None:
         of_scene = blobs_of_scene(folder.blobs, render.scene_sha256)
     except NotFound:
         of_scene = ()
-    files = sorted({*of_scene, *_ASSET.findall(folder.renders.scene_document(render_id))})
+    of_document = _ASSET.findall(folder.renders.scene_document(render_id))
+    files = sorted({*of_scene, *of_document, render.layers_sha256} - {""})
     with folder.database.transaction():
         state = folder.renders.get(render_id).state
         if not state.ended:
@@ -98,12 +99,14 @@ def _forget_names(folder: Path) -> None:
 
 
 def _unused(folder: DataFolder, files: list[str]) -> list[str]:
-    """Those of the blobs that no render needs, neither as its scene, nor in that, nor in its document."""
+    """Those of the blobs that no render needs, neither as its scene or layers, nor in its scene, nor in its
+    document."""
     left = {
         sha256
         for sha256 in files
         if folder.database.row(
-            "SELECT 1 FROM render WHERE scene_sha256 = ? OR instr(scene_document, ?)", (sha256, sha256)
+            "SELECT 1 FROM render WHERE ?1 IN (scene_sha256, layers_sha256) OR instr(scene_document, ?1)",
+            (sha256,),
         )
         is None
     }

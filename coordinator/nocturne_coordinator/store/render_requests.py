@@ -142,6 +142,8 @@ class RenderRequests:
                 floating_point_profile=original.floating_point_profile,
                 warnings=original.warnings,
                 way=original.way,
+                layers=original.layers,
+                layers_sha256=original.layers_sha256,
             ),
             quota,
         )

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.errors import InputError, NotFound, Problem
+from nocturne_scene.layers import CHANNELS
 from nocturne_scene.ranges import TileGrid, ranges_planned
 from nocturne_scene.tile_sums import numbers_in
 
@@ -73,8 +74,9 @@ class Renders:
             """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
                    photons_per_sample, scene_sha256, engine, created, ranges_planned, schedule,
                    scene_document, stop, priority, owner, tiles, floating_point_profile, quantity,
-                   warnings, way, stored_bytes)
-               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
+                   warnings, way, layers, layers_sha256, in_group, after_group, stored_bytes)
+               VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?,
+                   ?, ?, ?)""",
             (
                 render_id,
                 new.request_id,
@@ -98,6 +100,10 @@ class Renders:
                 new.schedule.quantity,
                 json.dumps(new.warnings),
                 new.way,
+                json.dumps(new.layers),
+                new.layers_sha256,
+                new.in_group,
+                new.after_group,
                 self._bytes_of(new),
             ),
         )
@@ -108,7 +114,8 @@ class Renders:
         further = len(new.schedule.further_responses)
         # Forward photons in ranges of their own have sums, too, and both together.
         sums = 8 * numbers_in(new.width, new.height, further) * (3 if new.schedule.photon_range_ends else 1)
-        image = 4 * new.width * new.height * (_EXR_CHANNELS + 2 * further)
+        layers = sum(len(CHANNELS[layer]) for layer in new.layers)
+        image = 4 * new.width * new.height * (_EXR_CHANNELS + 2 * further + layers)
         files = (self._blob_here(sha256) for sha256 in new.files)
         here = sum(file.stat().st_size for file in files if file is not None)
         return sums + image + len(new.scene_document) + here
@@ -148,8 +155,11 @@ class Renders:
         more = ", and more" if len(rows) > limits.IDS_SHOWN else ""
         raise AmbiguousId(f"more than one render has an id that begins with {start!r}: {shown}{more}")
 
-    def page(self, page_size: int, page_token: str, owner: str | None = None) -> tuple[list[RenderRow], str]:
-        """Newest first, of one owner or of all; the next page's token, empty on the last.
+    def page(
+        self, page_size: int, page_token: str, owner: str | None = None, group: str = ""
+    ) -> tuple[list[RenderRow], str]:
+        """Newest first, of one owner or of all, of one group or of any; the next page's token, empty on the
+        last.
 
         A page size of 0 means 50, at most 200 come.
 
@@ -158,11 +168,13 @@ class Renders:
         if page_size < 0:
             raise InputError.at("page_size", f"is {page_size}; expected 0 to {limits.MAX_PAGE}")
         size = min(page_size or limits.DEFAULT_PAGE, limits.MAX_PAGE)
-        of_owner = "" if owner is None else "owner = ? AND"
+        wanted = {"owner": owner, "in_group": group or None}
+        asked = {column: value for column, value in wanted.items() if value is not None}
+        conditions = "".join(f"{column} = ? AND " for column in asked)
         rows = self._database.rows(
-            f"""SELECT number, {_COLUMNS} FROM render WHERE {of_owner} number < ?
+            f"""SELECT number, {_COLUMNS} FROM render WHERE {conditions} number < ?
                 ORDER BY number DESC LIMIT ?""",  # noqa: S608
-            (*(() if owner is None else (owner,)), _decode_page_token(page_token), size + 1),
+            (*asked.values(), _decode_page_token(page_token), size + 1),
         )
         token = _encode_page_token(rows[size - 1]["number"]) if len(rows) > size else ""
         return [_render_row(row) for row in rows[:size]], token
@@ -233,6 +245,7 @@ def _render_row(row: sqlite3.Row) -> RenderRow:
     values["state"] = RenderState(values["state"])
     values["image_final"] = bool(values["image_final"])
     values["warnings"] = tuple(json.loads(values["warnings"]))
+    values["layers"] = tuple(json.loads(values["layers"]))
     values["stop"] = StopConditions.from_json(values["stop"])
     return RenderRow(**values)
 
@@ -246,6 +259,10 @@ def _request_digest(new: NewRender) -> str:
     content: list[object] = [new.name, new.scene_document, new.width, new.height, new.samples]
     if new.stop.request() or new.priority != limits.DEFAULT_PRIORITY:
         content += [new.stop.request(), new.priority]
+    if new.layers:
+        content.append(["layers", *new.layers])
+    if new.in_group or new.after_group:
+        content.append(["group", new.in_group, new.after_group])
     return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
 

@@ -33,6 +33,12 @@ class NewRender:
     """What of the scene can hardly be meant, with its place."""
     way: str = ""
     """How it is traced and why; empty where no pilot chose."""
+    layers: tuple[str, ...] = ()
+    layers_sha256: str = ""
+    """Layers that are wanted, and the blob that holds them."""
+    in_group: str = ""
+    after_group: str = ""
+    """What it was submitted with, and what has to end before it begins; see store/groups.py."""
     files: tuple[str, ...] = ()
     """Digests of the compiled scene's files, which must be there when the render is made."""
 
@@ -67,6 +73,12 @@ class RenderRow:
     """What of the scene can hardly be meant, with its place."""
     way: str
     """How it is traced and why; empty where no pilot chose."""
+    layers: tuple[str, ...]
+    layers_sha256: str
+    """See NewRender."""
+    in_group: str
+    after_group: str
+    """See NewRender."""
     truncated_paths: int
     photon_bundles: int
     """Forward photons in ranges of their own: among all photons, but no samples of pixels."""

@@ -50,12 +50,14 @@ def _in_use(folder: DataFolder, after: int) -> Iterator[tuple[int, set[str]]]:
     """Of each render above a number: its own, and what its document, its scene and that one's parts name."""
     known: dict[str, set[str]] = {}
     while rows := folder.database.rows(
-        "SELECT number, scene_sha256, scene_document FROM render WHERE number > ? ORDER BY number LIMIT ?",
+        """SELECT number, scene_sha256, layers_sha256, scene_document FROM render
+           WHERE number > ? ORDER BY number LIMIT ?""",
         (after, _AT_ONCE),
     ):
         for row in rows:
             scene = str(row["scene_sha256"])
             if scene not in known:
                 known[scene] = set(blobs_of_scene(folder.blobs, scene))
-            yield int(row["number"]), known[scene] | set(_ASSET.findall(row["scene_document"]))
+            of_document = _ASSET.findall(row["scene_document"])
+            yield int(row["number"]), known[scene] | {row["layers_sha256"], *of_document}
         after = int(rows[-1]["number"])

@@ -3,7 +3,7 @@
 A checked document in, the tracer's message and its blobs out, addressed by content; parts in compile/.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import islice
 
 from nocturne.v1 import scene_pb2
@@ -13,6 +13,7 @@ from nocturne_scene.compile.atmosphere import atmosphere_surfaces
 from nocturne_scene.compile.grids import Grids
 from nocturne_scene.compile.instances import Instances
 from nocturne_scene.compile.kernels import Kernels
+from nocturne_scene.compile.layers import make_layers
 from nocturne_scene.compile.lights import Lights
 from nocturne_scene.compile.media import Media
 from nocturne_scene.compile.origin import frame_of
@@ -38,11 +39,14 @@ from nocturne_scene.film import Film
 FORMAT = 3
 
 
-def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None = None) -> CompiledOutput:
+def compile_scene(
+    document: SceneDocument, blobs: BlobStore, film: Film | None = None, layers: Sequence[str] = ()
+) -> CompiledOutput:
     """Compile a document and put the scene and its blobs (meshes, textures, tables) into the blob store.
 
     `film`, where it is known, is for warnings and for choosing how to trace what the document leaves open;
-    the choice takes a small part of the time of the render.
+    the choice takes a small part of the time of the render. `layers`, of that film: see
+    `nocturne_scene.layers`.
 
     Equal documents and films give equal bytes. Raises InputError with at most `bounds.PROBLEMS` problems, and
     then leaves nothing behind: blobs are written last, when all of them are there.
@@ -56,7 +60,8 @@ def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None =
     # After the blobs, which a pilot reads.
     _put_tracing(workspace, message, film, scatters=scatters)
     scene_sha256 = blobs.put(message.SerializeToString(deterministic=True))
-    return CompiledOutput(scene_sha256, workspace.dropped, workspace.warnings, message.tracing.way)
+    of_film = make_layers(workspace, message, film, layers) if film is not None and layers else ""
+    return CompiledOutput(scene_sha256, workspace.dropped, workspace.warnings, message.tracing.way, of_film)
 
 
 def _compile(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.CompiledScene, bool]:
@@ -71,6 +76,7 @@ def _compile(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
     surfaces = Surfaces(workspace, textures, shapes, kernels, media)
     for index, (surface, group, place) in enumerate(_all_surfaces(workspace, instances)):
         message.surfaces.append(surfaces.compile(surface, group, place))
+        workspace.objects.append(surface.name or place)
         luminaire = lights.luminaire(surface, index, place, in_group=group > 0)
         if luminaire is not None:
             message.luminaires.append(luminaire)

@@ -1,14 +1,17 @@
 """The sensor of a scene document as the tracer's message."""
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from nocturne.v1 import scene_pb2
 from numpy.typing import NDArray
 
+from nocturne_scene.bands import band_name
 from nocturne_scene.compile.placement import Similarity, motion_steps
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.sensors import (
+    Bands,
     IntensityMeter,
     IrradianceMeter,
     Orthographic,
@@ -55,7 +58,10 @@ def compile_sensor(workspace: Workspace) -> scene_pb2.Sensor:
         response_y=response[:, 1].tolist(),
         response_z=response[:, 2].tolist(),
         wavelength_sampling=_WAVELENGTHS[sensor.wavelengths],
-        further_responses=[_response(workspace, name) for name in sorted(sensor.responses)],
+        further_responses=[
+            *(_response(workspace, name) for name in sorted(sensor.responses)),
+            *_band_responses(sensor.bands),
+        ],
         model=_MODELS[sensor.type],
     )
     _put_optics(message, sensor)
@@ -81,6 +87,20 @@ def _response(workspace: Workspace, name: str) -> scene_pb2.Response:
             f"the response is zero from {published.FIRST:g} to {published.LAST:g} nm", f".responses.{name}"
         )
     return scene_pb2.Response(name=name, values=values.tolist())
+
+
+def _band_responses(bands: Bands | None) -> Iterator[scene_pb2.Response]:
+    """Boxes of area 1. Curves are straight between whole nm, so neighbours overlap by one to each side of
+    their edge, and together give 1."""
+    if bands is None:
+        return
+    wavelengths = published.visible_wavelengths()
+    for start, end in bands.edges:
+        inside = (wavelengths > start) & (wavelengths < end)
+        at_edge = np.isin(wavelengths, (start, end))
+        outermost = at_edge & np.isin(wavelengths, (published.FIRST, published.LAST))
+        values = (inside + 0.5 * at_edge + 0.5 * outermost) / (end - start)
+        yield scene_pb2.Response(name=band_name(0.5 * (start + end)), values=values.tolist())
 
 
 def _put_optics(message: scene_pb2.Sensor, sensor: Sensor) -> None:

@@ -6,15 +6,14 @@ image, is a function of scene, film and samples.
 """
 
 import json
-import os
 import subprocess
-import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from nocturne.v1 import scene_pb2
 
+from nocturne_scene.compile.trace_program import run_trace
 from nocturne_scene.document.checks import CAMERAS, MET_BY_PHOTONS
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.errors import InputError
@@ -30,8 +29,6 @@ MAX_SECONDS = 120.0
 
 _AIMED = 0.9
 """Part of the photons from luminaires that goes to what a person declared important."""
-
-_THREADS = 4
 
 _EXACT_BELOW = 10
 
@@ -144,23 +141,8 @@ def choose(scene: scene_pb2.CompiledScene, blobs: Path, film: Film, ways: OpenWa
 def _run(
     program: Path, scene: scene_pb2.CompiledScene, blobs: Path, film: Film, chosen: list[str]
 ) -> dict[str, Any]:
-    with tempfile.TemporaryDirectory(prefix="nocturne-pilot-") as folder:
-        files = [Path(folder) / name for name in ("scene.pb", "schedule.pb", "pilot.json")]
-        files[0].write_bytes(scene.SerializeToString(deterministic=True))
-        schedule = schedule_of(scene, film.width, film.height, film.samples)
-        files[1].write_bytes(schedule.SerializeToString(deterministic=True))
-        words = [program, files[0], "--schedule", files[1], "--blobs", blobs, "-o", files[2]]
-        words += ["--pilot", ",".join(chosen)]
-        words += ["--threads", str(min(_THREADS, len(os.sched_getaffinity(0))))]
-        subprocess.run(  # noqa: S603 - our own program
-            [str(word) for word in words],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            timeout=MAX_SECONDS,
-            check=True,
-        )
-        found: dict[str, Any] = json.loads(files[2].read_text())
+    words = ["--pilot", ",".join(chosen)]
+    found: dict[str, Any] = json.loads(run_trace(program, scene, blobs, film, words, MAX_SECONDS))
     return found
 
 

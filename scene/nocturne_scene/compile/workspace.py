@@ -67,6 +67,8 @@ class Workspace:
         """The same of blobs that are too large for memory."""
         self.notes: dict[NoteKey, str] = {}
         """To be noted in the blob store once they are written, by what they are about."""
+        self.objects: list[str] = []
+        """Of the message's surfaces, their names or places."""
         self.dropped: list[str] = []
         self.warnings: list[str] = []
         self.problems: list[Problem] = []

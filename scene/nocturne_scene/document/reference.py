@@ -92,6 +92,7 @@ _ORDER = (
     "Pinhole",
     "ThinLens",
     "Aperture",
+    "Bands",
     "Orthographic",
     "Panorama",
     "IrradianceMeter",

@@ -12,9 +12,38 @@ from nocturne_scene.document.placement import Motion
 from nocturne_scene.document.shapes import length, parallel
 from nocturne_scene.document.spectra import SpectrumReference
 from nocturne_scene.spectra import lines as line_spectra
+from nocturne_scene.spectra import published
 
 Observer = Literal["CIE 1931 2 degree", "CIE 1964 10 degree"]
 _Angle = Annotated[Finite, Field(gt=0, lt=180)]
+_BandEdge = Annotated[int, Field(strict=True, ge=int(published.FIRST), le=int(published.LAST))]
+
+
+class Bands(Node):
+    """Equal bands of wavelengths, side by side: a channel each, the mean spectral radiance (irradiance,
+    intensity) in it, per nanometre."""
+
+    first: _BandEdge = Field(description="Where the first begins, nm.")
+    last: _BandEdge = Field(description="Where the last ends, nm.")
+    width: Annotated[int, Field(strict=True, ge=1)] = Field(description="Of each, nm.")
+
+    @model_validator(mode="after")
+    def _fill_the_interval(self) -> Self:
+        if self.last <= self.first or (self.last - self.first) % self.width:
+            raise problem_at(".width", "expected a whole number of bands between first and last")
+        if self.count > bounds.RESPONSES:
+            raise problem_at(".width", f"{self.count} bands; at most {bounds.RESPONSES}")
+        return self
+
+    @property
+    def count(self) -> int:
+        return (self.last - self.first) // self.width
+
+    @property
+    def edges(self) -> list[tuple[int, int]]:
+        """Where each begins and ends, nm."""
+        starts = range(self.first, self.last, self.width)
+        return [(start, start + self.width) for start in starts]
 
 
 class _AnySensor(Node):
@@ -26,6 +55,11 @@ class _AnySensor(Node):
         description="Further channels by name: response per unit of spectral radiance and nanometre, "
         "zero beyond a table. They are resolved to 1 nm: what is narrower or steeper keeps its integral and "
         "its centre, and becomes as wide.",
+    )
+    bands: Bands | None = Field(
+        default=None,
+        description="Spectral image: further channels named as spectral EXR files have it, such as "
+        "`S0.555,000000nm` for the band around 555 nm.",
     )
     wavelengths: Literal["response", "uniform"] = Field(
         default="response",

@@ -24,7 +24,7 @@ Encoding = Literal["srgb", "linear"]
 LARGEST = 1e6
 
 _TILE = 64
-_NO_DATE = "1970:01:01 00:00:00"
+NO_DATE = "1970:01:01 00:00:00"
 
 
 def convert(source: Path, channels: Literal[1, 3], encoding: Encoding) -> bytes:
@@ -83,7 +83,7 @@ def _texture(values: Any, kind: Literal["half", "float"]) -> bytes:
     config.attribute("maketx:full_command_line", "")
     config.attribute("compression", "zip")
     # Would else be the time of day.
-    config.attribute("DateTime", _NO_DATE)
+    config.attribute("DateTime", NO_DATE)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "texture.exr"
         if not oiio.ImageBufAlgo.make_texture(oiio.MakeTxTexture, buffer, str(file), config):

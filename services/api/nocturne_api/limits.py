@@ -41,6 +41,8 @@ PICTURE_MEMORY_BYTES = 4096 * MEBIBYTE
 PICTURE_WALL_S = 60.0
 PICTURES_AT_ONCE = 2
 
+DENOISE_WALL_S = 300.0
+
 # Measurements read an image's sums, row by row: seconds of a processor for a film of 4K.
 MEASUREMENTS_AT_ONCE = 2
 

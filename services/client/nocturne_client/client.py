@@ -17,12 +17,14 @@ from urllib.parse import quote
 
 import httpx
 
+from nocturne_client.changes import changed
 from nocturne_client.decoding import decode
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.events import data_of
 from nocturne_client.models import (
     Explanation,
     Glare,
+    Group,
     ImportedScene,
     Isolines,
     MeasuredRegions,
@@ -33,6 +35,7 @@ from nocturne_client.models import (
     Reading,
     Region,
     Render,
+    Session,
     Webhook,
     Worker,
     WorkOfWorker,
@@ -43,10 +46,17 @@ from nocturne_client.transport import RETRY_DELAYS_S, Transport
 if TYPE_CHECKING:
     from nocturne_client.tiles import TileAnswer
 
-ImageKind = Literal["exr", "png", "scene"]
+ImageKind = Literal["exr", "png", "scene", "denoised_exr", "denoised_png", "difference"]
 UploadProgress = Callable[[Path, int, int], None]
 
-_PATHS: dict[ImageKind, str] = {"exr": "image.exr", "png": "preview.png", "scene": "scene.json"}
+_PATHS: dict[ImageKind, str] = {
+    "exr": "image.exr",
+    "png": "preview.png",
+    "scene": "scene.json",
+    "denoised_exr": "denoised.exr",
+    "denoised_png": "denoised.png",
+    "difference": "difference.png",
+}
 # The service sends a comment every 15 s, so a longer silence is a lost connection.
 _WATCH_TIMEOUT = httpx.Timeout(40.0, connect=5.0)
 # A service that is started again is there within seconds; one whose machine is, within minutes.
@@ -113,12 +123,19 @@ class Client:
         progress: UploadProgress | None = None,
         stop: Mapping[str, Any] | None = None,
         priority: int = 0,
+        layers: Sequence[str] = (),
+        changes: Mapping[str, Any] | None = None,
+        group: str = "",
+        after: str = "",
     ) -> Render:
         """Uploads what the scene document at `scene` names and the service lacks, and starts a render.
 
         `scene` may be a document itself, as imports give it: the service has its files.
         Film in pixels, at most `samples` per pixel. `stop`: what else ends it, whichever comes first, of
         relative_error, tile_relative_error, wall_seconds, cpu_seconds, until ("07:00 Europe/Berlin").
+        `changes` of the document: values by their places, such as `sensor.position[0]`.
+        `layers`: what the EXR is to tell of surfaces, of albedo, normal, depth, position, object, material.
+        Renders with the same `group` are one; `after`: a group that has to end before this render begins.
         Submitting again with the same `request_id` gives the same render.
         """
         if isinstance(scene, Path):
@@ -129,12 +146,15 @@ class Client:
         body = {
             "request_id": request_id or str(uuid.uuid4()),
             "name": name or on_disk.name,
-            "scene": on_disk.document,
+            "scene": changed(on_disk.document, changes or {}),
             "width": width,
             "height": height,
             "samples": samples,
             "stop": dict(stop or {}),
             "priority": priority,
+            "layers": [*layers],
+            "group": group,
+            "after": after,
         }
         return decode(Render, self._transport.post("/v1/renders", body))
 
@@ -339,11 +359,20 @@ class Client:
 
     def download(self, render_id: str, kind: ImageKind, path: Path) -> Path:
         """Writes the image ("exr") or the preview ("png") as it is now, or the "scene" document; `path` is
-        whole or untouched."""
+        whole or untouched.
+
+        "denoised_exr", "denoised_png": a picture without noise, to look at; "difference": where that leaves
+        the true image by more than its error bar.
+        """
         self._transport.retrying(
             lambda: self._download_once(f"/v1/renders/{_part(render_id)}/{_PATHS[kind]}", path)
         )
         return path
+
+    def session(self) -> tuple[Session, str]:
+        """Who the caller is to the service, and the time of its answer as HTTP tells it."""
+        answer = self._transport.send("GET", "/v1/session")
+        return decode(Session, answer.json()), answer.headers.get("date", "")
 
     def is_ready(self) -> bool:
         """Whether the service answers."""
@@ -353,12 +382,16 @@ class Client:
             return False
         return True
 
-    def list(self, limit: int = 50) -> Sequence[Render]:
-        """The newest renders, at most `limit`."""
+    def group(self, name: str) -> Group:
+        """All renders of a group together."""
+        return decode(Group, self._transport.get(f"/v1/groups/{_part(name)}"))
+
+    def list(self, limit: int = 50, group: str = "") -> Sequence[Render]:
+        """The newest renders, of one group or of any, at most `limit`."""
         found: list[Render] = []
         token = ""
         while len(found) < limit:
-            params = {"page_size": min(200, limit - len(found)), "page_token": token}
+            params = {"page_size": min(200, limit - len(found)), "page_token": token, "group": group}
             page = self._transport.get("/v1/renders", params=params)
             found += [decode(Render, each) for each in page["renders"]]
             token = page["next_page_token"]

@@ -135,6 +135,12 @@ class Render:
     """How it is traced and why, in words: what a pilot chose. Empty: the scene left nothing open, or the
     render is too small for a pilot.
     """
+    layers: list[str]
+    """Layers that its EXR has beside the image."""
+    group: str
+    """What it was submitted with; empty: alone."""
+    after: str
+    """The group that has to end before it begins; empty: none."""
     sequence: int
     """Grows with every change that watchers should see."""
     created: float
@@ -346,6 +352,35 @@ class Glare:
     """Those that count most first."""
     notes: list[str]
     """What is outside of the range for which a formula was made."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """All renders of a group together."""
+
+    name: str
+    renders: int
+    """How many there are."""
+    ended: int
+    """Of these, those in a final state."""
+    failed: int
+    """Of those that ended: failed, cancelled or degraded."""
+    fraction: float
+    """Of the work of all: sample ranges merged, where what has ended counts as whole."""
+    cpu_seconds: float
+    """Processor seconds of workers so far."""
+    predicted_end: float
+    """Unix time at which the last of those that run should end; 0: unknown."""
+
+
+@dataclass(frozen=True)
+class Session:
+    """Who the caller is."""
+
+    name: str
+    """Of the token; empty without authentication."""
+    scopes: list[str]
+    """Of read, submit, worker and admin."""
 
 
 @dataclass(frozen=True)

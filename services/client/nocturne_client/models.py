@@ -6,6 +6,7 @@ from nocturne_client import contract
 from nocturne_client.contract import (
     Explanation,
     Glare,
+    Group,
     ImportedScene,
     Isolines,
     MeasuredRegions,
@@ -18,6 +19,7 @@ from nocturne_client.contract import (
     Reading,
     ReadValue,
     Region,
+    Session,
     StopConditions,
     Webhook,
     Worker,
@@ -27,6 +29,7 @@ from nocturne_client.contract import (
 __all__ = [
     "Explanation",
     "Glare",
+    "Group",
     "ImportedScene",
     "Isolines",
     "MeasuredRegions",
@@ -40,6 +43,7 @@ __all__ = [
     "Reading",
     "Region",
     "Render",
+    "Session",
     "StopConditions",
     "Webhook",
     "WorkOfWorker",

@@ -2,6 +2,7 @@
 import { element, required, setText } from "./dom.ts";
 import { getSession, signOut } from "./service/client.ts";
 import { parseRoute } from "./router.ts";
+import { notifyOfEnds } from "./service/notifier.ts";
 import { Renders } from "./service/renders.ts";
 import "./style/page.css";
 import "./style/list.css";
@@ -25,6 +26,8 @@ function viewOf(hash: string): View {
   switch (route.page) {
     case "list":
       return listView(renders);
+    case "group":
+      return listView(renders, route.name);
     case "render":
       return renderView(route.id, renders);
     case "unknown":
@@ -87,6 +90,7 @@ getSession().then(({ name }) => { required("sign-out").hidden = name === ""; }, 
 // An address as people type it, /renders/ID: the service answers all of these with this page.
 if (location.pathname !== "/") history.replaceState(null, "", `/#${location.pathname}${location.search}`);
 renders.subscribe(showConnection);
+notifyOfEnds(renders);
 showConnection();
 current = open();
 renders.start();

@@ -1,8 +1,9 @@
-/** Addresses after the hash; after a "?" stands how an image is looked at (viewer/memory.ts): #/, #/renders/ID, #/compare/ID[/ID], #/workers, #/speed. */
+/** Addresses after the hash; after a "?" stands how an image is looked at (viewer/memory.ts): #/, #/renders/ID, #/compare/ID[/ID], #/groups/NAME, #/workers, #/speed. */
 
 export type Route =
   | { page: "list" }
   | { page: "render"; id: string }
+  | { page: "group"; name: string }
   | { page: "compare"; first: string; second: string | undefined }
   | { page: "workers" }
   | { page: "speed" }
@@ -20,11 +21,12 @@ export function parseRoute(address: string): Route {
   const [hash = ""] = address.split("?");
   const fixed = fixedRoutes[hash];
   if (fixed) return fixed;
-  const [, page, first, second] = /^#\/(renders|compare)\/([^/]+)(?:\/([^/]+))?$/.exec(hash) ?? [];
+  const [, page, first, second] = /^#\/(renders|compare|groups)\/([^/]+)(?:\/([^/]+))?$/.exec(hash) ?? [];
   if (first === undefined) return { page: "unknown" };
   try {
     if (page === "compare") return { page, first: decodeURIComponent(first), second: second && decodeURIComponent(second) };
-    return second === undefined ? { page: "render", id: decodeURIComponent(first) } : { page: "unknown" };
+    if (second !== undefined) return { page: "unknown" };
+    return page === "groups" ? { page: "group", name: decodeURIComponent(first) } : { page: "render", id: decodeURIComponent(first) };
   } catch {
     return { page: "unknown" };
   }
@@ -33,6 +35,10 @@ export function parseRoute(address: string): Route {
 /** `second`: a render; without it, one is chosen or a file is opened there. */
 export function compareRoute(first: string, second?: string): string {
   return `#/compare/${encodeURIComponent(first)}${second === undefined ? "" : `/${encodeURIComponent(second)}`}`;
+}
+
+export function groupRoute(name: string): string {
+  return `#/groups/${encodeURIComponent(name)}`;
 }
 
 export function renderRoute(id: string): string {

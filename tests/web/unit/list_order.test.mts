@@ -9,7 +9,7 @@ function render(id: string, name: string, state: Render["state"], error: number,
 }
 
 const all = [render("r-3", "glass", "RUNNING", 0.1, 300, 5), render("r-2", "box", "SUCCEEDED", 0.5, 0, 50), render("r-1", "sky", "RUNNING", 0.2, 200, 1)];
-const ids = (wish: Partial<Parameters<typeof listed>[1]>): string => listed(all, { text: "", kind: "all", order: "newest", ...wish }).map(({ id }) => id).join();
+const ids = (wish: Partial<Parameters<typeof listed>[1]>): string => listed(all, { text: "", kind: "all", order: "newest", group: "", ...wish }).map(({ id }) => id).join();
 
 test("filters by words and by state", () => {
   assert.equal(ids({}), "r-3,r-2,r-1");
@@ -28,7 +28,7 @@ test("orders", () => {
 test("a form asks for what stands in it, and for nothing that is left empty", () => {
   const fields: Record<string, string> = { name: "box", width: "64", height: "48", samples: "16", priority: "200", error: "0.5", minutes: "", until: " " };
   const zone = Intl.DateTimeFormat().resolvedOptions().timeZone;
-  assert.equal(requestOf((name) => (name === "until" ? " 07:00 " : "1")).stop.until, `07:00 ${zone}`);
-  assert.equal(requestOf((name) => (name === "until" ? "07:00 Asia/Tokyo" : "1")).stop.until, "07:00 Asia/Tokyo");
-  assert.deepEqual(requestOf((name) => fields[name] ?? ""), { name: "box", width: 64, height: 48, samples: 16, priority: 200, stop: { relative_error: 0.005 } });
+  assert.equal(requestOf((name) => (name === "until" ? " 07:00 " : "1"), []).stop.until, `07:00 ${zone}`);
+  assert.equal(requestOf((name) => (name === "until" ? "07:00 Asia/Tokyo" : "1"), []).stop.until, "07:00 Asia/Tokyo");
+  assert.deepEqual(requestOf((name) => fields[name] ?? "", ["depth"]), { name: "box", width: 64, height: 48, samples: 16, priority: 200, layers: ["depth"], stop: { relative_error: 0.005 } });
 });

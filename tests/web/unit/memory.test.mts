@@ -23,6 +23,14 @@ test("an address says how the image was looked at", () => {
   assert.deepEqual(fromQuery(text), { show, tone, ranges, chosen, exposure: 0.0001234 });
 });
 
+test("an address says where the wipe is", () => {
+  assert.equal(toQuery({ ...plain, side: "wipe", wipe: 0.3 }, true), "wipe=0.300");
+  assert.deepEqual(fromQuery("wipe=0.300"), { side: "wipe", wipe: 0.3 });
+  assert.equal(toQuery({ ...plain, side: "second" }, true), "side=second");
+  assert.deepEqual(fromQuery("side=second"), { side: "second" });
+  assert.deepEqual(fromQuery("wipe=2&side=third"), {});
+});
+
 test("what an address says wrongly is left out", () => {
   assert.deepEqual(fromQuery("view=nothing&tone=&exposure=-1&range=9,1,log&region=1,2,3"), {});
   assert.deepEqual(fromQuery("view=luminance&range=0,9,log").ranges, { luminance: { low: 0, high: 9, logarithmic: false } });

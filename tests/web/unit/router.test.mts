@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { compareRoute, parseRoute, renderRoute } from "../../../services/web/src/router.ts";
+import { compareRoute, groupRoute, parseRoute, renderRoute } from "../../../services/web/src/router.ts";
 
 test("a render's address is read back", () => {
   assert.deepEqual(parseRoute(renderRoute("a/b c")), { page: "render", id: "a/b c" });
@@ -8,6 +8,7 @@ test("a render's address is read back", () => {
 
 test("a comparison's address is read back, with and without a second", () => {
   assert.deepEqual(parseRoute(compareRoute("a/b", "c d")), { page: "compare", first: "a/b", second: "c d" });
+  assert.deepEqual(parseRoute(groupRoute("film 1/2")), { page: "group", name: "film 1/2" });
   assert.deepEqual(parseRoute(compareRoute("a")), { page: "compare", first: "a", second: undefined });
 });
 

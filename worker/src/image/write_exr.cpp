@@ -207,6 +207,18 @@ std::vector<float> rgb_of(std::span<const float> values, std::size_t channels) {
   return rgb;
 }
 
+// As nocturne_scene/bands.py has it: Fichet, Pacanowski, Wilkie, "An OpenEXR Layout for Spectral
+// Images" (JCGT 10(3), 2021).
+void tell_bands(std::span<const std::string> names, std::string unit, Imf::Header& header) {
+  if (std::ranges::none_of(names, [](const auto& name) { return name.starts_with("S0."); })) return;
+  for (std::size_t i = 0; i < unit.size(); ++i) {
+    if (unit[i] == ' ') unit[i] = '.';
+    if (unit[i] == '-') unit.insert(i++, 1, '^');
+  }
+  header.insert("spectralLayoutVersion", Imf::StringAttribute("1.0"));
+  header.insert("emissiveUnits", Imf::StringAttribute(unit));
+}
+
 }  // namespace
 
 void write_exr(const std::filesystem::path& path, const TileSums& film, std::uint32_t tile_size,
@@ -243,6 +255,7 @@ void write_exr(const std::filesystem::path& path, const TileSums& film, std::uin
                   Imf::StringAttribute(std::to_string(provenance.truncated_paths)));
   }
 
+  tell_bands(further_responses, provenance.response_unit, header);
   Imf::FrameBuffer buffer;
   const auto add = [&](const std::string& name, Imf::PixelType type, void* first,
                        std::size_t stride) {

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+from collections.abc import Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Client
 from typing import Any
@@ -58,14 +59,15 @@ def compile_in_child(
     blobs: BlobStore,
     limits: CompileLimits,
     film: Film | None = None,
+    layers: Sequence[str] = (),
 ) -> CompiledOutput:
-    """Compiles into `blobs`. Takes as long as it takes. `film`: see `compile_scene`.
+    """Compiles into `blobs`. Takes as long as it takes. `film` and `layers`: see `compile_scene`.
 
     Raises InputError where the scene is wrong, or needs more than it may take; ObjectStoreUnavailable.
     """
     with Client(_server_address(), "AF_UNIX") as child:
         remote = "" if blobs.remote is None else blobs.remote.url
-        child.send((document, blobs.root, remote, limits, film))
+        child.send((document, blobs.root, remote, limits, film, layers))
         try:
             answer = child.recv()
         except (EOFError, ConnectionResetError):

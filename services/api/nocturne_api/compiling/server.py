@@ -70,11 +70,11 @@ def main() -> None:
 def _compile(caller: "Connection[object, object]") -> None:
     request = caller.recv()
     assert isinstance(request, tuple)  # noqa: S101 - our own parent sent it
-    document, root, objects, limits, film = request
+    document, root, objects, limits, film, layers = request
     bound(limits)
     try:
         blobs = BlobStore(root, ObjectStore(objects) if objects else None)
-        caller.send(compile_scene(document, blobs, film))
+        caller.send(compile_scene(document, blobs, film, layers))
     except InputError as error:
         caller.send(list(error.problems))
     except ObjectStoreUnavailable as error:

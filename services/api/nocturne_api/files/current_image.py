@@ -10,6 +10,7 @@ from nocturne_coordinator.output.previews import schedule_json
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.rows import RenderRow, TileChange
 from nocturne_scene.errors import NotFound
+from nocturne_scene.layers import NO_LAYERS, Layers
 from nocturne_scene.ranges import TileGrid
 from nocturne_scene.tile_sums import BLOCK, PRODUCTS, blocks_in, decode, sums_per_pixel
 
@@ -31,7 +32,12 @@ def read_current(folder: DataFolder, render_id: str) -> tuple[RenderRow, job_pb2
 
 
 def write_current(
-    path: Path, row: RenderRow, schedule: job_pb2.RangeSchedule, engine: int, tiles: _Tiles
+    path: Path,
+    row: RenderRow,
+    schedule: job_pb2.RangeSchedule,
+    engine: int,
+    tiles: _Tiles,
+    layers: Layers = NO_LAYERS,
 ) -> None:
     """Writes the EXR, in the same form as a final one. Raises OSError."""
     grid, further = TileGrid.of(schedule), len(schedule.further_responses)
@@ -68,4 +74,5 @@ def write_current(
         Squares(blocks, of_tiles, grid.tile_size),
         provenance,
         [*schedule.further_responses],
+        layers,
     )

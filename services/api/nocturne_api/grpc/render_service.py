@@ -46,6 +46,9 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
                     samples=request.samples,
                     stop=asked_stop(request.stop),
                     priority=request.priority,
+                    layers=[*request.layers],
+                    group=request.group,
+                    after=request.after,
                 )
             )
             return render_message(created)
@@ -67,7 +70,7 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
         self, request: pb.ListRendersRequest, context: Context
     ) -> pb.ListRendersResponse:
         async with Answering(context):
-            page = await self._operations.renders.list(request.page_size, request.page_token)
+            page = await self._operations.renders.list(request.page_size, request.page_token, request.group)
             renders = [render_message(view) for view in page.renders]
             return pb.ListRendersResponse(renders=renders, next_page_token=page.next_page_token)
 

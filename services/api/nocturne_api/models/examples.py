@@ -32,6 +32,18 @@ CREATE_RENDER: dict[str, Any] = {
     "samples": 1024,
     "stop": {"relative_error": 0.01, "until": "07:00 Europe/Berlin"},
     "priority": 100,
+    "layers": ["albedo", "normal"],
+    "group": "film",
+}
+
+GROUP: dict[str, Any] = {
+    "name": "film",
+    "renders": 240,
+    "ended": 12,
+    "failed": 0,
+    "fraction": 0.0625,
+    "cpu_seconds": 5400.0,
+    "predicted_end": 1795306000.0,
 }
 
 PREFLIGHT: dict[str, Any] = {"scene": SCENE, "width": 640, "height": 480, "error": 0.02, "budget_seconds": 60}
@@ -62,6 +74,9 @@ RENDER: dict[str, Any] = {
         "$.surfaces[2].shape: bounds a body, and is open: 4 edges belong to one face only; light that passes "
         "there is taken to be inside"
     ],
+    "layers": ["albedo", "normal"],
+    "group": "film",
+    "after": "",
     "way": "photons from the sensor, shared by blocks of 16 pixels: 5.8 times less time to the same error "
     "than by photons from the sensor, by a pilot of 933,632 photons",
     "sequence": 12,

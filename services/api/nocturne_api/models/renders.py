@@ -142,6 +142,9 @@ class Render(Answer):
         description="How it is traced and why, in words: what a pilot chose. Empty: the scene left nothing "
         "open, or the render is too small for a pilot."
     )
+    layers: list[str] = Field(description="Layers that its EXR has beside the image.")
+    group: str = Field(description="What it was submitted with; empty: alone.")
+    after: str = Field(description="The group that has to end before it begins; empty: none.")
     sequence: int = Field(description="Grows with every change that watchers should see.")
     created: float = Field(description="Unix time, seconds.")
     started: float = Field(description="Unix time, seconds; 0 before the start.")
@@ -162,13 +165,15 @@ class Render(Answer):
     @classmethod
     def of(cls, row: RenderRow) -> Self:
         """The public side of a row of the data folder."""
-        converted = {"progress", "stop", "look_first", "unit", "response_unit"}
+        converted = {"progress", "stop", "look_first", "unit", "response_unit", "group", "after"}
         quantity = quantity_named(row.quantity)
         first = region.Region.from_json(row.look_first) if row.look_first else None
         return cls(
             progress=Progress.of(row),
             stop=StopConditions.of(row.stop),
             look_first=Region.model_validate(first) if first else None,
+            group=row.in_group,
+            after=row.after_group,
             unit=quantity.unit,
             response_unit=quantity.response_unit,
             **{name: getattr(row, name) for name in cls.model_fields.keys() - converted},
@@ -295,6 +300,19 @@ class CreateRenderRequest(RequestBody):
     samples: int = Field(description="Samples per pixel, at most.")
     stop: Stop = Field(default_factory=dict)
     priority: int = Field(default=0, description="1 to 1000; 0 means 100.")
+    layers: list[str] = Field(
+        default_factory=list,
+        description="What the EXR is to tell of the surfaces in the image: albedo, normal, depth, position, "
+        "object, material.",
+    )
+    group: str = Field(
+        default="",
+        description="Renders with the same are one group, such as the frames of a film; at most 200 "
+        "printable characters.",
+    )
+    after: str = Field(
+        default="", description="A group that has to end before this render begins. One without renders has."
+    )
 
 
 class RenderActionRequest(RequestBody):

@@ -5,6 +5,7 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+from nocturne_coordinator.output.previews import layers_of
 from nocturne_scene.errors import NotFound
 from nocturne_scene.limits import MAX_RANGES
 
@@ -66,9 +67,10 @@ class Images:
         # One after the other: each holds all sums of a film.
         async with self._writing:
             current = await self._access.in_database(read_current, self._folder, render_id)
+            layers = await asyncio.to_thread(layers_of, self._folder, current[0].layers_sha256)
             with tempfile.TemporaryDirectory(prefix="nocturne-image-") as folder:
                 path = Path(folder) / "image.exr"
-                await asyncio.to_thread(write_current, path, *current)
+                await asyncio.to_thread(write_current, path, *current, layers)
                 opened = await open_file(path)
         if opened is None:
             raise NotFound("no image yet")

@@ -11,7 +11,9 @@ from nocturne_api.background.space import Space, StorageLimits
 from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits, prepare
 from nocturne_api.operations.assets import Assets
+from nocturne_api.operations.denoised import Denoised
 from nocturne_api.operations.folder_access import FolderAccess
+from nocturne_api.operations.groups import Groups
 from nocturne_api.operations.health import Health
 from nocturne_api.operations.images import Images
 from nocturne_api.operations.imports import Imports
@@ -52,6 +54,8 @@ class Operations:
         self.controls = RenderControls(access)
         self.streams = RenderStreams(access, self.renders)
         self.images = Images(access, self.renders, archiver)
+        self.groups = Groups(access)
+        self.denoised = Denoised(self.renders, self.images)
         self.readings = Readings(access, self.renders)
         self.measurements = Measurements(access, self.renders)
         self.preflights = Preflights(access, compile_limits)
@@ -87,4 +91,5 @@ class Operations:
         await self.streams.close()
         for task in self._background:
             await task.close()
+        self.denoised.close()
         await self._access.close()

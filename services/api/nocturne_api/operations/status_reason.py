@@ -9,6 +9,7 @@ from nocturne_coordinator.dispatch.records import RenderState, WorkerRow
 from nocturne_coordinator.enrolment import machine_of
 from nocturne_coordinator.limits import MAX_RUNNING, WORKER_SECONDS
 from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.groups import Groups
 from nocturne_coordinator.store.rows import RenderRow
 
 
@@ -24,6 +25,7 @@ class Situation:
     """Renders that run."""
     incompatible: dict[str, str]
     """Workers that get no jobs though they are not in quarantine, and why."""
+    waits_for_group: bool = False
 
 
 def situation_of(folder: DataFolder, render_id: str) -> Situation:
@@ -35,6 +37,7 @@ def situation_of(folder: DataFolder, render_id: str) -> Situation:
         quarantined=folder.workers.in_quarantine(),
         running=folder.renders.count_running(),
         incompatible=folder.workers.incompatible(),
+        waits_for_group=Groups(folder.database).waits(render_id),
     )
 
 
@@ -45,6 +48,8 @@ def sentence(situation: Situation, now: float) -> str:
         return f"It has ended: {render.state}. {render.reason}".strip()
     if render.state is RenderState.PAUSED:
         return "It is paused; resume it to go on."
+    if situation.waits_for_group:
+        return f"It waits until the group {render.after_group} has ended."
     return _trouble(situation, now) or _queued(situation) or _running(situation, now)
 
 

@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Any, TypeVar
@@ -17,6 +17,7 @@ from nocturne_coordinator.store.rows import NewRender
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.film import Film
+from nocturne_scene.layers import known_layers
 from nocturne_scene.ranges import make_schedule
 from nocturne_scene.scene_ranges import schedule_for_scene
 
@@ -30,7 +31,8 @@ _SHA256 = re.compile("[0-9a-f]{64}")
 class CreateRequest:
     """A scene to render. `scene` is the scene document as decoded JSON; film in pixels; samples per pixel.
 
-    `stop`: what else ends it, see `stop_conditions`. `priority`: 0 for the usual one.
+    `stop`: what else ends it, see `stop_conditions`. `priority`: 0 for the usual one. `layers`: see
+    `nocturne_scene.layers`. `group` and `after`: what it belongs to, and what has to end before it.
     """
 
     request_id: str
@@ -41,6 +43,9 @@ class CreateRequest:
     samples: int
     stop: Mapping[str, Any] = field(default_factory=dict)
     priority: int = 0
+    layers: Sequence[str] = ()
+    group: str = ""
+    after: str = ""
 
 
 def compiled(
@@ -53,7 +58,10 @@ def compiled(
     """
     found = _Problems()
     found.add(request_id_problems(request.request_id))
-    found.add(_name_problems(request.name))
+    for field_name in ("name", "group", "after"):
+        found.add(_name_problems(getattr(request, field_name), f"$.{field_name}"))
+    if request.group and request.group == request.after:
+        found.add([Problem("$.after", "is the render's own group, which would never begin")])
     film = (request.width, request.height, request.samples)
     schedule = found.collect(lambda: make_schedule(*film))
     document = found.collect(lambda: check_document(request.scene))
@@ -62,20 +70,23 @@ def compiled(
     stop = found.collect(lambda: checked_stop(request.stop, before.stop if before else EVERYTHING))
     priority = request.priority or DEFAULT_PRIORITY
     found.collect(lambda: check_priority(priority))
-    if found.problems or schedule is None or document is None or stop is None:
+    layers = found.collect(lambda: known_layers(request.layers))
+    if found.problems or schedule is None or document is None or stop is None or layers is None:
         raise InputError(found.problems)
     if before is None:
         check_quota(folder.database, owner, quota, more_renders=1)
-        output = compile_in_child(document, folder.blobs, compile_limits, Film(*film))
+        output = compile_in_child(document, folder.blobs, compile_limits, Film(*film), layers)
         scene_sha256, warnings, way = output.scene_sha256, tuple(output.warnings), output.way
+        layers_sha256 = output.layers_sha256
         schedule = schedule_for_scene(folder.blobs, scene_sha256, *film)
-        files = blobs_of_scene(folder.blobs, scene_sha256)
+        files = (*blobs_of_scene(folder.blobs, scene_sha256), *filter(None, [layers_sha256]))
         for sha256 in files:
             # Here too, not in the object store only.
             folder.blobs.path(sha256)
     else:
         files = ()
         scene_sha256, warnings, way = before.scene_sha256, before.warnings, before.way
+        layers_sha256 = before.layers_sha256
         schedule = folder.renders.schedule(before.id)
     return NewRender(
         request_id=request.request_id,
@@ -91,6 +102,10 @@ def compiled(
         owner=owner,
         warnings=warnings,
         way=way,
+        layers=layers,
+        layers_sha256=layers_sha256,
+        in_group=request.group,
+        after_group=request.after,
         files=files,
     )
 
@@ -110,9 +125,9 @@ def request_id_problems(request_id: str) -> Iterator[Problem]:
         yield Problem("$.request_id", message)
 
 
-def _name_problems(name: str) -> Iterator[Problem]:
+def _name_problems(name: str, place: str) -> Iterator[Problem]:
     if len(name) > MAX_NAME or not name.isprintable():
-        yield Problem("$.name", f"expected at most {MAX_NAME} printable characters")
+        yield Problem(place, f"expected at most {MAX_NAME} printable characters")
 
 
 def digest_problems(digest: str, place: str) -> Iterator[Problem]:

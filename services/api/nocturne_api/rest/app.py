@@ -10,6 +10,7 @@ from nocturne_api.operations.operations import Operations
 from nocturne_api.rest import (
     assets,
     events,
+    groups,
     health,
     images,
     imports,
@@ -33,6 +34,7 @@ from nocturne_api.rest.page import Page
 
 _ROUTERS = (
     renders,
+    groups,
     render_controls,
     preflights,
     imports,

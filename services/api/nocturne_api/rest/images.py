@@ -8,6 +8,7 @@ from nocturne_coordinator.errors import AmbiguousId
 from nocturne_scene.errors import NotFound
 from starlette.responses import Response, StreamingResponse
 
+from nocturne_api.denoising.pictures import DIFFERENCE, EXR, PNG
 from nocturne_api.files.open_file import OpenFile
 from nocturne_api.files.tiles import MEDIA_TYPE, Cursor
 from nocturne_api.models.renders import Reading
@@ -74,6 +75,29 @@ async def read_region(
 async def get_image(render_id: str, request: Request, operations: Service) -> Response:
     """EXR: all quantities, their errors, n; of what is committed now, and final after the end."""
     return _answer(request, await operations.images.open_exr(render_id), "image/x-exr")
+
+
+@router.get("/{render_id}/denoised.exr", response_class=Response, responses=_EXR)
+async def get_denoised_exr(render_id: str, request: Request, operations: Service) -> Response:
+    """EXR of a denoised picture of what is committed now, to look at: its values are no measurement.
+
+    Layers `denoised`, linear sRGB, and `difference`, from the true image in error bars. 404 where the service
+    has no denoiser.
+    """
+    return _answer(request, await operations.denoised.open(render_id, EXR), "image/x-exr")
+
+
+@router.get("/{render_id}/denoised.png", response_class=Response, responses=_PNG)
+async def get_denoised_png(render_id: str, request: Request, operations: Service) -> Response:
+    """The denoised picture, tone-mapped."""
+    return _answer(request, await operations.denoised.open(render_id, PNG), "image/png")
+
+
+@router.get("/{render_id}/difference.png", response_class=Response, responses=_PNG)
+async def get_difference_png(render_id: str, request: Request, operations: Service) -> Response:
+    """Where the denoised picture leaves the true image: dark within its error bar, then blue, yellow from two
+    bars and red from three."""
+    return _answer(request, await operations.denoised.open(render_id, DIFFERENCE), "image/png")
 
 
 @router.get("/{render_id}/scene.json", response_class=Response, responses=_SCENE)

@@ -45,9 +45,10 @@ async def list_renders(
     operations: Service,
     page_size: Annotated[int, Query(description="At most 200; 0 means 50.")] = 0,
     page_token: Annotated[str, Query(description="From the page before.")] = "",
+    group: Annotated[str, Query(description="Of this group only.")] = "",
 ) -> RenderPage:
     """One page of renders, newest first."""
-    return await operations.renders.list(page_size, page_token)
+    return await operations.renders.list(page_size, page_token, group)
 
 
 @router.get("/{render_id}", responses=_OF_ONE)

@@ -6,8 +6,9 @@ from typing import Annotated, Literal
 
 import typer
 
+from nocturne_client.cli.additions import BandEdges, LayerNames, Settings, changes_of, layer_names
 from nocturne_client.cli.output import CONSOLE, ERRORS, AsJson, print_json
-from nocturne_client.cli.service_commands import (
+from nocturne_client.cli.scene_options import (
     DEFAULT_EDGE,
     AllowMissing,
     AnyScenePath,
@@ -111,6 +112,9 @@ def render(
     ] = None,
     error: Error = "",
     duration: For = "",
+    layers: LayerNames = "",
+    bands: BandEdges = "",
+    settings: Settings = None,
     light: Light = "",
     allow_missing: AllowMissing = False,
 ) -> None:
@@ -123,9 +127,13 @@ def render(
 
     stop = Stops(error, duration=duration).asked()
     threads = threads or len(os.sched_getaffinity(0))
+    names, changes = layer_names(layers), changes_of(settings, bands)
     with imported_or_same(scene, light, allow_missing, DEFAULT_EDGE) as (document, film):
         edges = width or film[0], height or film[1]
-        render_scene(LocalRender(document, output, *edges, samples, threads, seed, statistics, stop))
+        asked = LocalRender(
+            document, output, *edges, samples, threads, seed, statistics, stop, names, changes
+        )
+        render_scene(asked)
     typer.echo(output)
 
 
@@ -282,11 +290,17 @@ def compare_images(
     raise typer.Exit(int(differs))
 
 
-def doctor(as_json: AsJson = False) -> None:
+def doctor(
+    url: Annotated[
+        str | None, typer.Option("--url", help="Look at this service instead of this machine.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
     """Say what is missing on this machine and how to get it. Exit status 1 if something needed is."""
     from nocturne_client.local.doctor import examine, table_of
+    from nocturne_client.local.service_check import examine_service
 
-    findings = examine()
+    findings = examine_service(url) if url else examine()
     if as_json:
         print_json([vars(finding) for finding in findings])
     else:

@@ -13,7 +13,7 @@ from rich.markup import escape
 from rich.table import Column, Table
 
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.models import Progress, Render, Worker
+from nocturne_client.models import Group, Progress, Render, Worker
 from nocturne_client.transport import DEFAULT_URL
 
 CONSOLE = Console(highlight=False)
@@ -66,6 +66,7 @@ def print_render(render: Render, as_json: bool) -> None:
         ("merged", f"{render.fraction:.1%}, {progress.samples_merged:,} samples, {progress.rays:,} rays"),
         *(("warning", warning) for warning in render.warnings),
         *([("traced by", render.way)] if render.way else []),
+        *([("layers", ", ".join(render.layers))] if render.layers else []),
         ("relative error", _error(progress)),
         (_mean_name(render), _mean(render)),
         ("nothing seen", f"in {progress.unseen_pixels:,} of {render.width * render.height:,} pixels"),
@@ -129,6 +130,16 @@ def _forecast(render: Render) -> str:
         return "-"
     end = time.strftime("%Y-%m-%d %H:%M", time.localtime(progress.predicted_end))
     return f"ends {end}, {progress.predicted_cpu_seconds / 3600:,.2f} h of processor time in all"
+
+
+def group_sentence(group: Group) -> str:
+    """How far a group is."""
+    told = f"{group.name}: {group.ended} of {group.renders} renders have ended, {group.fraction:.1%} is done"
+    failed = f"; {group.failed} failed or were cancelled" if group.failed else ""
+    left = max(0.0, group.predicted_end - time.time()) if group.predicted_end else 0.0
+    return f"{told}{failed}, {group.cpu_seconds / 3600:,.2f} h of processor time" + (
+        f"; those that run end in {duration(left)}." if left else "."
+    )
 
 
 def print_workers(workers: list[Worker], as_json: bool) -> None:

@@ -11,7 +11,7 @@ from rich.progress import Progress
 
 from nocturne_client.cli.local_commands import Threads
 from nocturne_client.cli.output import CONSOLE, ERRORS, AsJson, print_json
-from nocturne_client.cli.service_commands import Height, ScenePath, Width
+from nocturne_client.cli.scene_options import Height, ScenePath, Width
 from nocturne_client.cli.stops import share
 
 

@@ -1,11 +1,10 @@
 """Commands that talk to a service."""
 
 import sys
-import uuid
 from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -13,18 +12,19 @@ from nocturne_client.cli.output import (
     ERRORS,
     AsJson,
     Url,
+    group_sentence,
     print_json,
     print_render,
     print_renders,
     print_workers,
 )
 from nocturne_client.cli.stops import Cpu, Drop, Error, For, Stops, TileError, Until, dropped
+from nocturne_client.cli.submit_command import submit
 from nocturne_client.cli.top import show_top
 from nocturne_client.cli.watching import about, follow, graphics_wanted
-from nocturne_client.client import Client
+from nocturne_client.client import Client, ImageKind
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.readings import parse_region, sentence
-from nocturne_client.scene_files import is_of_other_renderer
 
 if TYPE_CHECKING:
     from nocturne_client.preview.sinks import Sink
@@ -48,103 +48,14 @@ RenderId = Annotated[
         autocompletion=_known_ids,
     ),
 ]
-ScenePath = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene document, JSON.")]
-AnyScenePath = Annotated[
-    Path,
-    typer.Argument(
-        metavar="SCENE",
-        help="Scene document, JSON, or a scene that is imported: .xml (Mitsuba 3), .pbrt, .gltf, .glb, .zip.",
-    ),
-]
-FilmWidth = Annotated[
-    int | None, typer.Option("--width", help="Pixels. Default: the imported file's, else 512.")
-]
-FilmHeight = Annotated[
-    int | None, typer.Option("--height", help="Pixels. Default: the imported file's, else 512.")
-]
-Light = Annotated[
-    str,
-    typer.Option(
-        "--light", metavar="sky|studio|FILE", help="Of an imported scene; default: sky where nothing emits."
-    ),
-]
-AllowMissing = Annotated[
-    bool, typer.Option("--allow-missing", help="Leave out what of an imported scene has no equal.")
-]
-DEFAULT_EDGE = 512
-Width = Annotated[int, typer.Option("--width", help="Pixels.")]
-Height = Annotated[int, typer.Option("--height", help="Pixels.")]
-Samples = Annotated[int, typer.Option("--samples", help="Samples per pixel.")]
 
 
 def add_to(app: typer.Typer) -> None:
     """Adds these commands to the program."""
     app.command(name="list")(list_renders)
     changes = (cancel, delete, pause, resume, extend, priority, replay)
-    for command in (submit, watch, top, get, *changes, explain, workers):
+    for command in (submit, watch, top, get, group, *changes, explain, workers):
         app.command()(command)
-
-
-def submit(
-    scene: AnyScenePath,
-    width: FilmWidth = None,
-    height: FilmHeight = None,
-    samples: Samples = 256,
-    name: Annotated[str, typer.Option("--name", help="Default: the scene's own, or the file's.")] = "",
-    request_id: Annotated[
-        str | None,
-        typer.Option("--request-id", help="Submitting again with the same id gives the same render."),
-    ] = None,
-    error: Error = "",
-    tile_error: TileError = "",
-    duration: For = "",
-    cpu: Cpu = "",
-    until: Until = "",
-    weight: Annotated[
-        int, typer.Option("--priority", help="1 to 1000; twice as much gets twice the work.")
-    ] = 0,
-    then_watch: Annotated[bool, typer.Option("--watch", help="Follow it to its end.")] = False,
-    light: Light = "",
-    allow_missing: AllowMissing = False,
-    url: Url = None,
-    as_json: AsJson = False,
-) -> None:
-    """Upload a scene and start rendering it; prints the render's id. It ends at the first condition met."""
-    stop = Stops(error, tile_error, duration, cpu, until).asked()
-
-    def uploading(path: Path, sent: int, size: int) -> None:
-        if sent == size:
-            ERRORS.print(f"uploaded {path.name}, {size:,} bytes", markup=False)
-
-    with Client(url) as client:
-        source: Path | dict[str, Any] = scene
-        if is_of_other_renderer(scene):
-            imported = client.import_scene(scene, allow_missing, light, uploading)
-            for note in (*imported.notes, *(f"missing: {each.message}" for each in imported.missing)):
-                ERRORS.print(note, markup=False, soft_wrap=True)
-            source, name = imported.document, name or scene.stem
-            width = imported.width if width is None else width
-            height = imported.height if height is None else height
-        # 0 is refused by the service, and not taken for nothing.
-        film = DEFAULT_EDGE if width is None else width, DEFAULT_EDGE if height is None else height, samples
-        # Chosen here, so that it can be told if the answer does not come.
-        request_id = request_id or str(uuid.uuid4())
-        try:
-            render = client.submit(source, *film, name, request_id, uploading, stop=stop, priority=weight)
-        except NocturneClientError as error:
-            if error.can_be_retried:
-                again = f"Submit it again with --request-id {request_id}: if it was made, you get its id."
-                ERRORS.print(again, markup=False, soft_wrap=True)
-            raise
-        for warning in render.warnings:
-            ERRORS.print(f"warning: {warning}", markup=False, soft_wrap=True)
-        if not then_watch:
-            print_render(render, as_json) if as_json else typer.echo(render.id)
-            return
-        status = follow(client.watch(render.id), as_json)
-        if not as_json:
-            typer.echo(render.id)
-        raise typer.Exit(status)
 
 
 def watch(
@@ -203,6 +114,14 @@ def get(
     scene: Annotated[
         Path | None, typer.Option("--scene", help="Write the scene document here, as it was submitted.")
     ] = None,
+    denoised: Annotated[
+        Path | None,
+        typer.Option("--denoised", help="Write a denoised picture here, .png or .exr: to look at only."),
+    ] = None,
+    difference: Annotated[
+        Path | None,
+        typer.Option("--difference", help="Write a PNG of where that leaves the image's error bars."),
+    ] = None,
     region: Annotated[
         str,
         typer.Option(
@@ -221,13 +140,33 @@ def get(
             reading = client.read_region(render.id, parse_region(region))
             print_json(asdict(reading)) if as_json else typer.echo(sentence(reading))
             return
-        if exr is not None:
-            client.download(render_id, "exr", exr)
-        if png is not None:
-            client.download(render_id, "png", png)
-        if scene is not None:
-            client.download(render_id, "scene", scene)
+        as_png = denoised is not None and denoised.suffix.lower() == ".png"
+        files: dict[ImageKind, Path | None] = {
+            "exr": exr,
+            "png": png,
+            "scene": scene,
+            "denoised_png" if as_png else "denoised_exr": denoised,
+            "difference": difference,
+        }
+        for kind, path in files.items():
+            if path is not None:
+                client.download(render_id, kind, path)
     print_render(render, as_json)
+
+
+def group(
+    name: Annotated[str, typer.Argument(metavar="GROUP", help="As submit printed it.")],
+    url: Url = None,
+    as_json: AsJson = False,
+) -> None:
+    """Show how far the renders of a group are, together and each."""
+    with Client(url) as client:
+        found = client.group(name)
+        if as_json:
+            print_json(asdict(found))
+            return
+        typer.echo(group_sentence(found))
+        print_renders([*client.list(found.renders, group=name)], as_json)
 
 
 def cancel(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:

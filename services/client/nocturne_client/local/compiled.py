@@ -1,16 +1,20 @@
 """Compiles a scene into a folder, without a service."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, NocturneError
 from nocturne_scene.film import Film
+from nocturne_scene.layers import known_layers
 from nocturne_scene.ranges import make_schedule
 from nocturne_scene.scene_ranges import schedule_for_scene
 
+from nocturne_client.changes import changed
 from nocturne_client.errors import NocturneClientError, Problem
 from nocturne_client.scene_files import SceneOnDisk, read_scene
 
@@ -31,30 +35,41 @@ class CompiledFolder:
     """What of the scene can hardly be meant, with its place."""
     way: str = ""
     """How it is traced and why, where a pilot chose."""
+    layers: Path | None = None
+    """What goes beside the image, where any layers were asked for."""
 
 
 def compile_to(
-    scene: Path, folder: Path, width: int, height: int, samples: int, seed: int | None = None
+    scene: Path,
+    folder: Path,
+    width: int,
+    height: int,
+    samples: int,
+    seed: int | None = None,
+    layers: Sequence[str] = (),
+    changes: Mapping[str, Any] | None = None,
 ) -> CompiledFolder:
     """Writes scene.pb, schedule.pb and blobs/ into `folder`. Raises NocturneClientError with all problems.
 
-    `seed` instead of the scene's own.
+    `seed` instead of the scene's own. `layers`: see `nocturne_scene.layers`. `changes`: see
+    `nocturne_client.changes`.
     """
     on_disk = read_scene(scene)
-    if seed is not None:
-        tracing = {**on_disk.document.get("tracing", {}), "seed": seed}
-        on_disk = replace(on_disk, document={**on_disk.document, "tracing": tracing})
+    made = {**(changes or {}), **({} if seed is None else {"tracing.seed": seed})}
+    on_disk = replace(on_disk, document=changed(on_disk.document, made))
     try:
         # Problems of the film are told before the work.
         make_schedule(width, height, samples)
         document = check_document(on_disk.document)
         blobs = BlobStore(folder / "blobs")
         store_files(on_disk, blobs)
-        output = compile_scene(document, blobs, Film(width, height, samples))
+        output = compile_scene(document, blobs, Film(width, height, samples), known_layers(layers))
         sha256 = output.scene_sha256
         schedule = schedule_for_scene(blobs, sha256, width, height, samples)
         files = folder / "scene.pb", folder / "schedule.pb", folder / "blobs"
-        compiled = CompiledFolder(*files, sha256, tuple(output.dropped), tuple(output.warnings), output.way)
+        of_film = blobs.path(output.layers_sha256) if output.layers_sha256 else None
+        said = tuple(output.dropped), tuple(output.warnings), output.way
+        compiled = CompiledFolder(*files, sha256, *said, of_film)
         compiled.scene.write_bytes(blobs.path(sha256).read_bytes())
         compiled.schedule.write_bytes(schedule.SerializeToString(deterministic=True))
     except InputError as error:

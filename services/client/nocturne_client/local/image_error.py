@@ -70,16 +70,6 @@ def image_error(image: Path) -> ImageError:
     return ImageError(quantity, estimate, reading)
 
 
-def note_doubt(image: Path, doubt: str) -> None:
-    """Writes into an EXR why its errors are not to be trusted, as those of the service say it."""
-    with OpenEXR.File(str(image), separate_channels=True) as file:
-        channels = {name: channel.pixels for name, channel in file.channels().items()}
-        header = {**file.header(), "nocturne:errorDoubt": doubt}
-    header.pop("channels", None)
-    with OpenEXR.File(header, channels) as file:
-        file.write(str(image))
-
-
 def _estimate_of(moments: ImageMoments) -> ErrorEstimate:
     """From sums that have these moments."""
     n = moments.samples.astype(np.float64)

@@ -3,7 +3,7 @@
 import re
 import subprocess
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,9 +15,10 @@ from rich.progress import Progress
 from nocturne_client.cli.output import ERRORS
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import CompiledFolder, compile_to
-from nocturne_client.local.image_error import image_error, note_doubt
+from nocturne_client.local.image_error import image_error
 from nocturne_client.local.local_stop import LocalStop
 from nocturne_client.local.programs import need_program
+from nocturne_client.local.rewriting import add_layers, note_doubt
 
 _PERCENT = re.compile(r"\s*([0-9.]+) %")
 
@@ -38,6 +39,10 @@ class LocalRender:
     """Where counts and times go, as JSON."""
     stop: Mapping[str, Any] = field(default_factory=dict)
     """Of the service's conditions, relative_error and wall_seconds."""
+    layers: Sequence[str] = ()
+    """Names of layers; see nocturne_scene.layers."""
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    """Of the scene document; see nocturne_client.changes."""
 
 
 def render_scene(asked: LocalRender) -> None:
@@ -50,7 +55,8 @@ def render_scene(asked: LocalRender) -> None:
         if not path.absolute().parent.is_dir():
             raise NocturneClientError(f"{path.absolute().parent}: no such folder")
     with tempfile.TemporaryDirectory(prefix="nocturne-") as folder:
-        compiled = compile_to(asked.scene, Path(folder), asked.width, asked.height, asked.samples, asked.seed)
+        film = asked.width, asked.height, asked.samples
+        compiled = compile_to(asked.scene, Path(folder), *film, asked.seed, asked.layers, asked.changes)
         for warning in compiled.warnings:
             ERRORS.print(f"warning: {warning}", markup=False, soft_wrap=True)
         if compiled.way:
@@ -63,6 +69,8 @@ def render_scene(asked: LocalRender) -> None:
             _trace([*command, "--ask-after-ranges", str(sums)], asked.scene.name, stop, sums)
         else:
             _trace(command, asked.scene.name)
+        if compiled.layers:
+            add_layers(asked.output, compiled.layers)
     error = image_error(asked.output)
     if error.doubt:
         note_doubt(asked.output, error.doubt)

@@ -5,6 +5,7 @@ import { decodeTiles } from "../image/tiles.ts";
 import type { operations } from "./openapi.d.ts";
 import type {
   Answer,
+  Group,
   ConvergencePoint,
   CreateRenderRequest,
   ImportedScene,
@@ -41,10 +42,23 @@ export const previewAddress = (id: string, sequence?: number): string =>
 export const thumbnailAddress = (id: string, sequence: number): string => `${renderAddress(id)}/thumbnail.png?v=${sequence}`;
 export const tilesAddress = (id: string): string => `${renderAddress(id)}/tiles`;
 export const sceneAddress = (id: string): string => `${renderAddress(id)}/scene.json`;
+/** Of pictures that the service makes of the image when somebody asks. */
+export const derivedAddress = (id: string, name: string): string => `${renderAddress(id)}/${name}`;
 export const imageAddress = (id: string): string => `${renderAddress(id)}/image.exr`;
 
-export async function listRenders(pageToken = ""): Promise<RenderPage> {
-  const query = new URLSearchParams({ page_size: "50" });
+/** Takes the results of a worker in quarantine again. */
+export async function releaseWorker(id: string): Promise<void> {
+  const response = await fetch(`/v1/workers/${encodeURIComponent(id)}:release`, { method: "POST" });
+  if (!response.ok) throw await failureOf(response);
+}
+
+export async function getGroup(name: string): Promise<Group> {
+  return getJson<"get_group">(`/v1/groups/${encodeURIComponent(name)}`);
+}
+
+/** `group`: of this one only, up to 200 at once. */
+export async function listRenders(pageToken = "", group = ""): Promise<RenderPage> {
+  const query = new URLSearchParams({ page_size: group ? "200" : "50", group });
   if (pageToken) query.set("page_token", pageToken);
   return getJson<"list_renders">(`/v1/renders?${query.toString()}`);
 }
@@ -144,6 +158,13 @@ export async function listWorkers(): Promise<Worker[]> {
 
 export function renderAddress(id: string): string {
   return `/v1/renders/${encodeURIComponent(id)}`;
+}
+
+/** Has the service make such a picture; it keeps it for those who ask next. */
+export async function makePicture(id: string, name: string): Promise<void> {
+  const response = await fetch(derivedAddress(id, name));
+  if (!response.ok) throw await failureOf(response);
+  await response.blob();
 }
 
 /** What the operation answers at this address. */

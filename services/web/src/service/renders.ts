@@ -95,6 +95,19 @@ export class Renders {
     this.#take(await listRenders(this.nextPageToken));
   }
 
+  /** Fetches the renders of a group, at most `most`. */
+  async fetchGroup(name: string, most = 1000): Promise<void> {
+    let token = "";
+    let found = 0;
+    do {
+      const page = await listRenders(token, name);
+      token = page.next_page_token;
+      found += page.renders.length;
+      for (const render of page.renders) this.#byId.set(render.id, newer(render, this.#byId.get(render.id)));
+    } while (token && found < most);
+    this.#notify();
+  }
+
   async #refresh(): Promise<void> {
     try {
       const page = await listRenders();

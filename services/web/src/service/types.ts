@@ -9,6 +9,7 @@ export type Answer<Name extends keyof operations> = JsonOf<operations[Name]["res
 
 export type Render = Schemas["Render"];
 export type RenderState = Schemas["RenderState"];
+export type Group = Schemas["Group"];
 export type RenderPage = Schemas["RenderPage"];
 export type Region = Schemas["Region"];
 export type RegionReading = Schemas["Reading"];

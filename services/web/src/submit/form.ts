@@ -5,7 +5,7 @@ import type { CreateRenderRequest } from "../service/types.ts";
 export interface Asked {
   /** The same until something is changed: sending twice makes one render. */
   requestId: string;
-  request: Required<Pick<CreateRenderRequest, "name" | "width" | "height" | "samples" | "stop" | "priority">>;
+  request: Required<Pick<CreateRenderRequest, "name" | "width" | "height" | "samples" | "stop" | "priority" | "layers">>;
 }
 
 interface Field {
@@ -28,16 +28,20 @@ const fields: Field[] = [
   { name: "priority", label: "Priority", value: "100", number: { min: "1", max: "1000", step: "1" } },
 ];
 
+const layers = ["albedo", "normal", "depth", "position", "object", "material"];
+
 /** `onPreflight` is for the second button, which asks what the scene needs. */
 export function submitForm(onSubmit: (asked: Asked) => void, onPreflight: (asked: Asked) => void): { node: HTMLFormElement; begin: (name: string) => void; setFilm: (width: number, height: number) => void; busy: (busy: boolean) => void } {
   const inputs = new Map(fields.map((field) => [field.name, input(field)]));
   const button = element("button", { type: "submit", class: "primary" }, "Render");
   const preflight = element("button", { type: "button" }, "Preflight");
   const labels = fields.map(({ name, label }) => element("label", {}, element("span", {}, label), inputs.get(name) ?? ""));
-  const node = element("form", {}, ...labels, button, preflight);
+  const boxes = layers.map((name) => element("input", { type: "checkbox", name: "layers", value: name }));
+  const node = element("form", {}, ...labels, layersGroup(boxes), button, preflight);
   let requestId = newId();
   node.addEventListener("input", () => { requestId = newId(); });
-  const asked = (): Asked => ({ requestId, request: requestOf((name) => inputs.get(name)?.value ?? "") });
+  const wanted = (): string[] => boxes.filter(({ checked }) => checked).map(({ value }) => value);
+  const asked = (): Asked => ({ requestId, request: requestOf((name) => inputs.get(name)?.value ?? "", wanted()) });
   node.addEventListener("submit", (event) => {
     event.preventDefault();
     onSubmit(asked());
@@ -61,18 +65,23 @@ export function submitForm(onSubmit: (asked: Asked) => void, onPreflight: (asked
 }
 
 /** From what stands in the fields. */
-export function requestOf(value: (name: string) => string): Asked["request"] {
+export function requestOf(value: (name: string) => string, layers: string[]): Asked["request"] {
   const stop: NonNullable<CreateRenderRequest["stop"]> = {};
   if (value("error")) stop.relative_error = Number(value("error")) / 100;
   if (value("minutes")) stop.wall_seconds = 60 * Number(value("minutes"));
   if (value("until").trim()) stop.until = withZone(value("until").trim());
   const whole = (name: string): number => Math.round(Number(value(name)));
-  return { name: value("name"), width: whole("width"), height: whole("height"), samples: whole("samples"), stop, priority: whole("priority") };
+  return { name: value("name"), width: whole("width"), height: whole("height"), samples: whole("samples"), stop, priority: whole("priority"), layers };
 }
 
 /** A time of day without a zone is that of who types it. */
 function withZone(time: string): string {
   return /^\d{1,2}:\d{2}$/.test(time) ? `${time} ${Intl.DateTimeFormat().resolvedOptions().timeZone}` : time;
+}
+
+function layersGroup(boxes: HTMLInputElement[]): HTMLElement {
+  const choices = boxes.map((box) => element("label", { class: "choice" }, box, box.value));
+  return element("fieldset", {}, element("legend", {}, "Layers of the EXR"), ...choices);
 }
 
 function input({ name, value, number, hint }: Field): HTMLInputElement {

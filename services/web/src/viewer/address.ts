@@ -8,7 +8,8 @@ const rest = 300;
 
 /** Shows the image as the address says; gives the region that is chosen there. */
 export function recall(viewer: Viewer, canCompare: boolean): Region | undefined {
-  const { chosen, show, ...look } = fromQuery(location.hash.split("?")[1] ?? "");
+  const { chosen, show, side, wipe, ...look } = fromQuery(location.hash.split("?")[1] ?? "");
+  if (canCompare) viewer.change({ ...(side && { side }), ...(wipe !== undefined && { wipe }) });
   viewer.change(show && (canCompare || show !== "difference") ? { ...look, show } : look);
   return chosen;
 }

@@ -9,10 +9,12 @@ export interface Memory {
   exposure?: number;
   ranges?: Look["ranges"];
   chosen?: Region;
+  side?: Look["side"];
+  wipe?: number;
 }
 
 /** What differs from how images are shown by themselves; empty: nothing. `isAuto`: the exposure follows the image. */
-export function toQuery({ show, tone, exposure, ranges, chosen }: Pick<Look, "show" | "tone" | "exposure" | "ranges" | "chosen">, isAuto: boolean): string {
+export function toQuery({ show, tone, exposure, ranges, chosen, side, wipe }: Pick<Look, "show" | "tone" | "exposure" | "ranges" | "chosen" | "side" | "wipe">, isAuto: boolean): string {
   const query = new URLSearchParams();
   if (show !== "colour") query.set("view", show);
   if (tone !== "reinhard") query.set("tone", tone);
@@ -20,6 +22,8 @@ export function toQuery({ show, tone, exposure, ranges, chosen }: Pick<Look, "sh
   const range = ranges[show];
   if (range) query.set("range", `${range.low},${range.high},${range.logarithmic ? "log" : "linear"}`);
   if (chosen) query.set("region", [chosen.x, chosen.y, chosen.width, chosen.height].join());
+  if (side === "second") query.set("side", side);
+  if (side === "wipe") query.set("wipe", wipe.toFixed(3));
   return query.toString().replaceAll("%2C", ",");
 }
 
@@ -37,7 +41,14 @@ export function fromQuery(text: string): Memory {
     ...(exposure > 0 && Number.isFinite(exposure) && { exposure }),
     ...(show && range && { ranges: { [show]: range } }),
     ...(chosen && { chosen }),
+    ...sideOf(query),
   };
+}
+
+function sideOf(query: URLSearchParams): Pick<Memory, "side" | "wipe"> {
+  const wipe = Number(query.get("wipe") ?? NaN);
+  if (wipe >= 0 && wipe <= 1) return { side: "wipe", wipe };
+  return query.get("side") === "second" ? { side: "second" } : {};
 }
 
 function rangeOf(text: string): Scale | undefined {

@@ -30,7 +30,9 @@ export function sides(viewer: Viewer | undefined): { node: HTMLElement; show: ()
     show: () => {
       if (!node.hidden) return;
       node.hidden = false;
-      choose("wipe");
+      slider.valueAsNumber = viewer?.look.wipe ?? 0.5;
+      // As the address says; what it leaves open is the wipe.
+      choose(viewer?.look.side === "second" ? "second" : "wipe");
     },
   };
 }

@@ -46,6 +46,7 @@ const facts: Fact[] = [
   { label: "CPU time", value: (render) => formatDuration(render.progress.cpu_seconds) },
   { label: "Invalid samples", value: (render) => formatCount(render.progress.invalid_samples), meaning: "Contributions that were NaN, infinite or negative; they are left out of the image." },
   { label: "Truncated paths", value: (render) => formatCount(render.progress.truncated_paths), meaning: "Photons ended by the tracer's limit of interactions; light that they would have brought is missing." },
+  { label: "Layers", value: ({ layers }) => layers.join(", ") || "–", meaning: "What the EXR tells of the surfaces in the image, beside the image itself." },
   { label: "Film", value: (render) => `${render.width} × ${render.height}` },
 ];
 

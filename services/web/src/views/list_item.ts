@@ -1,7 +1,7 @@
 /** One render in the list. */
 import { element, setText } from "../dom.ts";
 import { formatDuration, formatRelativeError, formatSamples } from "../format.ts";
-import { renderRoute } from "../router.ts";
+import { groupRoute, renderRoute } from "../router.ts";
 import { serviceNow } from "../service/clock.ts";
 import { hasEnded, type Render } from "../service/types.ts";
 import { progressBar } from "./progress_bar.ts";
@@ -23,6 +23,7 @@ export function listItem(onSelect: () => void): ListItem {
   const link = element("a", { class: "name" });
   const badge = stateBadge();
   const size = element("span");
+  const group = element("a", { class: "in-group" });
   const bar = progressBar();
   const error = element("span", { class: "error", title: "Relative error, and what was asked for" });
   const finish = element("span", { class: "finish" });
@@ -32,7 +33,7 @@ export function listItem(onSelect: () => void): ListItem {
     {},
     box,
     picture.node,
-    element("div", { class: "what" }, element("h2", {}, link, badge.node), size),
+    element("div", { class: "what" }, element("h2", {}, link, badge.node), size, group),
     element("div", { class: "how-far" }, bar.node, error, finish, cost),
   );
 
@@ -42,6 +43,9 @@ export function listItem(onSelect: () => void): ListItem {
     box.setAttribute("aria-label", `Select ${render.name || render.id}`);
     badge.show(render.state);
     setText(size, `${render.width} × ${render.height} · ${samplesShort(render)}${render.owner ? ` · ${render.owner}` : ""}`);
+    group.hidden = render.group === "";
+    group.href = groupRoute(render.group);
+    setText(group, `group ${render.group}`);
     bar.show(render);
     setText(error, errorText(render));
     setText(finish, finishText(render));

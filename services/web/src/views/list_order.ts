@@ -11,14 +11,16 @@ export interface Wish {
   text: string;
   kind: Kind;
   order: Order;
+  /** Of this group only; empty: of any. */
+  group: string;
 }
 
 /** Those that are wished for, of renders that come newest first. */
-export function listed(renders: readonly Render[], { text, kind, order }: Wish): Render[] {
+export function listed(renders: readonly Render[], { text, kind, order, group }: Wish): Render[] {
   const words = text.toLowerCase().split(/\s+/).filter(Boolean);
   const found = renders.filter((render) => {
-    const about = `${render.name} ${render.id} ${render.owner} ${render.state}`.toLowerCase();
-    return words.every((word) => about.includes(word)) && (kind === "all" || hasEnded(render) === (kind === "ended"));
+    const about = `${render.name} ${render.id} ${render.owner} ${render.state} ${render.group}`.toLowerCase();
+    return (group === "" || render.group === group) && words.every((word) => about.includes(word)) && (kind === "all" || hasEnded(render) === (kind === "ended"));
   });
   return order === "newest" ? found : found.toSorted(comparisons[order]);
 }

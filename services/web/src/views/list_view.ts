@@ -1,22 +1,26 @@
 /** The list of renders: filtered, in an order, and a place to submit another. */
 import { element, setText } from "../dom.ts";
+import { notifyBox } from "../service/notifier.ts";
 import type { Renders } from "../service/renders.ts";
 import { submitPanel } from "../submit/submit_panel.ts";
 import type { Render } from "../service/types.ts";
 import { select as choice } from "../viewer/controls.ts";
+import { groupLine } from "./group_line.ts";
 import { listItem, type ListItem } from "./list_item.ts";
 import { type Kind, kinds, listed, type Order, orders, type Wish } from "./list_order.ts";
 import { selectionBar } from "./selection_bar.ts";
 import type { View } from "./view.ts";
 import { workersSection } from "./workers_section.ts";
 
-export function listView(renders: Renders): View {
+/** `group`: of one group only, with how far it is. */
+export function listView(renders: Renders, group = ""): View {
   const list = element("ul", { class: "renders" });
   const empty = element("p", { class: "empty" });
   const more = element("button", { type: "button", class: "more" }, "Show older renders");
   const workers = workersSection();
   const submit = submitPanel();
-  const wish: Wish = { text: "", kind: "all", order: "newest" };
+  const wish: Wish = { text: "", kind: "all", order: "newest", group };
+  const line = group ? groupLine(group) : undefined;
   const items = new Map<string, ListItem>();
 
   const select = (): void => { selection.show(selected()); };
@@ -33,7 +37,8 @@ export function listView(renders: Renders): View {
     setText(empty, renders.newestFirst().length > 0 ? "No render is like that." : "No renders yet. Submit one below, or with nocturne submit.");
     list.hidden = shown.length === 0;
     select();
-    more.hidden = renders.nextPageToken === "";
+    more.hidden = group !== "" || renders.nextPageToken === "";
+    line?.refresh();
   };
   const selected = (): Render[] => renders.newestFirst().filter(({ id }) => items.get(id)?.box.checked);
   const selection = selectionBar(renders, () => {
@@ -41,7 +46,10 @@ export function listView(renders: Renders): View {
     select();
   });
   const filters = filterBar(wish, update);
-  const node = element("div", {}, element("h1", { tabindex: "-1" }, "Renders"), filters, selection.node, empty, list, more, submit.node, workers.node);
+  const heading = element("h1", { tabindex: "-1" }, group ? `Group ${group}` : "Renders");
+  const head = line ? [element("p", { class: "back" }, element("a", { href: "#/" }, "← All renders")), heading, line.node] : [heading];
+  const node = element("div", {}, ...head, filters, selection.node, empty, list, more, ...(line ? [] : [submit.node]), workers.node);
+  if (group) renders.fetchGroup(group).catch(() => undefined);
   more.addEventListener("click", () => {
     // A failed page leaves the button, to be pressed again.
     renders.fetchNextPage().catch(() => undefined);
@@ -50,8 +58,9 @@ export function listView(renders: Renders): View {
   update();
   return {
     node,
-    title: "Renders",
+    title: group || "Renders",
     close: () => {
+      line?.close();
       unsubscribe();
       workers.close();
       submit.close();
@@ -69,7 +78,7 @@ function place(list: HTMLElement, items: ReadonlyMap<string, ListItem>, nodes: H
 }
 
 function filterBar(wish: Wish, update: () => void): HTMLElement {
-  const search = element("input", { type: "search", placeholder: "Name, id, owner, state", "aria-label": "Filter" });
+  const search = element("input", { type: "search", placeholder: "Name, id, owner, state, group", "aria-label": "Filter" });
   search.addEventListener("input", () => {
     wish.text = search.value;
     update();
@@ -86,5 +95,6 @@ function filterBar(wish: Wish, update: () => void): HTMLElement {
       wish.order = order as Order;
       update();
     }),
+    notifyBox(),
   );
 }

@@ -8,6 +8,7 @@ import { hasEnded, hasImage, type Render, type RenderState } from "../service/ty
 import { MeasurePanel } from "../measure/measure_panel.ts";
 import { type RenderImage, renderImage } from "../viewer/render_image.ts";
 import { convergenceSection } from "./convergence_section.ts";
+import { denoisedSection } from "./denoised_section.ts";
 import { lookFirstButton } from "./look_first_button.ts";
 import { summaryPanel } from "./summary_panel.ts";
 import type { View } from "./view.ts";
@@ -24,6 +25,7 @@ export function renderView(id: string, renders: Renders): View {
   const first = lookFirstButton(id, image.chosen, (render) => { renders.put(render); });
   image.node.append(first.node, measuring.node);
   const convergence = convergenceSection(id);
+  const denoised = denoisedSection(id);
   const workers = workersSection({ id, onTilesInProgress: (byTile) => image.viewer?.showWorkers(byTile) });
   const problem = element("p", { class: "problem", role: "alert" });
   const content = element(
@@ -31,7 +33,7 @@ export function renderView(id: string, renders: Renders): View {
     { class: "render" },
     image.node,
     panel.node,
-    element("div", { class: "below" }, convergence.node, workers.node),
+    element("div", { class: "below" }, convergence.node, workers.node, denoised.node),
   );
   const links = element("p", { class: "back" }, element("a", { href: "#/" }, "← All renders"), element("a", { href: compareRoute(id) }, "Compare…"));
   const node = element("div", {}, links, panel.heading, problem, content);
@@ -48,6 +50,7 @@ export function renderView(id: string, renders: Renders): View {
         first.show(render);
         measuring.show(render);
         convergence.show(render);
+        denoised.show(render);
       },
       onEnd: () => {
         convergence.reload();

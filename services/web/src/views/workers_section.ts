@@ -1,8 +1,8 @@
 /** Table of the workers, updated every two seconds, and the tiles of a render that each is tracing. */
-import { element } from "../dom.ts";
+import { announce, element } from "../dom.ts";
 import { formatCount, formatDuration } from "../format.ts";
 import { renderRoute } from "../router.ts";
-import { getTilesInProgress, listWork, listWorkers } from "../service/client.ts";
+import { getTilesInProgress, listWork, listWorkers, releaseWorker } from "../service/client.ts";
 import { serviceNow } from "../service/clock.ts";
 import type { Worker, WorkOfWorker } from "../service/types.ts";
 
@@ -32,7 +32,7 @@ export function workersSection(watched?: Watched): { node: HTMLElement; close: (
       for (const { id } of workers.toSorted((a, b) => a.id.localeCompare(b.id))) numberOf(id);
       watched?.onTilesInProgress(new Map(inProgress.map(({ tile, worker }) => [tile, numberOf(worker)])));
       const tiles = (worker: string): string => `${inProgress.filter((each) => each.worker === worker).length}`;
-      content.replaceChildren(workers.length > 0 ? table(workers, work, watched && tiles) : noWorkers());
+      replace(content, workers.length > 0 ? table(workers, work, watched && tiles) : noWorkers());
     } catch {
       // The bar says that the service is out of reach, or the render that there is none.
     }
@@ -40,6 +40,13 @@ export function workersSection(watched?: Watched): { node: HTMLElement; close: (
   const timer = setInterval(() => void poll(), interval_ms);
   void poll();
   return { node, close: () => { clearInterval(timer); } };
+}
+
+/** What is labelled and has the focus keeps it, where it is still there. */
+function replace(content: HTMLElement, child: HTMLElement): void {
+  const focused = content.querySelector(":focus")?.getAttribute("aria-label");
+  content.replaceChildren(child);
+  if (focused) content.querySelector<HTMLElement>(`[aria-label="${CSS.escape(focused)}"]`)?.focus();
 }
 
 function table(workers: Worker[], work: WorkOfWorker[], tiles: ((worker: string) => string) | undefined): HTMLElement {
@@ -56,9 +63,21 @@ function table(workers: Worker[], work: WorkOfWorker[], tiles: ((worker: string)
 function row(worker: Worker, work: WorkOfWorker[], more: string[]): HTMLElement {
   const cells = [`${worker.threads}`, formatCount(worker.rays_per_second), formatCount(worker.jobs_done), ...more];
   const name = element("th", { scope: "row" }, worker.id);
-  if (worker.quarantine) name.append(element("span", { class: "badge", "data-state": "FAILED", title: worker.quarantine }, "Quarantine"));
+  if (worker.quarantine) name.append(element("span", { class: "badge", "data-state": "FAILED", title: worker.quarantine }, "Quarantine"), releaseButton(worker.id));
   else if (worker.incompatible) name.append(element("span", { class: "badge", "data-state": "PAUSED", title: worker.incompatible }, "No jobs"));
   return element("tr", {}, name, element("td", { class: "traces" }, ...work.map(traced)), ...cells.map((text) => element("td", {}, text)));
+}
+
+/** The table follows within two seconds. */
+function releaseButton(worker: string): HTMLElement {
+  const button = element("button", { type: "button", class: "release", "aria-label": `Release ${worker}` }, "Release");
+  button.addEventListener("click", () => {
+    releaseWorker(worker).then(
+      () => { announce(`${worker} is released`); },
+      (error: unknown) => { announce(error instanceof Error ? error.message : String(error)); },
+    );
+  });
+  return button;
 }
 
 /** "headlight, for 8 min": which render, and since when it has the oldest of its tiles. */
