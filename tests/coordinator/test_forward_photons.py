@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.admission import forward_ranges
-from nocturne_coordinator.dispatch.merge import RangeSums, MergeResult
+from nocturne_coordinator.dispatch.merge import MergeResult, RangeSums
 from nocturne_coordinator.dispatch.planned_render import PlannedRender, RefusedResult
 from nocturne_coordinator.dispatch.records import OpenRender, RenderCommit, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.running_render import PHOTON_COMMIT_SECONDS, RunningRender
