@@ -20,6 +20,7 @@ from bench import (
     sampling,
     scale,
     service,
+    sharing,
     stops,
     traversal,
     watchers,
@@ -30,6 +31,7 @@ from bench.report import Bench, Figures, Skipped, keep
 BENCHES: dict[str, Bench] = {
     "traversal": traversal,
     "service": service,
+    "sharing": sharing,
     "scale": scale,
     "duplicates": duplicates,
     "mixture": mixture,

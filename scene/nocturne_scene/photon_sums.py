@@ -11,7 +11,10 @@ from numpy.typing import NDArray
 
 from nocturne_scene.ranges import PHOTON_BUNDLE
 from nocturne_scene.tile_sums import (
+    PAIR_FIRST,
+    PAIR_SECOND,
     PRODUCTS,
+    PRODUCTS_SQUARES,
     XYZ_SUMS,
     TileSums,
     Values,
@@ -27,7 +30,7 @@ _VALUE_BYTES, _PRODUCT_BYTES = 4, 2
 
 _Factors = tuple[Values, Values]
 
-_FACTORS = ([1, 0, 2, 0, 0, 1], [1, 0, 2, 1, 2, 2])
+_FACTORS = (PRODUCTS_SQUARES + PAIR_FIRST, PRODUCTS_SQUARES + PAIR_SECOND)
 """Of PRODUCTS, places in X, Y, Z."""
 
 

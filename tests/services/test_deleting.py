@@ -59,7 +59,7 @@ async def ended(rest: httpx.AsyncClient, folder: DataFolder, body: dict[str, Any
     assert answer.status_code == 201, answer.text
     render_id: str = answer.json()["id"]
     for table, values in {
-        "tile": "1, 8, x'00', 1, 0, 0.0",
+        "tile": "1, 8, x'00', 1, 0, 0.0, x'', x''",
         "error_point": "1.0, 1, 1.0, 0.5, 0.1, 7.0",
         "contribution": "1, 'w'",
         "failed_tile": "1, 0, 4, 'no', '[]'",
