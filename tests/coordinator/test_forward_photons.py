@@ -1,9 +1,7 @@
 """Forward photons in ranges of their own: merged in order, shown with tiles' samples, committed seldom."""
 
 import zlib
-from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +15,6 @@ from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
-from nocturne_coordinator.store.ownership import Ownership
 from nocturne_coordinator.store.rows import NewRender
 from nocturne_scene.photon_sums import with_photons
 from nocturne_scene.ranges import PHOTON_BUNDLE, ForwardPhotons, make_schedule
@@ -235,20 +232,6 @@ def test_both_kinds_go_on_together() -> None:
         else:
             # No range of a tile that begins later went before.
             assert last <= first * PHOTON_BUNDLE / planned.pixels
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Iterator[DataFolder]:
-    folder = DataFolder(tmp_path)
-    yield folder
-    folder.close()
-
-
-@pytest.fixture
-def ledger(folder: DataFolder) -> Iterator[Ledger]:
-    ownership = Ownership(folder.root, folder.database)
-    yield Ledger(folder.database, ownership)
-    ownership.release()
 
 
 def _stored(folder: DataFolder, ledger: Ledger, schedule: job_pb2.RangeSchedule) -> tuple[str, int]:

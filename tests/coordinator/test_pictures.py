@@ -2,7 +2,6 @@
 
 import errno
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -18,13 +17,6 @@ from nocturne_coordinator.store.rows import NewRender
 from nocturne_scene.ranges import make_schedule
 
 _EDGE, _SAMPLES = 32, 4
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Iterator[DataFolder]:
-    folder = DataFolder(tmp_path)
-    yield folder
-    folder.close()
 
 
 def _running(folder: DataFolder, ledger: Ledger, number: int) -> RunningRender:

@@ -1,29 +1,10 @@
 """Who joined and left, and what all workers did, as the data folder keeps it."""
 
-from collections.abc import Iterator
-from pathlib import Path
-
-import pytest
 from nocturne_coordinator.dispatch.records import WorkerRow
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
-from nocturne_coordinator.store.ownership import Ownership
 from nocturne_coordinator.store.rows import NewRender
 from nocturne_scene.ranges import make_schedule
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Iterator[DataFolder]:
-    folder = DataFolder(tmp_path)
-    yield folder
-    folder.close()
-
-
-@pytest.fixture
-def ledger(folder: DataFolder) -> Iterator[Ledger]:
-    ownership = Ownership(folder.root, folder.database)
-    yield Ledger(folder.database, ownership)
-    ownership.release()
 
 
 def _worker(name: str, rate: float = 5.0) -> WorkerRow:
