@@ -127,6 +127,10 @@ double process_cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+void finish(std::ofstream& file, const std::string& path) {
+  if (!file.flush()) throw std::runtime_error(path + ": can't be written");
+}
+
 void write_statistics(const std::string& path, const TileSums& image, double cpu_seconds,
                       double wall_seconds) {
   std::ofstream file(path);
@@ -135,7 +139,7 @@ void write_statistics(const std::string& path, const TileSums& image, double cpu
        << ", \"invalid_samples\": " << image.invalid_samples
        << ", \"truncated_paths\": " << image.truncated_paths << ", \"cpu_seconds\": " << cpu_seconds
        << ", \"wall_seconds\": " << wall_seconds << "}\n";
-  if (!file) throw std::runtime_error(path + ": can't be written");
+  finish(file, path);
 }
 
 // Progress as lines "12.5 %" that end in a carriage return: a person sees one line, a program can
@@ -175,7 +179,7 @@ void write_sums(const std::string& path, const TileSums& tile) {
     file.write(reinterpret_cast<const char*>(values->data()),
                static_cast<std::streamsize>(values->size() * sizeof(double)));
   }
-  if (!file.flush()) throw std::runtime_error(path + ": can't be written");
+  finish(file, path);
 }
 
 // After each range the sums so far go to a file and their samples to standard output; a line "go"
@@ -275,7 +279,7 @@ void run_pilot(const Options& options, const v1::CompiledScene& message,
        << ", \"photons\": " << found.photons << ", \"rays\": " << found.rays
        << ", \"cpu_seconds\": " << process_cpu_seconds() - cpu_before << ", \"tried\": [" << tried
        << "]}\n";
-  if (!file.flush()) throw std::runtime_error(options.output + ": can't be written");
+  finish(file, options.output);
 }
 
 // What surfaces are like, as float32, row by row: see PixelLayers.
@@ -287,7 +291,7 @@ void run_layers(const Options& options, const v1::CompiledScene& message,
   std::ofstream file(options.output, std::ios::binary);
   file.write(reinterpret_cast<const char*>(layers.data()),
              static_cast<std::streamsize>(layers.size() * sizeof(PixelLayers)));
-  if (!file.flush()) throw std::runtime_error(options.output + ": can't be written");
+  finish(file, options.output);
 }
 
 std::string with_seed(std::string path, unsigned seed) {
