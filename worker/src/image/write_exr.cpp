@@ -14,6 +14,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "spectrum/srgb.h"
+
 namespace nocturne {
 namespace {
 
@@ -189,9 +191,7 @@ class Channels {
   std::vector<float> values_;
 };
 
-// IEC 61966-2-1: XYZ of white D65 to linear sRGB, and the primaries and the white of that.
-constexpr float kRgbOfXyz[3][3] = {
-    {3.2406f, -1.5372f, -0.4986f}, {-0.9689f, 1.8758f, 0.0415f}, {0.0557f, -0.2040f, 1.0570f}};
+// The primaries and the white of sRGB, IEC 61966-2-1.
 const Imf::Chromaticities kSrgb{{0.64f, 0.33f}, {0.30f, 0.60f}, {0.15f, 0.06f}, {0.3127f, 0.3290f}};
 constexpr std::array<const char*, 3> kRgb{"R", "G", "B"};
 

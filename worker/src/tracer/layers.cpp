@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "spectrum/srgb.h"
 #include "tracer/by_threads.h"
 #include "tracer/pixel_sample.h"
 #include "tracer/stages/travel.h"
@@ -18,10 +19,6 @@ constexpr int kMaxPasses = 64;
 
 using Wavelengths = WavelengthSamples<kWavelengths>;
 using Weights = std::array<Spectral<kWavelengths>, 3>;
-
-// IEC 61966-2-1: XYZ to linear sRGB.
-constexpr float kRgbOfXyz[3][3] = {
-    {3.2406f, -1.5372f, -0.4986f}, {-0.9689f, 1.8758f, 0.0415f}, {0.0557f, -0.2040f, 1.0570f}};
 
 Weights rgb_weights(const Wavelengths& wavelengths) {
   Weights weights;
