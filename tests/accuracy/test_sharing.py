@@ -21,6 +21,7 @@ from scipy import stats
 from tests.accuracy.cameras_both_ways import SCENES as OPEN_SCENES
 from tests.accuracy.scenes import box, cornell, diffuse, quad, sphere, surface
 from tests.accuracy.tracing import IN_FULL, Document, part_of, run_seeds, write
+from tests.pictures import write_exr
 
 pytestmark = pytest.mark.system
 
@@ -87,6 +88,29 @@ def _half_mirror(albedo: float) -> Document:
     return {"type": "blend", "first": metal, "second": diffuse(albedo), "weight": 0.6}
 
 
+def _wallpapered() -> Document:
+    """Walls of checks and a ball with grooves finer than a block of pixels."""
+
+    def paper(albedo: float) -> Document:
+        return {
+            "type": "lambertian",
+            "reflectance": {"texture": "paper", "spectrum": albedo, "scale": [6, 6]},
+        }
+
+    grooves = {"texture": "grooves", "scale": [24, 12], "height": 0.01}
+    ball = surface(sphere([0.2, 0.55, 0.1], 0.5), diffuse(0.7)) | {"bump_map": grooves}
+    textures = {"paper": {"asset": "paper.exr"}, "grooves": {"asset": "grooves.exr"}}
+    return room(ball, wall=paper, textures=textures)
+
+
+def _write_pictures(folder: Path) -> None:
+    """What `_wallpapered` names."""
+    checks = np.kron([[0.2, 0.9], [1.0, 0.4]], np.ones((4, 4)))
+    ridge = 1.0 - np.abs(np.linspace(-1.0, 1.0, 16))
+    write_exr(folder / "paper.exr", checks[..., None].astype(np.float32), "Y")
+    write_exr(folder / "grooves.exr", np.tile(ridge, (4, 1))[..., None].astype(np.float32), "Y")
+
+
 def _thin_walls() -> Document:
     """A wall of 2 mm and a slab of glass before the back wall, whose sides are close together."""
     wall = surface(box([-0.5, 0, -0.3], [0.3, 1.2, -0.298]), diffuse(0.6))
@@ -115,6 +139,7 @@ SCENES: dict[str, Callable[[], Document]] = {
     "walls of cloth": lambda: room(wall=_cloth),
     "half mirrors": lambda: room(wall=_half_mirror),
     "thin walls": _thin_walls,
+    "textures and bumps": _wallpapered,
     "instances": _instances,
     "motion": _moving,
     "lens": lambda: OPEN_SCENES["ball, lens"].document,
@@ -127,6 +152,8 @@ def tiles(
 ) -> npt.NDArray[np.float64]:
     """Y of each seed's tiles, (seeds, tiles); the same scene by the way that `tracing` says."""
     folder.mkdir()
+    if "textures" in document:
+        _write_pictures(folder)
     traced = json.loads(json.dumps(document))
     traced["tracing"] = traced.get("tracing", {}) | {"photons_together": 4} | tracing
     compiled = compile_to(write(traced, folder), folder, _EDGE, _EDGE, part_of(samples))
@@ -145,7 +172,7 @@ def differ(a: npt.NDArray[np.float64], b: npt.NDArray[np.float64], alpha: float)
 @pytest.mark.parametrize("name", SCENES)
 def test_shared_images_are_those_of_pixels_alone(name: str, tmp_path: Path) -> None:
     document, samples = SCENES[name](), _FEWER.get(name, _SAMPLES)
-    alone = tiles(document, tmp_path / "alone", samples)
+    alone = tiles(document, tmp_path / "alone", samples, sharing=1)
     for pixels in _BLOCKS:
         shared = tiles(document, tmp_path / f"{pixels}", samples, sharing=pixels)
         assert not differ(alone, shared, 0.01)
@@ -154,13 +181,13 @@ def test_shared_images_are_those_of_pixels_alone(name: str, tmp_path: Path) -> N
 
 def test_sharing_is_seen_by_these_statistics(tmp_path: Path) -> None:
     """What a lamp 2 % brighter makes of the same scene is found."""
-    alone = tiles(room(), tmp_path / "alone")
+    alone = tiles(room(), tmp_path / "alone", sharing=1)
     shared = tiles(room(), tmp_path / "shared", sharing=16) * 1.02
     assert differ(alone, shared, 0.01)
 
 
 def test_both_directions_share_what_is_theirs(tmp_path: Path) -> None:
     document = OPEN_SCENES["bowl"].document
-    alone = tiles(document, tmp_path / "alone", direction="both")
+    alone = tiles(document, tmp_path / "alone", direction="both", sharing=1)
     shared = tiles(document, tmp_path / "shared", direction="both", sharing=16)
     assert not differ(alone, shared, 0.01)
