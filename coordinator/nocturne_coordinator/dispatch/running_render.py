@@ -73,7 +73,6 @@ class RunningRender:
         self._judged_photons = 0
         self.next_preview = 0.0
         self.next_figures = 0.0
-        self.next_image = 0.0
         self.pictured_photons = 0
         self._dirty: dict[int, bytes] = {}
         """Sums to commit, by tile: encoded while they are in the processor's cache, which a film exceeds."""
