@@ -84,6 +84,6 @@ class RangeQueue:
 
 
 def _turn_of(range_index: int) -> int:
-    """After the first of all tiles come two ranges of each tile at a time: short ones are then merged while the
+    """After the first range of all tiles two of each tile come together: short ones are then merged while the
     tile's sums are at hand, and written once for both."""
     return (range_index + 1) // 2
