@@ -125,7 +125,7 @@ def encoded(value: Any) -> Any:
             return {"~schedule": base64.b64encode(value.SerializeToString(deterministic=True)).decode()}
         case tuple():
             return {"~tuple": [encoded(each) for each in value]}
-        case list():
+        case list() | records.TileRows():
             return [encoded(each) for each in value]
         case set() | frozenset():
             return {"~set": sorted(value)}

@@ -105,7 +105,7 @@ class Executor:
                 self._previews.write_thumbnail(self._renders[instruction.render_id])
                 return self._clock.moment()
             case do.WriteImage():
-                self._previews.write_image(self._renders[instruction.render_id], instruction.final)
+                self._previews.write_image(self._renders[instruction.render_id])
                 return self._clock.moment()
         return None
 

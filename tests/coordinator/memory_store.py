@@ -273,7 +273,7 @@ class MemoryPreviews(Previews):
     def write_thumbnail(self, render: RunningRender) -> None:
         self.write_preview(render)
 
-    def write_image(self, render: RunningRender, final: bool = False) -> None:
+    def write_image(self, render: RunningRender) -> None:
         with self._memory.holding(render.id, render.row.fence):
             image = {
                 index: (render.film.samples(index), render.film.tile_bytes(index))

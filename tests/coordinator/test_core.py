@@ -206,21 +206,15 @@ def test_a_result_that_is_read_again_while_it_waits_is_not_deleted() -> None:
     ]
 
 
-def test_images_that_are_due_together_are_written_one_by_one() -> None:
-    shell = Shell(tuple(row(name, 3000) for name in "abc"))
+def test_a_render_that_goes_on_has_no_image_written() -> None:
+    """The API makes one of what is committed, for who asks."""
+    shell = Shell((row("r", 3000),))
     shell.take_up()
     shell.tell(StreamIsReady(at(0.1)))
-    for name, due in (("a", 21.0), ("b", 20.0), ("c", 22.0)):
-        shell.result(name, 0.2)
-        shell.core.state.renders[name].next_image = due
-    for now, image in ((30.0, "b"), (31.0, "a"), (32.0, "c")):
-        for render in shell.core.state.renders.values():
-            # As if new samples had come.
-            render.pictured_photons = 0
-        followed = shell.tell(Tick(at(now)))
-        assert [each.render_id for each in followed if isinstance(each, do.WriteImage)] == [image]
-        # Previews are not held up.
-        assert {each.render_id for each in followed if isinstance(each, do.WritePreview)} == {"a", "b", "c"}
+    shell.result("r", 0.2)
+    written = kinds(shell.tell(Tick(at(3600.0))))
+    assert "WritePreview" in written
+    assert "WriteImage" not in written
 
 
 @pytest.mark.parametrize(("renders", "pause"), [(1, 10.0), (2, 10.0), (6, 30.0)])

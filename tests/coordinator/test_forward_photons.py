@@ -149,7 +149,7 @@ def test_a_render_goes_on_with_what_was_committed(schedule: job_pb2.RangeSchedul
     render.commit_photons_next()
     commit = render.changes(1.0, 1.0)
     assert commit is not None
-    again = RunningRender(render.row, reversed(commit.tiles))
+    again = RunningRender(render.row, reversed([*commit.tiles]))
     assert again.film.manifest() == render.film.manifest() == [4, 4, 4, 4, 2]
     assert again.totals.photons == render.totals.photons
     np.testing.assert_array_equal(again.film.sums, render.film.sums)

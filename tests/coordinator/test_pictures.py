@@ -1,4 +1,4 @@
-"""When pictures are written: seldom, and never so many at once that results wait for long."""
+"""What becomes of pictures whose folder goes, or has no room."""
 
 import errno
 import time
@@ -20,7 +20,7 @@ _EDGE, _SAMPLES = 32, 4
 
 
 def _running(folder: DataFolder, ledger: Ledger, number: int) -> RunningRender:
-    """A render of one tile, with its first samples committed, whose image is due."""
+    """A render of one tile, with its first samples committed."""
     schedule = make_schedule(_EDGE, _EDGE, 64)
     row = folder.renders.create(NewRender(f"{number}", "", "5c" * 32, "{}", _EDGE, _EDGE, 64, schedule))
     taken = ledger.renders.take(row.id)
@@ -29,9 +29,7 @@ def _running(folder: DataFolder, ledger: Ledger, number: int) -> RunningRender:
     tile = TileRow(0, _SAMPLES, bytes(_EDGE * _EDGE * 32))
     totals = Totals(1, _SAMPLES * _EDGE * _EDGE, 5, 0, 0.5)
     assert ledger.commits.commit([RenderCommit(row.id, taken.fence, [tile], totals, 10.0)]) == []
-    render = RunningRender(taken, ledger.renders.tiles(row.id))
-    render.next_image = time.monotonic() - number
-    return render
+    return RunningRender(taken, ledger.renders.tiles(row.id))
 
 
 def test_a_folder_that_goes_with_its_render_is_no_trouble(

@@ -26,11 +26,8 @@ from nocturne_coordinator.errors import FolderTrouble, LeaseLost
 
 _PREVIEW_SECONDS = 1.0
 _PREVIEW_SHARE = 0.01
-_FIRST_IMAGE_SECONDS = 10.0
-_IMAGE_SECONDS = 60.0
-_IMAGE_SHARE = 0.003
 """Shortest time between two of a render, and the part of all time that may go into them. A preview and the
-error have a share each; an EXR costs ten previews."""
+error have a share each; of EXRs there is the last one only, and the API makes others for who asks."""
 
 _FULL_SHARES = 2
 """Where more renders than these are at work, they divide what so many would have: what people look at shall
@@ -116,18 +113,12 @@ class Commits:
     # --- what people look at ---
 
     def _show(self, at: Moment) -> Steps[None]:
-        """Previews that are due and one image, of renders with new samples, never more often than they are
-        worth.
-
-        Results wait meanwhile: for six images of a million pixels in a row, that would be seconds.
-        """
-        images = []
+        """Previews that are due, of renders with new samples, never more often than they are worth."""
         changed = [
             each for each in self._state.renders.values() if each.totals.photons != each.pictured_photons
         ]
         part = min(1.0, _FULL_SHARES / max(1, len(changed)))
         for render in changed:
-            render.next_image = render.next_image or at.now + _FIRST_IMAGE_SECONDS
             begun = at.now
             if begun >= render.next_preview:
                 at = yield WritePreview(render.id)
@@ -138,17 +129,10 @@ class Commits:
                 at = yield from self._show_error(render)
                 pause = max(_PREVIEW_SECONDS, (at.now - begun) / (part * _PREVIEW_SHARE))
                 render.next_figures = begun + pause
-            if at.now >= render.next_image:
-                images.append(render)
-        if images:
-            longest = min(images, key=lambda render: render.next_image)
-            begun = at.now
-            at = yield WriteImage(longest.id)
-            longest.next_image = begun + max(_IMAGE_SECONDS, (at.now - begun) / (part * _IMAGE_SHARE))
 
     def show_final(self, render: RunningRender) -> Steps[None]:
         """The last preview and image of a render, of all that is committed."""
-        yield WriteImage(render.id, final=True)
+        yield WriteImage(render.id)
         yield WritePreview(render.id, final=True)
         yield from self._show_error(render)
 

@@ -206,10 +206,9 @@ class RecordError:
 
 @dataclass(frozen=True, slots=True)
 class WriteImage:
-    """Replace the image file. Answer: the moment when that was done."""
+    """Write the image of a render that ends. Answer: the moment when that was done."""
 
     render_id: str
-    final: bool = False
 
 
 Instruction: TypeAlias = (

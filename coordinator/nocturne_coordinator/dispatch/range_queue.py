@@ -38,7 +38,7 @@ class RangeQueue:
     horizon: list[int]
     """Per tile, the ranges that it is expected to need."""
     ready: list[tuple[bool, int, bool, int, int]]
-    """Heap of (may wait, turn, is a tile, range to publish next, tile): earlier ranges first, so the whole
+    """Heap of (may wait, turn, is a tile, tile, range to publish next): earlier ranges first, so the whole
     frame is first. Of forward photons before those of tiles, as they take longest."""
     owner: str
     share: FairShare
@@ -58,8 +58,8 @@ class RangeQueue:
         """Every tile's first range goes before all others: there is always a whole frame."""
         may_wait = bool(self.first) and range_index > 0 and tile not in self.first
         forward = self.forward if self._is_forward(tile) else None
-        turn = forward.turns[range_index] if forward else range_index
-        heappush(self.ready, (may_wait, turn, forward is None, range_index, tile))
+        turn = _turn_of(forward.turns[range_index] if forward else range_index)
+        heappush(self.ready, (may_wait, turn, forward is None, tile, range_index))
 
     def ranges_of(self, tile: int) -> int:
         """How many a tile has, or forward photons."""
@@ -75,9 +75,15 @@ class RangeQueue:
     def nowhere(self, tile: int, elsewhere: Set[int]) -> list[int]:
         """Open ranges of a tile that would never be published: neither `elsewhere` nor to come here."""
         # From here on each comes by itself; what lies before must be somewhere.
-        comes = min((index for *_, index, of in self.ready if of == tile), default=self.ranges_of(tile))
+        comes = min((index for *_, of, index in self.ready if of == tile), default=self.ranges_of(tile))
         if tile in self.blocked:
             comes = min(comes, self.following[tile])
         somewhere = elsewhere | {index for index, of in self.again if of == tile}
         open_ranges = range(self.completed[tile], min(comes, self.ranges_of(tile)))
         return [index for index in open_ranges if index not in somewhere]
+
+
+def _turn_of(range_index: int) -> int:
+    """After the first range of all tiles two of each tile come together: short ones are then merged while the
+    tile's sums are at hand, and written once for both."""
+    return (range_index + 1) // 2

@@ -3,7 +3,7 @@
 The store reads and writes them; `store.rows` has those that the coordinator's decisions do not need.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -156,12 +156,27 @@ class TileRow:
 
 
 @dataclass(frozen=True, slots=True)
+class TileRows:
+    """Rows that are made when they are asked for, one after the other: those of a commit may be 100 MB."""
+
+    tiles: Sequence[int]
+    row_of: Callable[[int], TileRow]
+    """Good until the next event."""
+
+    def __iter__(self) -> Iterator[TileRow]:
+        return map(self.row_of, self.tiles)
+
+    def __len__(self) -> int:
+        return len(self.tiles)
+
+
+@dataclass(frozen=True, slots=True)
 class RenderCommit:
     """A render's dirty tiles and its totals with them: absolute numbers, doing it twice changes nothing."""
 
     render_id: str
     fence: int
-    tiles: list[TileRow]
+    tiles: TileRows | list[TileRow]
     totals: Totals
     photons_per_second: float
     ran_seconds: float = 0.0

@@ -24,6 +24,7 @@ from nocturne_coordinator.dispatch.records import (
     RenderCommit,
     RenderState,
     TileRow,
+    TileRows,
 )
 from nocturne_coordinator.dispatch.trust import CONFIDENCE, RangeEnd, confirmed, doubt_of, falls
 
@@ -73,10 +74,9 @@ class RunningRender:
         self._judged_photons = 0
         self.next_preview = 0.0
         self.next_figures = 0.0
-        self.next_image = 0.0
         self.pictured_photons = 0
-        self._dirty: dict[int, bytes] = {}
-        """Sums to commit, by tile: encoded while they are in the processor's cache, which a film exceeds."""
+        self._dirty: set[int] = set()
+        """Tiles to commit."""
         self._dirty_totals = False
         self._is_seen = row.totals.ranges > 0
         self._recent: deque[tuple[float, int]] = deque()
@@ -130,7 +130,7 @@ class RunningRender:
         if outcome.released and tile_index == self.planned.photon_index:
             self._photon_entries.extend(each.entry for each in (*outcome.released, *outcome.surplus))
         elif outcome.released:
-            self._dirty[tile_index] = self.film.tile_bytes(tile_index)
+            self._dirty.add(tile_index)
         return outcome
 
     def fail_tile(self, failed: FailedTile) -> list[RangeSums]:
@@ -307,7 +307,7 @@ class RunningRender:
         if not changed and (rate > 0.0 or self._last_rate == 0.0):
             return None
         self._last_rate = rate
-        tiles = [self._tile_row(tile) for tile in sorted(self._dirty)]
+        tiles: TileRows | list[TileRow] = TileRows(sorted(self._dirty), self._tile_row)
         self._committing_photons = with_photons
         if with_photons:
             tiles = self._all_rows()
@@ -334,7 +334,7 @@ class RunningRender:
 
     def _tile_row(self, tile: int) -> TileRow:
         film = self.film
-        own = self._dirty.get(tile, b"")
+        own = film.tile_bytes(tile) if tile in self._dirty else b""
         row = TileRow(tile, film.samples(tile), own, self._invalid_samples[tile], film.error_before(tile))
         return replace(row, sums=film.shown_bytes(tile), own=own) if film.has_forward_ranges else row
 

@@ -114,7 +114,7 @@ class Scheduler:
             return
         queue.first = tiles
         before, queue.ready = queue.ready, []
-        for *_, range_index, tile in before:
+        for *_, tile, range_index in before:
             queue.make_ready(range_index, tile)
 
     def remove(self, render_id: str) -> list[bytes]:
@@ -347,7 +347,7 @@ class Scheduler:
             if self.wants(key := JobKey(render_id, tile, range_index)):
                 return key
         while queue.ready:
-            *_, range_index, tile = heappop(queue.ready)
+            *_, tile, range_index = heappop(queue.ready)
             if queue.completed[tile] >= queue.ranges_of(tile):
                 continue
             if range_index >= min(queue.completed[tile] + queue.ahead_of(tile), queue.horizon[tile]):

@@ -57,7 +57,7 @@ class Previews:
                 _log.error("render=%s has no image: %s", row.id, error)
             else:
                 if render.totals.ranges:
-                    self.write_image(render, final=True)
+                    self.write_image(render)
                     self.write_preview(render, final=True)
                     self.write_thumbnail(render)
                     point, in_history = render.error_point(unix_time)
@@ -74,9 +74,9 @@ class Previews:
         with self._in_place(render, self._folder.thumbnail_path) as path:
             write_thumbnail(path, render.film.sums, render.film.counts)
 
-    def write_image(self, render: RunningRender, final: bool = False) -> None:
+    def write_image(self, render: RunningRender) -> None:
         names = render.planned.schedule.further_responses
-        with self._in_place(render, self._folder.image_path, durable=final) as path:
+        with self._in_place(render, self._folder.image_path, durable=True) as path:
             film = render.film
             layers = layers_of(self._folder, render.row.layers_sha256)
             write_image(path, film.sums, film.counts, film.squares, provenance_of(render), names, layers)

@@ -86,7 +86,7 @@ class Commits:
                    own = iif(length(excluded.own), excluded.own, own),
                    photons = iif(length(excluded.photons), excluded.photons, photons),
                    revision = excluded.revision""",
-            [
+            (
                 (
                     commit.render_id,
                     tile.tile_index,
@@ -98,7 +98,7 @@ class Commits:
                     tile.photons,
                 )
                 for tile in commit.tiles
-            ],
+            ),
         )
         self._database.execute_many(
             "INSERT OR IGNORE INTO contribution VALUES (?, ?, ?)",

@@ -2,7 +2,7 @@
 
 import sqlite3
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -74,7 +74,7 @@ class Database:
                 self._wait_for_disk(True)
             return self._connection.execute(statement, values).rowcount
 
-    def execute_many(self, statement: str, rows: list[tuple[Any, ...]]) -> None:
+    def execute_many(self, statement: str, rows: Iterable[tuple[Any, ...]]) -> None:
         """Executes one statement for each row of values."""
         with self._lock:
             if not self._connection.in_transaction:
