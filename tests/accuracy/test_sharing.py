@@ -22,7 +22,7 @@ from tests.accuracy.cameras_both_ways import SCENES as OPEN_SCENES
 from tests.accuracy.scenes import box, cornell, diffuse, quad, sphere, surface
 from tests.accuracy.tracing import IN_FULL, Document, part_of, run_seeds, write
 
-pytestmark = pytest.mark.system
+pytestmark = [pytest.mark.system, pytest.mark.every_third]
 
 _EDGE = 24
 _SAMPLES = 64
