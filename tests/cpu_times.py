@@ -1,8 +1,8 @@
-"""Processor time of each test with all that it starts: a plugin of pytest, and a program that lists the heaviest.
+"""Processor time of each test with all that it starts: a plugin of pytest, and a list of the heaviest.
 
-The plugin adds lines to the file that NOCTURNE_CPU_TIMES names. Counted are user and system time of the process
-that runs the test, and of its children that have ended. So what a module's fixture starts counts for the
-module's last test; the list of files has it right. Children of a program that was killed are not seen.
+The plugin adds lines to the file that NOCTURNE_CPU_TIMES names. Counted are user and system time of the
+process that runs the test, and of its children that have ended. So what a module's fixture starts counts for
+the module's last test; the list of files has it right. Children of a program that was killed are not seen.
 """
 
 import os
@@ -17,7 +17,7 @@ import pytest
 _COLLECTING = "(collecting)"
 
 COSTLY_S = 2.0
-"""What a test in `make test` may take without a good reason (CONTRIBUTING in docs/how-to/tests.md)."""
+"""What a test of `make test` may take without a good reason: docs/how-to/tests.md."""
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)

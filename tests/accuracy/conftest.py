@@ -41,5 +41,7 @@ def _chosen(cases: list[pytest.Item]) -> list[pytest.Item]:
 
 def _values(case: pytest.Item) -> set[tuple[str, str]]:
     """Of its parameters, each with its name."""
-    parameters = case.callspec.params if isinstance(case, pytest.Function) and hasattr(case, "callspec") else {}
+    parameters = (
+        case.callspec.params if isinstance(case, pytest.Function) and hasattr(case, "callspec") else {}
+    )
     return {(name, repr(value)) for name, value in parameters.items()}

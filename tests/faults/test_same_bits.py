@@ -39,8 +39,8 @@ pytestmark = pytest.mark.system
 Fault = Callable[[ServiceProcesses, str], bool]
 Services = Callable[[int], ServiceProcesses]
 
-# Committed before a fault, a sixth of the ranges and less of the photons: more than a start, little enough that
-# much is left to be hit.
+# Committed before a fault, a sixth of the ranges and less of the photons: more than a start, little enough
+# that much is left to be hit.
 _SOME_RANGES = 12
 
 
