@@ -139,7 +139,8 @@ screenshots: build  ## Pictures of the page for docs/how-to/page.md, by its test
 soak: build  ## Random faults for SOAK_SECONDS (default 600), and all that takes minutes (a quarter of an hour more)
 	pytest -m soak
 
-accuracy: build  ## Images against known values with four times the samples of `make test` (some ten minutes)
+accuracy: build  ## C++ tests and images against known values with all cases, and four times the samples of `make test` (some ten minutes)
+	NOCTURNE_ACCURACY=1 ctest --test-dir build/release --output-on-failure --no-tests=error
 	NOCTURNE_ACCURACY=1 pytest -m "not soak" $(PROCESSES) 4 tests/accuracy tests/scene/test_uncertainty.py
 
 fuzz: build  ## Any calls, messages, scenes and bytes, many times more than in the tests (about 20 minutes)
@@ -182,7 +183,7 @@ contract: proto  ## The API's description, its page of routes and the Python cli
 	$(PYTHON) services/client/generate_models.py > build/contract.py
 	mv build/contract.py services/client/nocturne_client/contract.py
 
-docs: contract  ## Pages that are generated from the code, and the documentation site in build/docs-site; runs the tutorials
+docs: contract  ## Pages that are generated from the code, the documentation site in build/docs-site; runs the tutorials
 	$(PYTHON) -m nocturne_scene.document.reference > docs/reference/scene.md
 	$(PYTHON) -m nocturne_scene.document.reference --schema > docs/reference/scene.schema.json
 	$(PYTHON) -m typer nocturne_client.cli.app utils docs --name nocturne --title "All commands and options" \
