@@ -18,11 +18,10 @@ WEB_SOURCES := $(shell find services/web/src services/web/public -type f 2>/dev/
   $(addprefix services/web/,index.html package.json package-lock.json tsconfig.json vite.config.ts)
 CPP_SOURCES := $(shell find worker tests/worker bench -name '*.cpp' -o -name '*.h' 2>/dev/null)
 STAMPS := build/stamps
-# Which tests stay together, and which come first: tests/conftest.py.
 PROCESSES := --numprocesses
 NOT_MINUTES := not soak and not references and not peers and not containers and not blender
 
-.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-python heaviest format unit system screenshots soak accuracy fuzz references peers blender stability preflights sanitize bench lock contract docs gallery clean
+.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-services test-scene test-others heaviest format unit system screenshots soak accuracy fuzz references peers blender stability preflights sanitize bench lock contract docs gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -78,18 +77,31 @@ demo: proto web programs  ## Start the service, render the Cornell box, show whe
 stop:  ## Stop the service that `make demo` started
 	@python3 -c "import json, os, signal; os.kill(json.load(open('data/service.json'))['pid'], signal.SIGTERM)"
 
-# Two at a time, in this order: beside what the page promises about time runs no more than mypy, then one linter or C++ test. Of
-# the tests in Python some trace and some wait, so there are twice as many processes as processors.
+# In two steps: beside what the page promises about time run only types and linters. Then Python's tests in parts, each of which
+# collects only its own; those of whole services wait most of the time, so several processes share them (tests/conftest.py).
+PARTS := services-at-work accuracy services scene others
+IN_services-at-work := tests/system tests/faults
+IN_accuracy := tests/accuracy
+IN_services := tests/services
+IN_scene := tests/scene tests/coordinator
+IN_others := tests $(addprefix --ignore ,tests/web $(IN_services-at-work) $(IN_accuracy) $(IN_services) $(IN_scene))
+TEST_PARTS := $(addprefix test-,$(PARTS))
+CPU_TIMES := build/cpu-times.txt
+
 test: build  ## All checks and tests
-	@$(MAKE) --no-print-directory --jobs 2 check-types test-python check-page check-form test-cpp
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync test-page check-types check-page
+	@$(MAKE) --no-print-directory --jobs 3 --output-sync $(TEST_PARTS) test-cpp check-form
+	@$(PYTHON) -m tests.cpu_times $(CPU_TIMES) 0 12
 test-cpp: build
 	@ctest --test-dir build/release --output-on-failure --no-tests=error > build/ctest.log || { cat build/ctest.log; false; }
 	@grep "tests passed" build/ctest.log
 test-page: build
+	@rm -f $(CPU_TIMES)
 	npm --prefix services/web run --silent test
 	pytest tests/web
-test-python: test-page
-	pytest -m "$(NOT_MINUTES)" --ignore tests/web $(PROCESSES) 4
+test-services-at-work: AT_ONCE := --numprocesses 3
+$(TEST_PARTS): test-%: build
+	@NOCTURNE_CPU_TIMES=$(CPU_TIMES) PYTHONPATH=. pytest -p tests.cpu_times -q -m "$(NOT_MINUTES)" $(AT_ONCE) $(IN_$*)
 
 check: build  ## Formatting, lint, types, who may import whom
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync check-types check-page check-form
@@ -109,7 +121,9 @@ format:  ## Put code into the agreed form
 	ruff format --quiet .
 
 heaviest: build  ## Python tests and files by the processor time that they take, with all that they start
-	PYTHONPATH=. pytest -p tests.cpu_times -m "$(NOT_MINUTES)" $(PROCESSES) 2
+	@rm -f $(CPU_TIMES)
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync $(TEST_PARTS)
+	@$(PYTHON) -m tests.cpu_times $(CPU_TIMES) 40 60
 
 unit: test-cpp  ## Tests of single parts: C++, Python, page
 	pytest -m "not system and $(NOT_MINUTES)" $(PROCESSES) 4
@@ -125,7 +139,8 @@ screenshots: build  ## Pictures of the page for docs/how-to/page.md, by its test
 soak: build  ## Random faults for SOAK_SECONDS (default 600), and all that takes minutes (a quarter of an hour more)
 	pytest -m soak
 
-accuracy: build  ## Images against known values with four times the samples of `make test` (some ten minutes)
+accuracy: build  ## C++ tests and images against known values with all cases, and four times the samples of `make test` (some ten minutes)
+	NOCTURNE_ACCURACY=1 ctest --test-dir build/release --output-on-failure --no-tests=error
 	NOCTURNE_ACCURACY=1 pytest -m "not soak" $(PROCESSES) 4 tests/accuracy tests/scene/test_uncertainty.py
 
 fuzz: build  ## Any calls, messages, scenes and bytes, many times more than in the tests (about 20 minutes)
@@ -168,14 +183,14 @@ contract: proto  ## The API's description, its page of routes and the Python cli
 	$(PYTHON) services/client/generate_models.py > build/contract.py
 	mv build/contract.py services/client/nocturne_client/contract.py
 
-docs: contract  ## Pages that are generated from the code, and the documentation site in build/docs-site
+docs: contract  ## Pages that are generated from the code, the documentation site in build/docs-site; runs the tutorials
 	$(PYTHON) -m nocturne_scene.document.reference > docs/reference/scene.md
 	$(PYTHON) -m nocturne_scene.document.reference --schema > docs/reference/scene.schema.json
 	$(PYTHON) -m typer nocturne_client.cli.app utils docs --name nocturne --title "All commands and options" \
 	  > docs/reference/commands.md
 	$(PYTHON) -m examples.gallery --page
 	$(PYTHON) -m sphinx --fail-on-warning --keep-going --quiet -c docs -d build/docs-doctrees . build/docs-site
-	NOCTURNE_SITE=$(CURDIR)/build/docs-site pytest --quiet -m soak tests/docs/test_site.py
+	NOCTURNE_SITE=$(CURDIR)/build/docs-site pytest --quiet -m soak tests/docs
 
 gallery: build  ## Pictures of examples whose entry in examples/gallery.toml is new, and docs/gallery.md (minutes)
 	$(PYTHON) -m examples.gallery

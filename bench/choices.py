@@ -17,7 +17,7 @@ from nocturne_client.local.programs import CHECKOUT
 from bench.chart import Line, write_chart
 from bench.errors import trimmed_relmse, true_relmse
 from bench.peer.agreement import Reference
-from bench.peer.contenders import Film, Ours
+from bench.peer.contenders import FilmSize, Ours
 from bench.report import Figures, Row, results_folder, significant, spread
 from bench.scenes import Document, compile_film
 
@@ -74,7 +74,7 @@ FIGURES = {
 
 @dataclass(frozen=True)
 class _Size:
-    film: Film
+    film: FilmSize
     budgets_cpu_s: tuple[float, ...]
     rounds: int
     trial_samples: int
@@ -85,9 +85,9 @@ class _Size:
 def run(quick: bool) -> Figures:
     """relMSE of Y against a long reference, in turns, for several budgets of CPU time; draws the charts."""
     size = (
-        _Size(Film(12, 8), (0.1,), 1, 16, 0.5)
+        _Size(FilmSize(12, 8), (0.1,), 1, 16, 0.5)
         if quick
-        else _Size(Film(24, 16), (0.5, 1.0, 2.0), 12, 256, 12.0)
+        else _Size(FilmSize(24, 16), (0.5, 1.0, 2.0), 12, 256, 12.0)
     )
     found: Figures = {"budgets_cpu_s": list(size.budgets_cpu_s)}
     for name, figure in FIGURES.items():

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from nocturne_coordinator.dispatch.heavy_tails import HEAVY, tails
 
-from bench.peer.contenders import Film, Ours
+from bench.peer.contenders import FilmSize, Ours
 from bench.programs import Channel
 from bench.report import Figures, Row, significant
 from bench.scenes import Document, compile_film, example
@@ -46,7 +46,7 @@ _REFERENCE_SEED = 100_000
 
 @dataclass(frozen=True)
 class _Size:
-    film: Film
+    film: FilmSize
     samples: int
     renders: int
     reference: int
@@ -56,7 +56,7 @@ class _Size:
 def run(quick: bool) -> Figures:
     """Coverage over pixels and renders, and what the diagnostic said of each render."""
     renders = 200 if os.environ.get("BENCH") == "full" else 50
-    size = _Size(Film(8, 8), 16, 10, 4) if quick else _Size(Film(12, 12), 64, renders, 4)
+    size = _Size(FilmSize(8, 8), 16, 10, 4) if quick else _Size(FilmSize(12, 12), 64, renders, 4)
     found: Figures = {"samples": size.samples, "renders": size.renders}
     with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
         for name in SCENES:

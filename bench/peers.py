@@ -11,7 +11,7 @@ from pathlib import Path
 
 from bench.errors import true_relmse
 from bench.peer.agreement import Reference, agreement
-from bench.peer.contenders import Contender, Film, Frame, Ours, mitsuba
+from bench.peer.contenders import Contender, FilmSize, Frame, Ours, mitsuba
 from bench.peer.install import Installed, install
 from bench.peer.scenes import Scene, scenes
 from bench.report import Figures, Row, significant
@@ -84,7 +84,7 @@ def rows(figures: Figures) -> list[Row]:
 
 
 def _scene(scene: Scene, size: _Size, installed: Installed) -> Figures:
-    film = Film(scene.width // size.shrink, scene.height // size.shrink)
+    film = FilmSize(scene.width // size.shrink, scene.height // size.shrink)
     with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as name, ExitStack() as stack:
         folder = Path(name)
         ours, way = _ours(scene.write(folder), folder, film, size)
@@ -96,7 +96,7 @@ def _scene(scene: Scene, size: _Size, installed: Installed) -> Figures:
         return _compare(contenders, size) | {"way": way}
 
 
-def _ours(document: Document, folder: Path, film: Film, size: _Size) -> tuple[Ours, str]:
+def _ours(document: Document, folder: Path, film: FilmSize, size: _Size) -> tuple[Ours, str]:
     """By the way that a pilot chooses for the largest budget, whose time is left out; the way in words."""
     plain = Ours(compile_film(document, folder, film.width, film.height, 1), film, _THREADS)
     rate = plain.frame(size.trial_samples, _TRIAL_SEED).cpu_s / size.trial_samples

@@ -16,7 +16,7 @@ from nocturne_scene.ranges import TILE_SIZE
 
 from bench.errors import true_relmse
 from bench.peer.agreement import Reference
-from bench.peer.contenders import Film, Frame, Ours
+from bench.peer.contenders import FilmSize, Frame, Ours
 from bench.peer.scenes import Scene, scenes
 from bench.programs import Channel
 from bench.report import Figures, Row, significant
@@ -74,7 +74,7 @@ def rows(figures: Figures) -> list[Row]:
 
 
 def _scene(name: str, scene: Scene, size: _Size, draw: bool) -> Figures:
-    film = Film(scene.width // size.shrink, scene.height // size.shrink)
+    film = FilmSize(scene.width // size.shrink, scene.height // size.shrink)
     with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
         document = scene.write(Path(folder))
         ours = {}

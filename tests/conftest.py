@@ -13,7 +13,7 @@ from xdist.scheduler import LoadScopeScheduling
 
 from tests.coordinator.service import RedisServer, Service
 from tests.system.images import Image
-from tests.system.renders import CORNELL, HEIGHT, SAMPLES, WIDTH
+from tests.system.renders import BRIEF_SAMPLES, CORNELL, HEIGHT, SAMPLES, WIDTH
 from tests.system.up import NOCTURNE, Up
 
 # The same examples in every run (tests/fuzzing.py has others). No deadline: examples are no promise about
@@ -72,18 +72,26 @@ def service(tmp_path: Path, redis_server: RedisServer) -> Iterator[Service]:
 
 @pytest.fixture(scope="session")
 def traced_alone(tmp_path_factory: pytest.TempPathFactory) -> Image:
-    """The image of nocturne-trace, without a service: what every other way must give.
+    """The image of nocturne-trace, without a service: what every other way must give."""
+    return _traced_alone(tmp_path_factory, SAMPLES)
 
-    The first of the processes that run tests makes it.
-    """
+
+@pytest.fixture(scope="session")
+def traced_alone_briefly(tmp_path_factory: pytest.TempPathFactory) -> Image:
+    """The same with BRIEF_SAMPLES."""
+    return _traced_alone(tmp_path_factory, BRIEF_SAMPLES)
+
+
+def _traced_alone(tmp_path_factory: pytest.TempPathFactory, samples: int) -> Image:
+    """The first of the processes that run tests makes it."""
     ours = tmp_path_factory.getbasetemp()
     folder = ours.parent if "PYTEST_XDIST_WORKER" in os.environ else ours
-    output = folder / "alone.exr"
-    with (folder / "alone.lock").open("w") as lock:
+    output = folder / f"alone-{samples}.exr"
+    with output.with_suffix(".lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not output.exists():
-            film = ["--width", str(WIDTH), "--height", str(HEIGHT), "--samples", str(SAMPLES)]
-            made = folder / "alone.part.exr"
+            film = ["--width", str(WIDTH), "--height", str(HEIGHT), "--samples", str(samples)]
+            made = output.with_suffix(".part.exr")
             subprocess.run([NOCTURNE, "render", CORNELL, "-o", made, *film], check=True, capture_output=True)
             made.rename(output)
     return Image.read(output)

@@ -1,31 +1,23 @@
-"""A plugin of pytest: processor time of each test with all that it starts, the heaviest first.
+"""Processor time of each test with all that it starts: a plugin of pytest, and a list of the heaviest.
 
-`make heaviest` loads it. Counted are user and system time of the process that runs the test, and of its
-children that have ended. So what a module's fixture starts counts for the module's last test; the list of
-files has it right. Children of a program that was killed are not seen.
+The plugin adds lines to the file that NOCTURNE_CPU_TIMES names. Counted are user and system time of the
+process that runs the test, and of its children that have ended. So what a module's fixture starts counts for
+the module's last test; the list of files has it right. Children of a program that was killed are not seen.
 """
 
 import os
 import resource
-import tempfile
+import sys
 from collections import defaultdict
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from pathlib import Path
 
 import pytest
 
-_FILE = "NOCTURNE_CPU_TIMES"
-_SHOWN_TESTS = 60
-_SHOWN_FILES = 40
+_COLLECTING = "(collecting)"
 
-
-def pytest_configure(config: pytest.Config) -> None:
-    """The processes of xdist inherit the file to which each of them adds lines."""
-    if _FILE not in os.environ:
-        handle, name = tempfile.mkstemp(prefix="nocturne-cpu-times-")
-        os.close(handle)
-        os.environ[_FILE] = name
-        config.add_cleanup(lambda: Path(name).unlink())
+COSTLY_S = 2.0
+"""What a test of `make test` may take without a good reason: docs/how-to/tests.md."""
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
@@ -41,23 +33,8 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object
 def pytest_collection() -> Generator[None, object, object]:
     """Of each process, with the imports of all tests."""
     result = yield
-    _add("(collecting)", _seconds())
+    _add(_COLLECTING, _seconds())
     return result
-
-
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Both lists."""
-    tests: dict[str, float] = defaultdict(float)
-    for line in Path(os.environ[_FILE]).read_text().splitlines():
-        seconds, name = line.split(" ", 1)
-        tests[name] += float(seconds)
-    files: dict[str, float] = defaultdict(float)
-    for name, used in tests.items():
-        files[name.partition("::")[0]] += used
-    for title, times, shown in (("files", files, _SHOWN_FILES), ("tests", tests, _SHOWN_TESTS)):
-        terminalreporter.section(f"{sum(times.values()):.0f} s of processor time in {len(times)} {title}")
-        for name in sorted(times, key=times.__getitem__, reverse=True)[:shown]:
-            terminalreporter.write_line(f"{times[name]:6.1f}  {name}")
 
 
 def _seconds() -> float:
@@ -66,5 +43,40 @@ def _seconds() -> float:
 
 
 def _add(name: str, seconds: float) -> None:
-    with Path(os.environ[_FILE]).open("a") as file:
+    with Path(os.environ["NOCTURNE_CPU_TIMES"]).open("a") as file:
         file.write(f"{seconds:.3f} {name}\n")
+
+
+def report(lines: list[str], files: int, tests: int) -> str:
+    """The sum, so many of the heaviest files, and so many tests, or those over COSTLY_S if that is fewer."""
+    by_test: dict[str, float] = defaultdict(float)
+    for line in lines:
+        seconds, name = line.split(" ", 1)
+        by_test[name] += float(seconds)
+    by_file: dict[str, float] = defaultdict(float)
+    for name, used in by_test.items():
+        by_file[name.partition("::")[0]] += used
+    costly = {name: used for name, used in by_test.items() if used > COSTLY_S and name != _COLLECTING}
+    return "\n".join(
+        [
+            f"{sum(by_test.values()):.0f} s of processor time in {len(by_test)} tests in Python",
+            *_heaviest(by_file, files),
+            f"{len(costly)} tests take more than {COSTLY_S:g} s",
+            *_heaviest(costly, tests),
+        ]
+    )
+
+
+def _heaviest(times: Mapping[str, float], shown: int) -> list[str]:
+    names = sorted(times, key=times.__getitem__, reverse=True)[:shown]
+    return [f"{times[name]:6.1f}  {name}" for name in names]
+
+
+def main() -> None:
+    """FILE FILES TESTS."""
+    lines = Path(sys.argv[1]).read_text().splitlines()
+    sys.stdout.write(report(lines, *map(int, sys.argv[2:4])) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -14,7 +14,7 @@ from nocturne.v1 import scene_pb2
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import CompiledFolder
 from nocturne_client.local.exporting import export_to
-from nocturne_scene.film import Film as Exported
+from nocturne_scene.film import Film
 from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT
 from nocturne_scene.scene_ranges import schedule_of
 
@@ -48,7 +48,7 @@ class Contender(Protocol):
 
 
 @dataclass(frozen=True)
-class Film:
+class FilmSize:
     """Pixels."""
 
     width: int
@@ -59,7 +59,7 @@ class Ours:
     """nocturne-trace."""
 
     def __init__(
-        self, compiled: CompiledFolder, film: Film, threads: int, options: Sequence[object] = ()
+        self, compiled: CompiledFolder, film: FilmSize, threads: int, options: Sequence[object] = ()
     ) -> None:
         """With further options of nocturne-trace."""
         self._compiled = compiled
@@ -133,10 +133,10 @@ class Mitsuba:
 
 @contextmanager
 def mitsuba(
-    installed: Installed, document: Path, folder: Path, film: Film, threads: int
+    installed: Installed, document: Path, folder: Path, film: FilmSize, threads: int
 ) -> Iterator[dict[str, Mitsuba]]:
     """Starts it with the scene, exported into the folder; gives contenders: SAMPLERS and PARTICLES."""
-    exported = export_to(document, folder, "mitsuba", Exported(film.width, film.height, 1))
+    exported = export_to(document, folder, "mitsuba", Film(film.width, film.height, 1))
     script = Path(__file__).with_name("mitsuba_server.py")
     process = subprocess.Popen(
         [

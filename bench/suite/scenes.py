@@ -6,7 +6,7 @@ from math import pi
 from pathlib import Path
 from typing import Any
 
-from bench.peer.contenders import Film
+from bench.peer.contenders import FilmSize
 from bench.peer.scenes import spheres
 from bench.scenes import Document, example
 
@@ -35,7 +35,7 @@ class SuiteScene:
 
     document: Callable[[Path], Document]
     """Gives the document; files that it names go into the folder."""
-    film: Film
+    film: FilmSize
     reference: Tracing
     check: Tracing | None
     """None: the path tracer, which shares nothing with the tracing loop."""
@@ -124,16 +124,16 @@ def instances(folder: Path) -> Document:
 
 
 SCENES: dict[str, SuiteScene] = {
-    "cornell": SuiteScene(_example("cornell"), Film(24, 24), _DEFAULT, None),
-    "glossy spheres": SuiteScene(spheres, Film(32, 24), _DEFAULT, None),
-    "reflector": SuiteScene(_example("reflector"), Film(24, 16), _BOTH, OPENINGS, peers_particles=True),
-    "headlight in fog": SuiteScene(_example("headlight"), Film(24, 16), _BOTH, _ADJOINT),
-    "smoke": SuiteScene(_example("smoke"), Film(16, 20), _DEFAULT, _MIXTURE),
-    "sky": SuiteScene(_example("sky"), Film(32, 16), _DEFAULT, _MIXTURE),
-    "subsurface": SuiteScene(_example("subsurface"), Film(32, 16), _DEFAULT, _KERNEL),
-    "prism": SuiteScene(_example("both_directions"), Film(16, 16), _FORWARD, _DEFAULT),
-    "caustic": SuiteScene(caustic, Film(24, 24), AIMED, _DEFAULT),
-    "colour chart": SuiteScene(_example("colour_chart"), Film(24, 16), _DEFAULT, None),
-    "instances": SuiteScene(instances, Film(24, 16), _DEFAULT, None),
+    "cornell": SuiteScene(_example("cornell"), FilmSize(24, 24), _DEFAULT, None),
+    "glossy spheres": SuiteScene(spheres, FilmSize(32, 24), _DEFAULT, None),
+    "reflector": SuiteScene(_example("reflector"), FilmSize(24, 16), _BOTH, OPENINGS, peers_particles=True),
+    "headlight in fog": SuiteScene(_example("headlight"), FilmSize(24, 16), _BOTH, _ADJOINT),
+    "smoke": SuiteScene(_example("smoke"), FilmSize(16, 20), _DEFAULT, _MIXTURE),
+    "sky": SuiteScene(_example("sky"), FilmSize(32, 16), _DEFAULT, _MIXTURE),
+    "subsurface": SuiteScene(_example("subsurface"), FilmSize(32, 16), _DEFAULT, _KERNEL),
+    "prism": SuiteScene(_example("both_directions"), FilmSize(16, 16), _FORWARD, _DEFAULT),
+    "caustic": SuiteScene(caustic, FilmSize(24, 24), AIMED, _DEFAULT),
+    "colour chart": SuiteScene(_example("colour_chart"), FilmSize(24, 16), _DEFAULT, None),
+    "instances": SuiteScene(instances, FilmSize(24, 16), _DEFAULT, None),
 }
 """By name, in the order of the pages. Films are small, so that references are."""

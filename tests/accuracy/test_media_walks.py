@@ -24,10 +24,11 @@ from scipy.optimize import brentq
 
 from tests.accuracy.agreement import Values
 from tests.accuracy.meters import Measurement, Reading
-from tests.accuracy.tracing import Document
+from tests.accuracy.tracing import Document, part_of
 
 pytestmark = [
     pytest.mark.system,
+    pytest.mark.every_third,
     pytest.mark.skipif(find_program("nocturne-grid") is None, reason="nocturne-grid is not built"),
 ]
 
@@ -119,7 +120,7 @@ def _counted(glow: Glow, albedo: float, g: float, samples: int, folder: Path, **
         "unbounded_media": ["fog"],
         "tracing": tracing,
     }
-    image = Measurement(document, folder, 8, 8).image(samples)
+    image = Measurement(document, folder, 8, 8).image(part_of(samples))
     return image.further["grey"].astype(np.float64) / ((830.0 - 360.0) * _RADIANCE)
 
 

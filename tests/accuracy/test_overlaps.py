@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from tests.accuracy.agreement import compare
-from tests.accuracy.tracing import Document, trace
+from tests.accuracy.tracing import IN_FULL, Document, trace
 
-_EDGE, _SAMPLES = 16, 256
+_EDGE, _SAMPLES = (16 if IN_FULL else 8), 256
 
 _PROFILE: Document = {"layers": [[-3, 1.6], [3, 0.4]], "above": {"point": [0, 0, 0], "up": [0, 0, 1]}}
 """Along the view, of all media here, so that sums of them have it too; nothing beyond 3 m."""

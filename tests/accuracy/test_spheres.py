@@ -14,7 +14,7 @@ import pytest
 from tests.accuracy.ruler import Ruler, Vector
 from tests.accuracy.tracing import IN_FULL, Document, trace
 
-pytestmark = pytest.mark.system
+pytestmark = [pytest.mark.system, pytest.mark.every_third]
 
 # Height of the ray: distance from the centre where it crosses the axis, radii; deviation, degrees.
 CROSSINGS = {
@@ -114,7 +114,7 @@ def test_rainbows_stand_where_descartes_says(nm: float, reflections: int, tmp_pa
     assert least == pytest.approx(expected, abs=5e-4)
 
 
-@pytest.mark.parametrize("nm", RAINBOWS if IN_FULL else [*RAINBOWS][:2])
+@pytest.mark.parametrize("nm", RAINBOWS if IN_FULL else [*RAINBOWS][:1])
 def test_rainbows_by_photons_from_the_sun(nm: float, tmp_path: Path) -> None:
     """Photons leave a drop, in bins of 0.011 degrees around both bows, as Descartes' rays do.
 

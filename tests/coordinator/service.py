@@ -13,7 +13,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import redis
 from nocturne.v1 import job_pb2
-from nocturne_coordinator.dispatch.film import Film
+from nocturne_coordinator.dispatch.film import MergedFilm
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_coordinator.store.data_folder import DataFolder
@@ -156,12 +156,12 @@ class Service:
         return self.row(render_id)
 
 
-def expected_film(folder: DataFolder, render_id: str, samples: dict[int, int]) -> Film:
+def expected_film(folder: DataFolder, render_id: str, samples: dict[int, int]) -> MergedFilm:
     """What tracing alone, tile by tile and range by range, gives; `samples` merged per tile."""
     planned = PlannedRender(
         render_id, folder.renders.schedule(render_id), bytes.fromhex(SCENE), job_pb2.ENGINE_1
     )
-    film = Film(planned)
+    film = MergedFilm(planned)
     for index, end in samples.items():
         tile = planned.grid.tile(index)
         total = TileSums.zeros(tile.width, tile.height, planned.further)

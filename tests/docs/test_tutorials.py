@@ -19,8 +19,18 @@ TUTORIALS = CHECKOUT / "docs" / "tutorials"
 _LIMIT_S = 400.0
 
 
+_IN_EVERY_RUN = "first-render"
+"""The others take half a minute; `make docs` runs them as well."""
+
+
 @pytest.mark.system
-@pytest.mark.parametrize("name", sorted(page.stem for page in TUTORIALS.glob("*.md")))
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[] if name == _IN_EVERY_RUN else pytest.mark.soak)
+        for name in sorted(page.stem for page in TUTORIALS.glob("*.md"))
+    ],
+)
 def test_commands_of_a_tutorial_run(name: str, tmp_path_factory: pytest.TempPathFactory) -> None:
     folder = tmp_path_factory.mktemp("t")
     (folder / "examples").symlink_to(CHECKOUT / "examples")

@@ -1,33 +1,68 @@
 """Real workers, photons of both directions on a film of many tiles: the service's image is that of
-`nocturne render` in every bit, whatever happens on the way."""
+`nocturne render` in every bit, whatever happens on the way.
+
+Half a minute, as films of many tiles are large; the same with simulated workers is in tests/coordinator."""
 
 import json
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from tests.faults.faults import deliver_waiting_results_again, kill_worker
 from tests.system.images import Image, differing_values
-from tests.system.renders import ROOT, has_ended
+from tests.system.renders import has_ended
 from tests.system.service_processes import ServiceProcesses
 from tests.system.waiting import wait_for
 
-pytestmark = pytest.mark.system
+pytestmark = pytest.mark.soak
 
 # Just above the largest film that is one tile: 289 of them, of two ranges, and three ranges of photons.
 WIDTH, HEIGHT, SAMPLES = 520, 520, 8
 RANGES = 17 * 17 * 2 + 3
 
 
+_SCENE: dict[str, Any] = {
+    "nocturne": 1,
+    "sensor": {
+        "type": "pinhole",
+        "position": [0, 0, 8],
+        "look_at": [0, 0, 0],
+        "up": [0, 1, 0],
+        "vertical_field_of_view_degrees": 40,
+    },
+    "surfaces": [
+        {
+            "shape": {"type": "quad", "corner": [-1, -1, 0], "edge_u": [2, 0, 0], "edge_v": [0, 2, 0]},
+            "kernel": {"type": "lambertian", "reflectance": 0.6},
+        },
+        {
+            "shape": {"type": "sphere", "centre": [1.6, 0, 0.7], "radius": 0.6},
+            "kernel": {"type": "conductor", "index": "Au"},
+        },
+        {
+            "shape": {
+                "type": "quad",
+                "corner": [-2.3, -0.3, 3],
+                "edge_u": [0, 0.6, 0],
+                "edge_v": [0.6, 0, 0],
+            },
+            "kernel": {"type": "lambertian", "reflectance": 0.0},
+            "luminaire": {"radiance": {"blackbody": 3000}},
+        },
+    ],
+    "tracing": {"direction": "both", "sharing": 1},
+}
+"""A lamp that a ball of metal mirrors onto a floor. Most of the film sees nothing, which costs little."""
+
+
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    document = json.loads((ROOT / "examples" / "reflector" / "scene.json").read_text())
-    document["tracing"] = {**document.get("tracing", {}), "direction": "both", "sharing": 1}
     path = tmp_path_factory.mktemp("scene") / "scene.json"
-    path.write_text(json.dumps(document))
+    path.write_text(json.dumps(_SCENE))
     return path
 
 
@@ -49,7 +84,8 @@ def alone(scene: Path) -> Image:
 
 @pytest.fixture(scope="module")
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceProcesses]:
-    running = ServiceProcesses(tmp_path_factory.mktemp("service"))
+    # As often as by default: a commit of photons writes the whole film.
+    running = ServiceProcesses(tmp_path_factory.mktemp("service"), "--commit-seconds", "1")
     running.start()
     yield running
     running.close()

@@ -103,7 +103,7 @@ def test_a_worker_told_to_end_frees_its_threads(service: ServiceProcesses) -> No
     assert _cpu_s_of_ended() - before < FREE_S
 
 
-@pytest.mark.parametrize("service", ["0.3"], indirect=True)
+@pytest.mark.parametrize("service", ["0.1"], indirect=True)
 def test_a_job_beyond_its_processor_time_fails_and_says_so(service: ServiceProcesses) -> None:
     """P2: nobody cancels it; its first ranges can't be cut any smaller."""
     hostile = submit(service, ENDLESS, 4, 32)
@@ -116,7 +116,7 @@ def test_a_job_beyond_its_processor_time_fails_and_says_so(service: ServiceProce
     assert service.client.get(good).state == "SUCCEEDED"
 
 
-@pytest.mark.parametrize("service", ["0.3"], indirect=True)
+@pytest.mark.parametrize("service", ["0.1"], indirect=True)
 def test_ranges_are_cut_by_what_earlier_ones_took(service: ServiceProcesses) -> None:
     """P2: jobs of a slow scene take about as long as they should, and its threads do other work between."""
     slow = submit(service, SLOW, 2048, 8)
@@ -129,16 +129,16 @@ def test_ranges_are_cut_by_what_earlier_ones_took(service: ServiceProcesses) -> 
 
 def test_photons_that_are_ended_are_told(tmp_path: Path) -> None:
     """P2: a limit of interactions is bias: render and image say how many photons it ended, here all:
-    four of each pixel, and those that they sent towards the light."""
+    four of its pixel, and those that they sent towards the light."""
     service = ServiceProcesses(tmp_path)
     try:
         service.start()
         service.have_workers(1)
-        render = submit(service, ENDLESS, 1, 2)
+        render = submit(service, ENDLESS, 1, 1)
         wait_for(lambda: has_ended(service.client, render), "the render to end")
         told = service.client.get(render)
         assert told.state == "SUCCEEDED"
-        assert told.progress.truncated_paths >= 4 * 4
+        assert told.progress.truncated_paths >= 4
         image = service.client.download(render, "exr", tmp_path / "image.exr")
         assert b"nocturne:truncatedPaths" in image.read_bytes()
         assert service.queue.xlen(keys.RESULTS) == 0

@@ -23,7 +23,14 @@ from tests.faults.faults import (
 from tests.faults.survival import BOUND_S, note
 from tests.system.images import Image, differing_values
 from tests.system.program import Program
-from tests.system.renders import RANGES, followed_render, has_ended, is_in_mid_work, wait_for_more_ranges
+from tests.system.renders import (
+    BRIEF_SAMPLES,
+    RANGES,
+    followed_render,
+    has_ended,
+    is_in_mid_work,
+    wait_for_more_ranges,
+)
 from tests.system.service_processes import ServiceProcesses
 from tests.system.waiting import wait_for
 
@@ -32,8 +39,8 @@ pytestmark = pytest.mark.system
 Fault = Callable[[ServiceProcesses, str], bool]
 Services = Callable[[int], ServiceProcesses]
 
-# Committed before a fault, 11 % of the ranges and less of the photons: more than a start, little enough that
-# much is left to be hit.
+# Committed before a fault, a sixth of the ranges and less of the photons: more than a start, little enough
+# that much is left to be hit.
 _SOME_RANGES = 12
 
 
@@ -55,11 +62,11 @@ def services(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Services]:
 
 
 @pytest.mark.parametrize("workers", [1, 3])
-def test_without_faults(workers: int, services: Services, traced_alone: Image) -> None:
+def test_without_faults(workers: int, services: Services, traced_alone_briefly: Image) -> None:
     """S2: one and three workers."""
-    with followed_render(services(workers)) as render:
+    with followed_render(services(workers), BRIEF_SAMPLES) as render:
         image = render.finished_image()
-    assert differing_values(image, traced_alone) == {}
+    assert differing_values(image, traced_alone_briefly) == {}
 
 
 @pytest.mark.soak

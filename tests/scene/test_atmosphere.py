@@ -147,7 +147,7 @@ def test_the_spheres_have_their_places_to_a_millimetre(document: Document, compi
     lambertian = scene.kernels[ground.kernel].lambertian
     assert list(scene.spectra[lambertian.reflectance.spectrum].values) == pytest.approx([0.3])
     [interior] = scene.interiors
-    assert (interior.matched, interior.priority) == (True, -1_000_000)
+    assert (interior.index_matched, interior.priority) == (True, -1_000_000)
     assert shell.HasField("interior")
     assert not ground.HasField("interior")
 

@@ -43,7 +43,7 @@ def test_a_ball_of_fog_has_a_boundary_that_is_not_seen(document: Document, compi
     assert medium.constant == 0.25
     assert medium.phase.henyey_greenstein.g == 0
     assert not medium.HasField("temperature")
-    assert (interior.matched, interior.priority, list(interior.media)) == (True, 0, [0])
+    assert (interior.index_matched, interior.priority, list(interior.media)) == (True, 0, [0])
     assert scene.kernels[ball.kernel].WhichOneof("model") == "null_kernel"
     assert ball.HasField("interior")
     assert ball.interior == 0
@@ -169,7 +169,7 @@ def test_a_medium_in_glass(document: Document, compiled: Compile) -> None:
     document["surfaces"].append({"shape": BALL, "kernel": glass})
     scene = compiled(document)
     full, clear = scene.interiors
-    assert (full.matched, full.priority, list(full.media)) == (False, 3, [0])
+    assert (full.index_matched, full.priority, list(full.media)) == (False, 3, [0])
     assert values(scene, full.index) == [1.5]
     assert values(scene, full.absorption) == pytest.approx([0.1])
     assert not clear.media

@@ -20,7 +20,7 @@ from tests.fuzzing import tried
 from tests.services.conftest import SCENE
 from tests.services.served import served
 
-_QUIETLY = tried(examples=4)
+_QUIETLY = tried(examples=2)
 
 # Bytes like any other.
 schemathesis.serializer.alias("image/x-exr", "application/octet-stream")

@@ -111,7 +111,7 @@ def test_spots_fall_off_within_their_cone(blend: float) -> None:
 
 def test_film_takes_tiles_of_any_place() -> None:
     """The bottom row comes first; tiles at the right and lower edge are cut."""
-    shown = film.Film(3, 5)
+    shown = film.TiledImage(3, 5)
     tile = np.arange(2 * 1 * 4, dtype="<f4").reshape(1, 2, 4)
     # Tiles of 2 pixels: index 4 is the left one of the last row, cut to one row.
     answer = (
@@ -131,7 +131,7 @@ def test_film_takes_tiles_of_any_place() -> None:
 def test_film_refuses_other_bytes(answer: bytes) -> None:
     """In words."""
     with pytest.raises(ValueError, match="the service's"):
-        film.Film(3, 5).take(answer)
+        film.TiledImage(3, 5).take(answer)
 
 
 def test_service_renders_and_cancels(tmp_path: Path) -> None:

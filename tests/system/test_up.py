@@ -93,7 +93,8 @@ def test_a_second_service_on_the_folder_refuses(running_service: Up) -> None:
 
 
 def test_ctrl_c_stops_all_and_the_next_start_goes_on(tmp_path: Path, traced_alone: Image) -> None:
-    with Up(tmp_path) as service, Client(service.url) as client:
+    # One thread, so that there is something left to do after the first commit, a second after the start.
+    with Up(tmp_path, 1, 1) as service, Client(service.url) as client:
         render_id = submit(client)
         wait_for_more_ranges(client, render_id, 1)
         children = service.children()

@@ -162,6 +162,7 @@ def test_what_needs_more_than_the_client_says_so(client: Installed, words: tuple
     ), done.stderr
 
 
+@pytest.mark.soak
 def test_the_client_uses_nothing_newer_than_the_oldest_python_that_it_names() -> None:
     """By mypy, which knows what came with which Python; that Python itself need not be here."""
     folder = ROOT / "services" / "client"

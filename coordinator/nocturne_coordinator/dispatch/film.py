@@ -17,7 +17,7 @@ from nocturne_coordinator.dispatch.trust import RangeEnd, confirmed, samples_to_
 from nocturne_coordinator.limits import photon_ranges_ahead
 
 
-class Film:
+class MergedFilm:
     """Sums, and the merge state of every tile, which holds views into them.
 
     Where forward photons have ranges of their own they are merged like those of a tile after the last, whose

@@ -147,7 +147,7 @@ class TileRow:
     invalid_samples: int = 0
     """Photons left out of them."""
     error_before: float = 0.0
-    """See Film.error_before."""
+    """See MergedFilm.error_before."""
     own: bytes = b""
     """Where forward photons have ranges of their own, `sums` are those of both together, and these those of
     the tile's own samples; empty: as they were committed before."""

@@ -12,7 +12,7 @@ from nocturne.v1 import job_pb2
 from nocturne_scene.ranges import FIRST_RANGE, SampleRange, recut_schedule
 
 from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate
-from nocturne_coordinator.dispatch.film import Film
+from nocturne_coordinator.dispatch.film import MergedFilm
 from nocturne_coordinator.dispatch.forecast import Forecast, Measured, forecast
 from nocturne_coordinator.dispatch.job_cost import JOB_SECONDS, longest_range, max_cpu_seconds
 from nocturne_coordinator.dispatch.merge import Offered, RangeSums
@@ -63,7 +63,7 @@ class RunningRender:
             bytes.fromhex(row.scene_sha256),
             cast("job_pb2.Engine.ValueType", row.engine),
         )
-        self.film = Film(self.planned, row.stop)
+        self.film = MergedFilm(self.planned, row.stop)
         self.totals = row.totals
         self.floating_point_profile = row.floating_point_profile
         """How all its workers round; empty before the first result."""

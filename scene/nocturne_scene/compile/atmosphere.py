@@ -33,7 +33,7 @@ def atmosphere_surfaces(workspace: Workspace, media: Media) -> list[scene_pb2.Su
     atmosphere = workspace.document.atmosphere
     if atmosphere is None:
         return []
-    interior = scene_pb2.Interior(matched=True, priority=-bounds.PRIORITY)
+    interior = scene_pb2.Interior(index_matched=True, priority=-bounds.PRIORITY)
     with workspace.problems_at("$.atmosphere"):
         interior.media.extend(_layers(atmosphere, media, workspace))
     centre = vector(workspace.frame.points(_centre(atmosphere)))

@@ -81,20 +81,20 @@ class Media:
         if body is not None and interior.priority is not None:
             with self._workspace.problems_at(f"{place}.priority"):
                 raise Unusable("the dielectric kernel has a priority of its own; leave this one out")
-        message = scene_pb2.Interior(matched=True, priority=interior.priority or 0)
+        message = scene_pb2.Interior(index_matched=True, priority=interior.priority or 0)
         if body is not None:
             message.CopyFrom(body)
         names = list(interior.media)
         if body is not None:
             names = self._absorbed(names, message)
         self._fill(message, names)
-        if message.matched and not message.media:
+        if message.index_matched and not message.media:
             return None
         return self._workspace.interiors.index_of(message)
 
     def unbounded(self) -> list[int]:
         """Return the indices of interiors that are everywhere."""
-        message = scene_pb2.Interior(matched=True, priority=-bounds.PRIORITY)
+        message = scene_pb2.Interior(index_matched=True, priority=-bounds.PRIORITY)
         self._fill(message, self._workspace.document.unbounded_media)
         return [self._workspace.interiors.index_of(message)] if message.media else []
 

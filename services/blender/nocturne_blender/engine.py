@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 
 from . import light, local_service, settings
-from .film import Film
+from .film import TiledImage
 from .panels import ENGINE
 from .scene import NothingToRender, read
 from .service import Job, Service, ServiceError, has_ended
@@ -76,9 +76,9 @@ class NocturneEngine(bpy.types.RenderEngine):
             _stop(wanted),
         )
         self.update_stats("", "Sending the scene")
-        self._follow(service, service.create(job), Film(width, height))
+        self._follow(service, service.create(job), TiledImage(width, height))
 
-    def _follow(self, service: Service, render: Json, film: Film) -> None:
+    def _follow(self, service: Service, render: Json, film: TiledImage) -> None:
         for name, channels, letters, _ in _PASSES:
             self.add_pass(name, channels, letters)
         result = self.begin_result(0, 0, film.width, film.height)
@@ -105,7 +105,7 @@ class NocturneEngine(bpy.types.RenderEngine):
         if doubt := render["progress"]["doubt"]:
             self.report({"WARNING"}, f"Its error is not to be trusted: {doubt}")
 
-    def _fetch(self, service: Service, identity: str, film: Film) -> bool:
+    def _fetch(self, service: Service, identity: str, film: TiledImage) -> bool:
         """Takes all tiles that changed; tells whether any did."""
         any_changed = False
         while answer := service.tiles(identity, film.cursor):
@@ -139,7 +139,7 @@ def _stop(wanted: Any) -> Json:
     return {name: value for name, value in asked.items() if value}
 
 
-def _show(result: Any, film: Film) -> None:
+def _show(result: Any, film: TiledImage) -> None:
     """Puts the film into the passes."""
     rgba = np.ones((film.height, film.width, 4), np.float32)
     rgba[..., :3] = light.rgb_of_xyz(film.xyz)

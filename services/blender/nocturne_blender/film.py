@@ -10,7 +10,7 @@ _HEADER = struct.Struct("<7I")
 _TILE = struct.Struct("<4I")
 
 
-class Film:
+class TiledImage:
     """X, Y, Z, the standard error of Y and the samples of each pixel; the bottom row first, as in Blender."""
 
     def __init__(self, width: int, height: int) -> None:

@@ -4,11 +4,13 @@
 
 #include <string>
 #include <tuple>
+#include <vector>
 
 #include "kernel_checks.h"
 #include "kernels/any_kernel.h"
 #include "measured_blob.h"
 #include "support/chi_square.h"
+#include "support/effort.h"
 
 namespace nocturne {
 namespace {
@@ -104,10 +106,13 @@ Shading<N> shading(const Named& named, Transport transport = Transport::kForward
 }
 
 // Each half of the sphere with cells around where a smooth surface would send light. 248 tests in
-// all: a false alarm in 1 of 120 sets of other seeds.
+// all: a false alarm in 1 of 120 sets of other seeds. `make test` has half of the angles.
 TEST(AllKernels, SamplesMatchPdf) {
+  using Degrees = std::vector<double>;
+  const Degrees shown_degrees =
+      test::in_full() ? Degrees{0.0, 30.0, 75.0, 89.9} : Degrees{30.0, 89.9};
   for (const Named& named : shown().named) {
-    for (const double degrees : {0.0, 30.0, 75.0, 89.9}) {
+    for (const double degrees : shown_degrees) {
       const Vec3 wo = test::direction(degrees, 20.0);
       const auto s = shading<1>(named);
       visit_bound<1>(shown().kernels, named.index, s, [&](const auto& kernel) {
@@ -156,12 +161,12 @@ TEST(AllKernels, DrawsAgreeWithUniformOnes) {
     const Vec3 wo = test::direction(50.0, 10.0);
     visit_bound<1>(shown().kernels, named.index, shading<1>(named), [&](const auto& kernel) {
       if (!kernel.smooth()) return;
-      const auto own = test::mean_of(100'000, [&](std::uint32_t i) {
+      const auto own = test::mean_of(test::part_of(100'000), [&](std::uint32_t i) {
         const auto u = test::kernel_numbers(test::numbers(i, 4));
         const auto draw = kernel.sample(wo, u, 0);
         return draw && !draw->delta ? test::weight(kernel, wo, u) : 0.0;
       });
-      const auto uniform = test::mean_of(100'000, [&](std::uint32_t i) {
+      const auto uniform = test::mean_of(test::part_of(100'000), [&](std::uint32_t i) {
         const auto u = test::numbers(i, 5);
         const Vec3 wi = UniformSphere::sample(u[0], u[1]);
         return static_cast<double>(Spectral<1>(kernel.value(wo, wi))[0] / UniformSphere::pdf());
@@ -170,7 +175,8 @@ TEST(AllKernels, DrawsAgreeWithUniformOnes) {
       // Alpha 0.01 is hit by too few uniform directions for a normal deviate.
       if (named.name.find("0.010000") != std::string::npos || named.name == "phong 1000.000000")
         return;
-      EXPECT_NEAR(own.value, uniform.value, 4.5 * error) << named.name;
+      // Beside chance, single precision.
+      EXPECT_NEAR(own.value, uniform.value, 4.5 * error + 1e-6 * uniform.value) << named.name;
     });
   }
 }

@@ -40,7 +40,7 @@ struct Damage {
 // What a worker gets comes over a network: every number is checked before it is used.
 v1::Interior& add_body(v1::CompiledScene& message) {
   auto& interior = *message.add_interiors();
-  interior.set_matched(true);
+  interior.set_index_matched(true);
   return interior;
 }
 
@@ -78,7 +78,7 @@ TEST(LoadScene, RefusesDamagedMessagesInWords) {
       {"unbounded interior", [](auto& m) { m.add_unbounded_interiors(0); }},
       {"dielectric",
        [](auto& m) {
-         add_body(m).set_matched(false);
+         add_body(m).set_index_matched(false);
          m.add_unbounded_interiors(0);
        }},
       {"phase function", [](auto& m) { m.add_media()->set_constant(1.0); }},

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -15,6 +16,7 @@
 #include "pdfs/directions.h"
 #include "sampling/philox.h"
 #include "sampling/sequence.h"
+#include "support/effort.h"
 
 namespace nocturne::test {
 
@@ -71,11 +73,13 @@ struct Chart {
 };
 
 /// A draw without a direction counts as missing: it must be as rare as the integral of the pdf
-/// falls short of 1. `parts` is how finely the pdf is integrated inside a cell, along each side.
+/// falls short of 1, within 4 standard errors of a count, or 5e-3 for the quadrature. `parts` is
+/// how finely the pdf is integrated inside a cell, along each side.
 inline void expect_samples_match_pdf(const SampleDirection& sample, const DirectionPdf& pdf,
                                      int parts = 48, const Chart& chart = {},
-                                     std::uint32_t draws = 200'000) {
+                                     std::uint32_t all_draws = 200'000) {
   constexpr int kRows = 16, kColumns = 24;
+  const std::uint32_t draws = part_of(all_draws);
   const Frame frame(chart.axis);
   std::vector<double> observed(kRows * kColumns), expected(kRows * kColumns);
   std::uint32_t drawn = 0;
@@ -112,7 +116,8 @@ inline void expect_samples_match_pdf(const SampleDirection& sample, const Direct
       expected[static_cast<std::size_t>(row / parts * kColumns + column / parts)] += share * draws;
     }
   }
-  EXPECT_NEAR(integral, static_cast<double>(drawn) / draws, 5e-3);
+  const double found = static_cast<double>(drawn) / draws;
+  EXPECT_NEAR(integral, found, std::max(5e-3, 4.0 * std::sqrt(found * (1.0 - found) / draws)));
   expect_same_counts(observed, expected);
 }
 

@@ -12,6 +12,7 @@
 #include "luminaires/light_sampling_context.h"
 #include "sampling/philox.h"
 #include "sampling/sequence.h"
+#include "support/effort.h"
 
 namespace nocturne::test {
 
@@ -46,7 +47,7 @@ inline Estimate estimate(std::uint32_t count, const std::function<double(const U
 template <class Directions, class Radiance>
 Estimate irradiance(const Directions& directions, const LightSamplingContext& from,
                     const Radiance& radiance, std::uint32_t count = 100'000) {
-  return estimate(count, [&](const Uniform4& u) {
+  return estimate(part_of(count), [&](const Uniform4& u) {
     const auto w = directions.sample(from, u[0], u[1], u[2]);
     if (!w) return 0.0;
     const float pdf = directions.pdf(from, *w);

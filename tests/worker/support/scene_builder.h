@@ -179,7 +179,7 @@ class SceneBuilder {
  private:
   std::uint32_t add_matched(const std::vector<std::uint32_t>& media) {
     auto& interior = *message.add_interiors();
-    interior.set_matched(true);
+    interior.set_index_matched(true);
     for (const std::uint32_t medium : media) interior.add_media(medium);
     return static_cast<std::uint32_t>(message.interiors_size()) - 1;
   }

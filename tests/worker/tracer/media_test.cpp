@@ -10,6 +10,7 @@
 
 #include "digest/sha256.h"
 #include "media/grid_bytes.h"
+#include "support/effort.h"
 #include "support/estimates.h"
 #include "support/scene_builder.h"
 #include "tracer/trace_tile.h"
@@ -28,15 +29,15 @@ struct Variant {
 
 class Media : public testing::TestWithParam<Variant> {
  protected:
-  static constexpr Film kFilm{16, 16};
-
   TileSums trace(test::SceneBuilder& builder, std::uint32_t samples) const {
     auto& tracing = *builder.message.mutable_tracing();
     tracing.set_estimator(GetParam().estimator);
     tracing.set_split_vertices(2);
     tracing.set_group(GetParam().group);
     tracing.set_maximum_depth(0);
-    return trace_tile(*builder.load(), kFilm, {0, 0, 16, 16, 0, samples}, Method::kAdjointPhotons);
+    const std::uint32_t edge = test::film_edge(16);
+    return trace_tile(*builder.load(), {edge, edge}, {0, 0, edge, edge, 0, samples},
+                      Method::kAdjointPhotons);
   }
 
   // Around everything; its radiance comes from all sides.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "support/effort.h"
 #include "support/estimates.h"
 #include "support/scene_builder.h"
 #include "tracer/trace_tile.h"
@@ -25,8 +26,6 @@ struct Variant {
 
 class Truths : public testing::TestWithParam<Variant> {
  protected:
-  static constexpr Film kFilm{16, 16};
-
   TileSums trace(test::SceneBuilder& builder, std::uint32_t samples) const {
     auto& tracing = *builder.message.mutable_tracing();
     tracing.set_sequence(GetParam().sequence);
@@ -36,7 +35,9 @@ class Truths : public testing::TestWithParam<Variant> {
     tracing.set_estimator(GetParam().estimator);
     tracing.set_split_vertices(2);
     tracing.set_group(GetParam().group);
-    return trace_tile(*builder.load(), kFilm, {0, 0, 16, 16, 0, samples}, GetParam().method);
+    const std::uint32_t edge = test::film_edge(16);
+    return trace_tile(*builder.load(), {edge, edge}, {0, 0, edge, edge, 0, samples},
+                      GetParam().method);
   }
 };
 

@@ -30,12 +30,12 @@ void PhotonEmitter::add(Element element, const Luminaire& what) {
 }
 
 void PhotonEmitter::add_triangle(std::uint32_t luminaire, const Luminaire& what,
-                                 std::vector<std::array<Vec3, 3>> corners, Place place) {
+                                 std::vector<std::array<Vec3, 3>> corners, Triangle triangle) {
   const auto& first = corners.front();
   const float area = 0.5f * length(cross(first[1] - first[0], first[2] - first[0]));
-  Element element{luminaire, area, {}, 0.0f, place};
-  for (const auto& triangle : corners) {
-    element.points.insert(element.points.end(), triangle.begin(), triangle.end());
+  Element element{luminaire, area, {}, 0.0f, triangle};
+  for (const auto& moment : corners) {
+    element.points.insert(element.points.end(), moment.begin(), moment.end());
   }
   add(std::move(element), what);
 }
@@ -100,8 +100,8 @@ PhotonEmitter::Choice PhotonEmitter::choose(float coarse, float fine) const {
 PhotonEmitter::EmissionPoint PhotonEmitter::point_on(const Element& element, float time, float u,
                                                      float v) {
   Hit hit{};
-  hit.instance = element.place.instance;
-  hit.primitive = element.place.primitive;
+  hit.instance = element.triangle.instance;
+  hit.primitive = element.triangle.primitive;
   if (element.radius > 0.0f) {
     const Vec3 centre = at_time(element.points, 1, 0, time);
     hit.normal = UniformSphere::sample(u, v);

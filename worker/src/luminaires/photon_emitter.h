@@ -33,14 +33,14 @@ struct Emitted {
 
 class PhotonEmitter {
  public:
-  /// Which triangle of a mesh, as in Hit.
-  struct Place {
+  /// Of a mesh, as Hit names it.
+  struct Triangle {
     std::uint32_t instance, primitive;
   };
 
   /// Corners or centres at equally spaced times over the shutter, at least one.
   void add_triangle(std::uint32_t luminaire, const Luminaire& what,
-                    std::vector<std::array<Vec3, 3>> corners, Place place);
+                    std::vector<std::array<Vec3, 3>> corners, Triangle triangle);
   void add_sphere(std::uint32_t luminaire, const Luminaire& what, std::vector<Vec3> centres,
                   float radius);
   /// After the last element. `bounds` holds the scene: distant light is emitted from a disc of its
@@ -89,7 +89,7 @@ class PhotonEmitter {
     /// Three corners for each time step; or one centre, and a radius.
     std::vector<Vec3> points;
     float radius;
-    Place place;
+    Triangle triangle;
   };
 
   struct Leaving {

@@ -90,11 +90,11 @@ std::vector<MediumInterface> load_medium_interfaces(const LoadContext& context) 
   for (const auto& interior : message.interiors()) {
     const bool absorbs = interior.has_absorption();
     medium_interfaces.push_back(
-        {interior.matched() ? Spectrum(1.0f) : context.spectrum(interior.index()),
+        {interior.index_matched() ? Spectrum(1.0f) : context.spectrum(interior.index()),
          absorbs ? context.spectrum(interior.absorption()) : Spectrum(0.0f),
          absorbs,
          interior.priority(),
-         interior.matched(),
+         interior.index_matched(),
          {interior.media().begin(), interior.media().end()}});
     require(medium_interfaces.back().index.least() >= 1e-3f, "an index of refraction below 0.001");
     for (const std::uint32_t medium : medium_interfaces.back().media) {
@@ -113,7 +113,7 @@ InteriorList load_unbounded(const LoadContext& context) {
   for (const std::uint32_t body : message.unbounded_interiors()) {
     require(body < static_cast<std::uint32_t>(message.interiors_size()),
             "an unbounded interior out of range");
-    require(message.interiors(static_cast<int>(body)).matched(),
+    require(message.interiors(static_cast<int>(body)).index_matched(),
             "an unbounded interior that is a dielectric");
     everywhere.enter(body);
   }
@@ -151,7 +151,7 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
     if (surface.has_normal_map() || surface.has_bump_map()) material.bump_map = bump_maps++;
     material.index_matched_only =
         surface.has_interior() &&
-        context.message.interiors(static_cast<int>(surface.interior())).matched() &&
+        context.message.interiors(static_cast<int>(surface.interior())).index_matched() &&
         std::holds_alternative<NullKernel>(kernels[material.front_kernel]) &&
         std::holds_alternative<NullKernel>(kernels[material.back_kernel]);
     material.has_delta_lobe = has_delta_lobe(kernels, material.front_kernel) ||

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from nocturne_scene.errors import Problem
-from nocturne_scene.formats.reading.scene_writer import Film
+from nocturne_scene.formats.reading.scene_writer import FilmSettings
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Imported:
     """A scene that was written to a folder."""
 
     document: Path
-    film: Film
+    film: FilmSettings
     notes: list[str]
     """What is expressed in another way."""
     missing: list[Problem]

@@ -29,7 +29,7 @@ _NAME_LENGTH = 60
 
 
 @dataclass
-class Film:
+class FilmSettings:
     """What a scene file says of its image; no part of a scene document."""
 
     width: int = 512
@@ -43,7 +43,7 @@ class SceneWriter:
 
     folder: Path
     document: dict[str, Json] = field(default_factory=lambda: {"nocturne": 1})
-    film: Film = field(default_factory=Film)
+    film: FilmSettings = field(default_factory=FilmSettings)
     _names: set[str] = field(default_factory=set)
     _copied: dict[Path, str] = field(default_factory=dict)
     _unseen: set[str] = field(default_factory=set)

@@ -106,7 +106,7 @@ class Compiled:
         if interior.HasField("absorption"):
             isotropic = scene_pb2.PhaseFunction(henyey_greenstein=scene_pb2.HenyeyGreenstein(g=0.0))
             media.append(Medium(self._coefficient(interior.absorption, 1.0), Table(np.zeros(1)), isotropic))
-        index = None if interior.matched else self.table(interior.index)
+        index = None if interior.index_matched else self.table(interior.index)
         return Body(index, tuple(media))
 
     def _medium(self, medium: scene_pb2.Medium, place: str) -> Medium:

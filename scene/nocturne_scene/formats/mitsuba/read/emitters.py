@@ -16,7 +16,7 @@ from nocturne_scene.formats.mitsuba.read.sensors import vertical_field
 from nocturne_scene.formats.mitsuba.read.units import white
 from nocturne_scene.formats.reading import colours, lamps
 from nocturne_scene.formats.reading.beams import Array, beam, looked_up
-from nocturne_scene.formats.reading.scene_writer import Film, Json
+from nocturne_scene.formats.reading.scene_writer import FilmSettings, Json
 from nocturne_scene.textures.environment_maps import UnusableImageError, check_size, opened
 from nocturne_scene.textures.image_files import decoded
 
@@ -124,7 +124,7 @@ def _projector(context: Context, properties: Properties) -> None:
     else:
         colour, slide = spectra.light(context, element), np.ones((1, 1, 3))
     rows, columns = slide.shape[:2]
-    field = vertical_field(properties, Film(columns, rows))
+    field = vertical_field(properties, FilmSettings(columns, rows))
     high = math.tan(math.radians(field) / 2)
     wide = high * columns / rows
 

@@ -11,7 +11,7 @@ from nocturne_scene.formats.mitsuba.read.elements import Element
 from nocturne_scene.formats.mitsuba.read.media import around_sensor
 from nocturne_scene.formats.mitsuba.read.properties import Properties
 from nocturne_scene.formats.reading import transforms
-from nocturne_scene.formats.reading.scene_writer import Film, Json
+from nocturne_scene.formats.reading.scene_writer import FilmSettings, Json
 from nocturne_scene.formats.reading.transforms import Matrix
 
 # Of 35 mm film, which focal lengths refer to, in millimetres.
@@ -65,9 +65,9 @@ def _unit(direction: Matrix) -> Matrix:
     return np.asarray(direction / np.linalg.norm(direction))
 
 
-def _film(context: Context, element: Element) -> Film:
+def _film(context: Context, element: Element) -> FilmSettings:
     properties = context.properties(element)
-    film = Film(properties.whole("width", 768), properties.whole("height", 576))
+    film = FilmSettings(properties.whole("width", 768), properties.whole("height", 576))
     for rfilter in properties.take_all("rfilter") or [
         Element("rfilter", {"type": "gaussian"}, element.place)
     ]:
@@ -81,7 +81,7 @@ def _film(context: Context, element: Element) -> Film:
     return film
 
 
-def vertical_field(properties: Properties, film: Film) -> float:
+def vertical_field(properties: Properties, film: FilmSettings) -> float:
     """Degrees."""
     aspect = film.width / film.height
     field = properties.number("fov", None)
