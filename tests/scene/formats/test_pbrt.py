@@ -137,7 +137,7 @@ def test_compressed_meshes_and_included_files(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        ('Shape "loopsubdiv"', 'no equal of the shape "loopsubdiv"'),
+        ('Shape "nurbs"', 'no equal of the shape "nurbs"'),
         ('Material "hair" Shape "sphere"', 'no equal of the material "hair"'),
         ('Shape "sphere" "float colour" 1', 'no equal of the parameter "colour"'),
         ('LightSource "projection"', 'no equal of the light "projection"'),
