@@ -1,7 +1,8 @@
 """python -m tests.corpus MIRRORS -o PAGE.md: import what there is of the corpus, and write how it went.
 
 MIRRORS holds clones of the repositories in sources.toml, with or without a work tree, as `owner/name` or
-`owner+name`; those that are not there are left out. Files are read from their newest commit.
+`owner+name`; those that are not there are left out. Files are read from their newest commit, or
+from the one that is named.
 """
 
 import argparse
@@ -62,8 +63,9 @@ def attempts(mirrors: Path, only: str, *, compiles: bool) -> Iterator[Tried]:
         git = git_folder(mirrors, source["repository"])
         if git is None or only not in source["format"]:
             continue
+        revision = source.get("revision", "HEAD")
         listed = subprocess.run(
-            ["git", f"--git-dir={git}", "ls-tree", "-r", "--format=%(objectname) %(path)", "HEAD"],
+            ["git", f"--git-dir={git}", "ls-tree", "-r", "--format=%(objectname) %(path)", revision],
             check=True,
             capture_output=True,
             text=True,

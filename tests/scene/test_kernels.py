@@ -59,11 +59,42 @@ def test_a_principled_surface_has_its_defaults(document: dict[str, Any], compile
     assert found.coat_index == 1.5
     assert list(scene.spectra[found.base.spectrum].values) == pytest.approx([0.4])
     assert list(scene.spectra[found.index].values) == pytest.approx([1.5])
+    assert not any(found.HasField(name) for name in ("reflectance", "brush", "sheen"))
+
+
+def test_a_principled_surface_has_what_is_asked_for(document: dict[str, Any], compiled: Compile) -> None:
+    kernel = {
+        "type": "principled",
+        "base": 0.4,
+        "specular": 0.5,
+        "specular_colour": 0.2,
+        "roughness": 0.1,
+        "roughness_across": 0.3,
+        "rotation": 0.25,
+        "sheen": 0.6,
+        "sheen_roughness": 0.7,
+    }
+    scene = compiled(with_kernel(document, kernel))
+    found = kernel_of(scene).principled
+    numbers = (found.reflectance.amount, found.brush.roughness, found.brush.rotation, found.sheen.roughness)
+    assert [each.constant for each in numbers] == [0.5, 0.3, 0.25, 0.7]
+    assert list(scene.spectra[found.reflectance.normal.spectrum].values) == pytest.approx([0.2])
+    assert list(scene.spectra[found.sheen.colour.spectrum].values) == pytest.approx([0.6])
 
 
 @pytest.mark.parametrize(
     ("field", "value"),
-    [("base", 1.5), ("metallic", -0.1), ("roughness", 2), ("index", 0.0), ("coat_index", 5)],
+    [
+        ("base", 1.5),
+        ("metallic", -0.1),
+        ("roughness", 2),
+        ("index", 0.0),
+        ("coat_index", 5),
+        ("specular", 2),
+        ("specular_colour", 1.5),
+        ("roughness_across", 2),
+        ("sheen", -1),
+    ],
 )
 def test_mistakes_of_a_principled_surface_are_told(
     document: dict[str, Any], compiled: Compile, field: str, value: float

@@ -18,6 +18,7 @@ from typer.testing import CliRunner
 
 from tests.scene.formats.mitsuba_import import SENSOR
 from tests.scene.formats.test_gltf import tree
+from tests.services.webhook_receiver import until_true
 
 BALL = '<shape type="sphere"><emitter type="area"/></shape>'
 ROOM = f'<scene version="3.0.0">{SENSOR}{BALL}<include filename="parts/floor.xml"/></scene>'
@@ -111,6 +112,41 @@ async def test_an_import_that_takes_too_much_is_ended(
     answer = await rest.post("/v1/imports", json={"files": files}, timeout=60)
     assert answer.status_code == 422
     assert "processor time" in answer.text
+
+
+async def test_an_import_outlives_its_request(
+    rest: httpx.AsyncClient, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Asked for again it is the one under way, and later the answer that is kept: one child for all."""
+    files = await uploaded(rest, {"room.xml": ROOM.encode(), "parts/floor.xml": FLOOR.encode()})
+    starts, go_on = tmp_path / "starts", tmp_path / "go on"
+    program = tmp_path / "slow.py"
+    program.write_text(
+        "import pathlib, runpy, time\n"
+        f"with open({str(starts)!r}, 'a') as file: file.write('x')\n"
+        f"while not pathlib.Path({str(go_on)!r}).exists(): time.sleep(0.01)\n"
+        "runpy.run_module('nocturne_api.importing.child', run_name='__main__')\n"
+    )
+    monkeypatch.setattr(pool, "_PROGRAM", (str(program),))
+
+    async def ask() -> httpx.Response:
+        return await rest.post("/v1/imports", json={"files": files}, timeout=120)
+
+    left = asyncio.create_task(ask())
+    await until_true(starts.exists, 60)
+    left.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await left
+    again = asyncio.create_task(ask())
+    await asyncio.sleep(0.1)
+    go_on.touch()
+    answer = await again
+    assert answer.status_code == 200, answer.text
+    assert (await ask()).json() == answer.json()
+    assert starts.read_text() == "x"
+    other = await rest.post("/v1/imports", json={"files": files, "light": "studio"}, timeout=120)
+    assert other.status_code == 200
+    assert starts.read_text() == "xx"
 
 
 async def test_the_client_and_the_command_line_import(service: Service, tmp_path: Path) -> None:

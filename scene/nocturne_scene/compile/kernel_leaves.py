@@ -111,7 +111,7 @@ class Leaves:
 
     def _principled(self, kernel: Principled) -> scene_pb2.Principled:
         scalar = self._textures.scalar
-        return scene_pb2.Principled(
+        message = scene_pb2.Principled(
             base=self._textures.reflectance(kernel.base, ".base"),
             metallic=scalar(kernel.metallic, ".metallic"),
             roughness=scalar(kernel.roughness, ".roughness"),
@@ -120,6 +120,19 @@ class Leaves:
             coat_roughness=scalar(kernel.coat_roughness, ".coat_roughness"),
             coat_index=kernel.coat_index,
         )
+        # What is as ever is left out: it would cost time at every point.
+        if kernel.specular != 1.0 or kernel.specular_colour is not None:
+            message.reflectance.amount.CopyFrom(scalar(kernel.specular, ".specular"))
+        if kernel.specular_colour is not None:
+            colour = self._textures.reflectance(kernel.specular_colour, ".specular_colour")
+            message.reflectance.normal.CopyFrom(colour)
+        if kernel.roughness_across is not None and kernel.roughness_across != kernel.roughness:
+            message.brush.roughness.CopyFrom(scalar(kernel.roughness_across, ".roughness_across"))
+            message.brush.rotation.CopyFrom(scalar(kernel.rotation, ".rotation"))
+        if kernel.sheen is not None:
+            message.sheen.colour.CopyFrom(self._textures.reflectance(kernel.sheen, ".sheen"))
+            message.sheen.roughness.CopyFrom(scalar(kernel.sheen_roughness, ".sheen_roughness"))
+        return message
 
     def _conductor(self, kernel: Conductor) -> scene_pb2.Conductor:
         try:

@@ -192,4 +192,6 @@ def _is_anisotropic(kernel: scene_pb2.Kernel) -> bool:
     """Whether the kernel looks different along u and v."""
     model = getattr(kernel, kernel.WhichOneof("model") or "null_kernel")
     roughness = getattr(model, "roughness", None)
-    return isinstance(roughness, scene_pb2.Roughness) and roughness.alpha_u != roughness.alpha_v
+    if isinstance(roughness, scene_pb2.Roughness):
+        return roughness.alpha_u != roughness.alpha_v
+    return kernel.principled.HasField("brush")

@@ -100,7 +100,8 @@ def _reflectances(kernel: Kernel) -> list[tuple[str, Reference | ColourTexture]]
         case Lambertian() | Phong() | CoatedDiffuse():
             return [("reflectance", kernel.reflectance)]
         case Principled():
-            return [("base", kernel.base)]
+            fields = ("base", "specular_colour", "sheen")
+            return [(name, getattr(kernel, name)) for name in fields if getattr(kernel, name) is not None]
         case DiffuseTransmitter():
             return [("reflectance", kernel.reflectance), ("transmittance", kernel.transmittance)]
         case ThinPane():

@@ -119,7 +119,7 @@ class Principled(Node):
     """The principled surface of exchange formats: metal, a dielectric over a diffuse base, or between both.
 
     Its parts: GGX microfacets whose alpha is the square of a roughness; metal by Schlick's reflectance;
-    a base that gets what the dielectric lets through; a clear coat over all. Formulas:
+    a base that gets what the dielectric lets through; a clear coat over both; fuzz over all. Formulas:
     worker/src/kernels/principled.h.
     """
 
@@ -137,6 +137,25 @@ class Principled(Node):
     coat_index: Annotated[Finite, Field(ge=1, le=4)] = Field(
         default=1.5, description="Index of refraction of the coat."
     )
+    specular: ScalarReference = Field(
+        default=1.0, description="A factor of what the dielectric reflects, in [0, 1]."
+    )
+    specular_colour: ColourReference | None = Field(
+        default=None,
+        description="What the dielectric reflects at normal incidence, in [0, 1], before `specular`; at "
+        "grazing angles it is white nevertheless. Default: the reflectance of its index.",
+    )
+    roughness_across: ScalarReference | None = Field(
+        default=None,
+        description="Of brushed facets, across the brush; `roughness` is then along it. Default: the same.",
+    )
+    rotation: ScalarReference = Field(
+        default=0.0, description="From the surface's u to the brush, counterclockwise, in whole turns."
+    )
+    sheen: ColourReference | None = Field(
+        default=None, description="What fuzz over all reflects, in [0, 1]. Default: there is none."
+    )
+    sheen_roughness: ScalarReference = Field(default=0.5, description="The fuzz's, as `roughness`.")
 
 
 class Measured(Node):

@@ -32,6 +32,7 @@ IMPORT_BYTES = 4096 * MEBIBYTE
 IMPORT_MEMORY_BYTES = 8192 * MEBIBYTE
 IMPORT_CPU_S = 300
 IMPORT_WALL_S = 600.0
+IMPORT_KEPT_S = 86_400.0
 
 # Pictures that the page brings to compare with: each in a child process, of a film's size at most.
 PICTURE_BYTES = 512 * MEBIBYTE

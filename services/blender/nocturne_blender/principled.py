@@ -2,29 +2,27 @@
 
 from typing import Any
 
+from . import light
 from .nodes import Reader
 
 Json = Any
 
-# Inputs that change nothing at these values.
-_LEFT_OUT = {"Subsurface Weight": 0.0, "Sheen Weight": 0.0, "Anisotropic": 0.0}
+_WHITE = [1.0, 1.0, 1.0]
 
 
 def kernel(node: Any, reader: Reader) -> Json:
     """What a Principled BSDF scatters."""
-    for name, nothing in _LEFT_OUT.items():
-        if reader.number(node.inputs[name]) != nothing:
-            reader.lost(f"no equal of {name!r}; left out")
-    if reader.colour(node.inputs["Specular Tint"]) != [1.0, 1.0, 1.0]:
-        reader.lost("no equal of 'Specular Tint'; taken as white")
+    if reader.number(node.inputs["Subsurface Weight"]) != 0.0:
+        reader.lost("no equal of 'Subsurface Weight'; light leaves where it came in")
     rough, index = reader.scalar(node.inputs["Roughness"]), _index(node, reader)
     found: Json = {
         "type": "principled",
         "base": reader.reflectance(node.inputs["Base Color"]),
         "metallic": reader.scalar(node.inputs["Metallic"]),
-        "roughness": rough,
         "index": index,
-    } | _coat(node, reader)
+    }
+    found |= _facets(node, rough, reader) | _tint(node, index, found["metallic"], reader)
+    found |= _coat(node, reader) | _sheen(node, reader)
     through = reader.scalar(node.inputs["Transmission Weight"])
     if through != 0.0 and found["metallic"] != 1.0:
         if found["metallic"] != 0.0:
@@ -47,11 +45,57 @@ def _index(node: Any, reader: Reader) -> float:
     return float((1 + root) / (1 - root))
 
 
+def _facets(node: Any, rough: Json, reader: Reader) -> Json:
+    """Alpha, the square of roughness, is over an aspect along the tangent and times it across."""
+    amount = min(1.0, max(0.0, reader.number(node.inputs["Anisotropic"])))
+    if amount == 0.0:
+        return {"roughness": rough}
+    root = (1 - 0.9 * amount) ** 0.25
+
+    def times(factor: float) -> Json:
+        if isinstance(rough, float):
+            return min(1.0, factor * rough)
+        return (
+            rough
+            | {name: factor * rough[name] for name in ("gain", "bias") if name in rough}
+            | ({} if "gain" in rough else {"gain": factor})
+        )
+
+    return {
+        "roughness": times(1 / root),
+        "roughness_across": times(root),
+        "rotation": reader.number(node.inputs["Anisotropic Rotation"]) % 0.5,
+    }
+
+
+def _tint(node: Any, index: float, metallic: Json, reader: Reader) -> Json:
+    """The reflectance at normal incidence, in colour."""
+    tint = reader.colour(node.inputs["Specular Tint"])
+    if tint == _WHITE:
+        return {}
+    if metallic != 0.0:
+        reader.lost("no equal of 'Specular Tint' of metal; its edges are white")
+    own = ((index - 1) / (index + 1)) ** 2
+    return {"specular_colour": light.reflectance([min(1.0, max(0.0, own * part)) for part in tint])}
+
+
+def _sheen(node: Any, reader: Reader) -> Json:
+    """Fuzz; Cycles has fibres of another distribution."""
+    weight = min(1.0, max(0.0, reader.number(node.inputs["Sheen Weight"])))
+    if weight == 0.0:
+        return {}
+    tint = [min(1.0, max(0.0, weight * part)) for part in reader.colour(node.inputs["Sheen Tint"])]
+    return {
+        "sheen": light.reflectance(tint),
+        "sheen_roughness": reader.scalar(node.inputs["Sheen Roughness"]),
+    }
+
+
 def _coat(node: Any, reader: Reader) -> Json:
     amount = reader.scalar(node.inputs["Coat Weight"])
     if amount == 0.0:
         return {}
-    if reader.colour(node.inputs["Coat Tint"]) != [1.0, 1.0, 1.0]:
+    if reader.colour(node.inputs["Coat Tint"]) != _WHITE:
         reader.lost("no equal of 'Coat Tint'; taken as clear")
     return {
         "coat": amount,

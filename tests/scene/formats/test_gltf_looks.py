@@ -14,7 +14,7 @@ from nocturne_scene.meshes.files import load_mesh
 from nocturne_scene.textures.environment_maps import read_whole
 
 from tests.pictures import write_exr
-from tests.scene.formats.test_gltf import COORDINATES, kernel, tree
+from tests.scene.formats.test_gltf import COORDINATES, tree
 from tests.scene.formats.test_gltf_shapes import Model
 
 
@@ -114,20 +114,3 @@ def test_unlit_shows_its_colour_as_light(tmp_path: Path) -> None:
     [surface] = json.loads(found.document.read_text())["surfaces"]
     assert surface["luminaire"]["radiance"]["luminance"] == pytest.approx(0.5)
     assert surface["luminaire"]["two_sided"] is True
-
-
-def test_a_specular_factor_is_the_coats_reflectance(tmp_path: Path) -> None:
-    """((n - 1) / (n + 1))^2 of the coat is 0.04 times the factor."""
-    extensions = {"KHR_materials_specular": {"specularFactor": 0.25}}
-    found = kernel(tmp_path, {"pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": extensions})
-    n = found["index"]
-    assert ((n - 1) / (n + 1)) ** 2 == pytest.approx(0.01)
-
-
-def test_brushed_metal_is_rough_along_the_brush(tmp_path: Path) -> None:
-    """Alpha along is that across, and the strength's square of the way to 1."""
-    extensions = {"KHR_materials_anisotropy": {"anisotropyStrength": 0.5, "anisotropyRotation": np.pi / 2}}
-    pbr = {"roughnessFactor": 0.4, "metallicFactor": 1}
-    found = kernel(tmp_path, {"pbrMetallicRoughness": pbr, "extensions": extensions})
-    assert found["roughness_u"] == pytest.approx(0.16)
-    assert found["roughness_v"] == pytest.approx(0.16 + 0.84 * 0.25)

@@ -14,7 +14,7 @@ from nocturne_client.local.exporting import export_to
 from nocturne_scene.errors import InputError
 from nocturne_scene.film import Film
 from nocturne_scene.formats.import_scene import import_scene
-from nocturne_scene.formats.reading import grids, transforms
+from nocturne_scene.formats.reading import colours, grids, transforms
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.media import grid_files
 from scipy.ndimage import map_coordinates
@@ -139,6 +139,45 @@ def test_a_grid_becomes_a_density(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert values[7, 0, 0] + values[8, 0, 0] == pytest.approx(1)
 
 
+def test_an_albedo_in_colour_is_media_that_add_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """At every place and wavelength they scatter and absorb as much as there is extinction."""
+    written: list[np.ndarray] = []
+
+    def write(writer: object, values: np.ndarray, voxel: float) -> str:
+        del writer, voxel
+        written.append(values)
+        return "grids/density.vdb"
+
+    monkeypatch.setattr(grids, "_write", write)
+    (tmp_path / "in").mkdir()
+    extinction, albedo = np.arange(1.0, 9.0).reshape(2, 2, 2), np.linspace(0.1, 0.9, 24).reshape(2, 2, 2, 3)
+    (tmp_path / "in" / "a.vol").write_bytes(vol(extinction))
+    (tmp_path / "in" / "c.vol").write_bytes(vol(albedo, channels=3, counts=(2, 2, 2)))
+    coloured = GRID.replace(
+        '<float name="albedo" value="0.5"/>',
+        '<volume name="albedo" type="gridvolume"><string name="filename" value="c.vol"/>'
+        '<transform name="to_world"><scale value="2"/><rotate y="1" angle="90"/><translate x="1"/>'
+        "</transform></volume>",
+    )
+    document = mitsuba(tmp_path, CAMERA + coloured + BALL.format(bsdf="null", side="interior"))
+    [ball] = document["surfaces"]
+    media = [document["media"][name] for name in ball["interior"]["media"]]
+    assert len(media) == 6
+    at = np.array([450.0, 550.0, 650.0])
+    spectra = [colours.values_of(each.get("scattering") or each["absorption"], at) for each in media]
+    total = sum(np.multiply.outer(grid, spectrum) for grid, spectrum in zip(written, spectra, strict=True))
+    [alone] = grids_of(extinction)
+    assert total == pytest.approx(np.repeat(alone[..., None], 3, axis=3))
+    red = media[0]["scattering"]["table"]
+    assert np.interp(650, *np.transpose(red)) > 0.8 > 0.2 > np.interp(450, *np.transpose(red))
+    assert written[0][0, 0, 0] == pytest.approx(extinction[0, 0, 0] * albedo[0, 0, 0, 0])
+
+
+def grids_of(values: np.ndarray) -> list[np.ndarray]:
+    """What a grid of values by z, y, x is sampled as, eight times finer."""
+    return [grids.sampled(grids.Grid(values.transpose(2, 1, 0), True, transforms.IDENTITY), (16, 16, 16))]
+
+
 @pytest.mark.parametrize(
     ("degrees", "inner", "told"), [(30, False, True), (90, False, False), (30, True, False)]
 )
@@ -162,7 +201,7 @@ def test_outer_values_of_a_turned_grid_are_told(
         (vol(np.ones((2, 2, 2)), counts=(2000, 2000, 2000)), "and has not"),
         (vol(np.ones((2, 2, 2)), counts=(-2, -2, 2)), "and has not"),
         (vol(np.ones((2, 2, 2)), counts=(2**31 - 1, 2**31 - 1, 2**31 - 1)), "and has not"),
-        (vol(np.ones((2, 2, 2)), channels=3), "3 channels"),
+        (vol(np.ones((2, 2, 2)), channels=2), "2 channels"),
         (vol(-np.ones((2, 2, 2))), "negative or not finite"),
         (vol(np.full((2, 2, 2), np.nan)), "negative or not finite"),
     ],
@@ -191,6 +230,25 @@ def test_a_fading_grid_is_half_at_its_faces() -> None:
     values = grids.sampled(grid, (8, 16, 16))
     assert values[3:5, 8, 8] == pytest.approx(1 - 1 / 16)
     assert values[0, 8, 8] == pytest.approx(0.5 + 1 / 16)
+
+
+def test_a_grid_in_colour_of_pbrt_is_six_media(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(grids, "_write", lambda *_: "grids/density.vdb")
+    body = """MakeNamedMedium "m" "string type" "rgbgrid" "integer nx" 1 "integer ny" 1 "integer nz" 2
+        "rgb sigma_a" [1 2 3 4 5 6] "rgb sigma_s" [1 1 1 2 0 0] "float scale" 3 "float g" 0.4
+AttributeBegin
+MediumInterface "m" ""
+Material "interface"
+Shape "sphere"
+AttributeEnd"""
+    document = pbrt(tmp_path, body)
+    [ball] = document["surfaces"]
+    media = [document["media"][name] for name in ball["interior"]["media"]]
+    assert [("absorption" in each, "scattering" in each) for each in media] == 3 * [(True, False)] + 3 * [
+        (False, True)
+    ]
+    assert all(each["density"]["factor"] == 3 for each in media)
+    assert all(each["phase"]["g"] == 0.4 for each in media[3:])
 
 
 def test_media_of_pbrt(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.import_scene import import_scene
+from nocturne_scene.formats.reading import colours
 from nocturne_scene.formats.reading.options import Imported, ImportOptions
 from nocturne_scene.meshes.files import load_mesh
 from nocturne_scene.photometry import ies as photometric_files
@@ -136,14 +137,13 @@ def test_compressed_meshes_and_included_files(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        ('Shape "loopsubdiv"', 'no equal of the shape "loopsubdiv"'),
+        ('Shape "nurbs"', 'no equal of the shape "nurbs"'),
         ('Material "hair" Shape "sphere"', 'no equal of the material "hair"'),
         ('Shape "sphere" "float colour" 1', 'no equal of the parameter "colour"'),
         ('LightSource "projection"', 'no equal of the light "projection"'),
         ('LightSource "distant" "float power" 9', 'no equal of the parameter "power"'),
         ('AreaLightSource "diffuse" "float power" 9', 'no equal of an area light\'s "power"'),
         ('MakeNamedMedium "m" "string type" "nanovdb"', 'no equal of the medium "nanovdb"'),
-        ('MakeNamedMedium "m" "string type" "rgbgrid"', 'no equal of the medium "rgbgrid"'),
         ('MakeNamedMedium "m" "string type" "cloud"', 'no equal of the medium "cloud"'),
     ],
 )
@@ -290,15 +290,44 @@ def test_a_leaf_is_scaled_and_holds_no_more_light_than_comes(tmp_path: Path) -> 
     assert held["reflectance"]["rgb"][0] + held["transmittance"]["rgb"][0] == pytest.approx(1.0)
 
 
-def test_a_coat_over_metal_is_named_and_the_metal_is_there(tmp_path: Path) -> None:
+def test_metal_under_a_coat_has_its_colour_there(tmp_path: Path) -> None:
+    """((n - 1.5)^2 + k^2) / ((n + 1.5)^2 + k^2); roughness 0.0625 is an alpha of 0.25."""
     body = (
-        'Material "coatedconductor" "spectrum conductor.eta" "metal-Au-eta" "float conductor.roughness" 0.25'
+        'Material "coatedconductor" "float conductor.eta" 0.5 "float conductor.k" 3 '
+        '"float interface.roughness" 0.0625 "float conductor.roughness" 0.0081'
     )
-    with pytest.raises(InputError, match="a coat over metal"):
-        imported(tmp_path, body + '\nShape "sphere"')
-    document, _ = imported(tmp_path, body + '\nShape "sphere"', allow_missing=True)
+    document, found = imported(tmp_path, body + '\nShape "sphere"')
     [kernel] = document["kernels"].values()
-    assert kernel == {"type": "conductor", "index": "Au", "roughness": 0.5}
+    assert kernel == {
+        "type": "principled",
+        "base": pytest.approx((1 + 9) / (4 + 9)),
+        "metallic": 1.0,
+        "roughness": pytest.approx(0.3),
+        "coat": 1.0,
+        "coat_roughness": pytest.approx(0.5),
+        "coat_index": 1.5,
+    }
+    assert any("coatedconductor" in str(note) for note in found.notes)
+
+
+def test_a_metal_by_name_is_darker_under_a_coat(tmp_path: Path) -> None:
+    """Gold at 650 nm: n 0.155, k 3.52 (P. Johnson and R. Christy, Phys. Rev. B 6, 1972)."""
+    body = 'Material "coatedconductor" "spectrum conductor.eta" "metal-Au-eta"'
+    document, _ = imported(tmp_path, body + '\nShape "sphere"')
+    [kernel] = document["kernels"].values()
+    table = np.array(kernel["base"]["table"])
+    expected = ((0.155 - 1.5) ** 2 + 3.52**2) / ((0.155 + 1.5) ** 2 + 3.52**2)
+    assert np.interp(650, table[:, 0], table[:, 1]) == pytest.approx(expected, abs=0.02)
+
+
+def test_a_coloured_metal_reflects_its_colour(tmp_path: Path) -> None:
+    """Of n = 1 k^2 / (4 + k^2), as much as a diffuse surface of that colour."""
+    body = 'Material "conductor" "rgb reflectance" [0.9 0.6 0.3]'
+    document, _ = imported(tmp_path, body + '\nShape "sphere"')
+    [kernel] = document["kernels"].values()
+    k = np.array(kernel["index"]["k"]["table"])
+    colour = colours.values_of({"rgb": [0.9, 0.6, 0.3]}, k[:, 0])
+    assert k[:, 1] ** 2 / (4 + k[:, 1] ** 2) == pytest.approx(colour)
 
 
 def test_files_of_former_versions_are_named_as_such(tmp_path: Path) -> None:

@@ -55,6 +55,15 @@ class Shown {
           Principled(Colour(line(0.2f, 0.9f)), Scalar(metallic), Scalar(roughness),
                      line(1.6f, 1.4f), {Scalar(coat), Scalar(0.4f), 1.5f}));
     }
+    for (const float metallic : {0.0f, 0.6f, 1.0f}) {
+      add("principled with everything " + std::to_string(metallic),
+          Principled(
+              Colour(line(0.2f, 0.9f)), Scalar(metallic), Scalar(0.3f), line(1.6f, 1.4f),
+              {Scalar(0.5f), Scalar(0.4f), 1.5f},
+              {.reflectance = Principled::Reflectance{Scalar(0.8f), Colour(line(0.5f, 0.1f))},
+               .brush = Principled::Brush{Scalar(0.7f), Scalar(0.1f)},
+               .sheen = Principled::Fuzz{Colour(line(0.1f, 0.8f)), Scalar(0.4f)}}));
+    }
     for (const double g : {-0.5, 0.0, 0.8}) {
       add("phase " + std::to_string(g),
           Phase{line(1.0f, 2.0f), line(4.0f, 1.0f), HenyeyGreenstein(g)});
@@ -272,6 +281,14 @@ TEST(AllKernels, AreSoundEverywhere) {
     expect_sound(
         Principled(Colour(Spectrum(1.0f)), Scalar(b[0]), Scalar(std::sqrt(kAlphas[i % 7])),
                    Spectrum(index), {Scalar(b[1]), Scalar(std::sqrt(kAlphas[i / 7 % 7])), 1.5f})
+            .bind(s),
+        wo, wi, u);
+    expect_sound(
+        Principled(Colour(Spectrum(1.0f)), Scalar(b[0]), Scalar(std::sqrt(kAlphas[i % 7])),
+                   Spectrum(index), {Scalar(b[1]), Scalar(0.3f), 1.5f},
+                   {.reflectance = Principled::Reflectance{Scalar(b[2]), Colour(Spectrum(a[0]))},
+                    .brush = Principled::Brush{Scalar(std::sqrt(kAlphas[i / 7 % 7])), Scalar(a[1])},
+                    .sheen = Principled::Fuzz{Colour(Spectrum(a[2])), Scalar(a[3])}})
             .bind(s),
         wo, wi, u);
     expect_sound(ThinPane(Spectrum(index), Spectrum(b[1])).bind(s), wo, wi, u);

@@ -28,6 +28,8 @@ struct BoundRoughness {
     const float u2 = facets.alpha_u * facets.alpha_u, v2 = facets.alpha_v * facets.alpha_v;
     return std::sqrt(w.x * w.x * u2 + w.y * w.y * v2 + w.z * w.z * 0.5f * (u2 + v2));
   }
+  /// Whether there is a direction along which it is less than across.
+  bool brushed() const { return facets.alpha_u != facets.alpha_v; }
 };
 
 /// Alphas in [0, 1].

@@ -71,10 +71,21 @@ class KernelLoader {
     const auto scalar = [&](const v1::Scalar& each) {
       return load_scalar(context_, each, 0.0, 1.0);
     };
+    Principled::Extras extras;
+    if (message.has_reflectance()) {
+      extras.reflectance.emplace(scalar(message.reflectance().amount()), std::nullopt);
+      if (message.reflectance().has_normal())
+        extras.reflectance->normal = colour(message.reflectance().normal());
+    }
+    if (message.has_brush())
+      extras.brush.emplace(scalar(message.brush().roughness()), scalar(message.brush().rotation()));
+    if (message.has_sheen())
+      extras.sheen.emplace(colour(message.sheen().colour()), scalar(message.sheen().roughness()));
     return Principled(
         colour(message.base()), scalar(message.metallic()), scalar(message.roughness()),
         context_.spectrum(message.index()),
-        {scalar(message.coat()), scalar(message.coat_roughness()), static_cast<float>(coat_index)});
+        {scalar(message.coat()), scalar(message.coat_roughness()), static_cast<float>(coat_index)},
+        std::move(extras));
   }
 
   Blend blend(const v1::Blend& message) const {
@@ -116,11 +127,21 @@ bool is_specular_like(const v1::Roughness& roughness) {
          std::max(roughness.alpha_u().constant(), roughness.alpha_v().constant()) <= kMaxAlpha;
 }
 
-// Metal alone: a dielectric has its diffuse base.
+// Metal alone, without fuzz: a dielectric has its diffuse base.
 bool is_specular_like(const v1::Principled& kernel) {
   constexpr double kMaxRoughness = 0.5;  // alpha 0.25
+  const auto low = [](const v1::Scalar& roughness) {
+    return !varies(roughness) && roughness.constant() <= kMaxRoughness;
+  };
   return !varies(kernel.metallic()) && kernel.metallic().constant() >= 1.0 &&
-         !varies(kernel.roughness()) && kernel.roughness().constant() <= kMaxRoughness;
+         low(kernel.roughness()) && low(kernel.brush().roughness()) && !kernel.has_sheen();
+}
+
+bool needs_detail(const v1::Principled& kernel) {
+  return varies(kernel.base()) || varies(kernel.metallic()) || varies(kernel.roughness()) ||
+         varies(kernel.coat()) || varies(kernel.coat_roughness()) || kernel.has_brush() ||
+         varies(kernel.reflectance().amount()) || varies(kernel.reflectance().normal()) ||
+         varies(kernel.sheen().colour()) || varies(kernel.sheen().roughness());
 }
 
 bool is_specular_like(const v1::CompiledScene& message, const v1::Kernel& kernel) {
@@ -193,9 +214,7 @@ bool needs_detail(const v1::CompiledScene& message, std::uint32_t index) {
     case v1::Kernel::kPhong:
       return varies(kernel.phong().reflectance());
     case v1::Kernel::kPrincipled:
-      return varies(kernel.principled().base()) || varies(kernel.principled().metallic()) ||
-             varies(kernel.principled().roughness()) || varies(kernel.principled().coat()) ||
-             varies(kernel.principled().coat_roughness());
+      return needs_detail(kernel.principled());
     case v1::Kernel::kBlend:
       return std::ranges::any_of(kernel.blend().parts(), [&](const v1::Blend::Part& part) {
         return needs_detail(message, part.kernel()) ||

@@ -81,12 +81,12 @@ def coefficient(rgb: Sequence[float]) -> Json:
         return float(rgb[0])
     # Half of the range that smooth spectra have, where they are least steep.
     factor = 2 * max(rgb)
-    values = values_of({"rgb": [value / factor for value in rgb]}, _SMOOTH)
-    return table(_SMOOTH, factor * values)
+    values = values_of({"rgb": [value / factor for value in rgb]}, SMOOTH)
+    return table(SMOOTH, factor * values)
 
 
-# nm between which smooth spectra are straight lines.
-_SMOOTH = np.arange(360.0, 831.0, 5.0)
+SMOOTH = np.arange(360.0, 831.0, 5.0)
+"""nm between which smooth spectra are straight lines."""
 
 
 def knots(*spectra: Json) -> NDArray[np.float64]:
@@ -96,7 +96,7 @@ def knots(*spectra: Json) -> NDArray[np.float64]:
     own = [
         knot[0] for spectrum in spectra if isinstance(spectrum, dict) for knot in spectrum.get("table", ())
     ]
-    return np.union1d(_SMOOTH, np.clip(own, _SMOOTH[0], _SMOOTH[-1]))
+    return np.union1d(SMOOTH, np.clip(own, SMOOTH[0], SMOOTH[-1]))
 
 
 def values_of(spectrum: Json, at: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -42,8 +42,15 @@ class Grid:
     """Interpolated with zeros beyond the outer cells' middles, instead of held."""
 
 
-def density(writer: SceneWriter, grid: Grid, factor: float, place: str) -> Json:
-    """Write a grid and return the density that it is. Raises InputError where it has no equal."""
+def density(writer: SceneWriter, grid: Grid, factor: float, place: str, *, times: Grid | None = None) -> Json:
+    """Write a grid and return the density that it is, multiplied with another one that fills the same box.
+
+    Raises InputError where it has no equal.
+    """
+    if times is not None and not np.allclose(grid.to_world, times.to_world, rtol=1e-5):
+        raise InputError.at(place, "grids of one medium in different boxes have no equal")
+    if times is not None and times.values.size > grid.values.size:
+        grid, times = times, grid
     edges = np.linalg.norm(grid.to_world[:3, :3], axis=0)
     frame = grid.to_world.copy()
     if not np.all(edges > 0):
@@ -56,7 +63,10 @@ def density(writer: SceneWriter, grid: Grid, factor: float, place: str) -> Json:
     counts, voxel = cubes(edges, grid)
     if counts is None:
         raise InputError.at(place, "the cells of the grid can't be divided into cubes")
-    asset = _write(writer, sampled(grid, counts), voxel)
+    values = sampled(grid, counts)
+    if times is not None:
+        values = values * sampled(times, counts)
+    asset = _write(writer, values, voxel)
     placed: Json = {"asset": asset, "grid": NAME, "factor": factor, "nearest": True}
     placed["translate"] = frame[:3, 3].tolist()
     turn = transforms.rotation_of(frame[:3, :3])

@@ -6,6 +6,8 @@ import numpy as np
 
 from nocturne_scene.formats.reading import colours
 from nocturne_scene.formats.reading.scene_writer import Json
+from nocturne_scene.spectra import indices
+from nocturne_scene.spectra import tables as spectra
 
 # What reflects all has no index.
 _MOST = 0.999
@@ -36,3 +38,13 @@ def of_colour(reflectance: Json) -> Json:
     at = colours.knots(reflectance)
     held = np.clip(colours.values_of(reflectance, at), 0.0, _MOST)
     return {"n": 1.0, "k": colours.table(at, 2 * np.sqrt(held / (1 - held)))}
+
+
+def colour_under(index: Json, outside: float) -> Json:
+    """What a metal of an index reflects at normal incidence under a medium, by Fresnel's equations."""
+    at = colours.SMOOTH
+    if isinstance(index, str):
+        n, k = (spectra.evaluate(each, at) for each in indices.compile_metal(index))
+    else:
+        n, k = (colours.values_of(index[name], at) for name in ("n", "k"))
+    return colours.table(at, ((n - outside) ** 2 + k**2) / ((n + outside) ** 2 + k**2))

@@ -17,12 +17,12 @@ from nocturne_scene.formats.gltf.read.workflows import (
     metallic_roughness,
     specular_glossiness,
 )
-from nocturne_scene.formats.reading import colours, metals
+from nocturne_scene.formats.reading import colours
 from nocturne_scene.formats.reading.baking import LOOKUP
-from nocturne_scene.formats.reading.coats import smooth_coat
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
 from nocturne_scene.spectra import rgb as rgb_spectra
+from nocturne_scene.textures.image_files import decoded
 
 KNOWN = (
     "KHR_materials_anisotropy",
@@ -31,6 +31,7 @@ KNOWN = (
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
@@ -150,43 +151,96 @@ class Materials:
             )
         return ior
 
-    def _coat_index(self, extensions: Json, place: str) -> float:
-        """The index whose reflectance at normal incidence is that of the material where it is no metal."""
-        index = self._index(extensions, place)
+    def _specular(self, extensions: Json, frame: Frame, place: str) -> Json:
+        """Of KHR_materials_specular: what the dielectric reflects, in colour."""
         entry = value(extensions, "KHR_materials_specular", {})
         factor = number(self.container, entry, "specularFactor", 1.0, place)
-        colour = floats(self.container, entry, "specularColorFactor", [1.0] * 3, place)
-        shown = self.container.at(place)
-        for name in ("specularTexture", "specularColorTexture"):
-            if name in entry:
-                self.findings.lost(shown, f'no equal of a "{name}": the coat is the same everywhere')
-        if len(set(colour)) > 1:
-            self.findings.lost(shown, "no equal of a coat that reflects in colour; its mean is taken")
-        if factor == 1.0 and colour == [1.0] * 3:
-            return index
-        if factor != 1.0:
-            self.findings.note(
-                shown, "a coat of less reflectance reflects all light at grazing angles nevertheless"
-            )
-        reflectance = ((index - 1) / (index + 1)) ** 2 * sum(colour) / 3
-        root = float(np.sqrt(min(0.999, max(0.0, min(1.0, reflectance) * factor))))
-        return (1 + root) / (1 - root)
+        found: Json = {"specular": self._channel(entry, "specularTexture", (factor, 3), frame, place)}
+        index = self._index(extensions, place)
+        own = ((index - 1) / (index + 1)) ** 2
+        colour = np.array(floats(self.container, entry, "specularColorFactor", [1.0] * 3, place))
+        if "specularColorTexture" in entry or not np.all(colour == 1.0):
+            wanted = ("specularColorTexture", own * np.maximum(colour, 0.0))
+            found["specular_colour"] = self._coloured(entry, wanted, frame, place)
+        return {} if found == {"specular": 1.0} else found
+
+    def _sheen(self, extensions: Json, frame: Frame, place: str) -> Json:
+        """Of KHR_materials_sheen."""
+        entry = value(extensions, "KHR_materials_sheen", {})
+        colour = np.array(floats(self.container, entry, "sheenColorFactor", [0.0] * 3, place))
+        if not np.any(colour > 0):
+            return {}
+        if "KHR_materials_clearcoat" in extensions:
+            self.findings.note(self.container.at(place), "sheen lies over the clear coat, not under it")
+        rough = number(self.container, entry, "sheenRoughnessFactor", 0.0, place)
+        return {
+            "sheen": self._coloured(entry, ("sheenColorTexture", colour), frame, place),
+            "sheen_roughness": self._channel(entry, "sheenRoughnessTexture", (rough, 3), frame, place),
+        }
+
+    def _coloured(self, entry: Json, wanted: tuple[str, Pixels], frame: Frame, place: str) -> Json:
+        """A factor, held at 1, times the colours of a picture where there is one."""
+        name, factor = wanted
+        if name not in entry:
+            return colours.reflectance(np.clip(factor, 0.0, 1.0).tolist())
+        pixels = decoded(self.pictures.pixels(entry[name], place)[..., :3])
+        _, use = self.pictures.use(entry[name], frame, place)
+        return self.pictures.baked(use, np.clip(factor * pixels, 0.0, 1.0), name)
 
     def _opaque(self, workflow: Workflow, extensions: Json, frame: Frame, place: str) -> Json:
-        anisotropy = value(extensions, "KHR_materials_anisotropy", {})
-        if number(self.container, anisotropy, "anisotropyStrength", 0.0, place) != 0.0:
-            return self._brushed(workflow, extensions, place)
-        index, coat = self._coat_index(extensions, place), self._clearcoat(extensions, frame, place)
+        index = self._index(extensions, place)
+        extras = (
+            self._specular(extensions, frame, place)
+            | self._clearcoat(extensions, frame, place)
+            | self._sheen(extensions, frame, place)
+        )
         base = self._base(workflow, workflow.base[..., :3])
-        if index == 1.0 and workflow.metallic == 0.0 and not coat:
+        if index == 1.0 and workflow.metallic == 0.0 and not extras:
             return {"type": "lambertian", "reflectance": base}
         return {
             "type": "principled",
             "base": base,
             "metallic": self._scalar(workflow, workflow.metallic, "metallic"),
-            "roughness": self._scalar(workflow, workflow.rough, "roughness"),
             "index": index,
-            **coat,
+            **self._facets(workflow, extensions, frame, place),
+            **extras,
+        }
+
+    def _facets(self, workflow: Workflow, extensions: Json, frame: Frame, place: str) -> Json:
+        """Roughness; by KHR_materials_anisotropy alpha along the brush is alpha + (1 - alpha) strength^2."""
+        across = self._scalar(workflow, workflow.rough, "roughness")
+        entry = value(extensions, "KHR_materials_anisotropy", {})
+        strength: float | Pixels = number(self.container, entry, "anisotropyStrength", 0.0, place)
+        if strength == 0.0:
+            return {"roughness": across}
+        radians = number(self.container, entry, "anisotropyRotation", 0.0, place)
+        turns: float | Pixels = radians / (2 * np.pi)
+        use = workflow.rough_use
+        if "anisotropyTexture" in entry:
+            reference = entry["anisotropyTexture"]
+            pixels = self.pictures.pixels(reference, place)
+            _, own = self.pictures.use(reference, frame, place)
+            turns = turns + np.arctan2(pixels[..., 1:2] * 2 - 1, pixels[..., 0:1] * 2 - 1) / (2 * np.pi)
+            strength = strength * pixels[..., 2:3]
+            use = use or own
+            rough = workflow.rough
+            if not isinstance(rough, float) and (use != own or rough.shape != strength.shape):
+                self.findings.lost(
+                    self.container.at(place),
+                    "no equal of roughness and brush by textures in different places; the brush is even",
+                )
+                turns, strength = float(turns.flat[0]), float(strength.mean())
+        alpha = workflow.rough**2
+        along = (alpha + (1 - alpha) * strength**2) ** 0.5
+
+        def scalar(found: float | Pixels, name: str) -> Json:
+            return found if isinstance(found, float) else self.pictures.baked(use, found, name)
+
+        # Half a turn changes nothing.
+        return {
+            "roughness": scalar(along, "roughness-along"),
+            "roughness_across": across,
+            "rotation": scalar(turns % 0.5, "brush"),
         }
 
     def _base(self, workflow: Workflow, pixels: Pixels) -> Json:
@@ -219,57 +273,10 @@ class Materials:
         factor, channel = wanted
         if name not in entry:
             return factor
-        pixels = self.pictures.pixels(entry[name], place)[..., channel : channel + 1]
+        pixels = self.pictures.pixels(entry[name], place)
+        pixels = pixels[..., channel : channel + 1] if pixels.shape[2] > channel else np.ones((1, 1, 1))
         _, use = self.pictures.use(entry[name], frame, place)
         return self.pictures.baked(use, factor * pixels, name)
-
-    def _brushed(self, workflow: Workflow, extensions: Json, place: str) -> Json:
-        """A blend of metal and plastic with one alpha along the brush and one across."""
-        # What light that went through the coat comes out with, not what is under it.
-        index = self._coat_index(extensions, place)
-        changed = smooth_coat(index).changed(workflow.base[..., :3], linear=True)
-        metal_colour = workflow.base[..., :3].reshape(-1, 3).mean(axis=0)
-        base = self._base(workflow, changed)
-        metallic = self._scalar(workflow, workflow.metallic, "metallic")
-        roughness = self._roughness(workflow, extensions, place)
-        plastic = {"type": "coated_diffuse", "index": index, "reflectance": base, **roughness}
-        if index == 1.0:
-            plastic = {"type": "lambertian", "reflectance": base}
-        if metallic == 0.0:
-            return plastic
-        if workflow.base.ndim == 3:
-            self.findings.note(
-                self.container.at(place), "where it is metal the base colour's texture counts by its mean"
-            )
-        metal = {
-            "type": "conductor",
-            "index": metals.of_colour(colours.reflectance(metal_colour.tolist())),
-            **roughness,
-        }
-        if metallic == 1.0:
-            return metal
-        return {"type": "blend", "first": plastic, "second": metal, "weight": metallic}
-
-    def _roughness(self, workflow: Workflow, extensions: Json, place: str) -> Json:
-        """Alpha, the square of roughness; of brushed metal along the brush 1 for the full strength."""
-        alpha: Json = workflow.rough**2
-        if not isinstance(alpha, float):
-            alpha = self.pictures.baked(workflow.rough_use, alpha, "roughness")
-        entry = value(extensions, "KHR_materials_anisotropy", {})
-        strength = number(self.container, entry, "anisotropyStrength", 0.0, place)
-        quarters = number(self.container, entry, "anisotropyRotation", 0.0, place) / (np.pi / 2)
-        if strength == 0.0:
-            return {} if alpha == 0.0 else {"roughness": alpha}
-        turned = abs(quarters - round(quarters)) > 1e-3
-        if "anisotropyTexture" in entry or turned or not isinstance(alpha, float):
-            self.findings.lost(
-                self.container.at(place),
-                "no equal of brushed metal that is textured or turned; taken as even",
-            )
-            return {} if alpha == 0.0 else {"roughness": alpha}
-        along = alpha + (1 - alpha) * strength**2
-        first, second = (along, alpha) if round(quarters) % 2 == 0 else (alpha, along)
-        return {"roughness_u": first, "roughness_v": second}
 
     def _transmitting(
         self, opaque: Json, workflow: Workflow, extensions: Json, frame: Frame, place: str

@@ -26,7 +26,7 @@ class Context:
     """Textures made so far, by the identity of their element."""
     bsdfs: dict[str, str] = field(default_factory=dict)
     """Names of kernels made so far, by id."""
-    media: dict[int, str] = field(default_factory=dict)
+    media: dict[int, list[str]] = field(default_factory=dict)
     """Names of media made so far, by the identity of their element; empty where there is nothing."""
     enclosed: set[str] = field(default_factory=set)
     """Names of media that are inside of a shape."""

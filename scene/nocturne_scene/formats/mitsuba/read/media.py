@@ -5,6 +5,7 @@ bodies with media are inside of others.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from nocturne_scene.formats.mitsuba.read.context import Context
 from nocturne_scene.formats.mitsuba.read.elements import Element
 from nocturne_scene.formats.mitsuba.read.properties import Properties
 from nocturne_scene.formats.mitsuba.read.volumes import UNIT_CUBE, Volume, volume
-from nocturne_scene.formats.reading import colours, grids
+from nocturne_scene.formats.reading import coloured_grids, colours
 from nocturne_scene.formats.reading.scene_writer import Json
 
 _CLEAR = ("dielectric", "thin_pane", "null")
@@ -23,10 +24,10 @@ def interior(context: Context, properties: Properties, surface: Json, kernel: Js
     """Put what a shape encloses into its surface."""
     inside, outside = (properties.take(name) for name in ("interior", "exterior"))
     if inside is not None:
-        name = medium(context, inside)
-        context.enclosed.add(name)
-        if name:
-            surface["interior"] = {"media": [name]}
+        names = medium(context, inside)
+        context.enclosed.update(names)
+        if names:
+            surface["interior"] = {"media": list(names)}
     # What is outside of a body of glass, or of what lets nothing through, is there anyway.
     shape_only = kernel["type"] not in _CLEAR or kernel["type"] == "dielectric"
     if outside is not None and not shape_only and medium(context, outside):
@@ -40,33 +41,33 @@ def around_sensor(context: Context, properties: Properties) -> None:
     element = properties.take("medium")
     found = [element] if element is not None else properties.take_all("medium")
     for each in found:
-        name = medium(context, each)
-        if name and name not in context.enclosed:
-            context.writer.document.setdefault("unbounded_media", []).append(name)
+        names = medium(context, each)
+        if names and not context.enclosed.intersection(names):
+            context.writer.document.setdefault("unbounded_media", []).extend(names)
 
 
-def medium(context: Context, element: Element) -> str:
-    """The name of a medium; each element becomes one. Empty where light does not notice it."""
+def medium(context: Context, element: Element) -> list[str]:
+    """The names of the media that stand for an element's. Empty where light does not notice it."""
     if id(element) not in context.media:
         context.media[id(element)] = _add(context, element)
     return context.media[id(element)]
 
 
-def _add(context: Context, element: Element) -> str:
+def _add(context: Context, element: Element) -> list[str]:
     if element.type not in ("homogeneous", "heterogeneous"):
         context.findings.lost(
             element.place,
             f'no equal of the medium "{element.type}"; expected homogeneous or heterogeneous. Empty',
         )
-        return ""
+        return []
     properties = context.properties(element)
     scale = properties.number("scale", 1.0)
     extinction = volume(context, properties, "sigma_t", 1.0)
     if element.type == "homogeneous":
         extinction = Volume(extinction.value)
-    elif extinction.grid is None:
+    elif not extinction.grids:
         # Of a heterogeneous medium a number, too, is there in the cube from 0 to 1 only.
-        extinction = Volume(extinction.value, UNIT_CUBE)
+        extinction = Volume(extinction.value, (UNIT_CUBE,))
     albedo = volume(context, properties, "albedo", 0.75)
     phases = properties.take_all("phase")
     phase = _phase(context, phases[0]) if phases else None
@@ -75,35 +76,54 @@ def _add(context: Context, element: Element) -> str:
     if scale < 0:
         raise InputError.at(element.place, "a medium's scale is not negative")
     if scale == 0 or extinction.value == 0.0:
-        return ""
-    made = _coefficients(context, element, scale, extinction, albedo)
-    if phase is not None and "scattering" in made:
-        made["phase"] = phase
-    return context.writer.name("media", element.id or "medium", made)
+        return []
+    name, scatters = element.id or "medium", {} if phase is None else {"phase": phase}
+    if not extinction.grids:
+        if albedo.grids:
+            context.findings.lost(
+                element.place, "an albedo that varies in a medium that does not has no equal; taken as 1"
+            )
+        made = _coefficients(element, colours.scaled(extinction.value, scale), albedo.value)
+        return [context.writer.name("media", name, made | (scatters if "scattering" in made else {}))]
+    make = _varying_albedo if albedo.grids else _even_albedo
+    parts = [
+        (fields | (scatters if "scattering" in fields else {}), *densities)
+        for fields, *densities in make(element, extinction, albedo)
+    ]
+    return coloured_grids.add(context.writer, name, parts, scale, element.place)
 
 
-def _coefficients(
-    context: Context, element: Element, scale: float, extinction: Volume, albedo: Volume
-) -> Json:
-    if albedo.grid is not None:
-        context.findings.lost(element.place, "an albedo that varies in space has no equal; taken as 1")
-    at = colours.knots(extinction.value, albedo.value)
-    total, share = (colours.values_of(each, at) for each in (extinction.value, albedo.value))
+def _even_albedo(element: Element, extinction: Volume, albedo: Volume) -> list[coloured_grids.Part]:
+    """A medium for each channel."""
+    spectra = coloured_grids.by_channel(extinction.value, len(extinction.grids))
+    return [
+        (_coefficients(element, spectrum, albedo.value), grid, None)
+        for spectrum, grid in zip(spectra, extinction.grids, strict=True)
+    ]
+
+
+def _coefficients(element: Element, extinction: Json, albedo: Json) -> Json:
+    at = colours.knots(extinction, albedo)
+    total, share = (colours.values_of(each, at) for each in (extinction, albedo))
     if np.any(share > 1 + 1e-6) or np.any(share < 0):
         raise InputError.at(element.place, "an albedo lies between 0 and 1")
-    # A grid's values are the density, and so is `scale`.
-    factor = 1.0 if extinction.grid is not None else scale
-    found: Json = {}
-    for name, values in (
-        ("absorption", factor * total * np.maximum(1 - share, 0)),
-        ("scattering", factor * total * share),
-    ):
-        if np.any(values > 0):
-            found[name] = colours.table(at, values)
-    if not found:
-        found["absorption"] = 0.0
-    if extinction.grid is not None:
-        found["density"] = grids.density(context.writer, extinction.grid, scale, element.place)
+    parts = (("absorption", total * np.maximum(1 - share, 0)), ("scattering", total * share))
+    return {name: colours.table(at, values) for name, values in parts if np.any(values > 0)} or {
+        "absorption": 0.0
+    }
+
+
+def _varying_albedo(element: Element, extinction: Volume, albedo: Volume) -> list[coloured_grids.Part]:
+    """A medium that scatters and one that absorbs for each channel."""
+    channels = max(len(extinction.grids), len(albedo.grids))
+    found: list[coloured_grids.Part] = []
+    for index, spectrum in enumerate(coloured_grids.by_channel(extinction.value, channels)):
+        density = extinction.grids[index % len(extinction.grids)]
+        share = albedo.grids[index % len(albedo.grids)]
+        if share.values.max() > 1 + 1e-6:
+            raise InputError.at(element.place, "an albedo lies between 0 and 1")
+        rest = replace(share, values=np.maximum(1 - share.values, 0.0))
+        found += [({"scattering": spectrum}, density, share), ({"absorption": spectrum}, density, rest)]
     return found
 
 
@@ -129,7 +149,7 @@ def _blend(context: Context, properties: Properties) -> Json:
     phases = [_phase(context, element) for element in properties.take_all("phase")]
     weight = volume(context, properties, "weight", 0.5)
     known = [phase.get("g", 0.0) for phase in phases if phase["type"] in ("henyey_greenstein", "isotropic")]
-    if len(known) != 2 or not isinstance(weight.value, float) or weight.grid is not None:
+    if len(known) != 2 or not isinstance(weight.value, float) or weight.grids:
         context.findings.lost(
             properties.place, "a blend of phase functions other than two hg by a number has no equal"
         )

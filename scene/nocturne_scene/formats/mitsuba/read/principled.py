@@ -1,55 +1,147 @@
-"""Mitsuba's principled material, where it is one of the kernels: metal, or glass.
+"""Mitsuba's principled material: metal is a conductor, glass a dielectric, all else our principled kernel.
 
-Between the two, and where nothing is let through, it adds a diffuse lobe to a glossy one without regard to
-each other; that has no equal, and our own principled kernel stands in its place.
+Mitsuba's adds its lobes without regard to each other, so that they may send back more than came in. In ours
+the base gets what the glossy part lets through; it is made lighter so that in even light there is no
+difference (burley.py).
 """
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.formats.mitsuba.read import textures
+from nocturne_scene.formats.mitsuba.read import burley, textures
 from nocturne_scene.formats.mitsuba.read.context import Context
 from nocturne_scene.formats.mitsuba.read.properties import Properties
-from nocturne_scene.formats.reading import metals
+from nocturne_scene.formats.reading import colours, metals
 from nocturne_scene.formats.reading.scene_writer import Json
 
 _LEAST_ALPHA = 1e-3
-# Parts of the diffuse lobe, and how its lobes are sampled.
-_OF_DIFFUSE = ("sheen", "sheen_tint", "flatness")
+# How its lobes are sampled.
 _SAMPLING = ("main_specular_sampling_rate", "clearcoat_sampling_rate", "diffuse_reflectance_sampling_rate")
+# A clear coat is a quarter of a coat of this index, and reflects of even light so much.
+_COAT, _COAT_INDEX, _COAT_REFLECTS = 0.25, 1.5, 0.0918
 
 
 def principled(context: Context, properties: Properties) -> Json:
-    """A kernel: of metal a conductor, to be seen from the front; of glass a dielectric; else ours."""
+    """A kernel; of metal to be seen from the front."""
     metallic = textures.number(context, properties, "metallic", 0.0)
     transmission = textures.number(context, properties, "spec_trans", 0.0)
     base = textures.colour(context, properties, "base_color", 0.5)
     index = _index(properties)
-    roughness = _roughness(context, properties)
-    _need(context, properties, "clearcoat", 0.0)
-    _need(context, properties, "anisotropic", 0.0)
-    properties.ignore("clearcoat_gloss", *_SAMPLING)
-    if metallic == 1.0:
-        properties.ignore("spec_tint", *_OF_DIFFUSE)
-        return {"type": "conductor", "index": _metal(context, properties, base)} | roughness
-    _need(context, properties, "spec_tint", 0.0)
+    roughness = textures.number(context, properties, "roughness", 0.5)
+    anisotropic = _number(context, properties, "anisotropic", 0.0)
+    coat = _number(context, properties, "clearcoat", 0.0)
+    gloss = _number(context, properties, "clearcoat_gloss", 0.0)
+    properties.ignore(*_SAMPLING)
+    even = isinstance(roughness, float) and not (isinstance(base, dict) and "texture" in base)
+    if metallic == 1.0 and coat == 0.0 and anisotropic == 0.0 and even:
+        properties.ignore("spec_tint", "sheen", "sheen_tint", "flatness")
+        context.findings.note(
+            properties.place, "metal has its base colour at normal incidence, and Fresnel's at others"
+        )
+        return {"type": "conductor", "index": metals.of_colour(base), "roughness": _alpha(roughness)}
     if metallic == 0.0 and transmission == 1.0:
-        properties.ignore(*_OF_DIFFUSE)
-        if base != 1.0:
-            context.findings.lost(
-                properties.place, 'no equal of a principled "base_color" of glass other than 1'
-            )
-        return {"type": "dielectric", "index": index} | roughness
-    context.findings.lost(
+        properties.ignore("sheen", "sheen_tint", "flatness")
+        _need(context, properties, "spec_tint", 0.0)
+        return _glass(context, properties, base, index, roughness)
+    found = {"type": "principled", "metallic": metallic, "index": index}
+    found |= _facets(roughness, anisotropic) | _tinted(context, properties, base, index)
+    found |= _sheen(context, properties, base, metallic)
+    flatness = _number(context, properties, "flatness", 0.0)
+    found["base"] = _base(base, metallic, flatness, index, roughness, coat)
+    if coat > 0:
+        alpha = 0.1 + gloss * (0.001 - 0.1)
+        found |= {"coat": min(1.0, _COAT * coat), "coat_roughness": alpha**0.5, "coat_index": _COAT_INDEX}
+    context.findings.note(
         properties.place,
-        'no equal of a principled "metallic" other than 1, or 0 with a "spec_trans" of 1. Taken as ours',
+        "a principled material became ours, in which no part gets light that another one reflects; "
+        "in even light the diffuse part sends back as much",
     )
-    properties.ignore(*_OF_DIFFUSE)
-    return {
-        "type": "principled",
-        "base": base,
-        "metallic": metallic,
-        "roughness": float(roughness["roughness"] ** 0.5),
-        "index": index,
-    }
+    if transmission == 0.0 or metallic == 1.0:
+        return found
+    if metallic != 0.0:
+        context.findings.lost(properties.place, "no equal of a principled glass that is partly metal")
+    glass = _glass(context, properties, base, index, roughness)
+    return {"type": "blend", "first": found, "second": glass, "weight": transmission}
+
+
+def _number(context: Context, properties: Properties, name: str, default: float) -> float:
+    found = textures.number(context, properties, name, default)
+    if isinstance(found, float | int):
+        return float(found)
+    context.findings.lost(
+        properties.place, f'no equal of a principled "{name}" that varies; taken as {default:g}'
+    )
+    return default
+
+
+def _alpha(roughness: float) -> float:
+    return float(max(_LEAST_ALPHA, roughness**2))
+
+
+def _glass(context: Context, properties: Properties, base: Json, index: float, roughness: Json) -> Json:
+    if base != 1.0:
+        context.findings.lost(properties.place, 'no equal of a principled "base_color" of glass other than 1')
+    if not isinstance(roughness, float):
+        context.findings.lost(
+            properties.place, 'no equal of a principled "roughness" of glass that varies; taken as 0.5'
+        )
+        roughness = 0.5
+    return {"type": "dielectric", "index": index, "roughness": _alpha(roughness)}
+
+
+def _facets(roughness: Json, anisotropic: float) -> Json:
+    """Alpha along u and across: the square of roughness, over and times an aspect."""
+    if anisotropic == 0.0:
+        return {"roughness": roughness}
+    root = (1 - 0.9 * min(1.0, anisotropic)) ** 0.25
+    if not isinstance(roughness, float):
+        gain = roughness.get("gain", 1.0)
+        return {
+            "roughness": roughness | {"gain": gain / root},
+            "roughness_across": roughness | {"gain": gain * root},
+        }
+    return {"roughness": min(1.0, roughness / root), "roughness_across": roughness * root}
+
+
+def _hue(context: Context, properties: Properties, base: Json, name: str) -> list[float]:
+    """White, of which `name` says how much has the hue of the base: linear sRGB of luminance 1."""
+    amount = _number(context, properties, name, 0.0)
+    if amount == 0.0 or isinstance(base, float):
+        return [1.0] * 3
+    if "rgb" not in base or not max(base["rgb"]) > 0:
+        context.findings.lost(properties.place, f'no equal of a "{name}" whose "base_color" is no rgb')
+        return [1.0] * 3
+    luminance = sum(part * each for part, each in zip(colours.LUMINANCE, base["rgb"], strict=True))
+    return [1 + amount * (each / luminance - 1) for each in base["rgb"]]
+
+
+def _tinted(context: Context, properties: Properties, base: Json, index: float) -> Json:
+    hue = _hue(context, properties, base, "spec_tint")
+    if hue == [1.0] * 3:
+        return {}
+    own = ((index - 1) / (index + 1)) ** 2
+    return {"specular_colour": colours.reflectance([min(1.0, own * each) for each in hue])}
+
+
+def _sheen(context: Context, properties: Properties, base: Json, metallic: Json) -> Json:
+    amount = _number(context, properties, "sheen", 0.0)
+    hue = _hue(context, properties, base, "sheen_tint")
+    if amount == 0.0 or metallic == 1.0:
+        return {}
+    part = amount * burley.sheen_albedo() * (1 - metallic if isinstance(metallic, float) else 1.0)
+    colour = colours.reflectance([min(1.0, max(0.0, part * each)) for each in hue])
+    return {"sheen": colour, "sheen_roughness": burley.SHEEN_ROUGHNESS}
+
+
+def _base(base: Json, metallic: Json, flatness: float, index: float, roughness: Json, coat: float) -> Json:
+    """The base that sends back as much even light, where it is all diffuse."""
+    if metallic != 0.0 or (isinstance(base, dict) and "texture" in base):
+        return base
+    rough = roughness if isinstance(roughness, float) else 0.5
+    gain = burley.diffuse_albedo(rough, min(1.0, flatness)) / burley.passing(rough, index)
+    gain /= 1 - _COAT * coat * _COAT_REFLECTS
+    if isinstance(base, float):
+        return min(1.0, gain * base)
+    at = colours.knots(base)
+    return colours.table(at, (gain * colours.values_of(base, at)).clip(0.0, 1.0))
 
 
 def _index(properties: Properties) -> float:
@@ -68,28 +160,6 @@ def _index(properties: Properties) -> float:
     return eta
 
 
-def _roughness(context: Context, properties: Properties) -> Json:
-    roughness = textures.number(context, properties, "roughness", 0.5)
-    if not isinstance(roughness, float):
-        context.findings.lost(
-            properties.place, 'no equal of a principled "roughness" that varies; taken as 0.5'
-        )
-        roughness = 0.5
-    return {"roughness": max(_LEAST_ALPHA, roughness**2)}
-
-
 def _need(context: Context, properties: Properties, name: str, value: float) -> None:
     if textures.number(context, properties, name, value) != value:
         context.findings.lost(properties.place, f'no equal of a principled "{name}" other than {value:g}')
-
-
-def _metal(context: Context, properties: Properties, base: Json) -> Json:
-    if isinstance(base, dict) and "texture" in base:
-        context.findings.lost(
-            properties.place, 'no equal of a principled "base_color" of metal that varies; taken as 0.5'
-        )
-        base = 0.5
-    context.findings.note(
-        properties.place, "metal has its base colour at normal incidence, and Fresnel's at others"
-    )
-    return metals.of_colour(base)

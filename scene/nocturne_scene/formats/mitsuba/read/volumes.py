@@ -28,11 +28,12 @@ FLOATS = 1
 
 @dataclass(frozen=True)
 class Volume:
-    """A value times what a grid says."""
+    """A value times what grids say."""
 
     value: Json
     """A number, or a spectrum."""
-    grid: Grid | None = None
+    grids: tuple[Grid, ...] = ()
+    """None, one, or one each for red, green and blue."""
 
 
 UNIT_CUBE = Grid(np.ones((1, 1, 1)), False, np.eye(4))
@@ -52,10 +53,10 @@ def volume(context: Context, properties: Properties, name: str, default: float) 
             value = inner.take("value")
             to_world = inner.transform("to_world")
             # Mitsuba's media are where the volume of their extinction is.
-            box = _even(to_world) if name == "sigma_t" else None
+            box = (_even(to_world),) if name == "sigma_t" else ()
             found = Volume(1.0 if value is None else spectra.coefficient(context, value), box)
         case "gridvolume":
-            found = Volume(1.0, _grid(context, inner))
+            found = Volume(1.0, _grids(context, inner))
         case _:
             context.findings.lost(element.place, f'no equal of the volume "{element.type}"; taken as 1')
             return Volume(1.0)
@@ -72,7 +73,7 @@ def _even(to_world: Matrix) -> Grid:
     return Grid(np.ones((1, 1, 1)), False, box)
 
 
-def _grid(context: Context, properties: Properties) -> Grid:
+def _grids(context: Context, properties: Properties) -> tuple[Grid, ...]:
     name = properties.text("filename", None)
     if name is None:
         raise InputError.at(properties.place, 'a gridvolume needs "filename"')
@@ -81,7 +82,7 @@ def _grid(context: Context, properties: Properties) -> Grid:
         raise InputError.at(properties.place, f'no filter "{filtered[:40]}"; expected trilinear or nearest')
     if properties.text("wrap_mode", "clamp") != "clamp":
         context.findings.note(properties.place, "beyond its box the grid is empty, whatever its wrap mode")
-    # Without effect on a single channel.
+    # How three channels become spectra: here always in the same way.
     properties.ignore("raw", "accel")
     values, box = _read(context, properties.element, name)
     to_world = properties.transform("to_world")
@@ -96,7 +97,7 @@ def _grid(context: Context, properties: Properties) -> Grid:
             "beyond its box the grid is empty; of a turned one Mitsuba holds the outer values as far as the "
             "box along the axes around it",
         )
-    return Grid(values, filtered == "trilinear", to_world)
+    return tuple(Grid(channel, filtered == "trilinear", to_world) for channel in values)
 
 
 def _is_turned(matrix: Matrix) -> bool:
@@ -107,11 +108,11 @@ def _is_turned(matrix: Matrix) -> bool:
 
 def _fills_its_faces(values: NDArray[np.float64]) -> bool:
     """Whether an outer cell is not empty."""
-    return bool(np.count_nonzero(values) > np.count_nonzero(values[1:-1, 1:-1, 1:-1]))
+    return bool(np.count_nonzero(values) > np.count_nonzero(values[:, 1:-1, 1:-1, 1:-1]))
 
 
 def _read(context: Context, element: Element, name: str) -> tuple[np.ndarray, list[float]]:
-    """Values by x, y, z, and the box that the file says."""
+    """Values by channel, x, y, z, and the box that the file says."""
     file = context.tree.file(element, name)
     shown = context.tree.files.shown(file)
     content = read_bytes(file, MAX_ASSET_BYTES, shown)
@@ -121,15 +122,16 @@ def _read(context: Context, element: Element, name: str) -> tuple[np.ndarray, li
     counts, channels, box = numbers[:3], numbers[3], numbers[4:]
     if magic != b"VOL" or version != 3 or kind != FLOATS:
         raise InputError.at(shown, "is no grid of version 3 with 32-bit floats")
-    if channels != 1:
-        raise InputError.at(shown, f"a grid of {channels} channels has no equal; expected 1")
-    if min(counts) < 1 or counts[0] * counts[1] * counts[2] * 4 != len(content) - HEADER.size:
+    if channels not in (1, 3):
+        raise InputError.at(shown, f"a grid of {channels} channels has no equal; expected 1 or 3")
+    if min(counts) < 1 or counts[0] * counts[1] * counts[2] * channels * 4 != len(content) - HEADER.size:
         raise InputError.at(shown, f"says that it has {' x '.join(map(str, counts))} values, and has not")
     if not np.all(np.isfinite(box)) or not all(
         high > low for low, high in zip(box[:3], box[3:], strict=True)
     ):
         raise InputError.at(shown, "has a box without a volume")
-    values = np.frombuffer(content, "<f4", offset=HEADER.size).reshape(counts[::-1]).astype(np.float64)
+    shape = (*counts[::-1], channels)
+    values = np.frombuffer(content, "<f4", offset=HEADER.size).reshape(shape).astype(np.float64)
     if not np.all(np.isfinite(values)) or values.min() < 0:
         raise InputError.at(shown, "holds values that are negative or not finite")
-    return values.transpose(2, 1, 0), list(box)
+    return values.transpose(3, 2, 1, 0), list(box)

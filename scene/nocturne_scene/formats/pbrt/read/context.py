@@ -45,7 +45,7 @@ class Context:
     textures: dict[str, Json] = field(default_factory=dict)
     materials: dict[str, tuple[str, Json]] = field(default_factory=dict)
     """Kernel's name and normal_or_bump."""
-    media: dict[str, str] = field(default_factory=dict)
+    media: dict[str, list[str]] = field(default_factory=dict)
     """Names in the document by name; empty where there is nothing."""
     enclosed: set[str] = field(default_factory=set)
     """Names in the document of media that are inside of a shape."""

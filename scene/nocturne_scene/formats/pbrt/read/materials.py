@@ -7,7 +7,7 @@ from nocturne_scene.errors import InputError
 from nocturne_scene.formats.pbrt.read import spectra
 from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.parameters import Parameter, Parameters
-from nocturne_scene.formats.reading import metals
+from nocturne_scene.formats.reading import colours, metals
 from nocturne_scene.formats.reading.scene_writer import Json
 
 
@@ -42,10 +42,17 @@ def _normal_or_bump(context: Context, parameters: Parameters) -> Json:
 
 def _roughness(context: Context, parameters: Parameters, default: float) -> Json:
     """pbrt's roughness is the square of alpha, unless it says otherwise."""
-    remap = parameters.switch("remaproughness", True)
+    alphas = _alphas(context, parameters, default, parameters.switch("remaproughness", True))
+    if alphas[0] == alphas[1]:
+        return {} if alphas[0] == 0.0 else {"roughness": alphas[0]}
+    return {"roughness_u": alphas[0], "roughness_v": alphas[1]}
+
+
+def _alphas(context: Context, parameters: Parameters, default: float, remap: bool) -> list[Json]:
+    """Along u and along v."""
     both = spectra.scalar(context, parameters, "roughness", default)
     values = [spectra.scalar(context, parameters, f"{axis}roughness", both) for axis in "uv"]
-    alphas = []
+    alphas: list[Json] = []
     for value in values:
         if not isinstance(value, float):
             if remap:
@@ -55,9 +62,7 @@ def _roughness(context: Context, parameters: Parameters, default: float) -> Json
             raise InputError.at(parameters.place, f"a roughness lies between 0 and 1, found {value:g}")
         else:
             alphas.append(math.sqrt(value) if remap else value)
-    if alphas[0] == alphas[1]:
-        return {} if alphas[0] == 0.0 else {"roughness": alphas[0]}
-    return {"roughness_u": alphas[0], "roughness_v": alphas[1]}
+    return alphas
 
 
 def _diffuse(context: Context, parameters: Parameters) -> Json:
@@ -104,51 +109,67 @@ def _coated_diffuse(context: Context, parameters: Parameters) -> Json:
 
 
 def _coated_conductor(context: Context, parameters: Parameters) -> Json:
-    """The metal alone."""
-    context.findings.lost(parameters.place, "no equal of a coat over metal; the metal is taken without it")
-    coat = (
-        "roughness",
-        "uroughness",
-        "vroughness",
-        "eta",
-        "thickness",
-        "maxdepth",
-        "nsamples",
-        "g",
-        "albedo",
+    """Metal under a coat, whose index makes it reflect less."""
+    context.findings.note(
+        parameters.place,
+        "coatedconductor became metal under a thin clear coat, in closed form instead of random walks",
     )
-    parameters.ignore(*(f"interface.{name}" for name in coat), *coat)
-    return _metal(context, parameters, "conductor.")
+    parameters.ignore("thickness", "maxdepth", "nsamples", "g")
+    if spectra.reflectance(context, parameters, "albedo", 0.0) != 0.0:
+        context.findings.lost(parameters.place, "a coat that scatters has no equal")
+    remap = parameters.switch("remaproughness", True)
+    parameters.rename("conductor.")
+    given = {name: parameters.take(name) for name in ("reflectance", "eta", "k")}
+    below = _alphas(context, parameters, 0.0, remap)
+    parameters.rename("interface.")
+    coat, index = _alphas(context, parameters, 0.0, remap)[0], parameters.number("eta", 1.5)
+    if not 1 <= index <= 4:
+        raise InputError.at(parameters.place, f"a coat's index lies between 1 and 4, found {index:g}")
+    if given["reflectance"] is not None:
+        rgb = given["reflectance"].numbers(1, 3)
+        base = colours.reflectance(rgb if len(rgb) == 3 else rgb * 3)
+    else:
+        base = metals.colour_under(_index(context, parameters.place, given["eta"], given["k"]), index)
+    along, across = (_root(context, parameters.place, each) for each in below)
+    return {
+        "type": "principled",
+        "base": base,
+        "metallic": 1.0,
+        "roughness": along,
+        **({} if along == across else {"roughness_across": across}),
+        "coat": 1.0,
+        "coat_roughness": _root(context, parameters.place, coat),
+        "coat_index": index,
+    }
+
+
+def _root(context: Context, place: str, alpha: Json) -> Json:
+    """The roughness of a principled kernel, whose square is alpha."""
+    if isinstance(alpha, float):
+        return math.sqrt(alpha)
+    context.findings.lost(place, "no equal of the root of a texture of roughness; taken as it is")
+    return alpha
 
 
 def _conductor(context: Context, parameters: Parameters) -> Json:
-    return _metal(context, parameters, "")
-
-
-def _metal(context: Context, parameters: Parameters, prefix: str) -> Json:
-    """A metal whose parameters begin with a prefix."""
-    parameters.rename(prefix)
     roughness = _roughness(context, parameters, 0.0)
     reflectance = parameters.take("reflectance")
     if reflectance is not None:
         values = reflectance.numbers(1, 3)
-        if len(set(values)) > 1:
-            context.findings.lost(
-                parameters.place, "a metal's coloured reflectance has no equal; its mean is taken"
-            )
-        r = min(sum(values) / len(values), 0.9999)
-        # At normal incidence with n = 1: r = k^2 / (4 + k^2).
-        index: Json = {"n": 1.0, "k": 2 * math.sqrt(r / (1 - r))}
+        # At normal incidence with n = 1, as in pbrt.
+        index = metals.of_colour(colours.reflectance(values if len(values) == 3 else values * 3))
     else:
-        eta, k = parameters.take("eta"), parameters.take("k")
-        named = "metal-Cu-eta" if eta is None else str(eta.values[0])
-        if named in spectra.METALS:
-            index = spectra.METALS[named]
-        elif eta is None or k is None:
-            raise InputError.at(parameters.place, "a conductor needs eta and k, or reflectance")
-        else:
-            index = {name: _part(context, each) for name, each in (("n", eta), ("k", k))}
+        index = _index(context, parameters.place, parameters.take("eta"), parameters.take("k"))
     return {"type": "conductor", "index": index, **roughness}
+
+
+def _index(context: Context, place: str, eta: Parameter | None, k: Parameter | None) -> Json:
+    named = "metal-Cu-eta" if eta is None else str(eta.values[0])
+    if named in spectra.METALS:
+        return spectra.METALS[named]
+    if eta is None or k is None:
+        raise InputError.at(place, "a conductor needs eta and k, or reflectance")
+    return {name: _part(context, each) for name, each in (("n", eta), ("k", k))}
 
 
 def _part(context: Context, found: Parameter) -> Json:

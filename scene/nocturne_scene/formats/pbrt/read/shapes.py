@@ -13,13 +13,15 @@ from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.media import interior
 from nocturne_scene.formats.pbrt.read.parameters import Parameters
 from nocturne_scene.formats.pbrt.read.tokens import decompressed
-from nocturne_scene.formats.reading import shapes, transforms, tubes
+from nocturne_scene.formats.reading import shapes, subdivision, transforms, tubes
 from nocturne_scene.formats.reading.scene_files import read_bytes
 from nocturne_scene.formats.reading.scene_writer import Json
 from nocturne_scene.limits import MAX_ASSET_BYTES
 from nocturne_scene.meshes.files import load_mesh, load_ply_columns
 from nocturne_scene.meshes.headers import UnusableMeshError, check_counts
 from nocturne_scene.meshes.triangles import Triangles, check_indices
+
+_MOST_LEVELS = 12
 
 
 def surface(context: Context, kind: str, parameters: Parameters, *, gathers: bool = False) -> Json | None:
@@ -217,6 +219,26 @@ def _mesh(
     return _placed(context, mesh, textured, "mesh")
 
 
+def _loop_subdivision(context: Context, parameters: Parameters, textured: bool) -> Json:
+    """Loop's surface, as the mesh of so many steps whose vertices lie on it."""
+    points, given = _rows(parameters, "P", 3), parameters.numbers("indices")
+    levels = parameters.whole("levels", 3)
+    parameters.ignore("scheme")
+    if points is None or given is None or len(given) % 3:
+        raise InputError.at(parameters.place, 'a loopsubdiv needs "P", and "indices" in threes')
+    triangles = np.array(given).astype(np.int64).reshape(-1, 3)
+    try:
+        check_indices(len(points), triangles)
+        # Each step makes four of each triangle.
+        if not 0 <= levels <= _MOST_LEVELS:
+            raise InputError.at(parameters.place, f'"levels" lies between 0 and {_MOST_LEVELS}')
+        check_counts(len(points), len(triangles) * 4**levels)
+        mesh = subdivision.subdivided(points, triangles, levels)
+    except (UnusableMeshError, ValueError) as error:
+        raise InputError.at(parameters.place, str(error)) from None
+    return _placed(context, mesh, textured, "subdivided")
+
+
 def _rows(parameters: Parameters, name: str, columns: int) -> np.ndarray | None:
     values = parameters.numbers(name)
     if values is None:
@@ -262,5 +284,6 @@ _SHAPES: dict[str, Callable[[Context, Parameters, bool], Json]] = {
     "curve": _single_curve,
     "trianglemesh": _triangle_mesh,
     "bilinearmesh": _bilinear_mesh,
+    "loopsubdiv": _loop_subdivision,
     "plymesh": _ply_mesh,
 }
