@@ -110,6 +110,8 @@ class RenderRow:
     """Unix time; 0 unknown."""
     predicted_cpu_seconds: float
     """In all; 0 unknown."""
+    out_of_reach: str
+    """Why the error asked for will not be reached in time, a sentence; empty: it will, or nobody knows."""
     look_first: str
     """JSON of a Region; empty: no part of the film goes first."""
     image_final: bool

@@ -141,6 +141,10 @@ class Render:
     """What it was submitted with; empty: alone."""
     after: str
     """The group that has to end before it begins; empty: none."""
+    out_of_reach: str
+    """Why the error asked for will not be reached before a time ends the render, a sentence, by its rate
+    so far; empty: it will, or nobody knows.
+    """
     sequence: int
     """Grows with every change that watchers should see."""
     created: float

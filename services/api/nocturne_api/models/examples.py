@@ -77,6 +77,7 @@ RENDER: dict[str, Any] = {
     "layers": ["albedo", "normal"],
     "group": "film",
     "after": "",
+    "out_of_reach": "",
     "way": "photons from the sensor, shared by blocks of 16 pixels: 5.8 times less time to the same error "
     "than by photons from the sensor, by a pilot of 933,632 photons",
     "sequence": 12,

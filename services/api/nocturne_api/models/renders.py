@@ -145,6 +145,10 @@ class Render(Answer):
     layers: list[str] = Field(description="Layers that its EXR has beside the image.")
     group: str = Field(description="What it was submitted with; empty: alone.")
     after: str = Field(description="The group that has to end before it begins; empty: none.")
+    out_of_reach: str = Field(
+        description="Why the error asked for will not be reached before a time ends the render, a sentence, "
+        "by its rate so far; empty: it will, or nobody knows."
+    )
     sequence: int = Field(description="Grows with every change that watchers should see.")
     created: float = Field(description="Unix time, seconds.")
     started: float = Field(description="Unix time, seconds; 0 before the start.")

@@ -75,6 +75,7 @@ def print_render(render: Render, as_json: bool) -> None:
         ("processor time", f"{progress.cpu_seconds:,.1f} s"),
         ("stops at", _stop(render)),
         ("forecast", _forecast(render)),
+        *([("out of reach", render.out_of_reach)] if render.out_of_reach else []),
         ("priority", f"{render.priority}" + (f", for {render.owner}" if render.owner else "")),
         ("audited", f"{progress.audited:,} ranges; results refused: {progress.refused:,}"),
         ("scene", render.scene_sha256),
@@ -186,7 +187,7 @@ def print_renders(renders: list[Render], as_json: bool) -> None:
             f"{render.width}x{render.height}",
             f"{render.fraction:.0%}",
             f"{error:.2%}{'?' if render.progress.doubt else ''}" if error else "",
-            time_left(render),
+            time_left(render) + ("!" if render.out_of_reach else ""),
             duration(time.time() - render.created),
         )
     _print_table(
@@ -194,6 +195,8 @@ def print_renders(renders: list[Render], as_json: bool) -> None:
     )
     if any(render.progress.doubt for render in renders):
         ERRORS.print("[dim]? the error is not to be trusted; `nocturne get ID` says why[/]")
+    if any(render.out_of_reach for render in renders):
+        ERRORS.print("[dim]! will end without the error asked for; `nocturne get ID` says by how much[/]")
 
 
 def _print_table(table: Table, ids: Sequence[str], nothing: str) -> None:

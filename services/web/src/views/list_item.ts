@@ -49,6 +49,7 @@ export function listItem(onSelect: () => void): ListItem {
     bar.show(render);
     setText(error, errorText(render));
     setText(finish, finishText(render));
+    finish.title = render.out_of_reach;
     setText(cost, costText(render));
     picture.show(render);
   };
@@ -68,7 +69,8 @@ function errorText({ progress, stop }: Render): string {
 function finishText(render: Render): string {
   if (hasEnded(render)) return render.started > 0 ? `took ${formatDuration(render.ended - render.started)}` : "";
   const end = render.progress.predicted_end;
-  return end > 0 ? `${formatDuration(Math.max(0, end - serviceNow()))} left` : "";
+  const miss = render.out_of_reach ? ", error out of reach" : "";
+  return end > 0 ? `${formatDuration(Math.max(0, end - serviceNow()))} left${miss}` : "";
 }
 
 function costText({ progress, state }: Render): string {

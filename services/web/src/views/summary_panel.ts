@@ -16,6 +16,7 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
   const badge = stateBadge();
   const reason = element("p", { class: "reason" });
   const warnings = element("ul", { class: "warnings", "aria-label": "Warnings" });
+  const miss = element("p", { class: "out-of-reach", role: "status" });
   const way = element("p", { class: "way" });
   const bar = progressBar();
   const facts = factsList();
@@ -32,7 +33,7 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
     if (!node.isConnected) clearInterval(timer);
     else if (current && !hasEnded(current)) facts.show(current);
   }, 1000);
-  const node = element("aside", { "aria-label": "Figures" }, reason, warnings, way, bar.node, facts.node, idLine(id), links.node, controls.node, cancel.button, cancel.dialog, remove.button, remove.dialog);
+  const node = element("aside", { "aria-label": "Figures" }, reason, miss, warnings, way, bar.node, facts.node, idLine(id), links.node, controls.node, cancel.button, cancel.dialog, remove.button, remove.dialog);
 
   const show = (render: Render): void => {
     const waits = !hasEnded(render) && !hasImage(render);
@@ -43,6 +44,8 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
     badge.show(render.state);
     if (!waits) setText(reason, render.reason);
     reason.hidden = reason.textContent === "";
+    setText(miss, render.out_of_reach);
+    miss.hidden = render.out_of_reach === "";
     warnings.replaceChildren(...render.warnings.map((warning) => element("li", {}, warning)));
     warnings.hidden = render.warnings.length === 0;
     setText(way, render.way === "" ? "" : `Traced by ${render.way}.`);
