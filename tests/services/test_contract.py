@@ -107,6 +107,7 @@ _NO_SCHEMA = {
     *("DeleteRenderRequest", "DeleteRenderResponse", "ExplainRenderRequest", "GetConvergenceRequest"),
     *("ReadRegionRequest", "FetchImageRequest", "ImageChunk", "FetchRequest", "Chunk", "UploadRequest"),
     *("ListWorkersRequest", "ReleaseWorkerRequest", "ReleaseWorkerResponse"),
+    *("DrainWorkerRequest", "DrainWorkerResponse"),
     *("ListWebhooksRequest", "DeleteWebhookRequest", "DeleteWebhookResponse", "PreflightResponse"),
 }
 # Fields that may differ: (message, field of the message, or "", field of the schema, or "").
@@ -230,6 +231,7 @@ _ROUTES = {
     "WatchRenders": ("get", "/v1/events"),
     "FetchImage": ("get", "/v1/renders/{render_id}/image.exr"),
     "ListWorkers": ("get", "/v1/workers"),
+    "DrainWorker": ("post", "/v1/workers/{worker_id}:drain"),
     "ReleaseWorker": ("post", "/v1/workers/{worker_id}:release"),
     "CreateWebhook": ("post", "/v1/webhooks"),
     "ListWebhooks": ("get", "/v1/webhooks"),

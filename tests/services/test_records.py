@@ -50,6 +50,7 @@ _CALLS: dict[tuple[str, str], tuple[Any, str]] = {
     ("PUT", "/v1/renders/{render_id}/regions"): ({"regions": []}, "keep regions"),
     ("POST", "/v1/imports"): ({"files": {"a.xml": _SHA256}}, "import"),
     ("PUT", "/v1/assets/{sha256}"): (_DATA, f"upload {_SHA256}"),
+    ("POST", "/v1/workers/{worker_id}:drain"): (b"", "drain w-1"),
     ("POST", "/v1/workers/{worker_id}:release"): (b"", "release w-1"),
     ("POST", "/v1/webhooks"): ({"url": "https://example.org/"}, "create webhook"),
     ("DELETE", "/v1/webhooks/{webhook_id}"): (b"", "delete webhook wh-1"),

@@ -483,6 +483,17 @@ const checks = {
     await page.getByText("Quarantine", { exact: true }).waitFor({ state: "detached" });
   },
 
+  async "a worker is drained and released, by keyboard"({ page }) {
+    const [{ id }] = (await (await fetch(`${given.url}/v1/workers`)).json()).workers;
+    await page.getByRole("button", { name: `Drain ${id}` }).focus();
+    await page.keyboard.press("Enter");
+    await page.getByText(/^Drain(ing|ed)$/).waitFor();
+    const release = page.getByRole("button", { name: `Release ${id}` });
+    await release.focus();
+    await page.keyboard.press("Enter");
+    await page.getByRole("button", { name: `Drain ${id}` }).waitFor();
+  },
+
   async "workers and speed have their pages"({ page }) {
     await page.getByRole("link", { name: "Workers" }).click();
     await page.locator(".events").getByText("joined").first().waitFor();

@@ -301,8 +301,14 @@ class Client:
             params["threshold"] = threshold
         return decode(Glare, self._transport.get(f"/v1/renders/{_part(render_id)}/glare", params))
 
+    def drain_worker(self, worker_id: str) -> None:
+        """Gives a worker no more jobs; it finishes those that it has."""
+        self._transport.retrying(
+            partial(self._transport.send, "POST", f"/v1/workers/{_part(worker_id)}:drain")
+        )
+
     def release_worker(self, worker_id: str) -> None:
-        """Takes the results of a worker in quarantine again."""
+        """Gives a worker in quarantine, or a drained one, jobs again, and takes its results."""
         self._transport.retrying(
             partial(self._transport.send, "POST", f"/v1/workers/{_part(worker_id)}:release")
         )

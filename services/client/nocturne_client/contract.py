@@ -413,6 +413,10 @@ class Worker:
     """How it rounds; renders take results of one profile only."""
     incompatible: str
     """Why it gets no jobs though it is not in quarantine; empty: it gets them."""
+    drain: str
+    """"draining": it finishes the jobs in hand and gets no others; "drained": it has none any more, and
+    can be stopped; empty: neither.
+    """
 
 
 @dataclass(frozen=True)

@@ -143,6 +143,13 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
             async for state in states:
                 yield render_message(state)
 
+    async def DrainWorker(  # noqa: N802
+        self, request: pb.DrainWorkerRequest, context: Context
+    ) -> pb.DrainWorkerResponse:
+        async with Answering(context):
+            await self._operations.workers.drain(request.id)
+            return pb.DrainWorkerResponse()
+
     async def ReleaseWorker(  # noqa: N802
         self, request: pb.ReleaseWorkerRequest, context: Context
     ) -> pb.ReleaseWorkerResponse:

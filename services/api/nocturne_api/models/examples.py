@@ -189,6 +189,7 @@ WORKER: dict[str, Any] = {
     "jobs_done": 240,
     "started": 1795305000.0,
     "quarantine": "",
+    "drain": "",
     "floating_point_profile": "x86-64-avx2",
     "incompatible": "",
 }

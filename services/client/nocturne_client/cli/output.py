@@ -164,9 +164,17 @@ def print_workers(workers: list[Worker], as_json: bool) -> None:
             f"{worker.rays_per_second:,.0f}",
             f"{worker.jobs_done:,}",
             duration(time.time() - worker.started),
-            escape(f"Quarantine: {worker.quarantine}" if worker.quarantine else worker.incompatible),
+            escape(_no_jobs(worker)),
         )
     _print_table(table, [worker.id for worker in workers], "no worker was heard of in the last ten seconds")
+
+
+def _no_jobs(worker: Worker) -> str:
+    """Why it gets none; empty: it gets them."""
+    if worker.quarantine:
+        return f"Quarantine: {worker.quarantine}"
+    drained = {"draining": "Draining: it finishes what it has.", "drained": "Drained: it has none."}
+    return drained.get(worker.drain, worker.incompatible)
 
 
 def print_renders(renders: list[Render], as_json: bool) -> None:

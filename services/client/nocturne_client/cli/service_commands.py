@@ -266,14 +266,21 @@ def explain(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> No
 
 
 def workers(
+    drain: Annotated[
+        str,
+        typer.Option("--drain", metavar="WORKER", help="Give this one no more jobs: it ends what it has."),
+    ] = "",
     release: Annotated[
-        str, typer.Option("--release", metavar="WORKER", help="Take the results of this one again.")
+        str,
+        typer.Option("--release", metavar="WORKER", help="Give this one jobs again, and take its results."),
     ] = "",
     url: Url = None,
     as_json: AsJson = False,
 ) -> None:
-    """List the workers heard of lately, and why any of them is in quarantine."""
+    """List the workers heard of lately, and why any of them gets no jobs."""
     with Client(url) as client:
+        if drain:
+            client.drain_worker(drain)
         if release:
             client.release_worker(release)
         print_workers([*client.workers()], as_json)

@@ -46,9 +46,9 @@ export const sceneAddress = (id: string): string => `${renderAddress(id)}/scene.
 export const derivedAddress = (id: string, name: string): string => `${renderAddress(id)}/${name}`;
 export const imageAddress = (id: string): string => `${renderAddress(id)}/image.exr`;
 
-/** Takes the results of a worker in quarantine again. */
-export async function releaseWorker(id: string): Promise<void> {
-  const response = await fetch(`/v1/workers/${encodeURIComponent(id)}:release`, { method: "POST" });
+/** `release` gives a worker in quarantine, or a drained one, jobs again; `drain` lets it finish what it has. */
+export async function changeWorker(id: string, act: "drain" | "release"): Promise<void> {
+  const response = await fetch(`/v1/workers/${encodeURIComponent(id)}:${act}`, { method: "POST" });
   if (!response.ok) throw await failureOf(response);
 }
 
