@@ -222,6 +222,7 @@ _ROUTES = {
     "ResumeRender": ("post", "/v1/renders/{render_id}:resume"),
     "ExtendRender": ("post", "/v1/renders/{render_id}:extend"),
     "SetPriority": ("post", "/v1/renders/{render_id}:setPriority"),
+    "SetTags": ("post", "/v1/renders/{render_id}:setTags"),
     "LookFirst": ("post", "/v1/renders/{render_id}:lookFirst"),
     "ReplayRender": ("post", "/v1/renders/{render_id}:replay"),
     "ExplainRender": ("get", "/v1/renders/{render_id}/explanation"),

@@ -45,6 +45,7 @@ _CALLS: dict[tuple[str, str], tuple[Any, str]] = {
     ("POST", "/v1/renders/{render_id}:resume"): ({}, "resume"),
     ("POST", "/v1/renders/{render_id}:extend"): ({"samples": 32}, "extend"),
     ("POST", "/v1/renders/{render_id}:setPriority"): ({"priority": 7}, "priority"),
+    ("POST", "/v1/renders/{render_id}:setTags"): ({"tags": ["a"]}, "tags"),
     ("POST", "/v1/renders/{render_id}:lookFirst"): ({}, "look first"),
     ("POST", "/v1/renders/{render_id}:replay"): ({"request_id": "again"}, "replay"),
     ("PUT", "/v1/renders/{render_id}/regions"): ({"regions": []}, "keep regions"),

@@ -3,7 +3,9 @@
 Asking twice is asking once.
 """
 
+import json
 import time
+from collections.abc import Sequence
 
 from nocturne_scene.ranges import extended_schedule, ranges_planned
 
@@ -16,6 +18,7 @@ from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.quotas import NO_QUOTA, Quota, check_quota
 from nocturne_coordinator.store.renders import Renders, check_priority
 from nocturne_coordinator.store.rows import NewRender, RenderRow
+from nocturne_coordinator.store.tags import checked_tags
 from nocturne_coordinator.store.tiles import Tiles
 
 
@@ -69,6 +72,15 @@ class RenderRequests:
         self._database.execute(
             "UPDATE render SET priority = ?, sequence = sequence + 1 WHERE id = ? AND priority <> ?",
             (priority, render_id, priority),
+        )
+        return self._renders.get(render_id)
+
+    def set_tags(self, render_id: str, tags: Sequence[str]) -> RenderRow:
+        """Other tags instead of those that it had. Raises NotFound, InputError."""
+        text = json.dumps(checked_tags(tags), ensure_ascii=False)
+        self._database.execute(
+            "UPDATE render SET tags = ?, sequence = sequence + 1 WHERE id = ? AND tags <> ?",
+            (text, render_id, text),
         )
         return self._renders.get(render_id)
 
@@ -144,6 +156,7 @@ class RenderRequests:
                 way=original.way,
                 layers=original.layers,
                 layers_sha256=original.layers_sha256,
+                tags=original.tags,
             ),
             quota,
         )

@@ -39,6 +39,8 @@ class NewRender:
     in_group: str = ""
     after_group: str = ""
     """What it was submitted with, and what has to end before it begins; see store/groups.py."""
+    tags: tuple[str, ...] = ()
+    """Words to sort renders by; see store/tags.py."""
     files: tuple[str, ...] = ()
     """Digests of the compiled scene's files, which must be there when the render is made."""
 
@@ -78,6 +80,8 @@ class RenderRow:
     """See NewRender."""
     in_group: str
     after_group: str
+    """See NewRender."""
+    tags: tuple[str, ...]
     """See NewRender."""
     truncated_paths: int
     photon_bundles: int

@@ -36,6 +36,7 @@ from nocturne_client.models import (
     Region,
     Render,
     Session,
+    Usage,
     Webhook,
     Worker,
     WorkOfWorker,
@@ -127,6 +128,7 @@ class Client:
         changes: Mapping[str, Any] | None = None,
         group: str = "",
         after: str = "",
+        tags: Sequence[str] = (),
     ) -> Render:
         """Uploads what the scene document at `scene` names and the service lacks, and starts a render.
 
@@ -136,7 +138,7 @@ class Client:
         `changes` of the document: values by their places, such as `sensor.position[0]`.
         `layers`: what the EXR is to tell of surfaces, of albedo, normal, depth, position, object, material.
         Renders with the same `group` are one; `after`: a group that has to end before this render begins.
-        Submitting again with the same `request_id` gives the same render.
+        `tags`: words to sort renders by. Submitting again with the same `request_id` gives the same render.
         """
         if isinstance(scene, Path):
             on_disk = self._uploaded(scene, progress)
@@ -155,6 +157,7 @@ class Client:
             "layers": [*layers],
             "group": group,
             "after": after,
+            "tags": [*tags],
         }
         return decode(Render, self._transport.post("/v1/renders", body))
 
@@ -235,6 +238,10 @@ class Client:
     def set_priority(self, render_id: str, priority: int) -> Render:
         """The render's weight among those of its owner, 1 to 1000."""
         return self._act(render_id, "setPriority", {"priority": priority})
+
+    def set_tags(self, render_id: str, tags: Sequence[str]) -> Render:
+        """Words to sort renders by, instead of those that it has."""
+        return self._act(render_id, "setTags", {"tags": [*tags]})
 
     def replay(self, render_id: str, request_id: str | None = None) -> Render:
         """A new render with the samples per tile that this one has: its image has the same bits."""
@@ -392,12 +399,18 @@ class Client:
         """All renders of a group together."""
         return decode(Group, self._transport.get(f"/v1/groups/{_part(name)}"))
 
-    def list(self, limit: int = 50, group: str = "") -> Sequence[Render]:
-        """The newest renders, of one group or of any, at most `limit`."""
+    def usage(self) -> Usage:
+        """Who uses what, and what it costs."""
+        return decode(Usage, self._transport.get("/v1/usage"))
+
+    def list(self, limit: int = 50, group: str = "", tag: str = "", search: str = "") -> Sequence[Render]:
+        """The newest renders, at most `limit`: of one group, with a tag, or with all words of a search in
+        name, id, owner, state, group or tags, where these are given."""
         found: list[Render] = []
         token = ""
         while len(found) < limit:
-            params = {"page_size": min(200, limit - len(found)), "page_token": token, "group": group}
+            chosen = {"group": group, "tag": tag, "search": search}
+            params = {"page_size": min(200, limit - len(found)), "page_token": token, **chosen}
             page = self._transport.get("/v1/renders", params=params)
             found += [decode(Render, each) for each in page["renders"]]
             token = page["next_page_token"]

@@ -141,6 +141,8 @@ class Render:
     """What it was submitted with; empty: alone."""
     after: str
     """The group that has to end before it begins; empty: none."""
+    tags: list[str]
+    """Words to sort renders by."""
     out_of_reach: str
     """Why the error asked for will not be reached before a time ends the render, a sentence, by its rate
     so far; empty: it will, or nobody knows.
@@ -433,6 +435,40 @@ class WorkOfWorker:
     """How many of its tiles the worker has."""
     since: float
     """Unix time at which it was first seen with the oldest of these."""
+
+
+@dataclass(frozen=True)
+class OwnerUsage:
+    """One owner's renders, those that were deleted included."""
+
+    owner: str
+    """Name of the token; empty without authentication."""
+    weight: int
+    """Of the token, among others: 200 gets twice the work of 100."""
+    renders: int
+    """All that there ever were."""
+    open_renders: int
+    """Queued, running or paused."""
+    share: float
+    """Part of the jobs in the hands of workers, now: 0 to 1."""
+    cpu_seconds: float
+    """Processor seconds of workers, in results that counted."""
+    cost: float
+    """Of these; 0 where no price is set."""
+    stored_bytes: int
+    """What its renders that are there take of the disk, at most."""
+
+
+@dataclass(frozen=True)
+class Usage:
+    """Who uses what, of those that the caller may see."""
+
+    core_hour_price: float
+    """Of an hour of one processor; 0: none is set."""
+    currency: str
+    """Of the price."""
+    owners: list[OwnerUsage]
+    """Most processor time first."""
 
 
 @dataclass(frozen=True)

@@ -49,6 +49,7 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
                     layers=[*request.layers],
                     group=request.group,
                     after=request.after,
+                    tags=[*request.tags],
                 )
             )
             return render_message(created)
@@ -70,7 +71,9 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
         self, request: pb.ListRendersRequest, context: Context
     ) -> pb.ListRendersResponse:
         async with Answering(context):
-            page = await self._operations.renders.list(request.page_size, request.page_token, request.group)
+            page = await self._operations.renders.list(
+                request.page_size, request.page_token, request.group, request.tag, request.search
+            )
             renders = [render_message(view) for view in page.renders]
             return pb.ListRendersResponse(renders=renders, next_page_token=page.next_page_token)
 
@@ -102,6 +105,10 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
     async def SetPriority(self, request: pb.SetPriorityRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
             return render_message(await self._operations.controls.set_priority(request.id, request.priority))
+
+    async def SetTags(self, request: pb.SetTagsRequest, context: Context) -> pb.Render:  # noqa: N802
+        async with Answering(context):
+            return render_message(await self._operations.controls.set_tags(request.id, [*request.tags]))
 
     async def LookFirst(self, request: pb.LookFirstRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):

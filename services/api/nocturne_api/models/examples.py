@@ -34,6 +34,24 @@ CREATE_RENDER: dict[str, Any] = {
     "priority": 100,
     "layers": ["albedo", "normal"],
     "group": "film",
+    "tags": ["lobby"],
+}
+
+USAGE: dict[str, Any] = {
+    "core_hour_price": 0.04,
+    "currency": "EUR",
+    "owners": [
+        {
+            "owner": "ann",
+            "weight": 100,
+            "renders": 31,
+            "open_renders": 2,
+            "share": 0.75,
+            "cpu_seconds": 90000.0,
+            "cost": 1.0,
+            "stored_bytes": 734003200,
+        }
+    ],
 }
 
 GROUP: dict[str, Any] = {
@@ -77,6 +95,7 @@ RENDER: dict[str, Any] = {
     "layers": ["albedo", "normal"],
     "group": "film",
     "after": "",
+    "tags": ["lobby"],
     "out_of_reach": "",
     "way": "photons from the sensor, shared by blocks of 16 pixels: 5.8 times less time to the same error "
     "than by photons from the sensor, by a pilot of 933,632 photons",

@@ -11,6 +11,7 @@ from pydantic import ConfigDict, Field
 from nocturne_api.models import examples
 from nocturne_api.models.base import Answer, RequestBody, SchemaOf
 
+TAGS = "Words to sort renders by: at most 20, of at most 100 printable characters without a comma."
 REQUEST_ID = "Chosen by the caller, 1 to 128 printable characters: the same id gives the same render again."
 
 
@@ -145,6 +146,7 @@ class Render(Answer):
     layers: list[str] = Field(description="Layers that its EXR has beside the image.")
     group: str = Field(description="What it was submitted with; empty: alone.")
     after: str = Field(description="The group that has to end before it begins; empty: none.")
+    tags: list[str] = Field(description="Words to sort renders by.")
     out_of_reach: str = Field(
         description="Why the error asked for will not be reached before a time ends the render, a sentence, "
         "by its rate so far; empty: it will, or nobody knows."
@@ -317,6 +319,7 @@ class CreateRenderRequest(RequestBody):
     after: str = Field(
         default="", description="A group that has to end before this render begins. One without renders has."
     )
+    tags: list[str] = Field(default_factory=list, description=TAGS)
 
 
 class RenderActionRequest(RequestBody):
@@ -345,6 +348,14 @@ class SetPriorityRequest(RenderActionRequest):
     model_config = ConfigDict(json_schema_extra={"examples": [{"priority": 200}]})
 
     priority: int = Field(description="1 to 1000; 200 gets twice the work of 100.")
+
+
+class SetTagsRequest(RenderActionRequest):
+    """Tags instead of those that the render has."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"tags": ["lobby", "for review"]}]})
+
+    tags: list[str] = Field(description=TAGS)
 
 
 class LookFirstRequest(RenderActionRequest):

@@ -70,19 +70,28 @@ class Renders:
             await self._access.in_database(self._access.folder.renders.find, render_id, caller.sees)
         )
 
-    async def list(self, page_size: int = 0, page_token: str = "", group: str = "") -> RenderPage:
-        """One page of the renders that the caller may see, of one group or of any, newest first; a size of 0
+    async def list(
+        self, page_size: int = 0, page_token: str = "", group: str = "", tag: str = "", search: str = ""
+    ) -> RenderPage:
+        """One page of the renders that the caller may see, newest first; of one group, with a tag, or with
+        all words of a search in name, id, owner, state, group or tags, where these are given. A size of 0
         means 50, at most 200 come. Raises InputError."""
         caller = CALLER.get()
         caller.need("read")
-        return await self.page_of(caller.sees, page_size, page_token, group)
+        return await self.page_of(caller.sees, page_size, page_token, group, tag, search)
 
     async def page_of(
-        self, owner: str | None, page_size: int = 0, page_token: str = "", group: str = ""
+        self,
+        owner: str | None,
+        page_size: int = 0,
+        page_token: str = "",
+        group: str = "",
+        tag: str = "",
+        search: str = "",
     ) -> RenderPage:
         """One page of an owner's renders, or of everybody's, whoever asks."""
         rows, next_token = await self._access.in_database(
-            self._access.folder.renders.page, page_size, page_token, owner, group
+            self._access.folder.renders.page, page_size, page_token, owner, group, tag, search
         )
         return RenderPage(renders=[Render.of(row) for row in rows], next_page_token=next_token)
 

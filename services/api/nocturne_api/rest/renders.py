@@ -46,9 +46,14 @@ async def list_renders(
     page_size: Annotated[int, Query(description="At most 200; 0 means 50.")] = 0,
     page_token: Annotated[str, Query(description="From the page before.")] = "",
     group: Annotated[str, Query(description="Of this group only.")] = "",
+    tag: Annotated[str, Query(description="With this tag only.")] = "",
+    search: Annotated[
+        str,
+        Query(description="With all these words in name, id, owner, state, group or tags.", max_length=200),
+    ] = "",
 ) -> RenderPage:
     """One page of renders, newest first."""
-    return await operations.renders.list(page_size, page_token, group)
+    return await operations.renders.list(page_size, page_token, group, tag, search)
 
 
 @router.get("/{render_id}", responses=_OF_ONE)

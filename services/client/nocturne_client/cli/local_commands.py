@@ -81,6 +81,13 @@ def up(
             "--owner-stored-bytes", min=0, help="With --auth: each token's uploads, images and scenes."
         ),
     ] = None,
+    core_hour_price: Annotated[
+        float | None,
+        typer.Option(
+            "--core-hour-price", min=0, help="Of an hour of one processor: shows what renders cost."
+        ),
+    ] = None,
+    currency: Annotated[str | None, typer.Option("--currency", help="Of that price; else EUR.")] = None,
 ) -> None:
     """Run the whole service here: redis-server, coordinator, API with page, workers. Ctrl-C stops it."""
     from nocturne_client.local.data import default_data_folder
@@ -88,14 +95,16 @@ def up(
 
     share = max(1, len(os.sched_getaffinity(0)) // max(1, workers))
     folder = (data or default_data_folder()).absolute()
-    bounds = {
+    options = {
         "--data-bytes": data_bytes,
         "--unused-seconds": unused_seconds,
         "--owner-open-renders": owner_open_renders,
         "--owner-open-samples": owner_open_samples,
         "--owner-stored-bytes": owner_stored_bytes,
+        "--core-hour-price": core_hour_price,
+        "--currency": currency,
     }
-    asked = {option: bound for option, bound in bounds.items() if bound is not None}
+    asked = {option: f"{value}" for option, value in options.items() if value is not None}
     run_up(UpSettings(folder, port, workers, threads or share, auth, asked))
 
 

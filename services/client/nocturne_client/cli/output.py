@@ -13,7 +13,7 @@ from rich.markup import escape
 from rich.table import Column, Table
 
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.models import Group, Progress, Render, Worker
+from nocturne_client.models import Group, Progress, Render, Usage, Worker
 from nocturne_client.transport import DEFAULT_URL
 
 CONSOLE = Console(highlight=False)
@@ -51,8 +51,8 @@ def print_json(value: Any) -> None:
     typer.echo(json.dumps(value))
 
 
-def print_render(render: Render, as_json: bool) -> None:
-    """One render."""
+def print_render(render: Render, as_json: bool, price: Usage | None = None) -> None:
+    """One render; with its price where one is given."""
     if as_json:
         print_json(asdict(render))
         return
@@ -72,10 +72,11 @@ def print_render(render: Render, as_json: bool) -> None:
         ("nothing seen", f"in {progress.unseen_pixels:,} of {render.width * render.height:,} pixels"),
         ("invalid samples", f"{progress.invalid_samples:,}"),
         *([("truncated paths", _truncated(progress.truncated_paths))] if progress.truncated_paths else []),
-        ("processor time", f"{progress.cpu_seconds:,.1f} s"),
+        ("processor time", _processor_time(progress, price)),
         ("stops at", _stop(render)),
         ("forecast", _forecast(render)),
         *([("out of reach", render.out_of_reach)] if render.out_of_reach else []),
+        *([("tags", ", ".join(render.tags))] if render.tags else []),
         ("priority", f"{render.priority}" + (f", for {render.owner}" if render.owner else "")),
         ("audited", f"{progress.audited:,} ranges; results refused: {progress.refused:,}"),
         ("scene", render.scene_sha256),
@@ -83,6 +84,39 @@ def print_render(render: Render, as_json: bool) -> None:
     ):
         table.add_row(f"[dim]{name}[/]", escape(text))
     CONSOLE.print(table)
+
+
+def _processor_time(progress: Progress, price: Usage | None) -> str:
+    """In seconds, then in core hours and money where an hour has a price."""
+    seconds = f"{progress.cpu_seconds:,.1f} s"
+    if price is None or not price.core_hour_price:
+        return seconds
+    hours = progress.cpu_seconds / 3600.0
+    return f"{seconds}, {hours:,.3g} core hours, {money(hours * price.core_hour_price, price.currency)}"
+
+
+def money(amount: float, currency: str) -> str:
+    """What is below a hundredth is not said to be nothing."""
+    return f"{amount:,.2f} {currency}" if amount >= 0.01 or not amount else f"{amount:.2g} {currency}"
+
+
+def print_usage(usage: Usage) -> None:
+    """A table of owners, most processor time first."""
+    prices = ["cost"] if usage.core_hour_price else []
+    columns = ("owner", "share now", "weight", "open", "renders", "core hours", *prices, "on disk")
+    table = Table(*columns, box=None, pad_edge=False)
+    for each in usage.owners:
+        table.add_row(
+            escape(each.owner or "(nobody)"),
+            f"{each.share:.0%}",
+            f"{each.weight}",
+            f"{each.open_renders:,}",
+            f"{each.renders:,}",
+            f"{each.cpu_seconds / 3600.0:,.3g}",
+            *([money(each.cost, usage.currency)] if prices else []),
+            f"{each.stored_bytes / 1e6:,.1f} MB",
+        )
+    CONSOLE.print(table if usage.owners else "no renders yet")
 
 
 def _error(progress: Progress) -> str:

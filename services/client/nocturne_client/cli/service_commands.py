@@ -16,6 +16,7 @@ from nocturne_client.cli.output import (
     print_json,
     print_render,
     print_renders,
+    print_usage,
     print_workers,
 )
 from nocturne_client.cli.stops import Cpu, Drop, Error, For, Stops, TileError, Until, dropped
@@ -53,8 +54,8 @@ RenderId = Annotated[
 def add_to(app: typer.Typer) -> None:
     """Adds these commands to the program."""
     app.command(name="list")(list_renders)
-    changes = (cancel, delete, pause, resume, extend, priority, replay)
-    for command in (submit, watch, top, get, group, *changes, explain, workers):
+    changes = (cancel, delete, pause, resume, extend, priority, tag, replay)
+    for command in (submit, watch, top, get, group, *changes, explain, workers, usage):
         app.command()(command)
 
 
@@ -87,13 +88,20 @@ def watch(
 
 
 def list_renders(
+    words: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="All to be found in name, id, owner, state, group or tags. Default: all renders."
+        ),
+    ] = None,
     limit: Annotated[int, typer.Option("--limit", min=1, help="How many at most.")] = 20,
+    only_tag: Annotated[str, typer.Option("--tag", help="With this tag only.")] = "",
     url: Url = None,
     as_json: AsJson = False,
 ) -> None:
     """List renders, newest first."""
     with Client(url) as client:
-        print_renders([*client.list(limit)], as_json)
+        print_renders([*client.list(limit, tag=only_tag, search=" ".join(words or []))], as_json)
 
 
 def top(
@@ -151,7 +159,8 @@ def get(
         for kind, path in files.items():
             if path is not None:
                 client.download(render_id, kind, path)
-    print_render(render, as_json)
+        price = None if as_json else client.usage()
+    print_render(render, as_json, price)
 
 
 def group(
@@ -256,6 +265,24 @@ def replay(
         status = follow(client.watch(again.id), as_json)
         client.download(again.id, "exr", exr)
         raise typer.Exit(status)
+
+
+def tag(
+    render_id: RenderId,
+    tags: Annotated[list[str] | None, typer.Argument(help="Instead of those before; none: no tags.")] = None,
+    url: Url = None,
+    as_json: AsJson = False,
+) -> None:
+    """Give a render tags, words to sort renders by."""
+    with Client(url) as client:
+        print_render(client.set_tags(render_id, tags or []), as_json)
+
+
+def usage(url: Url = None, as_json: AsJson = False) -> None:
+    """Show who uses what share of the workers, and what it cost so far."""
+    with Client(url) as client:
+        found = client.usage()
+    print_json(asdict(found)) if as_json else print_usage(found)
 
 
 def explain(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:
