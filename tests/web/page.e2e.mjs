@@ -376,7 +376,52 @@ const checks = {
     await page.goto(at("#/"));
   },
 
+  async "tags are given, and found by them, by keyboard"({ page }) {
+    await page.goto(at(showing(given.small)));
+    await page.getByRole("button", { name: "Tags…" }).focus();
+    await page.keyboard.press("Enter");
+    await page.getByRole("dialog", { name: "Tags" }).getByLabel("Tags").fill("lobby, for review");
+    await page.keyboard.press("Enter");
+    await page.getByText("lobby, for review", { exact: true }).waitFor();
+    await page.goto(at("#/"));
+    await page.getByRole("searchbox", { name: "Filter" }).fill("review");
+    await page.waitForURL("**/#/?find=review");
+    await page.reload();
+    assert.equal(await page.getByRole("searchbox", { name: "Filter" }).inputValue(), "review");
+    await page.locator(".renders li").getByText("#lobby  #for review").waitFor();
+    assert.equal(await page.locator(".renders li").count(), 1);
+    await page.getByRole("searchbox", { name: "Filter" }).fill("");
+  },
+
+  async "frames and variants of a scene are a group"({ page }) {
+    await page.getByLabel("choose a file").setInputFiles(given.archive);
+    await page.getByLabel("Name", { exact: true }).fill("film");
+    await page.getByLabel("Width, pixels").fill("16");
+    await page.getByLabel("Height, pixels").fill("16");
+    await page.getByLabel("Samples per pixel, at most").fill("4");
+    await page.getByText("Frames, variants, groups, bands, tags, further stops").focus();
+    await page.keyboard.press("Enter");
+    await page.getByLabel("Frames", { exact: true }).fill("2-1");
+    await page.getByRole("button", { name: "Render", exact: true }).click();
+    await page.getByText("expected FIRST-LAST").waitFor();
+    await page.getByLabel("Frames", { exact: true }).fill("1-2");
+    await page.getByLabel("Changes of the scene, one a line").fill("sensor.position[0]=0.27..0.28");
+    await page.getByLabel("Variants, one place a line").fill("tracing.seed=1,2");
+    await page.getByLabel("Spectral bands, nm").fill("400:700:100");
+    await page.getByLabel("Tags, between commas").fill("film");
+    await look(page, "sequence");
+    await page.getByRole("button", { name: "Render", exact: true }).focus();
+    await page.keyboard.press("Enter");
+    await page.getByRole("heading", { name: /^Group film / }).waitFor();
+    await page.getByText(/^4 of 4 renders have ended/).waitFor();
+    const { renders } = await (await fetch(`${given.url}/v1/renders?tag=film`)).json();
+    assert.deepEqual(renders.map(({ name }) => name).sort(), ["film seed=1 1", "film seed=1 2", "film seed=2 1", "film seed=2 2"]);
+    const document = await (await fetch(`${given.url}/v1/renders/${renders[0].id}/scene.json`)).json();
+    assert.deepEqual([document.sensor.position[0], document.sensor.bands, document.tracing.seed], [0.28, { first: 400, last: 700, width: 100 }, 2]);
+  },
+
   async "an archive becomes a render whose image changes by itself"({ page, note }) {
+    await page.goto(at("#/"));
     await page.getByLabel("choose a file").setInputFiles(given.archive);
     await page.getByLabel("Samples per pixel, at most").fill("100000");
     await page.getByLabel("Stop at a relative error of, %").fill("0.1");

@@ -20,6 +20,7 @@ import type {
   RenderPage,
   Session,
   TileInProgress,
+  Usage,
   Worker,
   WorkerHistory,
   WorkOfWorker,
@@ -52,13 +53,18 @@ export async function changeWorker(id: string, act: "drain" | "release"): Promis
   if (!response.ok) throw await failureOf(response);
 }
 
+/** Who uses what, and what it costs. */
+export async function getUsage(): Promise<Usage> {
+  return getJson<"get_usage">("/v1/usage");
+}
+
 export async function getGroup(name: string): Promise<Group> {
   return getJson<"get_group">(`/v1/groups/${encodeURIComponent(name)}`);
 }
 
-/** `group`: of this one only, up to 200 at once. */
-export async function listRenders(pageToken = "", group = ""): Promise<RenderPage> {
-  const query = new URLSearchParams({ page_size: group ? "200" : "50", group });
+/** `group`: of this one only, up to 200 at once. `search`: with all these words. */
+export async function listRenders(pageToken = "", group = "", search = ""): Promise<RenderPage> {
+  const query = new URLSearchParams({ page_size: group ? "200" : "50", group, search });
   if (pageToken) query.set("page_token", pageToken);
   return getJson<"list_renders">(`/v1/renders?${query.toString()}`);
 }

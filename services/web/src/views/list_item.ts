@@ -3,6 +3,7 @@ import { element, setText } from "../dom.ts";
 import { formatDuration, formatRelativeError, formatSamples } from "../format.ts";
 import { groupRoute, renderRoute } from "../router.ts";
 import { serviceNow } from "../service/clock.ts";
+import { costOf } from "../service/price.ts";
 import { hasEnded, type Render } from "../service/types.ts";
 import { progressBar } from "./progress_bar.ts";
 import { stateBadge } from "./state_badge.ts";
@@ -24,6 +25,7 @@ export function listItem(onSelect: () => void): ListItem {
   const badge = stateBadge();
   const size = element("span");
   const group = element("a", { class: "in-group" });
+  const tags = element("span", { class: "tags" });
   const bar = progressBar();
   const error = element("span", { class: "error", title: "Relative error, and what was asked for" });
   const finish = element("span", { class: "finish" });
@@ -33,7 +35,7 @@ export function listItem(onSelect: () => void): ListItem {
     {},
     box,
     picture.node,
-    element("div", { class: "what" }, element("h2", {}, link, badge.node), size, group),
+    element("div", { class: "what" }, element("h2", {}, link, badge.node), size, group, tags),
     element("div", { class: "how-far" }, bar.node, error, finish, cost),
   );
 
@@ -46,6 +48,8 @@ export function listItem(onSelect: () => void): ListItem {
     group.hidden = render.group === "";
     group.href = groupRoute(render.group);
     setText(group, `group ${render.group}`);
+    setText(tags, render.tags.map((tag) => `#${tag}`).join("  "));
+    tags.hidden = render.tags.length === 0;
     bar.show(render);
     setText(error, errorText(render));
     setText(finish, finishText(render));
@@ -76,5 +80,6 @@ function finishText(render: Render): string {
 function costText({ progress, state }: Render): string {
   if (progress.cpu_seconds === 0) return "";
   const whole = progress.predicted_cpu_seconds > progress.cpu_seconds && state === "RUNNING" ? ` of ${formatDuration(progress.predicted_cpu_seconds)}` : "";
-  return `CPU ${formatDuration(progress.cpu_seconds)}${whole}`;
+  const money = costOf(progress.cpu_seconds);
+  return `CPU ${formatDuration(progress.cpu_seconds)}${whole}${money && ` · ${money}`}`;
 }

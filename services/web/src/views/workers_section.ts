@@ -1,6 +1,6 @@
 /** Table of the workers, updated every two seconds, and the tiles of a render that each is tracing. */
 import { announce, element } from "../dom.ts";
-import { formatCount, formatDuration, formatState } from "../format.ts";
+import { formatCount, formatDuration } from "../format.ts";
 import { renderRoute } from "../router.ts";
 import { getTilesInProgress, changeWorker, listWork, listWorkers } from "../service/client.ts";
 import { serviceNow } from "../service/clock.ts";
@@ -64,7 +64,7 @@ function row(worker: Worker, work: WorkOfWorker[], more: string[]): HTMLElement 
   const cells = [`${worker.threads}`, formatCount(worker.rays_per_second), formatCount(worker.jobs_done), ...more];
   const name = element("th", { scope: "row" }, worker.id);
   if (worker.quarantine) name.append(badge("FAILED", "Quarantine", worker.quarantine), actButton(worker.id, "release"));
-  else if (worker.drain) name.append(badge("PAUSED", formatState(worker.drain), "It gets no jobs until it is released."), actButton(worker.id, "release"));
+  else if (worker.drain) name.append(badge("PAUSED", worker.drain === "drained" ? "Drained" : "Draining", "It gets no jobs until it is released."), actButton(worker.id, "release"));
   else name.append(...(worker.incompatible ? [badge("PAUSED", "No jobs", worker.incompatible)] : []), actButton(worker.id, "drain"));
   return element("tr", {}, name, element("td", { class: "traces" }, ...work.map(traced)), ...cells.map((text) => element("td", {}, text)));
 }
@@ -75,7 +75,7 @@ function badge(state: string, text: string, title: string): HTMLElement {
 
 /** The table follows within two seconds. */
 function actButton(worker: string, act: "drain" | "release"): HTMLElement {
-  const word = formatState(act);
+  const word = act === "drain" ? "Drain" : "Release";
   const title = act === "drain" ? "It finishes the jobs that it has and gets no others" : "It gets jobs again, and its results are taken";
   const button = element("button", { type: "button", class: "release", title, "aria-label": `${word} ${worker}` }, word);
   button.addEventListener("click", () => {
