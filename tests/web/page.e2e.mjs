@@ -544,8 +544,17 @@ const checks = {
     await page.locator(".events").getByText("joined").first().waitFor();
     await look(page, "workers");
     await page.getByRole("link", { name: "Speed" }).click();
-    await page.locator(".events tbody tr").first().waitFor();
+    const boxes = page.getByRole("checkbox", { name: /in the chart$/ });
+    await boxes.first().waitFor();
+    await page.locator(".plot .uplot").waitFor();
+    await boxes.first().focus();
+    await page.keyboard.press("Space");
+    await page.waitForURL("**/#/speed?renders=*");
+    assert.equal(await boxes.first().isChecked(), false);
+    await page.getByRole("rowheader", { name: "cornell" }).first().waitFor();
     await look(page, "speed");
+    const height = await page.evaluate(() => document.documentElement.scrollHeight);
+    assert.ok(height < 4000, `the page is ${height} px long`);
   },
 
   async "the API's reference shows schemas and examples, and loads nothing from elsewhere"({ page }) {
