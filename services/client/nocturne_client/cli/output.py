@@ -217,28 +217,43 @@ def print_renders(renders: list[Render], as_json: bool) -> None:
         for render in renders:
             print_json(asdict(render))
         return
-    name = Column("name", no_wrap=True, overflow="ellipsis", ratio=1)
-    others = [Column(text, no_wrap=True) for text in ("state", "film", "done", "error", "left", "age")]
-    table = Table(Column("id", no_wrap=True), name, *others, box=None, pad_edge=False)
-    for render in renders:
-        error = render.progress.relative_error
-        table.add_row(
-            render.id,
-            escape(render.name),
-            render.state,
-            f"{render.width}x{render.height}",
-            f"{render.fraction:.0%}",
-            f"{error:.2%}{'?' if render.progress.doubt else ''}" if error else "",
-            time_left(render) + ("!" if render.out_of_reach else ""),
-            duration(time.time() - render.created),
-        )
-    _print_table(
-        table, [render.id for render in renders], "no renders yet; start one with `nocturne submit SCENE`"
-    )
+    if not renders:
+        CONSOLE.print("no renders yet; start one with `nocturne submit SCENE`")
+        return
+    rows = [_row_of(render) for render in renders]
+    widths = [max(map(len, column)) for column in zip(_LIST, *rows, strict=True)]
+    others = sum(widths) - widths[1] + 2 * (len(_LIST) - 1)
+    # As much of the names as there is room for: all else is typed again, or compared.
+    width = max(CONSOLE.width, others + len(_LIST[1]))
+    name = Column(_LIST[1], no_wrap=True, overflow="ellipsis", max_width=width - others)
+    columns = [Column(text, no_wrap=True) for text in _LIST]
+    table = Table(columns[0], name, *columns[2:], box=None, pad_edge=False)
+    for row in rows:
+        table.add_row(*(escape(text) for text in row))
+    # Lines that are too long for the terminal go on in its next one.
+    Console(highlight=False, width=width).print(table)
     if any(render.progress.doubt for render in renders):
         ERRORS.print("[dim]? the error is not to be trusted; `nocturne get ID` says why[/]")
     if any(render.out_of_reach for render in renders):
         ERRORS.print("[dim]! will end without the error asked for; `nocturne get ID` says by how much[/]")
+
+
+_LIST = ("id", "name", "state", "film", "done", "error", "left", "age")
+
+
+def _row_of(render: Render) -> tuple[str, ...]:
+    """As `nocturne list` shows it."""
+    error = render.progress.relative_error
+    return (
+        render.id,
+        render.name,
+        render.state,
+        f"{render.width}x{render.height}",
+        f"{render.fraction:.0%}",
+        f"{error:.2%}{'?' if render.progress.doubt else ''}" if error else "",
+        time_left(render) + ("!" if render.out_of_reach else ""),
+        duration(time.time() - render.created),
+    )
 
 
 def _print_table(table: Table, ids: Sequence[str], nothing: str) -> None:
