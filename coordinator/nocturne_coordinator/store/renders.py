@@ -191,6 +191,20 @@ class Renders:
         token = _encode_page_token(rows[size - 1]["number"]) if len(rows) > size else ""
         return [_render_row(row) for row in rows[:size]], token
 
+    def baselines(self, render_id: str, owner: str | None = None) -> list[RenderRow]:
+        """Renders of the same scene document and film by other engines that have ended with an image: the
+        newest of each, newest engine first; of one owner or of all. Raises NotFound."""
+        render = self.get(render_id)
+        rows = self._database.rows(
+            f"""SELECT {_COLUMNS} FROM render WHERE width = ? AND height = ? AND engine <> ?
+                    AND state IN ('SUCCEEDED', 'STOPPED_EARLY') AND (?4 IS NULL OR owner = ?4)
+                    AND scene_document = (SELECT scene_document FROM render WHERE id = ?5)
+                ORDER BY number""",  # noqa: S608
+            (render.width, render.height, render.engine, owner, render_id),
+        )
+        newest = {row["engine"]: _render_row(row) for row in rows}
+        return [newest[engine] for engine in sorted(newest, reverse=True)]
+
     def scene_document(self, render_id: str) -> str:
         """The JSON that was submitted; raises NotFound."""
         row = self._database.row("SELECT scene_document FROM render WHERE id = ?", (render_id,))

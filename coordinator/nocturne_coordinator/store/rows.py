@@ -58,6 +58,8 @@ class RenderRow:
     samples: int
     photons_per_sample: int
     scene_sha256: str
+    engine: int
+    """Version of the tracing engine."""
     floating_point_profile: str
     """How all its workers round; empty before the first result."""
     sequence: int

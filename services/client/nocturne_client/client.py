@@ -248,6 +248,11 @@ class Client:
         body = {"request_id": request_id or str(uuid.uuid4())}
         return decode(Render, self._transport.post(f"/v1/renders/{_part(render_id)}:replay", body))
 
+    def baselines(self, render_id: str) -> Sequence[Render]:
+        """Renders of the same scene and film by other engines, the newest of each."""
+        answer = self._transport.get(f"/v1/renders/{_part(render_id)}/baselines")
+        return [decode(Render, each) for each in answer["renders"]]
+
     def explain(self, render_id: str) -> str:
         """What the render waits for, in one sentence."""
         answer = self._transport.get(f"/v1/renders/{_part(render_id)}/explanation")

@@ -119,6 +119,8 @@ class Render:
     """Samples per pixel asked for, at most."""
     scene_sha256: str
     """SHA-256 of the compiled scene, hexadecimal."""
+    engine: int
+    """Version of the tracing engine that its samples are by."""
     floating_point_profile: str
     """How its workers round, which all do alike; empty before the first result."""
     quantity: str

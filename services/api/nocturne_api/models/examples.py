@@ -84,6 +84,7 @@ RENDER: dict[str, Any] = {
     "height": 480,
     "samples": 1024,
     "scene_sha256": SHA256,
+    "engine": 12,
     "floating_point_profile": "x86-64-avx2",
     "quantity": "luminance",
     "unit": "cd/m2",

@@ -127,6 +127,7 @@ class Render(Answer):
     height: int = Field(description="Pixels.")
     samples: int = Field(description="Samples per pixel asked for, at most.")
     scene_sha256: str = Field(description="SHA-256 of the compiled scene, hexadecimal.")
+    engine: int = Field(description="Version of the tracing engine that its samples are by.")
     floating_point_profile: str = Field(
         description="How its workers round, which all do alike; empty before the first result."
     )
@@ -191,6 +192,12 @@ class RenderPage(Answer):
 
     renders: list[Render]
     next_page_token: str = Field(description="Empty on the last page.")
+
+
+class Baselines(Answer):
+    """Renders of the same scene and film by other engines."""
+
+    renders: list[Render] = Field(description="The newest of each engine, newest engine first.")
 
 
 class ReadValue(Answer):

@@ -18,6 +18,7 @@ from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.errors import Overloaded, TooMany
 from nocturne_api.models.renders import (
+    Baselines,
     Convergence,
     ConvergencePoint,
     Explanation,
@@ -121,6 +122,14 @@ class Renders:
                     access.folder.requests.replay, whole_id, request_id, owner, access.quota
                 )
             )
+
+    async def baselines(self, render_id: str) -> Baselines:
+        """Renders of the same scene and film by other engines, to be compared; raises NotFound."""
+        whole_id = (await self.get(render_id)).id
+        rows = await self._access.in_database(
+            self._access.folder.renders.baselines, whole_id, CALLER.get().sees
+        )
+        return Baselines(renders=[Render.of(row) for row in rows])
 
     async def explain(self, render_id: str) -> Explanation:
         """What the render waits for, in one sentence; raises NotFound."""

@@ -80,6 +80,7 @@ def print_render(render: Render, as_json: bool, price: Usage | None = None) -> N
         ("priority", f"{render.priority}" + (f", for {render.owner}" if render.owner else "")),
         ("audited", f"{progress.audited:,} ranges; results refused: {progress.refused:,}"),
         ("scene", render.scene_sha256),
+        ("engine", f"{render.engine}"),
         ("floating-point profile", render.floating_point_profile or "not known yet"),
     ):
         table.add_row(f"[dim]{name}[/]", escape(text))

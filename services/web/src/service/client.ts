@@ -93,6 +93,11 @@ export async function lookFirst(id: string, region: Region | undefined): Promise
   return getJson<"look_first">(`${renderAddress(id)}:lookFirst`, { method: "POST", body: JSON.stringify(region ?? {}) });
 }
 
+/** Renders of the same scene and film by other engines. */
+export async function getBaselines(id: string): Promise<Render[]> {
+  return (await getJson<"get_baselines">(`${renderAddress(id)}/baselines`)).renders;
+}
+
 export async function getExplanation(id: string): Promise<string> {
   return (await getJson<"explain_render">(`${renderAddress(id)}/explanation`)).sentence;
 }

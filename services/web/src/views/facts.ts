@@ -49,6 +49,7 @@ const facts: Fact[] = [
   { label: "Truncated paths", value: (render) => formatCount(render.progress.truncated_paths), meaning: "Photons ended by the tracer's limit of interactions; light that they would have brought is missing." },
   { label: "Tags", value: ({ tags }) => tags.join(", ") || "–", meaning: "Words to sort renders by; the list finds them." },
   { label: "Layers", value: ({ layers }) => layers.join(", ") || "–", meaning: "What the EXR tells of the surfaces in the image, beside the image itself." },
+  { label: "Engine", value: ({ engine }) => `${engine}`, meaning: "Version of the tracing engine: images of the same scene by different ones have different bits." },
   { label: "Film", value: (render) => `${render.width} × ${render.height}` },
 ];
 
