@@ -35,12 +35,7 @@ export function renderView(id: string, renders: Renders): View {
     panel.node,
     element("div", { class: "below" }, convergence.node, workers.node, denoised.node),
   );
-  const links = element("p", { class: "back" }, element("a", { href: "#/" }, "← All renders"), element("a", { href: compareRoute(id) }, "Compare…"));
-  getBaselines(id).then(
-    (found) => { links.append(...found.map((render) => element("a", { href: compareRoute(id, render.id) }, `Compare with engine ${render.engine}`))); },
-    // The view says what is wrong with the render.
-    () => undefined,
-  );
+  const links = linksOf(id);
   const node = element("div", {}, links, panel.heading, problem, content);
   const stop = [
     followChanges(id, renders, {
@@ -77,6 +72,17 @@ export function renderView(id: string, renders: Renders): View {
       workers.close();
     },
   };
+}
+
+/** Back, and to comparisons: with any other, and with the same scene by other engines. */
+function linksOf(id: string): HTMLElement {
+  const node = element("p", { class: "back" }, element("a", { href: "#/" }, "← All renders"), element("a", { href: compareRoute(id) }, "Compare…"));
+  getBaselines(id).then(
+    (found) => { node.append(...found.map((render) => element("a", { href: compareRoute(id, render.id) }, `Compare with engine ${render.engine}`))); },
+    // The view says what is wrong with the render.
+    () => undefined,
+  );
+  return node;
 }
 
 /** Follows the render, if there is one, until the returned function is called. */
