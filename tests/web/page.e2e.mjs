@@ -420,6 +420,34 @@ const checks = {
     assert.deepEqual([document.sensor.position[0], document.sensor.bands, document.tracing.seed], [0.28, { first: 400, last: 700, width: 100 }, 2]);
   },
 
+  async "a render that will miss its error in time says so, and the browser tells of it"({ page }) {
+    await page.goto(at("#/"));
+    await page.evaluate(() => {
+      globalThis.told = [];
+      globalThis.Notification = class {
+        static permission = "granted";
+        static requestPermission() { return Promise.resolve("granted"); }
+        constructor(title) { globalThis.told.push(title); }
+      };
+    });
+    await page.getByRole("checkbox", { name: "Notify me of ends" }).check();
+    await page.getByLabel("choose a file").setInputFiles(given.archive);
+    await page.getByLabel("Samples per pixel, at most").fill("1000000");
+    await page.getByLabel("Stop at a relative error of, %").fill("0.01");
+    await page.getByLabel("Stop after, minutes").fill("1");
+    await page.getByRole("button", { name: "Render", exact: true }).click();
+    await page.getByText(/^It will have a relative error of about .* asked for, which would take/).waitFor();
+    const told = await page.evaluate(() => globalThis.told);
+    assert.ok(told.some((title) => title.endsWith(": its error is out of reach")), JSON.stringify(told));
+    await look(page, "out-of-reach");
+    await page.getByRole("link", { name: "← All renders" }).click();
+    await page.getByText(/left, error out of reach$/).waitFor();
+    await page.goBack();
+    await page.getByRole("button", { name: "Cancel render…" }).click();
+    await page.getByRole("dialog", { name: "Cancel this render?" }).getByRole("button", { name: "Cancel render" }).click();
+    await page.locator('h1 .badge[data-state="CANCELLED"]').waitFor();
+  },
+
   async "an archive becomes a render whose image changes by itself"({ page, note }) {
     await page.goto(at("#/"));
     await page.getByLabel("choose a file").setInputFiles(given.archive);
