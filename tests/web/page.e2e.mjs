@@ -250,6 +250,10 @@ const checks = {
     assert.equal(exr.status, 200);
     const scene = await fetch(new URL(await page.getByRole("link", { name: "Scene" }).getAttribute("href"), given.url));
     assert.equal((await scene.json()).nocturne, 1);
+    const log = await fetch(new URL(await page.getByRole("link", { name: "Log" }).getAttribute("href"), given.url));
+    assert.match(await log.text(), /extend: done|pause: done/);
+    const bundle = await fetch(new URL(await page.getByRole("link", { name: "Bundle" }).getAttribute("href"), given.url));
+    assert.equal(bundle.headers.get("content-type"), "application/zip");
     await page.getByRole("button", { name: "Resume" }).click();
     await state(id, "RUNNING");
     await page.locator(".workers .traces a").first().waitFor();

@@ -47,7 +47,7 @@ from nocturne_client.transport import RETRY_DELAYS_S, Transport
 if TYPE_CHECKING:
     from nocturne_client.tiles import TileAnswer
 
-ImageKind = Literal["exr", "png", "scene", "denoised_exr", "denoised_png", "difference"]
+ImageKind = Literal["exr", "png", "scene", "denoised_exr", "denoised_png", "difference", "log", "bundle"]
 UploadProgress = Callable[[Path, int, int], None]
 
 _PATHS: dict[ImageKind, str] = {
@@ -57,6 +57,8 @@ _PATHS: dict[ImageKind, str] = {
     "denoised_exr": "denoised.exr",
     "denoised_png": "denoised.png",
     "difference": "difference.png",
+    "log": "log.txt",
+    "bundle": "bundle.zip",
 }
 # The service sends a comment every 15 s, so a longer silence is a lost connection.
 _WATCH_TIMEOUT = httpx.Timeout(40.0, connect=5.0)

@@ -12,6 +12,7 @@ from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits, prepare
 from nocturne_api.models.usage import CoreHourPrice
 from nocturne_api.operations.assets import Assets
+from nocturne_api.operations.bundles import Bundles
 from nocturne_api.operations.denoised import Denoised
 from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.groups import Groups
@@ -57,6 +58,7 @@ class Operations:
         self.controls = RenderControls(access)
         self.streams = RenderStreams(access, self.renders)
         self.images = Images(access, self.renders, archiver)
+        self.bundles = Bundles(access, self.renders)
         self.groups = Groups(access)
         self.denoised = Denoised(self.renders, self.images)
         self.readings = Readings(access, self.renders)

@@ -130,6 +130,15 @@ def get(
         Path | None,
         typer.Option("--difference", help="Write a PNG of where that leaves the image's error bars."),
     ] = None,
+    log: Annotated[
+        Path | None, typer.Option("--log", help="Write what happened to it here, line by line.")
+    ] = None,
+    bundle: Annotated[
+        Path | None,
+        typer.Option(
+            "--bundle", help="Write a ZIP of all that is known of it here, to ask somebody about it."
+        ),
+    ] = None,
     region: Annotated[
         str,
         typer.Option(
@@ -155,6 +164,8 @@ def get(
             "scene": scene,
             "denoised_png" if as_png else "denoised_exr": denoised,
             "difference": difference,
+            "log": log,
+            "bundle": bundle,
         }
         for kind, path in files.items():
             if path is not None:

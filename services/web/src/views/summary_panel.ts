@@ -1,6 +1,6 @@
 /** The heading, and beside the image: progress, figures, downloads, cancel and delete. */
 import { element, setText } from "../dom.ts";
-import { getExplanation, imageAddress, previewAddress, sceneAddress } from "../service/client.ts";
+import { derivedAddress, getExplanation, imageAddress, previewAddress, sceneAddress } from "../service/client.ts";
 import type { Renders } from "../service/renders.ts";
 import { hasEnded, hasImage, type Render } from "../service/types.ts";
 import { cancelButton } from "./cancel_button.ts";
@@ -76,7 +76,9 @@ function downloads(id: string): { node: HTMLElement; show: (render: Render) => v
   const exr = element("a", { href: imageAddress(id), download: `${file}.exr` }, "Download EXR");
   const png = element("a", { href: previewAddress(id), download: `${file}.png` }, "Download PNG");
   const scene = element("a", { href: sceneAddress(id), download: `${file}.json` }, "Scene");
-  const node = element("p", { class: "downloads" }, exr, png, scene);
+  const log = element("a", { href: derivedAddress(id, "log.txt"), download: `${file}.txt` }, "Log");
+  const bundle = element("a", { href: derivedAddress(id, "bundle.zip"), download: `${file}.zip`, title: "State, log, scene and failures, to ask somebody about it" }, "Bundle");
+  const node = element("p", { class: "downloads" }, exr, png, scene, log, bundle);
   return {
     node,
     show: (render) => {
