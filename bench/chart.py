@@ -3,12 +3,14 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from xml.sax.saxutils import escape
 
 _WIDTH, _HEIGHT = 750, 400
 _LEFT, _RIGHT, _TOP, _BOTTOM = 80, 250, 40, 50
 _LABEL = 14.0
+_WIDEST_LABEL = 44.0
 # Told apart by people who do not see colours alike: Okabe and Ito, "Color Universal Design", 2008.
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 # Of the second seven lines, and so on.
@@ -36,11 +38,19 @@ class _Axis:
         part = (math.log10(value) - self._low) / (self._high - self._low)
         return round(self._begin + part * (self._end - self._begin), 1)
 
-    def ticks(self) -> list[float]:
-        """1, 2 and 5 times powers of ten."""
+    def ticks(self, room: float) -> list[float]:
+        """1, 2 and 5 times powers of ten; only powers, or each second of them and so on, where labels that
+        need so many pixels would lie on each other."""
         decades = range(math.floor(self._low), math.ceil(self._high) + 1)
-        found = [factor * 10.0**decade for decade in decades for factor in (1, 2, 5)]
-        return [each for each in found if self._low <= math.log10(each) <= self._high]
+        steps = [(1, 2, 5), (1,)]
+        choices = [[factor * 10.0**decade for decade in decades for factor in step] for step in steps]
+        choices += [[10.0**decade for decade in decades if decade % step == 0] for step in (2, 3, 5, 10)]
+        for choice in choices:
+            found = [each for each in choice if self._low <= math.log10(each) <= self._high]
+            places = [self.at(each) for each in found]
+            if all(abs(after - before) >= room for before, after in pairwise(places)):
+                return found
+        return found
 
 
 def write_chart(path: Path, title: str, x_name: str, y_name: str, lines: Sequence[Line]) -> None:
@@ -59,10 +69,10 @@ def write_chart(path: Path, title: str, x_name: str, y_name: str, lines: Sequenc
         _text((_LEFT + right) / 2, _HEIGHT - 12, x_name, "middle"),
         _text(12, _TOP - 6, y_name),
     ]
-    for tick in x.ticks():
+    for tick in x.ticks(_WIDEST_LABEL):
         parts.append(_path([(x.at(tick), _TOP), (x.at(tick), bottom)], "#ddd", 1))
         parts.append(_text(x.at(tick), bottom + 18, f"{tick:g}", "middle"))
-    for tick in y.ticks():
+    for tick in y.ticks(_LABEL):
         parts.append(_path([(_LEFT, y.at(tick)), (right, y.at(tick))], "#ddd", 1))
         parts.append(_text(_LEFT - 6, y.at(tick) + 4, f"{tick:g}", "end"))
     ends = []

@@ -1,5 +1,7 @@
 """docs/explanation/speed.md and docs/explanation/accuracy.md, made of kept figures, and the charts."""
 
+import json
+
 from nocturne_client.local.programs import CHECKOUT
 
 from bench import accumulation, error_bars
@@ -7,9 +9,11 @@ from bench.chart import Line, write_chart
 from bench.errors import expected_relmse
 from bench.report import Figures, Row, kept, results_folder
 from bench.suite.aims import AIMS, WHY, best
-from bench.suite.measure import NOT_FALLING, TARGET
+from bench.suite.measure import MITSUBA, NOT_FALLING, TARGET
 from bench.suite.references import load
 from bench.suite.scenes import SCENES
+
+SUMMARY = "speed-summary.json"
 
 _SPEED = """# Speed: error against time
 
@@ -72,6 +76,27 @@ def write_pages(figures: Figures) -> None:
     (docs / "accuracy.md").write_text(accuracy(references()))
     for name, found in figures.items():
         _chart(name, found["ways"])
+    summary = results_folder() / SUMMARY
+    summary.write_text(json.dumps(summary_of(figures), indent=1) + "\n")
+
+
+def summary_of(figures: Figures) -> list[dict[str, object]]:
+    """The page's two charts of the benches, by scene: seconds to 1 % by each of our ways, the default
+    among them, and its error over that of the peer's best in the same time. None: not known."""
+    found = []
+    for name, scene in figures.items():
+        ways = scene["ways"]
+        default = ways.get("auto", ways.get("two photons", {}))
+        theirs = best(ways, peers=True)
+        ours = [
+            way["seconds_to_1_percent"]
+            for way_name, way in ways.items()
+            if not way_name.startswith(MITSUBA) and "seconds_to_1_percent" in way
+        ]
+        ratio = default["error"] / ways[theirs]["error"] if theirs and "error" in default else None
+        seconds = default.get("seconds_to_1_percent")
+        found.append({"scene": name, "default": seconds, "ways": sorted(ours), "beside_peer": ratio})
+    return found
 
 
 def speed(figures: Figures) -> str:

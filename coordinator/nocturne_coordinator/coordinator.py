@@ -137,7 +137,8 @@ class Coordinator:
             self._executor.wants_look = False
             self._look_at_machines()
             rows, quarantined = tuple(self._ledger.renders.all()), self._ledger.workers.quarantined()
-            self.tell(RendersSeen(self._clock.moment(), rows, quarantined, self._coordinators))
+            drained = self._ledger.workers.drained()
+            self.tell(RendersSeen(self._clock.moment(), rows, quarantined, self._coordinators, drained))
             if not self._executor.wants_look:
                 self._executor.show_ended()
                 self._seen_changes = changes

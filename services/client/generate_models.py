@@ -23,6 +23,7 @@ _WANTED = (
     "MeasuredRegions",
     "Worker",
     "WorkOfWorker",
+    "Usage",
     "Webhook",
     "NewWebhook",
     "PreflightReport",

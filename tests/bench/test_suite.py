@@ -1,5 +1,6 @@
 """The arithmetic of the suite of error against time, and its pages. No renders."""
 
+import json
 import re
 from dataclasses import replace
 from itertools import pairwise
@@ -23,6 +24,25 @@ from bench.suite.aims import AIMS, WHY, best
 from bench.suite.measure import TARGET, _errors, time_to_target
 from bench.suite.scenes import SCENES
 from bench.ways import WAYS
+
+
+def test_charts_of_many_decades_have_labels_that_do_not_touch(tmp_path: Path) -> None:
+    path = tmp_path / "chart.svg"
+    write_chart(path, "t", "x", "y", [Line("a", [(1e-3, 1e-18), (1e9, 5.0)])])
+    labels = re.findall(r'<text x="([\d.]+)" y="([\d.]+)" text-anchor="(middle|end)"', path.read_text())
+    heights = [float(y) for _, y, anchor in labels if anchor == "end"]
+    places = [float(x) for x, y, anchor in labels if anchor == "middle" and float(y) < 380]
+    assert len(heights) > 4
+    assert len(places) > 4
+    assert all(abs(after - before) >= 14 for before, after in pairwise(heights))
+    assert all(after - before >= 44 for before, after in pairwise(places))
+
+
+def test_the_summary_is_that_of_the_kept_figures() -> None:
+    """`python -m bench.suite --pages` writes it; the service's page shows it."""
+    folder = Path(page.__file__).parents[1] / "results"
+    figures = json.loads((folder / "suite.json").read_text())
+    assert json.loads((folder / page.SUMMARY).read_text()) == page.summary_of(figures)
 
 
 def _points(exponent: float) -> list[dict[str, Any]]:

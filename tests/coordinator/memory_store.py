@@ -121,6 +121,9 @@ class MemoryLedger(Ledger):
     def quarantined(self) -> dict[str, str]:
         return dict(self._store.bad_workers)
 
+    def drained(self) -> dict[str, str]:
+        return {}
+
     def tiles(self, render_id: str) -> Iterator[TileRow]:
         return iter(list(self._store.stored[render_id].tiles.values()))
 

@@ -151,6 +151,28 @@ def test_a_worker_that_fails_jobs_which_others_can_do_is_quarantined(service: Se
     assert service.folder.workers.in_quarantine() == {}
 
 
+def test_a_drained_worker_finishes_what_it_has_and_gets_nothing_more(service: Service) -> None:
+    """What it has in hand counts, all else is done by others."""
+    service.start()
+    render = service.create(samples=4000)
+    drained = service.work(SimulatedWorker(service.server.url, delay=0.1))
+    wait_until(lambda: service.row(render.id).ranges_done > 0 and bool(service.folder.workers.alive()))
+    service.folder.workers.drain(drained.name, "ann")
+    with service.server.client() as client:
+        wait_until(lambda: client.get(keys.QUARANTINE_PREFIX + drained.name) == b"It is drained, by ann.")
+        # It hears of it when it has delivered the job in hand, and takes no other.
+        wait_until(lambda: client.xpending(keys.JOBS, "workers")["pending"] == 0)
+    done = drained.jobs_done
+    service.work(SimulatedWorker(service.server.url))
+    wait_until(lambda: service.row(render.id).ranges_done > done + 3)
+    assert drained.jobs_done == done
+    assert service.row(render.id).refused == 0
+    assert service.folder.workers.drained() in ({drained.name: False}, {drained.name: True})
+    service.folder.workers.release(drained.name)
+    wait_until(lambda: drained.jobs_done > done or service.row(render.id).state == "SUCCEEDED")
+    service.folder.requests.cancel(render.id)
+
+
 def test_a_slow_worker_does_not_hold_up_the_end(service: Service) -> None:
     """W5: an idle worker gets its job as well."""
     service.start()

@@ -107,6 +107,7 @@ _NO_SCHEMA = {
     *("DeleteRenderRequest", "DeleteRenderResponse", "ExplainRenderRequest", "GetConvergenceRequest"),
     *("ReadRegionRequest", "FetchImageRequest", "ImageChunk", "FetchRequest", "Chunk", "UploadRequest"),
     *("ListWorkersRequest", "ReleaseWorkerRequest", "ReleaseWorkerResponse"),
+    *("DrainWorkerRequest", "DrainWorkerResponse"),
     *("ListWebhooksRequest", "DeleteWebhookRequest", "DeleteWebhookResponse", "PreflightResponse"),
 }
 # Fields that may differ: (message, field of the message, or "", field of the schema, or "").
@@ -221,6 +222,7 @@ _ROUTES = {
     "ResumeRender": ("post", "/v1/renders/{render_id}:resume"),
     "ExtendRender": ("post", "/v1/renders/{render_id}:extend"),
     "SetPriority": ("post", "/v1/renders/{render_id}:setPriority"),
+    "SetTags": ("post", "/v1/renders/{render_id}:setTags"),
     "LookFirst": ("post", "/v1/renders/{render_id}:lookFirst"),
     "ReplayRender": ("post", "/v1/renders/{render_id}:replay"),
     "ExplainRender": ("get", "/v1/renders/{render_id}/explanation"),
@@ -230,6 +232,7 @@ _ROUTES = {
     "WatchRenders": ("get", "/v1/events"),
     "FetchImage": ("get", "/v1/renders/{render_id}/image.exr"),
     "ListWorkers": ("get", "/v1/workers"),
+    "DrainWorker": ("post", "/v1/workers/{worker_id}:drain"),
     "ReleaseWorker": ("post", "/v1/workers/{worker_id}:release"),
     "CreateWebhook": ("post", "/v1/webhooks"),
     "ListWebhooks": ("get", "/v1/webhooks"),

@@ -97,13 +97,22 @@ async def test_a_list_has_a_line_for_each_render_in_80_columns(
     body: dict[str, Any],
     rest: httpx.AsyncClient,
     service: Service,
+    folder: DataFolder,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    await rest.post("/v1/renders", json={**body, "name": "a name that is much too long for a terminal"})
+    name = "a name that is much too long for a terminal, and for two of them as well, one beside the other"
+    made = (await rest.post("/v1/renders", json={**body, "name": name})).json()
+    folder.database.execute(
+        """UPDATE render SET state = 'STOPPED_EARLY', width = 1920, height = 1080, relative_error = 0.4321,
+               doubt = 'so', created = created - 7000"""
+    )
     monkeypatch.setattr(CONSOLE, "width", 80)
     shown = (await _nocturne(service, "list")).stdout.splitlines()
     assert len(shown) == 2
     assert all(len(line) <= 80 for line in shown)
+    row = shown[1].split()
+    assert (row[0], row[-1], row[-2], row[-3]) == (made["id"], "min", "117", "43.21%?")
+    assert "STOPPED_EARLY" in row
 
 
 @pytest.mark.parametrize("columns", [10, 40, 80])

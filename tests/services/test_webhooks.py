@@ -72,6 +72,20 @@ async def test_ends_are_told_and_signed(
     assert not any("key=abc" in text for text in ours)
 
 
+async def test_a_miss_is_told_before_the_end(folder: DataFolder) -> None:
+    with Receiver() as receiver:
+        _, secret = folder.webhooks.create("", receiver.url)
+        make_render(folder, "r-1")
+        for sentence in ("It will miss.", "", "It will miss again."):
+            folder.database.execute("UPDATE render SET out_of_reach = ? WHERE id = 'r-1'", (sentence,))
+        async with sending(folder, TargetRules([HOME])):
+            await until(receiver, 1)
+    ((_, headers, body),) = receiver.got
+    message = Webhook(secret).verify(body, headers)
+    assert message["type"] == "render.out_of_reach"
+    assert (message["data"]["state"], message["data"]["reason"]) == ("RUNNING", "It will miss.")
+
+
 async def test_both_endpoints_make_list_and_delete(service: Service) -> None:
     async with rest_client(service) as rest, grpc_channel(service) as channel:
         stub = render_service_pb2_grpc.RenderServiceStub(channel)

@@ -250,6 +250,10 @@ const checks = {
     assert.equal(exr.status, 200);
     const scene = await fetch(new URL(await page.getByRole("link", { name: "Scene" }).getAttribute("href"), given.url));
     assert.equal((await scene.json()).nocturne, 1);
+    const log = await fetch(new URL(await page.getByRole("link", { name: "Log" }).getAttribute("href"), given.url));
+    assert.match(await log.text(), /extend: done|pause: done/);
+    const bundle = await fetch(new URL(await page.getByRole("link", { name: "Bundle" }).getAttribute("href"), given.url));
+    assert.equal(bundle.headers.get("content-type"), "application/zip");
     await page.getByRole("button", { name: "Resume" }).click();
     await state(id, "RUNNING");
     await page.locator(".workers .traces a").first().waitFor();
@@ -376,7 +380,80 @@ const checks = {
     await page.goto(at("#/"));
   },
 
+  async "tags are given, and found by them, by keyboard"({ page }) {
+    await page.goto(at(showing(given.small)));
+    await page.getByRole("button", { name: "Tags…" }).focus();
+    await page.keyboard.press("Enter");
+    await page.getByRole("dialog", { name: "Tags" }).getByLabel("Tags").fill("lobby, for review");
+    await page.keyboard.press("Enter");
+    await page.getByText("lobby, for review", { exact: true }).waitFor();
+    await page.goto(at("#/"));
+    await page.getByRole("searchbox", { name: "Filter" }).fill("review");
+    await page.waitForURL("**/#/?find=review");
+    await page.reload();
+    assert.equal(await page.getByRole("searchbox", { name: "Filter" }).inputValue(), "review");
+    await page.locator(".renders li").getByText("#lobby  #for review").waitFor();
+    assert.equal(await page.locator(".renders li").count(), 1);
+    await page.getByRole("searchbox", { name: "Filter" }).fill("");
+  },
+
+  async "frames and variants of a scene are a group"({ page }) {
+    await page.getByLabel("choose a file").setInputFiles(given.archive);
+    await page.getByLabel("Name", { exact: true }).fill("film");
+    await page.getByLabel("Width, pixels").fill("16");
+    await page.getByLabel("Height, pixels").fill("16");
+    await page.getByLabel("Samples per pixel, at most").fill("4");
+    await page.getByText("Frames, variants, groups, bands, tags, further stops").focus();
+    await page.keyboard.press("Enter");
+    await page.getByLabel("Frames", { exact: true }).fill("2-1");
+    await page.getByRole("button", { name: "Render", exact: true }).click();
+    await page.getByText("expected FIRST-LAST").waitFor();
+    await page.getByLabel("Frames", { exact: true }).fill("1-2");
+    await page.getByLabel("Changes of the scene, one a line").fill("sensor.position[0]=0.27..0.28");
+    await page.getByLabel("Variants, one place a line").fill("tracing.seed=1,2");
+    await page.getByLabel("Spectral bands, nm").fill("400:700:100");
+    await page.getByLabel("Tags, between commas").fill("film");
+    await look(page, "sequence");
+    await page.getByRole("button", { name: "Render", exact: true }).focus();
+    await page.keyboard.press("Enter");
+    await page.getByRole("heading", { name: /^Group film / }).waitFor();
+    await page.getByText(/^4 of 4 renders have ended/).waitFor();
+    const { renders } = await (await fetch(`${given.url}/v1/renders?tag=film`)).json();
+    assert.deepEqual(renders.map(({ name }) => name).sort(), ["film seed=1 1", "film seed=1 2", "film seed=2 1", "film seed=2 2"]);
+    const document = await (await fetch(`${given.url}/v1/renders/${renders[0].id}/scene.json`)).json();
+    assert.deepEqual([document.sensor.position[0], document.sensor.bands, document.tracing.seed], [0.28, { first: 400, last: 700, width: 100 }, 2]);
+  },
+
+  async "a render that will miss its error in time says so, and the browser tells of it"({ page }) {
+    await page.goto(at("#/"));
+    await page.evaluate(() => {
+      globalThis.told = [];
+      globalThis.Notification = class {
+        static permission = "granted";
+        static requestPermission() { return Promise.resolve("granted"); }
+        constructor(title) { globalThis.told.push(title); }
+      };
+    });
+    await page.getByRole("checkbox", { name: "Notify me of ends" }).check();
+    await page.getByLabel("choose a file").setInputFiles(given.archive);
+    await page.getByLabel("Samples per pixel, at most").fill("1000000");
+    await page.getByLabel("Stop at a relative error of, %").fill("0.01");
+    await page.getByLabel("Stop after, minutes").fill("1");
+    await page.getByRole("button", { name: "Render", exact: true }).click();
+    await page.getByText(/^It will have a relative error of about .* asked for, which would take/).waitFor();
+    const told = await page.evaluate(() => globalThis.told);
+    assert.ok(told.some((title) => title.endsWith(": its error is out of reach")), JSON.stringify(told));
+    await look(page, "out-of-reach");
+    await page.getByRole("link", { name: "← All renders" }).click();
+    await page.getByText(/left, error out of reach$/).waitFor();
+    await page.goBack();
+    await page.getByRole("button", { name: "Cancel render…" }).click();
+    await page.getByRole("dialog", { name: "Cancel this render?" }).getByRole("button", { name: "Cancel render" }).click();
+    await page.locator('h1 .badge[data-state="CANCELLED"]').waitFor();
+  },
+
   async "an archive becomes a render whose image changes by itself"({ page, note }) {
+    await page.goto(at("#/"));
     await page.getByLabel("choose a file").setInputFiles(given.archive);
     await page.getByLabel("Samples per pixel, at most").fill("100000");
     await page.getByLabel("Stop at a relative error of, %").fill("0.1");
@@ -483,13 +560,33 @@ const checks = {
     await page.getByText("Quarantine", { exact: true }).waitFor({ state: "detached" });
   },
 
+  async "a worker is drained and released, by keyboard"({ page }) {
+    const [{ id }] = (await (await fetch(`${given.url}/v1/workers`)).json()).workers;
+    await page.getByRole("button", { name: `Drain ${id}` }).focus();
+    await page.keyboard.press("Enter");
+    await page.getByText(/^Drain(ing|ed)$/).waitFor();
+    const release = page.getByRole("button", { name: `Release ${id}` });
+    await release.focus();
+    await page.keyboard.press("Enter");
+    await page.getByRole("button", { name: `Drain ${id}` }).waitFor();
+  },
+
   async "workers and speed have their pages"({ page }) {
     await page.getByRole("link", { name: "Workers" }).click();
     await page.locator(".events").getByText("joined").first().waitFor();
     await look(page, "workers");
     await page.getByRole("link", { name: "Speed" }).click();
-    await page.locator(".events tbody tr").first().waitFor();
+    const boxes = page.getByRole("checkbox", { name: /in the chart$/ });
+    await boxes.first().waitFor();
+    await page.locator(".plot .uplot").waitFor();
+    await boxes.first().focus();
+    await page.keyboard.press("Space");
+    await page.waitForURL("**/#/speed?renders=*");
+    assert.equal(await boxes.first().isChecked(), false);
+    await page.getByRole("rowheader", { name: "cornell" }).first().waitFor();
     await look(page, "speed");
+    const height = await page.evaluate(() => document.documentElement.scrollHeight);
+    assert.ok(height < 4000, `the page is ${height} px long`);
   },
 
   async "the API's reference shows schemas and examples, and loads nothing from elsewhere"({ page }) {

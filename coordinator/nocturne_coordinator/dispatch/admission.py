@@ -63,7 +63,7 @@ class Admission:
 
     def _follow(self, event: RendersSeen) -> Steps[bool]:
         state, at = self._state, event.at
-        state.fleet.quarantined = event.quarantined
+        state.fleet.quarantined, state.fleet.drained = event.quarantined, event.drained
         rows = {row.id: row for row in event.renders}
         for render in [each for each in state.renders.values() if _is_lost(each, rows)]:
             yield from self._commits.lose(render.id)

@@ -1,7 +1,7 @@
 """What the core is told, with the times at which it happened. Pure: values, nothing else."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple, TypeAlias
 
 from nocturne_coordinator.dispatch.liveness import Holder
@@ -81,6 +81,8 @@ class RendersSeen:
     """Workers, and why."""
     coordinators: int
     """That work on the folder."""
+    drained: Mapping[str, str] = field(default_factory=dict)
+    """Workers that finish what they have and get nothing more, and why."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,13 +11,15 @@ from nocturne_coordinator.limits import MAX_THREADS
 
 
 class Fleet:
-    """Who is there, who is in quarantine or incompatible, and what that leaves."""
+    """Who is there, who is in quarantine, drained or incompatible, and what that leaves."""
 
     def __init__(self) -> None:
         self.liveness = Liveness()
         self.workers: tuple[WorkerRow, ...] = ()
         self.quarantined: Mapping[str, str] = {}
         """Workers that are to take no jobs, and why."""
+        self.drained: Mapping[str, str] = {}
+        """Workers that are to take no jobs, though what they finish counts, and why."""
         self.incompatible: Mapping[str, str] = {}
         """Workers that are to take no jobs though they are not in quarantine, and why."""
         self.threads = 0
@@ -30,12 +32,12 @@ class Fleet:
         """Part of the workers that this coordinator's renders should get."""
         self._profiles: Collection[str] = ()
         self._live: dict[str, set[str]] = {}
-        self._live_of: tuple[object, object, object] = (None, None, None)
+        self._live_of: tuple[object, ...] = (None,) * 4
 
     def live(self, floating_point_profile: str = "") -> set[str]:
         """Machines whose workers take jobs; of one floating-point profile, unless it is empty."""
         # Asked for often, and long where there are thousands.
-        now = (self.workers, self.quarantined, self.incompatible)
+        now = (self.workers, self.quarantined, self.incompatible, self.drained)
         if any(a is not b for a, b in zip(now, self._live_of, strict=True)):
             self._live, self._live_of = {"": set()}, now
             for worker in self.workers:
@@ -68,10 +70,11 @@ class Fleet:
 
     def without_jobs(self) -> dict[str, str]:
         """All workers and machines that are to take no jobs, and why."""
-        return {**self.incompatible, **self.quarantined}
+        return {**self.incompatible, **self.drained, **self.quarantined}
 
     def _takes_jobs(self, worker: WorkerRow) -> bool:
-        return machine_of(worker.id) not in self.quarantined and worker.id not in self.incompatible
+        refused = worker.id in self.incompatible or worker.id in self.drained
+        return not refused and machine_of(worker.id) not in self.quarantined
 
     def _find_incompatible(self) -> dict[str, str]:
         before, found = self.incompatible, incompatible(self.workers, self.quarantined, self._profiles)

@@ -81,6 +81,7 @@ class RunningRender:
         self._is_seen = row.totals.ranges > 0
         self._recent: deque[tuple[float, int]] = deque()
         self._last_rate = 0.0
+        self._is_out_of_reach = False
         self._history_photons = 0.0
         self._contributors: dict[int, set[str]] = {}
         self._since = now
@@ -231,7 +232,9 @@ class RunningRender:
             cpu_seconds=self.totals.cpu_seconds,
             ran_seconds=self.ran_seconds(now),
         )
-        return forecast(measured, self.row.stop, unix_time)
+        found = forecast(measured, self.row.stop, unix_time, self._is_out_of_reach)
+        self._is_out_of_reach = bool(found.out_of_reach)
+        return found
 
     def cost(self, tile_index: int, range_index: int) -> float:
         """Processor seconds that a range takes, as far as is known; for sharing workers."""

@@ -52,7 +52,8 @@ class Commits:
                    truncated_paths = ?, photon_bundles = ?, cpu_seconds = ?,
                    audited = ?, refused = ?, photons_per_second = iif(state = 'RUNNING', ?, 0), ran_seconds =
                    ?, tiles_done = ?, tiles_failed = ?, predicted_end = ?, predicted_cpu_seconds = ?,
-                   floating_point_profile = ?, sequence = sequence + 1
+                   out_of_reach = iif(state = 'RUNNING', ?, ''), floating_point_profile = ?,
+                   sequence = sequence + 1
                WHERE id = ? AND state IN ('QUEUED', 'RUNNING', 'PAUSED')""",
             (
                 totals.ranges,
@@ -70,6 +71,7 @@ class Commits:
                 len(tuple(commit.failed_tiles)),
                 commit.forecast.end,
                 commit.forecast.cpu_seconds,
+                commit.forecast.out_of_reach,
                 commit.floating_point_profile,
                 commit.render_id,
             ),
@@ -165,7 +167,8 @@ class Commits:
             changed = self._database.execute(
                 """UPDATE render
                    SET state = ?, reason = ?, ended = ?, image_final = ?, photons_per_second = 0,
-                       predicted_end = 0, predicted_cpu_seconds = cpu_seconds, sequence = sequence + 1
+                       predicted_end = 0, predicted_cpu_seconds = cpu_seconds, out_of_reach = '',
+                       sequence = sequence + 1
                    WHERE id = ? AND state IN ('QUEUED', 'RUNNING') AND schedule = ? AND stop = ?""",
                 (
                     state.value,

@@ -3,7 +3,9 @@
 Asking twice is asking once.
 """
 
+import json
 import time
+from collections.abc import Sequence
 
 from nocturne_scene.ranges import extended_schedule, ranges_planned
 
@@ -16,6 +18,7 @@ from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.quotas import NO_QUOTA, Quota, check_quota
 from nocturne_coordinator.store.renders import Renders, check_priority
 from nocturne_coordinator.store.rows import NewRender, RenderRow
+from nocturne_coordinator.store.tags import checked_tags
 from nocturne_coordinator.store.tiles import Tiles
 
 
@@ -35,7 +38,7 @@ class RenderRequests:
         """
         self._database.execute(
             """UPDATE render SET state = 'CANCELLED', reason = 'Cancelled by request.', ended = ?,
-                   photons_per_second = 0, sequence = sequence + 1
+                   photons_per_second = 0, out_of_reach = '', sequence = sequence + 1
                WHERE id = ? AND state IN ('QUEUED', 'RUNNING', 'PAUSED')""",
             (time.time(), render_id),
         )
@@ -72,6 +75,15 @@ class RenderRequests:
         )
         return self._renders.get(render_id)
 
+    def set_tags(self, render_id: str, tags: Sequence[str]) -> RenderRow:
+        """Other tags instead of those that it had. Raises NotFound, InputError."""
+        text = json.dumps(checked_tags(tags), ensure_ascii=False)
+        self._database.execute(
+            "UPDATE render SET tags = ?, sequence = sequence + 1 WHERE id = ? AND tags <> ?",
+            (text, render_id, text),
+        )
+        return self._renders.get(render_id)
+
     def look_first(self, render_id: str, region: Region | None) -> RenderRow:
         """Which part of the film gets its samples first; None: all alike. Raises NotFound, InputError."""
         render = self._renders.get(render_id)
@@ -103,8 +115,8 @@ class RenderRequests:
             self._database.execute("DELETE FROM failed_tile WHERE render_id = ?", (render_id,))
             self._database.execute(
                 """UPDATE render SET samples = ?, schedule = ?, stop = ?, ranges_planned = ?, state = ?,
-                reason =
-                '', ended = 0, image_final = 0, sequence = sequence + 1 WHERE id = ?""",
+                    reason = '', ended = 0, image_final = 0, out_of_reach = '', out_of_reach_told = 0,
+                    sequence = sequence + 1 WHERE id = ?""",
                 (
                     samples,
                     schedule.SerializeToString(deterministic=True),
@@ -144,6 +156,7 @@ class RenderRequests:
                 way=original.way,
                 layers=original.layers,
                 layers_sha256=original.layers_sha256,
+                tags=original.tags,
             ),
             quota,
         )
@@ -153,7 +166,8 @@ class RenderRequests:
         marks = ", ".join("?" * len(of))
         self._database.execute(
             f"""UPDATE render SET state = ?, reason = ?, ended = 0, image_final = 0, photons_per_second = 0,
-                    predicted_end = 0, sequence = sequence + 1 WHERE id = ? AND state IN ({marks})""",  # noqa: S608
+                    predicted_end = 0, out_of_reach = '', sequence = sequence + 1
+                WHERE id = ? AND state IN ({marks})""",  # noqa: S608
             (to, reason, render_id, *of),
         )
 

@@ -24,6 +24,7 @@ from nocturne_coordinator.errors import AmbiguousId, Conflict, FilesGone
 from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.quotas import NO_QUOTA, Quota, check_quota
 from nocturne_coordinator.store.rows import MergedTotals, NewRender, RenderRow
+from nocturne_coordinator.store.tags import SEARCHED, TAGGED, words_of
 
 _COLUMNS = ", ".join(field.name for field in fields(RenderRow))
 
@@ -74,9 +75,9 @@ class Renders:
             """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
                    photons_per_sample, scene_sha256, engine, created, ranges_planned, schedule,
                    scene_document, stop, priority, owner, tiles, floating_point_profile, quantity,
-                   warnings, way, layers, layers_sha256, in_group, after_group, stored_bytes)
+                   warnings, way, layers, layers_sha256, in_group, after_group, tags, stored_bytes)
                VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?,
-                   ?, ?, ?)""",
+                   ?, ?, ?, ?)""",
             (
                 render_id,
                 new.request_id,
@@ -104,6 +105,7 @@ class Renders:
                 new.layers_sha256,
                 new.in_group,
                 new.after_group,
+                json.dumps(new.tags, ensure_ascii=False),
                 self._bytes_of(new),
             ),
         )
@@ -156,10 +158,16 @@ class Renders:
         raise AmbiguousId(f"more than one render has an id that begins with {start!r}: {shown}{more}")
 
     def page(
-        self, page_size: int, page_token: str, owner: str | None = None, group: str = ""
+        self,
+        page_size: int,
+        page_token: str,
+        owner: str | None = None,
+        group: str = "",
+        tag: str = "",
+        search: str = "",
     ) -> tuple[list[RenderRow], str]:
-        """Newest first, of one owner or of all, of one group or of any; the next page's token, empty on the
-        last.
+        """Newest first, of one owner or of all; only those of a group, with a tag, or with all words of a
+        search, where these are given. The next page's token, empty on the last.
 
         A page size of 0 means 50, at most 200 come.
 
@@ -168,16 +176,34 @@ class Renders:
         if page_size < 0:
             raise InputError.at("page_size", f"is {page_size}; expected 0 to {limits.MAX_PAGE}")
         size = min(page_size or limits.DEFAULT_PAGE, limits.MAX_PAGE)
-        wanted = {"owner": owner, "in_group": group or None}
-        asked = {column: value for column, value in wanted.items() if value is not None}
-        conditions = "".join(f"{column} = ? AND " for column in asked)
+        asked = [
+            *([("owner = ?", owner)] if owner is not None else []),
+            *([("in_group = ?", group)] if group else []),
+            *([(TAGGED, tag)] if tag else []),
+            *((SEARCHED, word) for word in words_of(search)),
+        ]
+        conditions = "".join(f"{condition} AND " for condition, _ in asked)
         rows = self._database.rows(
             f"""SELECT number, {_COLUMNS} FROM render WHERE {conditions} number < ?
                 ORDER BY number DESC LIMIT ?""",  # noqa: S608
-            (*asked.values(), _decode_page_token(page_token), size + 1),
+            (*(value for _, value in asked), _decode_page_token(page_token), size + 1),
         )
         token = _encode_page_token(rows[size - 1]["number"]) if len(rows) > size else ""
         return [_render_row(row) for row in rows[:size]], token
+
+    def baselines(self, render_id: str, owner: str | None = None) -> list[RenderRow]:
+        """Renders of the same scene document and film by other engines that have ended with an image: the
+        newest of each, newest engine first; of one owner or of all. Raises NotFound."""
+        render = self.get(render_id)
+        rows = self._database.rows(
+            f"""SELECT {_COLUMNS} FROM render WHERE width = ? AND height = ? AND engine <> ?
+                    AND state IN ('SUCCEEDED', 'STOPPED_EARLY') AND (?4 IS NULL OR owner = ?4)
+                    AND scene_document = (SELECT scene_document FROM render WHERE id = ?5)
+                ORDER BY number""",  # noqa: S608
+            (render.width, render.height, render.engine, owner, render_id),
+        )
+        newest = {row["engine"]: _render_row(row) for row in rows}
+        return [newest[engine] for engine in sorted(newest, reverse=True)]
 
     def scene_document(self, render_id: str) -> str:
         """The JSON that was submitted; raises NotFound."""
@@ -246,6 +272,7 @@ def _render_row(row: sqlite3.Row) -> RenderRow:
     values["image_final"] = bool(values["image_final"])
     values["warnings"] = tuple(json.loads(values["warnings"]))
     values["layers"] = tuple(json.loads(values["layers"]))
+    values["tags"] = tuple(json.loads(values["tags"]))
     values["stop"] = StopConditions.from_json(values["stop"])
     return RenderRow(**values)
 
@@ -263,6 +290,8 @@ def _request_digest(new: NewRender) -> str:
         content.append(["layers", *new.layers])
     if new.in_group or new.after_group:
         content.append(["group", new.in_group, new.after_group])
+    if new.tags:
+        content.append(["tags", *new.tags])
     return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
 

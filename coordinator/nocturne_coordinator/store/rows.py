@@ -39,6 +39,8 @@ class NewRender:
     in_group: str = ""
     after_group: str = ""
     """What it was submitted with, and what has to end before it begins; see store/groups.py."""
+    tags: tuple[str, ...] = ()
+    """Words to sort renders by; see store/tags.py."""
     files: tuple[str, ...] = ()
     """Digests of the compiled scene's files, which must be there when the render is made."""
 
@@ -56,6 +58,8 @@ class RenderRow:
     samples: int
     photons_per_sample: int
     scene_sha256: str
+    engine: int
+    """Version of the tracing engine."""
     floating_point_profile: str
     """How all its workers round; empty before the first result."""
     sequence: int
@@ -78,6 +82,8 @@ class RenderRow:
     """See NewRender."""
     in_group: str
     after_group: str
+    """See NewRender."""
+    tags: tuple[str, ...]
     """See NewRender."""
     truncated_paths: int
     photon_bundles: int
@@ -110,6 +116,8 @@ class RenderRow:
     """Unix time; 0 unknown."""
     predicted_cpu_seconds: float
     """In all; 0 unknown."""
+    out_of_reach: str
+    """Why the error asked for will not be reached in time, a sentence; empty: it will, or nobody knows."""
     look_first: str
     """JSON of a Region; empty: no part of the film goes first."""
     image_final: bool

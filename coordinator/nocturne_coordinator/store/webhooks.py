@@ -1,4 +1,4 @@
-"""Who is told how renders end, and what is still to be told.
+"""Who is told how renders end, and what is still to be told; also that one will miss its error.
 
 A trigger notes the message in the transaction that ends the render, whoever wrote that, so none is lost and
 none is told of an end that did not happen.
@@ -35,7 +35,7 @@ class Webhook:
 
 @dataclass(frozen=True, slots=True)
 class WebhookMessage:
-    """One end to be told to one address."""
+    """One end, or a miss to come, to be told to one address."""
 
     number: int
     webhook_id: str
@@ -48,6 +48,8 @@ class WebhookMessage:
     reason: str
     doubt: str
     """Why the image's error is not to be trusted; empty: it is."""
+    event: str
+    """`out_of_reach`, or empty: the render has ended."""
     unix_time: float
     attempts: int
 
@@ -101,7 +103,7 @@ class Webhooks:
         with self._database.transaction():
             rows = self._database.rows(
                 """SELECT number, webhook_id, url, secret, message_id, render_id, name, state, reason,
-                       doubt, unix_time, attempts
+                       doubt, event, unix_time, attempts
                    FROM webhook_message JOIN webhook ON webhook.id = webhook_id
                    WHERE due <= ? ORDER BY due, number LIMIT ?""",
                 (now, most),

@@ -26,6 +26,12 @@ class WorkerRecords:
         rows = self._database.rows("SELECT worker_id, reason FROM quarantine")
         return {row["worker_id"]: row["reason"] for row in rows}
 
+    def drained(self) -> dict[str, str]:
+        """Workers that finish what they have and get nothing more, and why."""
+        rows = self._database.rows("SELECT worker_id, who FROM drain")
+        by = {row["worker_id"]: f", by {row['who']}" if row["who"] else "" for row in rows}
+        return {worker: f"It is drained{who}." for worker, who in by.items()}
+
     def quarantine(self, worker_id: str, reason: str, now: float) -> None:
         """Takes no more results of a worker, until somebody releases it."""
         with self._leases.owned(durable=True):

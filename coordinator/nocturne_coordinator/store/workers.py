@@ -12,6 +12,10 @@ from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.events import note_worker
 from nocturne_coordinator.store.rows import RatePoint, WorkerEvent
 
+_LAST_JOBS_SECONDS = 10.0
+"""Until it is told, a worker that is drained may take another job, which is listed as its own some seconds
+later. A worker's status holds as long."""
+
 _COLUMNS = ", ".join(field.name for field in fields(WorkerRow))
 
 
@@ -42,11 +46,37 @@ class Workers:
         rows = self._database.rows("SELECT worker_id, reason FROM quarantine ORDER BY since")
         return {row["worker_id"]: row["reason"] for row in rows}
 
-    def release(self, worker_id: str) -> None:
-        """Takes a worker's results again; raises NotFound where it is not in quarantine."""
+    def drain(self, worker_id: str, who: str) -> None:
+        """Gives a worker no more jobs; what it has in hand counts. Again changes nothing.
+
+        Raises NotFound for a worker that was not heard of lately.
+        """
         with self._database.transaction():
-            if not self._database.execute("DELETE FROM quarantine WHERE worker_id = ?", (worker_id,)):
-                raise NotFound(f"no worker {worker_id!r} is in quarantine")
+            if all(worker.id != worker_id for worker in self.alive()):
+                raise NotFound(f"no worker {worker_id!r} was heard of in the last ten seconds")
+            now = time.time()
+            if self._database.execute("INSERT OR IGNORE INTO drain VALUES (?, ?, ?)", (worker_id, who, now)):
+                note_worker(self._database, now, worker_id, "draining", f"by {who}" if who else "")
+
+    def drained(self) -> dict[str, bool]:
+        """Workers that get no more jobs, and whether they have finished all that they had."""
+        rows = self._database.rows(
+            """SELECT worker_id, since < ? AND NOT EXISTS
+                   (SELECT 1 FROM at_work WHERE at_work.worker_id = drain.worker_id) AS done FROM drain""",
+            (time.time() - _LAST_JOBS_SECONDS,),
+        )
+        return {row["worker_id"]: bool(row["done"]) for row in rows}
+
+    def release(self, worker_id: str) -> None:
+        """Gives a worker jobs and takes its results again; raises NotFound where it is neither in quarantine
+        nor drained."""
+        with self._database.transaction():
+            freed = [
+                self._database.execute(f"DELETE FROM {table} WHERE worker_id = ?", (worker_id,))  # noqa: S608
+                for table in ("quarantine", "drain")
+            ]
+            if not any(freed):
+                raise NotFound(f"no worker {worker_id!r} is in quarantine or drained")
             note_worker(self._database, time.time(), worker_id, "released", "")
 
     def history(self, events: int) -> tuple[list[WorkerEvent], list[RatePoint]]:

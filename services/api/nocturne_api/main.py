@@ -69,6 +69,17 @@ def _settings() -> Settings:
     _add_quotas(parser)
     _add_storage(parser)
     parser.add_argument(
+        "--core-hour-price",
+        type=float,
+        metavar="PRICE",
+        default=Settings.core_hour_price,
+        help="of an hour of one worker's processor: shows what renders and owners cost; 0: it is not "
+        "shown (default: %(default)g)",
+    )
+    parser.add_argument(
+        "--currency", default=Settings.currency, help="of that price, as it is shown (default: %(default)s)"
+    )
+    parser.add_argument(
         "--objects",
         default="",
         metavar="URL",

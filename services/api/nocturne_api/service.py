@@ -16,6 +16,7 @@ from nocturne_api.addresses import AddressError, check_host, listen
 from nocturne_api.background.space import StorageLimits
 from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.grpc.server import GrpcEndpoint
+from nocturne_api.models.usage import CoreHourPrice
 from nocturne_api.operations.operations import Operations
 from nocturne_api.rest.app import build_rest
 from nocturne_api.rest.protocol import BoundedProtocol
@@ -52,6 +53,9 @@ class Settings:
     """How long files stay that no render uses."""
     data_bytes: float = 0.0
     """Size of the data folder at which it takes no more; 0: none."""
+    core_hour_price: float = 0.0
+    """Of an hour of one worker's processor; 0: none is shown."""
+    currency: str = "EUR"
     objects: str = ""
     """Address of an object store for assets and finished images; empty: none."""
 
@@ -148,7 +152,8 @@ async def open_service(settings: Settings) -> Service:
     objects = ObjectStore(settings.objects) if settings.objects else None
     storage = StorageLimits(settings.unused_seconds, settings.data_bytes)
     quota = Quota(settings.owner_open_renders, settings.owner_open_samples, settings.owner_stored_bytes)
-    operations = await Operations.open(settings.data, compile_limits, rules, objects, quota, storage)
+    price = CoreHourPrice(settings.core_hour_price, settings.currency)
+    operations = await Operations.open(settings.data, compile_limits, rules, objects, quota, storage, price)
     try:
         return Service(settings, operations)
     except BaseException:

@@ -36,6 +36,7 @@ from nocturne_client.models import (
     Region,
     Render,
     Session,
+    Usage,
     Webhook,
     Worker,
     WorkOfWorker,
@@ -46,7 +47,7 @@ from nocturne_client.transport import RETRY_DELAYS_S, Transport
 if TYPE_CHECKING:
     from nocturne_client.tiles import TileAnswer
 
-ImageKind = Literal["exr", "png", "scene", "denoised_exr", "denoised_png", "difference"]
+ImageKind = Literal["exr", "png", "scene", "denoised_exr", "denoised_png", "difference", "log", "bundle"]
 UploadProgress = Callable[[Path, int, int], None]
 
 _PATHS: dict[ImageKind, str] = {
@@ -56,6 +57,8 @@ _PATHS: dict[ImageKind, str] = {
     "denoised_exr": "denoised.exr",
     "denoised_png": "denoised.png",
     "difference": "difference.png",
+    "log": "log.txt",
+    "bundle": "bundle.zip",
 }
 # The service sends a comment every 15 s, so a longer silence is a lost connection.
 _WATCH_TIMEOUT = httpx.Timeout(40.0, connect=5.0)
@@ -127,6 +130,7 @@ class Client:
         changes: Mapping[str, Any] | None = None,
         group: str = "",
         after: str = "",
+        tags: Sequence[str] = (),
     ) -> Render:
         """Uploads what the scene document at `scene` names and the service lacks, and starts a render.
 
@@ -136,7 +140,7 @@ class Client:
         `changes` of the document: values by their places, such as `sensor.position[0]`.
         `layers`: what the EXR is to tell of surfaces, of albedo, normal, depth, position, object, material.
         Renders with the same `group` are one; `after`: a group that has to end before this render begins.
-        Submitting again with the same `request_id` gives the same render.
+        `tags`: words to sort renders by. Submitting again with the same `request_id` gives the same render.
         """
         if isinstance(scene, Path):
             on_disk = self._uploaded(scene, progress)
@@ -155,6 +159,7 @@ class Client:
             "layers": [*layers],
             "group": group,
             "after": after,
+            "tags": [*tags],
         }
         return decode(Render, self._transport.post("/v1/renders", body))
 
@@ -236,10 +241,19 @@ class Client:
         """The render's weight among those of its owner, 1 to 1000."""
         return self._act(render_id, "setPriority", {"priority": priority})
 
+    def set_tags(self, render_id: str, tags: Sequence[str]) -> Render:
+        """Words to sort renders by, instead of those that it has."""
+        return self._act(render_id, "setTags", {"tags": [*tags]})
+
     def replay(self, render_id: str, request_id: str | None = None) -> Render:
         """A new render with the samples per tile that this one has: its image has the same bits."""
         body = {"request_id": request_id or str(uuid.uuid4())}
         return decode(Render, self._transport.post(f"/v1/renders/{_part(render_id)}:replay", body))
+
+    def baselines(self, render_id: str) -> Sequence[Render]:
+        """Renders of the same scene and film by other engines, the newest of each."""
+        answer = self._transport.get(f"/v1/renders/{_part(render_id)}/baselines")
+        return [decode(Render, each) for each in answer["renders"]]
 
     def explain(self, render_id: str) -> str:
         """What the render waits for, in one sentence."""
@@ -301,8 +315,14 @@ class Client:
             params["threshold"] = threshold
         return decode(Glare, self._transport.get(f"/v1/renders/{_part(render_id)}/glare", params))
 
+    def drain_worker(self, worker_id: str) -> None:
+        """Gives a worker no more jobs; it finishes those that it has."""
+        self._transport.retrying(
+            partial(self._transport.send, "POST", f"/v1/workers/{_part(worker_id)}:drain")
+        )
+
     def release_worker(self, worker_id: str) -> None:
-        """Takes the results of a worker in quarantine again."""
+        """Gives a worker in quarantine, or a drained one, jobs again, and takes its results."""
         self._transport.retrying(
             partial(self._transport.send, "POST", f"/v1/workers/{_part(worker_id)}:release")
         )
@@ -386,12 +406,18 @@ class Client:
         """All renders of a group together."""
         return decode(Group, self._transport.get(f"/v1/groups/{_part(name)}"))
 
-    def list(self, limit: int = 50, group: str = "") -> Sequence[Render]:
-        """The newest renders, of one group or of any, at most `limit`."""
+    def usage(self) -> Usage:
+        """Who uses what, and what it costs."""
+        return decode(Usage, self._transport.get("/v1/usage"))
+
+    def list(self, limit: int = 50, group: str = "", tag: str = "", search: str = "") -> Sequence[Render]:
+        """The newest renders, at most `limit`: of one group, with a tag, or with all words of a search in
+        name, id, owner, state, group or tags, where these are given."""
         found: list[Render] = []
         token = ""
         while len(found) < limit:
-            params = {"page_size": min(200, limit - len(found)), "page_token": token, "group": group}
+            chosen = {"group": group, "tag": tag, "search": search}
+            params = {"page_size": min(200, limit - len(found)), "page_token": token, **chosen}
             page = self._transport.get("/v1/renders", params=params)
             found += [decode(Render, each) for each in page["renders"]]
             token = page["next_page_token"]

@@ -119,6 +119,8 @@ class Render:
     """Samples per pixel asked for, at most."""
     scene_sha256: str
     """SHA-256 of the compiled scene, hexadecimal."""
+    engine: int
+    """Version of the tracing engine that its samples are by."""
     floating_point_profile: str
     """How its workers round, which all do alike; empty before the first result."""
     quantity: str
@@ -141,6 +143,12 @@ class Render:
     """What it was submitted with; empty: alone."""
     after: str
     """The group that has to end before it begins; empty: none."""
+    tags: list[str]
+    """Words to sort renders by."""
+    out_of_reach: str
+    """Why the error asked for will not be reached before a time ends the render, a sentence, by its rate
+    so far; empty: it will, or nobody knows.
+    """
     sequence: int
     """Grows with every change that watchers should see."""
     created: float
@@ -409,6 +417,10 @@ class Worker:
     """How it rounds; renders take results of one profile only."""
     incompatible: str
     """Why it gets no jobs though it is not in quarantine; empty: it gets them."""
+    drain: str
+    """"draining": it finishes the jobs in hand and gets no others; "drained": it has none any more, and
+    can be stopped; empty: neither.
+    """
 
 
 @dataclass(frozen=True)
@@ -425,6 +437,40 @@ class WorkOfWorker:
     """How many of its tiles the worker has."""
     since: float
     """Unix time at which it was first seen with the oldest of these."""
+
+
+@dataclass(frozen=True)
+class OwnerUsage:
+    """One owner's renders, those that were deleted included."""
+
+    owner: str
+    """Name of the token; empty without authentication."""
+    weight: int
+    """Of the token, among others: 200 gets twice the work of 100."""
+    renders: int
+    """All that there ever were."""
+    open_renders: int
+    """Queued, running or paused."""
+    share: float
+    """Part of the jobs in the hands of workers, now: 0 to 1."""
+    cpu_seconds: float
+    """Processor seconds of workers, in results that counted."""
+    cost: float
+    """Of these; 0 where no price is set."""
+    stored_bytes: int
+    """What its renders that are there take of the disk, at most."""
+
+
+@dataclass(frozen=True)
+class Usage:
+    """Who uses what, of those that the caller may see."""
+
+    core_hour_price: float
+    """Of an hour of one processor; 0: none is set."""
+    currency: str
+    """Of the price."""
+    owners: list[OwnerUsage]
+    """Most processor time first."""
 
 
 @dataclass(frozen=True)

@@ -43,6 +43,17 @@ export function formatDuration(seconds: number): string {
   return `${Math.floor(whole / 3600)}\u00a0h ${twoDigits(Math.floor((whole % 3600) / 60))}\u00a0min`;
 }
 
+/** "0.60 EUR"; what is below a hundredth is not said to be nothing. */
+export function formatMoney(amount: number, currency: string): string {
+  const text = amount >= 0.01 || amount === 0 ? amount.toLocaleString("en", { minimumFractionDigits: 2, maximumFractionDigits: 2 }) : amount.toPrecision(2);
+  return `${text}\u00a0${currency}`;
+}
+
+/** Words between commas, each once. */
+export function wordsOf(text: string): string[] {
+  return [...new Set(text.split(",").map((word) => word.trim()).filter(Boolean))];
+}
+
 /** An exposure with its sign: "+1.5 EV". */
 export function formatStops(stops: number): string {
   const sign = stops > 0 ? "+" : stops < 0 ? "−" : "";

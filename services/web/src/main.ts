@@ -3,6 +3,7 @@ import { element, required, setText } from "./dom.ts";
 import { getSession, signOut } from "./service/client.ts";
 import { parseRoute } from "./router.ts";
 import { notifyOfEnds } from "./service/notifier.ts";
+import { loadPrice } from "./service/price.ts";
 import { Renders } from "./service/renders.ts";
 import "./style/page.css";
 import "./style/list.css";
@@ -63,6 +64,7 @@ function openView(view: View): View {
 function signedIn(): void {
   required("sign-out").hidden = false;
   renders.start();
+  loadPrice().catch(() => undefined);
   current = open();
 }
 
@@ -85,6 +87,7 @@ document.querySelector(".skip")?.addEventListener("click", (event) => {
   required("content").focus();
 });
 required("sign-out").addEventListener("click", () => void signOut().then(() => { location.reload(); }));
+loadPrice().catch(() => undefined);
 // Who has a name came with a token.
 getSession().then(({ name }) => { required("sign-out").hidden = name === ""; }, () => undefined);
 // An address as people type it, /renders/ID: the service answers all of these with this page.

@@ -5,7 +5,7 @@ import { requestOf } from "../../../services/web/src/submit/form.ts";
 import { listed } from "../../../services/web/src/views/list_order.ts";
 
 function render(id: string, name: string, state: Render["state"], error: number, predicted_end: number, cpu_seconds: number): Render {
-  return { id, name, owner: "", state, ended: 5, progress: { relative_error: error, predicted_end, cpu_seconds } } as Render;
+  return { id, name, owner: "", tags: [], state, ended: 5, progress: { relative_error: error, predicted_end, cpu_seconds } } as unknown as Render;
 }
 
 const all = [render("r-3", "glass", "RUNNING", 0.1, 300, 5), render("r-2", "box", "SUCCEEDED", 0.5, 0, 50), render("r-1", "sky", "RUNNING", 0.2, 200, 1)];

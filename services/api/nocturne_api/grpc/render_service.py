@@ -49,6 +49,7 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
                     layers=[*request.layers],
                     group=request.group,
                     after=request.after,
+                    tags=[*request.tags],
                 )
             )
             return render_message(created)
@@ -70,7 +71,9 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
         self, request: pb.ListRendersRequest, context: Context
     ) -> pb.ListRendersResponse:
         async with Answering(context):
-            page = await self._operations.renders.list(request.page_size, request.page_token, request.group)
+            page = await self._operations.renders.list(
+                request.page_size, request.page_token, request.group, request.tag, request.search
+            )
             renders = [render_message(view) for view in page.renders]
             return pb.ListRendersResponse(renders=renders, next_page_token=page.next_page_token)
 
@@ -102,6 +105,10 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
     async def SetPriority(self, request: pb.SetPriorityRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
             return render_message(await self._operations.controls.set_priority(request.id, request.priority))
+
+    async def SetTags(self, request: pb.SetTagsRequest, context: Context) -> pb.Render:  # noqa: N802
+        async with Answering(context):
+            return render_message(await self._operations.controls.set_tags(request.id, [*request.tags]))
 
     async def LookFirst(self, request: pb.LookFirstRequest, context: Context) -> pb.Render:  # noqa: N802
         async with Answering(context):
@@ -142,6 +149,13 @@ class RenderService(render_service_pb2_grpc.RenderServiceServicer):
         async with Answering(context), self._operations.streams.newest() as states:
             async for state in states:
                 yield render_message(state)
+
+    async def DrainWorker(  # noqa: N802
+        self, request: pb.DrainWorkerRequest, context: Context
+    ) -> pb.DrainWorkerResponse:
+        async with Answering(context):
+            await self._operations.workers.drain(request.id)
+            return pb.DrainWorkerResponse()
 
     async def ReleaseWorker(  # noqa: N802
         self, request: pb.ReleaseWorkerRequest, context: Context

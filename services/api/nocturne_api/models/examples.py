@@ -34,6 +34,24 @@ CREATE_RENDER: dict[str, Any] = {
     "priority": 100,
     "layers": ["albedo", "normal"],
     "group": "film",
+    "tags": ["lobby"],
+}
+
+USAGE: dict[str, Any] = {
+    "core_hour_price": 0.04,
+    "currency": "EUR",
+    "owners": [
+        {
+            "owner": "ann",
+            "weight": 100,
+            "renders": 31,
+            "open_renders": 2,
+            "share": 0.75,
+            "cpu_seconds": 90000.0,
+            "cost": 1.0,
+            "stored_bytes": 734003200,
+        }
+    ],
 }
 
 GROUP: dict[str, Any] = {
@@ -66,6 +84,7 @@ RENDER: dict[str, Any] = {
     "height": 480,
     "samples": 1024,
     "scene_sha256": SHA256,
+    "engine": 12,
     "floating_point_profile": "x86-64-avx2",
     "quantity": "luminance",
     "unit": "cd/m2",
@@ -77,6 +96,8 @@ RENDER: dict[str, Any] = {
     "layers": ["albedo", "normal"],
     "group": "film",
     "after": "",
+    "tags": ["lobby"],
+    "out_of_reach": "",
     "way": "photons from the sensor, shared by blocks of 16 pixels: 5.8 times less time to the same error "
     "than by photons from the sensor, by a pilot of 933,632 photons",
     "sequence": 12,
@@ -188,6 +209,7 @@ WORKER: dict[str, Any] = {
     "jobs_done": 240,
     "started": 1795305000.0,
     "quarantine": "",
+    "drain": "",
     "floating_point_profile": "x86-64-avx2",
     "incompatible": "",
 }

@@ -11,6 +11,7 @@ from pydantic import ConfigDict, Field
 from nocturne_api.models import examples
 from nocturne_api.models.base import Answer, RequestBody, SchemaOf
 
+TAGS = "Words to sort renders by: at most 20, of at most 100 printable characters without a comma."
 REQUEST_ID = "Chosen by the caller, 1 to 128 printable characters: the same id gives the same render again."
 
 
@@ -126,6 +127,7 @@ class Render(Answer):
     height: int = Field(description="Pixels.")
     samples: int = Field(description="Samples per pixel asked for, at most.")
     scene_sha256: str = Field(description="SHA-256 of the compiled scene, hexadecimal.")
+    engine: int = Field(description="Version of the tracing engine that its samples are by.")
     floating_point_profile: str = Field(
         description="How its workers round, which all do alike; empty before the first result."
     )
@@ -145,6 +147,11 @@ class Render(Answer):
     layers: list[str] = Field(description="Layers that its EXR has beside the image.")
     group: str = Field(description="What it was submitted with; empty: alone.")
     after: str = Field(description="The group that has to end before it begins; empty: none.")
+    tags: list[str] = Field(description="Words to sort renders by.")
+    out_of_reach: str = Field(
+        description="Why the error asked for will not be reached before a time ends the render, a sentence, "
+        "by its rate so far; empty: it will, or nobody knows."
+    )
     sequence: int = Field(description="Grows with every change that watchers should see.")
     created: float = Field(description="Unix time, seconds.")
     started: float = Field(description="Unix time, seconds; 0 before the start.")
@@ -185,6 +192,12 @@ class RenderPage(Answer):
 
     renders: list[Render]
     next_page_token: str = Field(description="Empty on the last page.")
+
+
+class Baselines(Answer):
+    """Renders of the same scene and film by other engines."""
+
+    renders: list[Render] = Field(description="The newest of each engine, newest engine first.")
 
 
 class ReadValue(Answer):
@@ -313,6 +326,7 @@ class CreateRenderRequest(RequestBody):
     after: str = Field(
         default="", description="A group that has to end before this render begins. One without renders has."
     )
+    tags: list[str] = Field(default_factory=list, description=TAGS)
 
 
 class RenderActionRequest(RequestBody):
@@ -341,6 +355,14 @@ class SetPriorityRequest(RenderActionRequest):
     model_config = ConfigDict(json_schema_extra={"examples": [{"priority": 200}]})
 
     priority: int = Field(description="1 to 1000; 200 gets twice the work of 100.")
+
+
+class SetTagsRequest(RenderActionRequest):
+    """Tags instead of those that the render has."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"tags": ["lobby", "for review"]}]})
+
+    tags: list[str] = Field(description=TAGS)
 
 
 class LookFirstRequest(RenderActionRequest):

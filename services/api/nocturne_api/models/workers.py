@@ -28,12 +28,18 @@ class Worker(Answer):
         description="Why it gets no jobs though it is not in quarantine; empty: it gets them."
     )
 
+    drain: str = Field(
+        description='"draining": it finishes the jobs in hand and gets no others; "drained": it has none any '
+        "more, and can be stopped; empty: neither."
+    )
+
     @classmethod
-    def of(cls, row: WorkerRow, quarantine: str, incompatible: str) -> Self:
+    def of(cls, row: WorkerRow, quarantine: str, incompatible: str, drain: str = "") -> Self:
         """The public side of a row of the data folder."""
-        other = {"quarantine", "incompatible"}
+        other = {"quarantine", "incompatible", "drain"}
         return cls(
             quarantine=quarantine,
+            drain=drain,
             incompatible=incompatible,
             **{name: getattr(row, name) for name in cls.model_fields.keys() - other},
         )
@@ -66,7 +72,7 @@ class WorkerEvent(Answer):
 
     unix_time: float
     worker_id: str
-    what: str = Field(description="joined, left, quarantined or released.")
+    what: str = Field(description="joined, left, quarantined, draining or released.")
     reason: str
 
 

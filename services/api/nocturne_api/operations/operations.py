@@ -10,7 +10,9 @@ from nocturne_api.background.archiver import Archiver
 from nocturne_api.background.space import Space, StorageLimits
 from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits, prepare
+from nocturne_api.models.usage import CoreHourPrice
 from nocturne_api.operations.assets import Assets
+from nocturne_api.operations.bundles import Bundles
 from nocturne_api.operations.denoised import Denoised
 from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.groups import Groups
@@ -25,6 +27,7 @@ from nocturne_api.operations.render_controls import RenderControls
 from nocturne_api.operations.render_streams import RenderStreams
 from nocturne_api.operations.renders import Renders
 from nocturne_api.operations.tokens import Tokens
+from nocturne_api.operations.usage import Usages
 from nocturne_api.operations.webhooks import Webhooks
 from nocturne_api.operations.workers import Workers
 from nocturne_api.webhooks.sender import WebhookSender
@@ -40,6 +43,7 @@ class Operations:
         compile_limits: CompileLimits,
         webhook_rules: TargetRules,
         storage: StorageLimits,
+        price: CoreHourPrice,
     ) -> None:
         folder = access.folder
         objects = folder.object_store
@@ -54,12 +58,14 @@ class Operations:
         self.controls = RenderControls(access)
         self.streams = RenderStreams(access, self.renders)
         self.images = Images(access, self.renders, archiver)
+        self.bundles = Bundles(access, self.renders)
         self.groups = Groups(access)
         self.denoised = Denoised(self.renders, self.images)
         self.readings = Readings(access, self.renders)
         self.measurements = Measurements(access, self.renders)
         self.preflights = Preflights(access, compile_limits)
         self.workers = Workers(access)
+        self.usage = Usages(access, price)
         self.machines = Machines(access)
         self.webhooks = Webhooks(access, webhook_rules)
         self.assets = Assets(access, space)
@@ -79,12 +85,19 @@ class Operations:
         objects: ObjectStore | None = None,
         quota: Quota = NO_QUOTA,
         storage: StorageLimits | None = None,
+        price: CoreHourPrice | None = None,
     ) -> Self:
         """Opens the data folder at `path`, making it if need be."""
         access = await FolderAccess.open(path, objects, quota)
         prepare()
         rules = webhook_rules or TargetRules()
-        return cls(access, compile_limits or CompileLimits(), rules, storage or StorageLimits())
+        return cls(
+            access,
+            compile_limits or CompileLimits(),
+            rules,
+            storage or StorageLimits(),
+            price or CoreHourPrice(),
+        )
 
     async def close(self) -> None:
         """Ends all streams and lets go of the data folder."""

@@ -48,6 +48,11 @@ class RenderControls:
                 await self._access.in_database(self._folder.requests.set_priority, whole_id, priority)
             )
 
+    async def set_tags(self, render_id: str, tags: Sequence[str]) -> Render:
+        """Words to sort renders by, instead of those that it has. Raises NotFound, InputError."""
+        async with self._access.changing("tags", render_id) as whole_id:
+            return Render.of(await self._access.in_database(self._folder.requests.set_tags, whole_id, tags))
+
     async def look_first(self, render_id: str, region: Region | None) -> Render:
         """Which part of the film gets its samples first, None for all alike; the image stays the same bits.
 

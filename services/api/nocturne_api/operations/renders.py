@@ -18,6 +18,7 @@ from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.errors import Overloaded, TooMany
 from nocturne_api.models.renders import (
+    Baselines,
     Convergence,
     ConvergencePoint,
     Explanation,
@@ -70,19 +71,28 @@ class Renders:
             await self._access.in_database(self._access.folder.renders.find, render_id, caller.sees)
         )
 
-    async def list(self, page_size: int = 0, page_token: str = "", group: str = "") -> RenderPage:
-        """One page of the renders that the caller may see, of one group or of any, newest first; a size of 0
+    async def list(
+        self, page_size: int = 0, page_token: str = "", group: str = "", tag: str = "", search: str = ""
+    ) -> RenderPage:
+        """One page of the renders that the caller may see, newest first; of one group, with a tag, or with
+        all words of a search in name, id, owner, state, group or tags, where these are given. A size of 0
         means 50, at most 200 come. Raises InputError."""
         caller = CALLER.get()
         caller.need("read")
-        return await self.page_of(caller.sees, page_size, page_token, group)
+        return await self.page_of(caller.sees, page_size, page_token, group, tag, search)
 
     async def page_of(
-        self, owner: str | None, page_size: int = 0, page_token: str = "", group: str = ""
+        self,
+        owner: str | None,
+        page_size: int = 0,
+        page_token: str = "",
+        group: str = "",
+        tag: str = "",
+        search: str = "",
     ) -> RenderPage:
         """One page of an owner's renders, or of everybody's, whoever asks."""
         rows, next_token = await self._access.in_database(
-            self._access.folder.renders.page, page_size, page_token, owner, group
+            self._access.folder.renders.page, page_size, page_token, owner, group, tag, search
         )
         return RenderPage(renders=[Render.of(row) for row in rows], next_page_token=next_token)
 
@@ -112,6 +122,14 @@ class Renders:
                     access.folder.requests.replay, whole_id, request_id, owner, access.quota
                 )
             )
+
+    async def baselines(self, render_id: str) -> Baselines:
+        """Renders of the same scene and film by other engines, to be compared; raises NotFound."""
+        whole_id = (await self.get(render_id)).id
+        rows = await self._access.in_database(
+            self._access.folder.renders.baselines, whole_id, CALLER.get().sees
+        )
+        return Baselines(renders=[Render.of(row) for row in rows])
 
     async def explain(self, render_id: str) -> Explanation:
         """What the render waits for, in one sentence; raises NotFound."""

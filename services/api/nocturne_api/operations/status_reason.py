@@ -124,4 +124,7 @@ def _running(situation: Situation, now: float) -> str:
 
 def _when(unix_time: float, now: float) -> str:
     stamp = time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime(unix_time))
-    return f"at {stamp}, in {max(0.0, unix_time - now) / 60:.0f} minutes"
+    minutes = max(0.0, unix_time - now) / 60
+    return (
+        f"at {stamp}, in {minutes:.0f} minutes" if minutes < 120 else f"at {stamp}, in {minutes / 60:.0f} h"
+    )

@@ -14,6 +14,7 @@ from nocturne_coordinator.store.quotas import Quota, check_quota
 from nocturne_coordinator.store.removal import blobs_of_scene
 from nocturne_coordinator.store.renders import check_priority
 from nocturne_coordinator.store.rows import NewRender
+from nocturne_coordinator.store.tags import checked_tags
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.film import Film
@@ -33,6 +34,7 @@ class CreateRequest:
 
     `stop`: what else ends it, see `stop_conditions`. `priority`: 0 for the usual one. `layers`: see
     `nocturne_scene.layers`. `group` and `after`: what it belongs to, and what has to end before it.
+    `tags`: words to sort renders by.
     """
 
     request_id: str
@@ -46,6 +48,7 @@ class CreateRequest:
     layers: Sequence[str] = ()
     group: str = ""
     after: str = ""
+    tags: Sequence[str] = ()
 
 
 def compiled(
@@ -71,7 +74,15 @@ def compiled(
     priority = request.priority or DEFAULT_PRIORITY
     found.collect(lambda: check_priority(priority))
     layers = found.collect(lambda: known_layers(request.layers))
-    if found.problems or schedule is None or document is None or stop is None or layers is None:
+    tags = found.collect(lambda: checked_tags(request.tags))
+    if (
+        found.problems
+        or schedule is None
+        or document is None
+        or stop is None
+        or layers is None
+        or tags is None
+    ):
         raise InputError(found.problems)
     if before is None:
         check_quota(folder.database, owner, quota, more_renders=1)
@@ -106,6 +117,7 @@ def compiled(
         layers_sha256=layers_sha256,
         in_group=request.group,
         after_group=request.after,
+        tags=tags,
         files=files,
     )
 

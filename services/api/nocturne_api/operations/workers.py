@@ -1,4 +1,4 @@
-"""Workers: who is there, what happened to them, and letting them out of quarantine."""
+"""Workers: who is there, what happened to them, draining them, and giving them jobs again."""
 
 from nocturne_coordinator.enrolment import machine_of
 
@@ -19,12 +19,23 @@ class Workers:
         """Workers heard of in the last ten seconds."""
         CALLER.get().need("read")
         folder = self._folder
-        rows, quarantined, incompatible = await self._access.in_database(
-            lambda: (folder.workers.alive(), folder.workers.in_quarantine(), folder.workers.incompatible())
+        rows, quarantined, incompatible, drained = await self._access.in_database(
+            lambda: (
+                folder.workers.alive(),
+                folder.workers.in_quarantine(),
+                folder.workers.incompatible(),
+                folder.workers.drained(),
+            )
         )
+        words = {worker: "drained" if done else "draining" for worker, done in drained.items()}
         return WorkerList(
             workers=[
-                Worker.of(row, quarantined.get(machine_of(row.id), ""), incompatible.get(row.id, ""))
+                Worker.of(
+                    row,
+                    quarantined.get(machine_of(row.id), ""),
+                    incompatible.get(row.id, ""),
+                    words.get(row.id, ""),
+                )
                 for row in rows
             ]
         )
@@ -47,8 +58,15 @@ class Workers:
         events, rates = await self._access.in_database(self._folder.workers.history, limits.EVENTS_SHOWN)
         return WorkerHistory.model_validate({"events": events, "rates": rates})
 
+    async def drain(self, worker_id: str) -> None:
+        """Gives a worker no more jobs; those that it has are finished and count. Raises NotFound."""
+        async with self._access.recorded(f"drain {worker_id[:80]}"):
+            caller = CALLER.get()
+            caller.need("admin")
+            await self._access.in_database(self._folder.workers.drain, worker_id, caller.name)
+
     async def release(self, worker_id: str) -> None:
-        """Takes the results of a worker in quarantine again; raises NotFound."""
+        """Gives a worker in quarantine, or a drained one, jobs again; raises NotFound."""
         async with self._access.recorded(f"release {worker_id[:80]}"):
             CALLER.get().need("admin")
             await self._access.in_database(self._folder.workers.release, worker_id)

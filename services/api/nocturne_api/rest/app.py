@@ -23,6 +23,7 @@ from nocturne_api.rest import (
     render_controls,
     renders,
     session,
+    usage,
     webhooks,
     workers,
 )
@@ -45,6 +46,7 @@ _ROUTERS = (
     session,
     assets,
     workers,
+    usage,
     webhooks,
     health,
     metrics,

@@ -21,6 +21,8 @@ _OF_ONE = errors(NotFound, AmbiguousId)
 _PNG = {**answers("image/png", "The picture.", conditional=True), **_OF_ONE}
 _EXR = {**answers("image/x-exr", "The image.", conditional=True), **_OF_ONE}
 _SCENE = {**answers("application/json", "The document."), **_OF_ONE}
+_LOG = {**answers("text/plain", "Lines, oldest first."), **_OF_ONE}
+_BUNDLE = {**answers("application/zip", "The ZIP."), **_OF_ONE}
 _TILES = {
     **answers(MEDIA_TYPE, "The tiles, little-endian (docs/reference/api.md).", conditional=True),
     **_OF_ONE,
@@ -105,6 +107,20 @@ async def get_scene(render_id: str, operations: Service) -> Response:
     """The scene document as it was submitted; its files are named by SHA-256."""
     content = await operations.images.open_scene(render_id)
     return Response(content, headers={"Cache-Control": "no-cache"}, media_type="application/json")
+
+
+@router.get("/{render_id}/log.txt", response_class=Response, responses=_LOG)
+async def get_log(render_id: str, operations: Service) -> Response:
+    """What happened to the render: calls, how its error fell, tiles that failed, its end."""
+    content = await operations.bundles.log(render_id)
+    return Response(content, headers={"Cache-Control": "no-cache"}, media_type="text/plain; charset=utf-8")
+
+
+@router.get("/{render_id}/bundle.zip", response_class=Response, responses=_BUNDLE)
+async def get_bundle(render_id: str, operations: Service) -> Response:
+    """What somebody needs who is asked about it: state, log, scene document, schedule, failures of tiles."""
+    content = await operations.bundles.bundle(render_id)
+    return Response(content, headers={"Cache-Control": "no-cache"}, media_type="application/zip")
 
 
 def _answer(request: Request, opened: OpenFile, media_type: str) -> Response:

@@ -12,6 +12,7 @@ from nocturne_api.models.renders import (
     Render,
     RenderActionRequest,
     SetPriorityRequest,
+    SetTagsRequest,
 )
 from nocturne_api.rest.access import Service
 from nocturne_api.rest.bodies import read_json
@@ -61,6 +62,13 @@ async def set_priority(render_id: str, request: Request, operations: Service) ->
     """The render's weight among those of its owner."""
     body = await read_json(request, SetPriorityRequest, SMALL_BODY_BYTES)
     return await operations.controls.set_priority(render_id, body.priority)
+
+
+@router.post("/{render_id}:setTags", openapi_extra=body_of(SetTagsRequest), responses=_OF_ONE)
+async def set_tags(render_id: str, request: Request, operations: Service) -> Render:
+    """Words to sort renders by, instead of those that it has."""
+    body = await read_json(request, SetTagsRequest, SMALL_BODY_BYTES)
+    return await operations.controls.set_tags(render_id, body.tags)
 
 
 @router.post("/{render_id}:lookFirst", openapi_extra=body_of(LookFirstRequest), responses=_OF_ONE)

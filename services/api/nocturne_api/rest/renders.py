@@ -10,6 +10,7 @@ from starlette.responses import Response
 from nocturne_api.errors import FolderFull, Overloaded
 from nocturne_api.limits import CREATE_BODY_BYTES, SMALL_BODY_BYTES
 from nocturne_api.models.renders import (
+    Baselines,
     Convergence,
     CreateRenderRequest,
     Explanation,
@@ -46,9 +47,14 @@ async def list_renders(
     page_size: Annotated[int, Query(description="At most 200; 0 means 50.")] = 0,
     page_token: Annotated[str, Query(description="From the page before.")] = "",
     group: Annotated[str, Query(description="Of this group only.")] = "",
+    tag: Annotated[str, Query(description="With this tag only.")] = "",
+    search: Annotated[
+        str,
+        Query(description="With all these words in name, id, owner, state, group or tags.", max_length=200),
+    ] = "",
 ) -> RenderPage:
     """One page of renders, newest first."""
-    return await operations.renders.list(page_size, page_token, group)
+    return await operations.renders.list(page_size, page_token, group, tag, search)
 
 
 @router.get("/{render_id}", responses=_OF_ONE)
@@ -76,6 +82,12 @@ async def replay_render(render_id: str, request: Request, operations: Service) -
     """A new render with the samples per tile that this one has now: its image has the same bits."""
     body = await read_json(request, ReplayRenderRequest, SMALL_BODY_BYTES)
     return await operations.renders.replay(render_id, body.request_id)
+
+
+@router.get("/{render_id}/baselines", responses=_OF_ONE)
+async def get_baselines(render_id: str, operations: Service) -> Baselines:
+    """Renders of the same scene and film by other versions of the tracing engine, to be compared with."""
+    return await operations.renders.baselines(render_id)
 
 
 @router.get("/{render_id}/explanation", responses=_OF_ONE)

@@ -25,12 +25,19 @@ async def get_work(operations: Service) -> WorkList:
 
 @router.get("/history")
 async def get_worker_history(operations: Service) -> WorkerHistory:
-    """Worker events (joined, left, quarantined, released) and the rate of all workers, by the minute."""
+    """Worker events (joined, left, quarantined, draining, released) and the workers' rate by the minute."""
     return await operations.workers.history()
+
+
+@router.post("/{worker_id}:drain", status_code=204, response_class=Response, responses=errors(NotFound))
+async def drain_worker(worker_id: str, operations: Service) -> Response:
+    """Gives a worker no more jobs; it finishes those that it has."""
+    await operations.workers.drain(worker_id)
+    return Response(status_code=204)
 
 
 @router.post("/{worker_id}:release", status_code=204, response_class=Response, responses=errors(NotFound))
 async def release_worker(worker_id: str, operations: Service) -> Response:
-    """Takes the results of a worker in quarantine again."""
+    """Gives a worker in quarantine, or a drained one, jobs again, and takes its results."""
     await operations.workers.release(worker_id)
     return Response(status_code=204)

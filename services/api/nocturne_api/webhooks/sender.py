@@ -1,4 +1,5 @@
-"""Tells webhooks how renders ended: Standard Webhooks messages, sent until one is taken or it is too late.
+"""Tells webhooks how renders ended, and that one will miss its error: Standard Webhooks messages, sent until
+one is taken or it is too late.
 
 The specification is at standardwebhooks.com; schedule and treatment of answers are its recommendations.
 """
@@ -121,7 +122,7 @@ class WebhookSender(Background):
 def body_of(message: WebhookMessage) -> bytes:
     """The same for each attempt."""
     content = {
-        "type": f"render.{message.state.lower()}",
+        "type": f"render.{message.event or message.state.lower()}",
         "timestamp": datetime.fromtimestamp(message.unix_time, UTC).isoformat().replace("+00:00", "Z"),
         "data": {
             "id": message.render_id,

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from nocturne_client.cli import (
+    compare_commands,
     local_commands,
     measure_commands,
     preflight_command,
@@ -48,6 +49,7 @@ def options(
 
 service_commands.add_to(app)
 local_commands.add_to(app)
+compare_commands.add_to(app)
 measure_commands.add_to(app)
 preflight_command.add_to(app)
 app.add_typer(token_commands.app)

@@ -31,9 +31,8 @@ def add_to(app: typer.Typer) -> None:
         compile_scene: "compile",
         import_scene: "import",
         export_scene: "export",
-        compare_images: "compare",
     }
-    commands = (up, render, ies, compile_scene, import_scene, export_scene, compare_images, doctor, restore)
+    commands = (up, render, ies, compile_scene, import_scene, export_scene, doctor, restore)
     for command in commands:
         app.command(name=names.get(command))(command)
 
@@ -81,6 +80,13 @@ def up(
             "--owner-stored-bytes", min=0, help="With --auth: each token's uploads, images and scenes."
         ),
     ] = None,
+    core_hour_price: Annotated[
+        float | None,
+        typer.Option(
+            "--core-hour-price", min=0, help="Of an hour of one processor: shows what renders cost."
+        ),
+    ] = None,
+    currency: Annotated[str | None, typer.Option("--currency", help="Of that price; else EUR.")] = None,
 ) -> None:
     """Run the whole service here: redis-server, coordinator, API with page, workers. Ctrl-C stops it."""
     from nocturne_client.local.data import default_data_folder
@@ -88,14 +94,16 @@ def up(
 
     share = max(1, len(os.sched_getaffinity(0)) // max(1, workers))
     folder = (data or default_data_folder()).absolute()
-    bounds = {
+    options = {
         "--data-bytes": data_bytes,
         "--unused-seconds": unused_seconds,
         "--owner-open-renders": owner_open_renders,
         "--owner-open-samples": owner_open_samples,
         "--owner-stored-bytes": owner_stored_bytes,
+        "--core-hour-price": core_hour_price,
+        "--currency": currency,
     }
-    asked = {option: bound for option, bound in bounds.items() if bound is not None}
+    asked = {option: f"{value}" for option, value in options.items() if value is not None}
     run_up(UpSettings(folder, port, workers, threads or share, auth, asked))
 
 
@@ -252,42 +260,6 @@ def export_scene(
     for line in report(exported):
         ERRORS.print(line, markup=False, soft_wrap=True)
     typer.echo(exported.scene)
-
-
-def compare_images(
-    image: Annotated[Path, typer.Argument(metavar="A.exr", help="The image under test, XYZ or RGB.")],
-    reference: Annotated[Path, typer.Argument(metavar="B.exr", help="The reference, XYZ or RGB.")],
-    variance: Annotated[
-        Path | None,
-        typer.Option(
-            "--variance", metavar="B_var.exr", help="Variance of one sample of the reference's pixels."
-        ),
-    ] = None,
-    reference_samples: Annotated[
-        float, typer.Option("--reference-samples", min=1, help="That B is the mean of; with --variance.")
-    ] = 32_000,
-    samples: Annotated[
-        float | None, typer.Option("--samples", min=1, help="Of A's pixels. Default: as A says.")
-    ] = None,
-    scale: Annotated[float, typer.Option("--scale", help="A's values are multiplied by this.")] = 1.0,
-    difference: Annotated[
-        Path | None, typer.Option("--difference", metavar="OUT.png", help="Red: A is brighter; blue: darker.")
-    ] = None,
-    as_json: AsJson = False,
-) -> None:
-    """Say how far two images are apart. Exit status 1 if noise that is known does not explain it."""
-    from nocturne_client.local import comparing
-
-    comparison = comparing.Comparison(image, reference, variance, reference_samples, samples, scale)
-    found = comparing.compare_files(comparison, difference)
-    if as_json:
-        print_json(comparing.as_json(found))
-    else:
-        for line in comparing.as_lines(found):
-            typer.echo(line)
-    verdict = found.difference.verdict
-    differs = verdict is not None and not (verdict.pixels_agree and verdict.sums_agree)
-    raise typer.Exit(int(differs))
 
 
 def doctor(

@@ -13,7 +13,7 @@ from rich.markup import escape
 from rich.table import Column, Table
 
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.models import Group, Progress, Render, Worker
+from nocturne_client.models import Group, Progress, Render, Usage, Worker
 from nocturne_client.transport import DEFAULT_URL
 
 CONSOLE = Console(highlight=False)
@@ -51,8 +51,8 @@ def print_json(value: Any) -> None:
     typer.echo(json.dumps(value))
 
 
-def print_render(render: Render, as_json: bool) -> None:
-    """One render."""
+def print_render(render: Render, as_json: bool, price: Usage | None = None) -> None:
+    """One render; with its price where one is given."""
     if as_json:
         print_json(asdict(render))
         return
@@ -72,16 +72,52 @@ def print_render(render: Render, as_json: bool) -> None:
         ("nothing seen", f"in {progress.unseen_pixels:,} of {render.width * render.height:,} pixels"),
         ("invalid samples", f"{progress.invalid_samples:,}"),
         *([("truncated paths", _truncated(progress.truncated_paths))] if progress.truncated_paths else []),
-        ("processor time", f"{progress.cpu_seconds:,.1f} s"),
+        ("processor time", _processor_time(progress, price)),
         ("stops at", _stop(render)),
         ("forecast", _forecast(render)),
+        *([("out of reach", render.out_of_reach)] if render.out_of_reach else []),
+        *([("tags", ", ".join(render.tags))] if render.tags else []),
         ("priority", f"{render.priority}" + (f", for {render.owner}" if render.owner else "")),
         ("audited", f"{progress.audited:,} ranges; results refused: {progress.refused:,}"),
         ("scene", render.scene_sha256),
+        ("engine", f"{render.engine}"),
         ("floating-point profile", render.floating_point_profile or "not known yet"),
     ):
         table.add_row(f"[dim]{name}[/]", escape(text))
     CONSOLE.print(table)
+
+
+def _processor_time(progress: Progress, price: Usage | None) -> str:
+    """In seconds, then in core hours and money where an hour has a price."""
+    seconds = f"{progress.cpu_seconds:,.1f} s"
+    if price is None or not price.core_hour_price:
+        return seconds
+    hours = progress.cpu_seconds / 3600.0
+    return f"{seconds}, {hours:,.3g} core hours, {money(hours * price.core_hour_price, price.currency)}"
+
+
+def money(amount: float, currency: str) -> str:
+    """What is below a hundredth is not said to be nothing."""
+    return f"{amount:,.2f} {currency}" if amount >= 0.01 or not amount else f"{amount:.2g} {currency}"
+
+
+def print_usage(usage: Usage) -> None:
+    """A table of owners, most processor time first."""
+    prices = ["cost"] if usage.core_hour_price else []
+    columns = ("owner", "share now", "weight", "open", "renders", "core hours", *prices, "on disk")
+    table = Table(*columns, box=None, pad_edge=False)
+    for each in usage.owners:
+        table.add_row(
+            escape(each.owner or "(nobody)"),
+            f"{each.share:.0%}",
+            f"{each.weight}",
+            f"{each.open_renders:,}",
+            f"{each.renders:,}",
+            f"{each.cpu_seconds / 3600.0:,.3g}",
+            *([money(each.cost, usage.currency)] if prices else []),
+            f"{each.stored_bytes / 1e6:,.1f} MB",
+        )
+    CONSOLE.print(table if usage.owners else "no renders yet")
 
 
 def _error(progress: Progress) -> str:
@@ -163,9 +199,17 @@ def print_workers(workers: list[Worker], as_json: bool) -> None:
             f"{worker.rays_per_second:,.0f}",
             f"{worker.jobs_done:,}",
             duration(time.time() - worker.started),
-            escape(f"Quarantine: {worker.quarantine}" if worker.quarantine else worker.incompatible),
+            escape(_no_jobs(worker)),
         )
     _print_table(table, [worker.id for worker in workers], "no worker was heard of in the last ten seconds")
+
+
+def _no_jobs(worker: Worker) -> str:
+    """Why it gets none; empty: it gets them."""
+    if worker.quarantine:
+        return f"Quarantine: {worker.quarantine}"
+    drained = {"draining": "Draining: it finishes what it has.", "drained": "Drained: it has none."}
+    return drained.get(worker.drain, worker.incompatible)
 
 
 def print_renders(renders: list[Render], as_json: bool) -> None:
@@ -174,26 +218,43 @@ def print_renders(renders: list[Render], as_json: bool) -> None:
         for render in renders:
             print_json(asdict(render))
         return
-    name = Column("name", no_wrap=True, overflow="ellipsis", ratio=1)
-    others = [Column(text, no_wrap=True) for text in ("state", "film", "done", "error", "left", "age")]
-    table = Table(Column("id", no_wrap=True), name, *others, box=None, pad_edge=False)
-    for render in renders:
-        error = render.progress.relative_error
-        table.add_row(
-            render.id,
-            escape(render.name),
-            render.state,
-            f"{render.width}x{render.height}",
-            f"{render.fraction:.0%}",
-            f"{error:.2%}{'?' if render.progress.doubt else ''}" if error else "",
-            time_left(render),
-            duration(time.time() - render.created),
-        )
-    _print_table(
-        table, [render.id for render in renders], "no renders yet; start one with `nocturne submit SCENE`"
-    )
+    if not renders:
+        CONSOLE.print("no renders yet; start one with `nocturne submit SCENE`")
+        return
+    rows = [_row_of(render) for render in renders]
+    widths = [max(map(len, column)) for column in zip(_LIST, *rows, strict=True)]
+    others = sum(widths) - widths[1] + 2 * (len(_LIST) - 1)
+    # As much of the names as there is room for: all else is typed again, or compared.
+    width = max(CONSOLE.width, others + len(_LIST[1]))
+    name = Column(_LIST[1], no_wrap=True, overflow="ellipsis", max_width=width - others)
+    columns = [Column(text, no_wrap=True) for text in _LIST]
+    table = Table(columns[0], name, *columns[2:], box=None, pad_edge=False)
+    for row in rows:
+        table.add_row(*(escape(text) for text in row))
+    # Lines that are too long for the terminal go on in its next one.
+    Console(highlight=False, width=width).print(table)
     if any(render.progress.doubt for render in renders):
         ERRORS.print("[dim]? the error is not to be trusted; `nocturne get ID` says why[/]")
+    if any(render.out_of_reach for render in renders):
+        ERRORS.print("[dim]! will end without the error asked for; `nocturne get ID` says by how much[/]")
+
+
+_LIST = ("id", "name", "state", "film", "done", "error", "left", "age")
+
+
+def _row_of(render: Render) -> tuple[str, ...]:
+    """As `nocturne list` shows it."""
+    error = render.progress.relative_error
+    return (
+        render.id,
+        render.name,
+        render.state,
+        f"{render.width}x{render.height}",
+        f"{render.fraction:.0%}",
+        f"{error:.2%}{'?' if render.progress.doubt else ''}" if error else "",
+        time_left(render) + ("!" if render.out_of_reach else ""),
+        duration(time.time() - render.created),
+    )
 
 
 def _print_table(table: Table, ids: Sequence[str], nothing: str) -> None:

@@ -16,6 +16,7 @@ from nocturne_client.cli.output import (
     print_json,
     print_render,
     print_renders,
+    print_usage,
     print_workers,
 )
 from nocturne_client.cli.stops import Cpu, Drop, Error, For, Stops, TileError, Until, dropped
@@ -53,8 +54,8 @@ RenderId = Annotated[
 def add_to(app: typer.Typer) -> None:
     """Adds these commands to the program."""
     app.command(name="list")(list_renders)
-    changes = (cancel, delete, pause, resume, extend, priority, replay)
-    for command in (submit, watch, top, get, group, *changes, explain, workers):
+    changes = (cancel, delete, pause, resume, extend, priority, tag, replay)
+    for command in (submit, watch, top, get, group, *changes, explain, workers, usage):
         app.command()(command)
 
 
@@ -87,13 +88,20 @@ def watch(
 
 
 def list_renders(
+    words: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="All to be found in name, id, owner, state, group or tags. Default: all renders."
+        ),
+    ] = None,
     limit: Annotated[int, typer.Option("--limit", min=1, help="How many at most.")] = 20,
+    only_tag: Annotated[str, typer.Option("--tag", help="With this tag only.")] = "",
     url: Url = None,
     as_json: AsJson = False,
 ) -> None:
     """List renders, newest first."""
     with Client(url) as client:
-        print_renders([*client.list(limit)], as_json)
+        print_renders([*client.list(limit, tag=only_tag, search=" ".join(words or []))], as_json)
 
 
 def top(
@@ -122,6 +130,15 @@ def get(
         Path | None,
         typer.Option("--difference", help="Write a PNG of where that leaves the image's error bars."),
     ] = None,
+    log: Annotated[
+        Path | None, typer.Option("--log", help="Write what happened to it here, line by line.")
+    ] = None,
+    bundle: Annotated[
+        Path | None,
+        typer.Option(
+            "--bundle", help="Write a ZIP of all that is known of it here, to ask somebody about it."
+        ),
+    ] = None,
     region: Annotated[
         str,
         typer.Option(
@@ -147,11 +164,14 @@ def get(
             "scene": scene,
             "denoised_png" if as_png else "denoised_exr": denoised,
             "difference": difference,
+            "log": log,
+            "bundle": bundle,
         }
         for kind, path in files.items():
             if path is not None:
                 client.download(render_id, kind, path)
-    print_render(render, as_json)
+        price = None if as_json else client.usage()
+    print_render(render, as_json, price)
 
 
 def group(
@@ -258,6 +278,24 @@ def replay(
         raise typer.Exit(status)
 
 
+def tag(
+    render_id: RenderId,
+    tags: Annotated[list[str] | None, typer.Argument(help="Instead of those before; none: no tags.")] = None,
+    url: Url = None,
+    as_json: AsJson = False,
+) -> None:
+    """Give a render tags, words to sort renders by."""
+    with Client(url) as client:
+        print_render(client.set_tags(render_id, tags or []), as_json)
+
+
+def usage(url: Url = None, as_json: AsJson = False) -> None:
+    """Show who uses what share of the workers, and what it cost so far."""
+    with Client(url) as client:
+        found = client.usage()
+    print_json(asdict(found)) if as_json else print_usage(found)
+
+
 def explain(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:
     """Say in one sentence what a render waits for."""
     with Client(url) as client:
@@ -266,14 +304,21 @@ def explain(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> No
 
 
 def workers(
+    drain: Annotated[
+        str,
+        typer.Option("--drain", metavar="WORKER", help="Give this one no more jobs: it ends what it has."),
+    ] = "",
     release: Annotated[
-        str, typer.Option("--release", metavar="WORKER", help="Take the results of this one again.")
+        str,
+        typer.Option("--release", metavar="WORKER", help="Give this one jobs again, and take its results."),
     ] = "",
     url: Url = None,
     as_json: AsJson = False,
 ) -> None:
-    """List the workers heard of lately, and why any of them is in quarantine."""
+    """List the workers heard of lately, and why any of them gets no jobs."""
     with Client(url) as client:
+        if drain:
+            client.drain_worker(drain)
         if release:
             client.release_worker(release)
         print_workers([*client.workers()], as_json)

@@ -42,6 +42,7 @@ Varied = Annotated[
 InGroup = Annotated[
     str, typer.Option("--group", help="Name of the group. Default: the scene's, and a few letters.")
 ]
+Tags = Annotated[list[str] | None, typer.Option("--tag", help="A word to sort renders by; may be repeated.")]
 After = Annotated[str, typer.Option("--after", metavar="GROUP", help="Begin when this group has ended.")]
 
 
@@ -56,6 +57,7 @@ class _Wanted:
     layers: Sequence[str]
     group: str
     after: str
+    tags: Sequence[str]
 
 
 def submit(
@@ -83,6 +85,7 @@ def submit(
     varied: Varied = None,
     group: InGroup = "",
     after: After = "",
+    tags: Tags = None,
     then_watch: Annotated[bool, typer.Option("--watch", help="Follow it to its end.")] = False,
     light: Light = "",
     allow_missing: AllowMissing = False,
@@ -110,7 +113,7 @@ def submit(
         film = DEFAULT_EDGE if width is None else width, DEFAULT_EDGE if height is None else height, samples
         # Chosen here, so that it can be told if the answer does not come.
         chosen = request_id or str(uuid.uuid4())
-        wanted = _Wanted(film, chosen, stop, weight, layer_names(layers), group, after)
+        wanted = _Wanted(film, chosen, stop, weight, layer_names(layers), group, after, tags or [])
         renders = _submit_all(client, members, document, name, wanted)
         _print(renders, as_json, whether_watched=then_watch)
         if then_watch:
@@ -134,6 +137,7 @@ def _submit_all(
                 member.changes,
                 wanted.group,
                 wanted.after,
+                wanted.tags,
             )
             for index, member in enumerate(members)
         ]

@@ -69,6 +69,6 @@ def _of_workers(workers: list[Worker], work: list[WorkOfWorker], now: float) -> 
             for each in work
             if each.worker == worker.id
         ]
-        told = worker.quarantine or worker.incompatible or "; ".join(traced) or "nothing"
+        told = worker.quarantine or worker.drain or worker.incompatible or "; ".join(traced) or "nothing"
         table.add_row(worker.id, f"{worker.threads}", f"{worker.rays_per_second:,.0f}", escape(told))
     return table

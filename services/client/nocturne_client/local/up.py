@@ -45,8 +45,8 @@ class UpSettings:
     threads: int
     auth: bool = False
     """Callers need a token."""
-    bounds: Mapping[str, float] = field(default_factory=dict)
-    """Options of the API, where they are not its defaults: what owners and the data folder may have."""
+    api_options: Mapping[str, str] = field(default_factory=dict)
+    """Where they are not its defaults: what owners and the data folder may have, and what an hour costs."""
 
 
 def run_up(settings: UpSettings) -> None:
@@ -108,7 +108,7 @@ class _Stack:
             lambda: api_answers(port),
             *(*python, "nocturne_api.main", *data, *ports, "--grpc-unix", str(grpc_socket)),
             *(["--auth"] if settings.auth else []),
-            *(word for option, bound in settings.bounds.items() for word in (option, repr(bound))),
+            *(word for option, value in settings.api_options.items() for word in (option, value)),
         )
         self._workers = [
             self._child(

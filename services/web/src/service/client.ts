@@ -20,6 +20,7 @@ import type {
   RenderPage,
   Session,
   TileInProgress,
+  Usage,
   Worker,
   WorkerHistory,
   WorkOfWorker,
@@ -46,19 +47,24 @@ export const sceneAddress = (id: string): string => `${renderAddress(id)}/scene.
 export const derivedAddress = (id: string, name: string): string => `${renderAddress(id)}/${name}`;
 export const imageAddress = (id: string): string => `${renderAddress(id)}/image.exr`;
 
-/** Takes the results of a worker in quarantine again. */
-export async function releaseWorker(id: string): Promise<void> {
-  const response = await fetch(`/v1/workers/${encodeURIComponent(id)}:release`, { method: "POST" });
+/** `release` gives a worker in quarantine, or a drained one, jobs again; `drain` lets it finish what it has. */
+export async function changeWorker(id: string, act: "drain" | "release"): Promise<void> {
+  const response = await fetch(`/v1/workers/${encodeURIComponent(id)}:${act}`, { method: "POST" });
   if (!response.ok) throw await failureOf(response);
+}
+
+/** Who uses what, and what it costs. */
+export async function getUsage(): Promise<Usage> {
+  return getJson<"get_usage">("/v1/usage");
 }
 
 export async function getGroup(name: string): Promise<Group> {
   return getJson<"get_group">(`/v1/groups/${encodeURIComponent(name)}`);
 }
 
-/** `group`: of this one only, up to 200 at once. */
-export async function listRenders(pageToken = "", group = ""): Promise<RenderPage> {
-  const query = new URLSearchParams({ page_size: group ? "200" : "50", group });
+/** `group`: of this one only, up to 200 at once. `search`: with all these words. */
+export async function listRenders(pageToken = "", group = "", search = ""): Promise<RenderPage> {
+  const query = new URLSearchParams({ page_size: group ? "200" : "50", group, search });
   if (pageToken) query.set("page_token", pageToken);
   return getJson<"list_renders">(`/v1/renders?${query.toString()}`);
 }
@@ -85,6 +91,11 @@ export async function deleteRender(id: string): Promise<void> {
 /** A region of the film that gets its samples first; undefined: all parts are alike. */
 export async function lookFirst(id: string, region: Region | undefined): Promise<Render> {
   return getJson<"look_first">(`${renderAddress(id)}:lookFirst`, { method: "POST", body: JSON.stringify(region ?? {}) });
+}
+
+/** Renders of the same scene and film by other engines. */
+export async function getBaselines(id: string): Promise<Render[]> {
+  return (await getJson<"get_baselines">(`${renderAddress(id)}/baselines`)).renders;
 }
 
 export async function getExplanation(id: string): Promise<string> {

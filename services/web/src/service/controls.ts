@@ -23,6 +23,11 @@ export async function setPriority(id: string, priority: number): Promise<Render>
   return getJson<"set_priority">(`${renderAddress(id)}:setPriority`, { method: "POST", body: JSON.stringify({ priority }) });
 }
 
+/** Words to sort renders by, instead of those that it has. */
+export async function setTags(id: string, tags: string[]): Promise<Render> {
+  return getJson<"set_tags">(`${renderAddress(id)}:setTags`, { method: "POST", body: JSON.stringify({ tags }) });
+}
+
 /** A new render with the same samples. */
 export async function replayRender(id: string): Promise<Render> {
   const request = { request_id: [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16)).join("-") };

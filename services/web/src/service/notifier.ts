@@ -1,4 +1,4 @@
-/** Browser notifications of renders that end; off until somebody asks for them. */
+/** Browser notifications of renders that end or will miss their error; off until somebody asks for them. */
 import { element } from "../dom.ts";
 import { formatState } from "../format.ts";
 import type { Renders } from "./renders.ts";
@@ -8,15 +8,24 @@ const key = "nocturne-notify";
 
 const wanted = (): boolean => localStorage.getItem(key) === "yes" && "Notification" in window && Notification.permission === "granted";
 
-/** Tells of each render that ends while the page is open, in whatever tab. */
+/** Tells of each render that ends, or turns out to miss its error, while the page is open, in whatever tab. */
 export function notifyOfEnds(renders: Renders): void {
   const states = new Map<string, RenderState>();
+  const missing = new Set<string>();
   renders.subscribe(() => {
     for (const render of renders.newestFirst()) {
-      if (ended(states.get(render.id), render) && wanted()) tell(render);
+      if (ended(states.get(render.id), render) && wanted()) tell(render, formatState(render.state), render.reason);
+      if (isNewMiss(missing, states.get(render.id), render) && wanted()) tell(render, "its error is out of reach", render.out_of_reach);
       states.set(render.id, render.state);
     }
   });
+}
+
+/** Whether it will miss its error, which was not told before: once for each render, and not of what was so when the page opened. */
+export function isNewMiss(told: Set<string>, before: RenderState | undefined, { id, out_of_reach }: Pick<Render, "id" | "out_of_reach">): boolean {
+  if (out_of_reach === "" || told.has(id)) return false;
+  told.add(id);
+  return before !== undefined;
 }
 
 /** Whether it ended since; what was never seen to be open did not. */
@@ -24,8 +33,8 @@ export function ended(before: RenderState | undefined, now: Pick<Render, "state"
   return before !== undefined && !hasEnded({ state: before } as Render) && hasEnded(now as Render);
 }
 
-function tell({ id, name, state, reason }: Render): void {
-  new Notification(`${name || id}: ${formatState(state)}`, { body: reason, tag: id });
+function tell({ id, name }: Render, what: string, body: string): void {
+  new Notification(`${name || id}: ${what}`, { body, tag: id });
 }
 
 /** Where it is asked for; browsers want to be asked by a click. */

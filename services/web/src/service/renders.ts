@@ -108,6 +108,13 @@ export class Renders {
     this.#notify();
   }
 
+  /** Fetches the newest renders with all these words, which may be older than all that are known. */
+  async search(words: string): Promise<void> {
+    const page = await listRenders("", "", words);
+    for (const render of page.renders) this.#byId.set(render.id, newer(render, this.#byId.get(render.id)));
+    this.#notify();
+  }
+
   async #refresh(): Promise<void> {
     try {
       const page = await listRenders();

@@ -29,6 +29,7 @@ export type PreflightModel = Schemas["PreflightModel"];
 export type ImportRequest = Schemas["ImportRequest"];
 export type ImportedScene = Schemas["ImportedScene"];
 export type Interval = Schemas["Interval"];
+export type Usage = Schemas["Usage"];
 export type Worker = Schemas["Worker"];
 export type WorkOfWorker = Schemas["WorkOfWorker"];
 export type WorkerHistory = Schemas["WorkerHistory"];

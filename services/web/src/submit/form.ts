@@ -1,11 +1,15 @@
 /** What is wanted of a render: film, samples, when to stop, priority. */
 import { element } from "../dom.ts";
+import { wordsOf } from "../format.ts";
 import type { CreateRenderRequest } from "../service/types.ts";
+import type { Wanted } from "./members.ts";
 
 export interface Asked {
   /** The same until something is changed: sending twice makes one render. */
   requestId: string;
-  request: Required<Pick<CreateRenderRequest, "name" | "width" | "height" | "samples" | "stop" | "priority" | "layers">>;
+  request: Required<Pick<CreateRenderRequest, "name" | "width" | "height" | "samples" | "stop" | "priority" | "layers">> & Pick<CreateRenderRequest, "group" | "after" | "tags">;
+  /** How many renders of the scene, and what is other in them. */
+  wanted: Wanted;
 }
 
 interface Field {
@@ -15,6 +19,8 @@ interface Field {
   /** Attributes of a number; none: a text. */
   number?: { min: string; max: string; step: string };
   hint?: string;
+  /** Several lines. */
+  lines?: true;
 }
 
 const fields: Field[] = [
@@ -28,20 +34,34 @@ const fields: Field[] = [
   { name: "priority", label: "Priority", value: "100", number: { min: "1", max: "1000", step: "1" } },
 ];
 
+const moreFields: Field[] = [
+  { name: "tile-error", label: "Each tile stops at a relative error of, %", value: "", number: { min: "0.0001", max: "100", step: "any" } },
+  { name: "core-hours", label: "Stop after, core hours", value: "", number: { min: "0.0001", max: "1000000", step: "any" } },
+  { name: "tags", label: "Tags, between commas", value: "" },
+  { name: "bands", label: "Spectral bands, nm", value: "", hint: "380:780:10" },
+  { name: "group", label: "Group", value: "" },
+  { name: "after", label: "Begin when this group has ended", value: "" },
+  { name: "frames", label: "Frames", value: "", hint: "1-240" },
+  { name: "changes", label: "Changes of the scene, one a line", value: "", hint: "sensor.position[0]=-1..1", lines: true },
+  { name: "varied", label: "Variants, one place a line", value: "", hint: "tracing.seed=1,2,3", lines: true },
+];
+
 const layers = ["albedo", "normal", "depth", "position", "object", "material"];
 
 /** `onPreflight` is for the second button, which asks what the scene needs. */
 export function submitForm(onSubmit: (asked: Asked) => void, onPreflight: (asked: Asked) => void): { node: HTMLFormElement; begin: (name: string) => void; setFilm: (width: number, height: number) => void; busy: (busy: boolean) => void } {
-  const inputs = new Map(fields.map((field) => [field.name, input(field)]));
+  const inputs = new Map([...fields, ...moreFields].map((field) => [field.name, input(field)]));
   const button = element("button", { type: "submit", class: "primary" }, "Render");
   const preflight = element("button", { type: "button" }, "Preflight");
-  const labels = fields.map(({ name, label }) => element("label", {}, element("span", {}, label), inputs.get(name) ?? ""));
+  const labelled = ({ name, label }: Field): HTMLElement => element("label", {}, element("span", {}, label), inputs.get(name) ?? "");
   const boxes = layers.map((name) => element("input", { type: "checkbox", name: "layers", value: name }));
-  const node = element("form", {}, ...labels, layersGroup(boxes), button, preflight);
+  const node = element("form", {}, ...fields.map(labelled), layersGroup(boxes), more(moreFields.map(labelled)), button, preflight);
   let requestId = newId();
   node.addEventListener("input", () => { requestId = newId(); });
-  const wanted = (): string[] => boxes.filter(({ checked }) => checked).map(({ value }) => value);
-  const asked = (): Asked => ({ requestId, request: requestOf((name) => inputs.get(name)?.value ?? "", wanted()) });
+  const ticked = (): string[] => boxes.filter(({ checked }) => checked).map(({ value }) => value);
+  const value = (name: string): string => inputs.get(name)?.value ?? "";
+  const wanted = (): Wanted => ({ frames: value("frames"), changes: value("changes"), varied: value("varied"), bands: value("bands") });
+  const asked = (): Asked => ({ requestId, request: requestOf(value, ticked()), wanted: wanted() });
   node.addEventListener("submit", (event) => {
     event.preventDefault();
     onSubmit(asked());
@@ -69,9 +89,15 @@ export function requestOf(value: (name: string) => string, layers: string[]): As
   const stop: NonNullable<CreateRenderRequest["stop"]> = {};
   if (value("error")) stop.relative_error = Number(value("error")) / 100;
   if (value("minutes")) stop.wall_seconds = 60 * Number(value("minutes"));
+  if (value("tile-error")) stop.tile_relative_error = Number(value("tile-error")) / 100;
+  if (value("core-hours")) stop.cpu_seconds = 3600 * Number(value("core-hours"));
   if (value("until").trim()) stop.until = withZone(value("until").trim());
   const whole = (name: string): number => Math.round(Number(value(name)));
-  return { name: value("name"), width: whole("width"), height: whole("height"), samples: whole("samples"), stop, priority: whole("priority"), layers };
+  const [group, after, tags] = [value("group").trim(), value("after").trim(), wordsOf(value("tags"))];
+  return {
+    name: value("name"), width: whole("width"), height: whole("height"), samples: whole("samples"), stop, priority: whole("priority"), layers,
+    ...(group && { group }), ...(after && { after }), ...(tags.length > 0 && { tags }),
+  };
 }
 
 /** A time of day without a zone is that of who types it. */
@@ -84,7 +110,12 @@ function layersGroup(boxes: HTMLInputElement[]): HTMLElement {
   return element("fieldset", {}, element("legend", {}, "Layers of the EXR"), ...choices);
 }
 
-function input({ name, value, number, hint }: Field): HTMLInputElement {
+function more(labels: HTMLElement[]): HTMLElement {
+  return element("details", { class: "more" }, element("summary", {}, "Frames, variants, groups, bands, tags, further stops"), element("div", { class: "grid" }, ...labels));
+}
+
+function input({ name, value, number, hint, lines }: Field): HTMLInputElement | HTMLTextAreaElement {
+  if (lines) return element("textarea", { name, rows: "2", placeholder: hint, spellcheck: "false" });
   const kind = number ? { type: "number", required: value ? "" : undefined, ...number } : { type: "text", maxlength: "200" };
   return element("input", { name, value, placeholder: hint, ...kind });
 }

@@ -1,11 +1,12 @@
 /** Submitting a scene: drop a folder or an archive, say what is wanted, send. */
 import { announce, element, setText } from "../dom.ts";
 import { formatDuration } from "../format.ts";
-import { renderRoute } from "../router.ts";
+import { groupRoute, renderRoute } from "../router.ts";
 import { createRender, preflight, ServiceError } from "../service/client.ts";
-import type { CreateRenderRequest, PreflightReport, Problem } from "../service/types.ts";
+import type { CreateRenderRequest, PreflightReport, Problem, Render, SceneDocument } from "../service/types.ts";
 import { filesDropped, filesOf } from "./dropped.ts";
 import { type Asked, submitForm } from "./form.ts";
+import { membersOf } from "./members.ts";
 import { preflightResult } from "./preflight_result.ts";
 import { type Scene, upload } from "./scene_files.ts";
 import { takes } from "./taking.ts";
@@ -55,12 +56,9 @@ export function submitPanel(): { node: HTMLElement; close: () => void } {
     form.busy(false);
   };
   const send = (wanted: Scene, asked: Asked): Promise<void> => working(async () => {
-    const request: CreateRenderRequest = { request_id: asked.requestId, scene: wanted.document, ...asked.request };
+    const requests = requestsOf(wanted.document, asked);
     await upload(wanted.files, say);
-    setText(status, "Submitting…");
-    const render = await createRender(request);
-    announce(`${render.name} is submitted`);
-    location.hash = renderRoute(render.id);
+    await submitAll(requests, say);
   });
   const preflight = (wanted: Scene, asked: Asked): Promise<void> => working(async () => {
     report.replaceChildren();
@@ -69,6 +67,31 @@ export function submitPanel(): { node: HTMLElement; close: () => void } {
     if (scene === wanted) report.replaceChildren(...preflightResult(found, () => { scene = simpler(wanted, found, status); }));
   });
   return { node, close: takeDrops(node, (files) => void take(files)) };
+}
+
+/** Then shows the render, or the group. */
+async function submitAll(requests: CreateRenderRequest[], say: (words: string) => void): Promise<void> {
+  let last: Render | undefined;
+  for (const [index, request] of requests.entries()) {
+    say(requests.length === 1 ? "Submitting…" : `Submitting ${index + 1} of ${requests.length}…`);
+    last = await createRender(request);
+  }
+  if (!last) return;
+  announce(requests.length === 1 ? `${last.name} is submitted` : `${requests.length} renders are submitted`);
+  location.hash = requests.length === 1 ? renderRoute(last.id) : groupRoute(last.group);
+}
+
+/** One request for each frame and variant; several are a group. Asked again, they are the same. */
+export function requestsOf(document: SceneDocument, { requestId, request, wanted }: Asked): CreateRenderRequest[] {
+  const members = membersOf(document, wanted);
+  const group = request.group ?? (members.length > 1 ? `${request.name} ${requestId.slice(0, 6)}` : "");
+  return members.map((member, index) => ({
+    ...request,
+    request_id: members.length === 1 ? requestId : `${requestId}/${index}`,
+    scene: member.document,
+    name: `${request.name} ${member.name}`.trim(),
+    ...(group && { group }),
+  }));
 }
 
 async function preflightOf(wanted: Scene, { request }: Asked, status: HTMLElement): Promise<PreflightReport> {

@@ -14,6 +14,22 @@ export function recall(viewer: Viewer, canCompare: boolean): Region | undefined 
   return chosen;
 }
 
+/** Which axis the chart of the error has stands there as well. */
+export function axisInAddress(): "time" | "samples" {
+  return new URLSearchParams(location.hash.split("?")[1]).get("axis") === "samples" ? "samples" : "time";
+}
+
+export function rememberAxis(axis: "time" | "samples"): void {
+  const [route = "#/", query] = location.hash.split("?");
+  const others = (query ?? "").split("&").filter((part) => part && !part.startsWith("axis="));
+  const parts = [...others, ...(axis === "samples" ? ["axis=samples"] : [])];
+  history.replaceState(null, "", `${route}${parts.length > 0 ? `?${parts.join("&")}` : ""}`);
+}
+
+function withAxis(query: string): string {
+  return [query, axisInAddress() === "samples" ? "axis=samples" : ""].filter(Boolean).join("&");
+}
+
 /** What writes it, a moment after a change. */
 export function rememberer(viewer: Viewer): () => void {
   const [route = "#/"] = location.hash.split("?");
@@ -21,7 +37,7 @@ export function rememberer(viewer: Viewer): () => void {
   return () => {
     timer ||= window.setTimeout(() => {
       timer = 0;
-      const query = toQuery(viewer.look, viewer.isAuto);
+      const query = withAxis(toQuery(viewer.look, viewer.isAuto));
       const address = `${route}${query ? `?${query}` : ""}`;
       if (location.hash.split("?")[0] === route && location.hash !== address) history.replaceState(null, "", address);
     }, rest);

@@ -105,7 +105,7 @@ function chooser(first: string, second: string | undefined, renders: Renders, on
 }
 
 function nameOf(render: Render | undefined, id: string): string {
-  return render?.name ? `${render.name} (${id})` : id;
+  return render?.name ? `${render.name} (${id}, engine ${render.engine})` : id;
 }
 
 /** Both errors over the samples per pixel, on one chart. */

@@ -1,7 +1,8 @@
 /** What can be done to a render: pause, resume, more samples, another share of the workers, again. */
 import { announce, element } from "../dom.ts";
+import { wordsOf } from "../format.ts";
 import { renderRoute } from "../router.ts";
-import { extendRender, pauseRender, replayRender, resumeRender, setPriority } from "../service/controls.ts";
+import { extendRender, pauseRender, replayRender, resumeRender, setPriority, setTags } from "../service/controls.ts";
 import { hasEnded, type Render } from "../service/types.ts";
 import { askButton } from "./ask_button.ts";
 
@@ -34,14 +35,16 @@ export function controlBar(id: string, onChange: (render: Render) => void): Cont
   });
   const extend = extendButton(id, changed("It gets more"));
   const priority = priorityButton(id, changed("Its priority is changed"));
-  const buttons = element("div", { class: "controls", role: "group", "aria-label": "What to do with it" }, pause, resume, extend.button, priority.button, replay);
+  const tags = tagsButton(id, changed("Its tags are changed"));
+  const buttons = element("div", { class: "controls", role: "group", "aria-label": "What to do with it" }, pause, resume, extend.button, priority.button, tags.button, replay);
   return {
-    node: element("div", {}, buttons, problem, extend.dialog, priority.dialog),
+    node: element("div", {}, buttons, problem, extend.dialog, priority.dialog, tags.dialog),
     show: (render) => {
       pause.hidden = render.state !== "QUEUED" && render.state !== "RUNNING";
       resume.hidden = render.state !== "PAUSED" && render.state !== "DEGRADED";
       extend.show(render);
       priority.show(render);
+      tags.show(render);
       priority.button.hidden = hasEnded(render);
       replay.hidden = render.progress.mean_samples === 0;
     },
@@ -70,6 +73,13 @@ function priorityButton(id: string, onChange: (render: Render) => void): Asked {
   const question = { act: "Priority", title: "How much of the workers?", text: "1 to 1000, beside others of its owner; 100 is usual, 200 gets twice the work.", keep: "Leave it", failed: "Not changed" };
   const asked = askButton(question, async () => { onChange(await setPriority(id, weight.valueAsNumber || 0)); }, element("div", { class: "fields" }, field("Priority", weight)));
   return { ...asked, show: ({ priority }) => { if (!asked.dialog.open) weight.value = `${priority}`; } };
+}
+
+function tagsButton(id: string, onChange: (render: Render) => void): Asked {
+  const words = element("input", { type: "text", maxlength: "2000" });
+  const question = { act: "Tags", title: "Tags", text: "Words to sort renders by, between commas.", keep: "Leave them", failed: "Not changed" };
+  const asked = askButton(question, async () => { onChange(await setTags(id, wordsOf(words.value))); }, element("div", { class: "fields" }, field("Tags", words)));
+  return { ...asked, show: ({ tags }) => { if (!asked.dialog.open) words.value = tags.join(", "); } };
 }
 
 function field(label: string, input: HTMLElement): HTMLElement {

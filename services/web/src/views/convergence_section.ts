@@ -5,6 +5,7 @@ import { element, setText } from "../dom.ts";
 import { formatDuration, formatRelativeError } from "../format.ts";
 import { getConvergence } from "../service/client.ts";
 import { elapsedSeconds } from "../service/clock.ts";
+import { axisInAddress, rememberAxis } from "../viewer/address.ts";
 import { type ConvergencePoint, hasEnded, type Render } from "../service/types.ts";
 
 export interface ConvergenceSection {
@@ -23,7 +24,7 @@ export function convergenceSection(id: string): ConvergenceSection {
   const figure = element("figure", { "aria-label": "Relative error over time, both axes logarithmic" }, plot, caption);
   let render: Render | undefined;
   let points: readonly ConvergencePoint[] = [];
-  let abscissa: Abscissa = "time";
+  let abscissa: Abscissa = axisInAddress();
   const chart = new ConvergenceChart(plot);
 
   const draw = (): void => {
@@ -33,8 +34,9 @@ export function convergenceSection(id: string): ConvergenceSection {
     setText(caption, captionText(points));
     showDoubt(warning, render?.progress.doubt ?? "");
   };
-  const choice = abscissaChoice((chosen) => {
+  const choice = abscissaChoice(abscissa, (chosen) => {
     abscissa = chosen;
+    rememberAxis(chosen);
     draw();
   });
   const reload = async (): Promise<void> => {
@@ -109,10 +111,10 @@ function showDoubt(node: HTMLElement, sentence: string): void {
   node.replaceChildren(element("strong", {}, "The error is not to be trusted"), element("p", {}, sentence));
 }
 
-function abscissaChoice(onChoice: (abscissa: Abscissa) => void): HTMLElement {
+function abscissaChoice(chosen: Abscissa, onChoice: (abscissa: Abscissa) => void): HTMLElement {
   const option = (value: Abscissa, text: string): HTMLElement => {
     const input = element("input", { type: "radio", name: "abscissa", value });
-    input.checked = value === "time";
+    input.checked = value === chosen;
     input.addEventListener("change", () => {
       onChoice(value);
     });

@@ -1,6 +1,7 @@
 /** The figures of one render. */
 import { element, setText } from "../dom.ts";
 import { formatCount, formatDuration, formatRelativeError, formatSamples, formatValue } from "../format.ts";
+import { costOf } from "../service/price.ts";
 import { elapsedSeconds } from "../service/clock.ts";
 import { hasEnded, type Render } from "../service/types.ts";
 
@@ -43,10 +44,12 @@ const facts: Fact[] = [
     value: timeLeft,
     meaning: "From the rate and the error so far, to the first condition that ends the render.",
   },
-  { label: "CPU time", value: (render) => formatDuration(render.progress.cpu_seconds) },
+  { label: "CPU time", value: ({ progress: { cpu_seconds } }) => [formatDuration(cpu_seconds), ...(cpu_seconds > 0 ? [`${formatValue(cpu_seconds / 3600, 3)} core\u00a0h`] : []), costOf(cpu_seconds)].filter(Boolean).join(" · ") },
   { label: "Invalid samples", value: (render) => formatCount(render.progress.invalid_samples), meaning: "Contributions that were NaN, infinite or negative; they are left out of the image." },
   { label: "Truncated paths", value: (render) => formatCount(render.progress.truncated_paths), meaning: "Photons ended by the tracer's limit of interactions; light that they would have brought is missing." },
+  { label: "Tags", value: ({ tags }) => tags.join(", ") || "–", meaning: "Words to sort renders by; the list finds them." },
   { label: "Layers", value: ({ layers }) => layers.join(", ") || "–", meaning: "What the EXR tells of the surfaces in the image, beside the image itself." },
+  { label: "Engine", value: ({ engine }) => `${engine}`, meaning: "Version of the tracing engine: images of the same scene by different ones have different bits." },
   { label: "Film", value: (render) => `${render.width} × ${render.height}` },
 ];
 

@@ -3,6 +3,7 @@ import { element, setText } from "../dom.ts";
 import { formatDuration } from "../format.ts";
 import { getGroup } from "../service/client.ts";
 import { serviceNow } from "../service/clock.ts";
+import { costOf } from "../service/price.ts";
 import type { Group } from "../service/types.ts";
 
 /** Asked of the service at most so often, however often renders change. */
@@ -41,6 +42,7 @@ export function groupText(group: Group): string {
     `${group.ended} of ${group.renders} renders have ended, ${(100 * group.fraction).toFixed(1)} % is done`,
     group.failed > 0 ? `${group.failed} failed or were cancelled` : "",
     `CPU ${formatDuration(group.cpu_seconds)}`,
+    costOf(group.cpu_seconds),
     left > 0 ? `those that run end in ${formatDuration(left)}` : "",
   ].filter(Boolean).join(" · ");
 }

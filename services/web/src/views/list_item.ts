@@ -3,6 +3,7 @@ import { element, setText } from "../dom.ts";
 import { formatDuration, formatRelativeError, formatSamples } from "../format.ts";
 import { groupRoute, renderRoute } from "../router.ts";
 import { serviceNow } from "../service/clock.ts";
+import { costOf } from "../service/price.ts";
 import { hasEnded, type Render } from "../service/types.ts";
 import { progressBar } from "./progress_bar.ts";
 import { stateBadge } from "./state_badge.ts";
@@ -24,6 +25,7 @@ export function listItem(onSelect: () => void): ListItem {
   const badge = stateBadge();
   const size = element("span");
   const group = element("a", { class: "in-group" });
+  const tags = element("span", { class: "tags" });
   const bar = progressBar();
   const error = element("span", { class: "error", title: "Relative error, and what was asked for" });
   const finish = element("span", { class: "finish" });
@@ -33,7 +35,7 @@ export function listItem(onSelect: () => void): ListItem {
     {},
     box,
     picture.node,
-    element("div", { class: "what" }, element("h2", {}, link, badge.node), size, group),
+    element("div", { class: "what" }, element("h2", {}, link, badge.node), size, group, tags),
     element("div", { class: "how-far" }, bar.node, error, finish, cost),
   );
 
@@ -46,9 +48,12 @@ export function listItem(onSelect: () => void): ListItem {
     group.hidden = render.group === "";
     group.href = groupRoute(render.group);
     setText(group, `group ${render.group}`);
+    setText(tags, render.tags.map((tag) => `#${tag}`).join("  "));
+    tags.hidden = render.tags.length === 0;
     bar.show(render);
     setText(error, errorText(render));
     setText(finish, finishText(render));
+    finish.title = render.out_of_reach;
     setText(cost, costText(render));
     picture.show(render);
   };
@@ -68,11 +73,13 @@ function errorText({ progress, stop }: Render): string {
 function finishText(render: Render): string {
   if (hasEnded(render)) return render.started > 0 ? `took ${formatDuration(render.ended - render.started)}` : "";
   const end = render.progress.predicted_end;
-  return end > 0 ? `${formatDuration(Math.max(0, end - serviceNow()))} left` : "";
+  const miss = render.out_of_reach ? ", error out of reach" : "";
+  return end > 0 ? `${formatDuration(Math.max(0, end - serviceNow()))} left${miss}` : "";
 }
 
 function costText({ progress, state }: Render): string {
   if (progress.cpu_seconds === 0) return "";
   const whole = progress.predicted_cpu_seconds > progress.cpu_seconds && state === "RUNNING" ? ` of ${formatDuration(progress.predicted_cpu_seconds)}` : "";
-  return `CPU ${formatDuration(progress.cpu_seconds)}${whole}`;
+  const money = costOf(progress.cpu_seconds);
+  return `CPU ${formatDuration(progress.cpu_seconds)}${whole}${money && ` · ${money}`}`;
 }

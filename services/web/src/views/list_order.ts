@@ -19,7 +19,7 @@ export interface Wish {
 export function listed(renders: readonly Render[], { text, kind, order, group }: Wish): Render[] {
   const words = text.toLowerCase().split(/\s+/).filter(Boolean);
   const found = renders.filter((render) => {
-    const about = `${render.name} ${render.id} ${render.owner} ${render.state} ${render.group}`.toLowerCase();
+    const about = `${render.name} ${render.id} ${render.owner} ${render.state} ${render.group} ${render.tags.join(" ")}`.toLowerCase();
     return (group === "" || render.group === group) && words.every((word) => about.includes(word)) && (kind === "all" || hasEnded(render) === (kind === "ended"));
   });
   return order === "newest" ? found : found.toSorted(comparisons[order]);

@@ -19,7 +19,7 @@ export function listView(renders: Renders, group = ""): View {
   const more = element("button", { type: "button", class: "more" }, "Show older renders");
   const workers = workersSection();
   const submit = submitPanel();
-  const wish: Wish = { text: "", kind: "all", order: "newest", group };
+  const wish: Wish = { text: new URLSearchParams(location.hash.split("?")[1]).get("find") ?? "", kind: "all", order: "newest", group };
   const line = group ? groupLine(group) : undefined;
   const items = new Map<string, ListItem>();
 
@@ -45,7 +45,7 @@ export function listView(renders: Renders, group = ""): View {
     for (const { box } of items.values()) box.checked = false;
     select();
   });
-  const filters = filterBar(wish, update);
+  const filters = filterBar(wish, update, (words) => renders.search(words));
   const heading = element("h1", { tabindex: "-1" }, group ? `Group ${group}` : "Renders");
   const head = line ? [element("p", { class: "back" }, element("a", { href: "#/" }, "← All renders")), heading, line.node] : [heading];
   const node = element("div", {}, ...head, filters, selection.node, empty, list, more, ...(line ? [] : [submit.node]), workers.node);
@@ -77,12 +77,22 @@ function place(list: HTMLElement, items: ReadonlyMap<string, ListItem>, nodes: H
   });
 }
 
-function filterBar(wish: Wish, update: () => void): HTMLElement {
-  const search = element("input", { type: "search", placeholder: "Name, id, owner, state, group", "aria-label": "Filter" });
+/** `find` has the service look among all renders, once nobody types any more. */
+function filterBar(wish: Wish, update: () => void, find: (words: string) => Promise<void>): HTMLElement {
+  const search = element("input", { type: "search", placeholder: "Name, id, owner, state, group, tag", "aria-label": "Filter", value: wish.text });
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  const look = (): void => {
+    if (wish.text.trim()) find(wish.text).catch(() => undefined);
+  };
   search.addEventListener("input", () => {
     wish.text = search.value;
+    const [route = "#/"] = location.hash.split("?");
+    history.replaceState(null, "", wish.text ? `${route || "#/"}?find=${encodeURIComponent(wish.text)}` : route || "#/");
+    clearTimeout(timer);
+    timer = setTimeout(look, 300);
     update();
   });
+  look();
   return element(
     "div",
     { class: "tools", role: "search" },

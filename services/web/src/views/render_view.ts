@@ -2,7 +2,7 @@
 import { announce, element, setText } from "../dom.ts";
 import { formatState } from "../format.ts";
 import { compareRoute } from "../router.ts";
-import { ServiceError } from "../service/client.ts";
+import { getBaselines, ServiceError } from "../service/client.ts";
 import type { Renders } from "../service/renders.ts";
 import { hasEnded, hasImage, type Render, type RenderState } from "../service/types.ts";
 import { MeasurePanel } from "../measure/measure_panel.ts";
@@ -35,7 +35,7 @@ export function renderView(id: string, renders: Renders): View {
     panel.node,
     element("div", { class: "below" }, convergence.node, workers.node, denoised.node),
   );
-  const links = element("p", { class: "back" }, element("a", { href: "#/" }, "← All renders"), element("a", { href: compareRoute(id) }, "Compare…"));
+  const links = linksOf(id);
   const node = element("div", {}, links, panel.heading, problem, content);
   const stop = [
     followChanges(id, renders, {
@@ -72,6 +72,17 @@ export function renderView(id: string, renders: Renders): View {
       workers.close();
     },
   };
+}
+
+/** Back, and to comparisons: with any other, and with the same scene by other engines. */
+function linksOf(id: string): HTMLElement {
+  const node = element("p", { class: "back" }, element("a", { href: "#/" }, "← All renders"), element("a", { href: compareRoute(id) }, "Compare…"));
+  getBaselines(id).then(
+    (found) => { node.append(...found.map((render) => element("a", { href: compareRoute(id, render.id) }, `Compare with engine ${render.engine}`))); },
+    // The view says what is wrong with the render.
+    () => undefined,
+  );
+  return node;
 }
 
 /** Follows the render, if there is one, until the returned function is called. */

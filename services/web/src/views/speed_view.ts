@@ -1,42 +1,58 @@
-/** Speed against accuracy: what the benches drew, and each render of this service as a point on the same plane. */
+/** Speed against accuracy: the error of this service's renders over their processor time; the benches in two charts. */
 import uPlot from "uplot";
+import benches from "../../../../bench/results/speed-summary.json";
 import { element } from "../dom.ts";
 import { formatDuration, formatRelativeError } from "../format.ts";
 import { renderRoute } from "../router.ts";
+import { getConvergence } from "../service/client.ts";
 import type { Renders } from "../service/renders.ts";
-import { hasImage, type Render } from "../service/types.ts";
+import { hasImage, type ConvergencePoint, type Render } from "../service/types.ts";
+import { dotTable } from "./dot_table.ts";
+import { chosenOf, curvesOf } from "./speed_curves.ts";
 import type { View } from "./view.ts";
-
-/** Charts of `make bench`, as they are in the repository when the page is built. */
-const charts = import.meta.glob<string>("../../../../bench/results/*.svg", { query: "?url", import: "default", eager: true });
 
 // The declarations name it in a const enum, which single-file compilers cannot read.
 // eslint-disable-next-line @typescript-eslint/no-unsafe-enum-assignment
 const logarithmic = 3 as uPlot.Scale.Distr;
+/** As the style sheet has them; told apart by people who do not see colours alike. */
+const lineColours = ["--line-1", "--line-2", "--line-3", "--line-4", "--line-5", "--line-6"];
+const mostRows = 30;
+
+/** As bench/suite/page.py writes it; null: not known. */
+const summary: readonly { scene: string; default: number | null; ways: readonly number[]; beside_peer: number | null }[] = benches;
 
 export function speedView(renders: Renders): View {
   const container = element("div", { class: "plot" });
   const table = element("div", { class: "events" });
-  const about = "Processor time of workers and relative error of each render; further down and further left is better. Along a dashed line four times the time halves the error.";
+  const chart = new Curves(container);
+  let asked = (new URLSearchParams(location.hash.split("?")[1]).get("renders") ?? "").split(",").filter(Boolean);
+  let drawn = "";
+  const draw = (): void => {
+    const measured = renders.newestFirst().filter((render) => hasImage(render) && render.progress.relative_error > 0 && render.progress.cpu_seconds > 0);
+    const chosen = chosenOf(measured, asked, lineColours.length);
+    const key = `${chosen.map(({ id }) => id).join()} ${measured.map((render) => `${render.id}${render.sequence}`).join()}`;
+    if (key === drawn) return;
+    drawn = key;
+    void chart.show(chosen);
+    table.replaceChildren(tableOf(measured.slice(0, mostRows), chosen, choose));
+  };
+  const choose = (ids: string[]): void => {
+    asked = ids.slice(-lineColours.length);
+    history.replaceState(null, "", asked.length > 0 ? `#/speed?renders=${asked.join()}` : "#/speed");
+    const label = document.activeElement?.getAttribute("aria-label");
+    draw();
+    if (label) table.querySelector<HTMLElement>(`[aria-label="${CSS.escape(label)}"]`)?.focus();
+  };
+  const unsubscribe = renders.subscribe(draw);
+  const about = "Relative error over the processor time of workers; lower and further left is better. Along a dashed line four times the time halves the error.";
   const node = element(
     "div",
     {},
     element("h1", { tabindex: "-1" }, "Speed against accuracy"),
     element("section", { "aria-labelledby": "points-title" }, element("h2", { id: "points-title" }, "Renders of this service"), element("p", { class: "note" }, about), container, table),
-    element("section", { "aria-labelledby": "bench-title" }, element("h2", { id: "bench-title" }, "Benches"), ...benchCharts()),
+    element("section", { "aria-labelledby": "peers-title" }, element("h2", { id: "peers-title" }, "Beside Mitsuba 3"), peers()),
+    element("section", { "aria-labelledby": "ways-title" }, element("h2", { id: "ways-title" }, "Ways to trace"), ways()),
   );
-  let plot: uPlot | undefined;
-  let drawn = "";
-  const draw = (): void => {
-    const measured = renders.newestFirst().filter((render) => hasImage(render) && render.progress.relative_error > 0 && render.progress.cpu_seconds > 0);
-    const key = measured.map((render) => `${render.id}${render.sequence}`).join();
-    if (key === drawn) return;
-    drawn = key;
-    plot?.destroy();
-    plot = measured.length > 0 ? scatter(measured, container) : undefined;
-    table.replaceChildren(tableOf(measured));
-  };
-  const unsubscribe = renders.subscribe(draw);
   // After the node has its width.
   requestAnimationFrame(draw);
   return {
@@ -44,57 +60,109 @@ export function speedView(renders: Renders): View {
     title: "Speed",
     close: () => {
       unsubscribe();
-      plot?.destroy();
+      chart.close();
     },
   };
 }
 
-function scatter(renders: Render[], container: HTMLElement): uPlot {
+/** Lines of renders; their histories are asked for once for each state of them. */
+class Curves {
+  readonly #container: HTMLElement;
+  readonly #known = new Map<string, readonly ConvergencePoint[]>();
+  #plot: uPlot | undefined;
+  #shown = 0;
+
+  constructor(container: HTMLElement) {
+    this.#container = container;
+  }
+
+  async show(renders: readonly Render[]): Promise<void> {
+    const turn = ++this.#shown;
+    const histories = await Promise.all(renders.map((render) => this.#historyOf(render)));
+    if (turn !== this.#shown) return;
+    this.#plot?.destroy();
+    this.#plot = renders.length > 0 ? plotOf(renders, histories, this.#container) : undefined;
+  }
+
+  close(): void {
+    this.#shown += 1;
+    this.#plot?.destroy();
+  }
+
+  async #historyOf({ id, sequence }: Render): Promise<readonly ConvergencePoint[]> {
+    const key = `${id} ${sequence}`;
+    const points = this.#known.get(key) ?? (await getConvergence(id).catch(() => []));
+    this.#known.set(key, points);
+    return points;
+  }
+}
+
+function plotOf(renders: readonly Render[], histories: readonly (readonly ConvergencePoint[])[], container: HTMLElement): uPlot {
   const styles = getComputedStyle(document.documentElement);
   const colour = (name: string): string => styles.getPropertyValue(name).trim();
-  const sorted = renders.toSorted((a, b) => a.progress.cpu_seconds - b.progress.cpu_seconds);
-  const x = sorted.map((render) => render.progress.cpu_seconds);
-  const y = sorted.map((render) => render.progress.relative_error);
-  const constant = (y[0] ?? 1) * Math.sqrt(x[0] ?? 1);
+  const { x, columns } = curvesOf(renders, histories);
+  const firsts = columns.flatMap((column) => column.flatMap((error, index) => (error === null ? [] : [error * Math.sqrt(x[index] ?? 1)])));
+  const constant = firsts.sort((a, b) => a - b)[Math.floor(firsts.length / 2)] ?? 1;
   const axis = { stroke: colour("--muted"), grid: { stroke: colour("--line"), width: 1 }, ticks: { show: false } };
-  const wide = (_: uPlot, low: number | null, high: number | null): [number, number] => [(low ?? 0.1) / 2, (high ?? 1) * 2];
+  const wide = (_: uPlot, low: number | null, high: number | null): [number, number] => [(low ?? 0.1) / 1.5, (high ?? 1) * 1.5];
   return new uPlot(
     {
       width: Math.max(260, container.clientWidth),
-      height: 280,
-      legend: { show: false },
+      height: 300,
       scales: { x: { time: false, distr: logarithmic, range: wide }, y: { distr: logarithmic, range: wide } },
       axes: [
-        { ...axis, values: (_, values) => values.map((value) => (value ? formatDuration(value) : null)) },
+        { ...axis, values: (_, values) => values.map((value) => (isDecade(value) ? seconds(value) : null)) },
         { ...axis, size: 64, values: (_, values) => values.map((value) => (value ? formatRelativeError(value) : null)) },
       ],
       series: [
-        {},
-        { label: "Relative error", stroke: colour("--accent"), paths: () => null, points: { show: true, size: 9, fill: colour("--accent") } },
-        { label: "1/√time", stroke: colour("--muted"), dash: [6, 4], points: { show: false } },
+        { label: "CPU time", value: (_, value: number | null) => (value === null ? "–" : seconds(value)) },
+        ...renders.map(({ id, name }, index) => ({
+          label: name || id,
+          stroke: colour(lineColours[index % lineColours.length] ?? "--accent"),
+          width: 2,
+          spanGaps: true,
+          points: { show: true, size: 5, fill: colour(lineColours[index % lineColours.length] ?? "--accent") },
+          value: (_: uPlot, value: number | null) => (value === null ? "–" : formatRelativeError(value)),
+        })),
+        { label: "1/√time", stroke: colour("--muted"), dash: [6, 4], points: { show: false }, value: () => "" },
       ],
     },
-    [x, y, x.map((value) => constant / Math.sqrt(value))],
+    [x, ...columns, x.map((value) => constant / Math.sqrt(value))],
     container,
   );
 }
 
+/** Below a second the usual words would say 0.0 s. */
+function seconds(value: number): string {
+  return value < 1 ? `${value < 1e-3 ? value.toExponential(0) : Number(value.toPrecision(2))}\u00a0s` : formatDuration(value);
+}
+
+const isDecade = (value: number): boolean => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-9;
+
 /** Efficiency: 1 / (error² × time), which does not change while a render goes on as 1/√N. */
-function tableOf(renders: Render[]): HTMLElement {
+function tableOf(renders: Render[], chosen: readonly Render[], choose: (ids: string[]) => void): HTMLElement {
   if (renders.length === 0) return element("p", { class: "muted" }, "No render has an error yet.");
   const head = element("tr", {}, ...["Render", "CPU time", "Relative error", "1 / (error² × s)"].map((text) => element("th", { scope: "col" }, text)));
+  const shown = chosen.map(({ id }) => id);
   const rows = renders.map(({ id, name, progress }) => {
     const efficiency = 1 / (progress.relative_error ** 2 * progress.cpu_seconds);
-    const cells = [formatDuration(progress.cpu_seconds), formatRelativeError(progress.relative_error), efficiency.toPrecision(3)];
-    return element("tr", {}, element("th", { scope: "row" }, element("a", { href: renderRoute(id) }, name || id)), ...cells.map((text) => element("td", {}, text)));
+    const cells = [seconds(progress.cpu_seconds), formatRelativeError(progress.relative_error), efficiency.toPrecision(3)];
+    const box = element("input", { type: "checkbox", "aria-label": `Show ${name || id} (${id}) in the chart` });
+    box.checked = shown.includes(id);
+    box.addEventListener("change", () => { choose(box.checked ? [...shown, id] : shown.filter((each) => each !== id)); });
+    return element("tr", {}, element("th", { scope: "row" }, box, " ", element("a", { href: renderRoute(id) }, name || id)), ...cells.map((text) => element("td", {}, text)));
   });
   return element("table", {}, element("thead", {}, head), element("tbody", {}, ...rows));
 }
 
-function benchCharts(): HTMLElement[] {
-  const found = Object.entries(charts).map(([path, address]) => {
-    const name = (path.split("/").at(-1) ?? "").replace(".svg", "").replaceAll("-", " ");
-    return element("figure", { class: "bench" }, element("img", { src: address, alt: `Chart of the bench ${name}`, loading: "lazy" }), element("figcaption", { class: "note" }, name));
-  });
-  return found.length > 0 ? found : [element("p", { class: "muted" }, "No charts were there when this page was built; `make bench` draws them.")];
+function peers(): HTMLElement {
+  const rows = summary.flatMap(({ scene, beside_peer }) => (beside_peer === null ? [] : [{ name: scene, value: beside_peer, others: [] }]));
+  const caption = "Squared error of Nocturne as it comes, over that of Mitsuba's best variant in the same processor time; left of the line Nocturne has less. One run of small films on one machine: a factor of 1.5 may be chance. Scenes that Mitsuba can't show are left out.";
+  return dotTable({ caption, columns: ["Scene", "Error beside Mitsuba's", "Times"], rows, line: 1, format: (value) => `${Number(value.toPrecision(2))}` });
+}
+
+function ways(): HTMLElement {
+  const rows = summary.map(({ scene, default: value, ways: others }) => ({ name: scene, value: value ?? undefined, others }));
+  const caption = "Seconds of one processor to an image that is right to 1 %: as it comes (filled), and by each way that can be asked for (rings). The documentation has a chart for each scene.";
+  return dotTable({ caption, columns: ["Scene", "CPU seconds to 1 %", "As it comes"], rows, format: seconds });
 }

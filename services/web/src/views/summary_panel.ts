@@ -1,6 +1,6 @@
 /** The heading, and beside the image: progress, figures, downloads, cancel and delete. */
 import { element, setText } from "../dom.ts";
-import { getExplanation, imageAddress, previewAddress, sceneAddress } from "../service/client.ts";
+import { derivedAddress, getExplanation, imageAddress, previewAddress, sceneAddress } from "../service/client.ts";
 import type { Renders } from "../service/renders.ts";
 import { hasEnded, hasImage, type Render } from "../service/types.ts";
 import { cancelButton } from "./cancel_button.ts";
@@ -16,6 +16,7 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
   const badge = stateBadge();
   const reason = element("p", { class: "reason" });
   const warnings = element("ul", { class: "warnings", "aria-label": "Warnings" });
+  const miss = element("p", { class: "out-of-reach", role: "status" });
   const way = element("p", { class: "way" });
   const bar = progressBar();
   const facts = factsList();
@@ -32,7 +33,7 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
     if (!node.isConnected) clearInterval(timer);
     else if (current && !hasEnded(current)) facts.show(current);
   }, 1000);
-  const node = element("aside", { "aria-label": "Figures" }, reason, warnings, way, bar.node, facts.node, idLine(id), links.node, controls.node, cancel.button, cancel.dialog, remove.button, remove.dialog);
+  const node = element("aside", { "aria-label": "Figures" }, reason, miss, warnings, way, bar.node, facts.node, idLine(id), links.node, controls.node, cancel.button, cancel.dialog, remove.button, remove.dialog);
 
   const show = (render: Render): void => {
     const waits = !hasEnded(render) && !hasImage(render);
@@ -43,6 +44,8 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
     badge.show(render.state);
     if (!waits) setText(reason, render.reason);
     reason.hidden = reason.textContent === "";
+    setText(miss, render.out_of_reach);
+    miss.hidden = render.out_of_reach === "";
     warnings.replaceChildren(...render.warnings.map((warning) => element("li", {}, warning)));
     warnings.hidden = render.warnings.length === 0;
     setText(way, render.way === "" ? "" : `Traced by ${render.way}.`);
@@ -73,7 +76,9 @@ function downloads(id: string): { node: HTMLElement; show: (render: Render) => v
   const exr = element("a", { href: imageAddress(id), download: `${file}.exr` }, "Download EXR");
   const png = element("a", { href: previewAddress(id), download: `${file}.png` }, "Download PNG");
   const scene = element("a", { href: sceneAddress(id), download: `${file}.json` }, "Scene");
-  const node = element("p", { class: "downloads" }, exr, png, scene);
+  const log = element("a", { href: derivedAddress(id, "log.txt"), download: `${file}.txt` }, "Log");
+  const bundle = element("a", { href: derivedAddress(id, "bundle.zip"), download: `${file}.zip`, title: "State, log, scene and failures, to ask somebody about it" }, "Bundle");
+  const node = element("p", { class: "downloads" }, exr, png, scene, log, bundle);
   return {
     node,
     show: (render) => {

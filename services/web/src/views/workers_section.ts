@@ -2,7 +2,7 @@
 import { announce, element } from "../dom.ts";
 import { formatCount, formatDuration } from "../format.ts";
 import { renderRoute } from "../router.ts";
-import { getTilesInProgress, listWork, listWorkers, releaseWorker } from "../service/client.ts";
+import { getTilesInProgress, changeWorker, listWork, listWorkers } from "../service/client.ts";
 import { serviceNow } from "../service/clock.ts";
 import type { Worker, WorkOfWorker } from "../service/types.ts";
 
@@ -63,17 +63,24 @@ function table(workers: Worker[], work: WorkOfWorker[], tiles: ((worker: string)
 function row(worker: Worker, work: WorkOfWorker[], more: string[]): HTMLElement {
   const cells = [`${worker.threads}`, formatCount(worker.rays_per_second), formatCount(worker.jobs_done), ...more];
   const name = element("th", { scope: "row" }, worker.id);
-  if (worker.quarantine) name.append(element("span", { class: "badge", "data-state": "FAILED", title: worker.quarantine }, "Quarantine"), releaseButton(worker.id));
-  else if (worker.incompatible) name.append(element("span", { class: "badge", "data-state": "PAUSED", title: worker.incompatible }, "No jobs"));
+  if (worker.quarantine) name.append(badge("FAILED", "Quarantine", worker.quarantine), actButton(worker.id, "release"));
+  else if (worker.drain) name.append(badge("PAUSED", worker.drain === "drained" ? "Drained" : "Draining", "It gets no jobs until it is released."), actButton(worker.id, "release"));
+  else name.append(...(worker.incompatible ? [badge("PAUSED", "No jobs", worker.incompatible)] : []), actButton(worker.id, "drain"));
   return element("tr", {}, name, element("td", { class: "traces" }, ...work.map(traced)), ...cells.map((text) => element("td", {}, text)));
 }
 
+function badge(state: string, text: string, title: string): HTMLElement {
+  return element("span", { class: "badge", "data-state": state, title }, text);
+}
+
 /** The table follows within two seconds. */
-function releaseButton(worker: string): HTMLElement {
-  const button = element("button", { type: "button", class: "release", "aria-label": `Release ${worker}` }, "Release");
+function actButton(worker: string, act: "drain" | "release"): HTMLElement {
+  const word = act === "drain" ? "Drain" : "Release";
+  const title = act === "drain" ? "It finishes the jobs that it has and gets no others" : "It gets jobs again, and its results are taken";
+  const button = element("button", { type: "button", class: "release", title, "aria-label": `${word} ${worker}` }, word);
   button.addEventListener("click", () => {
-    releaseWorker(worker).then(
-      () => { announce(`${worker} is released`); },
+    changeWorker(worker, act).then(
+      () => { announce(act === "drain" ? `${worker} is being drained` : `${worker} is released`); },
       (error: unknown) => { announce(error instanceof Error ? error.message : String(error)); },
     );
   });

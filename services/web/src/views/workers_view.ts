@@ -5,6 +5,7 @@ import { formatCount } from "../format.ts";
 import { getWorkerHistory } from "../service/client.ts";
 import type { WorkerHistory } from "../service/types.ts";
 import type { View } from "./view.ts";
+import { usageSection } from "./usage_section.ts";
 import { workersSection } from "./workers_section.ts";
 
 const interval_ms = 10_000;
@@ -14,6 +15,7 @@ const right = 1 as uPlot.Axis.Side;
 
 export function workersView(): View {
   const workers = workersSection();
+  const usage = usageSection();
   const chart = element("div", { class: "plot" });
   const caption = element("p", { class: "note" });
   const events = element("div", { class: "events" });
@@ -22,13 +24,14 @@ export function workersView(): View {
     {},
     element("h1", { tabindex: "-1" }, "Workers"),
     workers.node,
+    usage.node,
     element("section", { "aria-labelledby": "night-title" }, element("h2", { id: "night-title" }, "The last two days"), chart, caption),
     element("section", { "aria-labelledby": "events-title" }, element("h2", { id: "events-title" }, "Worker events"), events),
   );
   let plot: uPlot | undefined;
   const poll = async (): Promise<void> => {
     try {
-      const history = await getWorkerHistory();
+      const [history] = await Promise.all([getWorkerHistory(), usage.load()]);
       plot?.destroy();
       plot = rates(history, chart);
       caption.textContent = efficiencyText(history);

@@ -1,0 +1,95 @@
+"""Commands that set two images beside each other."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from nocturne_client.cli.output import ERRORS, AsJson, Url, print_json
+
+if TYPE_CHECKING:
+    from nocturne_client.local.comparing import Compared
+
+
+def add_to(app: typer.Typer) -> None:
+    """Adds these commands to the program."""
+    app.command(name="compare")(compare_images)
+    app.command()(baseline)
+    app.command(name="light-parts")(light_parts)
+
+
+def compare_images(
+    image: Annotated[Path, typer.Argument(metavar="A.exr", help="The image under test, XYZ or RGB.")],
+    reference: Annotated[Path, typer.Argument(metavar="B.exr", help="The reference, XYZ or RGB.")],
+    variance: Annotated[
+        Path | None,
+        typer.Option(
+            "--variance", metavar="B_var.exr", help="Variance of one sample of the reference's pixels."
+        ),
+    ] = None,
+    reference_samples: Annotated[
+        float, typer.Option("--reference-samples", min=1, help="That B is the mean of; with --variance.")
+    ] = 32_000,
+    samples: Annotated[
+        float | None, typer.Option("--samples", min=1, help="Of A's pixels. Default: as A says.")
+    ] = None,
+    scale: Annotated[float, typer.Option("--scale", help="A's values are multiplied by this.")] = 1.0,
+    difference: Annotated[
+        Path | None, typer.Option("--difference", metavar="OUT.png", help="Red: A is brighter; blue: darker.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Say how far two images are apart. Exit status 1 if noise that is known does not explain it."""
+    from nocturne_client.local import comparing
+
+    comparison = comparing.Comparison(image, reference, variance, reference_samples, samples, scale)
+    found = comparing.compare_files(comparison, difference)
+    _print_compared(found, as_json)
+
+
+def _print_compared(found: "Compared", as_json: bool) -> None:
+    """Ends the command."""
+    from nocturne_client.local import comparing
+
+    if as_json:
+        print_json(comparing.as_json(found))
+    else:
+        for line in comparing.as_lines(found):
+            typer.echo(line)
+    verdict = found.difference.verdict
+    differs = verdict is not None and not (verdict.pixels_agree and verdict.sums_agree)
+    raise typer.Exit(int(differs))
+
+
+def baseline(
+    render_id: Annotated[str, typer.Argument(metavar="ID", help="Of a render that has an image.")],
+    engine: Annotated[
+        int, typer.Option("--engine", help="Compare with this engine's. Default: the newest other one.")
+    ] = 0,
+    difference: Annotated[
+        Path | None,
+        typer.Option("--difference", metavar="OUT.png", help="Red: brighter; blue: darker."),
+    ] = None,
+    url: Url = None,
+    as_json: AsJson = False,
+) -> None:
+    """Compare a render with one of the same scene and film by another engine. Exit status 1 if they differ by
+    more than their noise."""
+    from nocturne_client.local.baselines import compared_with_baseline
+
+    told, found = compared_with_baseline(url, render_id, engine, difference)
+    ERRORS.print(told, markup=False, soft_wrap=True)
+    _print_compared(found, as_json)
+
+
+def light_parts(
+    image: Annotated[Path, typer.Argument(metavar="IMAGE.exr", help="With all light.")],
+    direct: Annotated[
+        Path, typer.Argument(metavar="DIRECT.exr", help="Of the same scene with tracing.maximum_depth=1.")
+    ],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="OUT.exr", help="Where to write them.")],
+) -> None:
+    """Write the light of an image in two layers: what reaches the first hit straight, and all other."""
+    from nocturne_client.local.light_parts import write_light_parts
+
+    typer.echo(write_light_parts(image, direct, output))

@@ -1,0 +1,58 @@
+"""Tags, and searching renders by words."""
+
+from typing import Any
+
+import httpx
+import pytest
+from nocturne.v1 import render_service_pb2 as pb
+from nocturne.v1 import render_service_pb2_grpc
+from nocturne_api.service import Service
+
+from tests.services.endpoints import grpc_channel
+
+
+async def made(rest: httpx.AsyncClient, body: dict[str, Any], name: str, **more: Any) -> str:
+    answer = await rest.post("/v1/renders", json={**body, "request_id": name, "name": name, **more})
+    assert answer.status_code == 201, answer.text
+    return str(answer.json()["id"])
+
+
+async def found(rest: httpx.AsyncClient, **query: str) -> list[str]:
+    answer = await rest.get("/v1/renders", params=query)
+    assert answer.status_code == 200, answer.text
+    return [each["name"] for each in answer.json()["renders"]]
+
+
+async def test_renders_are_found_by_tags_and_words(rest: httpx.AsyncClient, body: dict[str, Any]) -> None:
+    lobby = await made(rest, body, "Lobby at night", tags=["night", "for review", "night"])
+    await made(rest, body, "stairs", tags=["Für Anna"], group="house")
+    assert (await rest.get(f"/v1/renders/{lobby}")).json()["tags"] == ["night", "for review"]
+    assert await found(rest, tag="night") == ["Lobby at night"]
+    # A tag is whole; words are parts.
+    assert await found(rest, tag="nigh") == []
+    assert await found(rest, search="NIGHT lobby") == ["Lobby at night"]
+    assert await found(rest, search="review stairs") == []
+    assert await found(rest, search="queued") == ["stairs", "Lobby at night"]
+    assert await found(rest, search="house für") == ["stairs"]
+    assert await found(rest, search="%") == []
+    assert await found(rest, search=lobby[:7]) == ["Lobby at night"]
+
+
+async def test_tags_are_changed_by_both_endpoints(
+    rest: httpx.AsyncClient, service: Service, body: dict[str, Any]
+) -> None:
+    render_id = await made(rest, body, "a", tags=["old"])
+    answer = await rest.post(f"/v1/renders/{render_id}:setTags", json={"tags": ["new", "x"]})
+    assert answer.json()["tags"] == ["new", "x"]
+    async with grpc_channel(service) as channel:
+        stub = render_service_pb2_grpc.RenderServiceStub(channel)
+        page = await stub.ListRenders(pb.ListRendersRequest(tag="new", search="a"))
+        assert [[*each.tags] for each in page.renders] == [["new", "x"]]
+        assert [*(await stub.SetTags(pb.SetTagsRequest(id=render_id))).tags] == []
+
+
+@pytest.mark.parametrize("tags", [[""], ["a,b"], ["a\n"], ["x" * 101], [str(i) for i in range(21)]])
+async def test_a_tag_is_a_short_word(rest: httpx.AsyncClient, body: dict[str, Any], tags: list[str]) -> None:
+    answer = await rest.post("/v1/renders", json={**body, "request_id": "a", "tags": tags})
+    assert answer.status_code == 422
+    assert answer.json()["problems"][0]["place"].startswith("$.tags")
