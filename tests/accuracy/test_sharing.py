@@ -7,6 +7,7 @@ alarms: 0.01 + 0.003 for each scene and way. `make test` has blocks of 4 x 4 pix
 """
 
 import json
+import math
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -31,6 +32,8 @@ _SEEDS = 24 if IN_FULL else 12
 _BLOCKS = (4, 16) if IN_FULL else (16,)
 _FEWER = {} if IN_FULL else {"fog": 32}
 """Samples of scenes whose photons take much longer than all others'."""
+_MANY = 1024 if IN_FULL else 8192
+"""With all pixels and seeds 14 million."""
 _TILE = 8
 _SPHERES: dict[str, Document] = {
     "mirror": {"type": "conductor", "index": "Ag"},
@@ -177,6 +180,33 @@ def test_shared_images_are_those_of_pixels_alone(name: str, tmp_path: Path) -> N
         shared = tiles(document, tmp_path / f"{pixels}", samples, sharing=pixels)
         assert not differ(alone, shared, 0.01)
         assert not differ(alone.mean(1, keepdims=True), shared.mean(1, keepdims=True), 0.003)
+
+
+_OF_ALL_KINDS = (
+    "mirror",
+    "glass",
+    "thin walls",
+    "mask",
+    "coated",
+    "textures and bumps",
+    "instances",
+    "motion",
+    "dispersion",
+    "cornell",
+)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("name", _OF_ALL_KINDS)
+def test_means_of_ten_million_samples_are_equal_to_a_thousandth(name: str, tmp_path: Path) -> None:
+    """Of all pixels and seeds. The standard error of the difference is some 2e-4; false alarms: 1e-6."""
+    alone, shared = (
+        tiles(SCENES[name](), tmp_path / f"{pixels}", _MANY, sharing=pixels).mean(axis=1)
+        for pixels in (1, 16)
+    )
+    off = (shared - alone) / alone.mean()
+    assert off.std(ddof=1) / math.sqrt(_SEEDS) < 3e-4
+    assert abs(off.mean()) < 1e-3
 
 
 def test_sharing_is_seen_by_these_statistics(tmp_path: Path) -> None:
