@@ -229,6 +229,9 @@ TEST(AllKernels, AGroupIsEightPhotons) {
                         Spectral<1>(single.value(wo, wi))[0])
                   << named.name;
               ASSERT_EQ(Spectral<8>(group.pdf(wo, wi))[lane], Spectral<1>(single.pdf(wo, wi))[0]);
+              const Evaluation<8> both = evaluate<8>(group, wo, wi);
+              ASSERT_EQ(both.value[lane], Spectral<8>(group.value(wo, wi))[lane]) << named.name;
+              ASSERT_EQ(both.pdf[lane], Spectral<8>(group.pdf(wo, wi))[lane]) << named.name;
             }
           });
         }

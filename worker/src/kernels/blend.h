@@ -65,6 +65,18 @@ class BoundBlend {
   Spectral<N> pdf(Vec3 wo, Vec3 wi) const {
     return sum([&](const auto& kernel) { return Spectral<N>(kernel.pdf(wo, wi)); }) / total_;
   }
+  Evaluation<N> evaluate(Vec3 wo, Vec3 wi) const {
+    auto r = Evaluation<N>::nothing();
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Evaluation<N> part =
+          std::visit([&](const auto& kernel) { return nocturne::evaluate<N>(kernel, wo, wi); },
+                     parts_[i].kernel);
+      r.value += parts_[i].weight * part.value;
+      r.pdf += parts_[i].weight * part.pdf;
+    }
+    r.pdf = r.pdf / total_;
+    return r;
+  }
   std::optional<Draw<N>> sample(Vec3 wo, KernelNumbers numbers, std::size_t lead) const {
     if (count_ == 0) return std::nullopt;
     float left = numbers.part * total_;

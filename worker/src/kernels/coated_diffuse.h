@@ -39,13 +39,15 @@ struct Coat {
     return smooth ? static_cast<float>(hemispherical_reflectance(ratio))
                   : RoughFresnel::instance().hemispherical(alpha, ratio);
   }
-  /// R / (n^2 (1 - R E_in)) for a base of reflectance R.
-  float diffuse_gain(float reflectance) const {
-    const float out = hemispherical(), leaves = (1.0f - out) / (ratio * ratio);
-    const float remains = 1.0f - reflectance + reflectance * leaves;
-    return remains > 0.0f ? reflectance / (ratio * ratio * remains) : 0.0f;
-  }
 };
+
+/// R / (n^2 (1 - R E_in)) for a base of reflectance R under a coat that reflects `out` of even
+/// light.
+inline float diffuse_gain(float reflectance, float ratio, float out) {
+  const float leaves = (1.0f - out) / (ratio * ratio);
+  const float remains = 1.0f - reflectance + reflectance * leaves;
+  return remains > 0.0f ? reflectance / (ratio * ratio * remains) : 0.0f;
+}
 
 template <int N>
 struct BoundCoatedDiffuse {
@@ -72,22 +74,21 @@ struct BoundCoatedDiffuse {
         coat(wo), coat(wi), gain);
   }
 
-  Spectral<N> value(Vec3 wo, Vec3 wi) const {
-    if (wi.z <= 0.0f) return 0.0f;
+  Evaluation<N> evaluate(Vec3 wo, Vec3 wi) const {
+    if (wi.z <= 0.0f) return Evaluation<N>::nothing();
+    const float glossy = glossy_probability(wo);
     Spectral<N> r = diffuse_value(wo, wi);
+    float p = (1.0f - glossy) * CosineHemisphere::pdf(wi);
     if (!roughness.smooth) {
       const Vec3 h = half_vector(wo, wi);
-      const double facing = static_cast<double>(std::clamp(dot(wo, h), 0.0f, 1.0f));
-      const float glossy =
-          roughness.facets.reflection_pdf(wo, h) * roughness.facets.reflection_weight(wo, wi);
-      r += glossy * each(
-                        [facing](float n) {
-                          return static_cast<float>(fresnel_dielectric<double>(facing, n));
-                        },
-                        ratio);
+      const float mirrored = roughness.facets.reflection_pdf(wo, h);
+      r += mirrored * roughness.facets.reflection_weight(wo, wi) * first_facet(dot(wo, h));
+      p += glossy * mirrored;
     }
-    return r;
+    return {r, p};
   }
+  Spectral<N> value(Vec3 wo, Vec3 wi) const { return evaluate(wo, wi).value; }
+  Spectral<N> pdf(Vec3 wo, Vec3 wi) const { return evaluate(wo, wi).pdf; }
 
   std::optional<Draw<N>> sample(Vec3 wo, const KernelNumbers& numbers, std::size_t) const {
     const float glossy = glossy_probability(wo);
@@ -104,21 +105,24 @@ struct BoundCoatedDiffuse {
     return Draw<N>{.wi = wi};
   }
 
-  Spectral<N> pdf(Vec3 wo, Vec3 wi) const {
-    if (wi.z <= 0.0f) return 0.0f;
-    const float glossy = glossy_probability(wo);
-    float p = (1.0f - glossy) * CosineHemisphere::pdf(wi);
-    if (!roughness.smooth) p += glossy * roughness.facets.reflection_pdf(wo, half_vector(wo, wi));
-    return p;
-  }
-
   static constexpr bool smooth() { return true; }
   static constexpr bool transmits() { return false; }
 
  private:
   Spectral<N> coat(Vec3 w) const {
     const float alpha = roughness.seen_from(w);
-    return each([&](float n) { return Coat{n, alpha, roughness.smooth}.reflectance(w.z); }, ratio);
+    return each_distinct(
+        [&](float n) {
+          return Coat{n, alpha, roughness.smooth}.reflectance(w.z);
+        },
+        ratio);
+  }
+
+  Spectral<N> first_facet(float cosine) const {
+    const double facing = static_cast<double>(std::clamp(cosine, 0.0f, 1.0f));
+    return each_distinct(
+        [facing](float n) { return static_cast<float>(fresnel_dielectric<double>(facing, n)); },
+        ratio);
   }
 
   /// Of drawing from the coat's reflection; the same for all wavelengths. Neither part is left out,
@@ -142,7 +146,8 @@ class CoatedDiffuse {
         reflectance_(std::move(reflectance)),
         mean_index_(index_.mean()) {
     const Coat smooth{mean_index_, 0.0f, true};
-    mean_leaving_ = smooth.diffuse_gain(reflectance_.mean()) * (1.0f - smooth.hemispherical());
+    const float out = smooth.hemispherical();
+    mean_leaving_ = diffuse_gain(reflectance_.mean(), mean_index_, out) * (1.0f - out);
     RoughFresnel::instance();  // made while loading, not while tracing
   }
 
@@ -155,12 +160,13 @@ class CoatedDiffuse {
     const float alpha = roughness.seen_from({0.0f, 0.0f, 1.0f});
     const Spectral<N> ratio = index_(shading.wavelengths) / shading.index_from;
     const Spectral<N> base = reflectance_(shading.point, shading.wavelengths);
-    Spectral<N> gain, leaving;
-    for (std::size_t i = 0; i < N; ++i) {
-      const Coat coat{ratio[i], alpha, roughness.smooth};
-      gain[i] = coat.diffuse_gain(base[i]);
-      leaving[i] = gain[i] * (1.0f - coat.hemispherical());
-    }
+    const Spectral<N> out = each_distinct(
+        [&](float n) {
+          return Coat{n, alpha, roughness.smooth}.hemispherical();
+        },
+        ratio);
+    const Spectral<N> gain = each(diffuse_gain, base, ratio, out);
+    const Spectral<N> leaving = gain * (Spectral<N>(1.0f) - out);
     return {roughness, ratio, gain, leaving, mean_index_, mean_leaving_};
   }
 

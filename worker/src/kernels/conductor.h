@@ -23,13 +23,17 @@ struct BoundConductor {
   /// Of a mirror: more than a rough one sends on, up to the dependence of F on the angle.
   Spectral<N> albedo(Vec3 wo) const { return fresnel(std::min(1.0f, wo.z)); }
 
-  Spectral<N> value(Vec3 wo, Vec3 wi) const {
-    if (roughness.smooth || wi.z <= 0.0f) return 0.0f;
+  Evaluation<N> evaluate(Vec3 wo, Vec3 wi) const {
+    if (roughness.smooth || wi.z <= 0.0f) return Evaluation<N>::nothing();
     const Vec3 h = half_vector(wo, wi);
     const Facets& facets = roughness.facets;
-    return facets.reflection_pdf(wo, h) * facets.reflection_weight(wo, wi) *
-           fresnel(std::clamp(dot(wo, h), 0.0f, 1.0f));
+    const float mirrored = facets.reflection_pdf(wo, h);
+    return {
+        mirrored * facets.reflection_weight(wo, wi) * fresnel(std::clamp(dot(wo, h), 0.0f, 1.0f)),
+        mirrored};
   }
+  Spectral<N> value(Vec3 wo, Vec3 wi) const { return evaluate(wo, wi).value; }
+  Spectral<N> pdf(Vec3 wo, Vec3 wi) const { return evaluate(wo, wi).pdf; }
 
   std::optional<Draw<N>> sample(Vec3 wo, const KernelNumbers& numbers, std::size_t) const {
     if (roughness.smooth) {
@@ -41,10 +45,6 @@ struct BoundConductor {
     return Draw<N>{.wi = wi};
   }
 
-  Spectral<N> pdf(Vec3 wo, Vec3 wi) const {
-    if (roughness.smooth || wi.z <= 0.0f) return 0.0f;
-    return roughness.facets.reflection_pdf(wo, half_vector(wo, wi));
-  }
   bool smooth() const { return !roughness.smooth; }
   static constexpr bool transmits() { return false; }
 

@@ -26,22 +26,19 @@ struct BoundDielectric {
 
   static Spectral<N> albedo(Vec3) { return 1.0f; }
 
-  Spectral<N> value(Vec3 wo, Vec3 wi) const {
-    if (roughness.smooth) return 0.0f;
+  Evaluation<N> evaluate(Vec3 wo, Vec3 wi) const {
+    if (roughness.smooth) return Evaluation<N>::nothing();
     const bool reflects = wi.z > 0.0f;
     const float weight = reflects ? roughness.facets.reflection_weight(wo, wi)
                                   : roughness.facets.transmission_weight(wo, wi);
-    const Spectral<N> weighed = weight * pdf(wo, wi);
-    return reflects ? weighed : weighed * scale;
+    const Spectral<N> drawn = pdf(wo, wi), weighed = weight * drawn;
+    return {reflects ? weighed : weighed * scale, drawn};
   }
+  Spectral<N> value(Vec3 wo, Vec3 wi) const { return evaluate(wo, wi).value; }
 
   Spectral<N> pdf(Vec3 wo, Vec3 wi) const {
     if (roughness.smooth || wi.z == 0.0f) return 0.0f;
-    Spectral<N> r;
-    for (std::size_t i = 0; i < N; ++i) {
-      r[i] = i > 0 && ratio[i] == ratio[i - 1] ? r[i - 1] : rough_pdf(wo, wi, ratio[i]);
-    }
-    return r;
+    return each_distinct([&](float n) { return rough_pdf(wo, wi, n); }, ratio);
   }
 
   std::optional<Draw<N>> sample(Vec3 wo, const KernelNumbers& numbers, std::size_t lead) const {

@@ -64,6 +64,14 @@ struct Draw {
   }
 };
 
+/// Of the smooth part in one direction: value, and density of `sample`, as BoundKernel says.
+template <int N>
+struct Evaluation {
+  Spectral<N> value, pdf;
+
+  static Evaluation nothing() { return {0.0f, 0.0f}; }
+};
+
 template <class B, int N>
 concept BoundKernel = requires(const B& b, Vec3 wo, Vec3 wi, const KernelNumbers& numbers,
                                std::size_t lead) {
@@ -91,6 +99,22 @@ concept HasDiffusePart = requires(const B& b, Vec3 wo, Vec3 wi) {
   /// That part of `value`, never more than it.
   { b.diffuse_value(wo, wi) } -> std::same_as<Spectral<N>>;
 };
+
+/// A bound kernel that answers for value and density together with less work than one by one.
+template <class B, int N>
+concept EvaluatesTogether = requires(const B& b, Vec3 wo, Vec3 wi) {
+  /// The same bits as value and pdf.
+  { b.evaluate(wo, wi) } -> std::same_as<Evaluation<N>>;
+};
+
+template <int N, class B>
+Evaluation<N> evaluate(const B& kernel, Vec3 wo, Vec3 wi) {
+  if constexpr (EvaluatesTogether<B, N>) {
+    return kernel.evaluate(wo, wi);
+  } else {
+    return {kernel.value(wo, wi), kernel.pdf(wo, wi)};
+  }
+}
 
 /// What a kernel says of itself before it is bound, so that a scene can be prepared for it; a blend
 /// is asked for its parts instead.

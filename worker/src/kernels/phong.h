@@ -25,10 +25,14 @@ struct BoundPhong {
 
   /// Reached at normal incidence; less where the lobe is cut by the horizon.
   Spectral<N> albedo(Vec3) const { return reflectance; }
-  Spectral<N> value(Vec3 wo, Vec3 wi) const {
-    if (wi.z <= 0.0f) return 0.0f;
-    return 0.5f * kInvPi * (exponent + 2.0f) * lobe(wo, wi) * wi.z * reflectance;
+  Evaluation<N> evaluate(Vec3 wo, Vec3 wi) const {
+    if (wi.z <= 0.0f) return Evaluation<N>::nothing();
+    const float l = lobe(wo, wi);
+    return {0.5f * kInvPi * (exponent + 2.0f) * l * wi.z * reflectance,
+            0.5f * kInvPi * (exponent + 1.0f) * l};
   }
+  Spectral<N> value(Vec3 wo, Vec3 wi) const { return evaluate(wo, wi).value; }
+  Spectral<N> pdf(Vec3 wo, Vec3 wi) const { return evaluate(wo, wi).pdf; }
   std::optional<Draw<N>> sample(Vec3 wo, const KernelNumbers& numbers, std::size_t) const {
     // cos = (1 - u)^(1 / (n + 1))
     const float less = -std::expm1(std::log1p(-numbers.u) / (exponent + 1.0f));
@@ -38,9 +42,6 @@ struct BoundPhong {
     const Vec3 wi = normalized(frame.to_world({r * std::cos(phi), r * std::sin(phi), 1.0f - less}));
     if (wi.z <= 0.0f) return std::nullopt;
     return Draw<N>{.wi = wi};
-  }
-  Spectral<N> pdf(Vec3 wo, Vec3 wi) const {
-    return wi.z > 0.0f ? 0.5f * kInvPi * (exponent + 1.0f) * lobe(wo, wi) : 0.0f;
   }
   static constexpr bool smooth() { return true; }
   static constexpr bool transmits() { return false; }

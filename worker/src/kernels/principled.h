@@ -125,30 +125,37 @@ struct BoundPrincipled {
     return fuzz + (Spectral<N>(1.0f) - fuzz) * below;
   }
 
-  Spectral<N> value(Vec3 out, Vec3 in) const {
-    if (in.z <= 0.0f) return 0.0f;
+  Evaluation<N> evaluate(Vec3 out, Vec3 in) const {
+    if (in.z <= 0.0f) return Evaluation<N>::nothing();
     const Vec3 wo = turn.in(out), wi = turn.in(in);
     const Vec3 h = half_vector(wo, wi);
     const float facing = std::clamp(dot(wo, h), 0.0f, 1.0f);
     const float coat_out = coat.reflectance(wo), coat_in = coat.reflectance(wi);
+    const Choice choice = choose(wo, coat_out);
+    float p = choice.diffuse() * CosineHemisphere::pdf(wi);
     const float through = 1.0f - std::max(coat_out, coat_in);
     Spectral<N> r = diffuse(wo, wi, coat_out, coat_in);
     if (!roughness.smooth) {
       const Facets& facets = roughness.facets;
-      const float once = facets.reflection_pdf(wo, h) * facets.reflection_weight(wo, wi);
+      const float mirrored = facets.reflection_pdf(wo, h);
+      const float once = mirrored * facets.reflection_weight(wo, wi);
       r += through * once * facet_reflectance(facing);
       r += through * many_bounces(wo, wi);
+      p += choice.facets * mirrored;
     }
     if (coat.there() && !coat.roughness.smooth) {
       const Facets& facets = coat.roughness.facets;
       const auto fresnel = static_cast<float>(
           fresnel_dielectric<double>(static_cast<double>(facing), static_cast<double>(coat.ratio)));
-      r += Spectral<N>(coat.amount * facets.reflection_pdf(wo, h) *
-                       facets.reflection_weight(wo, wi) * fresnel);
+      const float mirrored = facets.reflection_pdf(wo, h);
+      r += Spectral<N>(coat.amount * mirrored * facets.reflection_weight(wo, wi) * fresnel);
+      p += choice.coat * mirrored;
     }
     if (sheen.there()) r = r * sheen.through(wo.z, wi.z) + sheen.value(wo, wi, h);
-    return r;
+    return {r, p};
   }
+  Spectral<N> value(Vec3 wo, Vec3 wi) const { return evaluate(wo, wi).value; }
+  Spectral<N> pdf(Vec3 wo, Vec3 wi) const { return evaluate(wo, wi).pdf; }
 
   Spectral<N> diffuse_value(Vec3 out, Vec3 in) const {
     if (in.z <= 0.0f) return 0.0f;
@@ -159,33 +166,22 @@ struct BoundPrincipled {
 
   std::optional<Draw<N>> sample(Vec3 out, const KernelNumbers& numbers, std::size_t) const {
     const Vec3 wo = turn.in(out);
-    const Choice choice = choose(wo);
+    const float coated = coat.reflectance(wo);
+    const Choice choice = choose(wo, coated);
     if (numbers.part < choice.coat) {
       if (coat.roughness.smooth) {
-        return mirrored(out, coat.reflectance(wo) / choice.coat);
+        return mirrored(out, coated / choice.coat);
       }
       return off_facets(wo, coat.roughness.facets, numbers);
     }
     if (numbers.part < choice.coat + choice.facets) {
       if (roughness.smooth) {
-        const float share = (1.0f - coat.reflectance(wo)) / choice.facets;
+        const float share = (1.0f - coated) / choice.facets;
         return mirrored(out, share * facet_reflectance(wo.z));
       }
       return off_facets(wo, roughness.facets, numbers);
     }
     return Draw<N>{.wi = CosineHemisphere::sample(numbers.u, numbers.v)};
-  }
-
-  Spectral<N> pdf(Vec3 out, Vec3 in) const {
-    if (in.z <= 0.0f) return 0.0f;
-    const Vec3 wo = turn.in(out), wi = turn.in(in);
-    const Choice choice = choose(wo);
-    const Vec3 h = half_vector(wo, wi);
-    float p = choice.diffuse() * CosineHemisphere::pdf(wi);
-    if (!roughness.smooth) p += choice.facets * roughness.facets.reflection_pdf(wo, h);
-    if (coat.there() && !coat.roughness.smooth)
-      p += choice.coat * coat.roughness.facets.reflection_pdf(wo, h);
-    return p;
   }
 
   bool smooth() const {
@@ -204,10 +200,10 @@ struct BoundPrincipled {
   /// Whether anything is evenly spread: the base, what bounces between facets, or fuzz.
   bool spreads() const { return metallic < 1.0f || !roughness.smooth || sheen.there(); }
 
-  Choice choose(Vec3 wo) const {
+  Choice choose(Vec3 wo, float coated) const {
     // No part is left out: at some wavelength the average may be far off.
     constexpr float kMin = 1.0f / 16.0f;
-    const float coated = coat.reflectance(wo), left = 1.0f - coated;
+    const float left = 1.0f - coated;
     const PartialCoat layer = boundary(mean_ratio);
     float e = layer.reflectance(wo);
     if (recoloured) e = mean_colouring.even * layer.white(wo) + mean_colouring.scale * e;
@@ -240,18 +236,9 @@ struct BoundPrincipled {
 
   PartialCoat boundary(float n) const { return {1.0f, n, roughness}; }
 
-  /// f(index ratio) for every wavelength, once for neighbours that are equal.
-  template <class F>
-  Spectral<N> by_ratio(const F& f) const {
-    Spectral<N> r;
-    for (std::size_t i = 0; i < N; ++i)
-      r[i] = i > 0 && ratio[i] == ratio[i - 1] ? r[i - 1] : f(ratio[i]);
-    return r;
-  }
-
   /// E of the dielectric alone.
   Spectral<N> dielectric(Vec3 w) const {
-    const Spectral<N> e = by_ratio([&](float n) { return boundary(n).reflectance(w); });
+    const Spectral<N> e = each_distinct([&](float n) { return boundary(n).reflectance(w); }, ratio);
     if (!recoloured) return e;
     return boundary(1.0f).white(w) * colouring.even + colouring.scale * e;
   }
@@ -260,10 +247,12 @@ struct BoundPrincipled {
     const float schlick = schlick_weight(cosine);
     const Spectral<N> metal = each([&](float b) { return b + (1.0f - b) * schlick; }, base);
     if (metallic >= 1.0f) return metal;
-    Spectral<N> clear = by_ratio([&](float n) {
-      return static_cast<float>(
-          fresnel_dielectric<double>(static_cast<double>(cosine), static_cast<double>(n)));
-    });
+    Spectral<N> clear = each_distinct(
+        [&](float n) {
+          return static_cast<float>(
+              fresnel_dielectric<double>(static_cast<double>(cosine), static_cast<double>(n)));
+        },
+        ratio);
     if (recoloured) clear = colouring.even + colouring.scale * clear;
     return metallic * metal + (1.0f - metallic) * clear;
   }

@@ -54,6 +54,14 @@ Spectral<N> each(const F& f, const Spectral<N>& a, const Rest&... rest) {
   return r;
 }
 
+/// The same, once for neighbours that are equal: where f is dear, and most spectra are flat.
+template <int N, class F>
+Spectral<N> each_distinct(const F& f, const Spectral<N>& a) {
+  Spectral<N> r;
+  for (std::size_t i = 0; i < N; ++i) r[i] = i > 0 && a[i] == a[i - 1] ? r[i - 1] : f(a[i]);
+  return r;
+}
+
 template <int N>
 Spectral<N> operator+(const Spectral<N>& a, const Spectral<N>& b) {
   return Spectral<N>(a.lanes + b.lanes);

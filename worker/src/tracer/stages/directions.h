@@ -60,8 +60,9 @@ void draw_from_kernel(Batch& batch, Group<N>& group, const Vertex<N>& vertex, co
     }
     if (on.shares) on.sequence = batch.sharing.sequences[on.sample];
     on.tally = tally_from(batch, group, draw.wi);
-    const Spectral<N> pdf = survival * kernel.pdf(vertex.wo, draw.wi);
-    on.weight *= ratio(kernel.value(vertex.wo, draw.wi), pdf);
+    const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, draw.wi);
+    const Spectral<N> pdf = survival * there.pdf;
+    on.weight *= ratio(there.value, pdf);
     on.mis.technique = MisTechnique::kNone;
     if (shared) {
       on.mis = {MisTechnique::kKernel, light_context(batch, group, vertex, kernel),
@@ -94,8 +95,9 @@ void draw_from_mixture(Batch& batch, Group<N>& group, const Vertex<N>& vertex, c
     const float others =
         (weights.uniform > 0.0f ? weights.uniform * uniform_pdf(kernel, draw.wi) : 0.0f) +
         by_lights;
-    const Spectral<N> pdf = survival * (weights.kernel * kernel.pdf(vertex.wo, draw.wi) + others);
-    on.weight *= ratio(kernel.value(vertex.wo, draw.wi), pdf);
+    const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, draw.wi);
+    const Spectral<N> pdf = survival * (weights.kernel * there.pdf + others);
+    on.weight *= ratio(there.value, pdf);
   };
   if (part < weights.kernel) return for_each_draw(batch, group, vertex, kernel, numbers, weigh);
   Draw<N> draw;
@@ -122,7 +124,7 @@ void split(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel&
       on.weight *= (1.0f / survival) * draw.factor;
       return;
     }
-    const Spectral<N> by_kernel = kernel.pdf(vertex.wo, draw.wi);
+    const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, draw.wi);
     const float by_lights = lights.pdf(here, vertex.to_world(draw.wi));
     const float by_uniform = uniform ? uniform_pdf(kernel, draw.wi) : 0.0f;
     // value / p times p^2 over the sum of squares.
@@ -132,7 +134,7 @@ void split(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel&
           const float squares = k * k + by_lights * by_lights + by_uniform * by_uniform;
           return squares > 0.0f ? v * p / (survival * squares) : 0.0f;
         },
-        kernel.value(vertex.wo, draw.wi), by_kernel);
+        there.value, there.pdf);
   };
   for (int drawn_by = 1; drawn_by <= (uniform ? 2 : 1); ++drawn_by) {
     PhotonSequence sequence = group.sequence.branch(static_cast<std::uint32_t>(drawn_by));

@@ -33,8 +33,9 @@ void estimate_next_event(Batch& batch, const Group<N>& group, const Vertex<N>& v
     photon.sequence = sequence;
     photon.shares = false;
     photon.tally = tally_from(batch, group, wi);
-    photon.weight *= kernel.value(vertex.wo, wi);
-    photon.mis = {MisTechnique::kLights, here, *direction, survival * kernel.pdf(vertex.wo, wi)};
+    const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, wi);
+    photon.weight *= there.value;
+    photon.mis = {MisTechnique::kLights, here, *direction, survival * there.pdf};
   });
 }
 
@@ -51,9 +52,11 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
                                    ? scene.distant_radiance(light.direction, sample.wavelengths)
                                    : scene.luminaires[light.luminaire].emitted(
                                          light.normal, -light.direction, {}, sample.wavelengths);
-  Spectral<N> found = group.weight * kernel.value(vertex.wo, wi) * radiance;
+  if (!(largest(radiance) > 0.0f)) return;
+  const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, wi);
+  Spectral<N> found = group.weight * there.value * radiance;
   if (!(largest(found) > 0.0f)) return;
-  found = found / (survival * kernel.pdf(vertex.wo, wi) + light.pdf);
+  found = found / (survival * there.pdf + light.pdf);
   ShadowRay<N>& shadow = batch.shadow_rays.emplace_back();
   shadow.way.ray.origin = leave_surface(vertex.hit, light.direction);
   shadow.way.ray.direction = light.direction;

@@ -29,10 +29,10 @@ bool meet(const FirstVertex<N>& first, const Kernel& kernel, const SecondVertex<
   const Vec3 wi = first.frame.to_local(direction);
   if (!may_send(kernel, first.normal, direction, wi)) return false;
   const float by_area = cosine * inverse * inverse;
-  meeting.value = by_area * kernel.value(first.wo, wi);
+  const Evaluation<N> there = evaluate<N>(kernel, first.wo, wi);
+  meeting.value = by_area * there.value;
   // A photon that would carry nothing there ends.
-  meeting.density =
-      only((first.survival * by_area) * kernel.pdf(first.wo, wi), alive(meeting.value));
+  meeting.density = only((first.survival * by_area) * there.pdf, alive(meeting.value));
   return largest(meeting.density) > 0.0f;
 }
 
