@@ -132,7 +132,7 @@ def _ball(centre: tuple[float, ...], shader: Any) -> None:
 
 def _volume(place: tuple[float, ...], scale: float, density: float) -> None:
     bpy.utils.expose_bundled_modules()
-    import openvdb
+    import openvdb  # type: ignore[import-not-found]
 
     grid = openvdb.FloatGrid()
     grid.name = "density"
