@@ -18,14 +18,14 @@ pytestmark = [
 
 _SAMPLES = 128
 
-SCENE = """<scene version="3.0.0">
+SCENE = """<scene version="3.0.0"><default name="spp" value="{samples}"/>
 <integrator type="path"><integer name="max_depth" value="8"/>
 <boolean name="hide_emitters" value="true"/></integrator>
 <sensor type="perspective"><float name="fov" value="30"/>
 <transform name="to_world"><lookat origin="0,0,4" target="0,0,0" up="0,1,0"/></transform>
 <film type="hdrfilm"><integer name="width" value="48"/><integer name="height" value="48"/>
 <string name="pixel_format" value="xyz"/><rfilter type="box"/></film>
-<sampler type="independent"><integer name="sample_count" value="{samples}"/></sampler></sensor>
+<sampler type="independent"><integer name="sample_count" value="$spp"/></sampler></sensor>
 {light}<shape type="sphere"><float name="radius" value="0.8"/>
 <bsdf type="principled"><rgb name="base_color" value="0.6,0.4,0.2"/>{numbers}</bsdf></shape></scene>"""
 SKY = '<emitter type="constant"><rgb name="radiance" value="1"/></emitter>'
