@@ -34,25 +34,29 @@ LAMP = (
     '<rgb name="irradiance" value="3"/></emitter>'
 )
 
-MATERIALS = {
-    "plain": ({}, 0.02),
-    "smooth": ({"roughness": 0.1}, 0.02),
-    "rough": ({"roughness": 1}, 0.02),
-    "flat": ({"flatness": 1}, 0.02),
-    "coated": ({"clearcoat": 1, "clearcoat_gloss": 0.8}, 0.02),
-    "sheen": ({"sheen": 1}, 0.02),
-    "tinted": ({"sheen": 1, "sheen_tint": 1, "spec_tint": 1, "specular": 1}, 0.02),
-    "brushed": ({"anisotropic": 0.8}, 0.02),
-    # The base of what is partly metal stays as it is, since it is the colour of the metal, too.
-    "half metal": ({"metallic": 0.5}, 0.03),
+MATERIALS: dict[str, dict[str, float]] = {
+    "plain": {},
+    "smooth": {"roughness": 0.1},
+    "rough": {"roughness": 1},
+    "flat": {"flatness": 1},
+    "coated": {"clearcoat": 1, "clearcoat_gloss": 0.8},
+    "sheen": {"sheen": 1},
+    "tinted": {"sheen": 1, "sheen_tint": 1, "spec_tint": 1, "specular": 1},
+    "brushed": {"anisotropic": 0.8},
+    "half metal": {"metallic": 0.5},
 }
-"""Parameters, and how far X, Y and Z of a whole sphere may be off."""
+# Under a lamp as much comes back only where lobes have the same shapes: flat ones, fuzz and the tails of
+# coats have not, and the base of what is partly metal is the colour of the metal, too.
+CASES = [(name, SKY) for name in MATERIALS] + [
+    (name, LAMP) for name in ("plain", "smooth", "rough", "brushed")
+]
 
 
-@pytest.mark.parametrize("light", [SKY, LAMP], ids=["sky", "lamp"])
-@pytest.mark.parametrize("name", MATERIALS)
+@pytest.mark.parametrize(
+    ("name", "light"), CASES, ids=[f"{n} {'sky' if e == SKY else 'lamp'}" for n, e in CASES]
+)
 def test_a_sphere_sends_back_as_much_light(name: str, light: str, tmp_path: Path) -> None:
-    parameters, bound = MATERIALS[name]
+    parameters = MATERIALS[name]
     numbers = "".join(f'<float name="{each}" value="{value}"/>' for each, value in parameters.items())
     scene = tmp_path / "scene.xml"
     scene.write_text(SCENE.format(samples=_SAMPLES, light=light, numbers=numbers))
@@ -61,7 +65,7 @@ def test_a_sphere_sends_back_as_much_light(name: str, light: str, tmp_path: Path
     subprocess.run([str(word) for word in command], check=True, capture_output=True)
     theirs = np.load(tmp_path / "theirs.npy")[0].mean(axis=(0, 1))
     imported = import_scene(scene, tmp_path / "ours", ImportOptions())
-    ours = Batches(imported, tmp_path / "compiled", 1, _SAMPLES).render().mean.mean(axis=(0, 1))
+    ours = Batches(imported, tmp_path / "compiled", 2, _SAMPLES // 2).render().mean.mean(axis=(0, 1))
     ratio = ours / theirs
     print(f"{name}: {', '.join(f'{each - 1:+.1%}' for each in ratio)}")  # noqa: T201 - for compatibility.md
-    assert ratio == pytest.approx(np.ones(3), abs=bound)
+    assert ratio == pytest.approx(np.ones(3), abs=0.02)

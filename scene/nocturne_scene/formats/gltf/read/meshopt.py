@@ -30,9 +30,7 @@ def decompress(container: "Container", extension: "Json", content: bytes, place:
     count, stride = (container.count(extension, name, place) for name in ("count", "byteStride"))
     mode, filtered = extension.get("mode"), extension.get("filter", "NONE")
     if mode not in _MODES or filtered not in _FILTERS:
-        raise InputError.at(
-            shown, f"no compressed form {str(mode)[:20]} with filter {str(filtered)[:20]}"
-        )
+        raise InputError.at(shown, f"no compressed form {str(mode)[:20]} with filter {str(filtered)[:20]}")
     if not 0 < count * stride <= MAX_ASSET_BYTES:
         raise InputError.at(shown, f"{count} rows of {stride} bytes are none, or too many")
     try:
