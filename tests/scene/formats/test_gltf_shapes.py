@@ -369,8 +369,8 @@ def by_meshopt(name: str, *, spoil: bool = False, rows: int | None = None) -> Mo
         model.content += packed + b"\0" * (-len(packed) % 4)
         count = len(plain) if rows is None else rows
         extension = {"buffer": 0, "byteOffset": start, "byteLength": len(packed), "byteStride": stride}
-        view = {"buffer": 1, "byteLength": stride * len(plain)}
-        view["extensions"] = {name: extension | {"mode": mode, "count": count}}
+        extensions = {name: extension | {"mode": mode, "count": count}}
+        view = {"buffer": 1, "byteLength": stride * len(plain), "extensions": extensions}
         model.tree["bufferViews"].append(view)
         number = len(model.tree["bufferViews"]) - 1
         kind = _KINDS[plain.shape[1]]
