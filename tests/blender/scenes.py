@@ -1,6 +1,7 @@
 """Scenes for Blender, made by its own Python: run inside Blender only."""
 
 import math
+from pathlib import Path
 from typing import Any
 
 import bpy
@@ -68,7 +69,17 @@ def spheres() -> None:
     sun.rotation_euler = (0.6, 0.4, 0)
 
 
-SCENES = {"factory": factory, "plastic": plastic, "room": room, "spheres": spheres}
+def cloud() -> None:
+    """Even fog from an OpenVDB file, twice as large as there, and hair, on a floor under a white sky."""
+    _clear()
+    _camera((0, -6, 2.0), (0, 0, 0.9), 45)
+    _world(1.0)
+    _wall((-6, -6, 0), (12, 0, 0), (0, 12, 0), lambda nodes: _diffuse(nodes, (0.5, 0.5, 0.5, 1)))
+    _volume((-1.4, 0, 0.2), 2.0, 0.8)
+    _hair((1.2, 0, 0))
+
+
+SCENES = {"factory": factory, "plastic": plastic, "room": room, "spheres": spheres, "cloud": cloud}
 
 
 def _clear() -> None:
@@ -117,6 +128,48 @@ def _ball(centre: tuple[float, ...], shader: Any) -> None:
     bpy.ops.mesh.primitive_uv_sphere_add(radius=0.6, location=centre, segments=96, ring_count=48)
     bpy.ops.object.shade_smooth()
     _material(bpy.context.object, shader)
+
+
+def _volume(place: tuple[float, ...], scale: float, density: float) -> None:
+    bpy.utils.expose_bundled_modules()
+    import openvdb  # type: ignore[import-not-found]
+
+    grid = openvdb.FloatGrid()
+    grid.name = "density"
+    grid.copyFromArray(np.ones((8, 8, 8), np.float32))
+    grid.transform = openvdb.createLinearTransform(0.1)
+    file = Path(bpy.app.tempdir) / "fog.vdb"
+    openvdb.write(str(file), grids=[grid])
+    data = bpy.data.volumes.new("fog")
+    data.filepath = str(file)
+    thing = bpy.data.objects.new("fog", data)
+    thing.location, thing.scale = place, (scale,) * 3
+    bpy.context.collection.objects.link(thing)
+    material = bpy.data.materials.new("fog")
+    if material.node_tree is None:  # before Blender 5.0
+        material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    end, shader = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeVolumePrincipled")
+    shader.inputs["Density"].default_value = density
+    shader.inputs["Color"].default_value = (0.8, 0.8, 0.8, 1)
+    tree.links.new(shader.outputs[0], end.inputs["Volume"])
+    data.materials.append(material)
+
+
+def _hair(place: tuple[float, ...]) -> None:
+    """400 straight hairs of two points, 1 m high and 1.2 cm thick."""
+    data = bpy.data.hair_curves.new("hair")
+    data.add_curves([2] * 400)
+    roots = np.random.default_rng(3).uniform(-0.5, 0.5, (400, 3)).astype(np.float32)
+    roots[:, 2] = 0
+    points = np.stack([roots, roots * 1.3 + np.array([0, 0, 1], np.float32)], axis=1).astype(np.float32)
+    data.points.foreach_set("position", points.ravel())
+    data.points.foreach_set("radius", np.full(800, 0.006, np.float32))
+    thing = bpy.data.objects.new("hair", data)
+    thing.location = place
+    bpy.context.collection.objects.link(thing)
+    _material(thing, lambda nodes: _diffuse(nodes, (0.6, 0.3, 0.1, 1)))
 
 
 def _material(thing: Any, shader: Any) -> None:

@@ -77,6 +77,16 @@ def test_spheres_under_a_sky_agree_with_cycles(running_service: Up, tmp_path: Pa
     assert "no equal" not in ours.said
 
 
+def test_fog_and_hair_agree_with_cycles(running_service: Up, tmp_path: Path) -> None:
+    """An OpenVDB file's density, placed and scaled; curves; the floor between them."""
+    ours, cycles = _both(tmp_path, running_service, "cloud")
+    fog, hair = (slice(30, 62), slice(26, 52)), (slice(30, 62), slice(76, 102))
+    assert _mean(ours) == pytest.approx(_mean(cycles), rel=_AGREE)
+    for part in (fog, hair):
+        assert _mean(ours, *part) == pytest.approx(_mean(cycles, *part), rel=_AGREE)
+    assert "no equal" not in ours.said
+
+
 def test_cancelling_in_blender_cancels_at_the_service(running_service: Up) -> None:
     """Escape while the image grows: the render ends there, and Blender goes on."""
     run(_HERE / "cancelling.py", running_service.url)

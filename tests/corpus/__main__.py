@@ -78,7 +78,7 @@ def attempts(mirrors: Path, only: str, *, compiles: bool) -> Iterator[Tried]:
         tops += tuple(source.get("beside", ()))
         with tempfile.TemporaryDirectory() as kept:
             _write(git, {name: objects[name] for name in objects if name.startswith(tops)}, Path(kept))
-            for name in scenes:
+            for name in filter(lambda name: (Path(kept) / name).exists(), scenes):
                 outcome = tried(Path(kept) / name, Path(kept), compiles=compiles)
                 yield Tried(source["format"], source["repository"], name, outcome)
 

@@ -33,19 +33,12 @@ class Outcome:
 
 def tried(file: Path, root: Path, *, compiles: bool) -> Outcome:
     """Import a file, and compile it if asked; with losses where it has parts without an equal."""
-    strict = _in_a_process(file, root, allow_missing=False, compiles=compiles)
-    if strict.kind == STRICT or strict.kind == FAILED:
-        return strict
-    lossy = _in_a_process(file, root, allow_missing=True, compiles=compiles)
-    return lossy if lossy.kind in (LOSSY, FAILED) else strict
-
-
-def _in_a_process(file: Path, root: Path, *, allow_missing: bool, compiles: bool) -> Outcome:
+    # What has no losses would have been imported strictly, too.
     # Not a fork of this process: the threads of its image library would be missing in it.
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload([__name__])
     ours, theirs = context.Pipe(duplex=False)
-    process = context.Process(target=_work, args=(theirs, file, root, allow_missing, compiles))
+    process = context.Process(target=_work, args=(theirs, file, root, compiles))
     process.start()
     theirs.close()
     try:
@@ -57,19 +50,19 @@ def _in_a_process(file: Path, root: Path, *, allow_missing: bool, compiles: bool
     return found
 
 
-def _work(sender: Connection, file: Path, root: Path, allow_missing: bool, compiles: bool) -> None:
+def _work(sender: Connection, file: Path, root: Path, compiles: bool) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
     started = time.monotonic()
-    kind, reasons = _outcome(file, root, allow_missing, compiles)
+    kind, reasons = _outcome(file, root, compiles)
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
     sender.send(Outcome(kind, reasons, time.monotonic() - started, memory))
 
 
-def _outcome(file: Path, root: Path, allow_missing: bool, compiles: bool) -> tuple[str, tuple[str, ...]]:
+def _outcome(file: Path, root: Path, compiles: bool) -> tuple[str, tuple[str, ...]]:
     try:
         with tempfile.TemporaryDirectory() as kept:
             out = Path(kept) / "scene"
-            imported = import_scene(file, out, ImportOptions(root, allow_missing=allow_missing))
+            imported = import_scene(file, out, ImportOptions(root, allow_missing=True))
             if compiles:
                 compile_to(imported.document, Path(kept) / "compiled", 64, 64, 1)
     except InputError as error:

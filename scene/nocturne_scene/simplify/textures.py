@@ -17,15 +17,9 @@ from nocturne_scene.textures.image_files import MAX_EDGE, MAX_PIXELS, decoded
 Array = NDArray[np.float64]
 
 _COLOURS = ("reflectance", "transmittance", "radiance", "base", "specular_colour", "sheen")
-_SCALARS = ("roughness", "roughness_u", "roughness_v", "weight", "opacity")
-_SCALARS += (
-    "metallic",
-    "coat",
-    "coat_roughness",
-    "specular",
-    "roughness_across",
-    "rotation",
-    "sheen_roughness",
+_SCALARS = (
+    *("roughness", "roughness_u", "roughness_v", "roughness_across", "rotation", "weight", "opacity"),
+    *("metallic", "specular", "coat", "coat_roughness", "sheen_roughness"),
 )
 _MAPS = ("normal_map", "bump_map")
 

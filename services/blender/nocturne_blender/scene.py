@@ -7,18 +7,18 @@ from typing import Any
 
 from mathutils import Matrix
 
-from . import cameras
+from . import cameras, hair, volumes
 from .files import Files
 from .findings import Findings
 from .images import Images
 from .lamps import Lamps
 from .materials import Materials
-from .meshes import parts_of
+from .meshes import Part, parts_of
 from .world import environment
 
 Json = Any
 
-_WITH_GEOMETRY = ("MESH", "CURVE", "SURFACE", "FONT", "META")
+_WITH_GEOMETRY = ("MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES")
 # How far a scale may differ along the axes before it counts as stretched.
 _EVEN = 1e-5
 
@@ -80,7 +80,9 @@ def read(depsgraph: Any) -> SentScene:
             # What is shown more than once has one evaluated geometry.
             key = hash((thing.data.session_uid, thing.data.as_pointer(), _materials_of(thing)))
             shown[key].append(_Shown(thing.original.evaluated_get(depsgraph), matrix))
-        elif thing.type in ("VOLUME", "CURVES", "POINTCLOUD"):
+        elif thing.type == "VOLUME":
+            objects.add_volume(_Shown(thing.original.evaluated_get(depsgraph), matrix))
+        elif thing.type == "POINTCLOUD":
             findings.lost(thing.name, f"no equal of an object of the type {thing.type}; left out")
     for places in shown.values():
         objects.add(places)
@@ -122,9 +124,23 @@ class _Objects:
         self._document["groups"][name] = members
         self._document["instances"] += [{"group": name} | where for _, where in even]
 
+    def add_volume(self, shown: _Shown) -> None:
+        """An OpenVDB file, at one place."""
+        slots = shown.thing.material_slots
+        fields = self._materials.fields(slots[0].material if len(slots) else None)
+        where = placement(shown.matrix)
+        found = volumes.surface(shown, where, fields, self._document, self._files, self._findings)
+        if found is not None:
+            self._document["surfaces"].append(found)
+
+    def _parts(self, thing: Any, transform: Any) -> list[Part]:
+        if thing.type == "CURVES":
+            return hair.parts_of(thing, self._files, transform)
+        return parts_of(thing, self._depsgraph, self._files, transform)
+
     def _surfaces(self, shown: _Shown, transform: Any) -> Iterator[Json]:
         slots = shown.thing.material_slots
-        for part in parts_of(shown.thing, self._depsgraph, self._files, transform):
+        for part in self._parts(shown.thing, transform):
             material = slots[min(part.slot, len(slots) - 1)].material if len(slots) else None
             fields = self._materials.fields(material)
             if not shown.thing.visible_camera:

@@ -24,12 +24,12 @@ def test_clones_are_found_by_either_name(tmp_path: Path) -> None:
 
 
 def test_what_comes_of_a_file(tmp_path: Path) -> None:
-    sheen = tree() | {"materials": [{"extensions": {"KHR_materials_sheen": {}}}]}
-    (tmp_path / "sheen.gltf").write_text(json.dumps(sheen))
+    pearl = tree() | {"materials": [{"extensions": {"KHR_materials_iridescence": {}}}]}
+    (tmp_path / "pearl.gltf").write_text(json.dumps(pearl))
     (tmp_path / "broken.gltf").write_text("{")
     assert tried(HERE / "scene.gltf", HERE, compiles=True).kind == STRICT
-    lossy = tried(tmp_path / "sheen.gltf", tmp_path, compiles=True)
-    assert (lossy.kind, lossy.reasons) == (LOSSY, ("no equal of the extension KHR_materials_sheen",))
+    lossy = tried(tmp_path / "pearl.gltf", tmp_path, compiles=True)
+    assert (lossy.kind, lossy.reasons) == (LOSSY, ("no equal of the extension KHR_materials_iridescence",))
     assert tried(tmp_path / "broken.gltf", tmp_path, compiles=True).kind == REFUSED
 
 

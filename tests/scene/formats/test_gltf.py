@@ -255,7 +255,7 @@ def test_punctual_lamps(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"extensionsRequired": ["EXT_meshopt_compression"]}, "EXT_meshopt_compression"),
+        ({"extensionsRequired": ["KHR_no_such_thing"]}, "KHR_no_such_thing"),
         (
             {"materials": [{"emissiveFactor": [1, 1, 1], "extensions": {"KHR_materials_iridescence": {}}}]},
             "iridescence",

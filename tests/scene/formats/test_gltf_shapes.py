@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import DracoPy
+import meshopt
 import numpy as np
 import pytest
 from nocturne_scene.errors import InputError
@@ -356,12 +357,46 @@ def test_one_colour_at_all_vertices_is_a_factor(tmp_path: Path) -> None:
     assert kernel["base"] == pytest.approx(0.2)
 
 
-@pytest.mark.parametrize("entries", ["buffers", "bufferViews"])
-def test_buffers_that_are_compressed_are_named_as_such(tmp_path: Path, entries: str) -> None:
+def by_meshopt(name: str, *, spoil: bool = False, rows: int | None = None) -> Model:
+    """SQUARE as two triangles, compressed; the buffer that would hold them plain is not there."""
+    faces = np.array([0, 1, 2, 2, 1, 3], np.uint32)
+    parts = [(SQUARE, 12, "ATTRIBUTES", 5126), (faces.reshape(-1, 1), 4, "TRIANGLES", 5125)]
     model = Model()
-    model.mesh([0, 1, 2])
-    tree = dict(model.tree) | {"buffers": [{"byteLength": len(model.content)}]}
-    tree[entries][0]["extensions"] = {"EXT_meshopt_compression": {"buffer": 1}}
-    (tmp_path / "a.gltf").write_text(json.dumps(tree))
-    with pytest.raises(InputError, match="compressed by meshopt"):
-        import_scene(tmp_path / "a.gltf", tmp_path / "out", ImportOptions())
+    for plain, stride, mode, component in parts:
+        packed = meshopt.encode_gltf_buffer(plain, mode)
+        packed = packed[:-3] if spoil else packed
+        start = len(model.content)
+        model.content += packed + b"\0" * (-len(packed) % 4)
+        count = len(plain) if rows is None else rows
+        extension = {"buffer": 0, "byteOffset": start, "byteLength": len(packed), "byteStride": stride}
+        extensions = {name: extension | {"mode": mode, "count": count}}
+        view = {"buffer": 1, "byteLength": stride * len(plain), "extensions": extensions}
+        model.tree["bufferViews"].append(view)
+        number = len(model.tree["bufferViews"]) - 1
+        kind = _KINDS[plain.shape[1]]
+        model.tree["accessors"].append(
+            {"bufferView": number, "componentType": component, "count": len(plain), "type": kind}
+        )
+    model.tree["meshes"] = [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}]
+    model.tree["extensionsRequired"] = [name]
+    return model
+
+
+@pytest.mark.parametrize("name", ["EXT_meshopt_compression", "KHR_meshopt_compression"])
+def test_buffers_that_meshopt_compressed_are_read(tmp_path: Path, name: str) -> None:
+    mesh = by_meshopt(name).triangles(tmp_path)
+    corners = sorted(map(tuple, mesh.vertices[mesh.indices].reshape(-1, 3).tolist()))
+    assert corners == sorted(map(tuple, SQUARE[[0, 1, 2, 2, 1, 3]].tolist()))
+
+
+@pytest.mark.parametrize(
+    ("model", "said"),
+    [
+        (by_meshopt("EXT_meshopt_compression", spoil=True), "can't be read"),
+        (by_meshopt("EXT_meshopt_compression", rows=2**40), "too many"),
+        (by_meshopt("EXT_meshopt_compression", rows=0), "too many"),
+    ],
+)
+def test_damaged_buffers_of_meshopt_are_told(tmp_path: Path, model: Model, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        model.imported(tmp_path)

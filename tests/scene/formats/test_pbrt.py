@@ -365,3 +365,12 @@ def test_a_packed_file_may_have_several_parts(tmp_path: Path) -> None:
     (tmp_path / "a.pbrt.gz").write_bytes(b"".join(gzip.compress(part.encode()) for part in parts))
     found = import_scene(tmp_path / "a.pbrt.gz", tmp_path / "out", ImportOptions())
     assert len(json.loads(found.document.read_text())["surfaces"]) == 1
+
+
+def test_one_height_everywhere_is_flat(tmp_path: Path) -> None:
+    texture = 'Texture "t" "float" "constant" "float value" 0.3\n'
+    document, _ = imported(
+        tmp_path, texture + 'Material "diffuse" "texture displacement" "t"\nShape "sphere"'
+    )
+    [surface] = document["surfaces"]
+    assert "bump_map" not in surface

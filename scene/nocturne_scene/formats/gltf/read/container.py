@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nocturne_scene.errors import InputError
+from nocturne_scene.formats.gltf.read import meshopt
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.scene_files import TEXT_BYTES, SceneFiles, read_bytes
 from nocturne_scene.limits import MAX_ASSET_BYTES
@@ -40,6 +41,7 @@ class Container:
     decoded: dict[int, NDArray[np.float64]] = field(default_factory=dict)
     """Values of accessors, as they are stored, that were compressed."""
     _buffers: dict[int, bytes] = field(default_factory=dict)
+    _decompressed: dict[int, bytes] = field(default_factory=dict)
 
     def item(self, kind: str, index: Json, place: str) -> dict[str, Json]:
         """An entry of one of the tree's lists. Raises InputError."""
@@ -145,21 +147,26 @@ class Container:
     def _view(self, index: Json, place: str) -> tuple[memoryview, int]:
         view = self.item("bufferViews", index, place)
         place = f"bufferViews[{index}]"
-        content = self._buffer(view.get("buffer"), place, view)
-        start, length = self.count(view, "byteOffset", place, 0), self.count(view, "byteLength", place)
+        extension = meshopt.compressed(view)
+        if extension is None:
+            return self._part(view, place), self.count(view, "byteStride", place, 0)
+        if index not in self._decompressed:
+            content = bytes(self._part(extension, place))
+            self._decompressed[index] = meshopt.decompress(self, extension, content, place)
+        return memoryview(self._decompressed[index]), self.count(extension, "byteStride", place)
+
+    def _part(self, entry: Json, place: str) -> memoryview:
+        """The bytes of a buffer that an entry names."""
+        content = self._buffer(entry.get("buffer"), place)
+        start, length = self.count(entry, "byteOffset", place, 0), self.count(entry, "byteLength", place)
         if start + length > len(content):
             raise InputError.at(self.at(place), "reaches beyond its buffer")
-        return memoryview(content)[start : start + length], self.count(view, "byteStride", place, 0)
+        return memoryview(content)[start : start + length]
 
-    def _buffer(self, index: Json, place: str, user: Json) -> bytes:
+    def _buffer(self, index: Json, place: str) -> bytes:
         buffer = self.item("buffers", index, place)
         if index not in self._buffers:
             uri = buffer.get("uri")
-            if uri is None and (index != 0 or not self.chunk) and _by_meshopt(buffer, user):
-                raise InputError.at(
-                    self.at(f"buffers[{index}]"),
-                    "no equal: it is compressed by meshopt, which can't be read; decompress the file first",
-                )
             content = self.chunk if uri is None and index == 0 else self._uri(uri, f"buffers[{index}]")
             self._buffers[index] = content
         return self._buffers[index]
@@ -203,11 +210,6 @@ def _glb(content: bytes, shown: str) -> tuple[bytes, bytes]:
         return glb.parts(content)
     except ValueError as error:
         raise InputError.at(shown, str(error)) from None
-
-
-def _by_meshopt(*entries: Json) -> bool:
-    """Whether a buffer, or the view of it, is there in compressed form only."""
-    return any("meshopt" in name for entry in entries for name in value(entry, "extensions", {}))
 
 
 def value(entry: Json, key: str, default: Json) -> Json:

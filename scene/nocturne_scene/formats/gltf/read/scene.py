@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from nocturne_scene.errors import InputError
+from nocturne_scene.formats.gltf.read import meshopt
 from nocturne_scene.formats.gltf.read.container import (
     Container,
     Json,
@@ -30,6 +31,7 @@ from nocturne_scene.meshes.triangles import Triangles
 
 _KNOWN = (
     *KNOWN,
+    *meshopt.NAMES,
     "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
     "KHR_lights_punctual",

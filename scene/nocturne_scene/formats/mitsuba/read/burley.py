@@ -60,14 +60,21 @@ def sheen_albedo() -> float:
 
 def passing(roughness: float, index: float) -> float:
     """What our dielectric lets through to its base, of even light."""
-    nodes, weights = unit_interval(_COSINES)
-    return float(1 - np.sum(2 * weights * nodes * _reflected(nodes, max(1e-4, roughness**2), index)))
+    return 1 - _glossy(roughness, index)[0]
 
 
-def _reflected(cosines: Array, alpha: float, index: float) -> Array:
-    """E of principled.h: Fresnel's mean over the facets that are seen, times what white ones send back."""
-    nodes, weights = unit_interval(_COSINES)
-    s, across = nodes[:, None], np.cos(np.pi * nodes[None, :])
+def lost_between_facets(roughness: float, index: float) -> float:
+    """What our glossy lobe sends back of even light, and theirs does not: its facets shadow on their own."""
+    _, ours, theirs = _glossy(roughness, index)
+    return ours - theirs
+
+
+@lru_cache(maxsize=64)
+def _glossy(roughness: float, index: float) -> tuple[float, float, float]:
+    """Means over even light: E of principled.h, what single facets send back here, and there."""
+    alpha = max(1e-4, roughness**2)
+    cosines, weights = unit_interval(_COSINES)
+    s, across = cosines[:, None], np.cos(np.pi * cosines[None, :])
     slope = alpha * np.sqrt(1 - s**2) / s
     down = 1 / np.sqrt(1 + slope**2)
     found = []
@@ -77,7 +84,12 @@ def _reflected(cosines: Array, alpha: float, index: float) -> Array:
         seen = seen / seen.sum()
         i = np.clip(2 * facing * down - o, 1e-9, 1.0)
         long_o, long_i = (np.sqrt(alpha**2 * (1 - z**2) + z**2) for z in (o, i))
-        passes = np.where(2 * facing * down > o, i * (o + long_o) / (i * long_o + o * long_i), 0.0)
-        fresnel = reflectance_of(np.clip(facing, 1e-9, 1.0), index)
-        found.append(np.sum(seen * fresnel) * np.sum(seen * passes))
-    return np.array(found)
+        above = 2 * facing * down > o
+        together = np.where(above, i * (o + long_o) / (i * long_o + o * long_i), 0.0)
+        alone = np.where(above, 2 * i / (i + long_i), 0.0)
+        fresnel = seen * reflectance_of(np.clip(facing, 1e-9, 1.0), index)
+        found.append(
+            (np.sum(fresnel) * np.sum(seen * together), np.sum(fresnel * together), np.sum(fresnel * alone))
+        )
+    e, ours, theirs = (2 * weights * cosines) @ np.array(found)
+    return float(e), float(ours), float(theirs)

@@ -138,10 +138,11 @@ def _base(base: Json, metallic: Json, flatness: float, index: float, roughness: 
     rough = roughness if isinstance(roughness, float) else 0.5
     gain = burley.diffuse_albedo(rough, min(1.0, flatness)) / burley.passing(rough, index)
     gain /= 1 - _COAT * coat * _COAT_REFLECTS
+    less = burley.lost_between_facets(rough, index) / burley.passing(rough, index)
     if isinstance(base, float):
-        return min(1.0, gain * base)
+        return min(1.0, max(0.0, gain * base - less))
     at = colours.knots(base)
-    return colours.table(at, (gain * colours.values_of(base, at)).clip(0.0, 1.0))
+    return colours.table(at, (gain * colours.values_of(base, at) - less).clip(0.0, 1.0))
 
 
 def _index(properties: Properties) -> float:

@@ -34,8 +34,10 @@ def _normal_or_bump(context: Context, parameters: Parameters) -> Json:
     heights = parameters.take("displacement")
     if heights is not None:
         found = spectra.texture(context, heights) if heights.type == "texture" else {}
-        if "texture" in found:
-            height = found.pop("spectrum", 1.0) if "spectrum" in (found := dict(found)) else 1.0
+        # One height everywhere changes nothing.
+        if isinstance(found, dict) and "texture" in found:
+            found = dict(found)
+            height = found.pop("spectrum", 1.0)
             normal_or_bump["bump_map"] = found | {"height": height}
     return normal_or_bump
 
