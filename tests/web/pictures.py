@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[2]
 NODE = ROOT / ".venv" / "bin" / "node"
 
 # Folder of examples, film, samples, and tags.
-SCENES = (
+SCENES: tuple[tuple[str, tuple[int, int], int, list[str]], ...] = (
     ("prism", (480, 300), 64, ["dispersion"]),
     ("glossy_spheres", (480, 240), 64, ["materials"]),
     ("colour_chart", (360, 240), 64, ["colour"]),
@@ -57,8 +57,7 @@ def renders(client: Client) -> dict[str, str]:
     other = client.submit(_scene(name), *film, samples[1], "Cornell box, draft")
     shown = client.submit(_scene(name), *film, samples[0], "Cornell box", layers=["albedo", "normal"])
     made += [other, shown]
-    for each in made:
-        wait_for(lambda each=each: client.get(each.id).has_ended, f"{each.name} to end", 900)
+    wait_for(lambda: all(client.get(each.id).has_ended for each in made), "renders to end", 900)
     return {"shown": shown.id, "other": other.id, "group": "pan"}
 
 
