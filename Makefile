@@ -133,8 +133,9 @@ system: build  ## Tests of the whole: service, workers, browser, images
 	pytest -m system tests/web
 	pytest -m "system and $(NOT_MINUTES)" --ignore tests/web $(PROCESSES) 4
 
-screenshots: build  ## Pictures of the page for docs/how-to/page.md, by its test
+screenshots: build  ## Pictures of the page for docs/how-to/page.md: by its test, then of renders worth looking at (some minutes)
 	NOCTURNE_SCREENSHOTS=$(CURDIR)/docs/images/page pytest tests/web
+	$(PYTHON) -m tests.web.pictures docs/images/page
 
 soak: build  ## Random faults for SOAK_SECONDS (default 600), and all that takes minutes (a quarter of an hour more)
 	pytest -m soak

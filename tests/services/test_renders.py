@@ -166,6 +166,7 @@ async def test_workers(rest: httpx.AsyncClient, channel: grpc.aio.Channel, folde
         "jobs_done": 3,
         "started": 1.0,
         "quarantine": "",
+        "drain": "",
         "floating_point_profile": "a1",
         "incompatible": f"It has engine 1, and the service engine {int(job_pb2.ENGINE_CURRENT)}.",
     }

@@ -96,13 +96,18 @@ export async function checkLooks(page, name, folder) {
     await page.emulateMedia({ colorScheme: look.colorScheme });
     await page.setViewportSize(look.viewport);
     await page.waitForTimeout(150);
-    if (look.name === "light" || name === "render") writeFileSync(join(folder, `${name}-${look.name}.webp`), await webp(page));
+    if (look.name === "light" || name === "render") await savePicture(page, `${name}-${look.name}`, folder);
     const excess = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
     assert.equal(excess, 0, `${name} is ${excess} px wider than the window: ${look.name}; ${excess > 0 ? await widest(page) : ""}`);
     assert.deepEqual(await accessibilityFaults(page, look.rules), [], `${name}, ${look.name}`);
   }
   await page.emulateMedia({ colorScheme: "light" });
   await page.setViewportSize(desktop);
+}
+
+/** The whole page, for docs/how-to/page.md. */
+export async function savePicture(page, name, folder) {
+  writeFileSync(join(folder, `${name}.webp`), await webp(page));
 }
 
 /** The browser makes it small: pictures stand in the repository. */

@@ -65,7 +65,9 @@ function row(worker: Worker, work: WorkOfWorker[], more: string[]): HTMLElement 
   const name = element("th", { scope: "row" }, worker.id);
   if (worker.quarantine) name.append(badge("FAILED", "Quarantine", worker.quarantine), actButton(worker.id, "release"));
   else if (worker.drain) name.append(badge("PAUSED", worker.drain === "drained" ? "Drained" : "Draining", "It gets no jobs until it is released."), actButton(worker.id, "release"));
-  else name.append(...(worker.incompatible ? [badge("PAUSED", "No jobs", worker.incompatible)] : []), actButton(worker.id, "drain"));
+  else if (worker.incompatible) name.append(badge("PAUSED", "No jobs", worker.incompatible));
+  // Beside an image there is little room, and no need.
+  if (!worker.quarantine && !worker.drain && more.length === 0) name.append(actButton(worker.id, "drain"));
   return element("tr", {}, name, element("td", { class: "traces" }, ...work.map(traced)), ...cells.map((text) => element("td", {}, text)));
 }
 
