@@ -17,8 +17,12 @@ from nocturne_scene.textures.image_files import MAX_EDGE, MAX_PIXELS, decoded
 Array = NDArray[np.float64]
 
 _COLOURS = ("reflectance", "transmittance", "radiance", "base", "specular_colour", "sheen")
-_SCALARS = ("roughness", "roughness_u", "roughness_v", "weight", "opacity")
-_SCALARS += (
+_SCALARS = (
+    "roughness",
+    "roughness_u",
+    "roughness_v",
+    "weight",
+    "opacity",
     "metallic",
     "coat",
     "coat_roughness",

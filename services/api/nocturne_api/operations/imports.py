@@ -1,8 +1,8 @@
 """Imports: scenes of other renderers become scene documents.
 
 An import outlives the request for it: it goes on when the caller leaves, and its answer is kept for a day.
-Whoever asks for the same again waits for the one under way, or gets the answer. If the service ends meanwhile,
-the next request begins anew: the files are stored, and nothing else is needed.
+Whoever asks for the same again waits for the one under way, or gets the answer. If the service ends
+meanwhile, the next request begins anew: the files are stored, and nothing else is needed.
 """
 
 import asyncio

@@ -5,12 +5,14 @@ has more. Their sum is the image in every pixel, and the error of the indirect p
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne_scene.compare.images import Picture, read_picture
 from nocturne_scene.errors import InputError
 from nocturne_scene.textures.image_files import NO_DATE
+from numpy.typing import NDArray
 
 from nocturne_client.errors import NocturneClientError, Problem
 from nocturne_client.preview.colour import linear_srgb
@@ -33,8 +35,8 @@ def write_light_parts(image: Path, direct: Path, output: Path) -> str:
     return f"mean Y {mean:.5g}: {straight:.5g} direct ({share:.1%}), {mean - straight:.5g} indirect"
 
 
-def _channels(whole: Picture, part: Picture) -> dict[str, np.ndarray]:
-    found = {}
+def _channels(whole: Picture, part: Picture) -> dict[str, NDArray[Any]]:
+    found: dict[str, NDArray[Any]] = {}
     for layer, xyz in (("direct", part.xyz), ("indirect", whole.xyz - part.xyz)):
         rgb = linear_srgb(xyz.astype(np.float32))
         found |= {f"{layer}.{name}": rgb[..., index] for index, name in enumerate("RGB")}
@@ -45,7 +47,7 @@ def _channels(whole: Picture, part: Picture) -> dict[str, np.ndarray]:
     return found
 
 
-def _write(path: Path, channels: dict[str, np.ndarray]) -> None:
+def _write(path: Path, channels: dict[str, NDArray[Any]]) -> None:
     height, width = next(iter(channels.values())).shape
     spec = oiio.ImageSpec(width, height, len(channels), oiio.FLOAT)
     spec.channelnames = list(channels)
