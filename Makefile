@@ -86,7 +86,7 @@ IN_services := tests/services
 IN_scene := tests/scene tests/coordinator
 IN_others := tests $(addprefix --ignore ,tests/web $(IN_services-at-work) $(IN_accuracy) $(IN_services) $(IN_scene))
 TEST_PARTS := $(addprefix test-,$(PARTS))
-CPU_TIMES := build/cpu-times.txt
+CPU_TIMES := $(CURDIR)/build/cpu-times.txt
 
 test: build  ## All checks and tests
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync test-page check-types check-page

@@ -133,9 +133,10 @@ def test_photons_are_committed_seldom_and_their_results_kept_until_then(
     assert render.waiting_entries() == [b"photons-0"]
     due = render.changes(PHOTON_COMMIT_SECONDS, 1.0)
     assert due is not None
-    assert [row.tile_index for row in due.tiles] == [0, 1, 2, 3, PHOTONS]
-    assert all(row.photons for row in due.tiles[:-1])
-    assert due.tiles[-1].samples == due.photon_bundles == 1
+    rows = list(due.tiles)
+    assert [row.tile_index for row in rows] == [0, 1, 2, 3, PHOTONS]
+    assert all(row.photons for row in rows[:-1])
+    assert rows[-1].samples == due.photon_bundles == 1
     assert render.committed() == [b"photons-0"]
     assert render.waiting_entries() == []
 

@@ -116,7 +116,7 @@ def test_a_job_beyond_its_processor_time_fails_and_says_so(service: ServiceProce
     assert service.client.get(good).state == "SUCCEEDED"
 
 
-@pytest.mark.parametrize("service", ["0.1"], indirect=True)
+@pytest.mark.parametrize("service", ["0.3"], indirect=True)
 def test_ranges_are_cut_by_what_earlier_ones_took(service: ServiceProcesses) -> None:
     """P2: jobs of a slow scene take about as long as they should, and its threads do other work between."""
     slow = submit(service, SLOW, 2048, 8)

@@ -12,7 +12,7 @@ import pytest
 from nocturne_client.local.exporting import export_to
 from nocturne_client.local.programs import CHECKOUT
 from nocturne_scene.compare.agreement import Estimate, compare
-from nocturne_scene.film import Film as Pixels
+from nocturne_scene.film import Film
 from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT
 from nocturne_scene.formats.reading.options import Imported
 from nocturne_scene.formats.reading.scene_writer import FilmSettings
@@ -51,7 +51,7 @@ def theirs(scene: Path, samples: int, image: Path) -> Estimate:
 
 def check(document: Path, folder: Path, samples: tuple[int, int]) -> None:
     """Both renderers' images must agree, but for noise."""
-    exported = export_to(document, folder / "mitsuba", "mitsuba", Pixels(WIDTH, HEIGHT, samples[1]))
+    exported = export_to(document, folder / "mitsuba", "mitsuba", Film(WIDTH, HEIGHT, samples[1]))
     reference = theirs(exported.scene, samples[1], folder / "images.npy")
     scene = Imported(document, FilmSettings(WIDTH, HEIGHT), [], [])
     image = Batches(scene, folder / "compiled", BATCHES, samples[0]).render()

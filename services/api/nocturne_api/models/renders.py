@@ -1,4 +1,7 @@
-"""Renders: their state and progress, and what a caller asks of them."""
+"""Renders: their state and progress, and what a caller asks of them.
+
+One file, though long: the fields of one message, each with the sentence that the API's description has.
+"""
 
 from typing import Annotated, Any, Self
 

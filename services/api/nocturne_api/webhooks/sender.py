@@ -48,15 +48,26 @@ class WebhookSender(Background):
         self._in_database = in_database
         self._rules = rules
         self._pauses_s = pauses_s
-        # Straight to the address that was checked: no proxy of the environment, and never a redirect.
-        self._http = httpx.AsyncClient(
-            verify=verify, trust_env=False, follow_redirects=False, timeout=_TIMEOUT_S
-        )
+        self._verify = verify
+        self._opened: httpx.AsyncClient | None = None
 
     async def close(self) -> None:
         """What is being sent is cut off, and sent again later, perhaps by another process."""
         await super().close()
-        await self._http.aclose()
+        if self._opened is not None:
+            await self._opened.aclose()
+
+    @property
+    def _http(self) -> httpx.AsyncClient:
+        """Made for the first message, as it reads the certificates of all authorities.
+
+        Straight to the address that was checked: no proxy of the environment, and never a redirect.
+        """
+        if self._opened is None:
+            self._opened = httpx.AsyncClient(
+                verify=self._verify, trust_env=False, follow_redirects=False, timeout=_TIMEOUT_S
+            )
+        return self._opened
 
     async def _run(self) -> None:
         while True:
