@@ -134,7 +134,7 @@ def _watched(here: Farm, settle_s: float, seconds: float) -> Figures:
     lags, redis_bytes = [], 0
     while time.monotonic() < began + seconds:
         time.sleep(_LOOK_S)
-        lags.append(here.folder.meters.read()["result_seconds"])
+        lags.append(here.folder.meters.read().get("result_seconds", 0.0))
         redis_bytes = max(redis_bytes, int(here.client.info("memory")["used_memory"]))
     took, merged = time.monotonic() - began, here.merged() - merged
     used = running_cpu_s(here.coordinator.pid) - cpu
@@ -215,7 +215,9 @@ def fleet(
     words = ["-m", "bench.fleet", url, *map(str, (workers, job_s, lease_s, killed_s)), key.hex()]
     said: dict[str, Any] = {}
     with subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE) as process:
-        yield said
-        process.send_signal(signal.SIGTERM)
+        try:
+            yield said
+        finally:
+            process.send_signal(signal.SIGTERM)
         assert process.stdout is not None  # noqa: S101 - asked for
         said.update(json.loads(process.stdout.read()))

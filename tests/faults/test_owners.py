@@ -262,6 +262,7 @@ _BODIES: dict[tuple[str, str], object] = {
     ("post", ":setPriority"): {"priority": 1},
     ("post", ":replay"): {"request_id": "x"},
     ("post", ":lookFirst"): {},
+    ("post", ":setTags"): {"tags": []},
     ("post", ":measure"): {},
     ("put", "/regions"): {"regions": []},
 }
