@@ -170,7 +170,7 @@ def test_photons_are_aimed_at_what_was_learned(
     assert scene.tracing.aimed_emission == 0.9
     # Photons from the sensor are not sent there.
     assert scene.tracing.weight_important == 0.0
-    assert output.way.startswith("photons from both directions, aimed where")
+    assert output.way.startswith("photons from both directions, aimed at what was learned")
 
 
 def test_the_real_tracer_aims_at_the_glass_that_makes_a_caustic(blobs: BlobStore) -> None:

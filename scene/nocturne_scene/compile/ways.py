@@ -58,7 +58,7 @@ class Ways:
     def named(self) -> str:
         """In words."""
         shared = f", shared by blocks of {self.sharing} pixels" if self.sharing > 1 else ""
-        aimed = ", aimed where a few of them were worth it" if self.aims else ""
+        aimed = ", aimed at what was learned" if self.aims else ""
         return f"{_SAID[self.direction]}{aimed}{shared}"
 
 
