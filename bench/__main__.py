@@ -22,6 +22,7 @@ from bench import (
     service,
     sharing,
     stops,
+    traps,
     traversal,
     watchers,
 )
@@ -32,6 +33,7 @@ BENCHES: dict[str, Bench] = {
     "traversal": traversal,
     "service": service,
     "sharing": sharing,
+    "traps": traps,
     "scale": scale,
     "duplicates": duplicates,
     "mixture": mixture,

@@ -53,6 +53,9 @@ _OPENINGS = Way(
 )
 _OPEN = {"direction": "auto", "sharing": "auto"}
 _AUTO = Way("auto", "the default: what a pilot chooses, whose time is left out", _OPEN)
+_UNDECLARED = Way(
+    "auto, nothing declared", "the default of a scene whose important directions nobody told", _OPEN
+)
 _AIMED = Way(
     "forward, aimed",
     "photons from the luminaires, nine of ten towards what the scene calls important",
@@ -108,6 +111,10 @@ def measure(name: str, scene: SuiteScene, size: Size, installed: Installed | Non
         ways = [way for way in (*WAYS, _OPENINGS, _AIMED) if way.applies(document)]
         runners = {way.name: _ours(way, scene, document, place, size)[0] for way in ways}
         runners[_AUTO.name], chosen = _ours(_AUTO, scene, document, place, size, _FOR_A_PILOT)
+        if _has_important(document):
+            told_less = {key: value for key, value in document.items() if key != "important_directions"}
+            found = _ours(_UNDECLARED, scene, told_less, place, size, _FOR_A_PILOT)
+            runners[_UNDECLARED.name] = found[0]
         refused: dict[str, str] = {}
         for each in installed.variants() if installed is not None else ():
             theirs = MITSUBA + each.variant
@@ -115,8 +122,8 @@ def measure(name: str, scene: SuiteScene, size: Size, installed: Installed | Non
                 runners |= _theirs(theirs, each, scene, document, place, size, stack)
             except NocturneClientError as reason:
                 refused[theirs] = _told(reason)
-        found = _compare(runners, reference, size, refused)
-    return {"ways": found, "not there": refused, "chosen": chosen}
+        errors = _compare(runners, reference, size, refused)
+    return {"ways": errors, "not there": refused, "chosen": chosen}
 
 
 def _told(reason: NocturneClientError) -> str:

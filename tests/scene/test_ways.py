@@ -1,6 +1,7 @@
 """What is left to a pilot, and what becomes of its choice."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,14 @@ def compiled(
 class Asked:
     """Stands for nocturne-trace: keeps what it was asked, and answers the same each time."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch, *, forward: bool = False, sharing: int = 1) -> None:
+    def __init__(
+        self,
+        monkeypatch: pytest.MonkeyPatch,
+        *,
+        forward: bool = False,
+        sharing: int = 1,
+        aims: Sequence[dict[str, Any]] = (),
+    ) -> None:
         self.asked: list[tuple[list[str], scene_pb2.Tracing]] = []
         answer = {
             "forward_photons": forward,
@@ -35,6 +43,7 @@ class Asked:
             "gain": 7.5,
             "finds_more": False,
             "aimed": forward,
+            "aims": list(aims),
             "photons": 123456,
         }
 
@@ -57,7 +66,7 @@ def test_what_is_left_open_is_asked_for_once(
     trace = Asked(monkeypatch, forward=True, sharing=16)
     output, tracing = compiled(document, blobs, LARGE)
     [(chosen, asked)] = trace.asked
-    assert chosen == ["direction", "sharing"]
+    assert chosen == ["direction", "learn", "sharing"]
     assert asked.direction == scene_pb2.DIRECTION_BOTH
     assert (tracing.direction, tracing.sharing) == (scene_pb2.DIRECTION_BOTH, 16)
     assert output.way == tracing.way
@@ -81,9 +90,10 @@ def test_nothing_is_asked_for_a_small_image_or_an_unknown_film(
     ("tracing", "chosen"),
     [
         ({"direction": "adjoint"}, [["sharing"]]),
-        ({"sharing": 4}, [["direction"]]),
+        ({"sharing": 4}, [["direction", "learn"]]),
+        ({"sharing": 4, "aimed_emission": 0}, [["direction"]]),
         ({"direction": "both", "sharing": 1}, []),
-        ({"estimator": "mixture"}, [["direction"]]),
+        ({"estimator": "mixture"}, [["direction", "learn"]]),
     ],
 )
 def test_what_the_document_says_is_taken(
@@ -121,7 +131,7 @@ def test_photons_may_start_at_luminaires_for_a_large_film(
 ) -> None:
     trace = Asked(monkeypatch, forward=True)
     _, tracing = compiled(document, blobs, Film(1920, 1080, 64))
-    assert [chosen for chosen, _ in trace.asked] == [["direction", "sharing"]]
+    assert [chosen for chosen, _ in trace.asked] == [["direction", "learn", "sharing"]]
     assert tracing.direction == scene_pb2.DIRECTION_BOTH
 
 
@@ -145,6 +155,48 @@ def test_a_meter_may_be_met_by_photons_and_they_are_aimed(
     # Adjoint photons have no use for that.
     Asked(monkeypatch, forward=False)
     assert compiled(changed, blobs, LARGE)[1].aimed_emission == 0.0
+
+
+def test_photons_are_aimed_at_what_was_learned(
+    document: dict[str, Any], blobs: BlobStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    aim = {"centre": [0.1, 0.2, 0.3], "radius": 0.4, "weight": 2.5}
+    Asked(monkeypatch, forward=True, aims=[aim])
+    output = compile_scene(parse_document(json.dumps(document)), blobs, LARGE)
+    scene = scene_pb2.CompiledScene.FromString(blobs.path(output.scene_sha256).read_bytes())
+    [shape] = scene.important_shapes
+    centre = shape.sphere.centre
+    assert [centre.x, centre.y, centre.z, shape.sphere.radius, shape.weight] == [0.1, 0.2, 0.3, 0.4, 2.5]
+    assert scene.tracing.aimed_emission == 0.9
+    # Photons from the sensor are not sent there.
+    assert scene.tracing.weight_important == 0.0
+    assert output.way.startswith("photons from both directions, aimed at what was learned")
+
+
+def test_the_real_tracer_aims_at_the_glass_that_makes_a_caustic(blobs: BlobStore) -> None:
+    glass = {"shape": {"type": "sphere", "centre": [0, 0, 0.09], "radius": 0.03}}
+    glass["kernel"] = {"type": "dielectric", "index": 1.5}
+    lamp = {"shape": {"type": "sphere", "centre": [0.1, 0, 0.6], "radius": 0.01}}
+    lamp |= {
+        "kernel": {"type": "lambertian", "reflectance": 0},
+        "luminaire": {"radiance": {"blackbody": 5500}},
+    }
+    meter = {
+        "type": "irradiance_meter",
+        "position": [0, 0, 0],
+        "normal": [0, 0, 1],
+        "up": [0, 1, 0],
+        "height": 0.12,
+    }
+    document = {"nocturne": 1, "sensor": meter, "surfaces": [glass, lamp]}
+    outputs = [compile_scene(parse_document(json.dumps(document)), blobs, LARGE) for _ in range(2)]
+    assert outputs[0] == outputs[1]
+    scene = scene_pb2.CompiledScene.FromString(blobs.path(outputs[0].scene_sha256).read_bytes())
+    assert scene.tracing.direction == scene_pb2.DIRECTION_FORWARD
+    assert scene.tracing.aimed_emission == 0.9
+    # Film and glass, not all the scene.
+    assert 1 <= len(scene.important_shapes) <= 16
+    assert all(shape.sphere.radius < 0.2 for shape in scene.important_shapes)
 
 
 def test_without_the_tracer_nothing_is_chosen_and_that_is_said(

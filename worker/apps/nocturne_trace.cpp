@@ -24,6 +24,7 @@
 #include "textures/texture.h"
 #include "trace_job.h"
 #include "tracer/layers.h"
+#include "tracer/learn_aims.h"
 #include "tracer/path_limits.h"
 #include "tracer/pilot.h"
 #include "tracer/trace_film.h"
@@ -252,17 +253,59 @@ std::string figures_json(const PilotFigures& figures) {
   return json.str();
 }
 
+std::string aims_json(const std::vector<Aim>& aims) {
+  std::ostringstream json;
+  json.precision(17);
+  for (const Aim& aim : aims) {
+    json << (&aim == aims.data() ? "" : ", ") << "{\"centre\": [" << aim.centre.x << ", "
+         << aim.centre.y << ", " << aim.centre.z << "], \"radius\": " << aim.radius
+         << ", \"weight\": " << aim.weight << '}';
+  }
+  return '[' + json.str() + ']';
+}
+
+// Part of a render's samples from which aims are learned, and most of these: enough to find what a
+// thousandth of the photons is worth.
+constexpr double kLearnedFrom = 0.005, kMostLearnedFrom = 3e5;
+// Part of the photons that are then aimed; the others leave as luminaires emit.
+constexpr double kAimed = 0.9;
+
+// What photons from the luminaires are worth being aimed at; has the scene loaded again with that,
+// as with important shapes that a person declared.
+LearnedAims learn_aims(const Options& options, const FilmPlan& plan, v1::CompiledScene& message,
+                       std::shared_ptr<Scene>& scene) {
+  const double samples =
+      1.0 * plan.film.width * plan.film.height * static_cast<double>(plan.range_ends.back());
+  LearnedAims learned = learn_aims(
+      *scene, plan.film, std::min(kMostLearnedFrom, kLearnedFrom * samples), options.threads);
+  if (learned.aims.empty()) return learned;
+  for (const Aim& aim : learned.aims) {
+    v1::ImportantShape& shape = *message.add_important_shapes();
+    v1::Sphere& sphere = *shape.mutable_sphere();
+    sphere.mutable_centre()->set_x(static_cast<double>(aim.centre.x));
+    sphere.mutable_centre()->set_y(static_cast<double>(aim.centre.y));
+    sphere.mutable_centre()->set_z(static_cast<double>(aim.centre.z));
+    sphere.set_radius(static_cast<double>(aim.radius));
+    shape.set_weight(aim.weight);
+  }
+  message.mutable_tracing()->set_aimed_emission(kAimed);
+  scene = load_scene(message, blobs_in(options.blobs));
+  return learned;
+}
+
 // Which way is best, and what each did.
-void run_pilot(const Options& options, const v1::CompiledScene& message,
+void run_pilot(const Options& options, v1::CompiledScene message,
                const v1::RangeSchedule& schedule) {
   const FilmPlan plan = checked_schedule(schedule);
-  const auto scene = load_scene(message, blobs_in(options.blobs));
+  auto scene = load_scene(message, blobs_in(options.blobs));
   const auto open = [&](const char* what) { return std::ranges::count(options.pilot, what) > 0; };
   const double cpu_before = process_cpu_seconds();
+  LearnedAims learned{};
+  if (open("learn")) learned = learn_aims(options, plan, message, scene);
   const PilotResult found = run_pilot(*scene, {.film = plan.film,
                                                .samples = plan.range_ends.back(),
                                                .direction = open("direction"),
-                                               .aim = open("aim"),
+                                               .aim = open("aim") || !learned.aims.empty(),
                                                .sharing = open("sharing"),
                                                .threads = options.threads});
   std::string tried;
@@ -274,9 +317,11 @@ void run_pilot(const Options& options, const v1::CompiledScene& message,
   file << "{\"forward_photons\": "
        << (found.choice.direction != Direction::kAdjoint ? "true" : "false")
        << ", \"aimed\": " << (found.choice.aimed ? "true" : "false")
+       << ", \"aims\": " << aims_json(found.choice.aimed ? learned.aims : std::vector<Aim>{})
        << ", \"sharing\": " << found.choice.sharing << ", \"gain\": " << found.choice.gain
        << ", \"finds_more\": " << (found.choice.finds_more ? "true" : "false")
-       << ", \"photons\": " << found.photons << ", \"rays\": " << found.rays
+       << ", \"photons\": " << found.photons + learned.photons
+       << ", \"rays\": " << found.rays + learned.rays
        << ", \"cpu_seconds\": " << process_cpu_seconds() - cpu_before << ", \"tried\": [" << tried
        << "]}\n";
   finish(file, options.output);
@@ -387,9 +432,10 @@ int main(int argc, char** argv) {
          "--pilot", options.pilot,
          "Instead of an image, a JSON file that tells which way to trace is best, of those "
          "that are open: direction (adjoint photons, or what the scene says), aim (of forward "
-         "photons, as the scene says or not), sharing")
+         "photons, as the scene says or not), learn (what to aim them at, of a scene that does not "
+         "say), sharing")
       ->delimiter(',')
-      ->check(CLI::IsMember({"direction", "aim", "sharing"}))
+      ->check(CLI::IsMember({"direction", "aim", "learn", "sharing"}))
       ->excludes(job);
   app.add_option("--layers", options.layer_samples,
                  "Instead of an image, what the surfaces in it are like, from this many samples of "

@@ -118,6 +118,7 @@ def _put_tracing(
             message.tracing.CopyFrom(compile_tracing(workspace, message, left_open.asked, scatters=scatters))
             del workspace.dropped[before:]
             ways, said = choose(message, workspace.blobs.root, film, left_open)
+            message.important_shapes.extend(ways.aims)
     message.tracing.CopyFrom(compile_tracing(workspace, message, ways, scatters=scatters))
     message.tracing.way = said
 

@@ -41,7 +41,8 @@ def compile_tracing(
     there = {
         "luminaires": bool(scene.luminaires),
         "environment": scene.HasField("environment") or bool(scene.distant_discs),
-        "important": bool(scene.important_shapes),
+        # What was learned is for photons from luminaires alone.
+        "important": bool(scene.important_shapes) and not ways.aims,
     }
     weights = _weights(tracing.mixture, there)
     if not scatters:

@@ -7,6 +7,7 @@ image, is a function of scene, film and samples.
 
 import json
 import subprocess
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ MAX_SECONDS = 120.0
 """After which a pilot is given up."""
 
 _AIMED = 0.9
-"""Part of the photons from luminaires that goes to what a person declared important."""
+"""Part of the photons from luminaires that goes to what a person declared important, or was learned."""
 
 _EXACT_BELOW = 10
 
@@ -51,11 +52,14 @@ class Ways:
     direction: str = "adjoint"
     sharing: int = 1
     aimed_emission: float = 0.0
+    aims: tuple[scene_pb2.ImportantShape, ...] = ()
+    """What these photons are aimed at, where that was learned and not declared."""
 
     def named(self) -> str:
         """In words."""
         shared = f", shared by blocks of {self.sharing} pixels" if self.sharing > 1 else ""
-        return f"{_SAID[self.direction]}{shared}"
+        aimed = ", aimed at what was learned" if self.aims else ""
+        return f"{_SAID[self.direction]}{aimed}{shared}"
 
 
 @dataclass(frozen=True)
@@ -96,6 +100,8 @@ def open_ways(
         if tracing.aimed_emission is None and scene.important_shapes:
             names.append("aim")
             aimed = _AIMED
+        elif tracing.aimed_emission is None and scene.luminaires:
+            names.append("learn")
         asked = Ways(with_forward, asked.sharing, aimed)
     if tracing.sharing == "auto" and tracing.estimator == "two_photons" and asked.direction != "forward":
         names.append("sharing")
@@ -130,12 +136,20 @@ def choose(scene: scene_pb2.CompiledScene, blobs: Path, film: Film, ways: OpenWa
         found = _run(program, scene, blobs, film, ways.names)
     except (OSError, subprocess.SubprocessError, ValueError):
         return default, f"{default.named()}: nothing was compared, as the pilot failed"
+    learned = tuple(_aim(each) for each in found["aims"])
     better = Ways(
         asked.direction if found["forward_photons"] else default.direction,
         int(found["sharing"]) if "sharing" in ways.names else asked.sharing,
-        asked.aimed_emission if found["aimed"] else 0.0,
+        (_AIMED if learned else asked.aimed_emission) if found["aimed"] else 0.0,
+        learned,
     )
     return better, _sentence(better, default, found)
+
+
+def _aim(found: Mapping[str, Any]) -> scene_pb2.ImportantShape:
+    x, y, z = found["centre"]
+    ball = scene_pb2.Sphere(centre=scene_pb2.Vector(x=x, y=y, z=z), radius=found["radius"])
+    return scene_pb2.ImportantShape(sphere=ball, weight=found["weight"])
 
 
 def _run(

@@ -96,7 +96,8 @@ class Tracing(Node):
         description="For photons from luminaires on surfaces, with `forward` and `both`: the part that is "
         "sent towards `$.important_directions`, such as glass that makes a caustic. The others leave as the "
         "luminaire emits, so that no light is lost. Default: 0, or 0.9 where the pilot "
-        "that chooses the direction finds that better.",
+        "that chooses the direction finds that better; where the scene declares no important directions, the "
+        "pilot then learns some for these photons.",
     )
     sequence: Literal["sobol", "independent"] = Field(
         default="sobol",

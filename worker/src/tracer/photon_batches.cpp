@@ -2,34 +2,11 @@
 
 #include "tracer/estimators/camera_estimator.h"
 #include "tracer/estimators/sensor_estimator.h"
+#include "tracer/photon_start.h"
 #include "tracer/response.h"
 #include "tracer/trace_batch.h"
 
 namespace nocturne {
-namespace {
-
-// Where a photon starts; with weight 0 where none is emitted.
-template <int N>
-Start<N> emit(const Scene& scene, float time, const Spectral<N>& wavelengths_nm,
-              PhotonSequence& sequence) {
-  const Uniform4 first = sequence.next(), second = sequence.next();
-  const auto emitted =
-      scene.emitter.emit(scene.luminaires, scene.lights, scene.geometry,
-                         scene.options.aimed_emission, time, wavelengths_nm, first, second);
-  if (!emitted) return {.ray = {}, .wavelengths = wavelengths_nm, .inside = {}, .flux = 0.0f};
-  Start<N> start{.ray = emitted->ray,
-                 .departure = emitted->departure,
-                 .wavelengths = wavelengths_nm,
-                 .inside = {},
-                 .time = time};
-  if (emitted->luminaire != Emitted<N>::kDistant) {
-    start.inside = scene.luminaires_inside[emitted->luminaire];
-  }
-  start.flux = emitted->flux;
-  return start;
-}
-
-}  // namespace
 
 template <int N, class Estimator, bool Media>
 PhotonBatches<N, Estimator, Media>::PhotonBatches(const Scene& scene, Film film, std::uint32_t most,
@@ -48,15 +25,12 @@ void PhotonBatches<N, Estimator, Media>::trace(std::span<const PhotonIndex> phot
   wavelengths_.clear();
   sequences_.clear();
   estimator_.splats().clear();
-  // With both directions, other numbers than those of photons from the pixels.
-  const std::uint32_t other = scene_.options.direction == Direction::kBoth ? ~0u : 0u;
   for (const PhotonIndex& photon : photons) {
-    sequences_.emplace_back(scene_.options.sequence, scene_.options.seed, photon.number ^ other);
+    sequences_.push_back(photon_numbers(scene_, photon.number));
     PhotonSequence sequence(sequences_.back(), photon.sample);
-    const Uniform4 u = sequence.next();
-    wavelengths_.push_back(scene_.wavelengths.template sample<N>(u[2]));
-    const auto from = emit<N>(scene_, u[3], wavelengths_.back().nm, sequence);
-    start(batch_, from, sequence);
+    const PhotonStart<N> from = start_photon<N>(scene_, sequence);
+    wavelengths_.push_back(from.wavelengths);
+    start(batch_, from.start, sequence);
   }
   trace_batch(batch_);
   counts.rays += batch_.rays;

@@ -1,0 +1,100 @@
+"""What the default is worth where light is hard to find: scenes made to fool the pilot.
+
+Efficiency is 1 / (relMSE x CPU seconds). That of the default, with nothing declared, beside photons from
+the sensor for each pixel alone and beside the best of the ways that a person could name. What the pilot takes
+is left out.
+"""
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bench.errors import true_relmse
+from bench.peer.agreement import Reference
+from bench.peer.contenders import FilmSize, Ours
+from bench.report import Figures, Row, significant
+from bench.scenes import compile_film
+from bench.suite.references import samples_for
+from bench.trap_scenes import TRAPS
+
+ALONE, DEFAULT = "alone", "auto"
+WAYS: Mapping[str, Mapping[str, Any]] = {
+    ALONE: {"direction": "adjoint", "sharing": 1},
+    "shared": {"direction": "adjoint", "sharing": 16},
+    "both directions": {"direction": "both", "sharing": 1},
+    "both, shared": {"direction": "both", "sharing": 16},
+    DEFAULT: {},
+}
+
+_THREADS = 2
+_FILM = FilmSize(48, 32)
+_FOR_A_PILOT = 2**13
+"""Samples of the render that the pilot is to choose for: 12 million in all."""
+_REFERENCE_SEED = 5000
+
+
+@dataclass(frozen=True)
+class _Size:
+    cpu_s: float
+    """Of an image."""
+    rounds: int
+    reference_frames: int
+    reference_cpu_s: float
+
+
+_FULL, _QUICK = _Size(0.5, 3, 6, 2.0), _Size(0.05, 2, 2, 0.1)
+
+
+def run(quick: bool) -> Figures:
+    """All ways on all scenes, seeds in turns."""
+    size = _QUICK if quick else _FULL
+    return {name: _scene(document(), size) for name, document in TRAPS.items()}
+
+
+def rows(figures: Figures) -> list[Row]:
+    """The default against two others."""
+    table = []
+    for name in TRAPS:
+        found = figures[name]
+        best = max(ways := found["ways"], key=ways.__getitem__)
+        table += [
+            Row(
+                f"{name}: efficiency, default / each pixel alone",
+                f"{ways[DEFAULT] / ways[ALONE]:.3g}",
+                "at least 1",
+            ),
+            Row(f"{name}: efficiency, default / the best way ({best})", f"{ways[DEFAULT] / ways[best]:.3g}"),
+        ]
+    return table
+
+
+def _scene(document: dict[str, Any], size: _Size) -> Figures:
+    with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
+        ours, chosen = {}, ""
+        for way, tracing in WAYS.items():
+            place = Path(folder)
+            traced = {**document, "tracing": dict(tracing)}
+            compiled = compile_film(traced, place, _FILM.width, _FILM.height, _FOR_A_PILOT, place / way)
+            ours[way] = Ours(compiled, _FILM, _THREADS)
+            chosen = compiled.way or chosen
+        frames = [
+            ours[DEFAULT].frame(samples_for(ours[DEFAULT], size.reference_cpu_s), _REFERENCE_SEED + i).y
+            for i in range(size.reference_frames)
+        ]
+        reference = Reference.of(frames)
+        samples = {way: samples_for(each, size.cpu_s) for way, each in ours.items()}
+        products: dict[str, list[float]] = {way: [] for way in WAYS}
+        for seed in range(size.rounds):
+            for way, each in ours.items():
+                frame = each.frame(samples[way], seed)
+                products[way].append(true_relmse(frame.y, reference.y, reference.error) * frame.cpu_s)
+    return {
+        "chosen": chosen,
+        "ways": {
+            way: significant(1.0 / max(1e-12, float(np.median(each)))) for way, each in products.items()
+        },
+    }

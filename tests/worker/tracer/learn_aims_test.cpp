@@ -1,0 +1,100 @@
+// What is learned of where to aim photons from luminaires. That images stay the same is for
+// tests/accuracy/test_both_directions.py, whatever they are aimed at.
+#include "tracer/learn_aims.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "support/caustic_scene.h"
+
+namespace nocturne {
+namespace {
+
+/// So many on a sphere, evenly.
+std::vector<Vec3> on_a_sphere(Vec3 centre, float radius, int count) {
+  std::vector<Vec3> places;
+  for (int i = 0; i < count; ++i) {
+    const auto z = static_cast<float>((2 * i + 1) / (1.0 * count) - 1.0);
+    const float across = std::sqrt(1.0f - z * z);
+    const auto turn = static_cast<float>(i * std::numbers::pi * (3.0 - std::sqrt(5.0)));
+    places.push_back(centre + radius * Vec3{across * std::cos(turn), across * std::sin(turn), z});
+  }
+  return places;
+}
+
+bool holds(const Aim& aim, Vec3 place) { return length(place - aim.centre) <= aim.radius; }
+
+TEST(AimsAround, OneBallAreAllPlacesOnIt) {
+  const std::vector<Aim> aims = aims_around(on_a_sphere({1, 2, 3}, 0.5f, 500));
+  ASSERT_EQ(aims.size(), 1u);
+  EXPECT_LT(length(aims[0].centre - Vec3{1, 2, 3}), 0.01f);
+  EXPECT_GT(aims[0].radius, 0.499f);  // a ball's places are all at its edge
+  EXPECT_LT(aims[0].radius, 0.55f);
+}
+
+TEST(AimsAround, TwoBallsFarFromEachOtherAreTwo) {
+  std::vector<Vec3> places = on_a_sphere({-3, 0, 0}, 0.5f, 400);
+  const std::vector<Vec3> others = on_a_sphere({3, 0, 0}, 0.25f, 400);
+  places.insert(places.end(), others.begin(), others.end());
+  const std::vector<Aim> aims = aims_around(places);
+  ASSERT_EQ(aims.size(), 2u);
+  const auto missed = std::ranges::count_if(places, [&](Vec3 place) {
+    return std::ranges::none_of(aims, [&](const Aim& aim) { return holds(aim, place); });
+  });
+  EXPECT_LE(missed, 8);  // one of a hundred
+  // As many places, half as wide.
+  EXPECT_NEAR(std::max(aims[0].weight, aims[1].weight) / std::min(aims[0].weight, aims[1].weight),
+              2.0, 0.05);
+}
+
+TEST(AimsAround, AFewFarPlacesDoNotMakeABallWide) {
+  std::vector<Vec3> places = on_a_sphere({0, 0, 0}, 0.5f, 1000);
+  places.push_back({40, 0, 0});
+  places.push_back({-50, 10, 0});
+  const std::vector<Aim> aims = aims_around(places);
+  ASSERT_EQ(aims.size(), 1u);
+  EXPECT_LT(aims[0].radius, 0.6f);
+}
+
+TEST(AimsAround, OnePointIsNoBall) {
+  EXPECT_TRUE(aims_around(std::vector<Vec3>(100, Vec3{1, 1, 1})).empty());
+}
+
+TEST(LearnAims, FindsTheBallThatMakesTheCaustic) {
+  const auto scene = test::floor_and_lamp(true).load();
+  const LearnedAims learned = learn_aims(*scene, {64, 48}, 1 << 15, 2);
+  ASSERT_EQ(learned.aims.size(), 1u);
+  EXPECT_LT(length(learned.aims[0].centre - Vec3{0, -0.3f, -0.5f}), 0.5f);
+  EXPECT_LT(learned.aims[0].radius, 1.0f);
+  EXPECT_GT(learned.rays, 0u);
+}
+
+TEST(LearnAims, IsTheSameOnAnyNumberOfThreadsAndLeavesTheSceneAsItWas) {
+  const auto scene = test::floor_and_lamp(true).load();
+  const std::uint64_t seed = scene->options.seed;
+  const LearnedAims one = learn_aims(*scene, {64, 48}, 1 << 16, 1);
+  const LearnedAims three = learn_aims(*scene, {64, 48}, 1 << 16, 3);
+  EXPECT_EQ(scene->options.seed, seed);
+  EXPECT_EQ(one.rays, three.rays);
+  ASSERT_EQ(one.aims.size(), three.aims.size());
+  for (std::size_t i = 0; i < one.aims.size(); ++i) {
+    EXPECT_EQ(one.aims[i].centre, three.aims[i].centre);
+    EXPECT_EQ(one.aims[i].radius, three.aims[i].radius);
+    EXPECT_EQ(one.aims[i].weight, three.aims[i].weight);
+  }
+}
+
+TEST(LearnAims, AsksNothingWhereNoMirrorOrGlassGathersLight) {
+  test::SceneBuilder builder = test::floor_and_lamp(false);
+  builder.message.mutable_tracing()->set_direction(v1::DIRECTION_BOTH);
+  const LearnedAims learned = learn_aims(*builder.load(), {64, 48}, 1 << 15, 2);
+  EXPECT_TRUE(learned.aims.empty());
+  EXPECT_EQ(learned.rays, 0u);
+}
+
+}  // namespace
+}  // namespace nocturne

@@ -1,0 +1,52 @@
+// Which numbers a photon from the luminaires has, and how it starts by them.
+#pragma once
+
+#include <cstdint>
+
+#include "scene/scene.h"
+#include "tracer/group.h"
+
+namespace nocturne {
+
+/// Those of photon `number` of each sample of the film. With both directions, others than those of
+/// photons from the pixels.
+inline PixelSequence photon_numbers(const Scene& scene, std::uint32_t number) {
+  const std::uint32_t other = scene.options.direction == Direction::kBoth ? ~0u : 0u;
+  return {scene.options.sequence, scene.options.seed, number ^ other};
+}
+
+template <int N>
+struct PhotonStart {
+  WavelengthSamples<N> wavelengths;
+  /// With flux 0 where none is emitted.
+  Start<N> start;
+  /// Left a luminaire on a surface, rather than a distant one.
+  bool from_surface = false;
+};
+
+/// From the first numbers of its sequence.
+template <int N>
+PhotonStart<N> start_photon(const Scene& scene, PhotonSequence& sequence) {
+  const Uniform4 u = sequence.next();
+  const float time = u[3];
+  PhotonStart<N> photon{.wavelengths = scene.wavelengths.template sample<N>(u[2]), .start = {}};
+  Start<N>& start = photon.start;
+  start.wavelengths = photon.wavelengths.nm;
+  const Uniform4 first = sequence.next(), second = sequence.next();
+  const auto emitted =
+      scene.emitter.emit(scene.luminaires, scene.lights, scene.geometry,
+                         scene.options.aimed_emission, time, start.wavelengths, first, second);
+  if (!emitted) {
+    start.flux = 0.0f;
+    return photon;
+  }
+  start.ray = emitted->ray;
+  start.departure = emitted->departure;
+  start.time = time;
+  start.flux = emitted->flux;
+  photon.from_surface = emitted->luminaire != Emitted<N>::kDistant;
+  if (photon.from_surface) start.inside = scene.luminaires_inside[emitted->luminaire];
+  return photon;
+}
+
+}  // namespace nocturne
