@@ -212,10 +212,9 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
             threading.Thread(target=checkpointer.run, args=(stop,), daemon=True).start()
         if options.event_log:
             event_log = _open_event_log(options.event_log, settings, ledger)
-        previews = Previews(folder, ledger)
-        Coordinator(folder, ledger, previews, queue, session, settings, Clock(stop), event_log).run(
-            SignOfLife(options.alive) if options.alive else lambda: None
-        )
+        alive = SignOfLife(options.alive)
+        previews = Previews(folder, ledger, alive)
+        Coordinator(folder, ledger, previews, queue, session, settings, Clock(stop), event_log).run(alive)
     finally:
         if event_log is not None:
             event_log.close()

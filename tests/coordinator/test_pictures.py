@@ -9,6 +9,7 @@ from nocturne_coordinator.dispatch.records import RenderCommit, TileRow, Totals
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.errors import LeaseLost
 from nocturne_coordinator.output.previews import Previews
+from nocturne_coordinator.sign_of_life import SignOfLife
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
@@ -54,3 +55,31 @@ def test_a_folder_that_goes_with_its_render_is_no_trouble(
     monkeypatch.setattr("nocturne_coordinator.output.previews.write_preview", without_room)
     with pytest.raises(OSError, match="no space left"):
         pictures.write_preview(kept)
+
+
+def test_a_picture_that_takes_long_looks_neither_like_hanging_nor_like_a_lost_lease(
+    folder: DataFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else the last image of a large film would be begun again and again."""
+    ownership = Ownership(folder.root, folder.database, shared=True)
+    ledger = Ledger(folder.database, ownership)
+    render, alive = _running(folder, ledger, 1), tmp_path / "alive"
+    ledger.leases.renew(time.time())
+    monkeypatch.setattr("nocturne_coordinator.output.previews._BUSY_S_PER_PIXEL", 1.0)
+    seconds = _EDGE * _EDGE
+    left: list[float] = []
+
+    def until() -> float:
+        rows = folder.database.rows("SELECT until FROM coordinator WHERE number = ?", (ownership.number,))
+        return float(rows[0]["until"])
+
+    def meanwhile(path: Path, *_: object) -> None:
+        left.extend([until() - time.time(), alive.stat().st_mtime - time.time()])
+        path.write_bytes(b"")
+
+    monkeypatch.setattr("nocturne_coordinator.output.previews.write_image", meanwhile)
+    Previews(folder, ledger, SignOfLife(alive)).write_image(render)
+    assert min(left) > seconds - 60.0
+    # The next sign of life ends that.
+    ledger.leases.renew(time.time())
+    assert until() < time.time() + 2 * ownership.lease_seconds

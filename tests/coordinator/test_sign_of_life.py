@@ -1,6 +1,7 @@
 """The file that probes look at is touched while the coordinator's loop turns, and no longer."""
 
 import os
+import time
 from pathlib import Path
 
 from nocturne_coordinator.sign_of_life import SignOfLife
@@ -16,6 +17,16 @@ def test_it_is_touched_about_once_a_second(tmp_path: Path) -> None:
     os.utime(file, (0.0, 0.0))
     sign()
     assert file.stat().st_mtime == 0.0
+
+
+def test_long_work_is_told_of_beforehand(tmp_path: Path) -> None:
+    file = tmp_path / "alive"
+    sign = SignOfLife(file)
+    sign()
+    sign.busy(100.0)
+    assert file.stat().st_mtime > time.time() + 90.0
+    sign()
+    assert file.stat().st_mtime < time.time() + 1.0
 
 
 def test_a_folder_that_is_gone_does_not_end_the_loop(tmp_path: Path) -> None:

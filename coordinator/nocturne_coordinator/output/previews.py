@@ -2,6 +2,7 @@
 
 import json
 import logging
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
@@ -24,9 +25,14 @@ from nocturne_coordinator.output.images import (
     write_preview,
     write_thumbnail,
 )
+from nocturne_coordinator.sign_of_life import SignOfLife
 from nocturne_coordinator.store.bundle import write_bundle
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
+
+_BUSY_S, _BUSY_S_PER_PIXEL = 60.0, 2e-5
+"""What a picture may take: over ten times the processor time of the last EXR, which is 1.6e-6 s a pixel, for there
+may be many other processes and a slow disk."""
 
 _log = logging.getLogger(__name__)
 
@@ -37,7 +43,9 @@ class Previews:
     All methods raise LeaseLost where another coordinator has the render.
     """
 
-    def __init__(self, folder: DataFolder, ledger: Ledger) -> None:
+    def __init__(self, folder: DataFolder, ledger: Ledger, alive: SignOfLife | None = None) -> None:
+        """`alive` is told of work that takes long."""
+        self._alive = alive or SignOfLife()
         self._folder = folder
         self._ledger = ledger
 
@@ -93,6 +101,10 @@ class Previews:
             path = place_of(render.id)
         except NotFound:
             raise LeaseLost(render.id) from None
+        longest = _BUSY_S_PER_PIXEL * render.film.counts.size
+        self._alive.busy(_BUSY_S + longest)
+        if durable:
+            self._ledger.leases.stay(time.time() + longest)
         holding = partial(self._ledger.leases.holding, render.id, render.row.fence)
         try:
             try:

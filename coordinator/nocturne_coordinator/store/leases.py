@@ -52,6 +52,15 @@ class Leases:
             row = self._database.row("SELECT count(*) AS count FROM coordinator")
         return int(row["count"]) if row is not None else 0
 
+    def stay(self, until: float) -> None:
+        """Keeps our leases beyond their usual length, in unix seconds, for work during which they can't be
+        renewed: else another coordinator would take the render, and lose it in the same way."""
+        with self.owned():
+            self._database.execute(
+                "UPDATE coordinator SET until = max(until, ?) WHERE number = ?",
+                (until + self.lease_seconds, self.number),
+            )
+
     def resign(self) -> None:
         """Nobody needs to wait for our leases to end."""
         with self.owned():
