@@ -31,7 +31,7 @@ from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
 
 _BUSY_S, _BUSY_S_PER_PIXEL = 60.0, 2e-5
-"""What a picture may take: over ten times the processor time of the last EXR, which is 1.6e-6 s a pixel, for there
+"""What a picture may take: over ten times the processor time of the last EXR, 1.6e-6 s a pixel, for there
 may be many other processes and a slow disk."""
 
 _log = logging.getLogger(__name__)
