@@ -83,18 +83,18 @@ def test_no_such_picture(tmp_path: Path) -> None:
 
 def test_what_is_left_is_there_to_be_edited(tmp_path: Path) -> None:
     scene = tree()
-    scene["materials"][0]["extensions"] = {"KHR_materials_sheen": {}}
+    scene["materials"][0]["extensions"] = {"KHR_materials_iridescence": {}}
     (tmp_path / "a.gltf").write_text(json.dumps(scene))
-    with pytest.raises(Incomplete, match="sheen") as caught:
+    with pytest.raises(Incomplete, match="iridescence") as caught:
         import_scene(tmp_path / "a.gltf", tmp_path / "out", ImportOptions())
     document = json.loads(caught.value.imported.document.read_text())
-    assert "sheen" in document["note"]
+    assert "iridescence" in document["note"]
     assert len(document["surfaces"]) == 1
 
 
 def test_a_draft_is_replaced_unless_it_was_edited(tmp_path: Path) -> None:
     scene = tree()
-    scene["materials"][0]["extensions"] = {"KHR_materials_sheen": {}}
+    scene["materials"][0]["extensions"] = {"KHR_materials_iridescence": {}}
     file, out = tmp_path / "a.gltf", tmp_path / "out"
     file.write_text(json.dumps(scene))
     with pytest.raises(Incomplete):
