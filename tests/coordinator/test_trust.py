@@ -71,6 +71,9 @@ def test_two_range_ends_in_a_row_must_agree() -> None:
     assert not confirmed(RangeEnd(), now, 0.05)
     # An error that does not fall is not that of the samples so far.
     assert not confirmed(before, RangeEnd(128, 0.039), 0.05)
+    # Most pixels had as many samples as later when the first was estimated.
+    assert confirmed(RangeEnd(64, 0.04, 122.0), RangeEnd(128, 0.039, 128.0), 0.05)
+    assert not confirmed(RangeEnd(64, 0.04, 70.0), RangeEnd(128, 0.039, 128.0), 0.05)
 
 
 def test_the_image_of_a_prism_is_not_taken_for_done() -> None:

@@ -35,6 +35,8 @@ class ErrorEstimate:
     """Pixels in which no sample found light."""
     samples: int = 0
     """Of the pixel that has the fewest."""
+    mean_samples: float = 0.0
+    """Over pixels, harmonic: relative_error falls as one over its root. 0: unknown, or a pixel has none."""
 
 
 class Squares(NamedTuple):
@@ -58,6 +60,8 @@ def estimate_error(sums: Sums, counts: Counts, squares: Squares | None = None) -
     mean, samples = float(np.mean(y)), int(counts.min())
     unseen = int(np.count_nonzero(sums_y <= 0.0))
     known = ErrorEstimate(mean=mean, pixels=y.size, unseen_pixels=unseen, samples=samples)
+    if samples:
+        known = replace(known, mean_samples=float(y.size / np.sum(1.0 / counts)))
     variances = uncertainty.variance_of_mean(sums_y, squares_y, counts)
     if mean <= 0.0 or samples < 2 or not variances.any():
         return known

@@ -69,6 +69,8 @@ class RangeEnd:
     samples: int = 0
     error: float = 0.0
     """What a stop goes by; 0: unknown, or not to be trusted."""
+    mean_samples: float = 0.0
+    """When that was estimated: other pixels may have been ahead. 0: all had the same."""
 
     @classmethod
     def of(cls, estimate: ErrorEstimate) -> Self:
@@ -76,7 +78,7 @@ class RangeEnd:
         if doubt_of(estimate) or estimate.relative_error <= 0.0:
             return cls(estimate.samples)
         mean_error = CONFIDENCE * estimate.mean_error / estimate.mean
-        return cls(estimate.samples, max(estimate.relative_error, mean_error))
+        return cls(estimate.samples, max(estimate.relative_error, mean_error), estimate.mean_samples)
 
     def meets(self, asked: float) -> bool:
         """Whether the error is known and low enough; unknown, as in a tile that is black so far, it never
@@ -93,7 +95,8 @@ def falls(before: RangeEnd, now: RangeEnd) -> bool:
     """Whether an error that is known twice falls with the samples as it should."""
     if not (before.error and now.error and now.samples > before.samples):
         return False
-    allowed: float = before.error * (before.samples / now.samples) ** _SLOWEST_FALL
+    more = (now.mean_samples or now.samples) / (before.mean_samples or before.samples)
+    allowed: float = before.error * more**-_SLOWEST_FALL
     return now.error <= allowed
 
 
