@@ -17,6 +17,16 @@ const at = (hash) => `${given.url}/${hash}`;
 const showing = (id) => `#/renders/${encodeURIComponent(id)}`;
 const look = (page, name) => checkLooks(page, name, given.screenshots);
 
+/** What was cancelled holds the workers up no more, so that times are those of what comes next. */
+async function workersRest() {
+  for (const end = Date.now() + 60_000; Date.now() < end;) {
+    const { workers } = await (await fetch(`${given.url}/v1/workers`)).json();
+    if (workers.every((worker) => worker.rays_per_second === 0)) return;
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  }
+  assert.fail("the workers have something to do still");
+}
+
 /** White fog and a white ball in even light: by theory nobody sees them, and all collisions are in vain. */
 const evenLight = {
   nocturne: 1,
@@ -450,6 +460,7 @@ const checks = {
     await page.getByRole("button", { name: "Cancel render…" }).click();
     await page.getByRole("dialog", { name: "Cancel this render?" }).getByRole("button", { name: "Cancel render" }).click();
     await page.locator('h1 .badge[data-state="CANCELLED"]').waitFor();
+    await workersRest();
   },
 
   async "an archive becomes a render whose image changes by itself"({ page, note }) {
@@ -472,7 +483,8 @@ const checks = {
     note(`first tiles on the page after ${first} ms, then every ${Math.round(each)} ms`);
     // The first tiles are at the top; the middle may come later.
     while ((await canvasStatistics(page)).mean === before.mean) await nextUpdates(page, 1);
-    if (quiet()) assert.ok(first < 2000 && each <= 1000, `first after ${first} ms, then every ${each} ms`);
+    // With a pilot and layers before the first sample: 2.4 s on an idle machine of two processors.
+    if (quiet()) assert.ok(first < 4000 && each <= 1000, `first after ${first} ms, then every ${each} ms`);
   },
 
   async "a region can be asked for first, and shows who works where"({ page }) {
