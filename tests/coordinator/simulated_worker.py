@@ -108,6 +108,7 @@ class SimulatedWorker(threading.Thread):
         self._stopping = threading.Event()
         own = f"worker-{os.urandom(4).hex()}"
         self.name = f"{machine.name}/{own}" if machine else own
+        self.jobs_taken = 0
         self.jobs_done = 0
 
     def stop(self) -> None:
@@ -154,6 +155,7 @@ class SimulatedWorker(threading.Thread):
         return list(answer[1])
 
     def _work(self, entry: bytes, job: job_pb2.Job, lease: bytes) -> None:
+        self.jobs_taken += 1
         self._stopping.wait(self._delay)
         result = simulated_result(job, self.name, self._further_responses)
         result.floating_point_profile = self._floating_point_profile

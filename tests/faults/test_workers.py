@@ -162,14 +162,14 @@ def test_a_drained_worker_finishes_what_it_has_and_gets_nothing_more(service: Se
         wait_until(lambda: client.get(keys.QUARANTINE_PREFIX + drained.name) == b"It is drained, by ann.")
         # It hears of it when it has delivered the job in hand, and takes no other.
         wait_until(lambda: client.xpending(keys.JOBS, "workers")["pending"] == 0)
-    done = drained.jobs_done
+    taken = drained.jobs_taken
     service.work(SimulatedWorker(service.server.url))
-    wait_until(lambda: service.row(render.id).ranges_done > done + 3)
-    assert drained.jobs_done == done
+    wait_until(lambda: service.row(render.id).ranges_done > taken + 3)
+    assert drained.jobs_taken == taken
     assert service.row(render.id).refused == 0
     assert service.folder.workers.drained() in ({drained.name: False}, {drained.name: True})
     service.folder.workers.release(drained.name)
-    wait_until(lambda: drained.jobs_done > done or service.row(render.id).state == "SUCCEEDED")
+    wait_until(lambda: drained.jobs_taken > taken or service.row(render.id).state == "SUCCEEDED")
     service.folder.requests.cancel(render.id)
 
 
