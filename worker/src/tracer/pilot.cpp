@@ -8,8 +8,13 @@
 namespace nocturne {
 namespace {
 
-/// Independent images by each way.
-constexpr std::uint32_t kImages = 4;
+/// Independent images by each way, and samples of a pixel in each.
+constexpr std::uint32_t kImages = 4, kSamples = 16;
+/// The same for sharing, whose worth depends on how many samples are stratified together: as many
+/// as leave so many squares of the film, in images that pixels alone can be judged by.
+constexpr std::uint32_t kSharingImages = 2, kMostSharingSamples = 64;
+constexpr double kEnoughSquares = 6.0;
+constexpr std::size_t kParts = 5;
 /// Part of the render's samples that a pilot takes, their most, and the most rays.
 constexpr double kPart = 0.025, kMostSamples = 1.5e6, kMostRays = 12e6;
 /// Edge of the squares of the film, pixels, in which neighbours share.
@@ -55,7 +60,7 @@ class Pilot {
     // What a sample takes, by a few of them.
     const Film small = reduced(256.0);
     const PilotImages probe = images(Direction::kAdjoint, 1, small, whole(small), 1);
-    const double taken = pixels_of(small) * kPilotSamples;
+    const double taken = pixels_of(small) * kSamples;
     return std::min(part, kMostRays / std::max(1.0, rays_of(probe) / taken));
   }
 
@@ -68,16 +73,15 @@ class Pilot {
     std::vector<bool> aims{before_.aimed_emission > 0.0f};
     if (request_.aim && aims.front()) aims.push_back(false);
     const auto ways = static_cast<double>(2 + aims.size());
-    const Film film = reduced(budget_ / 2 / (ways * kImages * kPilotSamples));
+    const Film film = reduced(budget_ / 2 / (ways * kImages * kSamples));
     const auto square = whole(film);
     const PilotImages all = images(Direction::kAdjoint, 1, film, square);
     PilotImages rest, left = all;
     if (before_.direction == Direction::kBoth) {
       rest = images(Direction::kBoth, 1, film, square);
       for (std::uint32_t i = 0; i < kImages; ++i) {
-        for (std::size_t s = 0; s < left[i][0].sums.size(); ++s) {
-          left[i][0].sums[s] -= rest[i][0].sums[s];
-        }
+        std::vector<double>& sums = left.images[i][0].sums;
+        for (std::size_t s = 0; s < sums.size(); ++s) sums[s] -= rest.images[i][0].sums[s];
       }
     }
     std::vector<PilotImages> forward;
@@ -90,10 +94,10 @@ class Pilot {
     const std::vector<double> shown = shown_by({&all}, {&rest, &best});
     const PilotFigures adjoint = figures_of(PilotFigures::kAdjoint, 1, all, shown);
     PilotFigures others{.photons = PilotFigures::kAdjointOfBoth};
-    if (!rest.empty()) others = figures_of(PilotFigures::kAdjointOfBoth, 1, rest, shown);
+    if (!rest.images.empty()) others = figures_of(PilotFigures::kAdjointOfBoth, 1, rest, shown);
     const PilotFigures left_to_them = figures_of(PilotFigures::kAdjoint, 1, left, shown);
     result_.tried = {adjoint};
-    if (!rest.empty()) result_.tried.push_back(others);
+    if (!rest.images.empty()) result_.tried.push_back(others);
     for (std::size_t i = 0; i < aims.size(); ++i) {
       PilotFigures found = figures_of(PilotFigures::kForward, 1, forward[i], shown);
       found.aimed = aims[i];
@@ -111,24 +115,51 @@ class Pilot {
   }
 
   void choose_sharing() {
-    const double squares = budget_ / 2 / (2 * kImages * kPilotSamples) / (kSquare * kSquare);
-    const auto film = some_squares(std::max(1.0, squares));
+    // Half of the budget was for the direction, if that was open.
+    const double budget = std::min(result_.tried.empty() ? budget_ : budget_ / 2, kMostSamples / 2);
+    const double all = budget / (2 * kSharingImages) / (kSquare * kSquare);
+    const double enough = std::min<double>(kEnoughSquares, squares_of_film());
+    std::uint32_t samples = kSamples;
+    while (samples < kMostSharingSamples && 2 * samples * enough <= all) samples *= 2;
+    const auto film = some_squares(std::max(1.0, all / samples), samples);
     const Direction direction = result_.choice.direction;
-    const PilotImages alone = images(direction, 1, request_.film, film);
-    const PilotImages shared = images(direction, 16, request_.film, film);
+    const PilotImages alone = images(direction, 1, request_.film, film, kSharingImages);
+    const PilotImages shared = images(direction, 16, request_.film, film, kSharingImages);
     const std::vector<double> shown = shown_by({&alone}, {&shared});
     const PilotFigures one = figures_of(PilotFigures::kSharing, 1, alone, shown);
     PilotFigures sixteen = figures_of(PilotFigures::kSharing, 16, shared, shown);
     sixteen.cost = one.cost + kQueryCost * (sixteen.cost - one.cost);
     result_.tried.insert(result_.tried.end(), {one, sixteen});
-    const double gain = efficiency_with_forward(sixteen) / efficiency_with_forward(one);
+    const double gain = gain_of_most(sixteen, one);
     if (!(gain > kSharingWorthIt)) return;
     result_.choice.sharing = 16;
     result_.choice.gain *= gain;
   }
 
-  double efficiency_with_forward(const PilotFigures& sensor) const {
-    return 1.0 / ((sensor.relative_mse + forward_.relative_mse) * (sensor.cost + forward_.cost));
+  /// How much more efficient one is than another: the median of some parts of the film, as a
+  /// single bright sample may decide about the whole.
+  double gain_of_most(const PilotFigures& one, const PilotFigures& other) const {
+    const std::size_t squares = one.of_squares.size();
+    const std::size_t parts = std::min(kParts, squares);
+    std::vector<double> gains(parts);
+    for (std::size_t part = 0; part < parts; ++part) {
+      double error = 0.0, other_error = 0.0, count = 0.0;
+      for (std::size_t square = part; square < squares; square += parts) {
+        error += one.of_squares[square];
+        other_error += other.of_squares[square];
+        ++count;
+      }
+      gains[part] = product_with_forward(other_error / count, other.cost) /
+                    product_with_forward(error / count, one.cost);
+    }
+    const auto middle = gains.begin() + static_cast<std::ptrdiff_t>(parts / 2);
+    std::ranges::nth_element(gains, middle);
+    return *middle;
+  }
+
+  /// Error times cost of photons from the sensor and of what forward ones add.
+  double product_with_forward(double relative_mse, double cost) const {
+    return (relative_mse + forward_.relative_mse) * (cost + forward_.cost);
   }
 
   static double pixels_of(Film film) { return static_cast<double>(film.width) * film.height; }
@@ -144,14 +175,18 @@ class Pilot {
   }
 
   static std::vector<TileRange> whole(Film film) {
-    return {{0, 0, film.width, film.height, 0, kPilotSamples}};
+    return {{0, 0, film.width, film.height, 0, kSamples}};
+  }
+
+  static std::uint32_t squares_along(std::uint32_t edge) { return (edge + kSquare - 1) / kSquare; }
+  std::uint32_t squares_of_film() const {
+    return squares_along(request_.film.width) * squares_along(request_.film.height);
   }
 
   /// Squares of the render's film, spread over it (by the golden ratio).
-  std::vector<TileRange> some_squares(double wanted) const {
+  std::vector<TileRange> some_squares(double wanted, std::uint32_t samples) const {
     const auto [width, height] = request_.film;
-    const std::uint32_t columns = (width + kSquare - 1) / kSquare;
-    const std::uint32_t all = columns * ((height + kSquare - 1) / kSquare);
+    const std::uint32_t columns = squares_along(width), all = squares_of_film();
     const auto count = static_cast<std::uint32_t>(std::min<double>(wanted, all));
     std::vector<TileRange> squares;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -160,7 +195,7 @@ class Pilot {
       const std::uint32_t index = count == all ? i : static_cast<std::uint32_t>(part * all);
       const std::uint32_t x = index % columns * kSquare, y = index / columns * kSquare;
       squares.push_back(
-          {x, y, std::min(kSquare, width - x), std::min(kSquare, height - y), 0, kPilotSamples});
+          {x, y, std::min(kSquare, width - x), std::min(kSquare, height - y), 0, samples});
     }
     return squares;
   }
@@ -171,11 +206,11 @@ class Pilot {
                      bool from_luminaires = false) {
     scene_.options.direction = direction;
     scene_.options.sharing = sharing;
-    PilotImages made;
+    PilotImages made{.samples = squares.front().end_sample, .images = {}};
     for (std::uint32_t image = 0; image < count; ++image) {
       scene_.options.seed = before_.seed + image;
-      made.push_back(squares_of(film, squares, from_luminaires));
-      for (const TileSums& sums : made.back()) {
+      made.images.push_back(squares_of(film, squares, from_luminaires));
+      for (const TileSums& sums : made.images.back()) {
         result_.photons += sums.photons;
         result_.rays += sums.rays;
       }

@@ -13,11 +13,11 @@ constexpr std::uint32_t kAround = 3;
 
 /// f(place among all pixels, Y) for an image.
 template <class F>
-void for_each_pixel(const std::vector<TileSums>& image, const F& f) {
+void for_each_pixel(const std::vector<TileSums>& image, std::uint32_t samples, const F& f) {
   std::size_t place = 0;
   for (const TileSums& sums : image) {
     for (std::size_t at = 1; at < sums.sums.size(); at += sums.channels) {
-      f(place++, sums.sums[at] / kPilotSamples);
+      f(place++, sums.sums[at] / samples);
     }
   }
 }
@@ -26,10 +26,10 @@ void for_each_pixel(const std::vector<TileSums>& image, const F& f) {
 
 std::array<double, 2> mean_and_error(const PilotImages& images) {
   std::vector<double> means;
-  for (const auto& image : images) {
+  for (const auto& image : images.images) {
     double total = 0.0;
     std::size_t pixels = 0;
-    for_each_pixel(image, [&](std::size_t, double y) {
+    for_each_pixel(image, images.samples, [&](std::size_t, double y) {
       total += y;
       ++pixels;
     });
@@ -44,7 +44,7 @@ std::array<double, 2> mean_and_error(const PilotImages& images) {
 
 double rays_of(const PilotImages& images) {
   double rays = 0.0;
-  for (const auto& image : images) {
+  for (const auto& image : images.images) {
     for (const TileSums& sums : image) rays += static_cast<double>(sums.rays);
   }
   return rays;
@@ -55,19 +55,20 @@ namespace {
 double square_of_error(const std::vector<const PilotImages*>& way) {
   double square = 0.0;
   for (const PilotImages* images : way) {
-    if (!images->empty()) square += std::pow(mean_and_error(*images)[1], 2);
+    if (!images->images.empty()) square += std::pow(mean_and_error(*images)[1], 2);
   }
   return square;
 }
 
-/// Mean of the images of each part, all parts added up, times `weight`.
+/// Mean of a sample in the images of each part, all parts added up, times `weight`.
 std::vector<TileSums> weighted(const std::vector<const PilotImages*>& way, double weight) {
   std::vector<TileSums> sum;
   for (const PilotImages* images : way) {
-    for (const auto& image : *images) {
+    const double samples = static_cast<double>(images->images.size()) * images->samples;
+    for (const auto& image : images->images) {
       std::vector<TileSums> part = image;
       for (TileSums& square : part) {
-        for (double& value : square.sums) value *= weight / static_cast<double>(images->size());
+        for (double& value : square.sums) value *= weight / samples;
       }
       if (sum.empty()) {
         sum = std::move(part);
@@ -90,7 +91,7 @@ double mean_around(const TileSums& image, std::uint32_t x, std::uint32_t y) {
       ++pixels;
     }
   }
-  return sum / pixels / kPilotSamples;
+  return sum / pixels;
 }
 
 }  // namespace
@@ -116,10 +117,10 @@ std::vector<double> shown_by(const std::vector<const PilotImages*>& one,
 PilotFigures figures_of(PilotFigures::Photons photons, std::uint32_t sharing,
                         const PilotImages& images, const std::vector<double>& shown) {
   const auto pixels = static_cast<double>(shown.size());
-  const auto count = static_cast<double>(images.size());
+  const auto count = static_cast<double>(images.images.size());
   std::vector<double> sums(shown.size()), squares(shown.size());
-  for (const auto& image : images) {
-    for_each_pixel(image, [&](std::size_t pixel, double y) {
+  for (const auto& image : images.images) {
+    for_each_pixel(image, images.samples, [&](std::size_t pixel, double y) {
       sums[pixel] += y;
       squares[pixel] += y * y;
     });
@@ -128,13 +129,20 @@ PilotFigures figures_of(PilotFigures::Photons photons, std::uint32_t sharing,
   for (const double y : shown) all += y / pixels;
   const auto [mean, error] = mean_and_error(images);
   PilotFigures found{.photons = photons, .sharing = sharing, .mean = mean, .mean_error = error};
-  for (std::size_t pixel = 0; pixel < shown.size(); ++pixel) {
-    const double variance =
-        std::max(0.0, squares[pixel] - sums[pixel] * sums[pixel] / count) / (count - 1.0);
-    const double scale = shown[pixel] * shown[pixel] + 0.01 * all * all;
-    if (scale > 0.0) found.relative_mse += kPilotSamples * variance / scale / pixels;
+  std::size_t pixel = 0;
+  for (const TileSums& square : images.images.front()) {
+    const std::size_t end = pixel + std::size_t{square.width} * square.height;
+    double errors = 0.0;
+    for (; pixel < end; ++pixel) {
+      const double variance =
+          std::max(0.0, squares[pixel] - sums[pixel] * sums[pixel] / count) / (count - 1.0);
+      const double scale = shown[pixel] * shown[pixel] + 0.01 * all * all;
+      if (scale > 0.0) errors += images.samples * variance / scale;
+    }
+    found.relative_mse += errors / pixels;
+    found.of_squares.push_back(errors / (square.width * square.height));
   }
-  found.cost = rays_of(images) / (pixels * count * kPilotSamples);
+  found.cost = rays_of(images) / (pixels * count * images.samples);
   return found;
 }
 

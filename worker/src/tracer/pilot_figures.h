@@ -9,11 +9,13 @@
 
 namespace nocturne {
 
-/// Samples of a pixel in each of a pilot's images.
-inline constexpr std::uint32_t kPilotSamples = 16;
-
-/// Independent images: sums of each, square by square of the film.
-using PilotImages = std::vector<std::vector<TileSums>>;
+/// Independent images of the same squares of a film.
+struct PilotImages {
+  /// Of a pixel, in each image.
+  std::uint32_t samples = 0;
+  /// Of each image, square by square.
+  std::vector<std::vector<TileSums>> images;
+};
 
 /// What photons of one kind did.
 struct PilotFigures {
@@ -27,6 +29,8 @@ struct PilotFigures {
   double mean = 0.0, mean_error = 0.0;
   /// Relative MSE of Y (docs/explanation/units-and-errors.md) of one sample of each pixel.
   double relative_mse = 0.0;
+  /// The same over the pixels of each square.
+  std::vector<double> of_squares = {};
   /// Of a sample, in rays of the usual cost.
   double cost = 0.0;
 };
