@@ -26,7 +26,9 @@ Values = NDArray[np.float64]
 Counts = NDArray[np.uint32]
 
 CONFIDENCE = 1.96
-"""Standard errors to each side of a 95 % interval."""
+"""Standard errors to each side of a 95 % interval, where these are well known."""
+_UPPER = 0.975
+"""Quantile at the upper end of a 95 % interval."""
 
 # The factors of each of PRODUCTS.
 _FIRST_FACTORS, _SECOND_FACTORS = [*PRODUCTS_SQUARES, *PAIR_FIRST], [*PRODUCTS_SQUARES, *PAIR_SECOND]
@@ -149,9 +151,9 @@ class _Correlation:
         return np.divide(inside, whole, out=np.zeros_like(whole), where=whole > 0.0)
 
     def part(self) -> float:
-        """Of what a block's pixels share, a region's: less than a block has less of it, about as its edge is
-        shorter."""
-        return min(1.0, (math.sqrt(self._pixels) - 1.0) / (BLOCK - 1.0))
+        """Of what a block's pixels share, a region's: less than a block has less of it. Neighbours have the most
+        in common: 2 x 2 pixels that share by 16 have 0.4, and this says half."""
+        return min(1.0, math.log(self._pixels) / math.log(BLOCK**2))
 
     def factor(self) -> float:
         """The variance of the region's mean over that of pixels that know nothing of each other; at least
@@ -204,6 +206,9 @@ class RegionReading:
     chromaticity_error: tuple[float, float]
     correlation: float
     """How many times the variance of Y is that of pixels that know nothing of each other; at least 1."""
+    coverage_factor: float
+    """Standard errors to each side of a 95 % interval of Y: Student's t, as an error from few samples is itself
+    uncertain. NaN where the error is unknown."""
     pixels: int
     unseen_pixels: int
     """In which no sample found light."""
@@ -226,6 +231,7 @@ class RegionSums:
         self._correlations = [_Correlation() for _ in "XYZ"]
         self._pixels = self._unseen = self._samples = 0
         self._fewest, self._most = 2**63, 0
+        self._blocks = self._squares_of_blocks = 0.0
 
     def add(self, image: ImageMoments, chosen: NDArray[np.bool_]) -> None:
         """`chosen`: which pixels of it; those without samples are left out."""
@@ -245,6 +251,9 @@ class RegionSums:
                 chosen,
             )
             if index == _Y:
+                of_each = inside * np.nan_to_num(of_blocks)
+                self._blocks += float(of_each.sum())
+                self._squares_of_blocks += float(np.square(of_each).sum())
                 self._of_blocks += np.nansum(image.block_covariance * inside[..., None], axis=(0, 1))
         samples = image.samples[chosen]
         self._pixels += len(samples)
@@ -270,11 +279,23 @@ class RegionSums:
             chromaticity,
             errors,
             factors[_Y],
+            self._coverage_factor(),
             n,
             self._unseen,
             self._samples,
             (self._fewest, self._most),
         )
+
+    def _coverage_factor(self) -> float:
+        """By the effective degrees of freedom of a sum whose parts, the blocks, have n - 1 each: Welch and
+        Satterthwaite, JCGM 100:2008 (GUM), equation G.2b."""
+        # So that what reads no regions does without it.
+        from scipy import special  # noqa: PLC0415
+
+        if self._fewest < 2:
+            return math.nan
+        alike = self._blocks**2 / self._squares_of_blocks if self._squares_of_blocks > 0.0 else 1.0
+        return float(special.stdtrit((self._fewest - 1) * alike, _UPPER))
 
     def _covariances(self, variance: Values) -> Values:
         """Of the means XY, XZ, YZ, of which these are the variances: correlated as pixels alone are, and the

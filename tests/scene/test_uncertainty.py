@@ -23,6 +23,7 @@ from nocturne_scene.uncertainty import (
     read_region,
     tile_sums,
 )
+from scipy import special
 
 from tests.sums import sums_of
 
@@ -147,7 +148,7 @@ def coverage(draw: Draw, seed: int) -> dict[str, Values]:
             whole = mean[0] + 15.0 * mean[1] + 3.0 * mean[2]
             true = [*mean, 4.0 * mean[0] / whole, 9.0 * mean[1] / whole]
             off = np.abs(np.array([*found.mean, *found.chromaticity]) - true)
-            held[name] += off <= CONFIDENCE * np.array([*found.error, *found.chromaticity_error])
+            held[name] += off <= found.coverage_factor * np.array([*found.error, *found.chromaticity_error])
     return {name: each / REPEATS for name, each in held.items()}
 
 
@@ -264,3 +265,19 @@ def test_the_dark_has_no_chromaticity_and_one_sample_no_error() -> None:
     assert dark.unseen_pixels == 16
     assert all(map(math.isnan, dark.chromaticity))
     assert read_region(moments(np.ones((2, 4, 4, 3)), 4), np.zeros((4, 4), dtype=np.bool_)) is None
+
+
+@pytest.mark.parametrize(("edge", "degrees"), [(1, 15.0), (4, 15.0), (16, 16 * 15.0)])
+def test_intervals_from_few_samples_are_wider(edge: int, degrees: float) -> None:
+    """Student's t of 16 samples for a block, and nearly the normal's for blocks that vary alike."""
+    drawn = np.repeat(np.random.default_rng(5).normal(10.0, 1.0, (16, EDGE, EDGE, 1)), 4, axis=3)
+    reading = read_region(moments(drawn), window(0, 0, edge, edge))
+    assert reading is not None
+    # What blocks vary is itself known to a third: chi-square of 15 degrees, of which the sum's are 13 of 15.
+    assert reading.coverage_factor == pytest.approx(special.stdtrit(degrees, 0.975), rel=0.01)
+
+
+def test_one_sample_has_no_interval() -> None:
+    reading = read_region(moments(np.ones((1, EDGE, EDGE, 4))))
+    assert reading is not None
+    assert math.isnan(reading.coverage_factor)

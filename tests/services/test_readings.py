@@ -120,6 +120,7 @@ def reading(**fields: Any) -> Reading:
         "u_prime_error": 0.001,
         "v_prime_error": 0.002,
         "correlation": 1.0,
+        "coverage_factor": 2.0,
         "pixels": 4,
         "unseen_pixels": 0,
         "samples": 64,
@@ -132,7 +133,7 @@ def reading(**fields: Any) -> Reading:
 
 def test_a_reading_says_all_quantities_with_their_intervals() -> None:
     assert sentence(reading()) == (
-        "illuminance 10 +- 1.4 lx, u' 0.2000 +- 0.002, v' 0.4500 +- 0.0039, X 12 +- 0.98, Z 8 +- 0.78 (95 %)"
+        "illuminance 10 +- 1.4 lx, u' 0.2000 +- 0.002, v' 0.4500 +- 0.004, X 12 +- 1, Z 8 +- 0.8 (95 %)"
     )
     assert "rod 0.5 +- 0.2" in sentence(reading(values=[*reading().values, ReadValue("rod", 0.5, 0.1)]))
     assert "nothing seen in 1 of 4 pixels" in sentence(reading(unseen_pixels=1))

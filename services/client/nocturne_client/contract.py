@@ -208,6 +208,10 @@ class Reading:
     """Standard error; null where it is not known."""
     correlation: float
     """How many times the variance of Y is that of pixels that know nothing of each other; at least 1."""
+    coverage_factor: float | None
+    """Standard errors to each side of a 95 % interval: Student's t, 2.13 for a block with 16 samples, 1.96
+    where errors are well known; null where they are not known.
+    """
     pixels: int
     unseen_pixels: int
     """In which no sample found light."""

@@ -6,7 +6,7 @@ from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Reading, Region
 
 CONFIDENCE = 1.96
-"""Standard errors to each side of a 95 % interval."""
+"""Standard errors to each side of a 95 % interval, where these are well known."""
 
 _NONE_OF_N = 3.0
 """Of n samples none met light: with 95 %, fewer than 3 in n do. Hanley and Lippman-Hand, "If nothing goes
@@ -35,21 +35,24 @@ def sentence(reading: Reading) -> str:
         return f"nothing seen: none of {reading.samples:,} samples met light" + (
             f", so {bound}" if reading.samples > _NONE_OF_N else ""
         )
-    told = [f"{reading.quantity or 'Y'} {interval(y.mean, y.standard_error, '.5g')} {reading.unit}".rstrip()]
+    factor = reading.coverage_factor or CONFIDENCE
+    with_error = interval(y.mean, y.standard_error, ".5g", factor)
+    told = [f"{reading.quantity or 'Y'} {with_error} {reading.unit}".rstrip()]
     if reading.u_prime is not None and reading.v_prime is not None:
-        told.append(f"u' {interval(reading.u_prime, reading.u_prime_error, '.4f')}")
-        told.append(f"v' {interval(reading.v_prime, reading.v_prime_error, '.4f')}")
+        told.append(f"u' {interval(reading.u_prime, reading.u_prime_error, '.4f', factor)}")
+        told.append(f"v' {interval(reading.v_prime, reading.v_prime_error, '.4f', factor)}")
     told += [
-        f"{value.name} {interval(value.mean, value.standard_error, '.5g')}" for value in (x, z, *further)
+        f"{value.name} {interval(value.mean, value.standard_error, '.5g', factor)}"
+        for value in (x, z, *further)
     ]
     confidence = "" if y.standard_error is None else " (95 %)"
     unseen = f"; nothing seen in {reading.unseen_pixels:,} of {reading.pixels:,} pixels"
     return ", ".join(told) + confidence + (unseen if reading.unseen_pixels else "")
 
 
-def interval(value: float, error: float | None, form: str) -> str:
-    """A value with half its 95 % interval, where its standard error is known."""
-    return f"{value:{form}}" + ("" if error is None else f" +- {rounded(CONFIDENCE * error, 2)}")
+def interval(value: float, error: float | None, form: str, factor: float = CONFIDENCE) -> str:
+    """A value with half its 95 % interval, so many times its standard error, where that is known."""
+    return f"{value:{form}}" + ("" if error is None else f" +- {rounded(factor * error, 2)}")
 
 
 def rounded(value: float, digits: int) -> str:

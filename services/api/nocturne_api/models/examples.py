@@ -159,6 +159,7 @@ READING: dict[str, Any] = {
     "u_prime_error": 0.0011,
     "v_prime_error": 0.0006,
     "correlation": 1.04,
+    "coverage_factor": 1.97,
     "pixels": 256,
     "unseen_pixels": 0,
     "samples": 16384,

@@ -64,6 +64,7 @@ def _answer(
         u_prime_error=u_error,
         v_prime_error=v_error,
         correlation=found.correlation,
+        coverage_factor=known(found.coverage_factor),
         pixels=found.pixels,
         unseen_pixels=found.unseen_pixels,
         samples=found.samples,
