@@ -151,8 +151,8 @@ class _Correlation:
         return np.divide(inside, whole, out=np.zeros_like(whole), where=whole > 0.0)
 
     def part(self) -> float:
-        """Of what a block's pixels share, a region's: less than a block has less of it. Neighbours have the most
-        in common: 2 x 2 pixels that share by 16 have 0.4, and this says half."""
+        """Of what a block's pixels share, a region's: less than a block has less of it. Neighbours have the
+        most in common: 2 x 2 pixels that share by 16 have 0.4, and this says half."""
         return min(1.0, math.log(self._pixels) / math.log(BLOCK**2))
 
     def factor(self) -> float:
@@ -207,8 +207,8 @@ class RegionReading:
     correlation: float
     """How many times the variance of Y is that of pixels that know nothing of each other; at least 1."""
     coverage_factor: float
-    """Standard errors to each side of a 95 % interval of Y: Student's t, as an error from few samples is itself
-    uncertain. NaN where the error is unknown."""
+    """Standard errors to each side of a 95 % interval of Y: Student's t, as an error from few samples is
+    itself uncertain. NaN where the error is unknown."""
     pixels: int
     unseen_pixels: int
     """In which no sample found light."""
@@ -290,7 +290,7 @@ class RegionSums:
         """By the effective degrees of freedom of a sum whose parts, the blocks, have n - 1 each: Welch and
         Satterthwaite, JCGM 100:2008 (GUM), equation G.2b."""
         # So that what reads no regions does without it.
-        from scipy import special  # noqa: PLC0415
+        from scipy import special
 
         if self._fewest < 2:
             return math.nan

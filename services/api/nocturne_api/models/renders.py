@@ -230,8 +230,8 @@ class Reading(Answer):
         "least 1."
     )
     coverage_factor: float | None = Field(
-        description="Standard errors to each side of a 95 % interval: Student's t, 2.13 for a block with 16 samples, "
-        "1.96 where errors are well known; null where they are not known."
+        description="Standard errors to each side of a 95 % interval: Student's t, 2.13 for a block with 16 "
+        "samples, 1.96 where errors are well known; null where they are not known."
     )
     pixels: int
     unseen_pixels: int = Field(description="In which no sample found light.")
