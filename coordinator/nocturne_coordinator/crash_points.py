@@ -6,15 +6,15 @@ NOCTURNE_CRASH_AT=after-commit:3 kills the process at its third passage; without
 import os
 import signal
 
-_WANTED, _, _COUNT = os.environ.get("NOCTURNE_CRASH_AT", "").partition(":")
-_passages_left = int(_COUNT or 1)
+_passages = 0
 
 
 def crash_point(name: str) -> None:
     """Does nothing, unless the environment names this place."""
-    global _passages_left
-    if name != _WANTED:
+    global _passages
+    wanted, _, count = os.environ.get("NOCTURNE_CRASH_AT", "").partition(":")
+    if name != wanted:
         return
-    _passages_left -= 1
-    if _passages_left == 0:
+    _passages += 1
+    if _passages == int(count or 1):
         os.kill(os.getpid(), signal.SIGKILL)

@@ -3,7 +3,6 @@
 import os
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -23,6 +22,7 @@ from nocturne_scene.tile_sums import TileSums
 from nocturne_scene.uncertainty import moments_of
 
 from tests.coordinator.simulated_worker import SimulatedWorker, simulated_sums
+from tests.system.forked import Forked
 from tests.system.waiting import LIMIT_S, pause
 
 SCENE = "5c" * 32
@@ -79,22 +79,17 @@ class Service:
         self.data = data
         self.server = server
         self.folder = DataFolder(data)
-        self._process: subprocess.Popen[bytes] | None = None
-        self._others: list[subprocess.Popen[bytes]] = []
+        self._process: Forked | None = None
+        self._others: list[Forked] = []
         self._workers: list[SimulatedWorker] = []
 
-    def start(self, crash_at: str = "", *options: str) -> "subprocess.Popen[bytes]":
+    def start(self, crash_at: str = "", *options: str) -> Forked:
         """Another one, beside those that run."""
         if self._process is not None:
             self._others.append(self._process)
-        self._process = subprocess.Popen(
-            [
-                *(sys.executable, "-m", "nocturne_coordinator.main"),
-                *("--data", self.data, "--redis", self.server.url, "--commit-seconds", "0.1"),
-                *options,
-            ],
-            env=os.environ | {"NOCTURNE_CRASH_AT": crash_at, "OMP_NUM_THREADS": "1"},
-        )
+        words = ["--data", str(self.data), "--redis", self.server.url, "--commit-seconds", "0.1", *options]
+        environment = os.environ | {"NOCTURNE_CRASH_AT": crash_at}
+        self._process = Forked("nocturne_coordinator.main", words, environment)
         return self._process
 
     @property

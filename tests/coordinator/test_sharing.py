@@ -3,7 +3,6 @@
 import os
 import signal
 import sqlite3
-import subprocess
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -27,6 +26,7 @@ from nocturne_coordinator.store.ownership import Ownership
 
 from tests.coordinator.service import Service, check_complete, wait_until
 from tests.coordinator.simulated_worker import SimulatedWorker
+from tests.system.forked import Forked
 from tests.system.waiting import LIMIT_S
 
 SHARED = ("--shared", "--lease-seconds", "1.5")
@@ -224,7 +224,7 @@ def test_one_that_was_stopped_beyond_its_lease_merges_nothing_twice(service: Ser
         wait_until(lambda: client.xlen(keys.JOBS) == 0 and client.xlen(keys.RESULTS) == 0)
 
 
-def stop_between_transactions(process: "subprocess.Popen[bytes]", database: Path) -> None:
+def stop_between_transactions(process: Forked, database: Path) -> None:
     """One that stands still within a transaction keeps everybody from writing, as long as it does."""
     while True:
         process.send_signal(signal.SIGSTOP)

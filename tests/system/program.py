@@ -9,6 +9,7 @@ from pathlib import Path
 
 from nocturne_client.local import die_with_parent
 
+from tests.system.forked import Forked
 from tests.system.waiting import wait_for
 
 _LAUNCHER = [sys.executable, "-I", "-S", str(Path(die_with_parent.__file__)), str(os.getpid())]
@@ -16,7 +17,10 @@ _GRACE_S = 30.0
 
 
 class Program:
-    """A process with a log. It dies with this one, so a killed test run leaves nothing behind."""
+    """A process with a log. It dies with this one, so a killed test run leaves nothing behind.
+
+    `python -m` of a module is forked from a process that has imported it.
+    """
 
     def __init__(
         self, command: Sequence[str | Path], log: Path, environment: Mapping[str, str] | None = None
@@ -25,7 +29,7 @@ class Program:
         self.log = log
         self._command = [str(word) for word in command]
         self._environment = {**os.environ, **(environment or {})}
-        self._process: subprocess.Popen[bytes] | None = None
+        self._process: subprocess.Popen[bytes] | Forked | None = None
 
     @property
     def pid(self) -> int:
@@ -34,6 +38,10 @@ class Program:
 
     def start(self) -> None:
         with self.log.open("ab") as log:
+            if self._command[:2] == [sys.executable, "-m"]:
+                module, *words = self._command[2:]
+                self._process = Forked(module, words, self._environment, log.fileno())
+                return
             self._process = subprocess.Popen(
                 [*_LAUNCHER, *self._command],
                 stdin=subprocess.DEVNULL,
