@@ -1,7 +1,6 @@
 /** Debian's Chromium, driven by the playwright-core that the page's lock file names. */
 import assert from "node:assert/strict";
 import { mkdirSync, writeFileSync } from "node:fs";
-import { cpus, loadavg } from "node:os";
 import { createRequire } from "node:module";
 import { join } from "node:path";
 
@@ -11,9 +10,6 @@ const axeSource = require("axe-core").source;
 
 export const desktop = { width: 1000, height: 700 };
 export const phone = { width: 390, height: 844 };
-
-/** Promises about time hold on a machine that does nothing else; elsewhere what was measured is only told. */
-export const quiet = () => loadavg()[0] < cpus().length + 1;
 
 export function launch() {
   return chromium.launch({

@@ -14,9 +14,7 @@ from nocturne_client import Client
 
 from tests.system.up import Up
 from tests.system.waiting import wait_for
-
-ROOT = Path(__file__).parents[2]
-NODE = ROOT / ".venv" / "bin" / "node"
+from tests.web.visit import NODE, ROOT
 
 # Folder of examples, film, samples, and tags.
 SCENES: tuple[tuple[str, tuple[int, int], int, list[str]], ...] = (
