@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Reading } from "../../../services/web/src/image/film.ts";
+import type { Reading } from "../../../services/web/src/image/tiled_image.ts";
 import type { RegionReading } from "../../../services/web/src/service/types.ts";
 import { rowsOf } from "../../../services/web/src/viewer/readings.ts";
 

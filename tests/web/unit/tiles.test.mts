@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { clipped, Film } from "../../../services/web/src/image/film.ts";
+import { clipped, TiledImage } from "../../../services/web/src/image/tiled_image.ts";
 import { decodeTiles, pyramid } from "../../../services/web/src/image/tiles.ts";
 
 /** A film of 5 x 3 in tiles of 4 x 4: the second tile is 1 x 3. Pixel values say where they are. */
@@ -19,9 +19,9 @@ function answer(): ArrayBuffer {
   return bytes;
 }
 
-function film(): Film {
+function film(): TiledImage {
   const decoded = decodeTiles(answer());
-  const found = new Film(decoded.width, decoded.height, decoded.tileSize);
+  const found = new TiledImage(decoded.width, decoded.height, decoded.tileSize);
   for (const tile of decoded.tiles) found.put(tile);
   return found;
 }

@@ -1,7 +1,7 @@
 /** Paints films on a canvas with WebGL2, once per frame at most. */
 import { displayMatrix } from "./colour.ts";
 import { mapBytes, maps, mapSize } from "./colour_maps.ts";
-import { GlFilm } from "./gl_film.ts";
+import { GlImage } from "./gl_image.ts";
 import { type Look, shows, tones } from "./look.ts";
 import { levelFor, type Placement } from "./placement.ts";
 import { fragmentShader, type Variant, vertexShader } from "./shaders.ts";
@@ -15,11 +15,11 @@ type Places = Record<(typeof names)[number], WebGLUniformLocation | null>;
 
 export class GlPainter {
   readonly gl: WebGL2RenderingContext;
-  first: GlFilm | undefined;
-  second: GlFilm | undefined;
+  first: GlImage | undefined;
+  second: GlImage | undefined;
   readonly #programs = new Map<string, Program>();
   readonly #maps: Record<keyof typeof maps, WebGLTexture>;
-  readonly #nothing: GlFilm;
+  readonly #nothing: GlImage;
 
   /** Throws Error, fit to be shown, where there is no WebGL2. */
   constructor(canvas: HTMLCanvasElement) {
@@ -28,7 +28,7 @@ export class GlPainter {
     this.gl = gl;
     gl.bindVertexArray(gl.createVertexArray());
     this.#maps = { viridis: mapTexture(gl, maps.viridis), diverging: mapTexture(gl, maps.diverging) };
-    this.#nothing = new GlFilm(gl, 1, 1, 1);
+    this.#nothing = new GlImage(gl, 1, 1, 1);
   }
 
   paint(look: Look, placement: Placement): void {
@@ -61,7 +61,7 @@ export class GlPainter {
     return known.places;
   }
 
-  #place(places: Places, film: GlFilm, placement: Placement): void {
+  #place(places: Places, film: GlImage, placement: Placement): void {
     const { gl } = this;
     gl.uniform2f(places.canvas, gl.drawingBufferWidth, gl.drawingBufferHeight);
     gl.uniform2f(places.film, film.width, film.height);

@@ -1,6 +1,6 @@
-/** How a film is shown. Pure. */
+/** How an image is shown. Pure. */
 import type { Scale } from "./colour_maps.ts";
-import type { Film, Region } from "./film.ts";
+import type { TiledImage, Region } from "./tiled_image.ts";
 import { decades } from "./colour_maps.ts";
 import type { Triple } from "./colour.ts";
 import type { Render } from "../service/types.ts";
@@ -37,26 +37,26 @@ export interface Look {
 /** Middle grey, and the exposure that gives it to a luminance. */
 export const middleGrey = 0.18;
 
-export function autoExposure(film: Film): number {
-  const mean = film.logarithmicMean();
+export function autoExposure(image: TiledImage): number {
+  const mean = image.logarithmicMean();
   return mean > 0 ? middleGrey / mean : 1;
 }
 
-/** The scale of a view's colour map, from what the film has now. */
-export function scaleOf(show: Show, film: Film): Scale {
+/** The scale of a view's colour map, from what the image has now. */
+export function scaleOf(show: Show, image: TiledImage): Scale {
   switch (show) {
     case "luminance":
-      return decades(film.some(1));
+      return decades(image.some(1));
     case "error":
-      return decades(film.some(3));
+      return decades(image.some(3));
     case "relative error":
       return { low: 1e-4, high: 1, logarithmic: true };
     case "samples": {
-      const most = Math.max(1, ...[...film.tiles.values()].map((tile) => tile.samples));
+      const most = Math.max(1, ...[...image.tiles.values()].map((tile) => tile.samples));
       return { low: 0, high: most, logarithmic: false };
     }
     case "invalid_samples":
-      return { low: 0, high: Math.max(1, ...[...film.tiles.values()].map((tile) => tile.invalid_samples)), logarithmic: false };
+      return { low: 0, high: Math.max(1, ...[...image.tiles.values()].map((tile) => tile.invalid_samples)), logarithmic: false };
     case "difference":
       return { low: -4, high: 4, logarithmic: false };
     case "colour":

@@ -1,6 +1,6 @@
 /** The REST calls that the page makes. Every failure is an Error whose message can be shown. */
 import { observeDate } from "./clock.ts";
-import { type Film, filmOf } from "../image/film.ts";
+import { type TiledImage, tiledImageOf } from "../image/tiled_image.ts";
 import { decodeTiles } from "../image/tiles.ts";
 import type { operations } from "./openapi.d.ts";
 import type {
@@ -140,10 +140,10 @@ export async function importScene(request: ImportRequest): Promise<ImportedScene
 }
 
 /** An OpenEXR file from disk as a film, in tiles of this edge; the service reads all that OpenImageIO can. */
-export async function readPicture(file: Blob, tileSize: number): Promise<Film> {
+export async function readPicture(file: Blob, tileSize: number): Promise<TiledImage> {
   const response = await fetch(`/v1/pictures?tile_size=${tileSize}`, { method: "POST", body: file });
   if (!response.ok) throw await failureOf(response);
-  return filmOf(decodeTiles(await response.arrayBuffer()));
+  return tiledImageOf(decodeTiles(await response.arrayBuffer()));
 }
 
 /** Signs in with a token, which the service keeps in a cookie. */

@@ -1,5 +1,5 @@
 /** Keeps how the image is looked at in the address. */
-import type { Region } from "../image/film.ts";
+import type { Region } from "../image/tiled_image.ts";
 import { fromQuery, toQuery } from "./memory.ts";
 import type { Viewer } from "./viewer.ts";
 

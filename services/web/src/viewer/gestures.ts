@@ -1,5 +1,5 @@
 /** Pointer, wheel and keys on the image: pan, zoom, look at a pixel, choose a region. */
-import { clipped, type Region } from "../image/film.ts";
+import { clipped, type Region } from "../image/tiled_image.ts";
 import type { Kind } from "../measure/outlines.ts";
 import type { Point } from "../image/placement.ts";
 import type { Viewer } from "./viewer.ts";
@@ -78,12 +78,12 @@ export function listenToGestures(viewer: Viewer, drawing: () => Kind | undefined
 /** The nearest corner between pixels: whole numbers are what people read again. */
 function cornerAt(event: PointerEvent, viewer: Viewer): number[] {
   const { x, y } = viewer.pointAt(event.clientX, event.clientY);
-  const { width, height } = viewer.films.first ?? { width: 1, height: 1 };
+  const { width, height } = viewer.images.first ?? { width: 1, height: 1 };
   return [Math.min(width, Math.max(0, Math.round(x))), Math.min(height, Math.max(0, Math.round(y)))];
 }
 
 function inFilm({ x, y }: Point, viewer: Viewer): Point {
-  return clipped({ x, y, width: 1, height: 1 }, viewer.films.first ?? { width: 1, height: 1 });
+  return clipped({ x, y, width: 1, height: 1 }, viewer.images.first ?? { width: 1, height: 1 });
 }
 
 /** One finger or the mouse pans, two fingers pan and zoom. */
@@ -125,7 +125,7 @@ function listenToKeys(viewer: Viewer, listener: GestureListener): void {
   });
   const next = (by: Point): Point => {
     const from = pixel ?? { x: Math.floor(viewer.placement.x), y: Math.floor(viewer.placement.y) };
-    return clipped({ x: from.x + by.x, y: from.y + by.y, width: 1, height: 1 }, viewer.films.first ?? { width: 1, height: 1 });
+    return clipped({ x: from.x + by.x, y: from.y + by.y, width: 1, height: 1 }, viewer.images.first ?? { width: 1, height: 1 });
   };
 }
 
@@ -137,5 +137,5 @@ function isShortcut(event: KeyboardEvent): boolean {
 function between(a: Point, b: Point, viewer: Viewer): Region {
   const corner = { x: Math.min(a.x, b.x), y: Math.min(a.y, b.y) };
   const region = { ...corner, width: Math.abs(a.x - b.x) + 1, height: Math.abs(a.y - b.y) + 1 };
-  return clipped(region, viewer.films.first ?? { width: 1, height: 1 });
+  return clipped(region, viewer.images.first ?? { width: 1, height: 1 });
 }

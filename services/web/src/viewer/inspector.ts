@@ -1,6 +1,6 @@
 /** What a pixel or a region of the image holds, in numbers. */
 import { element, setText } from "../dom.ts";
-import type { Film, Reading, Region } from "../image/film.ts";
+import type { TiledImage, Reading, Region } from "../image/tiled_image.ts";
 import type { Measured } from "../image/look.ts";
 import type { RegionReading } from "../service/types.ts";
 import { rowsOf } from "./readings.ts";
@@ -10,7 +10,7 @@ const rest = 150;
 
 export interface Inspector {
   node: HTMLElement;
-  /** Reads the film anew where it was looked at. */
+  /** Reads the image anew where it was looked at. */
   refresh: () => void;
   showPixel: (pixel: { x: number; y: number }) => void;
   showRegion: (region: Region | undefined) => void;
@@ -20,21 +20,21 @@ export interface Inspector {
 /** Asks the service for a region's numbers with the errors of all of them; undefined: it knows nothing of this image. */
 export type Ask = (region: Region) => Promise<RegionReading> | undefined;
 
-/** `film`: what is looked at now; `measured`: what its numbers are. */
-export function inspector(film: () => Film | undefined, measured: () => Measured, ask: Ask): Inspector {
+/** `image`: what is looked at now; `measured`: what its numbers are. */
+export function inspector(image: () => TiledImage | undefined, measured: () => Measured, ask: Ask): Inspector {
   const pixel = column("Pixel", "Point at the image, or use the arrow keys", measured, ask);
   const region = column("Region", window.matchMedia("(pointer: coarse)").matches ? "Press Region, then drag" : "Drag with Shift, or press Region first", measured, ask);
   let at: Region | undefined;
   let chosen: Region | undefined;
   const refresh = (): void => {
-    pixel.show(at && film()?.read(at));
-    region.show(chosen && film()?.read(chosen));
+    pixel.show(at && image()?.read(at));
+    region.show(chosen && image()?.read(chosen));
   };
   return {
     node: element("div", { class: "inspector", role: "group", "aria-label": "Inspector" }, pixel.node, region.node),
     refresh,
     showPixel: ({ x, y }) => {
-      const current = film();
+      const current = image();
       if (!current || x < 0 || y < 0 || x >= current.width || y >= current.height) return;
       at = { x, y, width: 1, height: 1 };
       refresh();
@@ -79,7 +79,7 @@ function column(title: string, hint: string, measured: () => Measured, ask: Ask)
       const found = await answer;
       if (shown && isSame(shown.region, region)) told = found;
     } catch {
-      // The numbers of the film stay; the next tiles ask again.
+      // The numbers of the image stay; the next tiles ask again.
       isAsked = false;
     }
     write();

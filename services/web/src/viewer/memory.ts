@@ -1,6 +1,6 @@
 /** How an image is looked at, as the part of the address after "?": a link shows the same, and so does a reload. Pure. */
 import type { Scale } from "../image/colour_maps.ts";
-import type { Region } from "../image/film.ts";
+import type { Region } from "../image/tiled_image.ts";
 import { type Look, type Show, shows, type Tone, tones } from "../image/look.ts";
 
 export interface Memory {

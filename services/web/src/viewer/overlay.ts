@@ -1,7 +1,7 @@
 /** What lies over the image: isolines with their values, outlines that are measured, and the values of pixels when they are large. */
 import { element } from "../dom.ts";
 import { formatValue } from "../format.ts";
-import type { Film } from "../image/film.ts";
+import type { TiledImage } from "../image/tiled_image.ts";
 import type { Show } from "../image/look.ts";
 import type { Placement, Point } from "../image/placement.ts";
 import type { Isolines, Outline } from "../service/types.ts";
@@ -17,7 +17,7 @@ const halo = "rgb(0 0 0 / 75%)";
 const drawn = "#ffd166";
 
 export interface Seen {
-  film: Film | undefined;
+  image: TiledImage | undefined;
   show: Show;
   placement: Placement;
   /** Of the canvas, device pixels. */
@@ -34,7 +34,7 @@ export class Overlay {
   #isEmpty = true;
 
   paint(seen: Seen): void {
-    const values = showsValues(seen) ? seen.film : undefined;
+    const values = showsValues(seen) ? seen.image : undefined;
     const outlines = this.draft ? [...this.outlines, this.draft] : this.outlines;
     const isEmpty = !values && !this.isolines && outlines.length === 0;
     if (isEmpty && this.#isEmpty) return;
@@ -46,7 +46,7 @@ export class Overlay {
     if (context) this.#draw(context, seen, values, outlines);
   }
 
-  #draw(context: CanvasRenderingContext2D, seen: Seen, values: Film | undefined, outlines: readonly Outline[]): void {
+  #draw(context: CanvasRenderingContext2D, seen: Seen, values: TiledImage | undefined, outlines: readonly Outline[]): void {
     const ratio = devicePixelRatio;
     Object.assign(context, { font: `${12 * ratio}px system-ui, sans-serif`, textAlign: "center", textBaseline: "middle", lineJoin: "round" });
     const at = (x: number, y: number): Point => onCanvas({ x, y }, seen);
@@ -65,12 +65,12 @@ export function onCanvas({ x, y }: Point, { placement, width, height }: Pick<See
   return { x: (x - placement.x) * placement.scale + width / 2, y: (y - placement.y) * placement.scale + height / 2 };
 }
 
-function paintValues(context: CanvasRenderingContext2D, film: Film, seen: Seen, ratio: number): void {
+function paintValues(context: CanvasRenderingContext2D, image: TiledImage, seen: Seen, ratio: number): void {
   const { placement: { x, y, scale }, width, height } = seen;
   const channel = seen.show === "error" ? 3 : 1;
   for (let row = Math.floor(y - height / 2 / scale); row <= y + height / 2 / scale; row += 1) {
     for (let column = Math.floor(x - width / 2 / scale); column <= x + width / 2 / scale; column += 1) {
-      const value = film.pixel(column, row)?.values[channel];
+      const value = image.pixel(column, row)?.values[channel];
       if (value === undefined) continue;
       label(context, formatValue(value, 3), onCanvas({ x: column + 0.5, y: row + 0.5 }, seen), ratio);
     }

@@ -1,5 +1,5 @@
 /** Numbers of the inspector as text: those that the film has at once, with the errors that the service tells. Pure. */
-import type { Reading } from "../image/film.ts";
+import type { Reading } from "../image/tiled_image.ts";
 import { chromaticity, colourTemperature, distanceFromLocus } from "../image/colour.ts";
 import { formatCount, formatValue } from "../format.ts";
 import { capital, type Measured } from "../image/look.ts";

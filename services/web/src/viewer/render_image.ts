@@ -1,8 +1,8 @@
 /** A render's image with its tools: fetched tile by tile, followed as it grows. */
 import { announce, element, setText } from "../dom.ts";
-import { clipped, type Film, type Region } from "../image/film.ts";
+import { clipped, type TiledImage, type Region } from "../image/tiled_image.ts";
 import { type Measured, measured } from "../image/look.ts";
-import { FilmSource } from "../image/film_source.ts";
+import { ImageSource } from "../image/image_source.ts";
 import { readRegion, tilesAddress } from "../service/client.ts";
 import { hasEnded, type Outline, type RegionReading, type Render } from "../service/types.ts";
 import { samplesText } from "../views/progress_bar.ts";
@@ -37,7 +37,7 @@ export function whyNothingIsShown(render: Render): string {
 
 export interface Hooks {
   /** The first tiles are there. */
-  onFilm?: (film: Film) => void;
+  onImage?: (image: TiledImage) => void;
   onTiles?: () => void;
   /** A region was chosen, or none is any more. */
   onChosen?: () => void;
@@ -53,10 +53,10 @@ export function renderImage(id: string, hooks: Hooks = {}): RenderImage {
   const frame = element("div", { class: "frame" }, canvas, overlay.canvas, waiting);
   const node = element("div", { class: "picture" });
   const parts = assemble(canvas, node, frame, overlay, { id, ...hooks });
-  const source = new FilmSource(tilesAddress(id), {
-    onFilm: (film) => {
-      parts?.begin(film);
-      hooks.onFilm?.(film);
+  const source = new ImageSource(tilesAddress(id), {
+    onImage: (image) => {
+      parts?.begin(image);
+      hooks.onImage?.(image);
     },
     onTiles: (tiles) => {
       parts?.viewer.putTiles("first", tiles);
@@ -89,7 +89,7 @@ export function renderImage(id: string, hooks: Hooks = {}): RenderImage {
 interface Parts {
   viewer: Viewer;
   inspector: Inspector;
-  begin: (film: Film) => void;
+  begin: (image: TiledImage) => void;
   measure: (measured: Measured) => void;
 }
 
@@ -103,7 +103,7 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
   try {
     viewer = new Viewer(canvas, {
       onLook: () => { refresh(); },
-      onPaint: () => { overlay.paint({ film: viewer.films[side()], show: viewer.look.show, placement: viewer.placement, width: canvas.width, height: canvas.height }); },
+      onPaint: () => { overlay.paint({ image: viewer.images[side()], show: viewer.look.show, placement: viewer.placement, width: canvas.width, height: canvas.height }); },
       onPlacement: ({ scale }) => { setText(zoom, `${Number((100 * scale).toPrecision(3))} %`); },
     });
   } catch (error) {
@@ -115,11 +115,11 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
   const looked: { pixel?: Region } = {};
   const side = (): "first" | "second" => (viewer.look.side === "second" ? "second" : "first");
   const ask = (region: Region): Promise<RegionReading> | undefined => (side() === "first" ? readRegion(hooks.id, region) : undefined);
-  const numbers = inspector(() => viewer.films[side()], () => viewer.look.measured, ask);
+  const numbers = inspector(() => viewer.images[side()], () => viewer.look.measured, ask);
   const tools = controls(viewer, {
     neutral: () => {
       const region = viewer.look.chosen ?? looked.pixel;
-      return region && viewer.films.first?.read(region)?.xyz;
+      return region && viewer.images.first?.read(region)?.xyz;
     },
     canCompare: hooks.canCompare ?? false,
   });
@@ -141,10 +141,10 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
       const { measured: before } = viewer.look;
       if (before.unit !== now.unit || before.mean !== now.mean) viewer.change({ measured: now });
     },
-    begin: (film) => {
+    begin: (image) => {
       try {
-        viewer.setFilm("first", film);
-        if (wanted) listener.onRegion(clipped(wanted, film));
+        viewer.setImage("first", image);
+        if (wanted) listener.onRegion(clipped(wanted, image));
         wanted = undefined;
       } catch (error) {
         announce(String(error));

@@ -1,7 +1,7 @@
-/** An image on a canvas: one or two films, how they are looked at, and where they lie. */
-import { GlFilm } from "../image/gl_film.ts";
+/** An image on a canvas: one or two images, how they are looked at, and where they lie. */
+import { GlImage } from "../image/gl_image.ts";
 import { GlPainter } from "../image/gl_painter.ts";
-import type { Film, Region } from "../image/film.ts";
+import type { TiledImage, Region } from "../image/tiled_image.ts";
 import { autoExposure, type Look, scaleOf } from "../image/look.ts";
 import type { Scale } from "../image/colour_maps.ts";
 import { whites } from "../image/colour.ts";
@@ -20,7 +20,7 @@ export interface ViewerListener {
 
 export class Viewer {
   readonly canvas: HTMLCanvasElement;
-  readonly films: { first?: Film; second?: Film } = {};
+  readonly images: { first?: TiledImage; second?: TiledImage } = {};
   look: Look = {
     show: "colour", exposure: 1, white: whites.D65, tone: "reinhard", warnClipped: false, warnGamut: false, workers: false,
     side: "first", wipe: 0.5, scale: { low: 0, high: 1, logarithmic: false }, ranges: {}, chosen: undefined,
@@ -47,13 +47,13 @@ export class Viewer {
     this.#observer.observe(canvas);
   }
 
-  /** Begins to show a film, with the tiles that it has. */
-  setFilm(side: Side, film: Film): void {
+  /** Begins to show an image, with the tiles that it has. */
+  setImage(side: Side, image: TiledImage): void {
     this.#painter[side]?.delete();
-    this.#painter[side] = new GlFilm(this.#painter.gl, film.width, film.height, film.tileSize);
-    this.films[side] = film;
+    this.#painter[side] = new GlImage(this.#painter.gl, image.width, image.height, image.tileSize);
+    this.images[side] = image;
     if (side === "first") this.fit();
-    this.putTiles(side, [...film.tiles.values()]);
+    this.putTiles(side, [...image.tiles.values()]);
   }
 
   putTiles(side: Side, tiles: readonly Tile[]): void {
@@ -146,7 +146,7 @@ export class Viewer {
   }
 
   get #film(): { width: number; height: number } {
-    return this.films.first ?? { width: 1, height: 1 };
+    return this.images.first ?? { width: 1, height: 1 };
   }
 
   get #size(): { width: number; height: number } {
@@ -154,16 +154,16 @@ export class Viewer {
   }
 
   #follow(): void {
-    const film = this.films.first;
-    if (!film) return;
-    if (this.#isAuto) this.look.exposure = autoExposure(film);
+    const image = this.images.first;
+    if (!image) return;
+    if (this.#isAuto) this.look.exposure = autoExposure(image);
     this.#rescale();
     this.#listener.onLook();
   }
 
   #rescale(): void {
     const { show, ranges } = this.look;
-    if (this.films.first) this.look.scale = ranges[show] ?? scaleOf(show, this.films.first);
+    if (this.images.first) this.look.scale = ranges[show] ?? scaleOf(show, this.images.first);
   }
 
   #place(placement: Placement): void {

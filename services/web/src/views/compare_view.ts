@@ -2,8 +2,8 @@
 import { ConvergenceChart } from "../convergence/chart.ts";
 import { together, usable } from "../convergence/points.ts";
 import { element, setText } from "../dom.ts";
-import type { Film } from "../image/film.ts";
-import { FilmSource } from "../image/film_source.ts";
+import type { TiledImage } from "../image/tiled_image.ts";
+import { ImageSource } from "../image/image_source.ts";
 import { compareRoute, renderRoute } from "../router.ts";
 import { getConvergence, readPicture, tilesAddress } from "../service/client.ts";
 import type { Renders } from "../service/renders.ts";
@@ -15,18 +15,18 @@ import type { View } from "./view.ts";
 
 export function compareView(first: string, second: string | undefined, renders: Renders): View {
   const problem = element("p", { class: "problem", role: "alert" });
-  let other: Film | undefined;
+  let other: TiledImage | undefined;
   const bothThere = (): void => {
-    const film = image.viewer?.films.first;
+    const film = image.viewer?.images.first;
     if (!film || !other) return;
     if (film.width !== other.width || film.height !== other.height) {
       setText(problem, `The images have different sizes: ${film.width} × ${film.height} and ${other.width} × ${other.height}.`);
       return;
     }
-    image.viewer?.setFilm("second", other);
+    image.viewer?.setImage("second", other);
     tools.show();
   };
-  const image = renderImage(first, { canCompare: true, onFilm: bothThere });
+  const image = renderImage(first, { canCompare: true, onImage: bothThere });
   const tools = sides(image.viewer);
   image.node.prepend(tools.node);
   const source = second === undefined ? undefined : secondSource(second, image, (film) => { other = film; bothThere(); });
@@ -35,7 +35,7 @@ export function compareView(first: string, second: string | undefined, renders: 
   const choice = chooser(first, second, renders, async (file) => {
     try {
       setText(problem, "");
-      other = await readPicture(file, image.viewer?.films.first?.tileSize ?? 32);
+      other = await readPicture(file, image.viewer?.images.first?.tileSize ?? 32);
       bothThere();
     } catch (error) {
       setText(problem, error instanceof Error ? error.message : String(error));
@@ -71,11 +71,11 @@ export function compareView(first: string, second: string | undefined, renders: 
   };
 }
 
-function secondSource(id: string, image: RenderImage, onFilm: (film: Film) => void): FilmSource {
-  return new FilmSource(tilesAddress(id), {
-    onFilm,
+function secondSource(id: string, image: RenderImage, onImage: (image: TiledImage) => void): ImageSource {
+  return new ImageSource(tilesAddress(id), {
+    onImage,
     onTiles: (tiles) => {
-      if (image.viewer?.films.second) image.viewer.putTiles("second", tiles);
+      if (image.viewer?.images.second) image.viewer.putTiles("second", tiles);
     },
   });
 }

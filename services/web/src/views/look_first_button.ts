@@ -1,6 +1,6 @@
 /** "Render here first": the chosen region as a hint to the scheduler. */
 import { announce, element, setText } from "../dom.ts";
-import type { Region } from "../image/film.ts";
+import type { Region } from "../image/tiled_image.ts";
 import { lookFirst } from "../service/client.ts";
 import { hasEnded, type Render } from "../service/types.ts";
 

@@ -21,7 +21,7 @@ export interface Reading {
 /** Looked at again with every update: must take milliseconds. */
 const somePixels = 50_000;
 
-export class Film {
+export class TiledImage {
   readonly width: number;
   readonly height: number;
   readonly tileSize: number;
@@ -114,8 +114,8 @@ export function clipped(region: Region, film: { width: number; height: number })
 }
 
 /** The film of an answer that has all of its tiles. */
-export function filmOf({ width, height, tileSize, tiles }: TileAnswer): Film {
-  const film = new Film(width, height, tileSize);
-  for (const tile of tiles) film.put(tile);
-  return film;
+export function tiledImageOf({ width, height, tileSize, tiles }: TileAnswer): TiledImage {
+  const image = new TiledImage(width, height, tileSize);
+  for (const tile of tiles) image.put(tile);
+  return image;
 }

@@ -4,7 +4,7 @@ import { pyramid, type Tile } from "./tiles.ts";
 /** Below 32 x 32 pixels for one, nothing is seen of a film any more. */
 const mostLevels = 6;
 
-export class GlFilm {
+export class GlImage {
   readonly width: number;
   readonly height: number;
   readonly tileSize: number;

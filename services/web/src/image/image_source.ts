@@ -1,17 +1,17 @@
-/** Keeps a film up to date: only tiles that changed are fetched, one request at a time, the newest wish wins. */
-import { Film } from "./film.ts";
+/** Keeps an image up to date: only tiles that changed are fetched, one request at a time, the newest wish wins. */
+import { TiledImage } from "./tiled_image.ts";
 import { decodeTiles, type Tile, type TileAnswer } from "./tiles.ts";
 
 export interface FilmListener {
-  /** A film of this size begins. */
-  onFilm: (film: Film) => void;
+  /** An image of this size begins. */
+  onImage: (image: TiledImage) => void;
   onTiles: (tiles: Tile[]) => void;
 }
 
-export class FilmSource {
+export class ImageSource {
   readonly #address: string;
   readonly #listener: FilmListener;
-  #film: Film | undefined;
+  #image: TiledImage | undefined;
   #cursor = "";
   #busy = false;
   #wanted = false;
@@ -59,11 +59,11 @@ export class FilmSource {
 
   #take(answer: TileAnswer): void {
     this.#cursor = answer.cursor;
-    if (!this.#film) {
-      this.#film = new Film(answer.width, answer.height, answer.tileSize);
-      this.#listener.onFilm(this.#film);
+    if (!this.#image) {
+      this.#image = new TiledImage(answer.width, answer.height, answer.tileSize);
+      this.#listener.onImage(this.#image);
     }
-    for (const tile of answer.tiles) this.#film.put(tile);
+    for (const tile of answer.tiles) this.#image.put(tile);
     if (answer.tiles.length > 0) this.#listener.onTiles(answer.tiles);
   }
 }
