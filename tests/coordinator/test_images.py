@@ -202,18 +202,23 @@ def test_spread_of_even_noise_and_of_one_firefly() -> None:
     sums[..., 3] = 4.0 + 12.0 * 0.01
     even = estimate_error(sums, counts)
     assert even.relative_error == pytest.approx(np.sqrt(0.01 / 1.01), rel=1e-9)
-    assert even.effective_pixels == pytest.approx(2000.0)
+    assert even.effective_sample_size_of_pixels == pytest.approx(2000.0)
     assert even.worst_share == pytest.approx(0.01)
     sums[7, 9, 3] += 1e6
     spoiled = estimate_error(sums, counts)
-    assert spoiled.effective_pixels == pytest.approx(1.0, abs=0.01)
+    assert spoiled.effective_sample_size_of_pixels == pytest.approx(1.0, abs=0.01)
     assert spoiled.worst_share == pytest.approx(1.0, abs=0.01)
 
 
 def test_the_error_is_unknown_below_two_samples_and_in_the_dark() -> None:
     counts = np.ones((4, 4), dtype=np.uint32)
     once = estimate_error(np.ones((4, 4, 4)), counts)
-    assert (once.relative_error, once.effective_pixels, once.mean, once.unseen_pixels) == (0.0, 0.0, 1.0, 0)
+    assert (once.relative_error, once.effective_sample_size_of_pixels, once.mean, once.unseen_pixels) == (
+        0.0,
+        0.0,
+        1.0,
+        0,
+    )
     dark = estimate_error(np.zeros((4, 4, 4)), counts + 7)
     assert (dark.relative_error, dark.mean, dark.mean_error, dark.unseen_pixels) == (0.0, 0.0, 0.0, 16)
 

@@ -21,7 +21,7 @@ def measured(error: float, samples: int = 64, rate: float = 64_000.0, ran: float
         estimate=ErrorEstimate(
             relative_error=error,
             worst_share=0.02,
-            effective_pixels=0.5 * PIXELS,
+            effective_sample_size_of_pixels=0.5 * PIXELS,
             samples=samples,
             pixels=PIXELS,
             mean=1.0,

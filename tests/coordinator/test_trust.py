@@ -8,7 +8,7 @@ import pytest
 from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate, estimate_error
 from nocturne_coordinator.dispatch.heavy_tails import HEAVY
 from nocturne_coordinator.dispatch.trust import (
-    MIN_EFFECTIVE_PIXELS,
+    MIN_EFFECTIVE_SAMPLE_SIZE,
     MIN_SAMPLES,
     RangeEnd,
     confirmed,
@@ -21,7 +21,7 @@ GOOD = ErrorEstimate(
     mean=10.0,
     mean_error=0.01,
     worst_share=0.03,
-    effective_pixels=9000.0,
+    effective_sample_size_of_pixels=9000.0,
     unevenness=0.2,
     pixels=10_000,
     unseen_pixels=0,
@@ -38,7 +38,10 @@ def test_a_good_estimate_is_trusted() -> None:
     ("change", "told"),
     [
         ({"samples": MIN_SAMPLES - 1}, "31 samples per pixel are too few"),
-        ({"effective_pixels": MIN_EFFECTIVE_PIXELS - 1}, "About 99 of 10,000 pixels carry the error"),
+        (
+            {"effective_sample_size_of_pixels": MIN_EFFECTIVE_SAMPLE_SIZE - 1},
+            "About 99 of 10,000 pixels carry the error",
+        ),
         ({"unevenness": HEAVY + 0.01}, "Few bright samples carry the light"),
         ({"mean": 0.0}, "No light was found"),
     ],
@@ -56,8 +59,8 @@ def test_the_mean_is_bounded_too() -> None:
 
 def test_small_films_need_as_many_samples_in_all() -> None:
     assert min_samples(10_000) == MIN_SAMPLES
-    assert min_samples(1) == MIN_SAMPLES * MIN_EFFECTIVE_PIXELS
-    one = replace(GOOD, pixels=1, effective_pixels=1.0, unevenness=0.0, samples=3199)
+    assert min_samples(1) == MIN_SAMPLES * MIN_EFFECTIVE_SAMPLE_SIZE
+    one = replace(GOOD, pixels=1, effective_sample_size_of_pixels=1.0, unevenness=0.0, samples=3199)
     assert "3200 are needed" in doubt_of(one)
     assert doubt_of(replace(one, samples=3200)) == ""
 

@@ -147,7 +147,7 @@ async def test_convergence(body: dict[str, Any], rest: httpx.AsyncClient, folder
             "samples": 4.0,
             "relative_error": 0.125,
             "worst_share": 0.25,
-            "effective_pixels": 70.0,
+            "effective_sample_size_of_pixels": 70.0,
         }
     ]
 

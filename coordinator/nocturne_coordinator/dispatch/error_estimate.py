@@ -25,7 +25,7 @@ class ErrorEstimate:
     worst_share: float = 0.0
     """Part of relative_error's square that the worst 1 % of the pixels have, 0 to 1; about 0.03 where noise
     is even."""
-    effective_pixels: float = 0.0
+    effective_sample_size_of_pixels: float = 0.0
     """How many pixels carry it: (sum v)^2 / sum v^2, as Kish's effective sample size; all, where they are
     equal. Where few do, the error is itself known badly: with 1/sqrt of them, relatively."""
     unevenness: float = 0.0
@@ -73,6 +73,6 @@ def estimate_error(sums: Sums, counts: Counts, squares: Squares | None = None) -
         relative_error=float(np.sqrt(total / flat.size)),
         mean_error=uncertainty.mean_y_error(sums_y, variances, counts, squares),
         worst_share=float(np.sum(np.partition(flat, flat.size - worst)[flat.size - worst :])) / total,
-        effective_pixels=total * total / float(np.dot(flat, flat)),
+        effective_sample_size_of_pixels=total * total / float(np.dot(flat, flat)),
         unevenness=unevenness(y, variances),
     )

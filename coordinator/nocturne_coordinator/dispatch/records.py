@@ -72,7 +72,7 @@ class ErrorPoint:
     samples: float
     relative_error: float
     worst_share: float = 0.0
-    effective_pixels: float = 0.0
+    effective_sample_size_of_pixels: float = 0.0
     mean: float = 0.0
     mean_error: float = 0.0
     unseen_pixels: int = 0

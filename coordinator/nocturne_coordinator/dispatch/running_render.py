@@ -386,7 +386,7 @@ class RunningRender:
             samples=self.film.mean_samples,
             relative_error=estimate.relative_error,
             worst_share=estimate.worst_share,
-            effective_pixels=estimate.effective_pixels,
+            effective_sample_size_of_pixels=estimate.effective_sample_size_of_pixels,
             mean=estimate.mean,
             mean_error=estimate.mean_error,
             unseen_pixels=estimate.unseen_pixels,

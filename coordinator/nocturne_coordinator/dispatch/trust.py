@@ -19,7 +19,7 @@ MIN_SAMPLES = 32
 """Of each pixel. Cochran, "Sampling Techniques" (third edition, 1977), section 2.15: intervals of a mean are
 good from 25 times the squared skewness on, here for a skewness of 1; 32 is the end of a range."""
 
-MIN_EFFECTIVE_PIXELS = 100.0
+MIN_EFFECTIVE_SAMPLE_SIZE = 100.0
 """Fewer pixels than these know the error to 10 % or worse: its square is a mean over them, each known about
 to itself, and its root is known to half of that, twice for two standard deviations."""
 
@@ -41,7 +41,7 @@ useless."""
 
 def min_samples(pixels: int) -> int:
     """Samples of each pixel before an estimate is trusted: more where there are few pixels."""
-    return math.ceil(MIN_SAMPLES * max(1.0, MIN_EFFECTIVE_PIXELS / pixels))
+    return math.ceil(MIN_SAMPLES * max(1.0, MIN_EFFECTIVE_SAMPLE_SIZE / pixels))
 
 
 def doubt_of(estimate: ErrorEstimate) -> str:
@@ -55,8 +55,9 @@ def doubt_of(estimate: ErrorEstimate) -> str:
     needed = min_samples(estimate.pixels)
     if estimate.samples < needed:
         return f"{estimate.samples} samples per pixel are too few, {needed} are needed."
-    if estimate.effective_pixels < min(MIN_EFFECTIVE_PIXELS, _MIN_PART * estimate.pixels):
-        return f"About {estimate.effective_pixels:.2g} of {estimate.pixels:,} pixels carry the error."
+    if estimate.effective_sample_size_of_pixels < min(MIN_EFFECTIVE_SAMPLE_SIZE, _MIN_PART * estimate.pixels):
+        carry = estimate.effective_sample_size_of_pixels
+        return f"About {carry:.2g} of {estimate.pixels:,} pixels carry the error."
     if estimate.unevenness > HEAVY:
         return "Few bright samples carry the light: neighbouring pixels disagree on how noisy they are."
     return ""

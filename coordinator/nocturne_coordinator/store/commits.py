@@ -136,7 +136,7 @@ class Commits:
                 (
                     point.relative_error,
                     point.worst_share,
-                    point.effective_pixels,
+                    point.effective_sample_size_of_pixels,
                     point.mean,
                     point.mean_error,
                     point.unseen_pixels,
@@ -154,7 +154,7 @@ class Commits:
                         point.samples,
                         point.relative_error,
                         point.worst_share,
-                        point.effective_pixels,
+                        point.effective_sample_size_of_pixels,
                     ),
                 )
 

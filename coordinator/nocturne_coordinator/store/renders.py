@@ -26,7 +26,9 @@ from nocturne_coordinator.store.quotas import NO_QUOTA, Quota, check_quota
 from nocturne_coordinator.store.rows import MergedTotals, NewRender, RenderRow
 from nocturne_coordinator.store.tags import SEARCHED, TAGGED, words_of
 
-_COLUMNS = ", ".join(field.name for field in fields(RenderRow))
+# Columns that have another name than the field.
+_SELECTED = {"effective_sample_size_of_pixels": "effective_pixels AS effective_sample_size_of_pixels"}
+_COLUMNS = ", ".join(_SELECTED.get(field.name, field.name) for field in fields(RenderRow))
 
 # SQLite integers are signed 64 bits.
 _NEWEST = 2**63 - 1
@@ -230,7 +232,8 @@ class Renders:
         """One point per preview, oldest first; raises NotFound."""
         self.get(render_id)
         rows = self._database.rows(
-            """SELECT unix_time, photons, samples, relative_error, worst_share, effective_pixels
+            """SELECT unix_time, photons, samples, relative_error, worst_share,
+                   effective_pixels AS effective_sample_size_of_pixels
                FROM error_point WHERE render_id = ? ORDER BY unix_time""",
             (render_id,),
         )

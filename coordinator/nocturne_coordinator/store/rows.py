@@ -90,7 +90,7 @@ class RenderRow:
     """Forward photons in ranges of their own: among all photons, but no samples of pixels."""
     relative_error: float
     worst_share: float
-    effective_pixels: float
+    effective_sample_size_of_pixels: float
     mean: float
     mean_error: float
     unseen_pixels: int

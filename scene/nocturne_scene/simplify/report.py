@@ -20,7 +20,7 @@ def as_json(preflight: Preflight) -> dict[str, Any]:
             "renders": RENDERS,
             "cpu_seconds": preflight.cpu_s,
             "wanted_cpu_seconds": preflight.wanted_s or None,
-            "effective_pixels": preflight.effective_pixels,
+            "effective_sample_size_of_pixels": preflight.effective_sample_size_of_pixels,
             "heavy_tails": preflight.rare,
         },
         "full": _model(preflight.full, preflight),

@@ -68,7 +68,7 @@ class Progress:
     """
     worst_share: float
     """Part of the square of relative_error that the worst 1 % of the pixels have; 0: unknown."""
-    effective_pixels: float
+    effective_sample_size_of_pixels: float
     """Effective sample size (Kish) of the pixels that carry the error, (sum v)^2 / sum v^2 of their
     relative variances; 0: unknown.
     """
@@ -521,7 +521,7 @@ class Pilot:
     """What they took."""
     wanted_cpu_seconds: float | None
     """A budget that would show biases of half of the target; null: this one does."""
-    effective_pixels: float
+    effective_sample_size_of_pixels: float
     """As in Progress."""
     heavy_tails: bool
     """Rare samples carry the noise: intervals and times are not to be trusted."""

@@ -8,7 +8,7 @@ const point = (time_s: number, relative_error: number): ConvergencePoint => ({
   samples: 10 * time_s,
   relative_error,
   worst_share: 0,
-  effective_pixels: 0,
+  effective_sample_size_of_pixels: 0,
 });
 
 test("the guide is the error itself where that falls as 1/sqrt(N)", () => {

@@ -125,7 +125,7 @@ RENDER: dict[str, Any] = {
         "mean_samples": 256.0,
         "relative_error": 0.021,
         "worst_share": 0.04,
-        "effective_pixels": 180000.0,
+        "effective_sample_size_of_pixels": 180000.0,
         "mean": 12.7,
         "mean_error": 0.004,
         "unseen_pixels": 0,

@@ -43,7 +43,7 @@ class Pilot(Answer):
     wanted_cpu_seconds: float | None = Field(
         description="A budget that would show biases of half of the target; null: this one does."
     )
-    effective_pixels: float = Field(description="As in Progress.")
+    effective_sample_size_of_pixels: float = Field(description="As in Progress.")
     heavy_tails: bool = Field(
         description="Rare samples carry the noise: intervals and times are not to be trusted."
     )

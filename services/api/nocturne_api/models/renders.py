@@ -40,7 +40,7 @@ class Progress(Answer):
     worst_share: float = Field(
         description="Part of the square of relative_error that the worst 1 % of the pixels have; 0: unknown."
     )
-    effective_pixels: float = Field(
+    effective_sample_size_of_pixels: float = Field(
         description="Effective sample size (Kish) of the pixels that carry the error, (sum v)^2 / sum v^2 of "
         "their relative variances; 0: unknown."
     )
@@ -269,7 +269,7 @@ class ConvergencePoint(Answer):
     samples: float = Field(description="Mean samples per pixel.")
     relative_error: float = Field(description="As in Progress.")
     worst_share: float = Field(description="As in Progress.")
-    effective_pixels: float = Field(description="As in Progress.")
+    effective_sample_size_of_pixels: float = Field(description="As in Progress.")
 
 
 class Convergence(Answer):

@@ -147,7 +147,7 @@ class Renders:
                 samples=point.samples,
                 relative_error=point.relative_error,
                 worst_share=point.worst_share,
-                effective_pixels=point.effective_pixels,
+                effective_sample_size_of_pixels=point.effective_sample_size_of_pixels,
             )
             for point in history
         ]

@@ -72,8 +72,8 @@ export function convergenceSection(id: string): ConvergenceSection {
 }
 
 function pointOf(render: Render): ConvergencePoint {
-  const { mean_samples, relative_error, worst_share, effective_pixels } = render.progress;
-  return { time_s: elapsedSeconds(render), samples: mean_samples, relative_error, worst_share, effective_pixels };
+  const { mean_samples, relative_error, worst_share, effective_sample_size_of_pixels } = render.progress;
+  return { time_s: elapsedSeconds(render), samples: mean_samples, relative_error, worst_share, effective_sample_size_of_pixels };
 }
 
 function captionText(points: readonly ConvergencePoint[]): string {
