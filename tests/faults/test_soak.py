@@ -5,7 +5,6 @@ import os
 import random
 import resource
 import signal
-import subprocess
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -20,6 +19,7 @@ from tests.coordinator.service import Service, check_complete, wait_until
 from tests.coordinator.simulated_worker import Alter, Shuffled, SimulatedWorker, unaltered
 from tests.faults.survival import OVERDUE_SOON, check_nothing_left, note
 from tests.faults.test_lies import Flooder
+from tests.system.forked import Forked
 
 pytestmark = pytest.mark.soak
 
@@ -34,7 +34,7 @@ class Storm:
         self._chance = chance
         self.render_id = ""
         self._workers: list[SimulatedWorker] = []
-        self._coordinator: subprocess.Popen[bytes]
+        self._coordinator: Forked
 
     def workers_come(self) -> None:
         for _ in range(self._chance.randint(1, 3)):
