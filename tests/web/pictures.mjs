@@ -30,6 +30,22 @@ const views = {
     await page.keyboard.press("ArrowLeft");
     await keep(page, "render", ["light", "dark", "phone"]);
   },
+  async measure(page) {
+    await page.goto(`${given.url}/#/renders/${given.shown}?view=luminance`);
+    await page.locator("canvas[data-updates]").waitFor();
+    await page.getByText("Measure", { exact: true }).click();
+    for (const [kind, points, name] of [["Line", "60,330 340,330", "floor"], ["Polygon", "60,80 190,80 125,260", "wall"], ["Region", "140,20 260,60", "ceiling"]]) {
+      await page.getByRole("combobox", { name: "Part" }).selectOption(kind);
+      await page.getByLabel("Points in pixels").fill(points);
+      await page.getByLabel("Name of the part").fill(name);
+      await page.keyboard.press("Enter");
+      await page.locator(".measure tbody tr").filter({ hasText: name }).waitFor();
+    }
+    await page.getByRole("checkbox", { name: "Isolines" }).check();
+    await page.waitForResponse((response) => response.url().includes("/isolines"));
+    await page.locator(".measure .uplot").waitFor();
+    await keep(page, "measure");
+  },
   async compare(page) {
     await page.goto(`${given.url}/#/compare/${given.shown}/${given.other}?wipe=0.5`);
     await page.locator("canvas[data-updates]").waitFor();
