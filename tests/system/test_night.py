@@ -59,7 +59,7 @@ def test_tiles_that_stop_at_their_own_error(service: ServiceProcesses, tmp_path:
 
 def test_a_time_stops_it_and_a_replay_gives_the_bits(service: ServiceProcesses, tmp_path: Path) -> None:
     service.have_workers(3)
-    render = service.client.submit(CORNELL, WIDTH, HEIGHT, _MANY, stop={"wall_seconds": 1.5})
+    render = service.client.submit(CORNELL, WIDTH, HEIGHT, _MANY, stop={"wall_seconds": 1.0})
     wait_for(lambda: _is_foreseen(service, render.id), "a forecast, or the end")
     # One leaves in order, in the middle of a job: it finishes or hands it back, and nothing fails. Two stay:
     # nobody could check the results of one alone.
