@@ -12,6 +12,7 @@ from pathlib import Path
 
 from nocturne_client import Client
 
+from examples.gallery import make_files
 from tests.system.up import Up
 from tests.system.waiting import wait_for
 from tests.web.visit import NODE, ROOT
@@ -60,7 +61,9 @@ def renders(client: Client) -> dict[str, str]:
 
 
 def _scene(name: str) -> Path:
-    return ROOT / "examples" / name / "scene.json"
+    folder = ROOT / "examples" / name
+    make_files(folder)
+    return folder / "scene.json"
 
 
 if __name__ == "__main__":
