@@ -26,12 +26,19 @@ from nocturne_coordinator.store.ledger import Ledger
 
 _log = logging.getLogger(__name__)
 
-_LOOK_SECONDS = 0.2
+_LOOK_SECONDS, _MAX_LOOK_SECONDS = 0.05, 0.5
+_LOOK_REST = 9.0
+"""Pauses between two looks at the folder, for which a new render waits: in times of what the last one took,
+within these bounds."""
+
+_REDIS_SECONDS = 0.1
+"""Between two tries to reach it."""
+
 _MIRROR_SECONDS = 2.0
 _FOLLOW_SECONDS = 5.0
 """Renders that wait are looked at so often though nothing changes: their time may come."""
 
-_WAIT_MILLISECONDS = 100
+_WAIT_MILLISECONDS = 50
 
 
 class Coordinator:
@@ -86,12 +93,15 @@ class Coordinator:
         begun = self._clock.moment().now
         if begun >= self._next_look:
             self._look_at_folder()
+            looked = self._clock.moment().now
+            pause = max(_LOOK_SECONDS, _LOOK_REST * (looked - begun))
+            self._next_look = looked + min(_MAX_LOOK_SECONDS, pause)
         entries = self._dispatcher.exchange(True, _WAIT_MILLISECONDS)
         for entry in entries or []:
             self._take(entry)
         self.tell(Tick(self._clock.moment()))
         if entries is None:
-            self._clock.wait(_LOOK_SECONDS / 2)
+            self._clock.wait(_REDIS_SECONDS)
         self._clock.wait(begun + self.core.shortest_round - self._clock.moment().now)
 
     def tell(self, event: Event) -> None:
@@ -125,7 +135,6 @@ class Coordinator:
 
     def _look_at_folder(self) -> None:
         at = self._clock.moment()
-        self._next_look = at.now + _LOOK_SECONDS
         try:
             if at.now >= self._next_mirror:
                 self._next_mirror = at.now + min(_MIRROR_SECONDS, self._ledger.leases.lease_seconds / 5)

@@ -114,6 +114,20 @@ def test_a_render_from_its_first_job_to_its_end() -> None:
     assert shell.core.state.renders == {}
 
 
+def test_a_render_does_not_end_before_its_layers_are_made() -> None:
+    shell = Shell((row("r", 4, layers_due=True),))
+    shell.take_up()
+    shell.tell(StreamIsReady(at(0.1)))
+    shell.result("r", 0.2)
+    shell.result("r", 0.3, tile=1)
+    assert "EndRender" not in kinds(shell.tell(Tick(at(0.5))))
+    made = row("r", 4, layers_sha256="1a" * 32)
+    shell.tell(RendersSeen(at(0.6), (made,), {}, 1))
+    followed = shell.tell(Tick(at(0.7)))
+    assert "WriteImage" in kinds(followed)
+    assert "EndRender" in kinds(followed)
+
+
 def test_what_is_not_committed_is_not_acknowledged() -> None:
     shell = Shell((row("r"),))
     shell.take_up()

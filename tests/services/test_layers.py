@@ -1,17 +1,33 @@
 """Layers of renders of a service: asked for, kept, told, and gone with the render."""
 
+import asyncio
+from collections.abc import Callable
 from typing import Any
 
 import httpx
 import numpy as np
 import OpenEXR
+import pytest
 from nocturne_api.files.current_image import write_current
 from nocturne_coordinator.output.previews import layers_of
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.removal import delete_render, sweep
 from nocturne_coordinator.store.unused import sweep_unused
+from nocturne_scene.errors import InputError
 
 from tests.services import coordinator_acts
+
+
+async def until(true: Callable[[], bool]) -> None:
+    async with asyncio.timeout(60):
+        while not true():  # noqa: ASYNC110 - another process makes the layers
+            await asyncio.sleep(0.02)
+
+
+async def layers_of_render(folder: DataFolder, render_id: str) -> str:
+    """Digest of the file, when it is made."""
+    await until(lambda: bool(folder.renders.get(render_id).layers_sha256))
+    return folder.renders.get(render_id).layers_sha256
 
 
 async def test_are_made_once_and_told(
@@ -20,7 +36,9 @@ async def test_are_made_once_and_told(
     answer = await rest.post("/v1/renders", json={**body, "layers": ["depth", "albedo", "depth"]})
     assert answer.status_code == 201, answer.text
     assert answer.json()["layers"] == ["albedo", "depth"]
+    await layers_of_render(folder, answer.json()["id"])
     row = folder.renders.get(answer.json()["id"])
+    assert folder.layers.due() == []
     sweep_unused(folder, -1.0)
     write_current(
         tmp_path / "image.exr",
@@ -57,13 +75,27 @@ async def test_go_with_the_last_render_that_has_them(
         (await rest.post("/v1/renders", json={**body, "request_id": name, "layers": ["normal"]})).json()["id"]
         for name in ("one", "two")
     ]
-    layers = folder.renders.get(made[0]).layers_sha256
-    assert folder.renders.get(made[1]).layers_sha256 == layers
+    layers = await layers_of_render(folder, made[0])
+    assert await layers_of_render(folder, made[1]) == layers
     for render_id, left in zip(made, (True, False), strict=True):
         coordinator_acts.finish(folder, render_id)
         delete_render(folder, render_id)
         sweep(folder)
         assert (folder.blobs.here(layers) is not None) is left
+
+
+async def test_that_can_not_be_made_are_told_and_nothing_waits(
+    rest: httpx.AsyncClient, folder: DataFolder, body: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(*_: object) -> str:
+        raise InputError.at("$.layers", "can't be made, as nocturne-trace failed")
+
+    monkeypatch.setattr("nocturne_api.background.layers_maker.layers_in_child", fails)
+    made = (await rest.post("/v1/renders", json={**body, "layers": ["normal"]})).json()
+    await until(lambda: not folder.layers.due())
+    told = (await rest.get(f"/v1/renders/{made['id']}")).json()
+    assert told["layers"] == []
+    assert told["warnings"] == ["It has no layers: $.layers: can't be made, as nocturne-trace failed"]
 
 
 async def test_an_image_does_without_where_their_file_is_gone(folder: DataFolder) -> None:

@@ -92,6 +92,7 @@ class Admission:
             if row.id in state.renders:
                 state.scheduler.set_priority(row.id, row.priority)
                 self._look_first(row)
+                state.renders[row.id].take_layers(row)
                 if row.state is RenderState.QUEUED:
                     # Paused and resumed between two looks: it runs as before.
                     yield StartRender(row.id, state.renders[row.id].row.fence)

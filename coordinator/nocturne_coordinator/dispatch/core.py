@@ -39,7 +39,7 @@ from nocturne_coordinator.dispatch.validation import validate_state
 from nocturne_coordinator.dispatch.window import Window
 from nocturne_coordinator.errors import FolderTrouble
 
-_FIRST_LIGHT_SECONDS = 0.1
+_FIRST_LIGHT_SECONDS = 0.05
 """From a render's first result to its commit: somebody may be waiting to see that it is the right scene."""
 
 _MIN_ROUND = 0.005

@@ -30,7 +30,9 @@ class Endings:
             for render in self._state.renders.values()
             if (how := render.ending(at.now, at.unix))
         ]
-        endings = [each for each in ending if self._audits_are_done(each[0], at.now)]
+        endings = [
+            each for each in ending if self._audits_are_done(each[0], at.now) and not each[0].row.layers_due
+        ]
         self._state.needs_audits_only = {each[0].id for each in ending} - {each[0].id for each in endings}
         if at.now < self._next_finish or not (endings or self._state.failed):
             return

@@ -106,6 +106,8 @@ class OpenRender:
     """How all its workers round; empty before the first result."""
     layers_sha256: str = ""
     """Of the blob that holds the layers of its image; empty: it has none."""
+    layers_due: bool = False
+    """They are being made; its end waits for them."""
 
     def asks_the_same(self, other: "OpenRender") -> bool:
         """Whether schedule and conditions are those of another state of this render."""

@@ -106,6 +106,11 @@ class RunningRender:
     def id(self) -> str:
         return self.planned.id
 
+    def take_layers(self, row: OpenRender) -> None:
+        """Takes over what its row says now of layers."""
+        if self.row.layers_due != row.layers_due:
+            self.row = replace(self.row, layers_due=row.layers_due, layers_sha256=row.layers_sha256)
+
     @property
     def merged_ranges(self) -> list[int]:
         """Per tile; all planned ones for a tile that needs no more."""

@@ -20,6 +20,7 @@ from nocturne_coordinator.errors import UnusableFolder
 from nocturne_coordinator.store.archive import Archive
 from nocturne_coordinator.store.calls import Calls
 from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.layers import RenderLayers
 from nocturne_coordinator.store.machines import Machines
 from nocturne_coordinator.store.measured_regions import MeasuredRegions
 from nocturne_coordinator.store.meters import Meters
@@ -57,6 +58,7 @@ class DataFolder:
         self.tiles = Tiles(self.database)
         self.renders = Renders(self.database, self.blobs.here)
         self.requests = RenderRequests(self.database, self.renders, self.tiles)
+        self.layers = RenderLayers(self.database, self.blobs.here)
         self.workers = Workers(self.database)
         self.machines = Machines(self.database)
         self.measured_regions = MeasuredRegions(self.database)

@@ -12,16 +12,17 @@ from nocturne_coordinator.dispatch.region import Region
 from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.groups import WAITS
+from nocturne_coordinator.store.layers import LAYERS_DUE
 from nocturne_coordinator.store.leases import Leases
 
-_COLUMNS = """id, state, scene_sha256, engine, schedule, photons, rays, invalid_samples, truncated_paths,
+_COLUMNS = f"""id, state, scene_sha256, engine, schedule, photons, rays, invalid_samples, truncated_paths,
     cpu_seconds, audited, refused, stop, priority, owner, ran_seconds, look_first, floating_point_profile,
-    layers_sha256,
+    layers_sha256, {LAYERS_DUE} AS layers_due,
     coalesce((SELECT weight FROM token WHERE token.name = render.owner), 100) AS owner_weight,
     coalesce((SELECT fence FROM lease WHERE lease.render_id = render.id), 0) AS fence,
     coalesce((SELECT coordinator.number FROM lease JOIN coordinator ON coordinator.number = lease.coordinator
               WHERE lease.render_id = render.id
-                  AND coordinator.until >= (julianday('now') - 2440587.5) * 86400.0), 0) AS holder"""
+                  AND coordinator.until >= (julianday('now') - 2440587.5) * 86400.0), 0) AS holder"""  # noqa: S608 - a condition of our own
 
 
 class OpenRenders:
@@ -49,10 +50,12 @@ class OpenRenders:
         return [self._open_render(row) for row in rows]
 
     def ended_without_image(self) -> list[OpenRender]:
-        """Those that ended, or pause, while their images do not show all that was committed."""
+        """Those that ended, or pause, while their images do not show all that was committed, and layers are
+        not waited for."""
         rows = self._database.rows(
             f"""SELECT {_COLUMNS} FROM render
-                WHERE image_final = 0 AND state NOT IN ('QUEUED', 'RUNNING') ORDER BY number"""  # noqa: S608
+                WHERE image_final = 0 AND state NOT IN ('QUEUED', 'RUNNING') AND NOT ({LAYERS_DUE})
+                ORDER BY number"""  # noqa: S608
         )
         return [self._open_render(row) for row in rows]
 
@@ -120,6 +123,7 @@ class OpenRenders:
             look_first=Region.from_json(row["look_first"]) if row["look_first"] else None,
             floating_point_profile=row["floating_point_profile"],
             layers_sha256=row["layers_sha256"],
+            layers_due=bool(row["layers_due"]),
             failed_tiles=tuple(
                 FailedTile(
                     each["tile_index"],

@@ -13,7 +13,7 @@ from nocturne_scene.compile.atmosphere import atmosphere_surfaces
 from nocturne_scene.compile.grids import Grids
 from nocturne_scene.compile.instances import Instances
 from nocturne_scene.compile.kernels import Kernels
-from nocturne_scene.compile.layers import make_layers
+from nocturne_scene.compile.layers import check_can_make, make_layers
 from nocturne_scene.compile.lights import Lights
 from nocturne_scene.compile.media import Media
 from nocturne_scene.compile.origin import frame_of
@@ -39,14 +39,11 @@ from nocturne_scene.film import Film
 FORMAT = 3
 
 
-def compile_scene(
-    document: SceneDocument, blobs: BlobStore, film: Film | None = None, layers: Sequence[str] = ()
-) -> CompiledOutput:
+def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None = None) -> CompiledOutput:
     """Compile a document and put the scene and its blobs (meshes, textures, tables) into the blob store.
 
     `film`, where it is known, is for warnings and for choosing how to trace what the document leaves open;
-    the choice takes a small part of the time of the render. `layers`, of that film: see
-    `nocturne_scene.layers`.
+    the choice takes a small part of the time of the render.
 
     Equal documents and films give equal bytes. Raises InputError with at most `bounds.PROBLEMS` problems, and
     then leaves nothing behind: blobs are written last, when all of them are there.
@@ -60,8 +57,24 @@ def compile_scene(
     # After the blobs, which a pilot reads.
     _put_tracing(workspace, message, film, scatters=scatters)
     scene_sha256 = blobs.put(message.SerializeToString(deterministic=True))
-    of_film = make_layers(workspace, message, film, layers) if film is not None and layers else ""
-    return CompiledOutput(scene_sha256, workspace.dropped, workspace.warnings, message.tracing.way, of_film)
+    return CompiledOutput(scene_sha256, workspace.dropped, workspace.warnings, message.tracing.way)
+
+
+def compile_layers(document: SceneDocument, blobs: BlobStore, film: Film, layers: Sequence[str]) -> str:
+    """Makes a file of what each pixel of a film sees first, see `nocturne_scene.layers`; its SHA-256.
+
+    Apart from `compile_scene`, as a render can begin without it. Raises InputError.
+    """
+    check_can_make(layers)
+    workspace = Workspace(document, blobs)
+    try:
+        message, scatters = _compile(workspace, film)
+        workspace.write_blobs()
+    finally:
+        workspace.clean_up()
+    # Surfaces are seen alike in whichever way light is found.
+    message.tracing.CopyFrom(compile_tracing(workspace, message, given_ways(document), scatters=scatters))
+    return make_layers(workspace, message, film, layers)
 
 
 def _compile(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.CompiledScene, bool]:

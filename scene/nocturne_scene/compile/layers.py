@@ -33,13 +33,18 @@ _DEPTH, _NOWHERE = 6, 1e10
 """PixelLayers::kNoDepth."""
 
 
+def check_can_make(names: Sequence[str]) -> None:
+    """Raises InputError where layers are asked for and can't be made here."""
+    if names and find_program("nocturne-trace") is None:
+        raise InputError.at("$.layers", "can't be made, as nocturne-trace is missing here")
+
+
 def make_layers(
     workspace: Workspace, scene: scene_pb2.CompiledScene, film: Film, names: Sequence[str]
 ) -> str:
     """Puts a file with these layers into the blob store; its SHA-256. Raises InputError."""
     program = find_program("nocturne-trace")
-    if program is None:
-        raise InputError.at("$.layers", "can't be made, as nocturne-trace is missing here")
+    assert program is not None  # noqa: S101 - see check_can_make
     samples = max(1, min(_SAMPLES, _ALL_SAMPLES // (film.width * film.height)))
     words = ["--layers", str(samples)]
     try:

@@ -15,5 +15,3 @@ class CompiledOutput:
     """What can hardly be meant, in words with their places."""
     way: str = ""
     """How it is traced and why, in words; empty where no pilot chose."""
-    layers_sha256: str = ""
-    """The file of layers; empty where none were asked for."""

@@ -77,8 +77,10 @@ RECORDED_CHARACTERS = 128
 WATCHERS = 256
 # Of those, one owner's, with authentication.
 WATCHERS_OF_OWNER = 64
-# How often a change in the data folder is looked for while anybody watches, seconds.
-WATCH_INTERVAL_S = 0.2
+# How often a change in the data folder is looked for while anybody watches, seconds: part of the wait for a
+# render's first tile. And the pause after a look in times of what it took, for it tells all watchers.
+WATCH_INTERVAL_S = 0.05
+WATCH_REST = 4.0
 
 # Bytes per read when an image or a blob is sent: below gRPC's default message limit of 4 MiB.
 CHUNK_BYTES = 256 * 1024

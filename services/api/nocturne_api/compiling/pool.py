@@ -9,6 +9,7 @@ import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Client
+from pathlib import Path
 from typing import Any
 
 from nocturne_coordinator.errors import ObjectStoreUnavailable
@@ -38,6 +39,12 @@ WARM_SCENE: dict[str, Any] = {
 """Compiled once before the first child is made: what that loads, the children need not."""
 
 _GIBIBYTE = 1024**3
+_LOOK_S = 0.5
+"""How often who waits for a child looks whether it still should."""
+
+
+class Abandoned(Exception):
+    """Nobody waits for the answer any more."""
 
 
 @dataclass(frozen=True)
@@ -59,16 +66,40 @@ def compile_in_child(
     blobs: BlobStore,
     limits: CompileLimits,
     film: Film | None = None,
-    layers: Sequence[str] = (),
 ) -> CompiledOutput:
-    """Compiles into `blobs`. Takes as long as it takes. `film` and `layers`: see `compile_scene`.
+    """Compiles into `blobs`. Takes as long as it takes. `film`: see `compile_scene`.
 
     Raises InputError where the scene is wrong, or needs more than it may take; ObjectStoreUnavailable.
     """
+    output = _ask_child((document, *_place_of(blobs), limits, film, ()), limits)
+    assert isinstance(output, CompiledOutput)  # noqa: S101 - what a child without layers sends
+    return output
+
+
+def layers_in_child(
+    document: SceneDocument,
+    blobs: BlobStore,
+    limits: CompileLimits,
+    film: Film,
+    layers: Sequence[str],
+    abandoned: threading.Event,
+) -> str:
+    """Makes layers as `compile_layers` does. Raises as `compile_in_child`, and Abandoned when `abandoned` is
+    set before they are there."""
+    return str(_ask_child((document, *_place_of(blobs), limits, film, layers), limits, abandoned))
+
+
+def _place_of(blobs: BlobStore) -> tuple[Path, str]:
+    return blobs.root, "" if blobs.remote is None else blobs.remote.url
+
+
+def _ask_child(request: object, limits: CompileLimits, abandoned: threading.Event | None = None) -> object:
     with Client(_server_address(), "AF_UNIX") as child:
-        remote = "" if blobs.remote is None else blobs.remote.url
-        child.send((document, blobs.root, remote, limits, film, layers))
+        child.send(request)
         try:
+            while not child.poll(_LOOK_S):
+                if abandoned is not None and abandoned.is_set():
+                    raise Abandoned
             answer = child.recv()
         except (EOFError, ConnectionResetError):
             raise InputError.at(
@@ -76,11 +107,11 @@ def compile_in_child(
                 f"takes more than {limits.cpu_seconds} s of processor time to compile, or more memory than "
                 "there is; the service's log has what the compiler said, if anything",
             ) from None
-    if isinstance(answer, CompiledOutput):
-        return answer
     if isinstance(answer, ObjectStoreUnavailable):
         raise answer
-    raise InputError(answer)
+    if isinstance(answer, list):
+        raise InputError(answer)
+    return answer
 
 
 def prepare() -> None:

@@ -20,7 +20,7 @@ from pathlib import Path
 from nocturne_coordinator.errors import ObjectStoreUnavailable
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_scene.blobs import BlobStore
-from nocturne_scene.compile.compiler import compile_scene
+from nocturne_scene.compile.compiler import compile_layers, compile_scene
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
 
@@ -74,7 +74,9 @@ def _compile(caller: "Connection[object, object]") -> None:
     bound(limits)
     try:
         blobs = BlobStore(root, ObjectStore(objects) if objects else None)
-        caller.send(compile_scene(document, blobs, film, layers))
+        caller.send(
+            compile_layers(document, blobs, film, layers) if layers else compile_scene(document, blobs, film)
+        )
     except InputError as error:
         caller.send(list(error.problems))
     except ObjectStoreUnavailable as error:

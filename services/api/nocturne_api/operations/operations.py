@@ -7,6 +7,7 @@ from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_coordinator.store.quotas import NO_QUOTA, Quota
 
 from nocturne_api.background.archiver import Archiver
+from nocturne_api.background.layers_maker import LayersMaker
 from nocturne_api.background.space import Space, StorageLimits
 from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits, prepare
@@ -50,11 +51,12 @@ class Operations:
         archiver = None if objects is None else Archiver(folder, access.in_database, objects)
         sweeper = Sweeper(folder, storage.unused_seconds)
         space = Space(folder.root, storage.data_bytes)
+        layers_maker = LayersMaker(folder, access.in_database, compile_limits)
         sender = WebhookSender(folder.webhooks, access.in_database, webhook_rules)
         self._access = access
-        self._background = [sender, *([archiver] if archiver else []), sweeper, space]
+        self._background = [sender, *([archiver] if archiver else []), sweeper, space, layers_maker]
 
-        self.renders = Renders(access, compile_limits, sweeper, space)
+        self.renders = Renders(access, compile_limits, sweeper, space, layers_maker)
         self.controls = RenderControls(access)
         self.streams = RenderStreams(access, self.renders)
         self.images = Images(access, self.renders, archiver)

@@ -13,6 +13,7 @@ from nocturne_scene.errors import NotFound
 
 from nocturne_api import limits
 from nocturne_api.access import CALLER
+from nocturne_api.background.layers_maker import LayersMaker
 from nocturne_api.background.space import Space
 from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits
@@ -36,12 +37,18 @@ class Renders:
     """The renders of one data folder. All but deleting take the beginning of an id for the id."""
 
     def __init__(
-        self, access: FolderAccess, compile_limits: CompileLimits, sweeper: Sweeper, space: Space
+        self,
+        access: FolderAccess,
+        compile_limits: CompileLimits,
+        sweeper: Sweeper,
+        space: Space,
+        layers_maker: LayersMaker,
     ) -> None:
         self._access = access
         self._space = space
         self._compile_limits = compile_limits
         self._sweeper = sweeper
+        self._layers_maker = layers_maker
         self._compiling = asyncio.Semaphore(limits.COMPILES_AT_ONCE)
         self._waiting: Counter[str] = Counter()
 
@@ -58,6 +65,8 @@ class Renders:
             async with self._compile_slot():
                 created = await self._compiled_and_created(request, CALLER.get().name)
             record.render_id = created.id
+            if created.layers:
+                self._layers_maker.wake()
             return Render.of(created)
 
     async def get(self, render_id: str) -> Render:

@@ -106,6 +106,8 @@ def _running(situation: Situation, now: float) -> str:
     render = situation.render
     threads = int(situation.meters.get("worker_threads", 0))
     if render.tiles and render.tiles_done == render.tiles:
+        if render.layers and not render.layers_sha256:
+            return "All samples are there; it waits for its layers, which are being made."
         return "All samples are there; it waits for audits, or for its images to be written."
     if render.photons_per_second <= 0.0:
         out = int(situation.meters.get("jobs_published", 0))

@@ -15,6 +15,7 @@ from nocturne_coordinator.store.removal import blobs_of_scene
 from nocturne_coordinator.store.renders import check_priority
 from nocturne_coordinator.store.rows import NewRender
 from nocturne_coordinator.store.tags import checked_tags
+from nocturne_scene.compile.layers import check_can_make
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.film import Film
@@ -86,18 +87,17 @@ def compiled(
         raise InputError(found.problems)
     if before is None:
         check_quota(folder.database, owner, quota, more_renders=1)
-        output = compile_in_child(document, folder.blobs, compile_limits, Film(*film), layers)
+        check_can_make(layers)
+        output = compile_in_child(document, folder.blobs, compile_limits, Film(*film))
         scene_sha256, warnings, way = output.scene_sha256, tuple(output.warnings), output.way
-        layers_sha256 = output.layers_sha256
         schedule = schedule_for_scene(folder.blobs, scene_sha256, *film)
-        files = (*blobs_of_scene(folder.blobs, scene_sha256), *filter(None, [layers_sha256]))
+        files = blobs_of_scene(folder.blobs, scene_sha256)
         for sha256 in files:
             # Here too, not in the object store only.
             folder.blobs.path(sha256)
     else:
         files = ()
         scene_sha256, warnings, way = before.scene_sha256, before.warnings, before.way
-        layers_sha256 = before.layers_sha256
         schedule = folder.renders.schedule(before.id)
     return NewRender(
         request_id=request.request_id,
@@ -114,7 +114,6 @@ def compiled(
         warnings=warnings,
         way=way,
         layers=layers,
-        layers_sha256=layers_sha256,
         in_group=request.group,
         after_group=request.after,
         tags=tags,

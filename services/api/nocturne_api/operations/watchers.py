@@ -6,13 +6,14 @@ change overwrites. The poller runs only while somebody watches.
 
 import asyncio
 import logging
+import time
 from collections.abc import AsyncIterator, Iterable, Iterator, Set
 from contextlib import contextmanager, suppress
 from typing import Protocol
 
 from nocturne_api.access import Caller
 from nocturne_api.errors import Overloaded, Unauthenticated
-from nocturne_api.limits import WATCH_INTERVAL_S, WATCHERS, WATCHERS_OF_OWNER
+from nocturne_api.limits import WATCH_INTERVAL_S, WATCH_REST, WATCHERS, WATCHERS_OF_OWNER
 from nocturne_api.models.renders import Render
 
 _log = logging.getLogger(__name__)
@@ -133,13 +134,14 @@ class Watchers:
         last: int | None = None
         try:
             while self._watchers:
+                begun = time.monotonic()
                 counter = await self._source.change_counter()
                 # A counter seen before the read: a change in between is read twice rather than lost.
                 if counter != last:
                     last = counter
                     await self._shut_out()
                     await self._feed()
-                await asyncio.sleep(WATCH_INTERVAL_S)
+                await asyncio.sleep(max(WATCH_INTERVAL_S, WATCH_REST * (time.monotonic() - begun)))
         except Exception:
             _log.exception("watching the data folder failed")
             for watcher in self._watchers:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from nocturne_scene.blobs import BlobStore
-from nocturne_scene.compile.compiler import compile_scene
+from nocturne_scene.compile.compiler import compile_layers, compile_scene
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, NocturneError
 from nocturne_scene.film import Film
@@ -63,11 +63,12 @@ def compile_to(
         document = check_document(on_disk.document)
         blobs = BlobStore(folder / "blobs")
         store_files(on_disk, blobs)
-        output = compile_scene(document, blobs, Film(width, height, samples), known_layers(layers))
+        film, names = Film(width, height, samples), known_layers(layers)
+        output = compile_scene(document, blobs, film)
         sha256 = output.scene_sha256
         schedule = schedule_for_scene(blobs, sha256, width, height, samples)
         files = folder / "scene.pb", folder / "schedule.pb", folder / "blobs"
-        of_film = blobs.path(output.layers_sha256) if output.layers_sha256 else None
+        of_film = blobs.path(compile_layers(document, blobs, film, names)) if names else None
         said = tuple(output.dropped), tuple(output.warnings), output.way
         compiled = CompiledFolder(*files, sha256, *said, of_film)
         compiled.scene.write_bytes(blobs.path(sha256).read_bytes())

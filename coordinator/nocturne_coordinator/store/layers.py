@@ -1,0 +1,69 @@
+"""Layers of renders: made by whoever serves, after the render was queued; its end waits for them."""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from nocturne_coordinator.errors import FilesGone
+from nocturne_coordinator.store.database import Database
+
+LAYERS_DUE = "layers <> '[]' AND layers_sha256 = ''"
+"""Of a row of `render`: whether it has layers that are not made yet."""
+
+
+@dataclass(frozen=True, slots=True)
+class LayersDue:
+    """What is needed to make the layers of a render."""
+
+    render_id: str
+    owner: str
+    width: int
+    height: int
+    samples: int
+    layers: tuple[str, ...]
+    scene_document: str
+
+
+class RenderLayers:
+    """The layers of a data folder's renders."""
+
+    def __init__(self, database: Database, blob_here: Callable[[str], Path | None]) -> None:
+        """`blob_here` gives the file of a blob, None where it is not on this machine."""
+        self._database = database
+        self._blob_here = blob_here
+
+    def due(self) -> list[tuple[str, str]]:
+        """Render and owner, oldest first, of those whose layers are to be made."""
+        rows = self._database.rows(f"SELECT id, owner FROM render WHERE {LAYERS_DUE} ORDER BY number")  # noqa: S608
+        return [(row["id"], row["owner"]) for row in rows]
+
+    def get_due(self, render_id: str) -> LayersDue | None:
+        """None: the render is gone, or its layers are made."""
+        row = self._database.row(
+            f"""SELECT id AS render_id, owner, width, height, samples, layers, scene_document
+                FROM render WHERE id = ? AND {LAYERS_DUE}""",  # noqa: S608
+            (render_id,),
+        )
+        return None if row is None else LayersDue(**{**dict(row), "layers": tuple(json.loads(row["layers"]))})
+
+    def made(self, render_id: str, sha256: str) -> None:
+        """The file of a render's layers is there. Raises FilesGone if it was removed in the meantime."""
+        with self._database.transaction():
+            # Who removes files looks at renders in a transaction, too.
+            file = self._blob_here(sha256)
+            if file is None:
+                raise FilesGone("the file of the layers was deleted with another render")
+            self._database.execute(
+                f"""UPDATE render SET layers_sha256 = ?, stored_bytes = stored_bytes + ?,
+                        sequence = sequence + 1 WHERE id = ? AND {LAYERS_DUE}""",  # noqa: S608
+                (sha256, file.stat().st_size, render_id),
+            )
+
+    def give_up(self, render_id: str, warning: str) -> None:
+        """The render does without layers, and says why."""
+        self._database.execute(
+            f"""UPDATE render SET layers = '[]', warnings = json_insert(warnings, '$[#]', ?),
+                    sequence = sequence + 1 WHERE id = ? AND {LAYERS_DUE}""",  # noqa: S608
+            (warning, render_id),
+        )
