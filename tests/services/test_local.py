@@ -14,6 +14,8 @@ from typing import Any
 import pytest
 from nocturne_client import NocturneClientError
 from nocturne_client.cli import local_commands
+from nocturne_client.cli.output import print_error
+from nocturne_client.errors import Problem
 from nocturne_client.local import children, programs, up
 from nocturne_client.local.children import Child
 from nocturne_client.local.compiled import compile_to
@@ -129,6 +131,14 @@ def test_compile_says_what_it_left_out(
     assert left_out == "left out: $.spectra.spare: nothing uses it"
     assert way.startswith("traced by photons from the sensor: no other way was found better")
     assert len(said.out.strip()) == 64
+
+
+def test_no_problem_is_told_twice(capsys: pytest.CaptureFixture[str]) -> None:
+    problems = [Problem("$.width", "is 0"), Problem("$.samples", "is 0")]
+    print_error(NocturneClientError("$.width: is 0; $.samples: is 0", problems=problems))
+    assert capsys.readouterr().err.splitlines() == ["error: $.width: is 0", "$.samples: is 0"]
+    print_error(NocturneClientError("room.json can't be rendered", problems=problems))
+    assert capsys.readouterr().err.splitlines()[1:] == ["  $.width: is 0", "  $.samples: is 0"]
 
 
 def test_compile_names_all_problems(scene: dict[str, Any], tmp_path: Path) -> None:

@@ -39,11 +39,14 @@ class ExitStatus(IntEnum):
 
 
 def print_error(error: NocturneClientError) -> None:
-    """One line for the error, one for each of its problems."""
-    ERRORS.print(f"[bold red]error:[/] {escape(str(error))}", soft_wrap=True)
-    if [str(problem) for problem in error.problems] != [str(error)]:
-        for problem in error.problems:
-            ERRORS.print(f"  {escape(str(problem))}", soft_wrap=True)
+    """One line for the error, one for each of its problems; none twice."""
+    problems = [str(problem) for problem in error.problems]
+    lines = [str(error), *(f"  {problem}" for problem in problems)]
+    # An error that is no more than its problems, as the service's.
+    if problems and str(error).startswith(problems[0]):
+        lines = problems
+    for index, line in enumerate(lines):
+        ERRORS.print(f"{'' if index else '[bold red]error:[/] '}{escape(line)}", soft_wrap=True)
 
 
 def print_json(value: Any) -> None:
