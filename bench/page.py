@@ -1,0 +1,85 @@
+"""How smoothly the page moves in Chromium: a list of 500 renders, and an image of 3840 x 2160 pixels."""
+
+import json
+import os
+import shutil
+import sqlite3
+import subprocess
+from pathlib import Path
+
+from nocturne_client import Client
+from nocturne_client.local.programs import CHECKOUT
+
+from bench.report import Figures, Row, Skipped
+from bench.running_service import RunningService, running_service
+from bench.scenes import CORNELL
+
+AIM_MS, AIM_IMAGES = 50.0, 30.0
+"""A frame that takes three of a screen's is seen; images of a pan."""
+_RENDERS = 500
+_LARGE = (3840, 2160)
+_NODE = CHECKOUT / ".venv" / "bin" / "node"
+_TIMEOUT_S = 300.0
+
+
+def run(quick: bool) -> Figures:
+    """The service has nothing else to do; colours are drawn by software, without a graphics card."""
+    if not _NODE.exists():
+        raise Skipped(f"needs Node in {_NODE}")
+    renders = 60 if quick else _RENDERS
+    with running_service(workers=1, threads=2) as service:
+        with Client(service.url) as client:
+            small = client.submit(CORNELL, 64, 64, 16).id
+            large = client.submit(CORNELL, *_LARGE, 1).id
+            for each in (small, large):
+                *_, _ended = client.watch(each)
+        _copy(service, small, renders - 2)
+        asked = {"url": service.url, "renders": renders, "large": large}
+        result = subprocess.run(
+            [_NODE, CHECKOUT / "tests" / "web" / "smooth.mjs"],
+            env=os.environ | {"NOCTURNE_SMOOTH": json.dumps(asked)},
+            stdout=subprocess.PIPE,
+            text=True,
+            timeout=_TIMEOUT_S,
+            check=True,
+        )
+    found: Figures = json.loads(result.stdout)
+    return found
+
+
+def rows(figures: Figures) -> list[Row]:
+    """The longest frame of each, and the images of a pan."""
+    scrolling, filtering = figures["scrolling"], figures["filtering"]
+    return [
+        Row(
+            f"list of {figures['rows']}, scrolled: longest frame, ms",
+            f"{scrolling['longest_ms']:g} (95 % below {scrolling['p95_ms']:g})",
+            f"at most {AIM_MS:g}",
+        ),
+        Row(
+            "the same, filtered as one types: longest frame, ms",
+            f"{filtering['longest_ms']:g} (95 % below {filtering['p95_ms']:g})",
+            f"at most {AIM_MS:g}",
+        ),
+        Row(
+            "3840 x 2160, panned: images/s",
+            f"{figures['panning']['images_per_s']:g}",
+            f"at least {AIM_IMAGES:g}",
+        ),
+    ]
+
+
+def _copy(service: RunningService, render_id: str, count: int) -> None:
+    """So many renders like one that has ended, with pictures of their own."""
+    images = service.data / "images"
+    with sqlite3.connect(service.data / "nocturne.db", timeout=20) as database:
+        columns = [row[1] for row in database.execute("PRAGMA table_info(render)") if row[1] != "number"]
+        other = {"id": "?1", "request_id": "?1", "name": "?2"}
+        chosen = ", ".join(other.get(column, column) for column in columns)
+        for index in range(count):
+            copy = f"r-copy{index:06d}"
+            database.execute(
+                f"INSERT INTO render ({', '.join(columns)}) SELECT {chosen} FROM render WHERE id = ?3",  # noqa: S608
+                (copy, f"render {index}", render_id),
+            )
+            shutil.copytree(images / render_id, Path(images / copy))
