@@ -1,13 +1,23 @@
-"""Every EXR that we write, as Mitsuba's Bitmap reads it: the same channels and numbers as OpenImageIO."""
+"""Every EXR that we write, as Mitsuba's Bitmap reads it: the same channels and numbers as OpenImageIO.
+
+The local tracer's writer, the coordinator's, that of layers, and that of denoised pictures with their map in
+error bars.
+"""
 
 import json
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
+from nocturne_api.denoising import pictures
 from nocturne_client.cli.app import app
 from nocturne_client.local.programs import CHECKOUT
+from nocturne_coordinator.dispatch.error_estimate import Squares
+from nocturne_coordinator.output.images import Provenance, write_image
+from nocturne_scene.layers import CHANNELS, write_layers
+from nocturne_scene.tile_sums import PRODUCTS, sums_per_pixel
 from typer.testing import CliRunner
 
 PYTHON = CHECKOUT / "build" / "peers" / "bin" / "python"
@@ -29,7 +39,7 @@ print(json.dumps({fields[i].name: float(pixel[i]) for i in range(len(fields))}))
 """
 
 
-def test_all_kinds_are_read(tmp_path: Path) -> None:
+def test_all_kinds_are_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = CHECKOUT / "examples" / "cornell" / "scene.json"
 
     def run(*words: str | Path) -> None:
@@ -39,13 +49,21 @@ def test_all_kinds_are_read(tmp_path: Path) -> None:
     kinds = {
         "layers": ("--layers", "all"),
         "bands": ("--bands", "400:700:50"),
-        "direct": ("--set", "tracing.maximum_depth=1"),
+        "parts": ("--layers", "direct,indirect"),
     }
     for name, options in kinds.items():
         film = ("--width", "16", "--height", "16", "--samples", "8")
         run("render", scene, "-o", tmp_path / f"{name}.exr", *film, *options)
-    files = [tmp_path / f"{name}.exr" for name in (*kinds, "parts")]
-    run("light-parts", files[0], tmp_path / "direct.exr", "-o", files[-1])
+    files = [tmp_path / f"{name}.exr" for name in kinds]
+    # What is read is the file, so any denoiser will do.
+    monkeypatch.setattr(pictures, "denoised", lambda channels: np.dstack([channels[name] for name in "RGB"]))
+    pictures.write_denoised(files[0], tmp_path)
+    squares = Squares(np.zeros((1, 1, PRODUCTS)), np.zeros((1, 1, PRODUCTS)), 8)
+    sums = np.random.default_rng(1).random((8, 8, sums_per_pixel(0)))
+    provenance = Provenance("00", "{}", 1, doubt="brighter samples are still met")
+    write_image(tmp_path / "service.exr", sums, np.full((8, 8), 4, np.uint32), squares, provenance)
+    write_layers(tmp_path / "pass.exr", [*CHANNELS], np.ones((8, 8, 12), np.float32), "[]")
+    files += [tmp_path / name for name in (pictures.EXR, "service.exr", "pass.exr")]
     for file in files:
         told = subprocess.run([PYTHON, "-c", READ, file], capture_output=True, text=True, check=True).stdout
         image = oiio.ImageBuf(str(file))

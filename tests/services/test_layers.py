@@ -8,6 +8,7 @@ import httpx
 import numpy as np
 import OpenEXR
 import pytest
+from nocturne_api.compiling.pool import layers_in_child
 from nocturne_api.files.current_image import write_current
 from nocturne_coordinator.output.previews import layers_of
 from nocturne_coordinator.store.data_folder import DataFolder
@@ -96,6 +97,24 @@ async def test_that_can_not_be_made_are_told_and_nothing_waits(
     told = (await rest.get(f"/v1/renders/{made['id']}")).json()
     assert told["layers"] == []
     assert told["warnings"] == ["It has no layers: $.layers: can't be made, as nocturne-trace failed"]
+
+
+async def test_what_failed_for_now_is_tried_again(
+    rest: httpx.AsyncClient, folder: DataFolder, body: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tried: list[int] = []
+
+    def fails_once(*asked: Any) -> str:
+        tried.append(1)
+        if len(tried) == 1:
+            raise OSError("no space left")
+        return layers_in_child(*asked)
+
+    monkeypatch.setattr("nocturne_api.background.layers_maker.layers_in_child", fails_once)
+    monkeypatch.setattr("nocturne_api.background.layers_maker._AGAIN_S", 0.01)
+    made = (await rest.post("/v1/renders", json={**body, "layers": ["normal"]})).json()
+    await layers_of_render(folder, made["id"])
+    assert len(tried) == 2
 
 
 async def test_an_image_does_without_where_their_file_is_gone(folder: DataFolder) -> None:
