@@ -10,6 +10,11 @@ _NAME = re.compile("[A-Za-z][A-Za-z0-9_-]{0,30}")
 # What an EXR's channels mean by convention, or here.
 _TAKEN = frozenset("XYZRGBAn")
 
+LIGHT_PARTS = {part: tuple(f"{part}.{axis}" for axis in "XYZ") for part in ("direct", "indirect")}
+"""Names of responses to a part of the light, by part."""
+
+_OF_PARTS = frozenset(name for names in LIGHT_PARTS.values() for name in names)
+
 
 def name_problems(names: Sequence[str]) -> Iterator[str]:
     """What is wrong with the names of a sensor's further responses, in words."""
@@ -18,7 +23,7 @@ def name_problems(names: Sequence[str]) -> Iterator[str]:
     for index, name in enumerate(names):
         if name in names[:index]:
             yield f"two responses are named {name!r}"
-        elif is_band(name):
+        elif is_band(name) or name in _OF_PARTS:
             continue
         elif not _NAME.fullmatch(name):
             yield (

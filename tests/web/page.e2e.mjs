@@ -1,7 +1,7 @@
 /**
  * The page in a browser, against a running service with workers. Environment: NOCTURNE_E2E, JSON of
  *   url, api_pid: the service; auth_url, token: another API on the same data that asks for tokens;
- *   small, other: ids of renders 128 x 128 of the Cornell box that have ended;
+ *   small, other: ids of renders 128 x 128 of the Cornell box that have ended; `other` is by another engine;
  *   quarantine: a command that puts the worker named after it in quarantine;
  *   exr: the image of `small`; pixel: {x, y, values} of it, read by OpenImageIO; archive: a ZIP of the Cornell box;
  *   screenshots: a folder.
@@ -292,11 +292,23 @@ const checks = {
     await page.locator("figure:not([data-points='0']) .uplot").waitFor();
     await page.getByRole("radio", { name: "Samples per pixel" }).check();
     await page.locator(".u-legend").getByText("Samples per pixel").waitFor();
-    for (const [name, magic] of [["Download EXR", [0x76, 0x2f, 0x31, 0x01]], ["Download PNG", [0x89, 0x50, 0x4e, 0x47]]]) {
+    const downloads = [["Download EXR", [0x76, 0x2f, 0x31, 0x01]], ["Download PNG", [0x89, 0x50, 0x4e, 0x47]], ["Bundle", [0x50, 0x4b, 0x03, 0x04]]];
+    for (const [name, magic] of downloads) {
       const address = await page.getByRole("link", { name }).getAttribute("href");
       const response = await fetch(new URL(address, given.url));
       assert.deepEqual([...new Uint8Array(await response.arrayBuffer()).subarray(0, 4)], magic, name);
     }
+    const log = await page.getByRole("link", { name: "Log", exact: true }).getAttribute("href");
+    assert.match(await (await fetch(new URL(log, given.url))).text(), /SUCCEEDED/);
+  },
+
+  async "the same scene by another engine is one key away"({ page }) {
+    await page.goto(at(showing(given.small)));
+    const baseline = page.getByRole("link", { name: /^Compare with engine \d+$/ });
+    await baseline.focus();
+    await page.keyboard.press("Enter");
+    await page.waitForURL(`**/#/compare/${given.small}/${given.other}`);
+    await page.goto(at(showing(given.small)));
   },
 
   async "two renders are compared: wipe, flip, difference, both curves"({ page }) {
@@ -471,6 +483,7 @@ const checks = {
     await page.getByLabel("Stop at a relative error of, %").fill("0.1");
     await page.getByRole("checkbox", { name: "albedo" }).check();
     await page.getByRole("checkbox", { name: "depth" }).check();
+    await page.getByRole("checkbox", { name: "direct", exact: true }).check();
     await look(page, "list");
     await page.getByRole("button", { name: "Render", exact: true }).click();
     await page.locator("canvas[data-updates]").waitFor();
@@ -556,6 +569,7 @@ const checks = {
   async "workers and speed have their pages"({ page }) {
     await page.getByRole("link", { name: "Workers" }).click();
     await page.locator(".events").getByText("joined").first().waitFor();
+    await page.getByRole("region", { name: "Who uses them" }).getByRole("rowheader", { name: "everybody" }).waitFor();
     await look(page, "workers");
     await page.getByRole("link", { name: "Speed" }).click();
     const boxes = page.getByRole("checkbox", { name: /in the chart$/ });

@@ -21,6 +21,7 @@ from nocturne_scene.document.sensors import (
     Sensor,
     ThinLens,
 )
+from nocturne_scene.responses import LIGHT_PARTS
 from nocturne_scene.spectra import published
 from nocturne_scene.spectra import tables as spectra
 
@@ -61,6 +62,7 @@ def compile_sensor(workspace: Workspace) -> scene_pb2.Sensor:
         further_responses=[
             *(_response(workspace, name) for name in sorted(sensor.responses)),
             *_band_responses(sensor.bands),
+            *(_part_responses(response) if sensor.light_parts else ()),
         ],
         model=_MODELS[sensor.type],
     )
@@ -101,6 +103,14 @@ def _band_responses(bands: Bands | None) -> Iterator[scene_pb2.Response]:
         outermost = at_edge & np.isin(wavelengths, (published.FIRST, published.LAST))
         values = (inside + 0.5 * at_edge + 0.5 * outermost) / (end - start)
         yield scene_pb2.Response(name=band_name(0.5 * (start + end)), values=values.tolist())
+
+
+def _part_responses(observer: NDArray[np.float32]) -> Iterator[scene_pb2.Response]:
+    """X, Y and Z of direct and of indirect light."""
+    light = {"direct": scene_pb2.LIGHT_PART_DIRECT, "indirect": scene_pb2.LIGHT_PART_INDIRECT}
+    for part, names in LIGHT_PARTS.items():
+        for axis, name in enumerate(names):
+            yield scene_pb2.Response(name=name, values=observer[:, axis].tolist(), light=light[part])
 
 
 def _put_optics(message: scene_pb2.Sensor, sensor: Sensor) -> None:

@@ -43,6 +43,6 @@ def _importance(sensor: scene_pb2.Sensor) -> Floats:
     importance = np.array(total, dtype=np.float64)
     for response in sensor.further_responses:
         values = np.array(response.values, dtype=np.float64)
-        if values.sum() > 0:
+        if values.sum() > 0 and response.light == scene_pb2.LIGHT_PART_WHOLE:
             importance += values * (total.sum() / values.sum())
     return importance

@@ -61,6 +61,12 @@ class _AnySensor(Node):
         description="Spectral image: further channels named as spectral EXR files have it, such as "
         "`S0.555,000000nm` for the band around 555 nm.",
     )
+    light_parts: bool = Field(
+        default=False,
+        description="Further channels `direct.X`, `direct.Y`, `direct.Z`, and `indirect.X` and so on: what "
+        "luminaires send to the sensor straight or by one interaction, as with a `maximum_depth` of 1, and "
+        "all other light. Together they are X, Y and Z.",
+    )
     wavelengths: Literal["response", "uniform"] = Field(
         default="response",
         description="How a photon's wavelength is drawn: in proportion to X + Y + Z of the "

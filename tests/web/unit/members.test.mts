@@ -31,6 +31,11 @@ test("values may be whole parts, and bands are a part of the sensor", () => {
   assert.deepEqual((one?.document as unknown as { sensor: { bands: unknown } }).sensor.bands, { first: 380, last: 780, width: 10 });
 });
 
+test("parts of the light are asked for in the sensor", () => {
+  const [one] = membersOf(scene, { ...nothing, parts: true });
+  assert.equal((one?.document as unknown as { sensor: { light_parts: unknown } }).sensor.light_parts, true);
+});
+
 test("what can't be understood is said", () => {
   for (const [wanted, said] of [
     [{ frames: "10-1" }, /Frames 10-1: expected FIRST-LAST/],

@@ -74,6 +74,20 @@ Sensor load_sensor(const v1::Sensor& message) {
   });
 }
 
+LightPart light_part(v1::LightPart part) {
+  switch (part) {
+    case v1::LIGHT_PART_WHOLE:
+      return LightPart::kWhole;
+    case v1::LIGHT_PART_DIRECT:
+      return LightPart::kDirect;
+    case v1::LIGHT_PART_INDIRECT:
+      return LightPart::kIndirect;
+    default:
+      break;
+  }
+  refuse("a part of the light that this program doesn't know");
+}
+
 WavelengthSampler load_wavelengths(const v1::Sensor& s) {
   require(s.wavelength_sampling() == v1::WAVELENGTH_SAMPLING_RESPONSE ||
               s.wavelength_sampling() == v1::WAVELENGTH_SAMPLING_UNIFORM,
@@ -87,6 +101,7 @@ WavelengthSampler load_wavelengths(const v1::Sensor& s) {
                         {}};
   for (const auto& further : s.further_responses()) {
     curves.further.push_back(curve(further.values()));
+    curves.parts.push_back(light_part(further.light()));
   }
   return checked([&] {
     if (s.wavelength_knots_size() > 0 || s.wavelength_density_size() > 0) {

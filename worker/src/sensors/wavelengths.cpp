@@ -21,7 +21,9 @@ std::vector<float> importance_of(const ResponseCurves& curves) {
     importance[i] = static_cast<double>(curves.x[i]) + curves.y[i] + curves.z[i];
     total += importance[i];
   }
-  for (const auto& curve : curves.further) {
+  for (std::size_t further = 0; further < curves.further.size(); ++further) {
+    if (curves.part(further) != LightPart::kWhole) continue;
+    const std::vector<float>& curve = curves.further[further];
     double sum = 0.0;
     for (const float value : curve) sum += value;
     for (std::size_t i = 0; sum > 0.0 && i < count; ++i) {
@@ -100,6 +102,10 @@ WavelengthSampler::WavelengthSampler(const ResponseCurves& curves, const Density
       further_(curves.further) {
   for (std::size_t i = 0; i < curves.y.size(); ++i) {
     xyz_.push_back({curves.x[i], curves.y[i], curves.z[i], 0.0f});
+  }
+  for (std::size_t i = 0; i < further_.size(); ++i) {
+    parts_.push_back(curves.part(i));
+    tells_parts_ = tells_parts_ || parts_.back() != LightPart::kWhole;
   }
 }
 

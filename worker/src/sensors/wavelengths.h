@@ -10,12 +10,21 @@
 
 namespace nocturne {
 
+/// Which light a further curve counts; see LightPart in scene.proto.
+enum class LightPart { kWhole, kDirect, kIndirect };
+
 /// Sampled response curves on one equally spaced grid, linear in between; per nm, K_m included.
 struct ResponseCurves {
   float first_nm, step_nm;
   std::vector<float> x, y, z;
   /// Any number more.
   std::vector<std::vector<float>> further;
+  /// Of each of these; of those that are missing here, the whole light.
+  std::vector<LightPart> parts = {};
+
+  LightPart part(std::size_t curve) const {
+    return curve < parts.size() ? parts[curve] : LightPart::kWhole;
+  }
 };
 
 /// N wavelengths, each distributed like every other, together stratified.
@@ -33,8 +42,9 @@ struct DensityTable {
   std::vector<float> knots_nm, values;
 };
 
-/// Draws wavelengths: in proportion to X + Y + Z, with further curves counting as much; uniformly;
-/// or from a density that is given, such as one that finds narrow lines.
+/// Draws wavelengths: in proportion to X + Y + Z, with further curves of the whole light counting
+/// as much, so that parts change nothing; uniformly; or from a density that is given, such as one
+/// that finds narrow lines.
 class WavelengthSampler {
  public:
   /// Throws std::invalid_argument where the curves are shorter than two values, differ in length or
@@ -69,6 +79,9 @@ class WavelengthSampler {
   }
 
   std::size_t further_curves() const { return further_.size(); }
+  LightPart part(std::size_t curve) const { return parts_[curve]; }
+  /// Whether any curve counts a part of the light only.
+  bool tells_parts() const { return tells_parts_; }
 
   /// The same as `weight` for a further curve.
   template <int N>
@@ -96,6 +109,8 @@ class WavelengthSampler {
   float first_nm_, inverse_step_;
   std::vector<std::array<float, 4>> xyz_;  // side by side; the fourth fills the row
   std::vector<std::vector<float>> further_;
+  std::vector<LightPart> parts_;
+  bool tells_parts_ = false;
 };
 
 }  // namespace nocturne

@@ -59,6 +59,8 @@ struct ShadowRay {
   TimedRay way;
   std::uint32_t tally;
   Spectral<N> light;
+  /// See meets_direct_light.
+  bool direct;
 };
 
 /// A forward photon on its way to the camera.

@@ -106,6 +106,13 @@ bool sees_past(const Group<N>& group, HiddenFrom hidden_from) {
   return false;
 }
 
+/// Whether light that it meets now is direct: on its way are one interaction at most, and what lets
+/// it straight through. What a `max_depth` of 1 traces.
+template <int N>
+bool meets_direct_light(const Group<N>& group) {
+  return group.depth - group.passes <= 1;
+}
+
 /// Bit i: photon i still carries something.
 template <int N>
 std::uint32_t alive(const Spectral<N>& weight) {

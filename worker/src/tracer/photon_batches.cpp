@@ -41,7 +41,7 @@ void PhotonBatches<N, Estimator, Media>::trace(std::span<const PhotonIndex> phot
 template <int N, class Estimator, bool Media>
 std::uint32_t PhotonBatches<N, Estimator, Media>::add(const Splat<N>& splat, double* values) const {
   const Response<N> response(scene_.wavelengths, wavelengths_[splat.sample]);
-  return response.add(splat.value, scale_, values);
+  return response.add(splat.value, splat.direct ? splat.value : Spectral<N>(0.0f), scale_, values);
 }
 
 template class PhotonBatches<1, SensorEstimator<1>, false>;

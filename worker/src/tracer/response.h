@@ -1,6 +1,7 @@
 // From what a group of photons found to what it adds to a pixel.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "sensors/wavelengths.h"
@@ -19,6 +20,12 @@ class Response {
   /// Adds `scale` times the response to a sample's values: X, Y, Z, further responses. Returns the
   /// number of photons left out.
   std::uint32_t add(const Spectral<N>& radiance, double scale, double* values) const {
+    return add(radiance, radiance, scale, values);
+  }
+
+  /// The same where only `direct` of the radiance is direct light.
+  std::uint32_t add(const Spectral<N>& radiance, const Spectral<N>& direct, double scale,
+                    double* values) const {
     Spectral<N> kept = radiance;
     std::uint32_t invalid_samples = 0;
     for (std::size_t k = 0; k < N; ++k) {
@@ -28,13 +35,24 @@ class Response {
     }
     for (std::size_t c = 0; c < 3; ++c) values[c] += scale * mean(wavelengths_.weight[c], kept);
     for (std::size_t c = 0; c < sampler_.further_curves(); ++c) {
-      values[TileSums::kXyzValues + c] +=
-          scale * mean(sampler_.further_weight(c, wavelengths_), kept);
+      values[TileSums::kXyzValues + c] += scale * mean(sampler_.further_weight(c, wavelengths_),
+                                                       part(sampler_.part(c), kept, direct));
     }
     return invalid_samples;
   }
 
  private:
+  /// Nothing of what is left out.
+  static Spectral<N> part(LightPart which, const Spectral<N>& kept, const Spectral<N>& direct) {
+    if (which == LightPart::kWhole) return kept;
+    return each(
+        [which](float all, float straight) {
+          const float found = std::min(all, straight);
+          return which == LightPart::kDirect ? found : all - found;
+        },
+        kept, direct);
+  }
+
   static double mean(const Spectral<N>& weight, const Spectral<N>& radiance) {
     double sum = 0.0;
     for (std::size_t k = 0; k < N; ++k) sum += static_cast<double>(weight[k]) * radiance[k];

@@ -12,7 +12,8 @@ LayerNames = Annotated[
     typer.Option(
         "--layers",
         metavar="NAME,...",
-        help="What the EXR is to tell of surfaces: albedo, normal, depth, position, object, material or all.",
+        help="What the EXR is to tell of surfaces: albedo, normal, depth, position, object, material or all; "
+        "and of light: direct, indirect.",
     ),
 ]
 BandEdges = Annotated[
@@ -29,15 +30,19 @@ Settings = Annotated[
         "--set", metavar="PLACE=VALUE", help="Change the scene: sensor.position[0]=1.5; may be repeated."
     ),
 ]
+_OF_LIGHT = ("direct", "indirect")
+"""Channels of the sensor, both or none; the others are layers, which a pass of its own makes."""
 _ALL = ("albedo", "normal", "depth", "position", "object", "material")
 
 
 def layer_names(text: str) -> tuple[str, ...]:
-    """What was typed; whether there are such layers is checked where they are made."""
+    """What was typed of surfaces; whether there are such layers is checked where they are made."""
     names = tuple(name.strip() for name in text.split(",") if name.strip())
-    return _ALL if names == ("all",) else names
+    return _ALL if names == ("all",) else tuple(name for name in names if name not in _OF_LIGHT)
 
 
-def changes_of(settings: Sequence[str] | None, bands: str) -> dict[str, Any]:
+def changes_of(settings: Sequence[str] | None, bands: str, layers: str) -> dict[str, Any]:
     """Changes of the document, by their places; NocturneClientError for what can't be understood."""
-    return dict(parse_change(setting) for setting in settings or ()) | parse_bands(bands)
+    wants_parts = any(name.strip() in _OF_LIGHT for name in layers.split(","))
+    parts = {"sensor.light_parts": True} if wants_parts else {}
+    return dict(parse_change(setting) for setting in settings or ()) | parse_bands(bands) | parts

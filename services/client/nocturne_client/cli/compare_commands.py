@@ -15,7 +15,6 @@ def add_to(app: typer.Typer) -> None:
     """Adds these commands to the program."""
     app.command(name="compare")(compare_images)
     app.command()(baseline)
-    app.command(name="light-parts")(light_parts)
 
 
 def compare_images(
@@ -80,16 +79,3 @@ def baseline(
     told, found = compared_with_baseline(url, render_id, engine, difference)
     ERRORS.print(told, markup=False, soft_wrap=True)
     _print_compared(found, as_json)
-
-
-def light_parts(
-    image: Annotated[Path, typer.Argument(metavar="IMAGE.exr", help="With all light.")],
-    direct: Annotated[
-        Path, typer.Argument(metavar="DIRECT.exr", help="Of the same scene with tracing.maximum_depth=1.")
-    ],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="OUT.exr", help="Where to write them.")],
-) -> None:
-    """Write the light of an image in two layers: what reaches the first hit straight, and all other."""
-    from nocturne_client.local.light_parts import write_light_parts
-
-    typer.echo(write_light_parts(image, direct, output))

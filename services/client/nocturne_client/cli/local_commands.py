@@ -135,7 +135,7 @@ def render(
 
     stop = Stops(error, duration=duration).asked()
     threads = threads or len(os.sched_getaffinity(0))
-    names, changes = layer_names(layers), changes_of(settings, bands)
+    names, changes = layer_names(layers), changes_of(settings, bands, layers)
     with imported_or_same(scene, light, allow_missing, DEFAULT_EDGE) as (document, film):
         edges = width or film[0], height or film[1]
         asked = LocalRender(

@@ -97,7 +97,7 @@ def submit(
     A folder of scene documents, --frames and --vary make a group of renders: its name is printed first.
     """
     stop = Stops(error, tile_error, duration, cpu, until).asked()
-    members = members_of(scene, changes_of(settings, bands), frames, varied or [])
+    members = members_of(scene, changes_of(settings, bands, layers), frames, varied or [])
     if len(members) > 1 and not group:
         group = f"{scene.stem} {uuid.uuid4().hex[:6]}"
     with Client(url) as client:

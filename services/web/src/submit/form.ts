@@ -47,6 +47,8 @@ const moreFields: Field[] = [
 ];
 
 const layers = ["albedo", "normal", "depth", "position", "object", "material"];
+/** Channels of the sensor, both or none; layers are made by a pass of their own. */
+const ofLight = ["direct", "indirect"];
 
 /** `onPreflight` is for the second button, which asks what the scene needs. */
 export function submitForm(onSubmit: (asked: Asked) => void, onPreflight: (asked: Asked) => void): { node: HTMLFormElement; begin: (name: string) => void; setFilm: (width: number, height: number) => void; busy: (busy: boolean) => void } {
@@ -54,14 +56,14 @@ export function submitForm(onSubmit: (asked: Asked) => void, onPreflight: (asked
   const button = element("button", { type: "submit", class: "primary" }, "Render");
   const preflight = element("button", { type: "button" }, "Preflight");
   const labelled = ({ name, label }: Field): HTMLElement => element("label", {}, element("span", {}, label), inputs.get(name) ?? "");
-  const boxes = layers.map((name) => element("input", { type: "checkbox", name: "layers", value: name }));
+  const boxes = [...layers, ...ofLight].map((name) => element("input", { type: "checkbox", name: "layers", value: name }));
   const node = element("form", {}, ...fields.map(labelled), layersGroup(boxes), more(moreFields.map(labelled)), button, preflight);
   let requestId = newId();
   node.addEventListener("input", () => { requestId = newId(); });
   const ticked = (): string[] => boxes.filter(({ checked }) => checked).map(({ value }) => value);
   const value = (name: string): string => inputs.get(name)?.value ?? "";
-  const wanted = (): Wanted => ({ frames: value("frames"), changes: value("changes"), varied: value("varied"), bands: value("bands") });
-  const asked = (): Asked => ({ requestId, request: requestOf(value, ticked()), wanted: wanted() });
+  const wanted = (): Wanted => ({ frames: value("frames"), changes: value("changes"), varied: value("varied"), bands: value("bands"), parts: ticked().some((name) => ofLight.includes(name)) });
+  const asked = (): Asked => ({ requestId, request: requestOf(value, ticked().filter((name) => layers.includes(name))), wanted: wanted() });
   node.addEventListener("submit", (event) => {
     event.preventDefault();
     onSubmit(asked());

@@ -10,6 +10,8 @@ export interface Wanted {
   varied: string;
   /** FIRST:LAST:WIDTH in nm; empty: none. */
   bands: string;
+  /** Direct and indirect light as channels. */
+  parts?: boolean;
 }
 
 export interface Member {
@@ -23,8 +25,8 @@ type Change = [place: string, value: unknown];
 const mostMembers = 1000;
 
 /** The scene in every variant and frame; throws Error, fit to be shown. */
-export function membersOf(document: SceneDocument, { frames, changes, varied, bands }: Wanted): Member[] {
-  const fixed = [...linesOf(changes).map(changeOf), ...bandsOf(bands)];
+export function membersOf(document: SceneDocument, { frames, changes, varied, bands, parts }: Wanted): Member[] {
+  const fixed = [...linesOf(changes).map(changeOf), ...bandsOf(bands), ...(parts ? [["sensor.light_parts", true] satisfies Change] : [])];
   const numbers = numbersOf(frames);
   const variants = linesOf(varied).map(valuesOf).reduce<Change[][]>((all, values) => all.flatMap((before) => values.map((value) => [...before, value])), [[]]);
   if (variants.length * numbers.length > mostMembers) throw new Error(`${variants.length * numbers.length} renders are too many to submit here; at most ${mostMembers}`);

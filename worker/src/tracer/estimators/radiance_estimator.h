@@ -14,12 +14,17 @@ class RadianceEstimator {
  public:
   static constexpr Transport kTransport = Transport::kAdjoint;
 
-  explicit RadianceEstimator(const Scene& scene) : scene_(scene) {}
+  explicit RadianceEstimator(const Scene& scene)
+      : scene_(scene), tells_parts_(scene.wavelengths.tells_parts()) {}
 
   /// The first tallies are the samples' own.
-  void reset(std::size_t samples) { radiance_.assign(samples, {}); }
+  void reset(std::size_t samples) {
+    radiance_.assign(samples, {});
+    if (tells_parts_) direct_.assign(samples, {});
+  }
   std::uint32_t add_tally() {
     radiance_.emplace_back();
+    if (tells_parts_) direct_.emplace_back();
     return static_cast<std::uint32_t>(radiance_.size() - 1);
   }
   bool found(std::uint32_t tally) const {
@@ -27,9 +32,8 @@ class RadianceEstimator {
   }
   /// A sample's part of another tally.
   void take(std::size_t sample, std::uint32_t tally, const Spectral<N>& factor) {
-    for (std::size_t i = 0; i < N; ++i) {
-      radiance_[sample][i] += static_cast<double>(factor[i]) * radiance_[tally][i];
-    }
+    add_scaled(radiance_[sample], factor, radiance_[tally]);
+    if (tells_parts_) add_scaled(direct_[sample], factor, direct_[tally]);
   }
 
   void flies(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit) {
@@ -50,23 +54,39 @@ class RadianceEstimator {
   /// No photon towards lights could have counted it.
   void glows(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
     add(group.tally,
-        group.weight * scene_.medium(hit.surface).source(hit.position, sample.wavelengths));
+        group.weight * scene_.medium(hit.surface).source(hit.position, sample.wavelengths),
+        meets_direct_light(group));
   }
 
-  void add(std::uint32_t tally, const Spectral<N>& found) {
-    std::array<double, N>& sum = radiance_[tally];
-    for (std::size_t i = 0; i < N; ++i) sum[i] += static_cast<double>(found[i]);
+  void add(std::uint32_t tally, const Spectral<N>& found, bool direct) {
+    add_to(radiance_[tally], found);
+    if (tells_parts_ && direct) add_to(direct_[tally], found);
   }
 
   /// What each photon of a sample found: an estimate of spectral radiance at its wavelength, W m-2
   /// sr-1 nm-1.
-  Spectral<N> radiance(std::size_t sample) const {
-    Spectral<N> rounded;
-    for (std::size_t i = 0; i < N; ++i) rounded[i] = static_cast<float>(radiance_[sample][i]);
-    return rounded;
+  Spectral<N> radiance(std::size_t sample) const { return rounded(radiance_[sample]); }
+
+  /// What of it is direct; nothing where no response asks.
+  Spectral<N> direct_radiance(std::size_t sample) const {
+    return tells_parts_ ? rounded(direct_[sample]) : Spectral<N>(0.0f);
   }
 
  private:
+  using Tally = std::array<double, N>;
+
+  static void add_to(Tally& sum, const Spectral<N>& found) {
+    for (std::size_t i = 0; i < N; ++i) sum[i] += static_cast<double>(found[i]);
+  }
+  static void add_scaled(Tally& sum, const Spectral<N>& factor, const Tally& found) {
+    for (std::size_t i = 0; i < N; ++i) sum[i] += static_cast<double>(factor[i]) * found[i];
+  }
+  static Spectral<N> rounded(const Tally& sum) {
+    Spectral<N> rounded;
+    for (std::size_t i = 0; i < N; ++i) rounded[i] = static_cast<float>(sum[i]);
+    return rounded;
+  }
+
   // With the MIS weight of the technique that met it (balance heuristic, Veach and Guibas, SIGGRAPH
   // 1995).
   void add_light(const Group<N>& group, const Spectral<N>& light) {
@@ -80,11 +100,12 @@ class RadianceEstimator {
       const Spectral<N>& by_density = group.mis.kernel_pdf;
       found *= (by_kernel ? by_density : Spectral<N>(1.0f)) / (by_density + towards);
     }
-    add(group.tally, found);
+    add(group.tally, found, meets_direct_light(group));
   }
 
   const Scene& scene_;
-  std::vector<std::array<double, N>> radiance_;  // by tally
+  const bool tells_parts_;
+  std::vector<Tally> radiance_, direct_;  // by tally
 };
 
 }  // namespace nocturne

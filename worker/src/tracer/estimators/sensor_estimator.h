@@ -41,8 +41,9 @@ class SensorEstimator {
         group.inside.empty() || std::isinf(splat->distance)
             ? Spectral<N>(1.0f)
             : scene_.transmittance(group.inside, splat->distance, sample.wavelengths);
-    splats_.push_back(
-        {group.sample, splat->pixel, splat->weight * (sample.flux * group.weight * left)});
+    splats_.push_back({group.sample, splat->pixel,
+                       splat->weight * (sample.flux * group.weight * left),
+                       meets_direct_light(group)});
   }
 
   const Scene& scene_;

@@ -16,6 +16,8 @@ struct Splat {
   std::uint32_t pixel;
   /// Of each photon: an estimate of the spectral quantity that the pixel measures.
   Spectral<N> value;
+  /// See meets_direct_light.
+  bool direct;
 };
 
 /// In the order of the samples; those of one sample as they were counted.

@@ -70,7 +70,8 @@ void connect_to_lights(Batch& batch) {
   batch.scene.geometry.occluded(batch.timed_rays, batch.blocked);
   for (std::size_t i = 0; i < batch.shadow_rays.size(); ++i) {
     if (batch.blocked[i] == 0) {
-      batch.estimator.add(batch.shadow_rays[i].tally, batch.shadow_rays[i].light);
+      const auto& shadow = batch.shadow_rays[i];
+      batch.estimator.add(shadow.tally, shadow.light, shadow.direct);
     }
   }
   batch.shadow_rays.clear();

@@ -64,6 +64,7 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
   shadow.way.end = light.free_distance;
   shadow.tally = tally_from(batch, group, wi);
   shadow.light = found;
+  shadow.direct = meets_direct_light(group);
 }
 
 /// Where nothing between can let light through.
