@@ -35,8 +35,9 @@ from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.film import Film
 
-# Layout of CompiledScene; raised with every change that an older worker would misread.
-FORMAT = 3
+# Layouts of CompiledScene; raised with every change that an older worker would misread. The second one is
+# that of scenes whose sensor tells parts of the light.
+FORMAT, FORMAT_WITH_PARTS = 3, 4
 
 
 def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None = None) -> CompiledOutput:
@@ -79,7 +80,8 @@ def compile_layers(document: SceneDocument, blobs: BlobStore, film: Film, layers
 
 def _compile(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.CompiledScene, bool]:
     """All but how it is traced, and whether anything sends light on."""
-    message = scene_pb2.CompiledScene(format=FORMAT)
+    tells_parts = workspace.document.sensor.light_parts
+    message = scene_pb2.CompiledScene(format=FORMAT_WITH_PARTS if tells_parts else FORMAT)
     textures, grids, instances = Textures(workspace), Grids(workspace), Instances(workspace)
     shapes, media = Shapes(workspace, grids), Media(workspace, grids)
     workspace.frame = frame_of(workspace.document, shapes)

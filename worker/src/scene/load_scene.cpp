@@ -17,7 +17,8 @@
 namespace nocturne {
 namespace {
 
-constexpr std::uint32_t kFormat = 3;
+/// Of scenes whose responses count parts of the light, which programs before it would not see.
+constexpr std::uint32_t kFormat = 3, kFormatWithParts = 4;
 // Of one spectrum, so that a scene's size says how much work it makes.
 constexpr int kMaxLines = 10'000;
 
@@ -50,9 +51,9 @@ Spectrum load_spectrum(const v1::Spectrum& message) {
 
 LoadContext make_context(const v1::CompiledScene& message, const FindBlob& find_blob,
                          std::stop_token stop) {
-  if (message.format() != kFormat) {
-    refuse("format " + std::to_string(message.format()) + "; this program reads format " +
-           std::to_string(kFormat));
+  if (message.format() != kFormat && message.format() != kFormatWithParts) {
+    refuse("format " + std::to_string(message.format()) + "; this program reads formats " +
+           std::to_string(kFormat) + " and " + std::to_string(kFormatWithParts));
   }
   LoadContext context{message, find_blob, stop, {}, {}, {}};
   for (const auto& s : message.spectra()) context.spectra.push_back(load_spectrum(s));
