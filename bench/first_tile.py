@@ -46,7 +46,7 @@ class FirstTile:
 
 def run(quick: bool) -> Figures:
     """A service with one worker of two threads, idle but for this; each scene is new to it."""
-    rounds = 1 if quick else 9
+    rounds = 1 if quick else 5
     with running_service(workers=1, threads=THREADS) as service:
         _first_tile(service, _SAMPLES, [])
         plain = [_first_tile(service, _SAMPLES, []) for _ in range(rounds)]

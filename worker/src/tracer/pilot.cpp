@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "tracer/by_threads.h"
 
@@ -22,6 +23,9 @@ constexpr std::uint32_t kSquare = 16;
 /// Of an occlusion query between neighbours, and of a forward photon's ray with its connection to
 /// the camera and its place on the film, in rays of adjoint photons: measured, docs/decisions/0062.
 constexpr double kQueryCost = 0.7, kForwardCost = 1.5;
+/// The first squares, one for each part of the film, decide alone where sharing gains in all of
+/// them so many times more than it has to, or so many times less: somebody waits for the pilot.
+constexpr double kPlain = 1.25;
 /// A way is left for another that is so much better; sharing is judged by a few squares of the
 /// film.
 constexpr double kWorthIt = 1.25, kSharingWorthIt = 1.5;
@@ -122,23 +126,53 @@ class Pilot {
     std::uint32_t samples = kSamples;
     while (samples < kMostSharingSamples && 2 * samples * enough <= all) samples *= 2;
     const auto film = some_squares(std::max(1.0, all / samples), samples);
-    const Direction direction = result_.choice.direction;
-    const PilotImages alone = images(direction, 1, request_.film, film, kSharingImages);
-    const PilotImages shared = images(direction, 16, request_.film, film, kSharingImages);
+    const auto first = film.begin() + static_cast<std::ptrdiff_t>(std::min(kParts, film.size()));
+    PilotImages alone, shared;
+    std::vector<double> gains = gains_of_sharing({film.begin(), first}, alone, shared);
+    if (first != film.end() && !all_plain(gains)) {
+      gains = gains_of_sharing({first, film.end()}, alone, shared);
+    }
+    // A single bright sample may decide about the whole.
+    const auto middle = gains.begin() + static_cast<std::ptrdiff_t>(gains.size() / 2);
+    std::ranges::nth_element(gains, middle);
+    if (!(*middle > kSharingWorthIt)) return;
+    result_.choice.sharing = 16;
+    result_.choice.gain *= *middle;
+  }
+
+  /// By parts of the film, when more squares of it are added to the images of pixels alone and of
+  /// 16 that share.
+  std::vector<double> gains_of_sharing(const std::vector<TileRange>& squares, PilotImages& alone,
+                                       PilotImages& shared) {
+    const auto add = [&](PilotImages& to, std::uint32_t sharing) {
+      PilotImages more =
+          images(result_.choice.direction, sharing, request_.film, squares, kSharingImages);
+      to.samples = more.samples;
+      to.images.resize(more.images.size());
+      for (std::size_t i = 0; i < more.images.size(); ++i) {
+        std::ranges::move(more.images[i], std::back_inserter(to.images[i]));
+      }
+    };
+    add(alone, 1);
+    add(shared, 16);
     const std::vector<double> shown = shown_by({&alone}, {&shared});
     const PilotFigures one = figures_of(PilotFigures::kSharing, 1, alone, shown);
     PilotFigures sixteen = figures_of(PilotFigures::kSharing, 16, shared, shown);
     sixteen.cost = one.cost + kQueryCost * (sixteen.cost - one.cost);
+    std::erase_if(result_.tried, [](const PilotFigures& before) {
+      return before.photons == PilotFigures::kSharing;
+    });
     result_.tried.insert(result_.tried.end(), {one, sixteen});
-    const double gain = gain_of_most(sixteen, one);
-    if (!(gain > kSharingWorthIt)) return;
-    result_.choice.sharing = 16;
-    result_.choice.gain *= gain;
+    return gains_of_parts(sixteen, one);
   }
 
-  /// How much more efficient one is than another: the median of some parts of the film, as a
-  /// single bright sample may decide about the whole.
-  double gain_of_most(const PilotFigures& one, const PilotFigures& other) const {
+  static bool all_plain(const std::vector<double>& gains) {
+    const auto [least, most] = std::ranges::minmax(gains);
+    return least > kPlain * kSharingWorthIt || most < kSharingWorthIt / kPlain;
+  }
+
+  /// How much more efficient one is than another, in some parts of the film.
+  std::vector<double> gains_of_parts(const PilotFigures& one, const PilotFigures& other) const {
     const std::size_t squares = one.of_squares.size();
     const std::size_t parts = std::min(kParts, squares);
     std::vector<double> gains(parts);
@@ -152,9 +186,7 @@ class Pilot {
       gains[part] = product_with_forward(other_error / count, other.cost) /
                     product_with_forward(error / count, one.cost);
     }
-    const auto middle = gains.begin() + static_cast<std::ptrdiff_t>(parts / 2);
-    std::ranges::nth_element(gains, middle);
-    return *middle;
+    return gains;
   }
 
   /// Error times cost of photons from the sensor and of what forward ones add.
