@@ -40,7 +40,7 @@ def test_bands_are_the_sensors() -> None:
     assert parse_bands("380:780:10") == {"sensor.bands": {"first": 380, "last": 780, "width": 10}}
     with pytest.raises(NocturneClientError, match="expected FIRST:LAST:WIDTH"):
         parse_bands("380-780")
-    assert changes_of(["a.b=1"], "") == {"a.b": 1}
+    assert changes_of(["a.b=1"], "", "") == {"a.b": 1}
 
 
 def test_all_layers_have_a_word() -> None:
@@ -53,3 +53,9 @@ def test_a_change_that_makes_no_scene_is_told_with_its_place(scene: dict[str, An
     with pytest.raises(NocturneClientError) as refused:
         compile_to(tmp_path / "scene.json", tmp_path, 8, 8, 4, changes={"sensor.position[1]": "high"})
     assert [each.place for each in refused.value.problems] == ["$.sensor.position[1]"]
+
+
+def test_parts_of_the_light_are_the_sensors_and_no_layers() -> None:
+    assert changes_of(None, "", "albedo, direct") == {"sensor.light_parts": True}
+    assert layer_names("albedo, direct,indirect") == ("albedo",)
+    assert changes_of(None, "", "albedo") == {}
