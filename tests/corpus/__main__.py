@@ -1,11 +1,15 @@
 """python -m tests.corpus MIRRORS -o PAGE.md: import what there is of the corpus, and write how it went.
 
+With --means PYTHON, of an environment with Mitsuba, it renders Mitsuba's files by both renderers instead and
+writes how far the means of their images are apart.
+
 MIRRORS holds clones of the repositories in sources.toml, with or without a work tree, as `owner/name` or
 `owner+name`; those that are not there are left out. Files are read from their newest commit, or
 from the one that is named.
 """
 
 import argparse
+import re
 import subprocess
 import tempfile
 import tomllib
@@ -18,10 +22,12 @@ from typing import Any
 
 from nocturne_scene.formats.import_scene import FORMATS
 
+from tests.corpus import means
 from tests.corpus.trying import FAILED, LOSSY, REFUSED, STRICT, Outcome, tried
 
 _SOURCES = Path(__file__).with_name("sources.toml")
 _KINDS = (STRICT, LOSSY, REFUSED, FAILED)
+_SHAPES = re.compile(r"^\s*(Shape|ObjectInstance|Include|Import)\b", re.MULTILINE)
 # Characters of a reason that are shown: names and numbers differ after them.
 _SHOWN = 90
 
@@ -57,8 +63,30 @@ def chosen(names: list[str], source: dict[str, Any]) -> list[str]:
     )
 
 
+@dataclass(frozen=True)
+class There:
+    """A scene of the corpus, in a folder for as long as it is looked at."""
+
+    format: str
+    repository: str
+    name: str
+    root: Path
+    """Holds all that the scene refers to."""
+
+    @property
+    def file(self) -> Path:
+        """The scene's own file."""
+        return self.root / self.name
+
+
 def attempts(mirrors: Path, only: str, *, compiles: bool) -> Iterator[Tried]:
     """Try every file that is there."""
+    for each in files(mirrors, only):
+        yield Tried(each.format, each.repository, each.name, tried(each.file, each.root, compiles=compiles))
+
+
+def files(mirrors: Path, only: str) -> Iterator[There]:
+    """Every file that is there."""
     for source in tomllib.loads(_SOURCES.read_text())["source"]:
         git = git_folder(mirrors, source["repository"])
         if git is None or only not in source["format"]:
@@ -78,9 +106,19 @@ def attempts(mirrors: Path, only: str, *, compiles: bool) -> Iterator[Tried]:
         tops += tuple(source.get("beside", ()))
         with tempfile.TemporaryDirectory() as kept:
             _write(git, {name: objects[name] for name in objects if name.startswith(tops)}, Path(kept))
-            for name in filter(lambda name: (Path(kept) / name).exists(), scenes):
-                outcome = tried(Path(kept) / name, Path(kept), compiles=compiles)
-                yield Tried(source["format"], source["repository"], name, outcome)
+            for name in filter(lambda name: is_scene(Path(kept) / name), scenes):
+                yield There(source["format"], source["repository"], name, Path(kept))
+
+
+def is_scene(file: Path) -> bool:
+    """Whether a file is there, and, of pbrt's, whether it holds or names anything that has a shape.
+
+    Exporters' tests of cameras, lights and materials have none.
+    """
+    return file.exists() and (
+        file.suffix != ".pbrt"
+        or _SHAPES.search(file.read_text(encoding="utf-8", errors="replace")) is not None
+    )
 
 
 def _write(git: Path, objects: dict[str, str], folder: Path) -> None:
@@ -139,7 +177,21 @@ def main() -> None:
     parser.add_argument(
         "--import-only", action="store_true", help="Don't compile, which takes most of the time."
     )
+    parser.add_argument(
+        "--means",
+        type=Path,
+        metavar="PYTHON",
+        help="Compare with renders by the Mitsuba of this environment.",
+    )
+    parser.add_argument("--names", default="*", help="With --means, only files of this pattern.")
     arguments = parser.parse_args()
+    if arguments.means:
+        scenes = (
+            each for each in files(arguments.mirrors, means.FORMAT) if fnmatch(each.name, arguments.names)
+        )
+        rows = [means.row(each.name, each.file, each.root, arguments.means) for each in scenes]
+        arguments.output.write_text(means.page(rows), encoding="utf-8")
+        return
     found = list(attempts(arguments.mirrors, arguments.format, compiles=not arguments.import_only))
     if not found:
         parser.error(f"{arguments.mirrors} holds none of the repositories in {_SOURCES.name}")

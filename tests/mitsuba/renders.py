@@ -1,6 +1,7 @@
 """Mitsuba's test scenes: imported, rendered in independent batches, and their references."""
 
 import subprocess
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from nocturne_scene.compare.images import read_picture
 from nocturne_scene.formats.import_scene import import_scene
 from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT
 from nocturne_scene.formats.reading.options import Imported, ImportOptions
+from numpy.typing import NDArray
 
 FOLDER = Path(__file__).parents[3] / "shared" / "mitsuba_tests"
 SCENES = FOLDER / "tests" / "scenes"
@@ -71,10 +73,17 @@ class Batches:
 
     def render(self) -> Estimate:
         """The mean of all batches in Mitsuba's unit, its variance from their scatter."""
+        stack = np.stack(list(self._frames()))
+        return Estimate(stack.mean(axis=0), stack.var(axis=0, ddof=1) / self.count, self.count - 1)
+
+    def means(self) -> NDArray[np.float64]:
+        """X, Y, Z of each batch's whole image, shape (batches, 3)."""
+        return np.stack([frame.mean(axis=(0, 1)) for frame in self._frames()])
+
+    def _frames(self) -> Iterator[NDArray[np.float64]]:
         film = self.scene.film
         compiled = compile_to(self.scene.document, self.folder, film.width, film.height, self.samples)
         message = scene_pb2.CompiledScene.FromString(compiled.scene.read_bytes())
-        frames = []
         for seed in range(1, self.count + 1):
             message.tracing.seed = seed
             compiled.scene.write_bytes(message.SerializeToString(deterministic=True))
@@ -83,6 +92,4 @@ class Batches:
             subprocess.run(
                 [*command, "--quiet", "--schedule", compiled.schedule, "--blobs", compiled.blobs], check=True
             )
-            frames.append(read_picture(image).xyz / CANDELAS_PER_UNIT)
-        stack = np.stack(frames)
-        return Estimate(stack.mean(axis=0), stack.var(axis=0, ddof=1) / self.count, self.count - 1)
+            yield read_picture(image).xyz / CANDELAS_PER_UNIT

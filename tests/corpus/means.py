@@ -1,0 +1,178 @@
+"""Means of whole images: ours beside those of the other renderer that a file is for."""
+
+import math
+import subprocess
+import tempfile
+import tomllib
+from dataclasses import dataclass
+from fnmatch import fnmatch
+from fractions import Fraction
+from itertools import count
+from pathlib import Path
+
+import numpy as np
+from nocturne_scene.errors import InputError
+from nocturne_scene.formats.import_scene import import_scene
+from nocturne_scene.formats.reading.options import ImportOptions
+from nocturne_scene.formats.reading.scene_writer import FilmSettings
+from numpy.typing import NDArray
+
+from tests.mitsuba.renders import Batches
+
+Values = NDArray[np.float64]
+
+FORMAT = "Mitsuba 3"
+BATCHES = 8
+BOUND = 0.02
+"""Of the means' ratio less one: what counts as the same light."""
+
+# Of an image, all batches together, where the film's shape allows it.
+_SAMPLES = 1_200_000
+_PIXELS = 2_500
+_SAME_SHAPE = Fraction(1, 1000)
+_SECONDS = 900
+
+_REASONS = Path(__file__).with_name("reasons.toml")
+# Characters of what is told.
+_SHOWN = 300
+
+# Integrators and materials that count with polarised light say so in their message.
+_VARIANTS = ("scalar_spectral", "scalar_spectral_polarized")
+_POLARIZED = "polariz"
+
+
+class RefusedByPeer(Exception):
+    """Mitsuba doesn't render a file: its message."""
+
+
+@dataclass(frozen=True)
+class Means:
+    """X, Y, Z of both, in Mitsuba's unit, with standard errors."""
+
+    ours: Values
+    ours_error: Values
+    theirs: Values
+    theirs_error: Values
+
+    @property
+    def ratio(self) -> Values:
+        """Ours over theirs."""
+        return self.ours / self.theirs
+
+    @property
+    def error(self) -> Values:
+        """Standard error of the ratio."""
+        relative = np.hypot(self.ours_error / self.ours, self.theirs_error / self.theirs)
+        return np.asarray(self.ratio * relative)
+
+    @property
+    def agree(self) -> bool:
+        """Whether X, Y and Z are within the bound."""
+        return bool(np.all(np.abs(self.ratio - 1) <= BOUND))
+
+
+@dataclass(frozen=True)
+class Row:
+    """A file, and what came of it."""
+
+    name: str
+    means: Means | None
+    told: str
+    """What the importer lost, why the means are known to differ, or why there are none."""
+
+
+def row(name: str, file: Path, root: Path, python: Path) -> Row:
+    """Compares one file."""
+    try:
+        means, losses = compared(file, root, python)
+    except InputError as error:
+        return Row(name, None, f"refused: {error.problems[0].message}")
+    except RefusedByPeer as error:
+        return Row(name, None, f"not by Mitsuba: {error}")
+    reason = "" if means.agree else known_reason(name)
+    return Row(name, means, "; ".join(filter(None, (reason, *losses))))
+
+
+def known_reason(name: str) -> str:
+    """Why the means of a file differ, where that is known."""
+    known: list[dict[str, str]] = tomllib.loads(_REASONS.read_text())["reason"]
+    return next((each["why"] for each in known if fnmatch(name, each["file"])), "")
+
+
+def page(rows: list[Row]) -> str:
+    """All files: first those whose means differ, last those without."""
+    compared = [each for each in rows if each.means is not None]
+    differ = [each for each in compared if each.means is not None and not each.means.agree]
+    lines = [
+        "# Means against Mitsuba's own renders",
+        "",
+        f"{len(compared)} files rendered by both: {len(compared) - len(differ)} within {BOUND:.0%} in "
+        f"X, Y and Z, {len(differ)} beyond, {sum(not each.told for each in differ)} of them unexplained. "
+        f"{len(rows) - len(compared)} not rendered by both.",
+        "",
+        "Ours over theirs, less one, with the standard error of both together.",
+        "",
+        "| file | X | Y | Z | |",
+        "| --- | --- | --- | --- | --- |",
+    ]
+    rest = [each for each in rows if each not in differ and each.means is not None]
+    for each in (*differ, *rest):
+        if each.means is not None:
+            parts = zip(each.means.ratio, each.means.error, strict=True)
+            cells = " | ".join(f"{ratio - 1:+.2%} ± {error:.2%}" for ratio, error in parts)
+            lines.append(f"| {each.name} | {cells} | {_cell(each.told)} |")
+    lines += ["", "| not compared | why |", "| --- | --- |"]
+    lines += [f"| {each.name} | {_cell(each.told)} |" for each in rows if each.means is None]
+    return "\n".join(lines) + "\n"
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "/").replace("\n", " ")[:_SHOWN]
+
+
+def small(film: FilmSettings) -> FilmSettings:
+    """A film with few pixels, of the same shape to a thousandth."""
+    shape = Fraction(film.width, film.height)
+    near = next(
+        fraction
+        for fraction in map(shape.limit_denominator, count(1))
+        if abs(fraction / shape - 1) <= _SAME_SHAPE
+    )
+    times = max(1, round(math.sqrt(_PIXELS / (near.numerator * near.denominator))))
+    return FilmSettings(near.numerator * times, near.denominator * times)
+
+
+def compared(file: Path, root: Path, python: Path) -> tuple[Means, tuple[str, ...]]:
+    """Renders a Mitsuba file by both renderers; with what the importer lost.
+
+    `python` is of an environment with Mitsuba.
+    """
+    with tempfile.TemporaryDirectory() as kept:
+        folder = Path(kept)
+        imported = import_scene(file, folder / "scene", ImportOptions(root, allow_missing=True))
+        film = small(imported.film)
+        samples = max(1, round(_SAMPLES / BATCHES / (film.width * film.height)))
+        theirs = _theirs(file, film, samples, python, folder / "means.npy")
+        scene = type(imported)(imported.document, film, imported.notes, imported.missing)
+        ours = Batches(scene, folder / "compiled", BATCHES, samples).means()
+    losses = tuple(each.message for each in imported.missing)
+    return Means(*_of(ours), *_of(theirs)), losses
+
+
+def _theirs(file: Path, film: FilmSettings, samples: int, python: Path, means: Path) -> Values:
+    script = Path(__file__).with_name("mitsuba_means.py")
+    for variant in _VARIANTS:
+        command = [python, "-P", script, variant, file, film.width, film.height, samples, BATCHES, means]
+        done = subprocess.run(
+            [str(word) for word in command], check=False, capture_output=True, text=True, timeout=_SECONDS
+        )
+        if not done.returncode:
+            return np.asarray(np.load(means), dtype=np.float64)
+        if _POLARIZED not in done.stderr:
+            break
+    raise RefusedByPeer(done.stderr.strip().splitlines()[-1])
+
+
+def _of(batches: Values) -> tuple[Values, Values]:
+    """Mean and its standard error."""
+    return batches.mean(axis=0), batches.std(axis=0, ddof=1) / math.sqrt(len(batches))
