@@ -4,7 +4,12 @@ import json
 import subprocess
 from pathlib import Path
 
-from tests.corpus.__main__ import Tried, chosen, git_folder, page
+import numpy as np
+import pytest
+from nocturne_scene.formats.reading.scene_writer import FilmSettings
+
+from tests.corpus import means
+from tests.corpus.__main__ import Tried, chosen, git_folder, is_scene, page
 from tests.corpus.trying import FAILED, LOSSY, REFUSED, STRICT, Outcome, tried
 from tests.scene.formats.test_gltf import tree
 
@@ -40,3 +45,29 @@ def test_the_page_counts_by_format() -> None:
     assert "| glTF 2.0 | 5 | 2 | 1 | 1 | 1 |" in text
     assert "| 1 | glTF 2.0 | why refused |" in text
     assert "| a/b: refused.gltf | refused | why refused |" in text
+
+
+def test_a_pbrt_file_without_shapes_is_no_scene(tmp_path: Path) -> None:
+    light, ball = tmp_path / "light.pbrt", tmp_path / "ball.pbrt"
+    light.write_text('WorldBegin\nLightSource "infinite"\n# Shape "sphere"\n')
+    ball.write_text('WorldBegin\n  Shape "sphere"\n')
+    assert (is_scene(light), is_scene(ball), is_scene(tmp_path / "none.pbrt")) == (False, True, False)
+
+
+def test_a_film_keeps_its_shape_with_few_pixels() -> None:
+    found = means.small(FilmSettings(683, 512))
+    assert found.width / found.height == pytest.approx(683 / 512, rel=1e-3)
+    assert found.width * found.height < 4_000
+
+
+def test_the_page_of_means_says_what_differs_and_why() -> None:
+    one, error = np.ones(3), np.full(3, 0.001)
+    rows = [
+        means.Row("same.xml", means.Means(1.019 * one, error, one, error), ""),
+        means.Row("gold.xml", means.Means(1.021 * one, error, one, error), "another table"),
+        means.Row("torn.xml", None, "refused: no file"),
+    ]
+    text = means.page(rows)
+    assert "2 files rendered by both: 1 within 2% in X, Y and Z, 1 beyond, 0 of them unexplained" in text
+    assert "| gold.xml | +2.10% ± 0.14% |" in text
+    assert "| torn.xml | refused: no file |" in text

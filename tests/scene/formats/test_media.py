@@ -83,6 +83,17 @@ def test_colours_of_a_medium_are_smooth_spectra(tmp_path: Path) -> None:
     assert tables[1].max() > 0.8
 
 
+def test_a_colour_of_a_medium_is_scaled(tmp_path: Path) -> None:
+    """A colour within [0, 1] is no table when it is read."""
+    body = MEDIUM.format(phase="").replace(
+        '<float name="sigma_t" value="3"/>', '<rgb name="sigma_t" value="1 0.2 1"/>'
+    )
+    document = mitsuba(tmp_path, CAMERA + body + BALL.format(bsdf="null", side="interior"))
+    at = np.array([450.0, 550.0, 620.0])
+    total = sum(colours.values_of(document["media"]["m"][name], at) for name in ("absorption", "scattering"))
+    assert total == pytest.approx(2 * colours.values_of({"rgb": [1.0, 0.2, 1.0]}, at), rel=1e-3)
+
+
 def test_a_medium_around_the_sensor_that_no_shape_encloses_is_everywhere(tmp_path: Path) -> None:
     camera = '<sensor type="perspective"><float name="fov" value="40"/><ref id="m"/></sensor>'
     glass = BALL.format(bsdf="dielectric", side="exterior")

@@ -137,6 +137,26 @@ def test_what_else_is_principled_is_ours(tmp_path: Path) -> None:
     }
 
 
+BOARD = """<texture name="{name}" type="checkerboard"><float name="color0" value="0.9"/>
+<float name="color1" value="0.1"/></texture>"""
+
+
+def test_a_principled_number_that_varies_is_its_mean_and_told(tmp_path: Path) -> None:
+    board = BOARD.format(name="clearcoat")
+    body = f'<shape type="sphere"><bsdf type="principled">{board}</bsdf></shape>'
+    document, found = imported(tmp_path, body, allow_missing=True)
+    assert document["surfaces"][0]["kernel"]["front"]["coat"] == pytest.approx(0.25 * 0.5)
+    assert [each.message for each in found.missing] == [
+        'no equal of a principled "clearcoat" that varies; taken as its mean, 0.5'
+    ]
+
+
+def test_principled_glass_in_part_is_the_boundary_of_a_body(tmp_path: Path) -> None:
+    """Of a body nothing is hidden behind a front."""
+    found = kernel(tmp_path, principled(base_color=1, spec_trans=0.5))
+    assert (found["type"], found["second"]["type"]) == ("blend", "dielectric")
+
+
 def test_a_principled_brush_is_along_u(tmp_path: Path) -> None:
     """Alpha is 0.25 over and times the root of 1 - 0.9 x 0.5."""
     front = kernel(tmp_path, principled(metallic=1, roughness=0.5, anisotropic=0.5))["front"]

@@ -54,6 +54,8 @@ def scaled(spectrum: Json, factor: float) -> Json:
         return spectrum | {"spectrum": scaled(spectrum.get("spectrum", 1.0), factor)}
     if "luminance" in spectrum:
         return spectrum | {"luminance": spectrum["luminance"] * factor} if factor > 0 else 0.0
+    if "rgb" in spectrum:
+        return table(SMOOTH, factor * values_of(spectrum, SMOOTH))
     raise ValueError(f"{sorted(spectrum)} has no size to scale")
 
 

@@ -17,7 +17,7 @@ class ImportOptions:
     parameters: Mapping[str, str] = field(default_factory=dict)
     """Values for `$name` in Mitsuba's files, instead of their defaults."""
     light_radius: float | None = None
-    """Metres, of a lamp without a size; None: a thousandth of the scene's diagonal."""
+    """Metres, of a lamp without a size; None: by the scene (`Extent.lamp_radius`)."""
     light_degrees: float = 0.1
     """Angular diameter of a lamp at infinity without a size; at least 0.01."""
     light: str | None = None

@@ -23,6 +23,7 @@ from nocturne_scene.formats.gltf.read.poses import Poses, poses_at
 from nocturne_scene.formats.gltf.read.primitives import Primitive, Skin, read_primitive
 from nocturne_scene.formats.reading import colours, lamps, shapes, transforms
 from nocturne_scene.formats.reading.baking import bake
+from nocturne_scene.formats.reading.extent import Extent
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.formats.reading.scene_writer import SceneWriter
@@ -55,8 +56,7 @@ class _Reader:
     options: ImportOptions
     materials: Materials
     poses: Poses
-    lowest: np.ndarray
-    highest: np.ndarray
+    extent: Extent = field(default_factory=Extent)
     nodes: list[tuple[int, Matrix]] = field(default_factory=list)
     cameras: list[tuple[int, Matrix]] = field(default_factory=list)
 
@@ -101,25 +101,25 @@ class _Reader:
                 self._mesh(index, entry, each, None)
             return
         before = len(self.writer.document.get("surfaces", []))
-        lowest, highest = self.lowest, self.highest
-        self.lowest, self.highest = np.full(3, np.inf), np.full(3, -np.inf)
+        outer, self.extent = self.extent, Extent()
         self._mesh(index, entry, transforms.IDENTITY, None)
         members = self.writer.document.get("surfaces", [])[before:]
         if not members:
-            self.lowest, self.highest = lowest, highest
+            self.extent = outer
             return
         del self.writer.document["surfaces"][before:]
         group = self.writer.name("groups", str(entry.get("name") or "copies"), members)
-        ends = np.stack(np.meshgrid(*np.stack([self.lowest, self.highest], 1)), -1).reshape(-1, 3)
+        ends = np.stack(np.meshgrid(*np.stack([self.extent.lowest, self.extent.highest], 1)), -1).reshape(
+            -1, 3
+        )
         for factor, each in zip(factors, copies, strict=True):
             instance: Json = {"group": group, "translate": each[:3, 3].tolist(), "scale": factor}
             turn = transforms.rotation_of(each[:3, :3] / factor)
             if turn is not None:
                 instance["rotate"] = {"axis": turn[0], "degrees": turn[1]}
             self.writer.add("instances", instance)
-            placed = ends @ each[:3, :3].T + each[:3, 3]
-            lowest, highest = np.minimum(lowest, placed.min(axis=0)), np.maximum(highest, placed.max(axis=0))
-        self.lowest, self.highest = lowest, highest
+            outer.add(ends @ each[:3, :3].T + each[:3, 3])
+        self.extent = outer
 
     def _copies(self, entry: Json, matrix: Matrix, place: str) -> list[Matrix]:
         """Where EXT_mesh_gpu_instancing puts a node's mesh."""
@@ -178,8 +178,7 @@ class _Reader:
         placed = shapes.transformed(triangles, matrix)
         surface = self.materials.surface(material, tint)
         shape = self.writer.mesh(name, placed)
-        self.lowest = np.minimum(self.lowest, placed.vertices.min(axis=0))
-        self.highest = np.maximum(self.highest, placed.vertices.max(axis=0))
+        self.extent.add(placed.vertices)
         self.writer.add("surfaces", {"name": name, **surface, "shape": shape})
 
     def _tinted(
@@ -202,7 +201,7 @@ class _Reader:
         """The first camera of the scene; without one, one that sees everything."""
         if not self.cameras:
             self.findings.note("", "the file has no camera; this one looks at everything from the front")
-            middle, size = (self.lowest + self.highest) / 2, float(np.linalg.norm(self.highest - self.lowest))
+            middle, size = (self.extent.lowest + self.extent.highest) / 2, self.extent.diagonal
             away = middle + np.array([0.0, 0.0, 1.5 * size])
             where = {"position": away.tolist(), "look_at": middle.tolist()}
             return {"type": "pinhole", "vertical_field_of_view_degrees": 40.0, **where}
@@ -253,8 +252,7 @@ class _Reader:
             return
         radius = self.options.light_radius
         if radius is None:
-            diagonal = float(np.linalg.norm(self.highest - self.lowest))
-            radius = 1e-3 * diagonal if math.isfinite(diagonal) and diagonal > 0 else 1e-3
+            radius = self.extent.lamp_radius(position)
         self.findings.note(
             place, f"the {kind} became a sphere of radius {radius:.4g} m and the same intensity"
         )
@@ -296,9 +294,8 @@ def import_gltf(file: Path, writer: SceneWriter, findings: Findings, options: Im
             container.shown, "of a material's variants the one that a file shows by itself is taken"
         )
     materials = Materials(container, writer, findings, Pictures(container, writer, findings))
-    bounds = np.full(3, np.inf), np.full(3, -np.inf)
     poses = poses_at(container, findings, options.time)
-    reader = _Reader(container, writer, findings, options, materials, poses, *bounds)
+    reader = _Reader(container, writer, findings, options, materials, poses)
     scene = container.item("scenes", value(tree, "scene", 0), "the file")
     for index in value(scene, "nodes", []):
         reader.node(index, transforms.IDENTITY, ())

@@ -260,7 +260,8 @@ def _polarising_plastic(context: Context, properties: Properties) -> Bsdf:
 
 def _principled(context: Context, properties: Properties) -> Bsdf:
     kernel = principled(context, properties)
-    return Bsdf(kernel if kernel["type"] == "dielectric" else front_only(kernel))
+    # A blend has glass in it, the boundary of a body.
+    return Bsdf(kernel if kernel["type"] in ("dielectric", "blend") else front_only(kernel))
 
 
 def _inside(context: Context, properties: Properties, least: int, most: int) -> list[Bsdf]:

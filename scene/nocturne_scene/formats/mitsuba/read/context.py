@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from nocturne_scene.formats.mitsuba.read.elements import Element, SceneTree
 from nocturne_scene.formats.mitsuba.read.properties import Properties
+from nocturne_scene.formats.reading.extent import Extent
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
@@ -36,22 +37,13 @@ class Context:
     """Groups made so far, by the id of their shapegroup."""
     hides_emitters: bool = False
     """Whether the camera sees past all lights."""
-    lowest: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.inf))
-    highest: NDArray[np.float64] = field(default_factory=lambda: np.full(3, -np.inf))
-    """Box around all surfaces."""
+    extent: Extent = field(default_factory=Extent)
 
     def properties(self, element: Element) -> Properties:
         """The parameters of a plugin."""
         return Properties(element, self.tree, self.findings)
 
-    def extend(self, points: NDArray[np.float64]) -> None:
-        """Let the box hold some points more."""
-        self.lowest = np.minimum(self.lowest, points.min(axis=0))
-        self.highest = np.maximum(self.highest, points.max(axis=0))
-
-    def light_radius(self) -> float:
-        """Of lamps that have none: as given, else a thousandth of the scene's diagonal."""
-        if self.options.light_radius is not None:
-            return self.options.light_radius
-        diagonal = float(np.linalg.norm(self.highest - self.lowest))
-        return 1e-3 * diagonal if np.isfinite(diagonal) and diagonal > 0 else 1e-3
+    def light_radius(self, place: NDArray[np.float64]) -> float:
+        """Of a lamp that has none."""
+        given = self.options.light_radius
+        return self.extent.lamp_radius(place) if given is None else given

@@ -65,7 +65,7 @@ def _point(context: Context, properties: Properties) -> None:
     to_world = properties.transform("to_world")
     place = to_world[:3, 3] if position is None else np.array(position)
     intensity = textures.light(context, properties, "intensity", _standard())
-    radius = context.light_radius()
+    radius = context.light_radius(place)
     context.findings.note(
         properties.place, f"the point became a sphere of radius {radius:.4g} m and the same intensity"
     )
@@ -81,7 +81,7 @@ def _spot(context: Context, properties: Properties) -> None:
     texture = properties.take("texture")
     if not 0 < beam <= cutoff < 180:
         raise InputError.at(properties.place, "expected 0 < beam_width <= cutoff_angle < 180")
-    radius = context.light_radius()
+    radius = context.light_radius(to_world[:3, 3])
     context.findings.note(
         properties.place, f"the spot became a sphere of radius {radius:.4g} m and the same intensities"
     )
@@ -133,7 +133,7 @@ def _projector(context: Context, properties: Properties) -> None:
         rise = math.pi * scale * (1 + x**2 + y**2) ** 1.5
         return rise[..., None] * looked_up(slide, 0.5 - 0.5 * x / wide, 0.5 - 0.5 * y / high)
 
-    radius = context.light_radius()
+    radius = context.light_radius(to_world[:3, 3])
     made = (values, max(rows, columns))
     _add_beam(context, properties, to_world, radius, math.hypot(wide, high), made, colour)
 

@@ -66,10 +66,11 @@ def _number(context: Context, properties: Properties, name: str, default: float)
     found = textures.number(context, properties, name, default)
     if isinstance(found, float | int):
         return float(found)
+    mean = textures.mean(context, found, default, properties.place)
     context.findings.lost(
-        properties.place, f'no equal of a principled "{name}" that varies; taken as {default:g}'
+        properties.place, f'no equal of a principled "{name}" that varies; taken as its mean, {mean:.3g}'
     )
-    return default
+    return mean
 
 
 def _alpha(roughness: float) -> float:
@@ -80,10 +81,11 @@ def _glass(context: Context, properties: Properties, base: Json, index: float, r
     if base != 1.0:
         context.findings.lost(properties.place, 'no equal of a principled "base_color" of glass other than 1')
     if not isinstance(roughness, float):
+        roughness = textures.mean(context, roughness, 0.5, properties.place)
         context.findings.lost(
-            properties.place, 'no equal of a principled "roughness" of glass that varies; taken as 0.5'
+            properties.place,
+            f'no equal of a principled "roughness" of glass that varies; taken as its mean, {roughness:.3g}',
         )
-        roughness = 0.5
     return {"type": "dielectric", "index": index, "roughness": _alpha(roughness)}
 
 

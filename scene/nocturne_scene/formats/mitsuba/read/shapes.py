@@ -136,7 +136,7 @@ def _mesh(
         mesh = Triangles(mesh.vertices, mesh.indices, mesh.normals, np.zeros((len(mesh.vertices), 2)))
     if len(mesh.vertices) == 0:
         raise InputError.at(properties.place, "the mesh is empty")
-    context.extend(mesh.vertices)
+    context.extent.add(mesh.vertices)
     return context.writer.mesh(name, mesh)
 
 
@@ -189,7 +189,7 @@ def _sphere(context: Context, properties: Properties, to_world: Matrix, material
     factor = transforms.similarity(placed)
     if factor is not None and not material.textured and not properties.has("flip_normals"):
         middle = placed[:3, 3]
-        context.extend(np.array([middle - factor, middle + factor]))
+        context.extent.add(np.array([middle - factor, middle + factor]))
         return {"type": "sphere", "centre": middle.tolist(), "radius": factor}
     context.findings.note(
         properties.place, f"the sphere became a mesh of {2 * shapes.AROUND * shapes.ALONG} triangles"
@@ -257,7 +257,7 @@ def _rectangle(context: Context, properties: Properties, to_world: Matrix, mater
         return _mesh(context, properties, to_world, material, shapes.rectangle(), "rectangle")
     corners = np.array([[-1, -1, 0, 1], [1, -1, 0, 1], [-1, 1, 0, 1]]) @ to_world.T
     corner, right, top = corners[:, :3]
-    context.extend(np.array([corner, right, top, right + top - corner]))
+    context.extent.add(np.array([corner, right, top, right + top - corner]))
     edges = {"edge_u": (right - corner).tolist(), "edge_v": (top - corner).tolist()}
     return {"type": "quad", "corner": corner.tolist(), **edges}
 

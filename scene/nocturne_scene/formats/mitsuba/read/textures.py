@@ -168,6 +168,13 @@ def pixels_of(context: Context, use: Json, place: str) -> Pixels:
     return pixels
 
 
+def mean(context: Context, use: Json, unknown: float, place: str) -> float:
+    """Of a picture; `unknown` for a mesh's attribute."""
+    if use["texture"].startswith(ATTRIBUTE):
+        return unknown
+    return float(pixels_of(context, use, place).mean())
+
+
 def texture(context: Context, element: Element) -> Json:
     """The use of a texture, or the number that it is everywhere; None where it has no equal.
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nocturne_scene.formats.pbrt.read.parameters import Parameter, Parameters
+from nocturne_scene.formats.reading.extent import Extent
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.formats.reading.scene_files import SceneFiles
@@ -53,8 +54,7 @@ class Context:
     """Groups by name: the group's name in the document, and its surfaces."""
     curves: dict[str, list[NDArray[np.float64]]] = field(default_factory=dict)
     """Curves that are no part of objects, by the JSON of what their surface has but a shape."""
-    lowest: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.inf))
-    highest: NDArray[np.float64] = field(default_factory=lambda: np.full(3, -np.inf))
+    extent: Extent = field(default_factory=Extent)
     later: list[Callable[[], None]] = field(default_factory=list)
     """What waits for the size of the scene."""
 
@@ -70,14 +70,7 @@ class Context:
         """A file that the scene names."""
         return self.files.find(name, [self.folder], place)
 
-    def extend(self, points: NDArray[np.float64]) -> None:
-        """Let the box around all surfaces hold some points more."""
-        self.lowest = np.minimum(self.lowest, points.min(axis=0))
-        self.highest = np.maximum(self.highest, points.max(axis=0))
-
-    def light_radius(self) -> float:
-        """Of lamps that have none: as given, else a thousandth of the scene's diagonal."""
-        if self.options.light_radius is not None:
-            return self.options.light_radius
-        diagonal = float(np.linalg.norm(self.highest - self.lowest))
-        return 1e-3 * diagonal if np.isfinite(diagonal) and diagonal > 0 else 1e-3
+    def light_radius(self, place: NDArray[np.float64]) -> float:
+        """Of a lamp that has none."""
+        given = self.options.light_radius
+        return self.extent.lamp_radius(place) if given is None else given

@@ -105,7 +105,7 @@ def _point(context: Context, parameters: Parameters) -> None:
     intensity = spectra.light(context, parameters, "I", _scale(parameters, 4 * np.pi))
 
     def add() -> None:
-        radius = context.light_radius()
+        radius = context.light_radius(position)
         context.findings.note(
             parameters.place, f"the point became a sphere of radius {radius:.4g} m and the same intensity"
         )
@@ -128,7 +128,7 @@ def _spot(context: Context, parameters: Parameters) -> None:
     part = t * t * (3 - 2 * t)
 
     def add() -> None:
-        radius = context.light_radius()
+        radius = context.light_radius(start)
         context.findings.note(
             parameters.place, f"the spot became a sphere of radius {radius:.4g} m and the same intensities"
         )

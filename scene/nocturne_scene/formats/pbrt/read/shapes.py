@@ -98,7 +98,7 @@ def _placed(context: Context, mesh: Triangles, textured: bool, name: str) -> Jso
             None if mesh.normals is None else mesh.normals[corner],
             np.tile([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], (len(mesh.indices), 1)),
         )
-    context.extend(mesh.vertices)
+    context.extent.add(mesh.vertices)
     return context.writer.mesh(name, mesh)
 
 
@@ -114,7 +114,7 @@ def _sphere(context: Context, parameters: Parameters, textured: bool) -> Json:
     factor = transforms.similarity(matrix)
     if factor is not None and not textured and not context.state.reversed:
         centre = matrix[:3, 3]
-        context.extend(np.array([centre - factor * radius, centre + factor * radius]))
+        context.extent.add(np.array([centre - factor * radius, centre + factor * radius]))
         return {"type": "sphere", "centre": centre.tolist(), "radius": factor * radius}
     return _placed(
         context, shapes.transformed(shapes.sphere(), transforms.scaling([radius] * 3)), textured, "sphere"
@@ -148,7 +148,7 @@ def _curve(context: Context, parameters: Parameters) -> np.ndarray:
 
 def _tubes(context: Context, curves: list[np.ndarray]) -> Json:
     mesh = tubes.tubes(curves)
-    context.extend(mesh.vertices)
+    context.extent.add(mesh.vertices)
     context.findings.note("", f"{len(curves)} curves became a mesh of {len(mesh.indices)} triangles")
     return context.writer.mesh("curves", mesh)
 
