@@ -45,6 +45,9 @@ MATERIALS: dict[str, dict[str, float]] = {
     "brushed": {"anisotropic": 0.8},
     "half metal": {"metallic": 0.5},
 }
+# Mitsuba's spectral variants divide a tint by the luminance of the few wavelengths of a path: 10 to 25 % more
+# comes back than by its variants in RGB.
+IN_RGB = ("tinted",)
 # Under a lamp as much comes back only where lobes have the same shapes: flat ones, fuzz and the tails of
 # coats have not, and the base of what is partly metal is the colour of the metal, too.
 CASES = [(name, SKY) for name in MATERIALS] + [
@@ -60,8 +63,9 @@ def test_a_sphere_sends_back_as_much_light(name: str, light: str, tmp_path: Path
     numbers = "".join(f'<float name="{each}" value="{value}"/>' for each, value in parameters.items())
     scene = tmp_path / "scene.xml"
     scene.write_text(SCENE.format(samples=_SAMPLES, light=light, numbers=numbers))
+    variant = "scalar_rgb" if name in IN_RGB else "scalar_spectral"
     script = Path(__file__).with_name("mitsuba_batches.py")
-    command = [PYTHON, "-P", script, "scalar_spectral", scene, _SAMPLES, 1, tmp_path / "theirs.npy"]
+    command = [PYTHON, "-P", script, variant, scene, _SAMPLES, 1, tmp_path / "theirs.npy"]
     subprocess.run([str(word) for word in command], check=True, capture_output=True)
     theirs = np.load(tmp_path / "theirs.npy")[0].mean(axis=(0, 1))
     imported = import_scene(scene, tmp_path / "ours", ImportOptions())

@@ -81,8 +81,11 @@ def _add(context: Context, element: Element) -> list[str]:
     if not extinction.grids:
         if albedo.grids:
             context.findings.lost(
-                element.place, "an albedo that varies in a medium that does not has no equal; taken as 1"
+                element.place,
+                "an albedo that varies in a medium that does not has no equal; taken as its mean",
             )
+            means = [float(grid.values.mean()) for grid in albedo.grids]
+            albedo = Volume(colours.reflectance(means if len(means) == 3 else means * 3))
         made = _coefficients(element, colours.scaled(extinction.value, scale), albedo.value)
         return [context.writer.name("media", name, made | (scatters if "scattering" in made else {}))]
     make = _varying_albedo if albedo.grids else _even_albedo

@@ -5,6 +5,8 @@ the base gets what the glossy part lets through; it is made lighter so that in e
 difference (burley.py).
 """
 
+from collections.abc import Sequence
+
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read import burley, textures
 from nocturne_scene.formats.mitsuba.read.context import Context
@@ -13,6 +15,7 @@ from nocturne_scene.formats.reading import colours, metals
 from nocturne_scene.formats.reading.scene_writer import Json
 
 _LEAST_ALPHA = 1e-3
+_WHITE = [1.0] * 3
 # How its lobes are sampled.
 _SAMPLING = ("main_specular_sampling_rate", "clearcoat_sampling_rate", "diffuse_reflectance_sampling_rate")
 # A clear coat is a quarter of a coat of this index, and reflects of even light so much.
@@ -42,10 +45,11 @@ def principled(context: Context, properties: Properties) -> Json:
         _need(context, properties, "spec_tint", 0.0)
         return _glass(context, properties, base, index, roughness)
     found = {"type": "principled", "metallic": metallic, "index": index}
-    found |= _facets(roughness, anisotropic) | _tinted(context, properties, base, index)
+    hue = _hue(context, properties, base, "spec_tint")
+    found |= _facets(roughness, anisotropic) | _tinted(hue, index)
     found |= _sheen(context, properties, base, metallic)
     flatness = _number(context, properties, "flatness", 0.0)
-    found["base"] = _base(base, metallic, flatness, index, roughness, coat)
+    found["base"] = _base(base, metallic, flatness, (index, hue), roughness, coat)
     if coat > 0:
         alpha = 0.1 + gloss * (0.001 - 0.1)
         found |= {"coat": min(1.0, _COAT * coat), "coat_roughness": alpha**0.5, "coat_index": _COAT_INDEX}
@@ -107,19 +111,18 @@ def _hue(context: Context, properties: Properties, base: Json, name: str) -> lis
     """White, of which `name` says how much has the hue of the base: linear sRGB of luminance 1."""
     amount = _number(context, properties, name, 0.0)
     if amount == 0.0 or isinstance(base, float):
-        return [1.0] * 3
+        return _WHITE
     if "rgb" not in base or not max(base["rgb"]) > 0:
         context.findings.lost(properties.place, f'no equal of a "{name}" whose "base_color" is no rgb')
-        return [1.0] * 3
+        return _WHITE
     luminance = sum(part * each for part, each in zip(colours.LUMINANCE, base["rgb"], strict=True))
     return [1 + amount * (each / luminance - 1) for each in base["rgb"]]
 
 
-def _tinted(context: Context, properties: Properties, base: Json, index: float) -> Json:
-    hue = _hue(context, properties, base, "spec_tint")
-    if hue == [1.0] * 3:
+def _tinted(hue: Sequence[float], index: float) -> Json:
+    if hue == _WHITE:
         return {}
-    own = ((index - 1) / (index + 1)) ** 2
+    own = _at_normal(index)
     return {"specular_colour": colours.reflectance([min(1.0, own * each) for each in hue])}
 
 
@@ -133,18 +136,52 @@ def _sheen(context: Context, properties: Properties, base: Json, metallic: Json)
     return {"sheen": colour, "sheen_roughness": burley.SHEEN_ROUGHNESS}
 
 
-def _base(base: Json, metallic: Json, flatness: float, index: float, roughness: Json, coat: float) -> Json:
-    """The base that sends back as much even light, where it is all diffuse."""
+def _base(
+    base: Json,
+    metallic: Json,
+    flatness: float,
+    facets: tuple[float, list[float]],
+    roughness: Json,
+    coat: float,
+) -> Json:
+    """The base that sends back as much even light, where it is all diffuse.
+
+    `facets`: the index of what is above it, and the hue of what that reflects.
+    """
     if metallic != 0.0 or (isinstance(base, dict) and "texture" in base):
         return base
+    index, hue = facets
     rough = roughness if isinstance(roughness, float) else 0.5
-    gain = burley.diffuse_albedo(rough, min(1.0, flatness)) / burley.passing(rough, index)
-    gain /= 1 - _COAT * coat * _COAT_REFLECTS
-    less = burley.lost_between_facets(rough, index) / burley.passing(rough, index)
+    white = burley.diffuse_albedo(rough, min(1.0, flatness)) / (1 - _COAT * coat * _COAT_REFLECTS)
+
+    def under(index: float) -> tuple[float, float]:
+        passing = burley.passing(rough, index)
+        return white / passing, burley.lost_between_facets(rough, index) / passing
+
+    if hue != _WHITE and isinstance(base, dict) and "rgb" in base:
+        # Where less of a colour is reflected more of it comes to the base.
+        made = [under(_of_reflectance(each * _at_normal(index))) for each in hue]
+        return colours.reflectance(
+            [
+                min(1.0, max(0.0, gain * part - less))
+                for (gain, less), part in zip(made, base["rgb"], strict=True)
+            ]
+        )
+    gain, less = under(index)
     if isinstance(base, float):
         return min(1.0, max(0.0, gain * base - less))
     at = colours.knots(base)
     return colours.table(at, (gain * colours.values_of(base, at) - less).clip(0.0, 1.0))
+
+
+def _at_normal(index: float) -> float:
+    """What is reflected at normal incidence."""
+    return float(((index - 1) / (index + 1)) ** 2)
+
+
+def _of_reflectance(part: float) -> float:
+    """The index that reflects so much at normal incidence."""
+    return float(2 / (1 - min(part, 0.9) ** 0.5) - 1)
 
 
 def _index(properties: Properties) -> float:
@@ -157,7 +194,7 @@ def _index(properties: Properties) -> float:
         if not 0 <= specular <= 1:
             raise InputError.at(properties.place, f'"specular" lies between 0 and 1, found {specular:g}')
         # 0 is 0.001 there.
-        eta = float(2 / (1 - (0.08 * max(specular, 1e-3)) ** 0.5) - 1)
+        eta = _of_reflectance(0.08 * max(specular, 1e-3))
     if not eta > 0:
         raise InputError.at(properties.place, f"an index of refraction is positive, found {eta:g}")
     return eta
