@@ -91,7 +91,7 @@ def row(name: str, file: Path, root: Path, python: Path) -> Row:
     except InputError as error:
         return Row(name, None, f"refused: {error.problems[0].message}")
     except RefusedByPeer as error:
-        return Row(name, None, f"not by Mitsuba: {error}")
+        return Row(name, None, f"not by Mitsuba: {error}".replace(f"{root}/", ""))
     reason = "" if means.agree else known_reason(name)
     return Row(name, means, "; ".join(filter(None, (reason, *losses))))
 
