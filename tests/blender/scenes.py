@@ -18,6 +18,14 @@ def plastic() -> None:
     """The same with the cube's own Principled BSDF."""
 
 
+def aside() -> None:
+    """The factory's scene by an orthographic camera that is shifted."""
+    factory()
+    camera = bpy.context.scene.camera.data
+    camera.type, camera.ortho_scale = "ORTHO", 7
+    camera.shift_x, camera.shift_y = 0.2, -0.1
+
+
 def room() -> None:
     """A room of diffuse walls, one with a texture, under area lamps of three shapes."""
     _clear()
@@ -79,7 +87,14 @@ def cloud() -> None:
     _hair((1.2, 0, 0))
 
 
-SCENES = {"factory": factory, "plastic": plastic, "room": room, "spheres": spheres, "cloud": cloud}
+SCENES = {
+    "factory": factory,
+    "plastic": plastic,
+    "aside": aside,
+    "room": room,
+    "spheres": spheres,
+    "cloud": cloud,
+}
 
 
 def _clear() -> None:

@@ -45,6 +45,16 @@ def test_principled_materials_agree_with_cycles(running_service: Up, tmp_path: P
     assert _mean(ours, *cube) == pytest.approx(_mean(cycles, *cube), rel=_AGREE)
 
 
+def test_a_shifted_orthographic_camera_sees_what_cycles_sees(running_service: Up, tmp_path: Path) -> None:
+    ours, cycles = _both(tmp_path, running_service, "aside")
+    # Half of the image each, in one of which is the cube.
+    for part in (slice(0, 64), slice(64, 128)):
+        assert _mean(ours, columns=part) == pytest.approx(_mean(cycles, columns=part), rel=_AGREE)
+    seen = [image.rgb.mean(axis=2) > 2 * image.rgb[0, 0].mean() for image in (ours, cycles)]
+    assert np.mean(seen[0] != seen[1]) < _AGREE
+    assert "no equal" not in ours.said
+
+
 def test_passes_hold_the_image_in_absolute_units(running_service: Up, tmp_path: Path) -> None:
     """X, Y, Z in cd/m2 belong to the combined image; each pixel has its error and its samples."""
     ours = render(tmp_path, "factory", "NOCTURNE", "--url", running_service.url, "--samples", "16")

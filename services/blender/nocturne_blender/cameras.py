@@ -24,7 +24,11 @@ def sensor(scene: Any, camera: Any, findings: Findings) -> Json:
     corners = data.view_frame(scene=scene)
     height = abs(corners[0].y - corners[2].y)
     if data.type == "ORTHO":
-        return {"type": "orthographic", "height": height} | pose
+        # A shift moves such a camera to the side.
+        middle = (corners[0] + corners[2]) / 2
+        aside = matrix.col[0].to_3d() * middle.x + up * middle.y
+        at = {"position": list(position + aside), "look_at": list(position + aside + forward)}
+        return {"type": "orthographic", "height": height} | pose | at
     degrees = math.degrees(2 * math.atan(height / 2 / abs(corners[0].z)))
     pose |= {"vertical_field_of_view_degrees": degrees}
     if not data.dof.use_dof:
@@ -52,7 +56,7 @@ def _lens(camera: Any, position: Any, forward: Any) -> Json:
 
 def _tell_losses(scene: Any, camera: Any, findings: Findings) -> None:
     data, render = camera.data, scene.render
-    if data.shift_x or data.shift_y:
+    if (data.shift_x or data.shift_y) and data.type != "ORTHO":
         findings.lost(camera.name, "no equal of a shifted camera; taken as not shifted")
     if data.type == "PANO" and getattr(data, "panorama_type", "EQUIRECTANGULAR") != "EQUIRECTANGULAR":
         findings.lost(camera.name, "of panoramas there is the equirectangular one alone")
