@@ -113,7 +113,10 @@ def page(rows: list[Row]) -> str:
         f"X, Y and Z, {len(differ)} beyond, {sum(not each.told for each in differ)} of them unexplained. "
         f"{len(rows) - len(compared)} not rendered by both.",
         "",
-        "Ours over theirs, less one, with the standard error of both together.",
+        f"Ours over theirs, less one, with the standard error of both together: spectral, on a film of some "
+        f"{_PIXELS:,} pixels of the file's shape, with a box filter, {BATCHES} batches of independent "
+        f"samples, {_SAMPLES:,} altogether, {_MORE_SAMPLES:,} where the error would be above {_ERROR:.1%}. "
+        "Written by `python -m tests.corpus MIRRORS --means build/peers/bin/python -o PAGE.md`.",
         "",
         "| file | X | Y | Z | |",
         "| --- | --- | --- | --- | --- |",
