@@ -18,6 +18,9 @@ from nocturne_scene.tile_sums import TileSums
 
 from tests.sums import sums_of_independent
 
+WORKER = "simulated"
+"""Its name, unless it has another."""
+
 Alter = Callable[[job_pb2.JobResult], list[job_pb2.JobResult | bytes]]
 """What a worker sends instead of one result."""
 
@@ -33,7 +36,7 @@ def simulated_sums(job: job_pb2.Job, further_responses: int = 0) -> TileSums:
 
 
 def simulated_result(
-    job: job_pb2.Job, worker_id: str = "simulated", further_responses: int = 0
+    job: job_pb2.Job, worker_id: str = WORKER, further_responses: int = 0
 ) -> job_pb2.JobResult:
     photons = job.tile.width * job.tile.height * (job.end_sample - job.first_sample)
     return job_pb2.JobResult(

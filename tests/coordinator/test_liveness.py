@@ -77,6 +77,14 @@ def test_where_nobody_else_is_three_attempts_condemn_a_job() -> None:
     assert faults.failed(key(1), "b", "x", {"a", "b"}) is not None
 
 
+def test_before_anybody_is_known_to_work_nobody_condemns_a_job() -> None:
+    faults = FailurePolicy()
+    for _ in range(5):
+        assert faults.failed(key(1), "a", "x", set()) is None
+        assert faults.failed(key(1), "a", "x", {"b"}) is None
+    assert faults.succeeded(key(1), "b") == []
+
+
 def test_three_jobs_that_others_can_do_condemn_a_worker() -> None:
     faults = FailurePolicy()
     for number in range(5):

@@ -10,7 +10,7 @@ from nocturne.v1 import job_pb2
 from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.audit import Auditor
 from nocturne_coordinator.dispatch.merge import MergeResult, RangeSums, TileState
-from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
+from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals, WorkerRow
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import MIN_OVERDUE, OVERDUE_FACTOR, JobKey, Scheduler
@@ -18,7 +18,7 @@ from nocturne_coordinator.dispatch.state import Settings, State
 from nocturne_scene.ranges import make_schedule
 from nocturne_scene.tile_sums import TileSums, numbers_in, split
 
-from tests.coordinator.simulated_worker import simulated_result, simulated_sums
+from tests.coordinator.simulated_worker import WORKER, simulated_result, simulated_sums
 
 
 def tile_range(index: int, value: float = 1.0) -> RangeSums:
@@ -68,6 +68,7 @@ class Session:
         self.scheduler = Scheduler()
         self.scheduler.add("r", len(schedule.range_ends), self.render.merged_ranges)
         state = State(Settings(), self.scheduler, Auditor(0.0, 0.0), {"r": self.render})
+        state.fleet.seen((WorkerRow(WORKER, job_pb2.ENGINE_CURRENT, 1, 0, 0, 0.0, 0, 0.0, 0.0),))
         self.intake = ResultHandler(state)
         self.stream: dict[JobKey, bytes] = {}
         self.entries = 0

@@ -54,8 +54,8 @@ class FailurePolicy:
     ) -> PoisonedJob | None:
         """A worker failed at a job, or sent what can't be right, or died; the verdict if the job is at fault.
 
-        `live`: who works now. Where these are too few, it is enough that all of them failed, and that it was
-        tried as often.
+        `live`: who works now, as far as is known. Where these are too few, it is enough that all of them
+        failed, and that it was tried as often.
         """
         failures = self._failures.setdefault(key, _Failures())
         failures.reasons[worker] = reason
@@ -65,7 +65,9 @@ class FailurePolicy:
             self._deaths += 1
             self._deaths_in_a_row.setdefault(worker, set()).add(key)
         needed = self._deaths_needed() if failures.died else DISTINCT_WORKERS
-        nobody_else = failures.times >= DISTINCT_WORKERS and set(live) <= failures.reasons.keys()
+        # Until statuses are read nobody is known to work, not even who has just failed.
+        is_known = died or worker in live
+        nobody_else = is_known and failures.times >= DISTINCT_WORKERS and set(live) <= failures.reasons.keys()
         if len(failures.reasons) < needed and not nobody_else:
             return None
         del self._failures[key]
