@@ -87,12 +87,13 @@ class SimulatedWorker(threading.Thread):
         lease_ms: int = 500,
         further_responses: int = 0,
         dies: Callable[[job_pb2.JobResult], bool] = lambda _: False,
+        seen: Callable[[str], bool] = lambda _: True,
         status_ms: int = 10_000,
         floating_point_profile: str = "",
         machine: Machine | None = None,
     ) -> None:
         """`dies`: the process ends, without a word, at jobs for which it is true; `status_ms` later that
-        shows.
+        shows. Not before it is `seen` by its name, as nobody misses a process that nobody saw at work.
 
         `floating_point_profile` is told only: jobs of others are done as well, for the coordinator to refuse.
         `machine`: what it enrolled as.
@@ -105,6 +106,7 @@ class SimulatedWorker(threading.Thread):
         self._delay = delay
         self._lease_ms = lease_ms
         self._dies = dies
+        self._seen = seen
         self._status_ms = status_ms
         self._floating_point_profile = floating_point_profile
         self._since = time.time()
@@ -126,7 +128,7 @@ class SimulatedWorker(threading.Thread):
             except redis.RedisError:
                 self._stopping.wait(0.05)
 
-    def _one_turn(self) -> None:
+    def _tell_status(self) -> None:
         status = job_pb2.WorkerStatus(
             worker_id=self.name,
             engine=job_pb2.ENGINE_CURRENT,
@@ -135,6 +137,9 @@ class SimulatedWorker(threading.Thread):
             floating_point_profile=self._floating_point_profile,
         )
         self._client.set(keys.WORKER_PREFIX + self.name, status.SerializeToString(), px=self._status_ms)
+
+    def _one_turn(self) -> None:
+        self._tell_status()
         if any(self._client.mget([keys.QUARANTINE_PREFIX + of for of in (self.name, machine_of(self.name))])):
             self._stopping.wait(0.05)
             return
@@ -163,7 +168,7 @@ class SimulatedWorker(threading.Thread):
         result = simulated_result(job, self.name, self._further_responses)
         result.floating_point_profile = self._floating_point_profile
         if self._dies(result):
-            self._stopping.set()
+            self._die(entry)
             return
         results = self._alter(result)
         while not self._stopping.is_set():
@@ -173,6 +178,15 @@ class SimulatedWorker(threading.Thread):
                 return
             except redis.RedisError:
                 self._stopping.wait(0.05)
+
+    def _die(self, entry: bytes) -> None:
+        place = keys.JOBS, keys.WORKERS_GROUP, f"{self.name}/0"
+        while not self._seen(self.name) and not self._stopping.wait(0.05):
+            self._tell_status()
+            # Takes it again, which renews the lease, unless it was taken off the stream: then it lives on.
+            if not self._client.xclaim(*place, 0, [entry]):
+                return
+        self._stopping.set()
 
     def _send(self, entry: bytes, results: list[job_pb2.JobResult | bytes], lease: bytes) -> None:
         pipeline = self._client.pipeline(transaction=True)

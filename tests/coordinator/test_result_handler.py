@@ -212,3 +212,17 @@ def test_a_failure_counts_once_per_attempt() -> None:
         session.deliver(result.SerializeToString())
     assert session.render.failed_tiles[key.tile_index].reason == "no such scene"
     assert key not in session.stream
+
+
+def test_all_that_die_of_a_job_at_once_count() -> None:
+    """Each had a copy of it. The first death takes it off the stream; it is published again once."""
+    session = Session(4)
+    session.fill(6)
+    key = next(iter(session.stream))
+    outcomes = [session.intake.lost_worker(key, worker) for worker in ("worker-1", "worker-2", "worker-3")]
+    assert [[line.message.split()[-4] for line in outcome.lines] for outcome in outcomes] == [
+        ["worker-1"],
+        ["worker-2"],
+        ["worker-3"],
+    ]
+    assert session.scheduler.take(100).count(key) == 1

@@ -53,8 +53,11 @@ def test_a_job_that_kills_workers_is_given_up(service: Service) -> None:
     def dies(result: job_pb2.JobResult) -> bool:
         return result.job.tile_index == 4 and result.job.first_sample == 4
 
+    def seen(worker: str) -> bool:
+        return (4, worker) in service.folder.tiles.at_work(render.id)
+
     for _ in range(3):
-        service.work(SimulatedWorker(service.server.url, dies=dies, status_ms=1500, lease_ms=2500))
+        service.work(SimulatedWorker(service.server.url, dies=dies, seen=seen, status_ms=1500, lease_ms=2500))
     wait_until(lambda: service.row(render.id).image_final)
     row = service.row(render.id)
     assert row.state == "DEGRADED"

@@ -232,7 +232,10 @@ class ResultHandler:
         outcome: Outcome,
         died: bool = False,
     ) -> None:
-        if not self._state.scheduler.is_outstanding(key):
+        scheduler = self._state.scheduler
+        is_out = scheduler.is_outstanding(key)
+        # Of those that have copies one may die while the job waits to be published again.
+        if not is_out and not (died and scheduler.wants(key)):
             # It was done elsewhere meanwhile; or it was an audit, which somebody else has to do.
             outcome.withdrawn.extend(self._state.auditor.returned(key))
             return
@@ -240,10 +243,10 @@ class ResultHandler:
         verdict = self._state.failure_policy.failed(
             key, worker, reason, self._state.fleet.live(render.floating_point_profile), died
         )
-        if verdict is None:
-            self._give_back(key, outcome)
-        else:
+        if verdict is not None:
             self._fail_tile(render, key, verdict, outcome)
+        elif is_out:
+            self._give_back(key, outcome)
 
     def _fail_tile(self, render: RunningRender, key: JobKey, verdict: PoisonedJob, outcome: Outcome) -> None:
         planned = render.planned.ranges_of(key.tile_index)[key.range_index]
