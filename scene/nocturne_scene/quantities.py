@@ -11,7 +11,6 @@ class Quantity:
     """Of Y, and of a sensor's further responses."""
 
     name: str
-    symbol: str
     unit: str
     """Of Y, in ASCII."""
     response_unit: str
@@ -25,12 +24,12 @@ class Quantity:
         return name, self.unit if names.index(name) < len("XYZ") else self.response_unit
 
 
-LUMINANCE = Quantity("luminance", "L", "cd/m2", "W m-2 sr-1")
-ILLUMINANCE = Quantity("illuminance", "E", "lx", "W m-2")
-INTENSITY = Quantity("luminous intensity", "I", "cd", "W sr-1")
+LUMINANCE = Quantity("luminance", "cd/m2", "W m-2 sr-1")
+ILLUMINANCE = Quantity("illuminance", "lx", "W m-2")
+INTENSITY = Quantity("luminous intensity", "cd", "W sr-1")
 
 _BY_NAME = {each.name: each for each in (LUMINANCE, ILLUMINANCE, INTENSITY)}
-_UNKNOWN = Quantity("", "Y", "", "")
+_UNKNOWN = Quantity("", "", "")
 
 
 def quantity_of(sensor: scene_pb2.Sensor) -> Quantity:

@@ -244,7 +244,6 @@ class Grid(Placement):
 _density_check, _density_choice = chosen_by_key(
     {"scale_height": "<exponential>", "layers": "<layers>", "asset": "<grid>"}, number, "a number"
 )
-Density = float | ExponentialDensity | LayeredDensity | Grid
 DensityDefinition = Annotated[
     Annotated[_Density, Tag("<number>")]
     | Annotated[ExponentialDensity, Tag("<exponential>")]

@@ -1,4 +1,7 @@
-"""pbrt's directives as parts of a document, against its documented conventions."""
+"""pbrt's directives as parts of a document, against its documented conventions.
+
+One file, though long: a short test for each directive or parameter.
+"""
 
 import gzip
 import json

@@ -1,7 +1,7 @@
 // The principled surface that exchange formats have in common: a diffuse base under a dielectric,
 // or metal, or something between the two, a clear coat over both, and fuzz over all. After B.
 // Burley, "Physically-Based Shading at Disney", SIGGRAPH 2012 course, and the OpenPBR surface 1.1,
-// with these parts:
+// with these parts, in one long file as each takes from what is below it:
 //   metal       GGX facets, Schlick's reflectance F = base + (1 - base) (1 - cos)^5
 //   dielectric  GGX facets of the same alpha, Fresnel's reflectance of the index; or one that is
 //               given at normal incidence, f0, and rises to `amount` in the same way:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Any, TypeVar
 
+from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions, stop_conditions
 from nocturne_coordinator.limits import DEFAULT_PRIORITY, MAX_NAME, MAX_REQUEST_ID
 from nocturne_coordinator.store.data_folder import DataFolder
@@ -16,6 +17,7 @@ from nocturne_coordinator.store.renders import check_priority
 from nocturne_coordinator.store.rows import NewRender
 from nocturne_coordinator.store.tags import checked_tags
 from nocturne_scene.compile.layers import check_can_make
+from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.film import Film
@@ -88,37 +90,53 @@ def compiled(
     if before is None:
         check_quota(folder.database, owner, quota, more_renders=1)
         check_can_make(layers)
-        output = compile_in_child(document, folder.blobs, compile_limits, Film(*film))
-        scene_sha256, warnings, way = output.scene_sha256, tuple(output.warnings), output.way
-        schedule = schedule_for_scene(folder.blobs, scene_sha256, *film)
-        files = blobs_of_scene(folder.blobs, scene_sha256)
-        for sha256 in files:
-            # Here too, not in the object store only.
-            folder.blobs.path(sha256)
+        scene = _new_scene(document, film, folder, compile_limits)
     else:
-        files = ()
-        scene_sha256, warnings, way = before.scene_sha256, before.warnings, before.way
         schedule = folder.renders.schedule(before.id)
+        scene = _Scene(before.scene_sha256, schedule, before.warnings, before.way, ())
     return NewRender(
         request_id=request.request_id,
         name=request.name,
-        scene_sha256=scene_sha256,
+        scene_sha256=scene.sha256,
         scene_document=_canonical(request.scene),
         width=request.width,
         height=request.height,
         samples=request.samples,
-        schedule=schedule,
+        schedule=scene.schedule,
         stop=stop,
         priority=priority,
         owner=owner,
-        warnings=warnings,
-        way=way,
+        warnings=scene.warnings,
+        way=scene.way,
         layers=layers,
         in_group=request.group,
         after_group=request.after,
         tags=tags,
-        files=files,
+        files=scene.files,
     )
+
+
+@dataclass(frozen=True)
+class _Scene:
+    """A compiled scene in the folder's blobs, and what came of compiling it."""
+
+    sha256: str
+    schedule: job_pb2.RangeSchedule
+    warnings: tuple[str, ...]
+    way: str
+    files: tuple[str, ...]
+
+
+def _new_scene(
+    document: SceneDocument, film: tuple[int, int, int], folder: DataFolder, compile_limits: CompileLimits
+) -> _Scene:
+    output = compile_in_child(document, folder.blobs, compile_limits, Film(*film))
+    schedule = schedule_for_scene(folder.blobs, output.scene_sha256, *film)
+    files = blobs_of_scene(folder.blobs, output.scene_sha256)
+    for sha256 in files:
+        # Here too, not in the object store only.
+        folder.blobs.path(sha256)
+    return _Scene(output.scene_sha256, schedule, tuple(output.warnings), output.way, files)
 
 
 def checked_stop(asked: Mapping[str, Any], before: StopConditions) -> StopConditions:
