@@ -29,7 +29,7 @@ class ErrorEstimate:
     """How many pixels carry it: (sum v)^2 / sum v^2, as Kish's effective sample size; all, where they are
     equal. Where few do, the error is itself known badly: with 1/sqrt of them, relatively."""
     unevenness: float = 0.0
-    """See heavy_tails.Tails."""
+    """See heavy_tails.unevenness."""
     pixels: int = 0
     unseen_pixels: int = 0
     """Pixels in which no sample found light."""

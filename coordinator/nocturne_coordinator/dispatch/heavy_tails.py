@@ -5,12 +5,9 @@ both come out too low until some have arrived, and nothing in that pixel says so
 nearly the same, so their variances should be nearly the same, and with heavy tails they are not.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from nocturne_coordinator.dispatch.merge import Counts, Sums
-from nocturne_coordinator.dispatch.variance import Pixels, variance_of_mean
+from nocturne_coordinator.dispatch.variance import Pixels
 
 HEAVY = 0.45
 """Unevenness from which on 95 % intervals hold the truth in less than some 90 of 100 cases.
@@ -19,8 +16,6 @@ From distributions whose intervals are known (uniform, exponential, log-normal, 
 4000 samples): tests/coordinator/test_heavy_tails.py has them.
 """
 
-_WORST = 0.01
-
 _ALIKE = 3.0
 """Neighbours that differ by more standard errors than these show different things, such as an edge."""
 
@@ -28,42 +23,14 @@ _ENOUGH = 2**18
 """Pairs of neighbours: results wait while an error is estimated."""
 
 
-@dataclass(frozen=True, slots=True)
-class Tails:
-    """How evenly an image's variance is spread; 0 of both where there is no noise or one sample only."""
-
-    unevenness: float
-    """Difference of neighbouring pixels' variances over their sum, in [0, 1]: near 0 with many samples of
-    light-tailed sums, near 1 where few samples carry the noise."""
-    worst_share: float
-    """Part of the relative variance that the worst hundredth of the pixels has, in [0, 1]."""
-
-    @property
-    def heavy(self) -> bool:
-        """Whether error bars are too small too often to be trusted."""
-        return self.unevenness > HEAVY
-
-
-def tails(sums: Sums, counts: Counts) -> Tails:
-    """Of an image with at least one sample everywhere.
-
-    `sums` has the shape (height, width, 4 or more), float64, of X, Y, Z and Y squared; `counts` (height,
-    width). Variances are taken relative to Y^2 + 0.01 M^2, M the image's mean Y, as in `relative_error`; for
-    neighbours Y is the mean of both, so that a bright sample does not hide itself.
-    """
-    y = sums[..., 1] / np.maximum(counts, 1)
-    variance = variance_of_mean(sums, counts)
-    level = 0.01 * float(np.mean(y)) ** 2
-    if not variance.any():
-        return Tails(0.0, 0.0)
-    relative = np.sort(variance / (y * y + level), axis=None)
-    worst = relative[relative.size - max(1, round(_WORST * relative.size)) :]
-    return Tails(unevenness(y, variance), float(worst.sum() / relative.sum()))
-
-
 def unevenness(y: Pixels, variance: Pixels) -> float:
-    """That of `Tails`, from each pixel's mean and the variance of that mean; 0 without noise or
-    neighbours."""
+    """How unevenly an image's variance is spread, from each pixel's mean and the variance of that mean.
+
+    Difference of neighbouring pixels' variances over their sum, in [0, 1]: near 0 with many samples of
+    light-tailed sums, near 1 where few samples carry the noise; 0 without noise or neighbours. Variances are
+    taken relative to Y^2 + 0.01 M^2, M the image's mean Y, as in `relative_error`; Y is the mean of both
+    neighbours, so that a bright sample does not hide itself.
+    """
     level = 0.01 * float(np.mean(y)) ** 2
     differences = totals = 0.0
     for (y_one, v_one), (y_other, v_other) in _neighbours(y, variance):

@@ -130,7 +130,7 @@ class Service:
 
     async def stop(self) -> None:
         """Ends streams, finishes what is running, closes both endpoints and the data folder."""
-        await self._operations.streams.close()
+        await self.end_streams()
         self._http.should_exit = True
         await self._grpc.stop(_GRACE_S)
         if self._serving is not None:
