@@ -19,9 +19,9 @@ WEB_SOURCES := $(shell find services/web/src services/web/public -type f 2>/dev/
 CPP_SOURCES := $(shell find worker tests/worker bench -name '*.cpp' -o -name '*.h' 2>/dev/null)
 STAMPS := build/stamps
 PROCESSES := --numprocesses
-NOT_MINUTES := not soak and not references and not peers and not containers and not blender and not times
+NOT_MINUTES := not soak and not references and not peers and not containers and not blender
 
-.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-services test-scene test-others heaviest format unit system screenshots page-times soak accuracy fuzz references peers blender stability preflights sanitize bench lock contract docs gallery clean
+.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-coordinator test-services test-scene test-others heaviest format unit system screenshots soak accuracy fuzz references peers blender stability preflights sanitize bench lock contract docs gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -77,18 +77,20 @@ demo: proto web programs  ## Start the service, render the Cornell box, show whe
 stop:  ## Stop the service that `make demo` started
 	@python3 -c "import json, os, signal; os.kill(json.load(open('data/service.json'))['pid'], signal.SIGTERM)"
 
-# One pool of jobs, the longest first. Python's tests are in parts, each of which collects only its own; those of whole services and of the
-# page wait most of the time, so there are more jobs than processors, and several processes for whole services (tests/conftest.py).
-PARTS := services-at-work page accuracy services scene others
+# One pool of jobs, the longest first. Python's tests are in parts, each of which collects only its own; those of whole services, of
+# coordinators and of the page wait most of the time, so there are more jobs than processors, and several processes for the first two
+# (tests/conftest.py).
+PARTS := services-at-work page accuracy coordinator services scene others
 IN_services-at-work := tests/system tests/faults
 IN_page := tests/web
 IN_accuracy := tests/accuracy
 IN_services := tests/services
-IN_scene := tests/scene tests/coordinator
-IN_others := tests $(addprefix --ignore ,$(IN_page) $(IN_services-at-work) $(IN_accuracy) $(IN_services) $(IN_scene))
+IN_coordinator := tests/coordinator
+IN_scene := tests/scene
+IN_others := tests $(addprefix --ignore ,$(IN_page) $(IN_services-at-work) $(IN_accuracy) $(IN_services) $(IN_coordinator) $(IN_scene))
 TEST_PARTS := $(addprefix test-,$(PARTS))
 CPU_TIMES := $(CURDIR)/build/cpu-times.txt
-JOBS := 4
+JOBS := 6
 
 test: build  ## All checks and tests
 	@rm -f $(CPU_TIMES)
@@ -98,6 +100,7 @@ test-cpp: build
 	@ctest --test-dir build/release --output-on-failure --no-tests=error --parallel 2 > build/ctest.log || { cat build/ctest.log; false; }
 	@grep "tests passed" build/ctest.log
 test-services-at-work: AT_ONCE := --numprocesses 4
+test-coordinator: AT_ONCE := --numprocesses 2
 $(TEST_PARTS): test-%: build
 	@NOCTURNE_CPU_TIMES=$(CPU_TIMES) PYTHONPATH=. pytest -p tests.cpu_times -q -m "$(NOT_MINUTES)" $(AT_ONCE) $(IN_$*)
 
@@ -135,9 +138,6 @@ system: build  ## Tests of the whole: service, workers, browser, images
 screenshots: build  ## Pictures of the page for docs/how-to/page.md: by its test, then of renders worth looking at (some minutes)
 	NOCTURNE_SCREENSHOTS=$(CURDIR)/docs/images/page pytest -m "$(NOT_MINUTES)" tests/web
 	$(PYTHON) -m tests.web.pictures docs/images/page
-
-page-times: build  ## What the page promises about time, on a machine that does nothing else (a minute)
-	pytest -m times -s tests/web
 
 soak: build  ## Random faults for SOAK_SECONDS (default 600), and all that takes minutes (a quarter of an hour more)
 	pytest -m soak
