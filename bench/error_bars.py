@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from nocturne_coordinator.dispatch.heavy_tails import HEAVY, tails
+from nocturne_coordinator.dispatch.heavy_tails import HEAVY, unevenness
 
 from bench.peer.contenders import FilmSize, Ours
 from bench.programs import Channel
@@ -114,14 +114,12 @@ def _measure(scene: Document, sequence: str, folder: Path, size: _Size) -> Figur
     truth_error = np.std([frame.xyz[..., 1] for frame in long], axis=0, ddof=1) / math.sqrt(parts)
     lit = truth > 0.0
     covered: dict[str, list[Channel]] = {level: [] for level in LEVELS}
-    told, unevenness = 0, []
+    uneven = []
     for frame in frames:
         y, error = frame.xyz[..., 1], np.hypot(frame.y_error, truth_error)
         for level, factor in LEVELS.items():
             covered[level].append(np.abs(y - truth)[lit] <= factor * error[lit])
-        found = tails(_sums(y, frame.y_error, size.samples), np.full(y.shape, size.samples, np.uint32))
-        told += found.heavy
-        unevenness.append(found.unevenness)
+        uneven.append(unevenness(y, frame.y_error**2))
     return {
         "coverage": {level: significant(float(np.mean(hits))) for level, hits in covered.items()},
         # Pixels of one render are independent, renders of one pixel share its truth: by pixels.
@@ -129,14 +127,7 @@ def _measure(scene: Document, sequence: str, folder: Path, size: _Size) -> Figur
             level: significant(float(np.mean(hits, axis=0).std(ddof=1)) / math.sqrt(np.count_nonzero(lit)))
             for level, hits in covered.items()
         },
-        "flagged": significant(told / len(frames)),
-        "unevenness": significant(float(np.median(unevenness))),
+        "flagged": significant(float(np.mean(np.array(uneven) > HEAVY))),
+        "unevenness": significant(float(np.median(uneven))),
         "threshold": HEAVY,
     }
-
-
-def _sums(y: Channel, error: Channel, samples: int) -> Channel:
-    """What an image's mean and standard error were made of."""
-    total = y * samples
-    squares = error**2 * samples * (samples - 1) + total**2 / samples
-    return np.stack([total, total, total, squares], axis=-1)
