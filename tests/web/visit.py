@@ -55,5 +55,4 @@ def visit(script: str, given: Mapping[str, Any]) -> None:
         timeout=TIMEOUT_S,
         check=False,
     )
-    print(result.stdout)  # noqa: T201 - what was measured
     assert result.returncode == 0, result.stdout

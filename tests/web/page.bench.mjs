@@ -1,12 +1,14 @@
 /**
- * How smoothly the page moves: a list of many renders that is scrolled and filtered, and a large image that is panned.
- * Environment: NOCTURNE_SMOOTH, JSON of url, renders (how many the list has), large (id of a render of 3840 x 2160).
+ * How soon the page shows a render that was submitted on it, and how smoothly it moves: a list of many renders that is scrolled and
+ * filtered, and a large image that is panned. Environment: NOCTURNE_BENCH, JSON of url (workers there are idle), renders (how many the list
+ * has), large (id of a render of 3840 x 2160), archive (a ZIP of a scene).
  * Prints a line of JSON.
  */
-import { launch, openPage } from "./browser.mjs";
+import { launch, nextUpdates, openPage } from "./browser.mjs";
 
-const given = JSON.parse(process.env.NOCTURNE_SMOOTH);
+const given = JSON.parse(process.env.NOCTURNE_BENCH);
 const browser = await launch();
+const submitting = await submit();
 const { page } = await openPage(browser);
 
 /** Times between frames in ms while `act` goes on in the page. */
@@ -27,6 +29,28 @@ async function framesDuring(act) {
   const sorted = frames.slice(2).sort((a, b) => a - b);
   const at = (part) => Math.round(10 * (sorted[Math.min(sorted.length - 1, Math.floor(part * sorted.length))] ?? 0)) / 10;
   return { frames: sorted.length, median_ms: at(0.5), p95_ms: at(0.95), longest_ms: at(1) };
+}
+
+/** From Render to the first tile on the page, with a pilot and two layers; then how often the image changes. */
+async function submit() {
+  const { page, close } = await openPage(browser);
+  await page.goto(`${given.url}/#/`);
+  await page.getByLabel("choose a file").setInputFiles(given.archive);
+  await page.getByLabel("Samples per pixel, at most").fill("100000");
+  await page.getByLabel("Stop at a relative error of, %").fill("0.1");
+  await page.getByRole("checkbox", { name: "albedo" }).check();
+  await page.getByRole("checkbox", { name: "depth" }).check();
+  const start = performance.now();
+  await page.getByRole("button", { name: "Render", exact: true }).click();
+  await page.locator("canvas[data-updates]").waitFor();
+  const first = performance.now();
+  await nextUpdates(page, 4);
+  const last = performance.now();
+  await page.getByRole("button", { name: "Cancel render…" }).click();
+  await page.getByRole("dialog", { name: "Cancel this render?" }).getByRole("button", { name: "Cancel render" }).click();
+  await page.locator('h1 .badge[data-state="CANCELLED"]').waitFor();
+  await close();
+  return { first_ms: Math.round(first - start), update_ms: Math.round((last - first) / 4) };
 }
 
 async function loadList() {
@@ -73,5 +97,5 @@ const panning = await page.evaluate(async () => {
   send("pointerup", 400);
   return { images_per_s: Math.round((10_000 * (painted() - first)) / (performance.now() - start)) / 10 };
 });
-console.log(JSON.stringify({ rows, scrolling, filtering, panning }));
+console.log(JSON.stringify({ submitting, rows, scrolling, filtering, panning }));
 await browser.close();
