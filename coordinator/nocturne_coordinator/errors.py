@@ -1,4 +1,6 @@
-"""Every exception that leaves this package; `RefusedResult` is caught inside it.
+"""Every exception that leaves this package; `RefusedResult` and `replay.Differs` are caught inside it.
+
+`InvalidState` of `dispatch.validation` is raised in tests only.
 
 NocturneError, InputError and NotFound are of `nocturne_scene.errors`.
 
@@ -10,7 +12,6 @@ NocturneError
 +-- QuotaUsedUp     an owner would have more than it may
 +-- AlreadyOwned    another coordinator works on the data folder
 +-- QueueTaken      Redis serves the coordinator of another data folder
-+-- QueueError      Redis can't be reached, or refuses
 +-- OwnershipLost   another coordinator took the data folder over; nothing may be committed any more
 +-- LeaseLost       another coordinator has the render, or its sums were changed; nothing of it may be written
 +-- UnusableFolder  the folder was written by another version, or is damaged
