@@ -125,9 +125,9 @@ class Coordinator:
     def _take(self, result: ResultEntry) -> None:
         crash_point("received")
         merged = self.core.results.merged
-        self.tell(
-            ResultCame(self._clock.moment(), result.entry, result.data, self._clock.draw(), result.refusal)
-        )
+        # Here, not when it is read: a batch is many times what a processor's cache holds.
+        refusal = self._guard.refusal(result.data, result.machine, result.signature) if self._guard else ""
+        self.tell(ResultCame(self._clock.moment(), result.entry, result.data, self._clock.draw(), refusal))
         if self.core.results.merged > merged:
             crash_point("merged")
 

@@ -10,11 +10,8 @@ from nocturne_scene.photon_sums import PackedPhotons
 from nocturne_scene.ranges import PHOTON_BUNDLE, RangeList, SampleRange, TileGrid, entries_of
 from nocturne_scene.tile_sums import (
     BLOCK,
-    PAIR_FIRST,
-    PAIR_SECOND,
     PIXEL_SQUARES,
     PRODUCTS,
-    PRODUCTS_SQUARES,
     XYZ_SUMS,
     TileSums,
     blocks_in,
@@ -70,7 +67,7 @@ class PlannedRender:
             return self.photon_ranges
         return self.ranges
 
-    @property
+    @cached_property
     def tiles(self) -> int:
         """Of the film, and one more for forward photons that have ranges of their own."""
         return entries_of(self.schedule)
@@ -174,31 +171,44 @@ def check_partial(
 def check_sums(sums: TileSums, samples: int) -> None:
     """RefusedResult if no samples have such sums."""
     height, width = sums.pixels.shape[:2]
-    # One quantity after the other: X, Y, Z, then YY, XX, ZZ, XY, XZ, YZ of pixels, of blocks and of the tile,
-    # so that one step of numpy's does for all of them.
-    of_xyz = np.ascontiguousarray(sums.pixels[..., :XYZ_SUMS].reshape(-1, XYZ_SUMS).T)
-    of_blocks, of_tile = sums.block_products.reshape(-1, PRODUCTS).T, sums.tile_products.T
-    products = np.concatenate([of_xyz[3:], of_blocks, of_tile], axis=1)
-    further = sums.pixels[..., XYZ_SUMS:]
-    for numbers in (of_xyz[:3], products, *([further] if further.size else [])):
+    of_pixels = sums.pixels.reshape(height * width, -1)
+    of_blocks = sums.block_products.reshape(-1, PRODUCTS)
+    pixels, blocks = len(of_pixels), len(of_blocks)
+    # One row for each quantity, Y, X, Z, YY, XX, ZZ, XY, XZ, YZ, with a column for each pixel, each block and
+    # the tile: each step of numpy's then does for all of them, in memory that lies together.
+    table = np.empty((XYZ_SUMS, pixels + blocks + 1))
+    table[0, :pixels], table[1, :pixels] = of_pixels[:, 1], of_pixels[:, 0]
+    table[2:, :pixels] = of_pixels[:, 2:XYZ_SUMS].T
+    table[:3, pixels:] = 0.0
+    table[3:, pixels:-1] = of_blocks.T
+    table[3:, -1] = sums.tile_products[0]
+    further = of_pixels[:, XYZ_SUMS:]
+    for numbers in (table, *([further] if further.size else [])):
         # With a NaN inside, minimum and maximum are NaN, and compare false.
         if not (numbers.min() >= 0.0 and numbers.max() < _BEYOND_PHYSICS):
             raise RefusedResult("sums that are negative, not finite or beyond all physics")
     if count := further.shape[-1] // 2:
-        _check_products(further[..., :count] ** 2, further[..., count:], samples)
-    down, across = _blocks_of(height), _blocks_of(width)
-    pixels_of_blocks = (down @ of_xyz.reshape(-1, height, width) @ across.T).reshape(XYZ_SUMS, -1)
-    firsts = np.concatenate([of_xyz[PRODUCTS_SQUARES], pixels_of_blocks[PRODUCTS_SQUARES]], axis=1)
-    _check_products(firsts * firsts, products[:3, : firsts.shape[1]], samples)
-    roots = np.sqrt(products[PRODUCTS_SQUARES])
-    _check_products(products[3:], roots[PAIR_FIRST] * roots[PAIR_SECOND])
+        _check_products(further[:, :count] ** 2, further[:, count:], samples)
+    film = table[:, :pixels].reshape(-1, height, width)
+    pixels_of_blocks = (_blocks_of(height) @ film @ _blocks_of(width).T).reshape(XYZ_SUMS, -1)
+    table[:3, pixels:-1] = pixels_of_blocks[:3]
+    firsts, squares, mixed = table[:3, :-1], table[3:6], table[6:]
+    _check_products(firsts * firsts, squares[:, :-1], samples)
+    # Of YY, XX, ZZ the first two and the last two go with XY and XZ, the outer two with YZ. Their squares are
+    # compared, which takes no roots.
+    bounds = np.empty_like(mixed)
+    np.multiply(squares[:2], squares[1:], out=bounds[:2])
+    np.multiply(squares[0], squares[2], out=bounds[2])
+    _check_products(mixed * mixed, bounds, slack=2e-9, least=1e-300)
     # Values are never negative: products of what n have together are at least the sum of their own.
-    together = products[:, of_xyz.shape[1] :]
-    apart = np.concatenate([pixels_of_blocks[3:], of_blocks.sum(axis=1, keepdims=True)], axis=1)
+    together = table[3:, pixels:]
+    apart = np.empty_like(together)
+    apart[:, :-1] = pixels_of_blocks[3:]
+    together[:, :-1].sum(axis=1, out=apart[:, -1])
     _check_products(apart, together)
     # And squares are at most n times that.
-    many = np.full(together.shape[1], float(BLOCK**2))
-    many[-1] = of_blocks.shape[1]
+    many = np.full(blocks + 1, float(BLOCK**2))
+    many[-1] = blocks
     _check_products(together[:3], apart[:3] * many)
 
 
@@ -236,9 +246,11 @@ def _check_counts(partial: job_pb2.Partial, photons: int) -> None:
         raise RefusedResult(f"{partial.cpu_seconds} processor seconds")
 
 
-def _check_products(products: Sums, bound: Sums, times: int = 1, slack: float = 1e-9) -> None:
+def _check_products(
+    products: Sums, bound: Sums, times: int = 1, slack: float = 1e-9, least: float = 1e-150
+) -> None:
     """No n numbers have a sum whose square is above n times the sum of their squares, and no pairs a sum of
     products above the root of both sums of squares (Cauchy-Schwarz). `times`: n; `slack`: a part."""
-    # The slack is for rounding, and for squares that are too small for a float64.
-    if not (products <= bound * (times * (1 + slack)) + 1e-150).all():
+    # The slack is for rounding; `least` for squares that are too small for a float64.
+    if not (products <= bound * (times * (1 + slack)) + least).all():
         raise RefusedResult("sums of values and of their squares or products that no samples have")

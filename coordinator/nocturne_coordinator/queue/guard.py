@@ -24,16 +24,15 @@ class Guard:
         """Of a serialised Job."""
         return lease_of(self._lease_key, job_pb2.Job.FromString(job))
 
-    def refusal(self, fields: Mapping[bytes, bytes]) -> str:
-        """Why a result does not count; empty: it does, or is no result at all."""
-        data = fields.get(keys.RESULT_FIELD, b"")
+    def refusal(self, data: bytes, machine: bytes, signed: bytes) -> str:
+        """Why a result does not count that this machine is said to have signed so; empty: it does, or is no
+        result at all."""
         try:
             result = job_pb2.JobResult.FromString(data)
         except DecodeError:
             return ""
-        machine = fields.get(keys.MACHINE_FIELD, b"").decode(errors="replace")
-        signed = fields.get(keys.SIGNATURE_FIELD, b"")
-        return refusal_of(result, data, machine, signed, self.machines, self._lease_key)
+        name = machine.decode(errors="replace")
+        return refusal_of(result, data, name, signed, self.machines, self._lease_key)
 
     def admit(self, client: Any) -> None:
         """Makes Redis users of all machines, as they are, and ends the connections of those that are not any

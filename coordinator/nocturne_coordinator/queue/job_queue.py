@@ -28,8 +28,9 @@ class ResultEntry(NamedTuple):
     entry: bytes
     data: bytes
     """Empty where there are none."""
-    refusal: str = ""
-    """Why it does not count, whatever it says; empty: it may."""
+    machine: bytes = b""
+    """Whose it is said to be."""
+    signature: bytes = b""
 
 
 FIRST = b"0-0"
@@ -241,7 +242,7 @@ class JobQueue:
     def results(self, after: bytes, wait_ms: int) -> list[ResultEntry]:
         """The next results after an entry, waiting for the first one for up to wait_ms; 0: not at all."""
         answer = self._client.xread({keys.RESULTS: after}, count=self._batch, block=wait_ms or None)
-        entries = [self._result(entry, fields or {}) for _, batch in answer or [] for entry, fields in batch]
+        entries = [_result(entry, fields or {}) for _, batch in answer or [] for entry, fields in batch]
         if entries:
             largest = max(len(each.data) for each in entries)
             self._batch = max(1, min(_MAX_BATCH, _BATCH_BYTES // max(1, largest)))
@@ -306,13 +307,14 @@ class JobQueue:
         if self.guard is not None:
             self.guard.admit(self._client)
 
-    def _result(self, entry: bytes, fields: Mapping[bytes, bytes]) -> ResultEntry:
-        refusal = self.guard.refusal(fields) if self.guard else ""
-        return ResultEntry(entry, fields.get(keys.RESULT_FIELD, b""), refusal)
-
     def _delete(self, stream: str, entries: list[bytes]) -> None:
         for start in range(0, len(entries), _CHUNK):
             self._client.xdel(stream, *entries[start : start + _CHUNK])
+
+
+def _result(entry: bytes, fields: Mapping[bytes, bytes]) -> ResultEntry:
+    data, machine = fields.get(keys.RESULT_FIELD, b""), fields.get(keys.MACHINE_FIELD, b"")
+    return ResultEntry(entry, data, machine, fields.get(keys.SIGNATURE_FIELD, b""))
 
 
 def _entry(entry: bytes, fields: dict[bytes, bytes] | None, name: bytes) -> Entry:
