@@ -1,6 +1,7 @@
 """Layers of renders of a service: asked for, kept, told, and gone with the render."""
 
 import asyncio
+import json
 from collections.abc import Callable
 from typing import Any
 
@@ -8,15 +9,21 @@ import httpx
 import numpy as np
 import OpenEXR
 import pytest
-from nocturne_api.compiling.pool import layers_in_child
+from nocturne_api.background.layers_maker import LayersMaker
+from nocturne_api.compiling.pool import WARM_SCENE, CompileLimits, layers_in_child
 from nocturne_api.files.current_image import write_current
 from nocturne_coordinator.output.previews import layers_of
 from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.layers import LayersDue
 from nocturne_coordinator.store.removal import delete_render, sweep
+from nocturne_coordinator.store.rows import NewRender
 from nocturne_coordinator.store.unused import sweep_unused
 from nocturne_scene.errors import InputError
+from nocturne_scene.ranges import make_schedule
 
 from tests.services import coordinator_acts
+
+WARM_DOCUMENT = json.dumps(WARM_SCENE)
 
 
 async def until(true: Callable[[], bool]) -> None:
@@ -119,3 +126,87 @@ async def test_what_failed_for_now_is_tried_again(
 
 async def test_an_image_does_without_where_their_file_is_gone(folder: DataFolder) -> None:
     assert layers_of(folder, "0" * 64).channels == {}
+
+
+async def test_who_has_many_keeps_nobody_else_waiting(
+    folder: DataFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two places, and two owners with many older renders: a third one's layers come after one of each."""
+    made: list[str] = []
+    owners = ["ann", "bob", "ann", "bob", "ann", "bob", "carl"]
+    for number, owner in enumerate(owners):
+        queue_with_layers(folder, owner, f"{number}")
+
+    def fails(*_: object) -> str:
+        raise InputError.at("$.layers", "can't be made")
+
+    monkeypatch.setattr("nocturne_api.background.layers_maker.layers_in_child", fails)
+    give_up = folder.layers.give_up
+
+    def note(render_id: str, warning: str) -> None:
+        made.append(folder.renders.get(render_id).owner)
+        give_up(render_id, warning)
+
+    monkeypatch.setattr(folder.layers, "give_up", note)
+    maker = LayersMaker(folder, asyncio.to_thread, CompileLimits())
+    maker.start()
+    await until(lambda: not folder.layers.due())
+    await maker.close()
+    assert sorted(made) == sorted(owners)
+    assert "carl" in made[:4]
+
+
+async def test_one_that_fails_for_now_holds_no_place(
+    folder: DataFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two owners whose layers can't be made for now, and two places: a third one's are made."""
+    failing = {queue_with_layers(folder, owner, owner) for owner in ("ann", "bob")}
+    other = queue_with_layers(folder, "carl", "carl")
+    get_due = folder.layers.get_due
+
+    def get(render_id: str) -> LayersDue | None:
+        if render_id in failing:
+            raise OSError("no space left")
+        return get_due(render_id)
+
+    def fails(*_: object) -> str:
+        raise InputError.at("$.layers", "can't be made")
+
+    monkeypatch.setattr(folder.layers, "get_due", get)
+    monkeypatch.setattr("nocturne_api.background.layers_maker.layers_in_child", fails)
+    maker = LayersMaker(folder, asyncio.to_thread, CompileLimits())
+    maker.start()
+    await until(lambda: other not in {render_id for render_id, _ in folder.layers.due()})
+    await maker.close()
+    assert {render_id for render_id, _ in folder.layers.due()} == failing
+
+
+def test_what_was_cancelled_before_it_had_samples_needs_none(folder: DataFolder) -> None:
+    render_id = queue_with_layers(folder, "ann", "one")
+    assert folder.layers.due() == [(render_id, "ann")]
+    folder.database.execute(
+        "UPDATE render SET state = 'CANCELLED', ended = created WHERE id = ?", (render_id,)
+    )
+    assert folder.layers.due() == []
+    folder.database.execute("UPDATE render SET photons = 1 WHERE id = ?", (render_id,))
+    assert folder.layers.due() == [(render_id, "ann")]
+
+
+def test_count_as_stored_before_they_are(folder: DataFolder) -> None:
+    """Else whoever has a quota could have more by asking for many at once."""
+    plain = folder.renders.create(new_render("plain")).id
+    with_layers = queue_with_layers(folder, "ann", "layers")
+    stored = {
+        row["id"]: row["stored_bytes"] for row in folder.database.rows("SELECT id, stored_bytes FROM render")
+    }
+    # A file of its own, and the image: 4 bytes of one channel of 8 x 8 pixels.
+    assert stored[with_layers] - stored[plain] == 2 * 4 * 8 * 8
+
+
+def new_render(request_id: str, owner: str = "ann", layers: tuple[str, ...] = ()) -> NewRender:
+    schedule = make_schedule(8, 8, 4)
+    return NewRender(request_id, "", "5c" * 32, WARM_DOCUMENT, 8, 8, 4, schedule, owner=owner, layers=layers)
+
+
+def queue_with_layers(folder: DataFolder, owner: str, request_id: str) -> str:
+    return folder.renders.create(new_render(request_id, owner, ("depth",))).id

@@ -8,8 +8,10 @@ from pathlib import Path
 from nocturne_coordinator.errors import FilesGone
 from nocturne_coordinator.store.database import Database
 
-LAYERS_DUE = "layers <> '[]' AND layers_sha256 = ''"
-"""Of a row of `render`: whether it has layers that are not made yet."""
+LAYERS_DUE = """layers <> '[]' AND layers_sha256 = ''
+    AND (photons > 0 OR state IN ('QUEUED', 'RUNNING', 'PAUSED'))"""
+"""Of a row of `render`: whether it has layers that are not made yet. One that ended before it had any sample
+has no image that they could be in."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,13 +53,11 @@ class RenderLayers:
         """The file of a render's layers is there. Raises FilesGone if it was removed in the meantime."""
         with self._database.transaction():
             # Who removes files looks at renders in a transaction, too.
-            file = self._blob_here(sha256)
-            if file is None:
+            if self._blob_here(sha256) is None:
                 raise FilesGone("the file of the layers was deleted with another render")
             self._database.execute(
-                f"""UPDATE render SET layers_sha256 = ?, stored_bytes = stored_bytes + ?,
-                        sequence = sequence + 1 WHERE id = ? AND {LAYERS_DUE}""",  # noqa: S608
-                (sha256, file.stat().st_size, render_id),
+                f"UPDATE render SET layers_sha256 = ?, sequence = sequence + 1 WHERE id = ? AND {LAYERS_DUE}",  # noqa: S608
+                (sha256, render_id),
             )
 
     def give_up(self, render_id: str, warning: str) -> None:

@@ -114,12 +114,13 @@ class Renders:
         return render_id
 
     def _bytes_of(self, new: NewRender) -> int:
-        """What the render takes of the disk when it is done: sums, image, scene and its files."""
+        """What the render takes of the disk when it is done: sums, image, scene and its files, and layers,
+        which are in a file of their own and in the image."""
         further = len(new.schedule.further_responses)
         # Forward photons in ranges of their own have sums, too, and both together.
         sums = 8 * numbers_in(new.width, new.height, further) * (3 if new.schedule.photon_range_ends else 1)
         layers = sum(len(CHANNELS[layer]) for layer in new.layers)
-        image = 4 * new.width * new.height * (_EXR_CHANNELS + 2 * further + layers)
+        image = 4 * new.width * new.height * (_EXR_CHANNELS + 2 * further + 2 * layers)
         files = (self._blob_here(sha256) for sha256 in new.files)
         here = sum(file.stat().st_size for file in files if file is not None)
         return sums + image + len(new.scene_document) + here

@@ -4,7 +4,7 @@ import asyncio
 import json
 import logging
 import threading
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterable
 from contextlib import suppress
 from functools import partial
 from typing import Any
@@ -38,7 +38,12 @@ class LayersMaker(Background):
         self._compile_limits = compile_limits
         self._wanted = asyncio.Event()
         self._closing = threading.Event()
+        self._at_work = 0
         self._owners: set[str] = set()
+        """Whose layers are made, or failed a moment ago."""
+        self._turns: dict[str, int] = {}
+        """When each owner's were last begun, of those who have more to be made."""
+        self._begun = 0
 
     def wake(self) -> None:
         """A render was queued that has layers."""
@@ -58,33 +63,47 @@ class LayersMaker(Background):
                     await asyncio.wait_for(self._wanted.wait(), _LOOK_S)
 
     async def _begin(self, group: asyncio.TaskGroup) -> None:
-        """The oldest of each owner that has none in hand, as far as there is room."""
+        """The oldest of each owner that has none in hand, as far as there is room; in turn, so that whoever
+        has many keeps nobody else's waiting."""
         try:
             due = await self._in_database(self._folder.layers.due)
         except Exception:
             _log.exception("layers are made later")
             return
-        for render_id, owner in due:
-            if owner not in self._owners and len(self._owners) < COMPILES_AT_ONCE:
+        for render_id, owner in self._in_turn(due):
+            if owner not in self._owners and self._at_work < COMPILES_AT_ONCE:
+                self._at_work += 1
+                self._begun += 1
+                self._turns[owner] = self._begun
                 self._owners.add(owner)
                 group.create_task(self._take(render_id, owner))
 
+    def _in_turn(self, due: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
+        """Those first whose owner's turn was the longest ago; forgets who has no more."""
+        found = list(due)
+        self._turns = {owner: self._turns[owner] for _, owner in found if owner in self._turns}
+        return sorted(found, key=lambda each: self._turns.get(each[1], 0))
+
     async def _take(self, render_id: str, owner: str) -> None:
+        again_s = 0.0
         try:
             found = await self._in_database(self._folder.layers.get_due, render_id)
             if found is not None:
                 await self._make(found)
         except (ObjectStoreUnavailable, FilesGone, OSError) as error:
             _log.warning("render=%s: its layers are made later: %s", render_id, error)
-            await asyncio.sleep(_AGAIN_S)
+            again_s = _AGAIN_S
         except Abandoned:
             return
         except Exception:
             _log.exception("render=%s: its layers are made later", render_id)
-            await asyncio.sleep(_AGAIN_S)
-        finally:
-            self._owners.discard(owner)
-            self._wanted.set()
+            again_s = _AGAIN_S
+        # The place is another owner's meanwhile.
+        self._at_work -= 1
+        self._wanted.set()
+        await asyncio.sleep(again_s)
+        self._owners.discard(owner)
+        self._wanted.set()
 
     async def _make(self, due: LayersDue) -> None:
         layers = self._folder.layers
