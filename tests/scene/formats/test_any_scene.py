@@ -26,7 +26,7 @@ _SECONDS = 20
 _QUIETLY = tried(examples=15)
 
 _TOKEN = re.compile(rb"[A-Za-z_$]+|[-+0-9.eE]+|\s+|.", re.DOTALL)
-_WORDS = (
+WORDS = (
     *(b"", b"0", b"-0", b"-1", b"1e-320", b"1e30", b"1e308", b"1e400", b"nan", b"inf", b"0.5", b"2"),
     *(b"255", b"65536", b"2147483648", b"4294967295", b"99999999999999999999", b"1 1 1", b"x" * 5000),
     *(b"../a.ply", b"/etc/passwd", b"a.ply", b"a.vol", b"scene.xml", b"true", b"null", b"[]", b"{}", b"[ ]"),
@@ -37,7 +37,7 @@ _CHANGE = st.tuples(
     st.integers(0, 10_000),
     st.integers(0, 10_000),
     st.integers(1, 30),
-    st.sampled_from(_WORDS),
+    st.sampled_from(WORDS),
 )
 Change = tuple[str, int, int, int, bytes]
 

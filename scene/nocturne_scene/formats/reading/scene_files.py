@@ -1,5 +1,6 @@
 """Files that a scene names: found only inside one folder, and never larger than expected."""
 
+import os
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -62,7 +63,8 @@ def read_bytes(file: Path, most: int, shown: str) -> bytes:
     """Return a file's content. Raises InputError where it has more than `most` bytes or can't be read."""
     try:
         with file.open("rb") as opened:
-            content = opened.read(most + 1)
+            # Room for all that is asked for is set aside beforehand.
+            content = opened.read(min(most, os.fstat(opened.fileno()).st_size) + 1)
     except OSError as error:
         raise InputError.at(shown, f"can't be read: {error.strerror}") from None
     if len(content) > most:
