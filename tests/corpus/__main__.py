@@ -1,4 +1,4 @@
-"""python -m tests.corpus MIRRORS -o PAGE.md: import what there is of the corpus, and write how it went.
+"""python -m tests.corpus MIRRORS -o PAGE.md: import and render what there is of a corpus; write how it went.
 
 With --means PYTHON, of an environment with Mitsuba, it renders Mitsuba's files by both renderers instead and
 writes how far the means of their images are apart.
@@ -23,10 +23,10 @@ from typing import Any
 from nocturne_scene.formats.import_scene import FORMATS
 
 from tests.corpus import means
-from tests.corpus.trying import FAILED, LOSSY, REFUSED, STRICT, Outcome, tried
+from tests.corpus.trying import DARK, FAILED, LOSSY, NO_SCENE, REFUSED, STRICT, Outcome, tried
 
 _SOURCES = Path(__file__).with_name("sources.toml")
-_KINDS = (STRICT, LOSSY, REFUSED, FAILED)
+_KINDS = (STRICT, LOSSY, REFUSED, FAILED, NO_SCENE)
 _SHAPES = re.compile(r"^\s*(Shape|ObjectInstance|Include|Import)\b", re.MULTILINE)
 # Characters of a reason that are shown: names and numbers differ after them.
 _SHOWN = 90
@@ -79,10 +79,11 @@ class There:
         return self.root / self.name
 
 
-def attempts(mirrors: Path, only: str, *, compiles: bool) -> Iterator[Tried]:
+def attempts(mirrors: Path, only: str, *, renders: bool) -> Iterator[Tried]:
     """Try every file that is there."""
     for each in files(mirrors, only):
-        yield Tried(each.format, each.repository, each.name, tried(each.file, each.root, compiles=compiles))
+        outcome = tried(each.file, each.root, renders=renders) if is_scene(each.file) else Outcome(NO_SCENE)
+        yield Tried(each.format, each.repository, each.name, outcome)
 
 
 def files(mirrors: Path, only: str) -> Iterator[There]:
@@ -106,16 +107,16 @@ def files(mirrors: Path, only: str) -> Iterator[There]:
         tops += tuple(source.get("beside", ()))
         with tempfile.TemporaryDirectory() as kept:
             _write(git, {name: objects[name] for name in objects if name.startswith(tops)}, Path(kept))
-            for name in filter(lambda name: is_scene(Path(kept) / name), scenes):
+            for name in filter(lambda name: (Path(kept) / name).exists(), scenes):
                 yield There(source["format"], source["repository"], name, Path(kept))
 
 
 def is_scene(file: Path) -> bool:
-    """Whether a file is there, and, of pbrt's, whether it holds or names anything that has a shape.
+    """Whether a file, of pbrt's, holds or names anything that has a shape.
 
     Exporters' tests of cameras, lights and materials have none.
     """
-    return file.exists() and (
+    return (
         file.suffix != ".pbrt"
         or _SHAPES.search(file.read_text(encoding="utf-8", errors="replace")) is not None
     )
@@ -140,11 +141,17 @@ def _write(git: Path, objects: dict[str, str], folder: Path) -> None:
 
 
 def page(found: list[Tried]) -> str:
-    """Counts by format and reason, and every file that is not imported strictly."""
-    lines = ["# Scenes of others", "", f"| format | files | {' | '.join(_KINDS)} |", "| --- |" + " --- |" * 5]
+    """Counts by format and reason, and every file that is not imported strictly.
+
+    What is no scene is no file of those that are counted.
+    """
+    lines = ["# Scenes of others", "", f"| format | files | {' | '.join(_KINDS)} | {DARK} |"]
+    lines += ["| --- |" + " --- |" * (len(_KINDS) + 2)]
     for name in sorted({each.format for each in found}):
-        kinds = Counter(each.outcome.kind for each in found if each.format == name)
-        counts = [sum(kinds.values()), *(kinds[kind] for kind in _KINDS)]
+        outcomes = [each.outcome for each in found if each.format == name]
+        kinds = Counter(each.kind for each in outcomes)
+        dark = sum(DARK in each.reasons for each in outcomes)
+        counts = [len(outcomes) - kinds[NO_SCENE], *(kinds[kind] for kind in _KINDS), dark]
         lines.append(f"| {name} | " + " | ".join(map(str, counts)) + " |")
     slowest = max(found, key=lambda each: each.outcome.seconds)
     largest = max(found, key=lambda each: each.outcome.megabytes)
@@ -163,7 +170,7 @@ def page(found: list[Tried]) -> str:
         + "; ".join(reason[:_SHOWN] for reason in each.outcome.reasons[:6]).replace("|", "/")
         + " |"
         for each in found
-        if each.outcome.kind != STRICT
+        if each.outcome.kind not in (STRICT, NO_SCENE) or each.outcome.reasons
     ]
     return "\n".join(lines) + "\n"
 
@@ -175,7 +182,7 @@ def main() -> None:
     parser.add_argument("--output", "-o", type=Path, required=True, help="The page to write.")
     parser.add_argument("--format", default="", help="Only formats whose name holds this.")
     parser.add_argument(
-        "--import-only", action="store_true", help="Don't compile, which takes most of the time."
+        "--import-only", action="store_true", help="Don't render, which takes most of the time."
     )
     parser.add_argument(
         "--means",
@@ -192,7 +199,7 @@ def main() -> None:
         rows = [means.row(each.name, each.file, each.root, arguments.means) for each in scenes]
         arguments.output.write_text(means.page(rows), encoding="utf-8")
         return
-    found = list(attempts(arguments.mirrors, arguments.format, compiles=not arguments.import_only))
+    found = list(attempts(arguments.mirrors, arguments.format, renders=not arguments.import_only))
     if not found:
         parser.error(f"{arguments.mirrors} holds none of the repositories in {_SOURCES.name}")
     arguments.output.write_text(page(found), encoding="utf-8")

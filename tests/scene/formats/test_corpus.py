@@ -10,10 +10,16 @@ from nocturne_scene.formats.reading.scene_writer import FilmSettings
 
 from tests.corpus import means
 from tests.corpus.__main__ import Tried, chosen, git_folder, is_scene, page
-from tests.corpus.trying import FAILED, LOSSY, REFUSED, STRICT, Outcome, tried
+from tests.corpus.trying import DARK, FAILED, LOSSY, NO_SCENE, REFUSED, STRICT, Outcome, tried
 from tests.scene.formats.test_gltf import tree
 
 HERE = Path(__file__).parent / "corpus"
+# A lamp that faces away from the camera, from which nothing comes back.
+_DARK = (
+    '<scene version="3.0.0"><sensor type="perspective"><float name="fov" value="40"/></sensor>'
+    '<shape type="rectangle"><emitter type="area"/><transform name="to_world"><translate z="3"/></transform>'
+    "</shape></scene>"
+)
 
 
 def test_patterns_choose_scenes_and_leave_out_parts() -> None:
@@ -32,17 +38,19 @@ def test_what_comes_of_a_file(tmp_path: Path) -> None:
     pearl = tree() | {"materials": [{"extensions": {"KHR_materials_iridescence": {}}}]}
     (tmp_path / "pearl.gltf").write_text(json.dumps(pearl))
     (tmp_path / "broken.gltf").write_text("{")
-    assert tried(HERE / "scene.gltf", HERE, compiles=True).kind == STRICT
-    lossy = tried(tmp_path / "pearl.gltf", tmp_path, compiles=True)
+    (tmp_path / "dark.xml").write_text(_DARK)
+    assert tried(HERE / "scene.gltf", HERE, renders=True).kind == STRICT
+    lossy = tried(tmp_path / "pearl.gltf", tmp_path, renders=True)
     assert (lossy.kind, lossy.reasons) == (LOSSY, ("no equal of the extension KHR_materials_iridescence",))
-    assert tried(tmp_path / "broken.gltf", tmp_path, compiles=True).kind == REFUSED
+    assert tried(tmp_path / "broken.gltf", tmp_path, renders=True).kind == REFUSED
+    assert DARK in tried(tmp_path / "dark.xml", tmp_path, renders=True).reasons
 
 
 def test_the_page_counts_by_format() -> None:
-    kinds = (STRICT, STRICT, LOSSY, REFUSED, FAILED)
+    kinds = (STRICT, STRICT, LOSSY, REFUSED, FAILED, NO_SCENE)
     found = [Tried("glTF 2.0", "a/b", f"{kind}.gltf", Outcome(kind, (f"why {kind}",))) for kind in kinds]
     text = page(found)
-    assert "| glTF 2.0 | 5 | 2 | 1 | 1 | 1 |" in text
+    assert "| glTF 2.0 | 5 | 2 | 1 | 1 | 1 | 1 | 0 |" in text
     assert "| 1 | glTF 2.0 | why refused |" in text
     assert "| a/b: refused.gltf | refused | why refused |" in text
 
@@ -51,7 +59,7 @@ def test_a_pbrt_file_without_shapes_is_no_scene(tmp_path: Path) -> None:
     light, ball = tmp_path / "light.pbrt", tmp_path / "ball.pbrt"
     light.write_text('WorldBegin\nLightSource "infinite"\n# Shape "sphere"\n')
     ball.write_text('WorldBegin\n  Shape "sphere"\n')
-    assert (is_scene(light), is_scene(ball), is_scene(tmp_path / "none.pbrt")) == (False, True, False)
+    assert (is_scene(light), is_scene(ball)) == (False, True)
 
 
 def test_a_film_keeps_its_shape_with_few_pixels() -> None:
