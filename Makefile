@@ -21,7 +21,7 @@ STAMPS := build/stamps
 PROCESSES := --numprocesses
 NOT_MINUTES := not soak and not references and not peers and not containers and not blender
 
-.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-coordinator test-services test-scene test-others heaviest format unit system screenshots soak accuracy fuzz references peers blender stability preflights sanitize bench lock contract docs gallery clean
+.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-coordinator test-services test-scene test-others heaviest format unit system screenshots soak accuracy fuzz fuzz-readers references peers blender stability preflights sanitize bench lock contract docs gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -150,6 +150,9 @@ fuzz: build  ## Any calls, messages, scenes and bytes, many times more than in t
 	NOCTURNE_FUZZ_EXAMPLES=300 pytest tests/services/test_any_calls.py tests/scene/formats/test_any_scene.py \
 	  tests/coordinator/test_result_handler.py tests/faults/test_any_order.py tests/faults/test_in_memory.py
 	NOCTURNE_FUZZ_TRIES=1000 NOCTURNE_FUZZ_SEED=$$RANDOM pytest tests/system/test_any_bytes.py
+
+fuzz-readers: build  ## Files of every format that is read, made wrong, for ten minutes each (70 minutes)
+	$(PYTHON) -m tests.scene.formats.fuzz --seconds 600
 
 references: build  ## Other renderers' scenes against their own reference images (minutes)
 	pytest -m references -s

@@ -87,7 +87,42 @@ def cloud() -> None:
     _hair((1.2, 0, 0))
 
 
+def moving() -> None:
+    """Of three turning boxes one crosses the image, one stands, and one grows; a camera that rises."""
+    _clear()
+    _world(0.3)
+    _camera((0, -7, 1.5), (0, 0, 1), 50)
+    _wall((-8, 4, -3), (16, 0, 0), (0, 0, 10), lambda nodes: _diffuse(nodes, (0.1, 0.1, 0.1, 1)))
+    _lamp("POINT", (0, -4, 4), energy=600, shadow_soft_size=0.3)
+    for x, shift, grows in ((-2, 1.5, 1.0), (0.9, 0.0, 1.0), (2.4, 0.0, 1.6)):
+        bpy.ops.mesh.primitive_cube_add(size=0.8, location=(x, 0, 1))
+        box = bpy.context.object
+        _material(box, lambda nodes: _diffuse(nodes, (0.8, 0.8, 0.8, 1)))
+        _key(box, 1, (x - shift, 0, 1), 0.0, 1.0)
+        _key(box, 2, (x + shift, 0, 1), 1.2, grows)
+    camera = bpy.context.scene.camera
+    _key(camera, 1, (0, -7, 1.5), None, 1.0)
+    _key(camera, 2, (0, -7, 1.7), None, 1.0)
+    scene = bpy.context.scene
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 1.0
+    scene.frame_set(1, subframe=0.5)
+
+
+def _key(thing: Any, frame: int, place: tuple[float, ...], turn: float | None, scale: float) -> None:
+    """At constant speed from one to the next."""
+    thing.location, thing.scale = place, (scale,) * 3
+    if turn is not None:
+        thing.rotation_euler = (0, turn, 0)
+    for name in ("location", "rotation_euler", "scale"):
+        thing.keyframe_insert(name, frame=frame)
+    for strip in thing.animation_data.action.layers[0].strips:
+        for curve in strip.channelbag(thing.animation_data.action_slot).fcurves:
+            for point in curve.keyframe_points:
+                point.interpolation = "LINEAR"
+
+
 SCENES = {
+    "moving": moving,
     "factory": factory,
     "plastic": plastic,
     "aside": aside,

@@ -97,6 +97,17 @@ def test_fog_and_hair_agree_with_cycles(running_service: Up, tmp_path: Path) -> 
     assert "no equal" not in ours.said
 
 
+def test_what_moves_is_blurred_as_by_cycles(running_service: Up, tmp_path: Path) -> None:
+    """Boxes that turn, of which one moves and one grows, and the camera."""
+    ours, cycles = _both(tmp_path, running_service, "moving")
+    for part in (slice(0, 64), slice(64, 88), slice(88, 128)):
+        assert _mean(ours, columns=part) == pytest.approx(_mean(cycles, columns=part), rel=_AGREE)
+    # How bright each column is says where everything was, for how long.
+    columns = [image.rgb[20:76].reshape(56, 16, 8, 3).mean(axis=(0, 2, 3)) for image in (ours, cycles)]
+    assert columns[0] == pytest.approx(columns[1], rel=_AGREE)
+    assert "still" not in ours.said
+
+
 def test_cancelling_in_blender_cancels_at_the_service(running_service: Up) -> None:
     """Escape while the image grows: the render ends there, and Blender goes on."""
     run(_HERE / "cancelling.py", running_service.url)

@@ -66,5 +66,3 @@ def _tell_losses(scene: Any, camera: Any, findings: Findings) -> None:
         findings.lost(scene.name, "pixels are square")
     if render.use_border:
         findings.lost(scene.name, "the whole image is rendered, not the region alone")
-    if render.use_motion_blur:
-        findings.lost(scene.name, "nothing moves while the shutter is open")

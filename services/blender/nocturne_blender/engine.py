@@ -54,7 +54,7 @@ class NocturneEngine(bpy.types.RenderEngine):
         scene = depsgraph.scene
         wanted = scene.nocturne
         self.update_stats("", "Reading the scene")
-        sent = read(depsgraph)
+        sent = read(depsgraph, lambda frame, part: self.frame_set(frame, subframe=part))
         for sentence in sent.findings.sentences:
             self.report({"WARNING"}, sentence)
         service = Service(wanted.url, settings.token())

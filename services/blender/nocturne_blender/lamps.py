@@ -30,13 +30,18 @@ class Lamps:
     def __init__(self, document: Json, files: Files, findings: Findings) -> None:
         self._document, self._files, self._findings = document, files, findings
 
-    def add(self, lamp: Any, matrix: Any) -> None:
-        """An evaluated lamp object, where it stands."""
+    def add(self, lamp: Any, matrix: Any, motion: Json) -> None:
+        """An evaluated lamp object, where it stands; `motion`: fields of its surface."""
         data = lamp.data
         kind = {"POINT": self._ball, "SPOT": self._ball, "AREA": self._area, "SUN": self._sun}[data.type]
         if data.node_tree is not None and getattr(data, "use_nodes", True):
             self._findings.lost(lamp.name, "no equal of a lamp's nodes; its colour and power are taken")
+        before = len(self._document["surfaces"])
         kind(lamp, matrix)
+        for surface in self._document["surfaces"][before:]:
+            surface.update(motion)
+        if motion and data.type in ("SPOT", "SUN"):
+            self._findings.lost(lamp.name, "shines where it does at the frame while the shutter is open")
 
     def _surface(self, lamp: Any, shape: Json, luminaire: Json) -> None:
         if luminaire["radiance"] == 0.0:

@@ -5,8 +5,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from mathutils import Matrix
-
 from . import cameras, hair, volumes
 from .files import Files
 from .findings import Findings
@@ -14,13 +12,13 @@ from .images import Images
 from .lamps import Lamps
 from .materials import Materials
 from .meshes import Part, parts_of
+from .motion import Movements, SetFrame, camera_matrix, key_of
+from .placing import placement
 from .world import environment
 
 Json = Any
 
 _WITH_GEOMETRY = ("MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES")
-# How far a scale may differ along the axes before it counts as stretched.
-_EVEN = 1e-5
 
 
 class NothingToRender(Exception):
@@ -42,14 +40,25 @@ class _Shown:
 
     thing: Any
     matrix: Any
+    motion: Json
+    """Fields of its surface or instance."""
 
 
-def read(depsgraph: Any) -> SentScene:
-    """The document of an evaluated scene; raises NothingToRender."""
+def read(depsgraph: Any, set_frame: SetFrame) -> SentScene:
+    """The document of an evaluated scene; raises NothingToRender.
+
+    `set_frame` evaluates the scene at another frame and part of one, for what moves.
+    """
     scene = depsgraph.scene_eval
     if scene.camera is None:
         raise NothingToRender("the scene has no camera")
     files, findings = Files(), Findings()
+    movements = Movements(findings)
+    if scene.render.use_motion_blur:
+        movements.record(depsgraph, set_frame)
+        scene = depsgraph.scene_eval
+    camera = scene.camera.evaluated_get(depsgraph)
+    camera_moves = movements.of("camera", camera_matrix(depsgraph), camera.name, scales=False)
     images = Images(files, findings)
     document: Json = {
         "nocturne": 1,
@@ -57,7 +66,7 @@ def read(depsgraph: Any) -> SentScene:
         "kernels": {},
         "media": {},
         "groups": {},
-        "sensor": cameras.sensor(scene, scene.camera.evaluated_get(depsgraph), findings),
+        "sensor": cameras.sensor(scene, camera, findings) | camera_moves,
         "surfaces": [],
         "instances": [],
         "distant": [],
@@ -74,14 +83,16 @@ def read(depsgraph: Any) -> SentScene:
             continue
         thing = instance.object
         matrix = instance.matrix_world.copy()
-        if thing.type == "LIGHT":
-            lamps.add(thing, matrix)
+        is_lamp = thing.type == "LIGHT"
+        motion = movements.of(key_of(instance), matrix, thing.name, scales=not is_lamp)
+        if is_lamp:
+            lamps.add(thing, matrix, motion)
         elif thing.type in _WITH_GEOMETRY:
             # What is shown more than once has one evaluated geometry.
             key = hash((thing.data.session_uid, thing.data.as_pointer(), _materials_of(thing)))
-            shown[key].append(_Shown(thing.original.evaluated_get(depsgraph), matrix))
+            shown[key].append(_Shown(thing.original.evaluated_get(depsgraph), matrix, motion))
         elif thing.type == "VOLUME":
-            objects.add_volume(_Shown(thing.original.evaluated_get(depsgraph), matrix))
+            objects.add_volume(_Shown(thing.original.evaluated_get(depsgraph), matrix, motion))
         elif thing.type == "POINTCLOUD":
             findings.lost(thing.name, f"no equal of an object of the type {thing.type}; left out")
     for places in shown.values():
@@ -108,10 +119,13 @@ class _Objects:
 
     def add(self, places: list[_Shown]) -> None:
         """One geometry, at one or many places."""
-        even = [(each, found) for each in places if (found := placement(each.matrix)) is not None]
+        even = [
+            (each, found | each.motion) for each in places if (found := placement(each.matrix)) is not None
+        ]
         stretched = [each for each in places if placement(each.matrix) is None]
         for each in stretched:
-            self._document["surfaces"] += self._surfaces(each, each.matrix)
+            copies = self._surfaces(each, each.matrix)
+            self._document["surfaces"] += [copy | each.motion for copy in copies]
         if not even:
             return
         members = list(self._surfaces(even[0][0], None))
@@ -131,7 +145,7 @@ class _Objects:
         where = placement(shown.matrix)
         found = volumes.surface(shown, where, fields, self._document, self._files, self._findings)
         if found is not None:
-            self._document["surfaces"].append(found)
+            self._document["surfaces"].append(found | shown.motion)
 
     def _parts(self, thing: Any, transform: Any) -> list[Part]:
         if thing.type == "CURVES":
@@ -149,25 +163,3 @@ class _Objects:
                 else:
                     self._findings.lost(shown.thing.name, "is seen by the camera: only lights can be hidden")
             yield {"shape": part.shape} | fields
-
-
-def placement(matrix: Any) -> Json | None:
-    """Scale, rotation and shift of a matrix; None where it mirrors or stretches."""
-    shift, turn, scale = matrix.decompose()
-    factor = sum(scale) / 3
-    if factor <= 0:
-        return None
-    again = Matrix.LocRotScale(shift, turn, (factor,) * 3)
-    if any(
-        abs(a - b) > _EVEN * factor
-        for one, two in zip(matrix.to_3x3(), again.to_3x3(), strict=True)
-        for a, b in zip(one, two, strict=True)
-    ):
-        return None
-    found: Json = {"translate": list(shift)} if shift.length > 0 else {}
-    if abs(factor - 1) > 1e-7:
-        found["scale"] = factor
-    axis, angle = turn.to_axis_angle()
-    if abs(angle) > 1e-7:
-        found["rotate"] = {"axis": list(axis), "degrees": angle * 57.29577951308232}
-    return found
