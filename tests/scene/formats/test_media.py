@@ -184,6 +184,20 @@ def test_an_albedo_in_colour_is_media_that_add_up(tmp_path: Path, monkeypatch: p
     assert written[0][0, 0, 0] == pytest.approx(extinction[0, 0, 0] * albedo[0, 0, 0, 0])
 
 
+def test_an_albedo_that_varies_in_an_even_medium_is_its_mean(tmp_path: Path) -> None:
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "a.vol").write_bytes(vol(np.linspace(0.2, 0.4, 8).reshape(2, 2, 2)))
+    body = MEDIUM.format(phase="").replace(
+        '<float name="albedo" value="0.25"/>',
+        '<volume name="albedo" type="gridvolume"><string name="filename" value="a.vol"/></volume>',
+    )
+    whole = CAMERA + body + BALL.format(bsdf="null", side="interior")
+    medium = mitsuba(tmp_path, whole, allow_missing=True)["media"]["m"]
+    at = np.array([450.0, 550.0, 650.0])
+    amounts = [colours.values_of(medium[name], at) for name in ("scattering", "absorption")]
+    assert amounts[0] / sum(amounts) == pytest.approx(np.full(3, 0.3), rel=1e-3)
+
+
 def grids_of(values: np.ndarray) -> list[np.ndarray]:
     """What a grid of values by z, y, x is sampled as, eight times finer."""
     return [grids.sampled(grids.Grid(values.transpose(2, 1, 0), True, transforms.IDENTITY), (16, 16, 16))]

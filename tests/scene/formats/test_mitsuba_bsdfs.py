@@ -184,6 +184,18 @@ def test_sheen_and_specular_take_the_hue_of_the_base(tmp_path: Path) -> None:
     assert np.array(front["sheen"]["rgb"]) / front["sheen"]["rgb"][0] == pytest.approx(hue / hue[0])
 
 
+def test_a_base_gets_more_of_the_colours_that_a_tint_does_not_reflect(tmp_path: Path) -> None:
+    """Each colour of it is that under facets in grey that reflect as much as those do of the colour."""
+    colour = '<rgb name="base_color" value="0.4,0.2,0.1"/><float name="roughness" value="0"/>'
+    tinted = f'{colour}<float name="eta" value="1.5"/><float name="spec_tint" value="1"/>'
+    front = kernel(tmp_path, f'<bsdf type="principled">{tinted}</bsdf>')["front"]
+    made = zip(front["specular_colour"]["rgb"], (0.4, 0.2, 0.1), front["base"]["rgb"], strict=True)
+    for number, (reflected, part, found) in enumerate(made):
+        (tmp_path / str(number)).mkdir()
+        grey = principled(base_color=part, roughness=0, specular=reflected / 0.08)
+        assert found == pytest.approx(kernel(tmp_path / str(number), grey)["front"]["base"], rel=1e-3)
+
+
 def test_a_raw_constant_is_a_number(tmp_path: Path) -> None:
     bsdf = (
         '<bsdf type="roughconductor"><string name="material" value="Al"/>'
