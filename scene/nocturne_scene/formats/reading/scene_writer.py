@@ -44,7 +44,8 @@ class SceneWriter:
     folder: Path
     document: dict[str, Json] = field(default_factory=lambda: {"nocturne": 1})
     film: FilmSettings = field(default_factory=FilmSettings)
-    _names: set[str] = field(default_factory=set)
+    _names: dict[str, int] = field(default_factory=dict)
+    """Names that are taken, each with the last number that was tried behind it."""
     _copied: dict[Path, str] = field(default_factory=dict)
     _unseen: set[str] = field(default_factory=set)
     """Meshes none of whose triangles has an area."""
@@ -145,9 +146,11 @@ class SceneWriter:
     def _unused(self, wanted: str, collection: str) -> str:
         letters = (c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in wanted[:_NAME_LENGTH])
         plain = "".join(letters).lstrip("-") or "unnamed"
-        number, name = 1, plain
-        while f"{collection}/{name}" in self._names:
-            number += 1
-            name = f"{plain}-{number}"
-        self._names.add(f"{collection}/{name}")
+        name = plain
+        while (key := f"{collection}/{name}") in self._names:
+            # Those of this name with a lower number are taken.
+            first = f"{collection}/{plain}"
+            self._names[first] += 1
+            name = f"{plain}-{self._names[first]}"
+        self._names[key] = 1
         return name
