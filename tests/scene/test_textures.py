@@ -58,6 +58,21 @@ def test_a_colour_texture_brings_the_table_of_spectra(
     assert blobs.size(scene.rgb_table.blob.hex()) == size
 
 
+def test_opacity_leaves_colours_as_they_are_stored(
+    document: dict[str, Any], compiled: Compile, blobs: BlobStore, tmp_path: Path
+) -> None:
+    """Leaves of a tree on a transparent ground would have dark rims, and what is half transparent half the
+    colour."""
+    buffer = oiio.ImageBuf(oiio.ImageSpec(4, 4, 4, oiio.UINT8))
+    # The library has colours times opacity, and writes them without.
+    buffer.set_pixels(oiio.ROI(), np.full((4, 4, 4), [0.25, 0.25, 0.25, 0.5], dtype=np.float32))
+    buffer.write(str(tmp_path / "a.png"))
+    asset = f"sha256:{blobs.put((tmp_path / 'a.png').read_bytes())}"
+    document["surfaces"][1]["kernel"]["reflectance"] = {"texture": {"asset": asset}}
+    [texture] = compiled(document).textures
+    assert pixel(blobs, texture) == pytest.approx([0.2159] * 3, abs=4e-3)
+
+
 def test_a_sharp_texture_is_one_of_its_own(document: dict[str, Any], compiled: Compile, picture: Any) -> None:
     asset = picture(3)
     first, second = (

@@ -23,7 +23,7 @@ from nocturne_scene.spectra import tables as spectra
 from nocturne_scene.textures import image_files as image_textures
 from nocturne_scene.textures.environment_maps import UnusableImageError, opened
 
-_CONVERSION = 1
+_CONVERSION = 2
 """Number of how pictures become texture files; raised with every change of that, since these are kept."""
 
 _ENCODINGS: dict[str, image_textures.Encoding] = {"sRGB": "srgb", "linear": "linear"}

@@ -171,8 +171,10 @@ def read_whole(source: Path) -> _Pixels:
 
 @contextmanager
 def opened(source: Path) -> Iterator[Any]:
-    """Open a picture, its header read and nothing more."""
-    picture = oiio.ImageInput.open(str(source))
+    """Open a picture, its header read and nothing more; colours are not multiplied by opacity."""
+    config = oiio.ImageSpec()
+    config.attribute("oiio:UnassociatedAlpha", 1)
+    picture = oiio.ImageInput.open(str(source), config)
     if picture is None:
         raise UnusableImageError(f"no picture that OpenImageIO can read: {without_paths(oiio.geterror())}")
     try:
