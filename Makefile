@@ -151,7 +151,7 @@ fuzz: build  ## Any calls, messages, scenes and bytes, many times more than in t
 	  tests/coordinator/test_result_handler.py tests/faults/test_any_order.py tests/faults/test_in_memory.py
 	NOCTURNE_FUZZ_TRIES=1000 NOCTURNE_FUZZ_SEED=$$RANDOM pytest tests/system/test_any_bytes.py
 
-fuzz-readers: build  ## Files of every format that is read, made wrong, for ten minutes each (70 minutes)
+fuzz-readers: build  ## Files of every format that is read, made wrong, for ten minutes each (an hour)
 	$(PYTHON) -m tests.scene.formats.fuzz --seconds 600
 
 references: build  ## Other renderers' scenes against their own reference images (minutes)

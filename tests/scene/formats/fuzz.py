@@ -139,10 +139,12 @@ def _words(scene: str) -> list[Seed]:
     return [Seed(scene, scene, {}, words=True)]
 
 
-def _meshes(_folder: Path) -> list[Seed]:
+def _parts(_folder: Path) -> list[Seed]:
     return [
         Seed("scene.xml", "a.ply", {}),
         Seed("scene.pbrt", "a.ply", {}),
+        Seed("scene.xml", "a.vol", {}),
+        Seed("scene.xml", "c.vol", {}),
         _mitsuba("serialized", "a.serialized", _serialized()),
         _mitsuba("obj", "a.obj", _OBJ, words=True),
         _mitsuba("obj", "a.obj", _OBJ),
@@ -169,8 +171,7 @@ READERS: dict[str, Callable[[Path], list[Seed]]] = {
         *_compressed(draco_model()[0]),
         *_compressed(by_meshopt("EXT_meshopt_compression")),
     ],
-    "meshes": _meshes,
-    "volumes": lambda _: [Seed("scene.xml", name, {}) for name in ("a.vol", "c.vol")],
+    "parts": _parts,
     "packed": _packed,
 }
 

@@ -285,6 +285,11 @@ def test_what_has_no_equal_is_named(tmp_path: Path, change: dict[str, Any], said
         (("buffers", 0, "uri"), "/etc/passwd", "absolute path"),
         (("buffers", 0, "uri"), "data:;base64,@@", "no base64"),
         (("asset", "version"), "1.0", "no glTF 2.0"),
+        (("meshes", 0, "primitives", 0, "material"), [0], "expected an integer"),
+        (("accessors", 0, "componentType"), {}, "expected an integer"),
+        (("accessors", 0, "count"), True, "expected an integer"),
+        (("nodes", 0, "extensions"), 2.5, "expected an object"),
+        (("scenes", 0, "nodes"), None, r"scenes\[0\].nodes: expected an array"),
     ],
 )
 def test_damaged_files_are_told(tmp_path: Path, path: tuple[Any, ...], value: Any, said: str) -> None:

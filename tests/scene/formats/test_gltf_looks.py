@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.gltf.read.workflows import _solved
@@ -114,3 +115,23 @@ def test_unlit_shows_its_colour_as_light(tmp_path: Path) -> None:
     [surface] = json.loads(found.document.read_text())["surfaces"]
     assert surface["luminaire"]["radiance"]["luminance"] == pytest.approx(0.5)
     assert surface["luminaire"]["two_sided"] is True
+
+
+def test_what_needs_no_change_stays_the_file_that_it_was(tmp_path: Path) -> None:
+    """A base colour without a factor; numbers in channels of one picture become pictures of eight bits."""
+    pixels = np.random.default_rng(5).integers(0, 256, (4, 4, 3)).astype(np.uint8)
+    buffer = oiio.ImageBuf(oiio.ImageSpec(4, 4, 3, oiio.UINT8))
+    buffer.set_pixels(oiio.ROI(), pixels.astype(np.float32) / 255)
+    buffer.write(str(tmp_path / "t.png"))
+    scene = tree() | {"images": [{"uri": "t.png"}], "textures": [{"source": 0}]}
+    pbr = {"baseColorTexture": {"index": 0}, "metallicRoughnessTexture": {"index": 0}}
+    scene["materials"] = [{"pbrMetallicRoughness": pbr}]
+    (tmp_path / "a.gltf").write_text(json.dumps(scene))
+    found = import_scene(tmp_path / "a.gltf", tmp_path / "out", ImportOptions(light="sky"))
+    [kernel] = json.loads(found.document.read_text())["kernels"].values()
+    files = {name: tmp_path / "out" / kernel[name]["texture"]["asset"] for name in ("base", "roughness")}
+    assert kernel["base"]["texture"]["encoding"] == "sRGB"
+    assert files["base"].read_bytes() == (tmp_path / "t.png").read_bytes()
+    stored = oiio.ImageBuf(str(files["roughness"]))
+    assert files["roughness"].suffix == ".png"
+    assert stored.get_pixels(oiio.UINT8)[..., 0].tolist() == pixels[..., 1].tolist()

@@ -103,7 +103,7 @@ def test_serialized_meshes(tmp_path: Path, content: bytes, said: str) -> None:
         ("a.pbrt.gz", b"no gzip", "can't be decompressed"),
         ("a.pbrt.gz", gzip.compress(b"#" * 4_000_000) * 100, "once decompressed"),
         ("a.gltf", "[" * 100_000, "no JSON"),
-        ("a.gltf", '{"asset": {"version": "2.0"}, "scenes": 5}', "index into scenes"),
+        ("a.gltf", '{"asset": {"version": "2.0"}, "scenes": 5}', "scenes: expected an array"),
         ("a.glb", b"glTF" + b"\xff" * 40, "no GLB"),
         ("a.txt", "hello", "ends in"),
     ],

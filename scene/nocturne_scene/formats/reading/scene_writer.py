@@ -24,6 +24,9 @@ DOCUMENT = "scene.json"
 # Pixels across the squares of a board: their edges are blurred over 1/512 of its period.
 _BOARD = 512
 
+# Of a step of 1/255, what single precision may be off by.
+_STEP = 1e-3
+
 # Characters of a name that an import makes up.
 _NAME_LENGTH = 60
 
@@ -72,15 +75,19 @@ class SceneWriter:
         return {"type": "mesh", "asset": name, "smooth": mesh.normals is not None}
 
     def picture(self, wanted: str, pixels: NDArray[np.float64], *, narrow: bool = False) -> str:
-        """Write an EXR of shape (height, width, 1 or 3) and return its name.
+        """Write a picture of shape (height, width, 1 or 3) and return its name.
 
-        `narrow`: in 16-bit floats, as compiled textures of 8-bit pictures are, too.
+        `narrow`: in 16-bit floats, as compiled textures of 8-bit pictures are, too; numbers that have eight
+        bits as a PNG.
         """
-        name = f"textures/{self._unused(wanted, 'textures.files')}.exr"
-        path = self._path(name)
         height, width, channels = pixels.shape
-        spec = oiio.ImageSpec(width, height, channels, oiio.HALF if narrow else oiio.FLOAT)
-        spec.attribute("compression", "zip")
+        as_bytes = narrow and channels == 1 and _has_eight_bits(pixels)
+        name = f"textures/{self._unused(wanted, 'textures.files')}.{'png' if as_bytes else 'exr'}"
+        path = self._path(name)
+        kind = oiio.UINT8 if as_bytes else oiio.HALF if narrow else oiio.FLOAT
+        spec = oiio.ImageSpec(width, height, channels, kind)
+        if not as_bytes:
+            spec.attribute("compression", "zip")
         output = oiio.ImageOutput.create(str(path))
         if output is None or not output.open(str(path), spec):
             raise InputError.at(name, f"can't be written: {without_paths(oiio.geterror())}")
@@ -154,3 +161,9 @@ class SceneWriter:
             name = f"{plain}-{self._names[first]}"
         self._names[key] = 1
         return name
+
+
+def _has_eight_bits(values: NDArray[np.float64]) -> bool:
+    """Whether values are from 0 to 1 in steps of 1/255."""
+    steps = values * 255
+    return bool(np.all((steps > -_STEP) & (steps < 255 + _STEP) & (np.abs(steps - np.rint(steps)) < _STEP)))

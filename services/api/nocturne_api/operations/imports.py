@@ -23,7 +23,7 @@ from nocturne_api.operations.assets import Assets
 from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.submission import digest_problems, raise_if
 
-_IMPORTERS = 1
+_IMPORTERS = 2
 """Number of what importers make of scenes; raised when that changes, since answers are kept."""
 
 

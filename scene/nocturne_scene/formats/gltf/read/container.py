@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.formats.gltf.read import meshopt
+from nocturne_scene.formats.gltf.read import form, meshopt
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.scene_files import TEXT_BYTES, SceneFiles, read_bytes
 from nocturne_scene.limits import MAX_ASSET_BYTES
@@ -202,6 +202,7 @@ def open_container(file: Path, root: Path) -> Container:
     asset = tree.get("asset") if isinstance(tree, dict) else None
     if not isinstance(asset, dict) or not str(asset.get("version", "")).startswith("2."):
         raise InputError.at(shown, "is no glTF 2.0")
+    form.check(tree, shown)
     return Container(tree, files, file.parent, shown, chunk)
 
 

@@ -26,7 +26,7 @@ def decompress(container: Container, primitive: Json, place: str) -> Json:
     for name, number in value(extension, "attributes", {}).items():
         accessor = value(value(primitive, "attributes", {}), name, None)
         container.item("accessors", accessor, place)
-        if number not in stored:
+        if not isinstance(number, int) or number not in stored:
             raise InputError.at(shown, f"its Draco data has no attribute {str(number)[:20]}")
         found = np.asarray(stored[number], dtype=np.float64)
         container.decoded[accessor] = found.reshape(len(found), -1)

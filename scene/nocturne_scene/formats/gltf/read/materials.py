@@ -56,8 +56,10 @@ class Materials:
 
     def frame(self, index: Json) -> Frame:
         """The texture coordinates that a mesh of a material needs."""
+        # Which also tells whether there is one.
+        entry = self._entry(index)
         if index not in self._frames:
-            self._frames[index] = frame_of(self.container, self._entry(index), f"materials[{index}]")
+            self._frames[index] = frame_of(self.container, entry, f"materials[{index}]")
         return self._frames[index]
 
     def is_textured(self, index: Json) -> bool:
@@ -96,8 +98,8 @@ class Materials:
         if "normalTexture" in entry:
             if number(self.container, entry["normalTexture"], "scale", 1.0, place) != 1.0:
                 self.findings.lost(shown, "no equal of a normal map's scale")
-            asset, use = self.pictures.use(entry["normalTexture"], frame, place)
-            rest["normal_map"] = {**use, "texture": {**use["texture"], "asset": asset, "encoding": "linear"}}
+            use = self.pictures.use(entry["normalTexture"], frame, place)
+            rest["normal_map"] = self.pictures.whole(use, entry["normalTexture"], "linear", place)
         if "occlusionTexture" in entry:
             self.findings.note(shown, "the occlusion texture is left out: light finds out what is in its way")
         if is_lit(entry):
@@ -106,7 +108,7 @@ class Materials:
             luminaire = self._emission(entry, extensions, frame, place)
         else:
             kernel = {"type": "lambertian", "reflectance": 0.0}
-            luminaire = self._unlit(workflow, shown)
+            luminaire = self._unlit(workflow, place)
         if luminaire is not None:
             rest["luminaire"] = luminaire
         kernel = self._masked(kernel, entry, workflow, place)
@@ -125,22 +127,22 @@ class Materials:
             )
             found = specular_glossiness(self.container, self.pictures, glossy, frame, place)
         if tint is not None:
-            found.base = found.base * tint
+            found.base, found.base_texture = found.base * tint, None
             if tint.ndim == 3:
                 found.base_use = {"texture": dict(LOOKUP)}
         return found
 
-    def _unlit(self, workflow: Workflow, shown: str) -> Json:
+    def _unlit(self, workflow: Workflow, place: str) -> Json:
         """Light of the base colour, 1 cd/m2 where that is white."""
         self.findings.note(
-            shown, "a material that no light falls on became one that emits its colour, in cd/m2"
+            self.container.at(place),
+            "a material that no light falls on became one that emits its colour, in cd/m2",
         )
         white = colours.light([1.0, 1.0, 1.0], 1.0)
         if workflow.base.ndim == 1:
             radiance = colours.light(workflow.base[:3].tolist(), 1.0)
         else:
-            radiance = self.pictures.baked(workflow.base_use, workflow.base[..., :3], "unlit")
-            radiance["spectrum"] = white
+            radiance = {**self._base(workflow, place), "spectrum": white}
         return {"radiance": radiance, "two_sided": True}
 
     def _index(self, extensions: Json, place: str) -> float:
@@ -184,7 +186,7 @@ class Materials:
         if name not in entry:
             return colours.reflectance(np.clip(factor, 0.0, 1.0).tolist())
         pixels = decoded(self.pictures.pixels(entry[name], place)[..., :3])
-        _, use = self.pictures.use(entry[name], frame, place)
+        use = self.pictures.use(entry[name], frame, place)
         return self.pictures.baked(use, np.clip(factor * pixels, 0.0, 1.0), name)
 
     def _opaque(self, workflow: Workflow, extensions: Json, frame: Frame, place: str) -> Json:
@@ -194,7 +196,7 @@ class Materials:
             | self._clearcoat(extensions, frame, place)
             | self._sheen(extensions, frame, place)
         )
-        base = self._base(workflow, workflow.base[..., :3])
+        base = self._base(workflow, place)
         if index == 1.0 and workflow.metallic == 0.0 and not extras:
             return {"type": "lambertian", "reflectance": base}
         return {
@@ -219,7 +221,7 @@ class Materials:
         if "anisotropyTexture" in entry:
             reference = entry["anisotropyTexture"]
             pixels = self.pictures.pixels(reference, place)
-            _, own = self.pictures.use(reference, frame, place)
+            own = self.pictures.use(reference, frame, place)
             turns = turns + np.arctan2(pixels[..., 1:2] * 2 - 1, pixels[..., 0:1] * 2 - 1) / (2 * np.pi)
             strength = strength * pixels[..., 2:3]
             use = use or own
@@ -243,10 +245,13 @@ class Materials:
             "rotation": scalar(turns % 0.5, "brush"),
         }
 
-    def _base(self, workflow: Workflow, pixels: Pixels) -> Json:
-        if pixels.ndim == 3:
-            return self.pictures.baked(workflow.base_use, pixels, "base")
-        return colours.reflectance(pixels.tolist())
+    def _base(self, workflow: Workflow, place: str) -> Json:
+        pixels = workflow.base[..., :3]
+        if pixels.ndim == 1:
+            return colours.reflectance(pixels.tolist())
+        if workflow.base_texture is not None:
+            return self.pictures.whole(workflow.base_use, workflow.base_texture, "sRGB", place)
+        return self.pictures.baked(workflow.base_use, pixels, "base")
 
     def _scalar(self, workflow: Workflow, found: float | Pixels, name: str) -> Json:
         return found if isinstance(found, float) else self.pictures.baked(workflow.rough_use, found, name)
@@ -275,7 +280,7 @@ class Materials:
             return factor
         pixels = self.pictures.pixels(entry[name], place)
         pixels = pixels[..., channel : channel + 1] if pixels.shape[2] > channel else np.ones((1, 1, 1))
-        _, use = self.pictures.use(entry[name], frame, place)
+        use = self.pictures.use(entry[name], frame, place)
         return self.pictures.baked(use, factor * pixels, name)
 
     def _transmitting(
@@ -287,7 +292,7 @@ class Materials:
         factor = number(self.container, transmission, "transmissionFactor", 0.0, place)
         if "transmissionTexture" in transmission:
             pixels = self.pictures.pixels(transmission["transmissionTexture"], place)
-            _, use = self.pictures.use(transmission["transmissionTexture"], frame, place)
+            use = self.pictures.use(transmission["transmissionTexture"], frame, place)
             weight: Json = self.pictures.baked(use, factor * pixels[..., 0:1], "transmission")
         else:
             weight = factor
@@ -355,7 +360,7 @@ class Materials:
             return None
         radiance = colours.light(factor, luminance)
         if "emissiveTexture" in entry:
-            asset, use = self.pictures.use(entry["emissiveTexture"], frame, place)
-            texture = {**use["texture"], "asset": asset, "encoding": "sRGB"}
-            radiance = {**use, "texture": texture, "spectrum": radiance}
+            use = self.pictures.use(entry["emissiveTexture"], frame, place)
+            shown = self.pictures.whole(use, entry["emissiveTexture"], "sRGB", place)
+            radiance = {**shown, "spectrum": radiance}
         return {"radiance": radiance}

@@ -32,9 +32,9 @@ class Pictures:
     findings: Findings
     _pixels: dict[int, Pixels] = field(default_factory=dict)
 
-    def use(self, reference: Json, frame: Frame, place: str) -> tuple[str, Json]:
-        """The file of a texture, and the fields of its use on a mesh with a frame's coordinates."""
-        texture, source = self._texture(reference, place)
+    def use(self, reference: Json, frame: Frame, place: str) -> Json:
+        """The fields of a texture's use on a mesh with a frame's coordinates."""
+        texture, _ = self._texture(reference, place)
         unused_extensions(reference, ("KHR_texture_transform",), self.findings, self.container.at(place))
         wrap, mirrored = self._wrap(texture, place)
         matrix = relative_map(self.container, reference, frame, place)
@@ -49,7 +49,12 @@ class Pictures:
         scale, offset = matrix.diagonal()[:2].tolist(), matrix[:2, 2].tolist()
         if scale != [1.0, 1.0] or offset != [0.0, 0.0]:
             use |= {"scale": scale, "offset": [offset[0], 1.0 - scale[1] - offset[1]]}
-        return self._asset(reference, source, any(mirrored), place), use
+        return use
+
+    def whole(self, use: Json, reference: Json, encoding: str, place: str) -> Json:
+        """A use with the file of its texture as it came."""
+        asset = self._asset(reference, place)
+        return {**use, "texture": {**use["texture"], "asset": asset, "encoding": encoding}}
 
     def pixels(self, reference: Json, place: str) -> Pixels:
         """Pixels as stored, in [0, 1], at least three channels; mirrored ones with their mirror images."""
@@ -79,8 +84,9 @@ class Pictures:
         self.container.item("images", source, place)
         return texture, int(source or 0)
 
-    def _asset(self, reference: Json, source: int, mirrored: bool, place: str) -> str:
-        if mirrored:
+    def _asset(self, reference: Json, place: str) -> str:
+        texture, source = self._texture(reference, place)
+        if any(self._wrap(texture, place)[1]):
             pixels = self.pixels(reference, place)[..., :3]
             return self.writer.picture(f"image-{source}-mirrored", pixels, narrow=True)
         content, end = self.container.image(source, place)

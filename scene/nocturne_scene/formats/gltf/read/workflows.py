@@ -26,6 +26,8 @@ class Workflow:
     rough: float | Pixels
     """Pictures have the shape (rows, columns, 1)."""
     rough_use: Json
+    base_texture: Json = None
+    """Where it holds the base's colours as they are: they need no picture of their own."""
 
 
 def metallic_roughness(
@@ -34,17 +36,20 @@ def metallic_roughness(
     """Of the core's materials."""
     base: Pixels = np.clip(floats(container, pbr, "baseColorFactor", [1.0] * 4, place), 0.0, 1.0)
     base_use: Json = {}
+    plain: Json = None
     if "baseColorTexture" in pbr:
+        if np.all(base[:3] == 1.0):
+            plain = pbr["baseColorTexture"]
         base = base * _linear(pictures.pixels(pbr["baseColorTexture"], place))
-        _, base_use = pictures.use(pbr["baseColorTexture"], frame, place)
+        base_use = pictures.use(pbr["baseColorTexture"], frame, place)
     metallic: float | Pixels = number(container, pbr, "metallicFactor", 1.0, place)
     rough: float | Pixels = number(container, pbr, "roughnessFactor", 1.0, place)
     rough_use: Json = {}
     if "metallicRoughnessTexture" in pbr:
         pixels = pictures.pixels(pbr["metallicRoughnessTexture"], place)
-        _, rough_use = pictures.use(pbr["metallicRoughnessTexture"], frame, place)
+        rough_use = pictures.use(pbr["metallicRoughnessTexture"], frame, place)
         rough, metallic = rough * pixels[..., 1:2], metallic * pixels[..., 2:3]
-    return Workflow(base, base_use, metallic, rough, rough_use)
+    return Workflow(base, base_use, metallic, rough, rough_use, plain)
 
 
 def specular_glossiness(
@@ -62,10 +67,10 @@ def specular_glossiness(
     use: Json = {}
     if "diffuseTexture" in entry:
         diffuse = diffuse * _linear(pictures.pixels(entry["diffuseTexture"], place))
-        _, use = pictures.use(entry["diffuseTexture"], frame, place)
+        use = pictures.use(entry["diffuseTexture"], frame, place)
     if "specularGlossinessTexture" in entry:
         pixels = pictures.pixels(entry["specularGlossinessTexture"], place)
-        _, other = pictures.use(entry["specularGlossinessTexture"], frame, place)
+        other = pictures.use(entry["specularGlossinessTexture"], frame, place)
         if use and other != use:
             pictures.findings.lost(
                 container.at(place), "no equal of diffuse and specular textures in different places"
