@@ -88,8 +88,15 @@ def _is_lit(document: Path, folder: Path) -> bool:
     """Render a document; whether there is any light in the image, all of whose numbers are finite."""
     compiled = compile_to(document, folder / "compiled", *_FILM)
     image = folder / "image.exr"
-    files = [compiled.scene, "--schedule", compiled.schedule, "--blobs", compiled.blobs, "-o", image]
-    command = [need_program("nocturne-trace"), *files, "--threads", "1", "--quiet"]
+    command: list[str | Path] = [
+        need_program("nocturne-trace"),
+        compiled.scene,
+        "-o",
+        image,
+        "--threads",
+        "1",
+    ]
+    command += ["--quiet", "--schedule", compiled.schedule, "--blobs", compiled.blobs]
     done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=_SECONDS)
     if done.returncode:
         raise ChildProcessError(f"nocturne-trace ended with {done.returncode}: {done.stderr[-200:]}")
