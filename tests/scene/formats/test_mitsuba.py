@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
+from nocturne_scene import limits
 from nocturne_scene.errors import InputError
-from nocturne_scene.formats.import_scene import import_scene
+from nocturne_scene.formats.import_scene import Incomplete, import_scene
 from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT, white
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.meshes.files import load_mesh
@@ -309,3 +310,18 @@ def test_a_number_of_samples_may_be_left_open(tmp_path: Path) -> None:
     assert found.film.samples == 16
     with pytest.raises(InputError, match="has no value"):
         imported(tmp_path, '<shape type="sphere"><float name="radius" value="$spp"/></shape>')
+
+
+def test_a_document_that_is_too_long_to_be_rendered_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is written without line breaks and spaces before it comes to that."""
+    document, _ = imported(tmp_path, 40 * SPHERE)
+    shortest = len(json.dumps(document, separators=(",", ":"))) + 1
+    (tmp_path / "short").mkdir()
+    monkeypatch.setattr(limits, "MAX_SCENE_BYTES", shortest)
+    imported(tmp_path / "short", 40 * SPHERE)
+    (tmp_path / "long").mkdir()
+    monkeypatch.setattr(limits, "MAX_SCENE_BYTES", shortest - 1)
+    with pytest.raises(Incomplete, match="too long"):
+        imported(tmp_path / "long", 40 * SPHERE)

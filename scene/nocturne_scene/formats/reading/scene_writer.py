@@ -11,6 +11,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from numpy.typing import NDArray
 
+from nocturne_scene import limits
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.formats.reading import shapes
@@ -139,11 +140,20 @@ class SceneWriter:
         except InputError as error:
             problems = error.problems
         try:
-            text = json.dumps(self.document, indent=1, ensure_ascii=False, allow_nan=False)
+            content = self._text(indent=1)
+            if len(content) > limits.MAX_SCENE_BYTES:
+                content = self._text(separators=(",", ":"))
         except ValueError:
             raise InputError(problems) from None
-        (self.folder / DOCUMENT).write_text(text + "\n", encoding="utf-8")
+        (self.folder / DOCUMENT).write_bytes(content)
+        if len(content) > limits.MAX_SCENE_BYTES:
+            said = f"is too long with {len(content):,} bytes; at most {limits.MAX_SCENE_BYTES:,} are accepted"
+            problems = (Problem("$", said), *problems)
         return problems
+
+    def _text(self, **form: Json) -> bytes:
+        text = json.dumps(self.document, ensure_ascii=False, allow_nan=False, **form)
+        return f"{text}\n".encode()
 
     def _path(self, name: str) -> Path:
         path = self.folder / name
