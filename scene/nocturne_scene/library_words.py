@@ -3,6 +3,7 @@
 Without this machine's paths, and without names of exceptions."""
 
 import re
+from collections.abc import Callable
 
 _MOST = 200
 
@@ -17,3 +18,11 @@ def without_paths(said: str, most: int = _MOST) -> str:
     """The text with "the file" for each path, in one line, at most `most` characters."""
     text = " ".join(_EXCEPTION.sub("", _PATH.sub("the file", said)).split())
     return text if len(text) <= most else text[: most - 3] + "..."
+
+
+def said_by(ask: Callable[[], str]) -> str:
+    """What a library says when it is asked, without paths; also where it repeats bytes that are no text."""
+    try:
+        return without_paths(ask())
+    except UnicodeDecodeError:
+        return "it has names that are no text"

@@ -10,6 +10,7 @@ import pytest
 from nocturne.v1 import scene_pb2
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.errors import InputError
+from nocturne_scene.library_words import said_by
 
 from .conftest import Compile, expect_problem
 
@@ -270,6 +271,12 @@ def test_a_file_that_is_no_picture_is_told(document: dict[str, Any], blobs: Blob
     use = {"texture": {"asset": f"sha256:{blobs.put(b'hello')}"}}
     document["surfaces"][1]["kernel"]["reflectance"] = use
     expect_problem(document, blobs, "$.surfaces[1].kernel.reflectance.texture.asset", "OpenImageIO")
+
+
+def test_what_a_library_says_in_bytes_that_are_no_text_is_told() -> None:
+    """As OpenImageIO repeats names of a damaged file."""
+    assert said_by(lambda: b"no \xff".decode()) == "it has names that are no text"
+    assert said_by(lambda: "/home/me/a.png: no PNG") == "the file: no PNG"
 
 
 def test_photons_do_not_start_by_a_texture(

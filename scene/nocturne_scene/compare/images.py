@@ -10,7 +10,7 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from numpy.typing import NDArray
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.library_words import without_paths
+from nocturne_scene.library_words import said_by
 from nocturne_scene.tile_sums import BLOCK, PAIR_FIRST, PAIR_SECOND, PAIRS, PRODUCTS_SQUARES
 from nocturne_scene.uncertainty import ImageMoments, block_sums, tile_sums
 
@@ -51,7 +51,7 @@ def read_picture(file: Path, max_pixels: int = _MAX_PIXELS) -> Picture:
     """Read channels X, Y, Z or else R, G, B (linear sRGB), or Y alone for all three. Raises InputError."""
     picture = oiio.ImageInput.open(str(file))
     if picture is None:
-        raise InputError.at(str(file), f"no image that can be read: {without_paths(oiio.geterror())}")
+        raise InputError.at(str(file), f"no image that can be read: {said_by(oiio.geterror)}")
     try:
         spec = picture.spec()
         names = list(spec.channelnames)
@@ -69,7 +69,7 @@ def read_picture(file: Path, max_pixels: int = _MAX_PIXELS) -> Picture:
             kind = oiio.UINT if spec.channelformat(index) == oiio.TypeUInt else oiio.FLOAT
             values = picture.read_image(0, 0, index, index + 1, kind)
             if values is None:
-                raise InputError.at(str(file), f"can't be read: {without_paths(picture.geterror())}")
+                raise InputError.at(str(file), f"can't be read: {said_by(picture.geterror)}")
             channels[name] = np.asarray(values, dtype=np.float64)[..., 0]
         schedule = spec.get_string_attribute("nocturne:schedule")
     finally:
@@ -133,6 +133,6 @@ def write_difference(file: Path, image: Values, reference: Values) -> None:
     output = oiio.ImageOutput.create(str(file))
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, oiio.UINT8)
     if output is None or not output.open(str(file), spec):
-        raise InputError.at(str(file), f"can't be written: {without_paths(oiio.geterror())}")
+        raise InputError.at(str(file), f"can't be written: {said_by(oiio.geterror)}")
     output.write_image(np.ascontiguousarray(pixels))
     output.close()

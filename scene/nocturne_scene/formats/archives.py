@@ -31,6 +31,8 @@ def unpack(archive: Path, folder: Path) -> list[str]:
                 left -= _write(opened, member, folder / member.filename, left, archive.name)
     except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, zlib.error) as error:
         raise InputError.at(archive.name, f"can't be unpacked: {error}") from None
+    except UnicodeDecodeError:
+        raise InputError.at(archive.name, "can't be unpacked: it has names that are no text") from None
     except OSError as error:
         raise InputError.at(archive.name, f"can't be unpacked: {error.strerror}") from None
     return [member.filename for member in members]

@@ -9,7 +9,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from numpy.typing import NDArray
 
-from nocturne_scene.library_words import without_paths
+from nocturne_scene.library_words import said_by
 from nocturne_scene.simplify.simplification import Document, Find, Simplification, objects
 from nocturne_scene.textures.environment_maps import UnusableImageError, check_size, opened
 from nocturne_scene.textures.image_files import MAX_EDGE, MAX_PIXELS, decoded
@@ -127,6 +127,6 @@ def _read(file: Path) -> tuple[Array, bool]:
         channels = 3 if spec.nchannels >= 3 else 1
         pixels = picture.read_image(0, 0, 0, channels, oiio.FLOAT)
         if pixels is None:
-            raise UnusableImageError(f"the picture can't be read: {without_paths(picture.geterror())}")
+            raise UnusableImageError(f"the picture can't be read: {said_by(picture.geterror)}")
         is_float = spec.format.basetype in (oiio.HALF, oiio.FLOAT)
         return np.asarray(pixels, dtype=np.float64).reshape(spec.height, spec.width, channels), is_float

@@ -21,7 +21,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from numpy.typing import NDArray
 
-from nocturne_scene.library_words import without_paths
+from nocturne_scene.library_words import said_by
 from nocturne_scene.spectra.published import Floats
 from nocturne_scene.spectra.rgb import emission_of_pixels
 
@@ -176,7 +176,7 @@ def opened(source: Path) -> Iterator[Any]:
     config.attribute("oiio:UnassociatedAlpha", 1)
     picture = oiio.ImageInput.open(str(source), config)
     if picture is None:
-        raise UnusableImageError(f"no picture that OpenImageIO can read: {without_paths(oiio.geterror())}")
+        raise UnusableImageError(f"no picture that OpenImageIO can read: {said_by(oiio.geterror)}")
     try:
         yield picture
     finally:
@@ -219,7 +219,7 @@ def _rows(picture: Any, spec: Any) -> Iterator[_Pixels]:
             pixels = picture.read_scanlines(0, 0, start, end, 0, 0, 3, oiio.FLOAT)
         if pixels is None:
             raise UnusableImageError(
-                f"the rows from {start - spec.y} on can't be read: {without_paths(picture.geterror())}"
+                f"the rows from {start - spec.y} on can't be read: {said_by(picture.geterror)}"
             )
         block = np.asarray(pixels, dtype=np.float32).reshape(end - start, spec.width, 3)
         if not np.all(np.abs(block) <= LARGEST):

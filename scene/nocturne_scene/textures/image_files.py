@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 
-from nocturne_scene.library_words import without_paths
+from nocturne_scene.library_words import said_by
 from nocturne_scene.textures.environment_maps import UnusableImageError, check_size, opened
 
 # Pixels; as float32 in three channels 768 MiB while it is made.
@@ -39,7 +39,7 @@ def convert(source: Path, channels: Literal[1, 3], encoding: Encoding) -> bytes:
         check_size(spec, MAX_PIXELS, MAX_EDGE)
         pixels = picture.read_image(0, 0, 0, 3 if spec.nchannels >= 3 else 1, oiio.FLOAT)
         if pixels is None:
-            raise UnusableImageError(f"the picture can't be read: {without_paths(picture.geterror())}")
+            raise UnusableImageError(f"the picture can't be read: {said_by(picture.geterror)}")
         narrow = spec.format.basetype == oiio.UINT8
     values = np.asarray(pixels, dtype=np.float32).reshape(spec.height, spec.width, -1)
     if not np.all(np.abs(values) <= LARGEST):
@@ -73,7 +73,7 @@ def _texture(values: Any, kind: Literal["half", "float"]) -> bytes:
     height, width, channels = values.shape
     buffer = oiio.ImageBuf(oiio.ImageSpec(width, height, channels, oiio.FLOAT))
     if not buffer.set_pixels(oiio.ROI(), np.ascontiguousarray(values)):
-        raise UnusableImageError(f"the picture can't be held: {without_paths(buffer.geterror())}")
+        raise UnusableImageError(f"the picture can't be held: {said_by(buffer.geterror)}")
     config = oiio.ImageSpec(oiio.HALF if kind == "half" else oiio.FLOAT)
     config.tile_width = config.tile_height = _TILE
     config.tile_depth = 1
@@ -87,7 +87,5 @@ def _texture(values: Any, kind: Literal["half", "float"]) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "texture.exr"
         if not oiio.ImageBufAlgo.make_texture(oiio.MakeTxTexture, buffer, str(file), config):
-            raise UnusableImageError(
-                f"no texture can be made of the picture: {without_paths(oiio.geterror())}"
-            )
+            raise UnusableImageError(f"no texture can be made of the picture: {said_by(oiio.geterror)}")
         return file.read_bytes()

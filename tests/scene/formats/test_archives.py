@@ -45,6 +45,15 @@ def test_nothing_is_written_outside(tmp_path: Path, name: str) -> None:
     assert not list((tmp_path / "in").iterdir())
 
 
+def test_names_that_are_no_text_are_told(tmp_path: Path) -> None:
+    """As the flag of a member says that its name is UTF-8."""
+    file = archive(tmp_path, {"\N{SNOWMAN}.xml": b"<scene/>"})
+    file.write_bytes(file.read_bytes().replace("\N{SNOWMAN}".encode(), b"\x96\x96\x96"))
+    (tmp_path / "in").mkdir()
+    with pytest.raises(InputError, match="no text"):
+        archives.unpack(file, tmp_path / "in")
+
+
 def test_links_are_refused(tmp_path: Path) -> None:
     link = zipfile.ZipInfo("a.xml")
     link.external_attr = (stat.S_IFLNK | 0o777) << 16

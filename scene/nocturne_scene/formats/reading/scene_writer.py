@@ -16,7 +16,7 @@ from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.formats.reading import shapes
 from nocturne_scene.formats.reading.findings import Findings
-from nocturne_scene.library_words import without_paths
+from nocturne_scene.library_words import said_by
 from nocturne_scene.meshes.triangles import Triangles, has_area
 
 Json = Any
@@ -91,7 +91,7 @@ class SceneWriter:
             spec.attribute("compression", "zip")
         output = oiio.ImageOutput.create(str(path))
         if output is None or not output.open(str(path), spec):
-            raise InputError.at(name, f"can't be written: {without_paths(oiio.geterror())}")
+            raise InputError.at(name, f"can't be written: {said_by(oiio.geterror)}")
         output.write_image(np.ascontiguousarray(pixels, dtype=np.float32))
         output.close()
         return name
