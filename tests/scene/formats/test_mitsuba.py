@@ -256,6 +256,14 @@ def test_an_emitter_of_the_scene_is_that_of_shapes_that_refer_to_it(tmp_path: Pa
     assert document["surfaces"][0]["luminaire"] == {"radiance": 2}
 
 
+def test_a_lamp_of_which_no_material_is_said_reflects_nothing(tmp_path: Path) -> None:
+    emitter = '<emitter type="area"><spectrum name="radiance" value="1"/></emitter>'
+    document, _ = imported(tmp_path, f'<shape type="sphere">{emitter}</shape>{SPHERE}')
+    lamp, plain = (each["kernel"] for each in document["surfaces"])
+    assert lamp == {"type": "lambertian", "reflectance": 0.0}
+    assert plain["front"]["reflectance"] == 0.5
+
+
 def test_an_area_emitter_without_a_shape_is_told_what_it_lacks(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="belongs into a shape"):
         imported(tmp_path, SPHERE + '<emitter type="area"/>')

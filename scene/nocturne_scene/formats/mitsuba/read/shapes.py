@@ -37,6 +37,8 @@ class _Material:
 
 
 _DEFAULT = Bsdf(front_only({"type": "lambertian", "reflectance": 0.5}))
+_OF_LAMPS = Bsdf({"type": "lambertian", "reflectance": 0.0})
+"""What nothing is said of: a lamp reflects nothing then."""
 
 # The faces of a cube from -1 to 1: the corner at u = v = 0, and the edges along u and v (v down the picture).
 _CUBE = (
@@ -81,10 +83,11 @@ def _material(context: Context, properties: Properties) -> _Material:
     found = properties.take_all("bsdf")
     if len(found) > 1:
         raise InputError.at(properties.place, f"a shape has one material, found {len(found)}")
-    material = bsdf(context, found[0]) if found else _DEFAULT
+    emitters = properties.take_all("emitter")
+    unsaid = _OF_LAMPS if emitters else _DEFAULT
+    material = bsdf(context, found[0]) if found else unsaid
     surface: Json = {"kernel": _named(context, found, material), **material.normal_or_bump}
     interior(context, properties, surface, material.kernel)
-    emitters = properties.take_all("emitter")
     if len(emitters) > 1:
         raise InputError.at(properties.place, f"a shape has one emitter, found {len(emitters)}")
     for emitter in emitters:
