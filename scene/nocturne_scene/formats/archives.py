@@ -21,7 +21,7 @@ def unpack(archive: Path, folder: Path) -> list[str]:
     left = MAX_BYTES
     try:
         with zipfile.ZipFile(archive) as opened:
-            members = [each for each in opened.infolist() if not each.is_dir()]
+            members = [each for each in opened.infolist() if not each.filename.endswith("/")]
             if len(members) > MAX_FILES:
                 raise InputError.at(archive.name, f"has {len(members)} files; at most {MAX_FILES} are read")
             for member in members:
