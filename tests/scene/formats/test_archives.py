@@ -37,12 +37,21 @@ def test_the_scene_is_the_file_nearest_to_the_top() -> None:
         archives.scene_among(["readme.md"], FORMATS, "$")
 
 
-@pytest.mark.parametrize("name", ["", "../a.xml", "/etc/a.xml", "x/../../a.xml", "x\\..\\a.xml"])
+@pytest.mark.parametrize("name", ["../a.xml", "/etc/a.xml", "x/../../a.xml", "x\\..\\a.xml"])
 def test_nothing_is_written_outside(tmp_path: Path, name: str) -> None:
     (tmp_path / "in").mkdir()
     with pytest.raises(InputError, match="no path below"):
         archives.unpack(archive(tmp_path, {name: b"<scene/>"}), tmp_path / "in")
     assert not list((tmp_path / "in").iterdir())
+
+
+def test_a_member_without_a_name_is_told(tmp_path: Path) -> None:
+    """A name ends at a byte of 0."""
+    file = archive(tmp_path, {"?a.xml": b"<scene/>"})
+    file.write_bytes(file.read_bytes().replace(b"?a.xml", b"\0a.xml"))
+    (tmp_path / "in").mkdir()
+    with pytest.raises(InputError, match="no path below"):
+        archives.unpack(file, tmp_path / "in")
 
 
 def test_names_that_are_no_text_are_told(tmp_path: Path) -> None:
