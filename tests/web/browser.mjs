@@ -40,6 +40,62 @@ export async function openPage(browser) {
   return { page, faults, close: () => context.close() };
 }
 
+/**
+ * Notes every control that the page shows, and every one that is used: what no check has used, no check would miss. The part of a name
+ * that says which render, worker or part it is for is left out. Gives both sets.
+ */
+export async function noteControls(page) {
+  const shown = new Set();
+  const used = new Set();
+  await page.exposeFunction("noteShown", (names) => { for (const name of names) shown.add(name); });
+  await page.exposeFunction("noteUsed", (name) => { used.add(name); });
+  await page.addInitScript(() => {
+    const kinds = "button, input, select, textarea, summary, canvas[tabindex]";
+    const text = (node) => (node?.textContent ?? "").trim();
+    const nameOf = (node) => {
+      const label = node.labels?.[0];
+      const words = node.matches("canvas") ? "Image" : node.getAttribute("aria-label") || text(label?.querySelector(":scope > span") ?? label) || text(node) || node.id;
+      return words.replace(/^(Select|Remove|Release|Drain|Show|About|Compare with engine) .*/, "$1").replace(/^(Region|Line|Polygon) \d.*/, "$1");
+    };
+    const known = new WeakSet();
+    let timer = 0;
+    const look = () => {
+      timer = 0;
+      const fresh = [...document.querySelectorAll(kinds)].filter((node) => !known.has(node) && node.checkVisibility());
+      for (const node of fresh) known.add(node);
+      if (fresh.length > 0) void globalThis.noteShown(fresh.map(nameOf));
+    };
+    const later = () => { timer ||= setTimeout(look, 200); };
+    new MutationObserver(later).observe(document, { subtree: true, childList: true, attributes: true, attributeFilter: ["hidden", "open"] });
+    for (const kind of ["click", "input", "change", "keydown"]) {
+      document.addEventListener(kind, (event) => {
+        const node = event.target instanceof Element ? event.target.closest(kinds) : null;
+        // Keys use the image; elsewhere they become clicks and changes.
+        if (node && (kind !== "keydown" || node.matches("canvas"))) void globalThis.noteUsed(nameOf(node));
+      }, { capture: true });
+    }
+  });
+  return { shown, used };
+}
+
+/** Every control in sight is reached by the Tab key; of radio buttons one of a group. */
+async function reachedByTab(page) {
+  const missing = () => page.evaluate(() => {
+    const controls = [...document.querySelectorAll("a[href], button, input, select, textarea, summary, canvas[tabindex]")].filter((node) => node.checkVisibility({ visibilityProperty: true }) && !node.disabled);
+    const nameOf = (node) => (node.type === "radio" ? node.name : `${node.tagName} ${node.getAttribute("aria-label") ?? node.labels?.[0]?.textContent ?? node.textContent}`);
+    globalThis.onReached ??= document.addEventListener("focusin", (event) => { globalThis.reached.add(nameOf(event.target)); }) ?? true;
+    return controls.map(nameOf).filter((name) => !globalThis.reached.has(name));
+  });
+  await page.evaluate(() => { globalThis.reached = new Set(); document.activeElement?.blur(); });
+  let left = await missing();
+  // Tables that are made anew while one goes through them begin again.
+  for (let round = 0; round < 3 && left.length > 0; round += 1) {
+    for (let press = 0; press < left.length + 20; press += 1) await page.keyboard.press("Tab");
+    left = await missing();
+  }
+  return left;
+}
+
 /** Mean and spread of the image's colour values as they are on the canvas, 0 to 255, over 100 x 100 in its middle. */
 export function canvasStatistics(page) {
   return page.evaluate(async () => {
@@ -72,7 +128,7 @@ const looks = [
   { name: "light", colorScheme: "light", viewport: desktop, rules: undefined },
   // Only colours differ.
   { name: "dark", colorScheme: "dark", viewport: desktop, rules: ["color-contrast"] },
-  { name: "phone", colorScheme: "dark", viewport: phone, rules: [] },
+  { name: "phone", colorScheme: "dark", viewport: phone, rules: undefined },
 ];
 
 /** What reaches farthest beyond the window, and what is in it. */
@@ -85,7 +141,7 @@ async function widest(page) {
   });
 }
 
-/** Looks right to a machine: nothing wider than the window, no serious fault that axe knows. Keeps pictures for docs/how-to/page.md. */
+/** Looks right to a machine: nothing wider than the window, no serious fault that axe knows, all in reach of the keyboard. Keeps pictures for docs/how-to/page.md. */
 export async function checkLooks(page, name, folder) {
   mkdirSync(folder, { recursive: true });
   for (const look of looks) {
@@ -99,6 +155,7 @@ export async function checkLooks(page, name, folder) {
   }
   await page.emulateMedia({ colorScheme: "light" });
   await page.setViewportSize(desktop);
+  assert.deepEqual(await reachedByTab(page), [], `${name}: not reached by the Tab key`);
 }
 
 /** The whole page, for docs/how-to/page.md. */
@@ -122,7 +179,6 @@ async function webp(page) {
 
 /** `rules`: which of axe's; undefined: all. */
 async function accessibilityFaults(page, rules) {
-  if (rules?.length === 0) return [];
   await page.evaluate(axeSource);
   const { violations } = await page.evaluate((only) => globalThis.axe.run(only ? { runOnly: { type: "rule", values: only } } : {}), rules);
   return violations

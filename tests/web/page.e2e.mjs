@@ -2,15 +2,16 @@
  * The page in a browser, against a running service with workers. Environment: NOCTURNE_E2E, JSON of
  *   url, api_pid: the service; auth_url, token: another API on the same data that asks for tokens;
  *   small, other: ids of renders 128 x 128 of the Cornell box that have ended; `other` is by another engine;
+ *   panorama: a render of a bright sky, as an eye has it around;
  *   quarantine: a command that puts the worker named after it in quarantine;
- *   exr: the image of `small`; pixel: {x, y, values} of it, read by OpenImageIO; archive: a ZIP of the Cornell box;
+ *   exr: the image of `small`; pixel: {x, y, values} of it, read by OpenImageIO; archive, scene_folder: a ZIP of the Cornell box, its folder;
  *   screenshots: a folder.
  * Prints a line per check; exit code 1 at the first that fails.
  * One file, though long: a visit, in which each check goes on from the page as the one before left it.
  */
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { canvasStatistics, checkLooks, launch, nextUpdates, openPage } from "./browser.mjs";
+import { canvasStatistics, checkLooks, launch, nextUpdates, noteControls, openPage } from "./browser.mjs";
 
 const given = JSON.parse(process.env.NOCTURNE_E2E);
 const at = (hash) => `${given.url}/${hash}`;
@@ -43,8 +44,17 @@ const checks = {
     await page.getByText("No render is like that.").waitFor();
     await page.getByRole("searchbox", { name: "Filter" }).fill("");
     await page.getByRole("combobox", { name: "Show" }).selectOption("Ended");
+    await page.getByRole("combobox", { name: "Order" }).selectOption("Largest error first");
+    await page.waitForURL("**/#/?show=ended&order=error");
+    await page.reload();
     await row.waitFor();
+    assert.equal(await page.getByRole("combobox", { name: "Order" }).inputValue(), "error");
+    // Four times the samples, half the error.
+    const ids = await rows.locator("a.name").evaluateAll((links) => links.map((link) => link.getAttribute("href")));
+    assert.ok(ids.indexOf(showing(given.other)) < ids.indexOf(showing(given.small)), ids.join());
+    await page.getByRole("combobox", { name: "Order" }).selectOption("Newest first");
     await page.getByRole("combobox", { name: "Show" }).selectOption("All states");
+    await page.waitForURL("**/#/");
   },
 
   async "a denoised picture stands beside the true image, or the service says that it has none"({ page, note }) {
@@ -137,6 +147,80 @@ const checks = {
     assert.equal((await canvasStatistics(page)).mean, before.mean);
   },
 
+  async "keys and buttons zoom, until values stand on pixels; the address keeps where"({ page }) {
+    const zoom = () => page.locator(".zoom").textContent().then(parseFloat);
+    const valuesOnPixels = () => page.locator("canvas.overlay").evaluate((canvas) => canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.some((value) => value > 0));
+    const pressed = async (name) => {
+      await page.getByRole("button", { name, exact: true }).focus();
+      await page.keyboard.press("Enter");
+    };
+    const fitted = await zoom();
+    await pressed("Zoom in");
+    assert.equal(await zoom(), 2 * fitted);
+    await pressed("Zoom out");
+    assert.equal(await zoom(), fitted);
+    await pressed("1:1");
+    assert.equal(await zoom(), 100);
+    await page.locator(".frame canvas[tabindex]").focus();
+    for (let step = 0; step < 12; step += 1) await page.keyboard.press("+");
+    await page.keyboard.press("Shift+ArrowLeft");
+    await page.waitForURL("**at=*");
+    while (!(await valuesOnPixels())) await page.waitForTimeout(20);
+    const large = await zoom();
+    await page.reload();
+    await page.locator("canvas[data-updates]").waitFor();
+    assert.equal(await zoom(), large);
+    while (!(await valuesOnPixels())) await page.waitForTimeout(20);
+    await pressed("Fit");
+    assert.equal(await zoom(), fitted);
+    while (await valuesOnPixels()) await page.waitForTimeout(20);
+    for (const name of ["Clipping", "Gamut"]) {
+      const before = await canvasStatistics(page);
+      await page.getByRole("slider", { name: "Exposure" }).fill("6");
+      await page.getByRole("checkbox", { name }).focus();
+      const bright = await canvasStatistics(page);
+      assert.ok(bright.mean > before.mean);
+      await page.keyboard.press("Space");
+      assert.equal(await page.getByRole("checkbox", { name }).isChecked(), true);
+      if (name === "Clipping") assert.notEqual((await canvasStatistics(page)).mean, bright.mean);
+      await page.keyboard.press("Space");
+      await pressed("Auto");
+    }
+  },
+
+  async "a region, a line and a polygon are drawn by keys, a polygon by clicks"({ page }) {
+    const canvas = page.locator(".frame canvas[tabindex]");
+    const draw = async (name, keys) => {
+      const button = page.getByRole("button", { name, exact: true });
+      await button.focus();
+      await page.keyboard.press("Enter");
+      assert.equal(await button.getAttribute("aria-pressed"), "true");
+      await canvas.focus();
+      for (const key of keys) await page.keyboard.press(key);
+      await button.focus();
+      await page.keyboard.press("Enter");
+    };
+    const region = page.getByRole("region", { name: "Region" });
+    await draw("Region", ["Enter", "ArrowRight", "ArrowRight", "ArrowDown", "Enter", "ArrowDown"]);
+    await region.getByText("64, 64, 3 × 2").waitFor();
+    await page.getByText("Measure", { exact: true }).click();
+    const points = page.getByLabel("Points in pixels");
+    await draw("Line", ["Enter", "ArrowRight", "ArrowRight", "Enter"]);
+    assert.match(await points.inputValue(), /^\d+,\d+ \d+,\d+$/);
+    await draw("Polygon", ["Enter", "ArrowRight", "ArrowRight", "Enter", "ArrowDown", "ArrowDown", "Enter"]);
+    assert.match(await points.inputValue(), /^(\d+,\d+ ){2}\d+,\d+$/);
+    await canvas.focus();
+    await page.keyboard.press("Escape");
+    await region.getByText("64, 64, 3 × 2").waitFor({ state: "detached" });
+    await page.getByRole("button", { name: "Polygon", exact: true }).click();
+    const box = await canvas.boundingBox();
+    for (const [x, y] of [[-40, -40], [40, -40], [0, 40]]) await page.mouse.click(box.x + box.width / 2 + x, box.y + box.height / 2 + y);
+    assert.match(await points.inputValue(), /^(\d+,\d+ ){2}\d+,\d+$/);
+    await page.getByRole("button", { name: "Polygon", exact: true }).click();
+    await canvas.press("Escape");
+    await page.getByText("Measure", { exact: true }).click();
+  },
+
   async "exposure brightens, and Auto takes it back"({ page }) {
     const before = await canvasStatistics(page);
     const slider = page.getByRole("slider", { name: "Exposure" });
@@ -174,6 +258,9 @@ const checks = {
     await page.getByRole("group", { name: "Legend" }).getByText("1e8").waitFor();
     const darker = await canvasStatistics(page);
     assert.notEqual(darker.mean, before.mean);
+    await page.getByLabel("Lowest value").fill("3e7");
+    await page.keyboard.press("Enter");
+    assert.notEqual((await canvasStatistics(page)).mean, darker.mean);
     await page.getByRole("combobox", { name: "Steps" }).selectOption("Linear");
     assert.notEqual((await canvasStatistics(page)).mean, darker.mean);
     await page.getByRole("button", { name: "Auto range" }).click();
@@ -205,6 +292,15 @@ const checks = {
     await page.getByRole("checkbox", { name: "Isolines" }).check();
     await page.waitForResponse((response) => response.url().includes("/isolines"));
     await page.locator(".measure .uplot").waitFor();
+    const asked = page.waitForRequest((request) => request.url().includes("/isolines") && request.url().includes("12345"));
+    await page.getByLabel("Values of isolines").fill("12345");
+    await page.keyboard.press("Enter");
+    await asked;
+    await rows.filter({ hasText: /^Line/ }).getByRole("radio").focus();
+    await page.keyboard.press("Space");
+    const profile = page.waitForEvent("download");
+    await page.getByRole("link", { name: "Profile as CSV" }).click();
+    assert.match(await (await profile).createReadStream().then((stream) => stream.toArray()).then(String), /^distance_pixels,x,y,luminance cd\/m2,standard_error\r\n/);
     const kept = await (await fetch(`${given.url}/v1/renders/${given.small}/regions`)).json();
     assert.deepEqual(kept.regions.map(({ kind, name }) => [kind, name]), [["line", ""], ["polygon", "desk"]]);
     // What the page shows is what the API and the command line say.
@@ -219,6 +315,16 @@ const checks = {
     await rows.filter({ hasText: "desk" }).waitFor({ state: "detached" });
     await page.getByText("Measure", { exact: true }).click();
     await page.getByRole("combobox", { name: "View" }).selectOption("Colour");
+  },
+
+  async "glare is told of what is all around an eye"({ page }) {
+    await page.goto(at(showing(given.panorama)));
+    await page.getByText("Measure", { exact: true }).focus();
+    await page.keyboard.press("Enter");
+    await page.getByText(/^Glare for who looks at the middle: .*, DGP \d.* lx at the eye/).waitFor();
+    await look(page, "glare");
+    await page.goto(at(showing(given.small)));
+    await page.locator("canvas[data-updates]").waitFor();
   },
 
   async "a reload and a link show what was looked at"({ page }) {
@@ -237,6 +343,11 @@ const checks = {
     await page.locator("canvas[data-updates]").waitFor();
     await page.getByText(given.small, { exact: true }).waitFor();
     assert.equal(await page.getByRole("combobox", { name: "View" }).inputValue(), "colour");
+    await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
+    await page.getByRole("button", { name: "Copy id" }).focus();
+    await page.keyboard.press("Enter");
+    await page.locator("#announcer").getByText("The id is copied").waitFor({ state: "attached" });
+    assert.equal(await page.evaluate(() => navigator.clipboard.readText()), given.small);
   },
 
   async "a render is paused, resumed, extended and given another priority"({ page, note }) {
@@ -252,8 +363,11 @@ const checks = {
     await state(id, "RUNNING");
     await page.getByRole("button", { name: "Pause" }).click();
     await state(id, "PAUSED");
+    const priority = page.getByRole("dialog", { name: "How much of the workers?" });
     await page.getByRole("button", { name: "Priority…" }).click();
-    await page.getByRole("dialog", { name: "How much of the workers?" }).getByLabel("Priority").fill("250");
+    await priority.getByRole("button", { name: "Leave it" }).press("Enter");
+    await page.getByRole("button", { name: "Priority…" }).press("Enter");
+    await priority.getByLabel("Priority").fill("250");
     await page.keyboard.press("Enter");
     await page.getByRole("dialog").waitFor({ state: "hidden" });
     assert.equal((await (await fetch(`${given.url}/v1/renders/${id}`)).json()).priority, 250);
@@ -276,6 +390,32 @@ const checks = {
     await page.keyboard.press("Space");
     const bar = page.getByRole("group", { name: "Selected renders" });
     await bar.getByText("1 selected").waitFor();
+    const selected = async (name, label, value) => {
+      await bar.getByRole("button", { name: `${name}…` }).press("Enter");
+      await page.getByRole("dialog").getByLabel(label).fill(value);
+      await page.keyboard.press("Enter");
+      await bar.waitFor({ state: "hidden" });
+      await box.press("Space");
+    };
+    const told = async () => (await fetch(`${given.url}/v1/renders/${id}`)).json();
+    await selected("Priority", "Priority", "300");
+    await selected("Extend", /^Samples per pixel/, "2000000");
+    await selected("Add tags", "Tags", "night, hall");
+    const after = await told();
+    assert.deepEqual([after.priority, after.samples, after.tags], [300, 2_000_000, ["night", "hall"]]);
+    for (const [name, wanted] of [["Pause", "PAUSED"], ["Resume", "RUNNING"]]) {
+      await bar.getByRole("button", { name, exact: true }).press("Enter");
+      await bar.waitFor({ state: "hidden" });
+      while ((await told()).state !== wanted) await page.waitForTimeout(50);
+      await box.press("Space");
+    }
+    await bar.getByRole("button", { name: "Extend…" }).press("Enter");
+    await page.getByRole("dialog").getByRole("button", { name: "Leave them" }).press("Enter");
+    await bar.getByRole("button", { name: "Select all" }).press("Enter");
+    await bar.getByText(`${await page.locator(".renders li").count()} selected`).waitFor();
+    await bar.getByRole("button", { name: "Select none" }).press("Enter");
+    await bar.waitFor({ state: "hidden" });
+    await box.press("Space");
     await bar.getByRole("button", { name: "Cancel…" }).click();
     await page.getByRole("dialog").getByRole("button", { name: "Cancel", exact: true }).click();
     await bar.waitFor({ state: "hidden" });
@@ -292,6 +432,14 @@ const checks = {
     await page.locator("figure:not([data-points='0']) .uplot").waitFor();
     await page.getByRole("radio", { name: "Samples per pixel" }).check();
     await page.locator(".u-legend").getByText("Samples per pixel").waitFor();
+    await page.reload();
+    await page.locator(".u-legend").getByText("Samples per pixel").waitFor();
+    await page.getByRole("radio", { name: "Time" }).check();
+    await page.getByRole("button", { name: "About Relative error" }).focus();
+    const about = page.getByRole("tooltip").filter({ hasText: "Halving it takes four times the samples." });
+    await about.waitFor();
+    await page.keyboard.press("Escape");
+    await about.waitFor({ state: "hidden" });
     const downloads = [["Download EXR", [0x76, 0x2f, 0x31, 0x01]], ["Download PNG", [0x89, 0x50, 0x4e, 0x47]], ["Bundle", [0x50, 0x4b, 0x03, 0x04]]];
     for (const [name, magic] of downloads) {
       const address = await page.getByRole("link", { name }).getAttribute("href");
@@ -325,6 +473,8 @@ const checks = {
     await page.reload();
     await page.getByRole("radio", { name: "Wipe" }).waitFor();
     assert.equal(await place.inputValue(), "0.25");
+    await page.getByRole("radio", { name: "Second" }).check();
+    await page.waitForURL("**side=second");
     await page.getByRole("radio", { name: "First" }).check();
     const first = await canvasStatistics(page);
     await page.getByRole("button", { name: "Flip" }).click();
@@ -343,6 +493,20 @@ const checks = {
     const { mean, spread } = await canvasStatistics(page);
     // The middle of the diverging map is f7f7f7.
     assert.ok(Math.abs(mean - 247) < 1 && spread < 1, `mean ${mean}, standard deviation ${spread}`);
+  },
+
+  async "a scene is dropped on the page, and a folder is chosen"({ page }) {
+    await page.goto(at("#/"));
+    const data = await page.evaluateHandle((text) => {
+      const transfer = new DataTransfer();
+      transfer.items.add(new File([text], "fog.json", { type: "application/json" }));
+      return transfer;
+    }, JSON.stringify(evenLight));
+    await page.dispatchEvent("body", "drop", { dataTransfer: data });
+    await page.getByText(/^fog\.json/).waitFor();
+    await page.getByLabel("choose a folder").setInputFiles(given.scene_folder);
+    await page.getByText(/scene\.json/).first().waitFor();
+    assert.equal(await page.getByLabel("Name", { exact: true }).inputValue(), "Cornell box");
   },
 
   async "a wrong scene is refused with the places of its faults"({ page }) {
@@ -408,6 +572,8 @@ const checks = {
     await page.goto(at(showing(given.small)));
     await page.getByRole("button", { name: "Tags…" }).focus();
     await page.keyboard.press("Enter");
+    await page.getByRole("dialog", { name: "Tags" }).getByRole("button", { name: "Leave them" }).press("Enter");
+    await page.getByRole("button", { name: "Tags…" }).press("Enter");
     await page.getByRole("dialog", { name: "Tags" }).getByLabel("Tags").fill("lobby, for review");
     await page.keyboard.press("Enter");
     await page.getByText("lobby, for review", { exact: true }).waitFor();
@@ -437,15 +603,29 @@ const checks = {
     await page.getByLabel("Variants, one place a line").fill("tracing.seed=1,2");
     await page.getByLabel("Spectral bands, nm").fill("400:700:100");
     await page.getByLabel("Tags, between commas").fill("film");
+    await page.getByLabel("Group", { exact: true }).fill("film by keys");
+    await page.getByLabel("Begin when this group has ended").fill("boxes");
+    await page.getByLabel("Each tile stops at a relative error of, %").fill("0.5");
+    await page.getByLabel("Stop after, core hours").fill("0.25");
+    await page.getByLabel("Stop at", { exact: true }).fill("07:00");
+    await page.getByLabel("Priority", { exact: true }).fill("120");
+    for (const name of ["normal", "position", "object", "material"]) await page.getByRole("checkbox", { name }).check();
+    await page.getByRole("checkbox", { name: "indirect" }).check();
     await look(page, "sequence");
     await page.getByRole("button", { name: "Render", exact: true }).focus();
     await page.keyboard.press("Enter");
-    await page.getByRole("heading", { name: /^Group film / }).waitFor();
+    await page.getByRole("heading", { name: "Group film by keys" }).waitFor();
     await page.getByText(/^4 of 4 renders have ended/).waitFor();
     const { renders } = await (await fetch(`${given.url}/v1/renders?tag=film`)).json();
     assert.deepEqual(renders.map(({ name }) => name).sort(), ["film seed=1 1", "film seed=1 2", "film seed=2 1", "film seed=2 2"]);
     const document = await (await fetch(`${given.url}/v1/renders/${renders[0].id}/scene.json`)).json();
     assert.deepEqual([document.sensor.position[0], document.sensor.bands, document.tracing.seed], [0.28, { first: 400, last: 700, width: 100 }, 2]);
+    assert.equal(document.sensor.light_parts, true);
+    const { stop, layers, priority, after } = renders[0];
+    assert.deepEqual([stop.tile_relative_error, stop.cpu_seconds, layers, priority, after], [0.005, 900, ["normal", "position", "object", "material"], 120, "boxes"]);
+    // 07:00 of who typed it.
+    const hour = await page.evaluate((seconds) => new Date(1000 * seconds).toLocaleTimeString("en", { hour12: false, hour: "2-digit", minute: "2-digit" }), stop.until_time);
+    assert.equal(hour, "07:00");
   },
 
   async "a render that will miss its error in time says so, and the browser tells of it"({ page }) {
@@ -621,6 +801,7 @@ const checks = {
 const browser = await launch();
 try {
   const { page, faults } = await openPage(browser);
+  const controls = await noteControls(page);
   for (const [name, check] of Object.entries(checks)) {
     const start = Date.now();
     const notes = [];
@@ -633,6 +814,8 @@ try {
     console.log(`ok  ${name} (${Date.now() - start} ms)${notes.map((text) => `: ${text}`).join("")}`);
   }
   assert.deepEqual(faults, []);
+  assert.ok(controls.used.size > 80, `${controls.used.size} controls`);
+  assert.deepEqual([...controls.shown].filter((name) => !controls.used.has(name)).sort(), [], "controls that no check uses");
 } finally {
   await browser.close();
 }

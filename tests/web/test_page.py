@@ -27,6 +27,21 @@ from tests.web.visit import ROOT, archive_of, has_ended, submit, visit
 DIST = ROOT / "services/web/dist"
 PIXEL = (70, 90)
 
+PANORAMA: dict[str, Any] = {
+    "nocturne": 1,
+    "name": "lamp in the sky",
+    "sensor": {"type": "panorama", "position": [0, 0, 0], "look_at": [0, 0, -1], "up": [0, 1, 0]},
+    "environment": {"radiance": 1},
+    "surfaces": [
+        {
+            "shape": {"type": "sphere", "centre": [0, 1, -4], "radius": 0.3},
+            "kernel": {"type": "lambertian", "reflectance": 0.0},
+            "luminaire": {"radiance": 100},
+        }
+    ],
+}
+"""Glare has something to find."""
+
 QUARANTINE = """
 import sqlite3, sys, time
 with sqlite3.connect(sys.argv[1], timeout=20) as database:
@@ -99,7 +114,8 @@ def test_the_page(page_service: Up, guarded_url: str, tmp_path: Path) -> None:
     url = page_service.url
     cornell = json.loads((ROOT / "examples" / "cornell" / "scene.json").read_text())
     small, other = (submit(url, cornell, (128, 128), samples, "boxes") for samples in (64, 16))
-    wait_for(lambda: all(has_ended(url, each) for each in (small, other)), "renders to end", 400)
+    around = submit(url, PANORAMA, (64, 32), 4)
+    wait_for(lambda: all(has_ended(url, each) for each in (small, other, around)), "renders to end", 400)
     with sqlite3.connect(page_service.data / "nocturne.db", timeout=20) as database:
         database.execute("UPDATE render SET engine = engine - 1 WHERE id = ?", (other,))
     exr = tmp_path / "small.exr"
@@ -111,10 +127,12 @@ def test_the_page(page_service: Up, guarded_url: str, tmp_path: Path) -> None:
         "token": token(page_service.data),
         "small": small,
         "other": other,
+        "panorama": around,
         "quarantine": [sys.executable, "-c", QUARANTINE, str(page_service.data / "nocturne.db")],
         "exr": str(as_mitsuba_writes_it(exr, tmp_path / "piz.exr")),
         "pixel": pixel_of(exr),
         "archive": str(archive_of(ROOT / "examples" / "cornell", tmp_path / "cornell.zip")),
+        "scene_folder": str(ROOT / "examples" / "cornell"),
         "screenshots": os.environ.get("NOCTURNE_SCREENSHOTS", str(tmp_path / "screenshots")),
     }
     visit("page.e2e.mjs", given)

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { decades, mapBytes, maps, ticks } from "../../../services/web/src/image/colour_maps.ts";
-import { filmPoint, fitted, levelFor, panned, zoomed } from "../../../services/web/src/image/placement.ts";
+import { filmPoint, fitted, kept, levelFor, panned, zoomed } from "../../../services/web/src/image/placement.ts";
 
 const film = { width: 400, height: 200 };
 const canvas = { width: 800, height: 600 };
@@ -24,8 +24,9 @@ test("zoom and pan have ends", () => {
   const start = fitted(film, canvas);
   assert.equal(zoomed(start, 1e9, { x: 0, y: 0 }, film, canvas).scale, 128);
   assert.equal(zoomed(start, 1e-9, { x: 0, y: 0 }, film, canvas).scale, 0.5);
-  assert.deepEqual(panned(start, { x: 1e6, y: -1e6 }, film), { scale: 2, x: 0, y: 200 });
-  assert.deepEqual(panned(start, { x: 10, y: 0 }, film), { scale: 2, x: 195, y: 100 });
+  assert.deepEqual(panned(start, { x: 1e6, y: -1e6 }, film, canvas), { scale: 2, x: 0, y: 200 });
+  assert.deepEqual(panned(start, { x: 10, y: 0 }, film, canvas), { scale: 2, x: 195, y: 100 });
+  assert.deepEqual(kept({ scale: 1e9, x: -1, y: 1e9 }, film, canvas), { scale: 128, x: 0, y: 200 });
 });
 
 test("a level for each halving", () => {

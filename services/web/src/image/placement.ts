@@ -28,24 +28,27 @@ export function fitted(film: Size, canvas: Size): Placement {
 
 /** Zooms by a factor so that the film's point under `at` (canvas pixels) stays there. */
 export function zoomed(placement: Placement, factor: number, at: Point, film: Size, canvas: Size): Placement {
-  const smallest = Math.min(fitted(film, canvas).scale, 1) / 2;
-  const scale = Math.min(largestScale, Math.max(smallest, placement.scale * factor));
+  const scale = boundedScale(placement.scale * factor, film, canvas);
   const before = filmPoint(placement, at, canvas);
-  return kept({ scale, x: before.x - (at.x - canvas.width / 2) / scale, y: before.y - (at.y - canvas.height / 2) / scale }, film);
+  return kept({ scale, x: before.x - (at.x - canvas.width / 2) / scale, y: before.y - (at.y - canvas.height / 2) / scale }, film, canvas);
 }
 
 /** Moves the film by canvas pixels. */
-export function panned(placement: Placement, by: Point, film: Size): Placement {
-  return kept({ ...placement, x: placement.x - by.x / placement.scale, y: placement.y - by.y / placement.scale }, film);
+export function panned(placement: Placement, by: Point, film: Size, canvas: Size): Placement {
+  return kept({ ...placement, x: placement.x - by.x / placement.scale, y: placement.y - by.y / placement.scale }, film, canvas);
 }
 
 /** The middle of the canvas never leaves the film, so that it cannot get lost. */
-function kept(placement: Placement, film: Size): Placement {
+export function kept(placement: Placement, film: Size, canvas: Size): Placement {
   return {
-    scale: placement.scale,
+    scale: boundedScale(placement.scale, film, canvas),
     x: Math.min(film.width, Math.max(0, placement.x)),
     y: Math.min(film.height, Math.max(0, placement.y)),
   };
+}
+
+function boundedScale(scale: number, film: Size, canvas: Size): number {
+  return Math.min(largestScale, Math.max(Math.min(fitted(film, canvas).scale, 1) / 2, scale));
 }
 
 export function filmPoint(placement: Placement, at: Point, canvas: Size): Point {

@@ -1,17 +1,16 @@
 /** Keeps how the image is looked at in the address. */
-import type { Region } from "../image/tiled_image.ts";
-import { fromQuery, toQuery } from "./memory.ts";
+import { fromQuery, type Memory, toQuery } from "./memory.ts";
 import type { Viewer } from "./viewer.ts";
 
 /** Milliseconds: browsers refuse addresses that change with every step of a slider. */
 const rest = 300;
 
-/** Shows the image as the address says; gives the region that is chosen there. */
-export function recall(viewer: Viewer, canCompare: boolean): Region | undefined {
-  const { chosen, show, side, wipe, ...look } = fromQuery(location.hash.split("?")[1] ?? "");
+/** Shows the image as the address says; gives what needs the image: the region that is chosen there, and where it lies. */
+export function recall(viewer: Viewer, canCompare: boolean): Pick<Memory, "chosen" | "placement"> {
+  const { chosen, placement, show, side, wipe, ...look } = fromQuery(location.hash.split("?")[1] ?? "");
   if (canCompare) viewer.change({ ...(side && { side }), ...(wipe !== undefined && { wipe }) });
   viewer.change(show && (canCompare || show !== "difference") ? { ...look, show } : look);
-  return chosen;
+  return { ...(chosen && { chosen }), ...(placement && { placement }) };
 }
 
 /** Which axis the chart of the error has stands there as well. */
@@ -37,7 +36,7 @@ export function rememberer(viewer: Viewer): () => void {
   return () => {
     timer ||= window.setTimeout(() => {
       timer = 0;
-      const query = withAxis(toQuery(viewer.look, viewer.isAuto));
+      const query = withAxis(toQuery({ ...viewer.look, isAuto: viewer.isAuto, placement: viewer.isFitted ? undefined : viewer.placement }));
       const address = `${route}${query ? `?${query}` : ""}`;
       if (location.hash.split("?")[0] === route && location.hash !== address) history.replaceState(null, "", address);
     }, rest);

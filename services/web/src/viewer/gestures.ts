@@ -21,18 +21,13 @@ const keyPan_px = 64;
 export function listenToGestures(viewer: Viewer, drawing: () => Kind | undefined, listener: GestureListener): void {
   const { canvas } = viewer;
   const down = new Map<number, Point>();
-  let start: { kind: Kind; at: Point } | undefined;
-  let corners: number[][] = [];
+  const drawn = drawer(viewer, listener);
 
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
     down.set(event.pointerId, { x: event.clientX, y: event.clientY });
     const kind = event.shiftKey ? "rectangle" : drawing();
-    start = kind && { kind, at: inFilm(viewer.pixelAt(event.clientX, event.clientY), viewer) };
-    if (kind === "polygon") {
-      const corner = cornerAt(event, viewer);
-      if (corner.join() !== corners.at(-1)?.join()) listener.onPoints(kind, (corners = [...corners, corner]));
-    }
+    drawn.begin(kind, viewer.pixelAt(event.clientX, event.clientY), cornerAt(event, viewer));
     listener.onPixel(viewer.pixelAt(event.clientX, event.clientY));
   });
   canvas.addEventListener("pointermove", (event) => {
@@ -42,14 +37,13 @@ export function listenToGestures(viewer: Viewer, drawing: () => Kind | undefined
       return;
     }
     const now = { x: event.clientX, y: event.clientY };
-    if (start?.kind === "rectangle") listener.onRegion(between(start.at, viewer.pixelAt(now.x, now.y), viewer));
-    else if (start?.kind === "line") listener.onPoints("line", [start.at, inFilm(viewer.pixelAt(now.x, now.y), viewer)].map(({ x, y }) => [x, y]));
-    else if (!start) drag(viewer, down, event.pointerId, now);
+    if (drawn.kind()) drawn.moveTo(viewer.pixelAt(now.x, now.y));
+    else drag(viewer, down, event.pointerId, now);
     down.set(event.pointerId, now);
   });
   const up = (event: PointerEvent): void => {
     down.delete(event.pointerId);
-    start = undefined;
+    drawn.end();
   };
   canvas.addEventListener("pointerup", up);
   canvas.addEventListener("pointercancel", up);
@@ -62,17 +56,47 @@ export function listenToGestures(viewer: Viewer, drawing: () => Kind | undefined
     { passive: false },
   );
   canvas.addEventListener("dblclick", () => {
-    if (drawing() === "polygon") corners = [];
+    if (drawing() === "polygon") drawn.endPolygon();
     else if (!drawing()) viewer.fit();
   });
-  listenToKeys(viewer, {
-    ...listener,
-    onRegion: (region) => {
+  listenToKeys(viewer, drawing, drawn, listener);
+}
+
+/** A region, line or polygon, from its first corner on; by pointer or by keys. */
+interface Drawer {
+  /** What is being drawn. */
+  kind: () => Kind | undefined;
+  /** `corner`: of a polygon, which lies between pixels. */
+  begin: (kind: Kind | undefined, pixel: Point, corner: number[]) => void;
+  moveTo: (pixel: Point) => void;
+  end: () => void;
+  /** The next corner begins another one. */
+  endPolygon: () => void;
+  forget: () => void;
+}
+
+function drawer(viewer: Viewer, listener: GestureListener): Drawer {
+  let start: { kind: Kind; at: Point } | undefined;
+  let corners: number[][] = [];
+  return {
+    kind: () => start?.kind,
+    begin: (kind, pixel, corner) => {
+      start = kind && { kind, at: inFilm(pixel, viewer) };
+      if (kind === "polygon" && corner.join() !== corners.at(-1)?.join()) listener.onPoints(kind, (corners = [...corners, corner]));
+    },
+    moveTo: (pixel) => {
+      if (start?.kind === "rectangle") listener.onRegion(between(start.at, pixel, viewer));
+      else if (start?.kind === "line") listener.onPoints("line", [start.at, inFilm(pixel, viewer)].map(({ x, y }) => [x, y]));
+    },
+    end: () => { start = undefined; },
+    endPolygon: () => { corners = []; },
+    forget: () => {
+      start = undefined;
       corners = [];
       listener.onPoints("polygon", undefined);
-      listener.onRegion(region);
+      listener.onRegion(undefined);
     },
-  });
+  };
 }
 
 /** The nearest corner between pixels: whole numbers are what people read again. */
@@ -100,8 +124,17 @@ function drag(viewer: Viewer, down: ReadonlyMap<number, Point>, id: number, now:
 }
 
 /** Arrows move the pixel that is looked at, with Shift they pan; the rest is in the canvas's description. */
-function listenToKeys(viewer: Viewer, listener: GestureListener): void {
+function listenToKeys(viewer: Viewer, drawing: () => Kind | undefined, drawn: Drawer, listener: GestureListener): void {
   let pixel: Point | undefined;
+  const corner = (): void => {
+    const kind = drawing();
+    const at = (pixel ??= next({ x: 0, y: 0 }));
+    // The second corner ends a region and a line.
+    if (drawn.kind() && kind !== "polygon") drawn.end();
+    else drawn.begin(kind, at, [at.x, at.y]);
+    drawn.moveTo(at);
+    listener.onPixel(at);
+  };
   const arrows: Record<string, Point> = {
     ArrowLeft: { x: -1, y: 0 }, ArrowRight: { x: 1, y: 0 }, ArrowUp: { x: 0, y: -1 }, ArrowDown: { x: 0, y: 1 },
   };
@@ -111,7 +144,8 @@ function listenToKeys(viewer: Viewer, listener: GestureListener): void {
     "-": () => { viewer.zoom(1 / keyStep); },
     "0": () => { viewer.fit(); },
     "1": () => { viewer.zoom(1 / viewer.placement.scale); },
-    Escape: () => { listener.onRegion(undefined); },
+    Enter: corner,
+    Escape: () => { drawn.forget(); },
   };
   viewer.canvas.addEventListener("keydown", (event) => {
     if (isShortcut(event)) return;
@@ -121,7 +155,10 @@ function listenToKeys(viewer: Viewer, listener: GestureListener): void {
     event.preventDefault();
     other?.();
     if (arrow && event.shiftKey) viewer.pan({ x: -keyPan_px * arrow.x, y: -keyPan_px * arrow.y });
-    else if (arrow) listener.onPixel((pixel = next(arrow)));
+    else if (arrow) {
+      listener.onPixel((pixel = next(arrow)));
+      drawn.moveTo(pixel);
+    }
   });
   const next = (by: Point): Point => {
     const from = pixel ?? { x: Math.floor(viewer.placement.x), y: Math.floor(viewer.placement.y) };

@@ -11,6 +11,8 @@ const roomForValue_px = 44;
 /** A shorter isoline has no room for its value. */
 const roomForLabel_px = 90;
 const labelsPerLevel = 3;
+/** What a label takes, of style sheet pixels: no two stand closer. */
+const labelRoom_px = { x: 56, y: 16 };
 
 const ink = "#ffffff";
 const halo = "rgb(0 0 0 / 75%)";
@@ -23,6 +25,11 @@ export interface Seen {
   /** Of the canvas, device pixels. */
   width: number;
   height: number;
+}
+
+interface Label {
+  text: string;
+  place: Point;
 }
 
 export class Overlay {
@@ -51,7 +58,14 @@ export class Overlay {
     Object.assign(context, { font: `${12 * ratio}px system-ui, sans-serif`, textAlign: "center", textBaseline: "middle", lineJoin: "round" });
     const at = (x: number, y: number): Point => onCanvas({ x, y }, seen);
     if (values) paintValues(context, values, seen, ratio);
-    for (const { level, lines } of this.isolines?.isolines ?? []) paintIsolines(context, `${Number(formatValue(level, 4))}`, lines, at, seen, ratio);
+    const labels: Label[] = [];
+    for (const { level, lines } of this.isolines?.isolines ?? []) {
+      const paths = lines.map((line) => line.map(([x = 0, y = 0]) => at(x, y)));
+      for (const path of paths) stroke(context, path, ratio, ink, false);
+      labels.push(...labelsOf(`${Number(formatValue(level, 4))}`, paths, labels, seen, ratio));
+    }
+    // Over all lines.
+    for (const { text, place } of labels) label(context, text, place, ratio);
     for (const outline of outlines) paintOutline(context, outline, at, ratio, outline === this.draft ? drawn : ink);
   }
 }
@@ -77,15 +91,19 @@ function paintValues(context: CanvasRenderingContext2D, image: TiledImage, seen:
   }
 }
 
-function paintIsolines(context: CanvasRenderingContext2D, text: string, lines: readonly (readonly number[][])[], at: (x: number, y: number) => Point, seen: Seen, ratio: number): void {
-  const inside = ({ x, y }: Point): boolean => x > 30 && y > 12 && x < seen.width - 30 && y < seen.height - 12;
-  const paths = lines.map((line) => line.map(([x = 0, y = 0]) => at(x, y)));
-  for (const path of paths) stroke(context, path, ratio, ink, false);
+/** Places for a value on its longest lines, in sight and clear of other labels; a line without such a place has none. */
+function labelsOf(text: string, paths: Point[][], others: readonly Label[], seen: Seen, ratio: number): Label[] {
+  const found: Label[] = [];
+  const isClear = (place: Point): boolean =>
+    place.x > 30 && place.y > 12 && place.x < seen.width - 30 && place.y < seen.height - 12 &&
+    ![...others, ...found].some(({ place: { x, y } }) => Math.abs(x - place.x) < labelRoom_px.x * ratio && Math.abs(y - place.y) < labelRoom_px.y * ratio);
   const longest = paths.map((path) => ({ path, length: lengthOf(path) })).filter(({ length }) => length > roomForLabel_px * ratio).sort((a, b) => b.length - a.length);
   for (const { path } of longest.slice(0, labelsPerLevel)) {
-    const middle = path.slice(path.length >> 1).find(inside) ?? path.find(inside);
-    if (middle) label(context, text, middle, ratio);
+    const middle = path.length >> 1;
+    const place = [...path.slice(middle), ...path.slice(0, middle)].find(isClear);
+    if (place) found.push({ text, place });
   }
+  return found;
 }
 
 function paintOutline(context: CanvasRenderingContext2D, outline: Outline, at: (x: number, y: number) => Point, ratio: number, colour: string): void {

@@ -1,5 +1,6 @@
 /** A render's image with its tools: fetched tile by tile, followed as it grows. */
 import { announce, element, setText } from "../dom.ts";
+import type { Triple } from "../image/colour.ts";
 import { clipped, type TiledImage, type Region } from "../image/tiled_image.ts";
 import { type Measured, measured } from "../image/look.ts";
 import { ImageSource } from "../image/image_source.ts";
@@ -15,7 +16,7 @@ import { Overlay } from "./overlay.ts";
 import { rangeForm } from "./range_form.ts";
 import { Viewer } from "./viewer.ts";
 
-const keys = "Arrow keys move from pixel to pixel, with Shift they pan. Plus and minus zoom, 1 shows pixel for pixel, 0 the whole image.";
+const keys = "Arrow keys move from pixel to pixel, with Shift they pan. Plus and minus zoom, 1 shows pixel for pixel, 0 the whole image. With Region, Line or Polygon pressed, Enter sets a corner at the pixel looked at; Escape forgets what is drawn.";
 
 export interface RenderImage {
   node: HTMLElement;
@@ -98,31 +99,29 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
   const strip = legend();
   const range = rangeForm((scale) => { viewer.setRange(scale); });
   let refresh = (): void => undefined;
+  let remember = (): void => undefined;
   const zoom = element("p", { class: "zoom" });
   let viewer: Viewer;
   try {
     viewer = new Viewer(canvas, {
       onLook: () => { refresh(); },
       onPaint: () => { overlay.paint({ image: viewer.images[side()], show: viewer.look.show, placement: viewer.placement, width: canvas.width, height: canvas.height }); },
-      onPlacement: ({ scale }) => { setText(zoom, `${Number((100 * scale).toPrecision(3))} %`); },
+      onPlacement: ({ scale }) => {
+        remember();
+        setText(zoom, `${Number((100 * scale).toPrecision(3))} %`);
+      },
     });
   } catch (error) {
     node.append(element("p", { class: "problem", role: "alert" }, error instanceof Error ? error.message : String(error)));
     return undefined;
   }
   let wanted = recall(viewer, hooks.canCompare ?? false);
-  const remember = rememberer(viewer);
+  remember = rememberer(viewer);
   const looked: { pixel?: Region } = {};
   const side = (): "first" | "second" => (viewer.look.side === "second" ? "second" : "first");
   const ask = (region: Region): Promise<RegionReading> | undefined => (side() === "first" ? readRegion(hooks.id, region) : undefined);
   const numbers = inspector(() => viewer.images[side()], () => viewer.look.measured, ask);
-  const tools = controls(viewer, {
-    neutral: () => {
-      const region = viewer.look.chosen ?? looked.pixel;
-      return region && viewer.images.first?.read(region)?.xyz;
-    },
-    canCompare: hooks.canCompare ?? false,
-  });
+  const tools = controls(viewer, { neutral: () => neutralOf(viewer, looked.pixel), canCompare: hooks.canCompare ?? false });
   refresh = () => {
     tools.refresh();
     strip.show(viewer.look);
@@ -144,14 +143,21 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
     begin: (image) => {
       try {
         viewer.setImage("first", image);
-        if (wanted) listener.onRegion(clipped(wanted, image));
-        wanted = undefined;
+        if (wanted.placement) viewer.place(wanted.placement);
+        if (wanted.chosen) listener.onRegion(clipped(wanted.chosen, image));
+        wanted = {};
       } catch (error) {
         announce(String(error));
         node.prepend(element("p", { class: "problem", role: "alert" }, error instanceof Error ? error.message : String(error)));
       }
     },
   };
+}
+
+/** What should look white: the chosen region, or the pixel looked at. */
+function neutralOf({ look, images }: Viewer, pixel: Region | undefined): Triple | undefined {
+  const region = look.chosen ?? pixel;
+  return region && images.first?.read(region)?.xyz;
 }
 
 /** What is told of a pixel that is looked at, and of a region, line or polygon that is drawn. */

@@ -5,7 +5,7 @@ import type { TiledImage, Region } from "../image/tiled_image.ts";
 import { autoExposure, type Look, scaleOf } from "../image/look.ts";
 import type { Scale } from "../image/colour_maps.ts";
 import { whites } from "../image/colour.ts";
-import { filmPoint, fitted, panned, type Placement, type Point, zoomed } from "../image/placement.ts";
+import { filmPoint, fitted, kept, panned, type Placement, type Point, zoomed } from "../image/placement.ts";
 import type { Tile } from "../image/tiles.ts";
 
 export type Side = "first" | "second";
@@ -26,14 +26,14 @@ export class Viewer {
     side: "first", wipe: 0.5, scale: { low: 0, high: 1, logarithmic: false }, ranges: {}, chosen: undefined,
     measured: { quantity: "Y", unit: "", mean: 0 },
   };
+  /** Until somebody zooms or pans, the whole film is in sight. */
+  isFitted = true;
+  /** Until somebody moves the slider, the exposure follows the image. */
+  isAuto = true;
   readonly #painter: GlPainter;
   readonly #listener: ViewerListener;
   readonly #observer: ResizeObserver;
   #placement: Placement = { scale: 1, x: 0, y: 0 };
-  /** Until somebody zooms or pans, the whole film is in sight. */
-  #isFitted = true;
-  /** Until somebody moves the slider, the exposure follows the image. */
-  #isAuto = true;
   #frame = 0;
 
   /** Throws Error, fit to be shown, where images can't be painted. */
@@ -68,7 +68,7 @@ export class Viewer {
   }
 
   change(look: Partial<Look>): void {
-    if (look.exposure !== undefined) this.#isAuto = false;
+    if (look.exposure !== undefined) this.isAuto = false;
     Object.assign(this.look, look);
     if (look.show !== undefined || look.ranges !== undefined) this.#rescale();
     this.#request();
@@ -82,33 +82,35 @@ export class Viewer {
 
   /** Exposes by the image itself, from now on until somebody says otherwise. */
   exposeByImage(): void {
-    this.#isAuto = true;
+    this.isAuto = true;
     this.#follow();
     this.#request();
     this.#listener.onLook();
-  }
-
-  get isAuto(): boolean {
-    return this.#isAuto;
   }
 
   get placement(): Placement {
     return this.#placement;
   }
 
+  /** As somebody had it. */
+  place(placement: Placement): void {
+    this.isFitted = false;
+    this.#place(kept(placement, this.#film, this.#size));
+  }
+
   fit(): void {
-    this.#isFitted = true;
+    this.isFitted = true;
     this.#place(fitted(this.#film, this.#size));
   }
 
   zoom(factor: number, at: Point = { x: this.#size.width / 2, y: this.#size.height / 2 }): void {
-    this.#isFitted = false;
+    this.isFitted = false;
     this.#place(zoomed(this.#placement, factor, at, this.#film, this.#size));
   }
 
   pan(by: Point): void {
-    this.#isFitted = false;
-    this.#place(panned(this.#placement, by, this.#film));
+    this.isFitted = false;
+    this.#place(panned(this.#placement, by, this.#film, this.#size));
   }
 
   /** The film's pixel under a point of the window; it may lie outside the film. */
@@ -156,7 +158,7 @@ export class Viewer {
   #follow(): void {
     const image = this.images.first;
     if (!image) return;
-    if (this.#isAuto) this.look.exposure = autoExposure(image);
+    if (this.isAuto) this.look.exposure = autoExposure(image);
     this.#rescale();
     this.#listener.onLook();
   }
@@ -176,7 +178,7 @@ export class Viewer {
     const { clientWidth, clientHeight } = this.canvas;
     this.canvas.width = Math.max(1, Math.round(clientWidth * devicePixelRatio));
     this.canvas.height = Math.max(1, Math.round(clientHeight * devicePixelRatio));
-    if (this.#isFitted) this.fit();
+    if (this.isFitted) this.fit();
     // At once: a canvas that changed its size is empty until it is painted.
     this.#paint();
   }

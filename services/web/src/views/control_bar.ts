@@ -2,9 +2,10 @@
 import { announce, element } from "../dom.ts";
 import { wordsOf } from "../format.ts";
 import { renderRoute } from "../router.ts";
-import { extendRender, pauseRender, replayRender, resumeRender, setPriority, setTags } from "../service/controls.ts";
+import { pauseRender, replayRender, resumeRender, setTags } from "../service/controls.ts";
 import { hasEnded, type Render } from "../service/types.ts";
 import { askButton } from "./ask_button.ts";
+import { extendFields, priorityFields, priorityMeaning, tagsFields } from "./control_fields.ts";
 
 export interface ControlBar {
   node: HTMLElement;
@@ -58,30 +59,22 @@ interface Asked {
 }
 
 function extendButton(id: string, onChange: (render: Render) => void): Asked {
-  const samples = element("input", { type: "number", min: "1", step: "1" });
-  const error = element("input", { type: "number", min: "0", max: "100", step: "any" });
-  const fields = element("div", { class: "fields" }, field("Samples per pixel, in all", samples), field("Stop at a relative error of, % (empty: as before)", error));
+  const { node, samples, extend } = extendFields();
   const question = { act: "Extend", title: "More samples, or another error?", text: "Nothing is traced again; all other conditions stay.", keep: "Leave it", failed: "Not changed" };
-  const asked = askButton(question, async () => {
-    onChange(await extendRender(id, samples.valueAsNumber || 0, error.valueAsNumber > 0 ? error.valueAsNumber / 100 : undefined));
-  }, fields);
+  const asked = askButton(question, async () => { onChange(await extend(id)); }, node);
   return { ...asked, show: (render) => { if (!asked.dialog.open) samples.value = `${hasEnded(render) ? 2 * render.samples : render.samples}`; } };
 }
 
 function priorityButton(id: string, onChange: (render: Render) => void): Asked {
-  const weight = element("input", { type: "number", min: "1", max: "1000", step: "1" });
-  const question = { act: "Priority", title: "How much of the workers?", text: "1 to 1000, beside others of its owner; 100 is usual, 200 gets twice the work.", keep: "Leave it", failed: "Not changed" };
-  const asked = askButton(question, async () => { onChange(await setPriority(id, weight.valueAsNumber || 0)); }, element("div", { class: "fields" }, field("Priority", weight)));
+  const { node, weight, prioritise } = priorityFields();
+  const question = { act: "Priority", title: "How much of the workers?", text: priorityMeaning, keep: "Leave it", failed: "Not changed" };
+  const asked = askButton(question, async () => { onChange(await prioritise(id)); }, node);
   return { ...asked, show: ({ priority }) => { if (!asked.dialog.open) weight.value = `${priority}`; } };
 }
 
 function tagsButton(id: string, onChange: (render: Render) => void): Asked {
-  const words = element("input", { type: "text", maxlength: "2000" });
+  const { node, words } = tagsFields();
   const question = { act: "Tags", title: "Tags", text: "Words to sort renders by, between commas.", keep: "Leave them", failed: "Not changed" };
-  const asked = askButton(question, async () => { onChange(await setTags(id, wordsOf(words.value))); }, element("div", { class: "fields" }, field("Tags", words)));
+  const asked = askButton(question, async () => { onChange(await setTags(id, wordsOf(words.value))); }, node);
   return { ...asked, show: ({ tags }) => { if (!asked.dialog.open) words.value = tags.join(", "); } };
-}
-
-function field(label: string, input: HTMLElement): HTMLElement {
-  return element("label", {}, element("span", {}, label), input);
 }

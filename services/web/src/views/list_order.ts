@@ -15,6 +15,22 @@ export interface Wish {
   group: string;
 }
 
+/** As the part of the address after "?" says; what it says wrongly is left out. */
+export function wishOf(text: string, group: string): Wish {
+  const query = new URLSearchParams(text);
+  const [kind, order] = [query.get("show") ?? "", query.get("order") ?? ""];
+  return { text: query.get("find") ?? "", kind: Object.hasOwn(kinds, kind) ? (kind as Kind) : "all", order: Object.hasOwn(orders, order) ? (order as Order) : "newest", group };
+}
+
+/** And back; what is usual is left out. */
+export function queryOf({ text, kind, order }: Wish): string {
+  const query = new URLSearchParams();
+  if (text) query.set("find", text);
+  if (kind !== "all") query.set("show", kind);
+  if (order !== "newest") query.set("order", order);
+  return query.toString();
+}
+
 /** Those that are wished for, of renders that come newest first. */
 export function listed(renders: readonly Render[], { text, kind, order, group }: Wish): Render[] {
   const words = text.toLowerCase().split(/\s+/).filter(Boolean);

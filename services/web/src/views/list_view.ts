@@ -7,7 +7,7 @@ import type { Render } from "../service/types.ts";
 import { select as choice } from "../viewer/controls.ts";
 import { groupLine } from "./group_line.ts";
 import { listItem, type ListItem } from "./list_item.ts";
-import { type Kind, kinds, listed, type Order, orders, type Wish } from "./list_order.ts";
+import { type Kind, kinds, listed, type Order, orders, queryOf, type Wish, wishOf } from "./list_order.ts";
 import { selectionBar } from "./selection_bar.ts";
 import type { View } from "./view.ts";
 import { workersSection } from "./workers_section.ts";
@@ -19,7 +19,7 @@ export function listView(renders: Renders, group = ""): View {
   const more = element("button", { type: "button", class: "more" }, "Show older renders");
   const workers = workersSection();
   const submit = submitPanel();
-  const wish: Wish = { text: new URLSearchParams(location.hash.split("?")[1]).get("find") ?? "", kind: "all", order: "newest", group };
+  const wish = wishOf(location.hash.split("?")[1] ?? "", group);
   const line = group ? groupLine(group) : undefined;
   const items = new Map<string, ListItem>();
 
@@ -41,10 +41,11 @@ export function listView(renders: Renders, group = ""): View {
     line?.refresh();
   };
   const selected = (): Render[] => renders.newestFirst().filter(({ id }) => items.get(id)?.box.checked);
-  const selection = selectionBar(renders, () => {
-    for (const { box } of items.values()) box.checked = false;
+  const selectAll = (checked: boolean): void => {
+    for (const { node, box } of items.values()) box.checked = checked && node.isConnected;
     select();
-  });
+  };
+  const selection = selectionBar(renders, () => { selectAll(true); }, () => { selectAll(false); });
   const filters = filterBar(wish, update, (words) => renders.search(words));
   const heading = element("h1", { tabindex: "-1" }, group ? `Group ${group}` : "Renders");
   const head = line ? [element("p", { class: "back" }, element("a", { href: "#/" }, "← All renders")), heading, line.node] : [heading];
@@ -81,16 +82,20 @@ function place(list: HTMLElement, items: ReadonlyMap<string, ListItem>, nodes: H
 function filterBar(wish: Wish, update: () => void, find: (words: string) => Promise<void>): HTMLElement {
   const search = element("input", { type: "search", placeholder: "Name, id, owner, state, group, tag", "aria-label": "Filter", value: wish.text });
   let timer: ReturnType<typeof setTimeout> | undefined;
+  const changed = (): void => {
+    const [route = ""] = location.hash.split("?");
+    const query = queryOf(wish);
+    history.replaceState(null, "", `${route === "" ? "#/" : route}${query && `?${query}`}`);
+    update();
+  };
   const look = (): void => {
     if (wish.text.trim()) find(wish.text).catch(() => undefined);
   };
   search.addEventListener("input", () => {
     wish.text = search.value;
-    const [route = "#/"] = location.hash.split("?");
-    history.replaceState(null, "", wish.text ? `${route || "#/"}?find=${encodeURIComponent(wish.text)}` : route || "#/");
     clearTimeout(timer);
     timer = setTimeout(look, 300);
-    update();
+    changed();
   });
   look();
   return element(
@@ -99,11 +104,11 @@ function filterBar(wish: Wish, update: () => void, find: (words: string) => Prom
     search,
     choice("Show", Object.entries(kinds), wish.kind, (kind) => {
       wish.kind = kind as Kind;
-      update();
+      changed();
     }),
     choice("Order", Object.entries(orders), wish.order, (order) => {
       wish.order = order as Order;
-      update();
+      changed();
     }),
     notifyBox(),
   );

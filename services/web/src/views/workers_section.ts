@@ -50,7 +50,8 @@ function replace(content: HTMLElement, child: HTMLElement): void {
 }
 
 function table(workers: Worker[], work: WorkOfWorker[], tiles: ((worker: string) => string) | undefined): HTMLElement {
-  const headings = ["Worker", "Traces", "Threads", "Rays/s", "Jobs done", ...(tiles ? ["Tiles now"] : [])];
+  // Beside an image there is little room.
+  const headings = ["Worker", "Traces", ...(tiles ? ["Rays/s", "Jobs", "Tiles"] : ["Threads", "Rays/s", "Jobs done"])];
   const rows = workers.toSorted((a, b) => a.id.localeCompare(b.id)).map((worker) => row(worker, work.filter((each) => each.worker === worker.id), tiles ? [tiles(worker.id)] : []));
   return element(
     "table",
@@ -61,7 +62,7 @@ function table(workers: Worker[], work: WorkOfWorker[], tiles: ((worker: string)
 }
 
 function row(worker: Worker, work: WorkOfWorker[], more: string[]): HTMLElement {
-  const cells = [`${worker.threads}`, formatCount(worker.rays_per_second), formatCount(worker.jobs_done), ...more];
+  const cells = [...(more.length > 0 ? [] : [`${worker.threads}`]), formatCount(worker.rays_per_second), formatCount(worker.jobs_done), ...more];
   const name = element("th", { scope: "row" }, worker.id);
   if (worker.quarantine) name.append(badge("FAILED", "Quarantine", worker.quarantine), actButton(worker.id, "release"));
   else if (worker.drain) name.append(badge("PAUSED", worker.drain === "drained" ? "Drained" : "Draining", "It gets no jobs until it is released."), actButton(worker.id, "release"));
