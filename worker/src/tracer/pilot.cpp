@@ -24,7 +24,8 @@ constexpr std::uint32_t kSquare = 16;
 /// the camera and its place on the film, in rays of adjoint photons: measured, docs/decisions/0062.
 constexpr double kQueryCost = 0.7, kForwardCost = 1.5;
 /// The first squares, one for each part of the film, decide alone where sharing gains in all of
-/// them so many times more than it has to, or so many times less: somebody waits for the pilot.
+/// them but one so many times more than it has to, or so many times less: somebody waits for the
+/// pilot, and one part of five does not move the median.
 constexpr double kPlain = 1.25;
 /// A way is left for another that is so much better; sharing is judged by a few squares of the
 /// film.
@@ -129,7 +130,7 @@ class Pilot {
     const auto first = film.begin() + static_cast<std::ptrdiff_t>(std::min(kParts, film.size()));
     PilotImages alone, shared;
     std::vector<double> gains = gains_of_sharing({film.begin(), first}, alone, shared);
-    if (first != film.end() && !all_plain(gains)) {
+    if (first != film.end() && !plain(gains)) {
       gains = gains_of_sharing({first, film.end()}, alone, shared);
     }
     // A single bright sample may decide about the whole.
@@ -166,9 +167,12 @@ class Pilot {
     return gains_of_parts(sixteen, one);
   }
 
-  static bool all_plain(const std::vector<double>& gains) {
-    const auto [least, most] = std::ranges::minmax(gains);
-    return least > kPlain * kSharingWorthIt || most < kSharingWorthIt / kPlain;
+  static bool plain(const std::vector<double>& gains) {
+    const auto but_one = static_cast<std::ptrdiff_t>(gains.size()) - 1;
+    const auto pays = [](double gain) { return gain > kPlain * kSharingWorthIt; };
+    const auto loses = [](double gain) { return gain < kSharingWorthIt / kPlain; };
+    return std::ranges::count_if(gains, pays) >= but_one ||
+           std::ranges::count_if(gains, loses) >= but_one;
   }
 
   /// How much more efficient one is than another, in some parts of the film.
