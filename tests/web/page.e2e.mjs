@@ -525,7 +525,7 @@ const checks = {
     await page.getByLabel("choose a file").setInputFiles(file);
     await page.getByLabel("Width, pixels").fill("12");
     await page.getByLabel("Height, pixels").fill("12");
-    await page.getByLabel("Stop at a relative error of, %").fill("20");
+    await page.getByLabel("Stop at a relative error of, %", { exact: true }).fill("20");
     await page.getByRole("button", { name: "Preflight" }).click();
     const cells = (part) => page.locator(".preflight tr").filter({ has: page.getByText(part, { exact: true }) }).locator("td").allTextContents();
     await page.getByText(/^Enough for 20 %: without medium "fog"/).waitFor({ timeout: 120_000 });
@@ -611,7 +611,7 @@ const checks = {
     await page.getByLabel("Each tile stops at a relative error of, %").fill("0.5");
     await page.getByLabel("Stop after, core hours").fill("0.25");
     await page.getByLabel("Stop at", { exact: true }).fill("07:00");
-    await page.getByLabel("Priority", { exact: true }).fill("120");
+    await page.locator("input[name=priority]").fill("120");
     for (const name of ["normal", "position", "object", "material"]) await page.getByRole("checkbox", { name }).check();
     await page.getByRole("checkbox", { name: "indirect" }).check();
     await look(page, "sequence");
@@ -644,7 +644,7 @@ const checks = {
     await page.getByRole("checkbox", { name: "Notify me of ends" }).check();
     await page.getByLabel("choose a file").setInputFiles(given.archive);
     await page.getByLabel("Samples per pixel, at most").fill("1000000");
-    await page.getByLabel("Stop at a relative error of, %").fill("0.01");
+    await page.getByLabel("Stop at a relative error of, %", { exact: true }).fill("0.01");
     await page.getByLabel("Stop after, minutes").fill("1");
     await page.getByRole("button", { name: "Render", exact: true }).click();
     await page.getByText(/^It will have a relative error of about .* asked for, which would take/).waitFor();
@@ -663,7 +663,7 @@ const checks = {
     await page.goto(at("#/"));
     await page.getByLabel("choose a file").setInputFiles(given.archive);
     await page.getByLabel("Samples per pixel, at most").fill("100000");
-    await page.getByLabel("Stop at a relative error of, %").fill("0.1");
+    await page.getByLabel("Stop at a relative error of, %", { exact: true }).fill("0.1");
     await page.getByRole("checkbox", { name: "albedo" }).check();
     await page.getByRole("checkbox", { name: "depth" }).check();
     await page.getByRole("checkbox", { name: "direct", exact: true }).check();

@@ -13,7 +13,8 @@ import httpx
 
 ROOT = Path(__file__).parents[2]
 NODE = ROOT / ".venv" / "bin" / "node"
-TIMEOUT_S = 600
+TIMEOUT_S = 1200
+"""A guard only: the visit takes two minutes where nothing else runs."""
 
 
 def submit(url: str, scene: dict[str, Any], film: tuple[int, int], samples: int, group: str = "") -> str:

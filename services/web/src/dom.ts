@@ -22,6 +22,11 @@ export function element<Tag extends keyof HTMLElementTagNameMap>(
   return node;
 }
 
+/** Holds what may be wider than a phone: it scrolls sideways, by keys as well. */
+export function scroller(look: string, label: string): HTMLElement {
+  return element("div", { class: look, tabindex: "0", role: "region", "aria-label": label });
+}
+
 /** Sets a text only when it differs: keeps selections, and live regions quiet. */
 export function setText(node: Element, text: string): void {
   if (node.textContent !== text) node.textContent = text;

@@ -1,5 +1,5 @@
 /** What a scene needs: the service's report as a table, and the scene that is enough. */
-import { element } from "../dom.ts";
+import { element, scroller } from "../dom.ts";
 import { formatDuration } from "../format.ts";
 import type { Interval, PreflightReport, PreflightModel } from "../service/types.ts";
 
@@ -9,7 +9,9 @@ export function preflightResult(preflight: PreflightReport, onTake: () => void):
   const row = (cells: string[], tag: "td" | "th"): HTMLElement => element("tr", {}, ...cells.map((cell) => element(tag, {}, cell)));
   const rows = preflight.models.map((model) => row(cellsOf(model), "td"));
   const table = element("table", {}, element("thead", {}, row(heads, "th")), element("tbody", {}, ...rows));
-  const nodes: HTMLElement[] = [element("p", {}, sentence(preflight)), element("div", { class: "preflight" }, table)];
+  const report = scroller("preflight", "Table of what was tried");
+  report.append(table);
+  const nodes: HTMLElement[] = [element("p", {}, sentence(preflight)), report];
   if (preflight.chosen.without.length > 0) {
     const take = element("button", { type: "button" }, "Take the simpler scene");
     take.addEventListener("click", onTake);

@@ -1,11 +1,11 @@
 /** Who uses what share of the workers, and what it cost so far. */
-import { element } from "../dom.ts";
+import { element, scroller } from "../dom.ts";
 import { formatCount, formatMoney, formatValue } from "../format.ts";
 import { getUsage } from "../service/client.ts";
 import type { Usage } from "../service/types.ts";
 
 export function usageSection(): { node: HTMLElement; load: () => Promise<void> } {
-  const content = element("div", { class: "workers" });
+  const content = scroller("workers", "Table of owners");
   const node = element("section", { "aria-labelledby": "usage-title" }, element("h2", { id: "usage-title" }, "Who uses them"), content);
   return { node, load: async () => { content.replaceChildren(table(await getUsage())); } };
 }

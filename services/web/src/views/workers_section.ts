@@ -1,5 +1,5 @@
 /** Table of the workers, updated every two seconds, and the tiles of a render that each is tracing. */
-import { announce, element } from "../dom.ts";
+import { announce, element, scroller } from "../dom.ts";
 import { formatCount, formatDuration } from "../format.ts";
 import { renderRoute } from "../router.ts";
 import { getTilesInProgress, changeWorker, listWork, listWorkers } from "../service/client.ts";
@@ -16,7 +16,7 @@ interface Watched {
 }
 
 export function workersSection(watched?: Watched): { node: HTMLElement; close: () => void } {
-  const content = element("div", { class: "workers" });
+  const content = scroller("workers", "Table of workers");
   const node = element("section", { "aria-labelledby": "workers-title" }, element("h2", { id: "workers-title" }, "Workers"), content);
   const numbers = new Map<string, number>();
   const numberOf = (worker: string): number => {

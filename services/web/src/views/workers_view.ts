@@ -1,6 +1,6 @@
 /** All workers: now, over the last two days, and the worker events. */
 import uPlot from "uplot";
-import { element } from "../dom.ts";
+import { element, scroller } from "../dom.ts";
 import { formatCount } from "../format.ts";
 import { getWorkerHistory } from "../service/client.ts";
 import type { WorkerHistory } from "../service/types.ts";
@@ -18,7 +18,7 @@ export function workersView(): View {
   const usage = usageSection();
   const chart = element("div", { class: "plot" });
   const caption = element("p", { class: "note" });
-  const events = element("div", { class: "events" });
+  const events = scroller("events", "Table of events");
   const node = element(
     "div",
     {},
