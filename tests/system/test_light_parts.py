@@ -59,8 +59,20 @@ BALL = {
 }
 
 
+HAZE = {
+    "shape": {"type": "box", "minimum": [-1.9, -0.9, -2.9], "maximum": [1.9, 0.9, -0.4]},
+    "interior": {"media": ["haze"]},
+}
+CRYSTAL = {
+    "shape": {"type": "sphere", "centre": [-0.6, -0.6, -1.8], "radius": 0.25},
+    "kernel": {"type": "dielectric", "index": {"cauchy": [1.5, 0.02]}},
+}
+"""Its colours go different ways, so that photons of a group part."""
+
+
 def render(folder: Path, surfaces: list[Scene], *layers: str, **tracing: Any) -> Channels:
-    document = {"nocturne": 1, "sensor": CAMERA, "surfaces": surfaces, "tracing": tracing}
+    media = {"haze": {"scattering": 0.3, "absorption": 0.1}}
+    document = {"nocturne": 1, "sensor": CAMERA, "media": media, "surfaces": surfaces, "tracing": tracing}
     return render_document(folder, document, *layers)
 
 
@@ -93,6 +105,7 @@ def test_a_lamp_over_a_plane_has_no_indirect_light(tmp_path: Path) -> None:
     assert not found["indirect.Y"].any()
 
 
+@pytest.mark.parametrize("more", [[], [HAZE, CRYSTAL]], ids=["surfaces", "haze and dispersion"])
 @pytest.mark.parametrize(
     "tracing",
     [
@@ -104,8 +117,10 @@ def test_a_lamp_over_a_plane_has_no_indirect_light(tmp_path: Path) -> None:
     ],
     ids=lambda tracing: " ".join(str(each) for each in tracing.values()),
 )
-def test_the_direct_part_is_a_render_of_direct_light(tmp_path: Path, tracing: Scene) -> None:
-    room = [LAMP, WALL, FLOOR, PANE, BALL]
+def test_the_direct_part_is_a_render_of_direct_light(
+    tmp_path: Path, tracing: Scene, more: list[Scene]
+) -> None:
+    room = [LAMP, WALL, FLOOR, PANE, BALL, *more]
     found = render(tmp_path, room, "direct", "indirect", **tracing)
     alone = render(tmp_path, room, maximum_depth=1, **tracing)
     for name in "XYZ":
