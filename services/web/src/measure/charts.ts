@@ -100,7 +100,7 @@ function style(): { axes: uPlot.Axis[]; accent: string } {
 }
 
 function numbers(_: uPlot, values: number[]): string[] {
-  return values.map((value) => `${Number(formatValue(value, 3))}`);
+  return values.map((value) => (Math.abs(value) < 1e5 ? `${Number(formatValue(value, 3))}` : value.toExponential().replace("e+", "e")));
 }
 
 function number(_: uPlot, value: number | null): string {

@@ -52,5 +52,6 @@ function row(measured: Measurement, index: number, { chosen, onChoose, onRemove 
 
 function valueText(value: number | null, error: number | null, digits = 4): string {
   if (value === null) return "–";
-  return `${value === 0 ? "0" : formatValue(value, digits)}${!error ? "" : `\u00a0±\u00a0${formatValue(error, 2)}`}`;
+  // Narrow tables break before the error, never within a number.
+  return `${value === 0 ? "0" : formatValue(value, digits)}${!error ? "" : ` ±\u00a0${formatValue(error, 2)}`}`.replaceAll("e-", "e\u2212");
 }
