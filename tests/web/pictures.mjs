@@ -46,6 +46,13 @@ const views = {
     await page.locator(".measure .uplot").waitFor();
     await keep(page, "measure");
   },
+  async denoised(page) {
+    await page.goto(`${given.url}/#/renders/${given.other}`);
+    await page.locator("canvas[data-updates]").waitFor();
+    await page.getByRole("button", { name: "Show a denoised picture" }).click();
+    await page.getByRole("img", { name: "Where they differ" }).evaluate((image) => image.decode());
+    await keep(page, "denoised");
+  },
   async compare(page) {
     await page.goto(`${given.url}/#/compare/${given.shown}/${given.other}?wipe=0.5`);
     await page.locator("canvas[data-updates]").waitFor();
