@@ -164,6 +164,15 @@ def test_equal_images_are_equal_files(tmp_path: Path) -> None:
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 
 
+def test_a_picture_beside_another_is_exposed_as_that_one() -> None:
+    sums, counts = film()
+    true = tone_map(sums, counts)
+    assert np.abs(tone_map(2.0 * sums, counts).astype(int) - true).max() <= 1
+    beside = (sums[..., 1] / counts).astype(np.float32)
+    assert np.array_equal(tone_map(sums, counts, beside), true)
+    assert tone_map(2.0 * sums, counts, beside).mean() > true.mean() + 10
+
+
 def test_live_and_final_previews_show_the_same(tmp_path: Path) -> None:
     for compression in (LIVE_COMPRESSION, FINAL_COMPRESSION):
         write_preview(tmp_path / "preview.png", *film(), compression)

@@ -91,8 +91,10 @@ def mean_xyz(sums: Sums, counts: Counts) -> Pixels:
     return sums[..., :3] / np.maximum(counts, 1)[..., None]
 
 
-def tone_map(sums: Sums, counts: Counts) -> npt.NDArray[np.uint8]:
-    """sRGB of shape (height, width, 3), exposed by the image itself.
+def tone_map(
+    sums: Sums, counts: Counts, beside: npt.NDArray[np.floating[Any]] | None = None
+) -> npt.NDArray[np.uint8]:
+    """sRGB of shape (height, width, 3), exposed by the image itself, or as the one of Y `beside` it is.
 
     Reinhard, Stark, Shirley, Ferwerda: "Photographic Tone Reproduction for Digital Images" (2002), equations
     1, 2 and 4: the logarithmic mean of Y becomes middle grey, and much brighter pixels white.
@@ -100,12 +102,14 @@ def tone_map(sums: Sums, counts: Counts) -> npt.NDArray[np.uint8]:
     xyz = sums[..., :3].astype(np.float32)
     samples = np.maximum(counts, 1).astype(np.float32)
     y = xyz[..., 1] / samples
-    lit = y[y > 0.0]
+    measured = y if beside is None else beside
+    lit = measured[measured > 0.0]
     if lit.size == 0:
         return np.zeros(xyz.shape, dtype=np.uint8)
     exposure = _MIDDLE_GREY / float(np.exp(np.mean(np.log(lit), dtype=np.float64)))
+    bright = float(np.quantile(measured[::_STRIDE, ::_STRIDE], _WHITE_QUANTILE))
+    white = max(1.0, exposure * bright)
     y *= exposure
-    white = max(1.0, float(np.quantile(y[::_STRIDE, ::_STRIDE], _WHITE_QUANTILE)))
     scale = (exposure / samples) * (1.0 + y / white**2) / (1.0 + y)
     linear = xyz.reshape(-1, 3) @ _XYZ_TO_SRGB
     linear *= scale.astype(np.float32).reshape(-1, 1)
@@ -126,9 +130,15 @@ _SRGB_STEPS = 2**14
 _SRGB_BYTES = _srgb_curve(np.linspace(0.0, 1.0, _SRGB_STEPS + 1))
 
 
-def write_preview(path: Path, sums: Sums, counts: Counts, compression: int) -> None:
-    """Writes a tone-mapped PNG."""
-    pixels = tone_map(sums, counts)
+def write_preview(
+    path: Path,
+    sums: Sums,
+    counts: Counts,
+    compression: int,
+    beside: npt.NDArray[np.floating[Any]] | None = None,
+) -> None:
+    """Writes a tone-mapped PNG; `beside`: see `tone_map`."""
+    pixels = tone_map(sums, counts, beside)
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, "uint8")
     spec.attribute("png:compressionLevel", compression)
     if compression == LIVE_COMPRESSION:
