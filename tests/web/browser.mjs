@@ -54,7 +54,7 @@ export async function noteControls(page) {
     const text = (node) => (node?.textContent ?? "").trim();
     const nameOf = (node) => {
       const label = node.labels?.[0];
-      const words = node.matches("canvas") ? "Image" : node.getAttribute("aria-label") || text(label?.querySelector(":scope > span") ?? label) || text(node) || node.id;
+      const words = node.matches("canvas") ? "Image" : node.name === "part" ? "Part" : node.getAttribute("aria-label") || text(label?.querySelector(":scope > span") ?? label) || text(node) || node.id;
       return words.replace(/^(Select|Remove|Release|Drain|Show|About|Compare with engine) .*/, "$1").replace(/^(Region|Line|Polygon) \d.*/, "$1");
     };
     const known = new WeakSet();
@@ -111,6 +111,15 @@ export function canvasStatistics(page) {
     const variance = values.reduce((sum, value) => sum + (value - mean) ** 2, 0) / values.length;
     return { mean, spread: Math.sqrt(variance) };
   });
+}
+
+/** Waits until `condition` holds; `what` says which, where it never does. */
+export async function until(page, what, condition, patience_ms = 60_000) {
+  const deadline = Date.now() + patience_ms;
+  while (!(await condition())) {
+    assert.ok(Date.now() < deadline, `${what}: not within ${patience_ms} ms`);
+    await page.waitForTimeout(20);
+  }
 }
 
 /** Waits until tiles came `count` more times. */

@@ -11,7 +11,7 @@
  */
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { canvasStatistics, checkLooks, launch, nextUpdates, noteControls, openPage } from "./browser.mjs";
+import { canvasStatistics, checkLooks, launch, nextUpdates, noteControls, openPage, until } from "./browser.mjs";
 
 const given = JSON.parse(process.env.NOCTURNE_E2E);
 const at = (hash) => `${given.url}/${hash}`;
@@ -121,6 +121,47 @@ const checks = {
     await pixel.getByText("63, 64", { exact: true }).waitFor();
   },
 
+  async "keys and buttons zoom, until values stand on pixels; the address keeps where"({ page }) {
+    const zoom = () => page.locator(".zoom").textContent().then(parseFloat);
+    const valuesOnPixels = () => page.locator("canvas.overlay").evaluate((canvas) => canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.some((value) => value > 0));
+    const pressed = async (name) => {
+      await page.getByRole("button", { name, exact: true }).focus();
+      await page.keyboard.press("Enter");
+    };
+    const fitted = await zoom();
+    await pressed("Zoom in");
+    assert.equal(await zoom(), 2 * fitted);
+    await pressed("Zoom out");
+    assert.equal(await zoom(), fitted);
+    await pressed("1:1");
+    assert.equal(await zoom(), 100);
+    await page.locator(".frame canvas[tabindex]").focus();
+    for (let step = 0; step < 12; step += 1) await page.keyboard.press("+");
+    await page.keyboard.press("Shift+ArrowLeft");
+    await page.waitForURL("**at=*");
+    await until(page, "values stand on pixels", valuesOnPixels);
+    const large = await zoom();
+    await page.reload();
+    await page.locator("canvas[data-updates]").waitFor();
+    assert.equal(await zoom(), large);
+    await until(page, "values stand on pixels", valuesOnPixels);
+    await pressed("Fit");
+    assert.equal(await zoom(), fitted);
+    await until(page, "no values are left", async () => !(await valuesOnPixels()));
+    for (const name of ["Clipping", "Gamut"]) {
+      const before = await canvasStatistics(page);
+      await page.getByRole("slider", { name: "Exposure" }).fill("6");
+      await page.getByRole("checkbox", { name }).focus();
+      const bright = await canvasStatistics(page);
+      assert.ok(bright.mean > before.mean);
+      await page.keyboard.press("Space");
+      assert.equal(await page.getByRole("checkbox", { name }).isChecked(), true);
+      if (name === "Clipping") assert.notEqual((await canvasStatistics(page)).mean, bright.mean);
+      await page.keyboard.press("Space");
+      await pressed("Auto");
+    }
+  },
+
   async "a region, a line and a polygon are drawn by keys, a polygon by clicks"({ page }) {
     const canvas = page.locator(".frame canvas[tabindex]");
     const draw = async (name, keys) => {
@@ -180,47 +221,6 @@ const checks = {
     assert.notEqual((await canvasStatistics(page)).mean, before.mean);
     await page.mouse.dblclick(box.x + box.width / 2, box.y + box.height / 2);
     assert.equal((await canvasStatistics(page)).mean, before.mean);
-  },
-
-  async "keys and buttons zoom, until values stand on pixels; the address keeps where"({ page }) {
-    const zoom = () => page.locator(".zoom").textContent().then(parseFloat);
-    const valuesOnPixels = () => page.locator("canvas.overlay").evaluate((canvas) => canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.some((value) => value > 0));
-    const pressed = async (name) => {
-      await page.getByRole("button", { name, exact: true }).focus();
-      await page.keyboard.press("Enter");
-    };
-    const fitted = await zoom();
-    await pressed("Zoom in");
-    assert.equal(await zoom(), 2 * fitted);
-    await pressed("Zoom out");
-    assert.equal(await zoom(), fitted);
-    await pressed("1:1");
-    assert.equal(await zoom(), 100);
-    await page.locator(".frame canvas[tabindex]").focus();
-    for (let step = 0; step < 12; step += 1) await page.keyboard.press("+");
-    await page.keyboard.press("Shift+ArrowLeft");
-    await page.waitForURL("**at=*");
-    while (!(await valuesOnPixels())) await page.waitForTimeout(20);
-    const large = await zoom();
-    await page.reload();
-    await page.locator("canvas[data-updates]").waitFor();
-    assert.equal(await zoom(), large);
-    while (!(await valuesOnPixels())) await page.waitForTimeout(20);
-    await pressed("Fit");
-    assert.equal(await zoom(), fitted);
-    while (await valuesOnPixels()) await page.waitForTimeout(20);
-    for (const name of ["Clipping", "Gamut"]) {
-      const before = await canvasStatistics(page);
-      await page.getByRole("slider", { name: "Exposure" }).fill("6");
-      await page.getByRole("checkbox", { name }).focus();
-      const bright = await canvasStatistics(page);
-      assert.ok(bright.mean > before.mean);
-      await page.keyboard.press("Space");
-      assert.equal(await page.getByRole("checkbox", { name }).isChecked(), true);
-      if (name === "Clipping") assert.notEqual((await canvasStatistics(page)).mean, bright.mean);
-      await page.keyboard.press("Space");
-      await pressed("Auto");
-    }
   },
 
   async "exposure brightens, and Auto takes it back"({ page }) {
@@ -409,7 +409,7 @@ const checks = {
     for (const [name, wanted] of [["Pause", "PAUSED"], ["Resume", "RUNNING"]]) {
       await bar.getByRole("button", { name, exact: true }).press("Enter");
       await bar.waitFor({ state: "hidden" });
-      while ((await told()).state !== wanted) await page.waitForTimeout(50);
+      await until(page, `it is ${wanted}`, async () => (await told()).state === wanted);
       await box.press("Space");
     }
     await bar.getByRole("button", { name: "Extend…" }).press("Enter");
