@@ -23,7 +23,7 @@ export default defineConfig(
     files: ["**/*.mjs"],
     languageOptions: {
       globals: Object.fromEntries(
-        ["atob", "Blob", "Buffer", "console", "createImageBitmap", "DataTransfer", "document", "Element", "fetch", "File", "MutationObserver", "navigator", "performance", "PointerEvent", "process", "requestAnimationFrame", "setTimeout", "URL"].map((name) => [name, "readonly"]),
+        ["atob", "Blob", "Buffer", "console", "createImageBitmap", "DataTransfer", "document", "Element", "fetch", "File", "location", "MutationObserver", "navigator", "performance", "PointerEvent", "process", "requestAnimationFrame", "setTimeout", "URL"].map((name) => [name, "readonly"]),
       ),
     },
   },

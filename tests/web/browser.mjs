@@ -50,6 +50,8 @@ export async function noteControls(page) {
   await page.exposeFunction("noteShown", (names) => { for (const name of names) shown.add(name); });
   await page.exposeFunction("noteUsed", (name) => { used.add(name); });
   await page.addInitScript(() => {
+    // Another program's page.
+    if (location.pathname === "/docs") return;
     const kinds = "button, input, select, textarea, summary, canvas[tabindex]";
     const text = (node) => (node?.textContent ?? "").trim();
     const nameOf = (node) => {
@@ -70,8 +72,8 @@ export async function noteControls(page) {
     for (const kind of ["click", "input", "change", "keydown"]) {
       document.addEventListener(kind, (event) => {
         const node = event.target instanceof Element ? event.target.closest(kinds) : null;
-        // Keys use the image; elsewhere they become clicks and changes.
-        if (node && (kind !== "keydown" || node.matches("canvas"))) void globalThis.noteUsed(nameOf(node));
+        // Going from one to the next is no use of it.
+        if (node && event.key !== "Tab") void globalThis.noteUsed(nameOf(node));
       }, { capture: true });
     }
   });

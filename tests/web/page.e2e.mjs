@@ -396,7 +396,7 @@ const checks = {
     const selected = async (name, label, value) => {
       await bar.getByRole("button", { name: `${name}…` }).press("Enter");
       await page.getByRole("dialog").getByLabel(label).fill(value);
-      await page.keyboard.press("Enter");
+      await page.getByRole("dialog").getByRole("button", { name, exact: true }).press("Enter");
       await bar.waitFor({ state: "hidden" });
       await box.press("Space");
     };
@@ -419,6 +419,8 @@ const checks = {
     await bar.getByRole("button", { name: "Select none" }).press("Enter");
     await bar.waitFor({ state: "hidden" });
     await box.press("Space");
+    await bar.getByRole("button", { name: "Cancel…" }).click();
+    await page.getByRole("dialog").getByRole("button", { name: "Keep them" }).click();
     await bar.getByRole("button", { name: "Cancel…" }).click();
     await page.getByRole("dialog").getByRole("button", { name: "Cancel", exact: true }).click();
     await bar.waitFor({ state: "hidden" });
@@ -719,6 +721,8 @@ const checks = {
     const id = new URL(page.url()).hash.split("?")[0].split("/").at(-1);
     await page.getByRole("button", { name: "Delete render…" }).click();
     const dialog = page.getByRole("dialog", { name: "Delete this render?" });
+    await dialog.getByRole("button", { name: "Keep it" }).click();
+    await page.getByRole("button", { name: "Delete render…" }).click();
     await dialog.getByRole("button", { name: "Delete render" }).click();
     await page.waitForURL("**/#/");
     await page.locator(`a[href="#/renders/${given.small}"]`).first().waitFor();
