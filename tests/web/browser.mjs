@@ -41,7 +41,7 @@ export async function openPage(browser) {
 }
 
 /**
- * Notes every control that the page shows, and every one that is used: what no check has used, no check would miss. The part of a name
+ * Notes every control that the page shows, and every one that is used. The part of a name
  * that says which render, worker or part it is for is left out. Gives both sets.
  */
 export async function noteControls(page) {
