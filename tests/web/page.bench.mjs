@@ -37,7 +37,7 @@ async function submit() {
   await page.goto(`${given.url}/#/`);
   await page.getByLabel("choose a file").setInputFiles(given.archive);
   await page.getByLabel("Samples per pixel, at most").fill("100000");
-  await page.getByLabel("Stop at a relative error of, %").fill("0.1");
+  await page.getByLabel("Stop at a relative error of, %", { exact: true }).fill("0.1");
   await page.getByRole("checkbox", { name: "albedo" }).check();
   await page.getByRole("checkbox", { name: "depth" }).check();
   const start = performance.now();
