@@ -322,6 +322,8 @@ const checks = {
   async "glare is told of what is all around an eye"({ page }) {
     const before = page.url();
     await page.goto(at(showing(given.panorama)));
+    // Until it is there the page of before is, which can be measured, too.
+    await page.getByRole("heading", { name: "lamp in the sky" }).waitFor();
     await page.getByText("Measure", { exact: true }).focus();
     await page.keyboard.press("Enter");
     await page.getByText(/^Glare for who looks at the middle: .*, DGP \d.* lx at the eye/).waitFor();

@@ -105,7 +105,7 @@ export class MeasurePanel {
     await this.#trying(keepRegions(this.#id, outlines).then(({ regions }) => {
       this.#chosen = Math.max(0, regions.length - 1);
       this.#image.overlay.draft = undefined;
-      announce(`${regions.length} parts are kept with the render`);
+      announce(`${regions.length} ${regions.length === 1 ? "part is" : "parts are"} kept with the render`);
       this.#later(0);
     }));
   }
