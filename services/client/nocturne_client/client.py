@@ -21,6 +21,7 @@ from nocturne_client.changes import changed
 from nocturne_client.decoding import decode
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.events import data_of
+from nocturne_client.import_files import files_of_import
 from nocturne_client.models import (
     Explanation,
     Glare,
@@ -41,7 +42,7 @@ from nocturne_client.models import (
     Worker,
     WorkOfWorker,
 )
-from nocturne_client.scene_files import SceneOnDisk, digest, files_of_import, read_scene
+from nocturne_client.scene_files import SceneOnDisk, digest, read_scene
 from nocturne_client.transport import RETRY_DELAYS_S, Transport
 
 if TYPE_CHECKING:

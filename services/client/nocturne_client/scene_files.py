@@ -58,38 +58,10 @@ def read_scene(path: Path) -> SceneOnDisk:
 OTHER_RENDERERS = (".xml", ".pbrt", ".pbrt.gz", ".gltf", ".glb", ".zip")
 """How files of scenes end that are imported."""
 
-# Those that name no files beside them.
-_ALONE = (".glb", ".zip")
-# The service takes no more.
-_MAX_FILES = 10_000
-_MAX_BYTES = 4 * 2**30
-
 
 def is_of_other_renderer(scene: Path) -> bool:
     """Whether a scene is to be imported."""
     return scene.name.lower().endswith(OTHER_RENDERERS)
-
-
-def files_of_import(scene: Path) -> dict[str, tuple[str, Path]]:
-    """What is uploaded for an import: SHA-256 and file by the path below the scene's folder.
-
-    A .glb or .zip file alone; with others all files of their folder, as they may name each. Raises
-    NocturneClientError for too many.
-    """
-    try:
-        if scene.name.lower().endswith(_ALONE):
-            return {scene.name: (digest(scene), scene)}
-        if not scene.is_file():
-            raise NocturneClientError(f"{scene}: no such file")
-        files = sorted(file for file in scene.parent.rglob("*") if file.is_file() and not file.is_symlink())
-        if len(files) > _MAX_FILES or sum(file.stat().st_size for file in files) > _MAX_BYTES:
-            raise NocturneClientError(
-                f"{scene.parent}: holds more than {_MAX_FILES} files or {_MAX_BYTES // 2**30} GiB; put the "
-                "scene and the files that it names into a folder of their own, or into a .zip"
-            )
-        return {file.relative_to(scene.parent).as_posix(): (digest(file), file) for file in files}
-    except OSError as error:
-        raise NocturneClientError(f"{error.filename or scene}: {error.strerror}") from error
 
 
 def digest(file: Path) -> str:

@@ -1,0 +1,94 @@
+"""Which files belong to a scene of another renderer: itself, and those beside it that it names."""
+
+import gzip
+import html
+import re
+import zlib
+from collections import defaultdict
+from itertools import chain
+from pathlib import Path
+from urllib.parse import unquote
+
+from nocturne_client.errors import NocturneClientError
+from nocturne_client.scene_files import digest
+
+# Those that name no files beside them.
+_ALONE = (".glb", ".zip")
+# Those that may name others; all of their formats put names into quotes.
+_TEXTS = (".xml", ".pbrt", ".pbrt.gz", ".gltf")
+_QUOTED = [
+    re.compile(b"(?<=[%s])[^%s\\r\\n]{1,1024}(?=[%s])" % (3 * (quote,))) for quote in (b'"', b"'", b"\"'")
+]
+"""What stands between two quotes, and between a closing one and the next: an apostrophe in a comment hides
+nothing."""
+# The service takes no more.
+_MAX_FILES = 10_000
+_MAX_BYTES = 4 * 2**30
+_MAX_TEXT_BYTES = 2**30
+# Of a folder that are looked at; a home folder has millions.
+_MAX_LOOKED_AT = 200_000
+
+
+def files_of_import(scene: Path) -> dict[str, tuple[str, Path]]:
+    """What is uploaded for an import: SHA-256 and file by the path below the scene's folder.
+
+    A .glb or .zip file alone; with others the files of their folder and of those below whose names stand in
+    quotes in the scene, or in a file of scenes that is named there. Nothing else leaves the machine. Raises
+    NocturneClientError for what can't be read, and for too many.
+    """
+    try:
+        if scene.name.lower().endswith(_ALONE):
+            return {scene.name: (digest(scene), scene)}
+        if not scene.is_file():
+            raise NocturneClientError(f"{scene}: no such file")
+        found = _named_from(scene, _by_name(scene.parent))
+        if len(found) > _MAX_FILES or sum(file.stat().st_size for file in found) > _MAX_BYTES:
+            raise NocturneClientError(
+                f"{scene}: names more than {_MAX_FILES} files or {_MAX_BYTES // 2**30} GiB, more than an "
+                "import takes; import it with `nocturne import`, and submit the scene.json"
+            )
+        return {file.relative_to(scene.parent).as_posix(): (digest(file), file) for file in found}
+    except OSError as error:
+        raise NocturneClientError(f"{error.filename or scene}: {error.strerror or error}") from error
+
+
+def _by_name(folder: Path) -> dict[str, list[Path]]:
+    """The folder's files, and those below, by the last part of their paths."""
+    files: defaultdict[str, list[Path]] = defaultdict(list)
+    for count, file in enumerate(folder.rglob("*")):
+        if count == _MAX_LOOKED_AT:
+            raise NocturneClientError(
+                f"{folder}: holds more than {_MAX_LOOKED_AT} files; put the scene and the files that it "
+                "names into a folder of their own, or into a .zip"
+            )
+        if file.is_file() and not file.is_symlink():
+            files[file.name].append(file)
+    return files
+
+
+def _named_from(scene: Path, files: dict[str, list[Path]]) -> list[Path]:
+    """The scene and all that it names, in the order of their paths."""
+    found, left = {scene}, [scene]
+    while left:
+        for name in _names_in(left.pop()):
+            new = [file for file in files.get(name, ()) if file not in found]
+            found.update(new)
+            left += [file for file in new if file.name.lower().endswith(_TEXTS)]
+    return sorted(found)
+
+
+def _names_in(text: Path) -> set[str]:
+    """Last parts of all that stands in quotes, as it is and without the escapes of URIs and XML."""
+    try:
+        with gzip.open(text) if text.name.lower().endswith(".gz") else text.open("rb") as stream:
+            content = stream.read(_MAX_TEXT_BYTES + 1)
+    except (EOFError, gzip.BadGzipFile, zlib.error) as error:
+        raise NocturneClientError(f"{text}: can't be unpacked: {error}") from error
+    if len(content) > _MAX_TEXT_BYTES:
+        raise NocturneClientError(f"{text}: has more than {_MAX_TEXT_BYTES // 2**30} GiB of text")
+    names: set[str] = set()
+    for match in chain.from_iterable(quoted.finditer(content) for quoted in _QUOTED):
+        quoted = match[0].decode("utf-8", "replace")
+        for each in (quoted, unquote(quoted), html.unescape(quoted)):
+            names.add(re.split(r"[/\\]", each)[-1])
+    return names
