@@ -53,7 +53,10 @@ class Up:
             raise
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: object, *_: object) -> None:
+        if kind is not None:
+            # For the report of the test that failed.
+            sys.stderr.write(self.program.tail())
         self.close()
 
     def start(self) -> None:
