@@ -4,7 +4,6 @@ it."""
 import atexit
 import subprocess
 import sys
-import tempfile
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from nocturne_coordinator.errors import ObjectStoreUnavailable
+from nocturne_coordinator.socket_folder import socket_folder
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.output import CompiledOutput
 from nocturne_scene.document.model import SceneDocument
@@ -123,7 +123,7 @@ class _Server:
     """The process that makes the children, and the folder, nobody else's, that its socket is in."""
 
     def __init__(self) -> None:
-        self._folder = tempfile.TemporaryDirectory(prefix="nocturne-", ignore_cleanup_errors=True)
+        self._folder = socket_folder()
         self.address = f"{self._folder.name}/compile.sock"
         self._process = subprocess.Popen(  # noqa: S603 - ourselves
             [sys.executable, "-m", "nocturne_api.compiling.server", self.address],

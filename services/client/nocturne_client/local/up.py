@@ -15,6 +15,7 @@ from functools import partial
 from pathlib import Path
 from types import FrameType
 
+from nocturne_coordinator.socket_folder import socket_folder
 from nocturne_scene.replacing import replacing
 from rich.markup import escape
 from rich.panel import Panel
@@ -64,10 +65,7 @@ def run_up(settings: UpSettings) -> None:
 
 
 def _run(settings: UpSettings, stop: threading.Event) -> None:
-    with (
-        only_one_service(settings.data),
-        tempfile.TemporaryDirectory(prefix="nocturne-", ignore_cleanup_errors=True) as sockets,
-    ):
+    with only_one_service(settings.data), socket_folder() as sockets:
         need_program("nocturne-worker")
         _check_ports(settings.port)
         token = first_token(settings.data) if settings.auth else None
