@@ -532,7 +532,8 @@ const checks = {
     await page.getByLabel("Stop at a relative error of, %", { exact: true }).fill("20");
     await page.getByRole("button", { name: "Preflight" }).click();
     const cells = (part) => page.locator(".preflight tr").filter({ has: page.getByText(part, { exact: true }) }).locator("td").allTextContents();
-    await page.getByText(/^Enough for 20 %: without medium "fog"/).waitFor({ timeout: 120_000 });
+    // It gives way to all else that the machine does.
+    await page.getByText(/^Enough for 20 %: without medium "fog"/).waitFor({ timeout: 400_000 });
     const [, , , cost, verdict] = await cells('without medium "fog"');
     assert.equal(verdict, "not needed");
     assert.ok(parseFloat(cost) < 50, `without all collisions a sample takes ${cost} of the time`);
