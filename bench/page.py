@@ -13,12 +13,12 @@ from pathlib import Path
 from nocturne_client import Client
 from nocturne_client.local.programs import CHECKOUT
 
-from bench.report import Figures, Row, Skipped
+from bench.report import Figures, Row, Skipped, spread, spread_text
 from bench.running_service import RunningService, running_service
 from bench.scenes import CORNELL
 from tests.web.visit import archive_of
 
-AIM_FIRST_MS, AIM_UPDATE_MS = 4000.0, 1000.0
+AIM_FIRST_MS, AIM_UPDATE_MS = 1200.0, 1000.0
 """From Render to the first tile, with a pilot and two layers; between changes of the image after that."""
 AIM_MS, AIM_IMAGES = 50.0, 30.0
 """A frame that takes three of a screen's is seen; images of a pan."""
@@ -34,22 +34,28 @@ def run(quick: bool) -> Figures:
         raise Skipped(f"needs Node in {_NODE}")
     renders = 60 if quick else _RENDERS
     with running_service(workers=1, threads=2) as service:
+        archive = archive_of(CORNELL.parent, service.data.with_name("cornell.zip"))
+        asked = {"url": service.url, "archive": str(archive), "rounds": 1 if quick else 5}
+        times = _in_browser(asked)
         with Client(service.url) as client:
             small = client.submit(CORNELL, 64, 64, 16).id
             large = client.submit(CORNELL, *_LARGE, 1).id
             for each in (small, large):
                 *_, _ended = client.watch(each)
-        _copy(service, small, renders - 2)
-        archive = archive_of(CORNELL.parent, service.data.with_name("cornell.zip"))
-        asked = {"url": service.url, "renders": renders, "large": large, "archive": str(archive)}
-        result = subprocess.run(
-            [_NODE, CHECKOUT / "tests" / "web" / "page.bench.mjs"],
-            env=os.environ | {"NOCTURNE_BENCH": json.dumps(asked)},
-            stdout=subprocess.PIPE,
-            text=True,
-            timeout=_TIMEOUT_S,
-            check=True,
-        )
+        _copy(service, small, renders)
+        moved = _in_browser({"url": service.url, "rounds": 0, "renders": renders, "large": large})
+    return {"submitting": {name: spread(each) for name, each in times.items()}} | moved
+
+
+def _in_browser(asked: Figures) -> Figures:
+    result = subprocess.run(
+        [_NODE, CHECKOUT / "tests" / "web" / "page.bench.mjs"],
+        env=os.environ | {"NOCTURNE_BENCH": json.dumps(asked)},
+        stdout=subprocess.PIPE,
+        text=True,
+        timeout=_TIMEOUT_S,
+        check=True,
+    )
     found: Figures = json.loads(result.stdout)
     return found
 
@@ -60,12 +66,12 @@ def rows(figures: Figures) -> list[Row]:
     return [
         Row(
             "Render to the first tile on the page, with two layers, ms",
-            f"{submitting['first_ms']:g}",
+            spread_text(submitting["first_ms"]),
             f"at most {AIM_FIRST_MS:g}",
         ),
         Row(
             "then between changes of the image, ms",
-            f"{submitting['update_ms']:g}",
+            spread_text(submitting["update_ms"]),
             f"at most {AIM_UPDATE_MS:g}",
         ),
         Row(
