@@ -5,6 +5,7 @@ NOCTURNE_CRASH_AT=after-commit:3 kills the process at its third passage; without
 
 import os
 import signal
+from functools import cache
 
 _passages = 0
 
@@ -12,9 +13,17 @@ _passages = 0
 def crash_point(name: str) -> None:
     """Does nothing, unless the environment names this place."""
     global _passages
-    wanted, _, count = os.environ.get("NOCTURNE_CRASH_AT", "").partition(":")
+    wanted, passage = _wanted()
     if name != wanted:
         return
     _passages += 1
-    if _passages == int(count or 1):
+    if _passages == passage:
         os.kill(os.getpid(), signal.SIGKILL)
+
+
+@cache
+def _wanted() -> tuple[str, int]:
+    """Place and passage. Not read before the first one: a process that is forked gets its environment after
+    its imports."""
+    place, _, count = os.environ.get("NOCTURNE_CRASH_AT", "").partition(":")
+    return place, int(count or 1)
