@@ -50,11 +50,7 @@ def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None =
     then leaves nothing behind: blobs are written last, when all of them are there.
     """
     workspace = Workspace(document, blobs)
-    try:
-        message, scatters = _compile(workspace, film)
-        workspace.write_blobs()
-    finally:
-        workspace.clean_up()
+    message, scatters = _compile(workspace, film)
     # After the blobs, which a pilot reads.
     _put_tracing(workspace, message, film, scatters=scatters)
     scene_sha256 = blobs.put(message.SerializeToString(deterministic=True))
@@ -68,18 +64,23 @@ def compile_layers(document: SceneDocument, blobs: BlobStore, film: Film, layers
     """
     check_can_make(layers)
     workspace = Workspace(document, blobs)
-    try:
-        message, scatters = _compile(workspace, film)
-        workspace.write_blobs()
-    finally:
-        workspace.clean_up()
+    message, scatters = _compile(workspace, film)
     # Surfaces are seen alike in whichever way light is found.
     message.tracing.CopyFrom(compile_tracing(workspace, message, given_ways(document), scatters=scatters))
     return make_layers(workspace, message, film, layers)
 
 
 def _compile(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.CompiledScene, bool]:
-    """All but how it is traced, and whether anything sends light on."""
+    """All but how it is traced, its blobs written, and whether anything sends light on."""
+    try:
+        message, scatters = _message(workspace, film)
+        workspace.write_blobs()
+    finally:
+        workspace.clean_up()
+    return message, scatters
+
+
+def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.CompiledScene, bool]:
     tells_parts = workspace.document.sensor.light_parts
     message = scene_pb2.CompiledScene(format=FORMAT_WITH_PARTS if tells_parts else FORMAT)
     textures, grids, instances = Textures(workspace), Grids(workspace), Instances(workspace)
