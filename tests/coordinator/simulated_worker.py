@@ -183,7 +183,7 @@ class SimulatedWorker(threading.Thread):
         place = keys.JOBS, keys.WORKERS_GROUP, f"{self.name}/0"
         while not self._seen(self.name) and not self._stopping.wait(0.05):
             self._tell_status()
-            # Takes it again, which renews the lease, unless it was taken off the stream: then it lives on.
+            # Takes it again, which renews the lease, unless it was taken off the stream: then it goes on.
             if not self._client.xclaim(*place, 0, [entry]):
                 return
         self._stopping.set()

@@ -63,7 +63,7 @@ def read_bytes(file: Path, most: int, shown: str) -> bytes:
     """Return a file's content. Raises InputError where it has more than `most` bytes or can't be read."""
     try:
         with file.open("rb") as opened:
-            # Room for all that is asked for is set aside beforehand.
+            # Memory for all that is asked for is taken beforehand.
             content = opened.read(min(most, os.fstat(opened.fileno()).st_size) + 1)
     except OSError as error:
         raise InputError.at(shown, f"can't be read: {error.strerror}") from None
