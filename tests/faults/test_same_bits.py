@@ -3,6 +3,7 @@
 import random
 import resource
 import shutil
+import subprocess
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -29,6 +30,7 @@ from tests.system.renders import (
     followed_render,
     has_ended,
     is_in_mid_work,
+    submit,
     wait_for_more_ranges,
 )
 from tests.system.service_processes import ServiceProcesses
@@ -161,23 +163,31 @@ def test_jobs_dispatched_in_another_order(order: str, services: Services, traced
     assert differing_values(image, traced_alone) == {}
 
 
-# The C library without its fused multiply-adds, as on a processor that has none: sines, exponentials and
-# powers differ in the last bit here and there.
-_ROUNDS_OTHERWISE = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-AVX2"}
+@pytest.fixture
+def rounds_otherwise(tmp_path: Path) -> dict[str, str]:
+    """The environment of a program in which tiny numbers become zero: an empty library does that to every
+    process that loads it, if it was linked with fast mathematics."""
+    library = tmp_path / "libfast.so"
+    subprocess.run(["gcc", "-shared", "-ffast-math", "-x", "c", "/dev/null", "-o", library], check=True)
+    return {"LD_PRELOAD": str(library)}
 
 
-def test_a_worker_that_rounds_otherwise(services: Services, traced_alone: Image) -> None:
+def test_a_worker_that_rounds_otherwise(
+    services: Services, traced_alone: Image, rounds_otherwise: dict[str, str]
+) -> None:
     """W8: it has another floating-point profile, and gets no jobs."""
     service = services(2)
-    service.start_worker(environment=_ROUNDS_OTHERWISE)
+    service.start_worker(environment=rounds_otherwise)
     odd = next(reversed(service.workers))
     wait_for(lambda: len(service.client.workers()) == 3, "all workers to be seen")
+    endless = submit(service.client, 2**20)
+    wait_for(
+        lambda: any(each.incompatible for each in service.client.workers()), "a worker to be incompatible"
+    )
+    classes = {each.id: each.floating_point_profile for each in service.client.workers()}
+    reasons = {each.id: each.incompatible for each in service.client.workers() if each.incompatible}
+    service.client.cancel(endless)
     with followed_render(service) as render:
-        wait_for(
-            lambda: any(each.incompatible for each in service.client.workers()), "a worker to be incompatible"
-        )
-        classes = {each.id: each.floating_point_profile for each in service.client.workers()}
-        reasons = {each.id: each.incompatible for each in service.client.workers() if each.incompatible}
         image = render.finished_image()
     others = {floating_point_profile for name, floating_point_profile in classes.items() if name != odd}
     assert len(others) == 1
@@ -191,6 +201,17 @@ def test_a_worker_that_rounds_otherwise(services: Services, traced_alone: Image)
     assert all(each.quarantine == "" for each in service.client.workers())
     service.end_worker(odd)
     assert differing_values(image, traced_alone) == {}
+
+
+def test_the_c_library_does_not_matter(services: Services) -> None:
+    """W8: without its fused multiply-adds, as on a processor that has none, its functions differ in the last
+    bit here and there; the worker has the profile of others."""
+    service = services(1)
+    service.start_worker(environment={"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-AVX2"})
+    odd = next(reversed(service.workers))
+    wait_for(lambda: len(service.client.workers()) == 2, "both workers to be seen")
+    assert len({each.floating_point_profile for each in service.client.workers()}) == 1
+    service.end_worker(odd)
 
 
 Mend = Callable[[], object]

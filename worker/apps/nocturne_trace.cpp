@@ -266,7 +266,7 @@ std::string aims_json(const std::vector<Aim>& aims) {
 
 // Part of a render's samples from which aims are learned, and most of these: enough to find what a
 // thousandth of the photons is worth.
-constexpr double kLearnedFrom = 0.005, kMostLearnedFrom = 3e5;
+constexpr double kLearnedFrom = 0.005, kMaxLearnedFrom = 3e5;
 // Part of the photons that are then aimed; the others leave as luminaires emit.
 constexpr double kAimed = 0.9;
 
@@ -277,7 +277,7 @@ LearnedAims learn_aims(const Options& options, const FilmPlan& plan, v1::Compile
   const double samples =
       1.0 * plan.film.width * plan.film.height * static_cast<double>(plan.range_ends.back());
   LearnedAims learned = learn_aims(
-      *scene, plan.film, std::min(kMostLearnedFrom, kLearnedFrom * samples), options.threads);
+      *scene, plan.film, std::min(kMaxLearnedFrom, kLearnedFrom * samples), options.threads);
   if (learned.aims.empty()) return learned;
   for (const Aim& aim : learned.aims) {
     v1::ImportantShape& shape = *message.add_important_shapes();

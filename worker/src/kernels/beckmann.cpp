@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "kernels/ggx.h"
+#include "math/functions.h"
 
 namespace nocturne {
 namespace {
@@ -16,7 +17,7 @@ constexpr double kSteepest = 6.0;
 // The integral of (c - t s) exp(-t^2) / sqrt pi from minus infinity to x: facets of slope up to x,
 // as they are seen from the direction (s, c) of a surface of roughness 1.
 double seen_below(double s, double c, double x) {
-  return 0.5 * c * std::erfc(-x) + 0.5 * s * kInvSqrtPi * std::exp(-x * x);
+  return 0.5 * c * math::erfc(-x) + 0.5 * s * kInvSqrtPi * math::exp(-x * x);
 }
 
 double steepest_seen(double s, double c) { return s * kSteepest > c ? c / s : kSteepest; }
@@ -53,13 +54,13 @@ float Beckmann::density(Vec3 h) const {
   const double x = static_cast<double>(h.x / alpha_u), y = static_cast<double>(h.y / alpha_v);
   const double z2 = static_cast<double>(h.z) * static_cast<double>(h.z);
   if (!(z2 > 0.0)) return 0.0f;
-  return static_cast<float>(std::exp(-(x * x + y * y) / z2) * std::numbers::inv_pi /
+  return static_cast<float>(math::exp(-(x * x + y * y) / z2) * std::numbers::inv_pi /
                             (static_cast<double>(alpha_u * alpha_v) * z2 * z2));
 }
 
 Vec3 Beckmann::sample_visible(Vec3 wo, float u, float v) const {
   const Stretched from(*this, wo);
-  const double length = std::hypot(from.s, from.c);
+  const double length = math::hypot(from.s, from.c);
   const double along = drawn_slope(from.s / length, from.c / length, static_cast<double>(u));
   const double across = drawn_slope(0.0, 1.0, static_cast<double>(v));
   const double cosine = from.s > 0.0 ? from.x / from.s : 1.0;

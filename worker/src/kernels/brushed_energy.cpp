@@ -9,6 +9,7 @@
 #include "kernels/ggx_energy.h"
 #include "kernels/table_cell.h"
 #include "kernels/table_quadrature.h"
+#include "math/functions.h"
 
 namespace nocturne {
 namespace {
@@ -92,8 +93,8 @@ BrushedEnergy::BrushedEnergy()
         means[a] = static_cast<float>(cosine_weighted_mean({&reflected_[row], kCosines}));
       }
       for (int d = 0; d < kDirections; ++d) {
-        const float x =
-            std::cos(0.5f * kPi * (static_cast<float>(d) + 0.5f) / static_cast<float>(kDirections));
+        const float x = math::cos(0.5f * kPi * (static_cast<float>(d) + 0.5f) /
+                                  static_cast<float>(kDirections));
         const TablePlace a = along(x * x, kAzimuths);
         mean_[place(u, v)] += mix(means[a.index], means[a.index + 1], a.t) / kDirections;
       }

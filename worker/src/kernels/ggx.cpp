@@ -1,5 +1,7 @@
 #include "kernels/ggx.h"
 
+#include "math/functions.h"
+
 namespace nocturne {
 namespace {
 
@@ -13,7 +15,7 @@ double log_gamma(double x) {
       r *
       (1.0 / 12.0 - r2 * (1.0 / 360.0 - r2 * (1.0 / 1260.0 - r2 * (1.0 / 1680.0 - r2 / 1188.0))));
   constexpr double kHalfLogTwoPi = 0.91893853320467274178;
-  return (x - 0.5) * std::log(x) - x + kHalfLogTwoPi + series - std::log(product);
+  return (x - 0.5) * math::log(x) - x + kHalfLogTwoPi + series - math::log(product);
 }
 
 }  // namespace
@@ -24,7 +26,7 @@ double beta_1p(double a, double b) {
   constexpr double kLarge = 1e8;
   a = std::min(a, kLarge);
   b = std::min(b, kLarge);
-  return std::exp(log_gamma(1.0 + a) + log_gamma(1.0 + b) - log_gamma(2.0 + a + b));
+  return math::exp(log_gamma(1.0 + a) + log_gamma(1.0 + b) - log_gamma(2.0 + a + b));
 }
 
 Vec3 half_vector(Vec3 a, Vec3 b, double scale) {

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "math/constants.h"
+#include "math/functions.h"
 #include "math/vec3.h"
 
 namespace nocturne {
@@ -48,7 +49,7 @@ struct Ggx {
     const float r = std::sqrt(std::max(0.0f, (1.0f - z) * (1.0f + z)));
     const float phi = kTwoPi * v;
     return normalized(
-        Vec3{alpha_u * (r * std::cos(phi) + w.x), alpha_v * (r * std::sin(phi) + w.y), lift});
+        Vec3{alpha_u * (r * math::cos(phi) + w.x), alpha_v * (r * math::sin(phi) + w.y), lift});
   }
 
   /// D_wo(h), per steradian of normals: G1(wo) (wo . h) D(h) / wo.z, for wo . h >= 0.

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "math/functions.h"
+
 namespace nocturne {
 namespace {
 
@@ -145,12 +147,12 @@ MeasuredTable::Nodes MeasuredTable::nodes(Vec3 wo, Vec3 wi) const {
   const float y = wi.y * cos_phi - wi.x * sin_phi;
   const float z = dot(wi, h);
   constexpr auto kHalf = static_cast<float>(kHalfPi);
-  float phi_d = std::atan2(y, x);
+  float phi_d = math::atan2(y, x);
   if (phi_d < 0.0f) phi_d += kPi;  // the other half by reciprocity
   const float position_h =
-      std::sqrt(std::atan2(across, h.z) / kHalf) * static_cast<float>(n_theta_h_);
+      std::sqrt(math::atan2(across, h.z) / kHalf) * static_cast<float>(n_theta_h_);
   const float position_d =
-      std::atan2(std::sqrt(x * x + y * y), z) / kHalf * static_cast<float>(n_theta_d_);
+      math::atan2(std::sqrt(x * x + y * y), z) / kHalf * static_cast<float>(n_theta_d_);
   const Cell a = held(position_h, n_theta_h_), b = held(position_d, n_theta_d_);
   const Cell c = around(phi_d / kPi * static_cast<float>(n_phi_d_), n_phi_d_);
   Nodes r;
@@ -189,7 +191,7 @@ void MeasuredTable::read_marginal() {
         const float* row = &values_[p * plane_size_ + (i * n_theta_d_ + j) * n_phi_d_];
         double sum = 0.0;
         for (std::size_t k = 0; k < n_phi_d_; ++k) sum += static_cast<double>(row[k]);
-        mean[i] += sum * std::sin(theta_d) * std::cos(theta_d);
+        mean[i] += sum * math::sin(theta_d) * math::cos(theta_d);
       }
     }
   }
@@ -199,12 +201,12 @@ void MeasuredTable::read_marginal() {
   for (std::uint32_t i = 0; i < n_theta_h_; ++i) {
     const double low = theta_h(i, n_theta_h_), high = theta_h(i + 1, n_theta_h_);
     // cos low - cos high, without cancellation
-    cosine_drop[i] = 2.0 * std::sin(0.5 * (high - low)) * std::sin(0.5 * (high + low));
-    const double projected = 0.5 * std::sin(high - low) * std::sin(high + low);
+    cosine_drop[i] = 2.0 * math::sin(0.5 * (high - low)) * math::sin(0.5 * (high + low));
+    const double projected = 0.5 * math::sin(high - low) * math::sin(high + low);
     const double value = 0.5 * (mean[i] + mean[std::min(i + 1, n_theta_h_ - 1)]);
     mass[i] = value * projected;
     total += mass[i];
-    edge_.push_back(static_cast<float>(2.0 * std::sin(0.5 * high) * std::sin(0.5 * high)));
+    edge_.push_back(static_cast<float>(2.0 * math::sin(0.5 * high) * math::sin(0.5 * high)));
   }
   double sum = 0.0;
   for (std::uint32_t i = 0; i < n_theta_h_; ++i) {
@@ -224,11 +226,11 @@ Vec3 MeasuredTable::sample_half(float u, float v) const {
   const float t = width > 0.0f ? std::clamp((u - low) / width, 0.0f, 1.0f) : 0.5f;
   const float less = edge_[i] + t * (edge_[i + 1] - edge_[i]);  // 1 - cos
   const float r = std::sqrt(std::max(0.0f, less * (2.0f - less)));
-  return {r * std::cos(kTwoPi * v), r * std::sin(kTwoPi * v), 1.0f - less};
+  return {r * math::cos(kTwoPi * v), r * math::sin(kTwoPi * v), 1.0f - less};
 }
 
 float MeasuredTable::half_pdf(Vec3 h) const {
-  const float theta = std::atan2(std::sqrt(h.x * h.x + h.y * h.y), h.z);
+  const float theta = math::atan2(std::sqrt(h.x * h.x + h.y * h.y), h.z);
   const float position =
       std::sqrt(theta / static_cast<float>(kHalfPi)) * static_cast<float>(n_theta_h_);
   return density_[std::min(static_cast<std::uint32_t>(position), n_theta_h_ - 1)];

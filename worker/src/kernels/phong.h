@@ -8,6 +8,7 @@
 
 #include "kernels/kernel.h"
 #include "math/frame.h"
+#include "math/functions.h"
 #include "parameters/colour.h"
 
 namespace nocturne {
@@ -15,7 +16,7 @@ namespace nocturne {
 /// cos^n, from 1 - cos, which single precision still knows where cos^n changes fast.
 template <class T>
 T phong_lobe(T exponent, T one_minus_cosine) {
-  return one_minus_cosine < T(1) ? std::exp(exponent * std::log1p(-one_minus_cosine)) : T(0);
+  return one_minus_cosine < T(1) ? math::exp(exponent * math::log1p(-one_minus_cosine)) : T(0);
 }
 
 template <int N>
@@ -35,11 +36,12 @@ struct BoundPhong {
   Spectral<N> pdf(Vec3 wo, Vec3 wi) const { return evaluate(wo, wi).pdf; }
   std::optional<Draw<N>> sample(Vec3 wo, const KernelNumbers& numbers, std::size_t) const {
     // cos = (1 - u)^(1 / (n + 1))
-    const float less = -std::expm1(std::log1p(-numbers.u) / (exponent + 1.0f));
+    const float less = -math::expm1(math::log1p(-numbers.u) / (exponent + 1.0f));
     const float r = std::sqrt(std::max(0.0f, less * (2.0f - less)));
     const float phi = kTwoPi * numbers.v;
     const Frame frame(mirrored(wo));
-    const Vec3 wi = normalized(frame.to_world({r * std::cos(phi), r * std::sin(phi), 1.0f - less}));
+    const Vec3 wi =
+        normalized(frame.to_world({r * math::cos(phi), r * math::sin(phi), 1.0f - less}));
     if (wi.z <= 0.0f) return std::nullopt;
     return Draw<N>{.wi = wi};
   }

@@ -31,6 +31,7 @@
 #include "kernels/rough_fresnel.h"
 #include "kernels/roughness.h"
 #include "kernels/sheen.h"
+#include "math/functions.h"
 #include "parameters/colour.h"
 #include "spectrum/spectrum.h"
 
@@ -367,7 +368,7 @@ class Principled {
     }
     if (extras_.brush) {
       const float angle = kTwoPi * extras_.brush->rotation(point);
-      if (angle != 0.0f) bound.turn = {std::cos(angle), std::sin(angle)};
+      if (angle != 0.0f) bound.turn = {math::cos(angle), math::sin(angle)};
     }
     const Spectral<N>&ratio = bound.ratio, &even = bound.colouring.even,
           &scale = bound.colouring.scale;

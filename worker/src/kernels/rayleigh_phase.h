@@ -12,6 +12,7 @@
 
 #include "kernels/kernel.h"
 #include "kernels/scattering_angle.h"
+#include "math/functions.h"
 #include "spectrum/spectrum.h"
 
 namespace nocturne {
@@ -35,7 +36,7 @@ struct BoundRayleigh {
     const float p = (1.0f - mean_share) / (3.0f * mean_share);
     const float q = (2.0f * numbers.u - 1.0f) / (2.0f * mean_share);
     const float root = std::sqrt(p);
-    const float c = 2.0f * root * std::sinh(std::asinh(q / (p * root)) / 3.0f);
+    const float c = 2.0f * root * math::sinh(math::asinh(q / (p * root)) / 3.0f);
     return ScatteringAngle::from_cosine(std::clamp(c, -1.0f, 1.0f));
   }
 

@@ -7,6 +7,7 @@
 #include "kernels/fresnel.h"
 #include "kernels/table_cell.h"
 #include "kernels/table_quadrature.h"
+#include "math/functions.h"
 
 namespace nocturne {
 namespace {
@@ -29,7 +30,7 @@ double average(double cosine, float alpha, double ratio) {
 struct TableCell {
   TablePlace ratio, alpha;
   TableCell(float alpha_value, float ratio_value)
-      : ratio(table_place((std::log2(ratio_value) + 1.0f) * kRatiosPerOctave, kRatios)),
+      : ratio(table_place((math::log2(ratio_value) + 1.0f) * kRatiosPerOctave, kRatios)),
         alpha(table_place(std::sqrt(alpha_value) * static_cast<float>(kAlphas - 1), kAlphas)) {}
 
   template <class F>
@@ -51,7 +52,7 @@ const RoughFresnel& RoughFresnel::instance() {
 RoughFresnel::RoughFresnel()
     : difference_(kRatios * kAlphas * kCosines), mean_difference_(kRatios * kAlphas) {
   for (std::size_t r = 0; r < kRatios; ++r) {
-    const double ratio = std::exp2(static_cast<double>(r) / kRatiosPerOctave - 1.0);
+    const double ratio = math::exp2(static_cast<double>(r) / kRatiosPerOctave - 1.0);
     for (std::size_t a = 1; a < kAlphas; ++a) {
       const float root_alpha = static_cast<float>(a) / static_cast<float>(kAlphas - 1);
       const float alpha = root_alpha * root_alpha;

@@ -7,6 +7,7 @@
 
 #include "math/constants.h"
 #include "math/frame.h"
+#include "math/functions.h"
 #include "math/vec3.h"
 
 namespace nocturne {
@@ -32,8 +33,8 @@ struct ScatteringAngle {
   /// Turned by this angle; v in [0, 1) chooses the azimuth.
   Vec3 direction(Vec3 wo, float v) const {
     const float r = std::sqrt(std::max(0.0f, less * more)), phi = kTwoPi * v;
-    return normalized(
-        Frame(-wo).to_world({r * std::cos(phi), r * std::sin(phi), static_cast<float>(cosine())}));
+    return normalized(Frame(-wo).to_world(
+        {r * math::cos(phi), r * math::sin(phi), static_cast<float>(cosine())}));
   }
 };
 

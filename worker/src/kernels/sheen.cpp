@@ -4,6 +4,7 @@
 
 #include "kernels/ggx.h"
 #include "kernels/table_cell.h"
+#include "math/functions.h"
 
 namespace nocturne {
 namespace {
@@ -22,7 +23,7 @@ double albedo(float cosine, float alpha) {
     const float side = std::sqrt((1.0f - z) * (1.0f + z));
     for (int j = 0; j < kMidpoints; ++j) {
       const float phi = kPi * (static_cast<float>(j) + 0.5f) / kMidpoints;
-      const Vec3 wi{side * std::cos(phi), side * std::sin(phi), z};
+      const Vec3 wi{side * math::cos(phi), side * math::sin(phi), z};
       // dz = 2 x dx, both halves of the circle
       const float weight = 2.0f * x * kTwoPi / (kMidpoints * kMidpoints);
       sum += static_cast<double>(weight * SheenEnergy::value(wo, wi, half_vector(wo, wi), alpha));
@@ -62,7 +63,7 @@ float SheenEnergy::reflected(float cosine, float alpha) const {
 
 float SheenEnergy::value(Vec3 wo, Vec3 wi, Vec3 h, float alpha) {
   const float sine_2 = std::clamp((1.0f - h.z) * (1.0f + h.z), 0.0f, 1.0f);
-  const float density = (2.0f + 1.0f / alpha) * std::pow(sine_2, 0.5f / alpha) / kTwoPi;
+  const float density = (2.0f + 1.0f / alpha) * math::pow(sine_2, 0.5f / alpha) / kTwoPi;
   return density * wi.z / (4.0f * std::max(1e-6f, wo.z + wi.z - wo.z * wi.z));
 }
 

@@ -39,8 +39,8 @@ inline double cosine_weighted_mean(std::span<const float> values) {
     const double slope =
         (static_cast<double>(values[c + 1]) - static_cast<double>(values[c])) / (x1 - x0);
     const double base = static_cast<double>(values[c]) - slope * x0;
-    mean += base * (std::pow(x1, 4) - std::pow(x0, 4)) +
-            slope * 0.8 * (std::pow(x1, 5) - std::pow(x0, 5));
+    const double fourth0 = x0 * x0 * x0 * x0, fourth1 = x1 * x1 * x1 * x1;
+    mean += base * (fourth1 - fourth0) + slope * 0.8 * (fourth1 * x1 - fourth0 * x0);
   }
   return mean;
 }

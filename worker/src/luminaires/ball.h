@@ -11,6 +11,7 @@
 #include "luminaires/on_half_line.h"
 #include "math/constants.h"
 #include "math/frame.h"
+#include "math/functions.h"
 #include "pdfs/directions.h"
 #include "surfaces/hit.h"
 #include "surfaces/shapes.h"
@@ -104,8 +105,8 @@ struct Ball {
     const double inverse = 1.0 / std::sqrt(view.distance2);
     const Frame frame({static_cast<float>(view.x * inverse), static_cast<float>(view.y * inverse),
                        static_cast<float>(view.z * inverse)});
-    return frame.to_world({static_cast<float>(sin_theta * std::cos(phi)),
-                           static_cast<float>(sin_theta * std::sin(phi)),
+    return frame.to_world({static_cast<float>(sin_theta * math::cos(phi)),
+                           static_cast<float>(sin_theta * math::sin(phi)),
                            static_cast<float>(1.0 - drop)});
   }
 };

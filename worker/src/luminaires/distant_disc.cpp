@@ -8,12 +8,13 @@
 
 #include "luminaires/light_sampling_context.h"
 #include "math/constants.h"
+#include "math/functions.h"
 
 namespace nocturne {
 namespace {
 
 double one_minus_cosine(double angle) {
-  const double s = std::sin(0.5 * angle);
+  const double s = math::sin(0.5 * angle);
   return 2.0 * s * s;
 }
 
@@ -33,12 +34,12 @@ DistantDisc::DistantDisc(Vec3 direction, double half_angle, Spectrum radiance, L
     throw std::invalid_argument("the half angle of a distant disc is not in (0, pi/2]");
   }
   const double wide = half_angle + kDirectionRounding;
-  const double sine = std::sin(half_angle);
+  const double sine = math::sin(half_angle);
   drop_ = static_cast<float>(one_minus_cosine(half_angle));
   wide_drop_ = static_cast<float>(one_minus_cosine(wide));
   inverse_sin2_ = static_cast<float>(1.0 / (sine * sine));
   sin_ = static_cast<float>(
-      half_angle + kDirectionRounding < 0.5 * std::numbers::pi ? std::sin(wide) : 1.0);
+      half_angle + kDirectionRounding < 0.5 * std::numbers::pi ? math::sin(wide) : 1.0);
   density_ = static_cast<float>(1.0 / (2.0 * std::numbers::pi * one_minus_cosine(wide)));
   perpendicular_ = static_cast<float>(std::numbers::pi * sine * sine * radiance_.mean());
 }
@@ -46,7 +47,7 @@ DistantDisc::DistantDisc(Vec3 direction, double half_angle, Spectrum radiance, L
 Vec3 DistantDisc::sample(float u1, float u2) const {
   const float drop = u1 * wide_drop_;
   const float r = std::sqrt(drop * (2.0f - drop)), phi = kTwoPi * u2;
-  return normalized(frame_.to_world({r * std::cos(phi), r * std::sin(phi), 1.0f - drop}));
+  return normalized(frame_.to_world({r * math::cos(phi), r * math::sin(phi), 1.0f - drop}));
 }
 
 float DistantDisc::irradiance(Vec3 normal, bool both_sides) const {

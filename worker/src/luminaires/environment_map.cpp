@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "math/constants.h"
+#include "math/functions.h"
 
 namespace nocturne {
 namespace {
@@ -124,7 +125,7 @@ void EnvironmentMap::sum_up(const std::vector<float>& means) {
 
 EnvironmentMap::TexelPoint EnvironmentMap::place_of(Vec3 in_map) const {
   const float row = 0.5f * (1.0f - in_map.z) * static_cast<float>(rows_);
-  const float turn = std::atan2(in_map.y, in_map.x) * (0.5f * kInvPi);
+  const float turn = math::atan2(in_map.y, in_map.x) * (0.5f * kInvPi);
   const float column = (turn < 0.0f ? turn + 1.0f : turn) * static_cast<float>(columns_);
   return {std::min(static_cast<std::uint32_t>(std::max(row, 0.0f)), rows_ - 1),
           std::min(static_cast<std::uint32_t>(column), columns_ - 1)};
@@ -145,7 +146,7 @@ EnvironmentMap::Window EnvironmentMap::window(const LightSamplingContext& from) 
   }
   // What such a plane sees beyond the half turn has a cosine of at most 1e-6: nothing, in float.
   if (std::fabs(n.z) <= 1e-6f && columns_ >= 8) {
-    const float turn = std::atan2(n.y, n.x) * (0.5f * kInvPi) - 0.25f - 1e-5f;
+    const float turn = math::atan2(n.y, n.x) * (0.5f * kInvPi) - 0.25f - 1e-5f;
     const float first = (turn - std::floor(turn)) * static_cast<float>(columns_);
     window.column0 = std::min(static_cast<std::uint32_t>(first), columns_ - 1);
     window.columns = columns_ / 2 + 3;  // whole ones, both rims and the margin
@@ -173,8 +174,8 @@ std::optional<Vec3> EnvironmentMap::sample(const LightSamplingContext& from, flo
   const double phi = 2.0 * std::numbers::pi *
                      (w.column0 + column + across.inside(left(column), texel_weight)) / columns_;
   const double r = std::sqrt(std::max(0.0, (1.0 - z) * (1.0 + z)));
-  const Vec3 direction = static_cast<float>(r * std::cos(phi)) * axes_.x +
-                         static_cast<float>(r * std::sin(phi)) * axes_.y +
+  const Vec3 direction = static_cast<float>(r * math::cos(phi)) * axes_.x +
+                         static_cast<float>(r * math::sin(phi)) * axes_.y +
                          static_cast<float>(z) * axes_.z;
   if (!from.sees(direction)) return std::nullopt;
   return direction;

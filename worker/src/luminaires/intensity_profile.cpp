@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "math/constants.h"
+#include "math/functions.h"
 
 namespace nocturne {
 namespace {
@@ -50,7 +51,7 @@ double integrate_row(const std::vector<float>& angles, const float* values) {
     const double slope = (static_cast<double>(values[i + 1]) - values[i]) / (high - low);
     const double start = values[i] - slope * low;
     const auto primitive = [&](double theta) {
-      return -start * std::cos(theta) + slope * (std::sin(theta) - theta * std::cos(theta));
+      return -start * math::cos(theta) + slope * (math::sin(theta) - theta * math::cos(theta));
     };
     sum += primitive(high) - primitive(low);
   }
@@ -80,7 +81,7 @@ IntensityProfile::IntensityProfile(Table table)
 float IntensityProfile::operator()(Vec3 direction) const {
   const float x = dot(direction, table_.zero), y = dot(direction, side_),
               z = dot(direction, table_.axis);
-  const auto v = place(table_.vertical, std::atan2(std::sqrt(x * x + y * y), z));
+  const auto v = place(table_.vertical, math::atan2(std::sqrt(x * x + y * y), z));
   if (!v) return 0.0f;
   const std::size_t row = table_.vertical.size();
   const auto along = [&](std::size_t column) {
@@ -88,7 +89,7 @@ float IntensityProfile::operator()(Vec3 direction) const {
     return values[0] + v->t * (values[1] - values[0]);
   };
   if (table_.horizontal.size() == 1) return along(0);
-  const float phi = std::atan2(y, x);
+  const float phi = math::atan2(y, x);
   const auto h = place(table_.horizontal, phi < 0.0f ? phi + kTwoPi : phi);
   if (!h) return 0.0f;
   const float left = along(h->cell), right = along(h->cell + 1);

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "math/functions.h"
+
 namespace nocturne {
 namespace {
 
@@ -15,8 +17,8 @@ Vec3 middle(const ElementBounds& b) { return 0.5f * (b.low + b.high); }
 
 // The smallest cone around two, Conty Estevez and Kulla 2018, algorithm 1.
 void unite_cones(ElementBounds& a, const ElementBounds& b) {
-  double wide = std::acos(std::clamp(a.cos_spread, -1.0f, 1.0f));
-  double narrow = std::acos(std::clamp(b.cos_spread, -1.0f, 1.0f));
+  double wide = math::acos(std::clamp(a.cos_spread, -1.0f, 1.0f));
+  double narrow = math::acos(std::clamp(b.cos_spread, -1.0f, 1.0f));
   Vec3 wide_axis = a.axis, narrow_axis = b.axis;
   if (narrow > wide) {
     std::swap(wide, narrow);
@@ -24,20 +26,20 @@ void unite_cones(ElementBounds& a, const ElementBounds& b) {
   }
   // Of two-sided elements either normal will do.
   if (a.two_sided && b.two_sided && dot(wide_axis, narrow_axis) < 0.0f) narrow_axis = -narrow_axis;
-  const double apart = std::acos(std::clamp(dot(wide_axis, narrow_axis), -1.0f, 1.0f));
+  const double apart = math::acos(std::clamp(dot(wide_axis, narrow_axis), -1.0f, 1.0f));
   a.axis = wide_axis;
-  a.cos_spread = static_cast<float>(std::cos(wide));
+  a.cos_spread = static_cast<float>(math::cos(wide));
   if (std::min(apart + narrow, kPiD) <= wide) return;
   const double spread = 0.5 * (wide + apart + narrow);
   const Vec3 across = narrow_axis - dot(wide_axis, narrow_axis) * wide_axis;
   if (spread >= kPiD || !(dot(across, across) > 1e-12f)) {
-    a.cos_spread = spread >= kPiD || apart > 1.0 ? -1.0f : static_cast<float>(std::cos(spread));
+    a.cos_spread = spread >= kPiD || apart > 1.0 ? -1.0f : static_cast<float>(math::cos(spread));
     return;
   }
   const double turn = spread - wide;
-  a.axis = normalized(static_cast<float>(std::cos(turn)) * wide_axis +
-                      static_cast<float>(std::sin(turn)) * normalized(across));
-  a.cos_spread = static_cast<float>(std::cos(spread));
+  a.axis = normalized(static_cast<float>(math::cos(turn)) * wide_axis +
+                      static_cast<float>(math::sin(turn)) * normalized(across));
+  a.cos_spread = static_cast<float>(math::cos(spread));
 }
 
 ElementBounds unite(ElementBounds a, const ElementBounds& b) {
@@ -56,12 +58,12 @@ double cost(const ElementBounds& b) {
   const Vec3 d = b.high - b.low;
   const double area = 2.0 * (static_cast<double>(d.x) * d.y + static_cast<double>(d.y) * d.z +
                              static_cast<double>(d.z) * d.x);
-  const double spread = std::acos(std::clamp(b.cos_spread, -1.0f, 1.0f));
+  const double spread = math::acos(std::clamp(b.cos_spread, -1.0f, 1.0f));
   const double wide = std::min(spread + 0.5 * kPiD, kPiD);
-  const double s = std::sin(spread), c = std::cos(spread);
+  const double s = math::sin(spread), c = math::cos(spread);
   const double solid =
       2.0 * kPiD * (1.0 - c) +
-      0.5 * kPiD * (2.0 * wide * s - std::cos(spread - 2.0 * wide) - 2.0 * spread * s + c);
+      0.5 * kPiD * (2.0 * wide * s - math::cos(spread - 2.0 * wide) - 2.0 * spread * s + c);
   // A row of lamps in a line has no area: its length still counts.
   const double length2 = static_cast<double>(dot(d, d));
   return b.weight * (b.two_sided ? 2.0 : 1.0) * solid * (area + 1e-4 * length2);

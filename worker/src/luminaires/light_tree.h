@@ -18,6 +18,7 @@
 #include "luminaires/elements.h"
 #include "luminaires/light_sampling_context.h"
 #include "math/constants.h"
+#include "math/functions.h"
 
 namespace nocturne {
 
@@ -142,7 +143,7 @@ class LightTree {
   static float emission(float cosine, float power) {
     if (power == 0.0f) return cosine;
     // Where a narrow lobe has faded away there is still something.
-    return std::max(std::pow(cosine, power + 1.0f), 1e-6f);
+    return std::max(math::pow(cosine, power + 1.0f), 1e-6f);
   }
 
   // Never zero: an element may be a point for float.

@@ -12,6 +12,7 @@
 #include "luminaires/hidden_from.h"
 #include "luminaires/intensity_profile.h"
 #include "math/constants.h"
+#include "math/functions.h"
 #include "math/vec3.h"
 #include "parameters/colour.h"
 
@@ -92,7 +93,7 @@ class Luminaire {
  private:
   float profile(float cosine, Vec3 away) const {
     if (const auto* power = std::get_if<CosinePowerProfile>(&profile_)) {
-      return std::pow(cosine, power->power);
+      return math::pow(cosine, power->power);
     }
     const auto& lamp = std::get<IntensityLamp>(profile_);
     const float projected = lamp.flat ? lamp.area * cosine : lamp.area;

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/functions.h"
+
 namespace nocturne {
 
 struct DVec3 {
@@ -27,7 +29,7 @@ class SphericalTriangle {
   /// Unit vectors to the corners, from the point that looks at it.
   SphericalTriangle(DVec3 a, DVec3 b, DVec3 c) : a_(a), b_(b), c_(c) {
     volume_ = std::fabs(dot(a, cross(b, c)));
-    solid_angle_ = 2.0 * std::atan2(volume_, 1.0 + dot(a, b) + dot(b, c) + dot(c, a));
+    solid_angle_ = 2.0 * math::atan2(volume_, 1.0 + dot(a, b) + dot(b, c) + dot(c, a));
   }
 
   /// sr, in [0, 2 pi].
@@ -41,7 +43,7 @@ class SphericalTriangle {
     const double cos_alpha = along / hypotenuse, sin_alpha = volume_ / hypotenuse;
     const double cos_c = dot(a_, b_);
     // Arvo's algorithm, with his letters.
-    const double part = u1 * solid_angle_, sin_part = std::sin(part), cos_part = std::cos(part);
+    const double part = u1 * solid_angle_, sin_part = math::sin(part), cos_part = math::cos(part);
     const double s = sin_part * cos_alpha - cos_part * sin_alpha;
     const double t = cos_part * cos_alpha + sin_part * sin_alpha;
     const double u = t - cos_alpha, v = s + sin_alpha * cos_c;

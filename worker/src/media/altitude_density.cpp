@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "math/functions.h"
+
 namespace nocturne {
 namespace {
 
@@ -56,7 +58,7 @@ AltitudeDensity AltitudeDensity::exponential(const Ground& ground, double scale_
   AltitudeDensity d(ground);
   d.scale_height_ = scale_height;
   const auto majorant = [](double heights) {
-    return static_cast<float>(std::exp(-heights) * 1.000001);
+    return static_cast<float>(math::exp(-heights) * 1.000001);
   };
   // Half a scale height each up to the ground; above it they grow, as ever less is met there.
   // Majorants on a vertical ray are half again as much as there is.
@@ -137,7 +139,7 @@ std::vector<std::size_t> AltitudeDensity::layers_of_table(double tolerance) cons
 float AltitudeDensity::at_altitude(double altitude) const {
   if (scale_height_ > 0.0) {
     const double heights = altitude / scale_height_;
-    return heights > kHighest ? 0.0f : static_cast<float>(std::exp(-std::max(kLowest, heights)));
+    return heights > kHighest ? 0.0f : static_cast<float>(math::exp(-std::max(kLowest, heights)));
   }
   if (!(altitude >= altitudes_.front() && altitude <= altitudes_.back())) return 0.0f;
   const auto above = std::upper_bound(altitudes_.begin() + 1, altitudes_.end() - 1, altitude);

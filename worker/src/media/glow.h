@@ -1,9 +1,9 @@
 // Light of hot gas and soot: a blackbody wherever something absorbs.
 #pragma once
 
-#include <cmath>
 #include <utility>
 
+#include "math/functions.h"
 #include "media/grid_density.h"
 #include "spectrum/spectral.h"
 
@@ -26,7 +26,7 @@ class Glow {
     return each(
         [&](float nm) {
           const float nm5 = nm * nm * nm * nm * nm;
-          return scale_ * kFirst / (nm5 * std::expm1(kSecond / (nm * kelvin)));
+          return scale_ * kFirst / (nm5 * math::expm1(kSecond / (nm * kelvin)));
         },
         wavelengths_nm);
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "math/constants.h"
+#include "math/functions.h"
 #include "math/vec3.h"
 
 namespace nocturne {
@@ -13,7 +14,7 @@ namespace nocturne {
 inline Vec3 direction_from_z(float z, float u) {
   const float r = std::sqrt(std::max(0.0f, 1.0f - z * z));
   const float phi = kTwoPi * u;
-  return {r * std::cos(phi), r * std::sin(phi), z};
+  return {r * math::cos(phi), r * math::sin(phi), z};
 }
 
 /// Uniform over the upper hemisphere: the default of every opaque kernel, right before it is fast.
@@ -37,7 +38,7 @@ struct CosineHemisphere {
     const bool wide = std::fabs(a) > std::fabs(b);
     const float r = wide ? a : b;
     const float phi = wide ? 0.25f * kPi * (b / a) : 0.5f * kPi - 0.25f * kPi * (a / b);
-    const float x = r * std::cos(phi), y = r * std::sin(phi);
+    const float x = r * math::cos(phi), y = r * math::sin(phi);
     return {x, y, std::sqrt(std::max(0.0f, 1.0f - r * r))};
   }
   static float pdf(Vec3 w) { return std::max(0.0f, w.z) * kInvPi; }

@@ -1,8 +1,9 @@
 // A name for how this process computes: processes of one class give equal bits for the same job.
 //
-// The C library chooses its functions by the processor, and its versions round differently; so do
-// versions of Embree. The engine number can't know either, and images must not be mixed of both
-// (docs/decisions/0034).
+// Versions of Embree and standard libraries may find other hits or put equal elements in another
+// order, and a library that was built with fast mathematics may change how the whole process
+// rounds. The engine number can't know, and images must not be mixed of both (docs/decisions/0034,
+// 0071).
 #pragma once
 
 #include <string>

@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+#include "math/functions.h"
+
 namespace nocturne {
 namespace {
 
@@ -22,7 +24,7 @@ SensorModel perspective(const v1::Sensor& s) {
           "a field of view outside (0, pi)");
   require(s.lens_radius() >= 0.0 && (s.lens_radius() == 0.0 || s.focus_distance() > 0.0),
           "a lens without a focus distance");
-  const Pinhole film(finite(std::tan(0.5 * s.vertical_field_of_view()), "the field of view"));
+  const Pinhole film(finite(math::tan(0.5 * s.vertical_field_of_view()), "the field of view"));
   if (s.lens_radius() == 0.0) return film;
   return ThinLens(film,
                   Aperture(finite(s.lens_radius(), "the lens radius"), s.aperture_blades(),

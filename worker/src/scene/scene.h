@@ -9,6 +9,7 @@
 #include "luminaires/light_directions.h"
 #include "luminaires/luminaire.h"
 #include "luminaires/photon_emitter.h"
+#include "math/functions.h"
 #include "media/medium.h"
 #include "sampling/sequence.h"
 #include "scene/bump_map.h"
@@ -123,7 +124,7 @@ struct Scene {
     Spectral<N> left = 1.0f;
     inside.for_each_present(medium_interfaces, [&](const MediumInterface& body) {
       if (!body.absorbs) return;
-      left *= each([distance](float a) { return std::exp(-a * distance); },
+      left *= each([distance](float a) { return math::exp(-a * distance); },
                    body.absorption(wavelengths_nm));
     });
     return left;

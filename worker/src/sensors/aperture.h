@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "math/constants.h"
+#include "math/functions.h"
 #include "pdfs/directions.h"
 
 namespace nocturne {
@@ -32,7 +33,7 @@ class Aperture {
     for (std::uint32_t i = 0; i <= blades; ++i) {
       const float corner =
           angle + kTwoPi * static_cast<float>(i % blades) / static_cast<float>(blades);
-      corners_.push_back({radius * std::cos(corner), radius * std::sin(corner)});
+      corners_.push_back({radius * math::cos(corner), radius * math::sin(corner)});
     }
   }
 

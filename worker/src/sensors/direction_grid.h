@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <numbers>
 
+#include "math/functions.h"
 #include "sensors/film.h"
 
 namespace nocturne {
@@ -23,7 +24,7 @@ struct DirectionGrid {
   /// The direction of a film point: uniform over a pixel's solid angle for points uniform in it.
   Point at(float x, float y) const {
     const std::uint32_t row = std::min(static_cast<std::uint32_t>(y), film.height - 1);
-    const double top = std::cos(polar(row)), bottom = std::cos(polar(row + 1));
+    const double top = math::cos(polar(row)), bottom = math::cos(polar(row + 1));
     const double cosine = top + (static_cast<double>(y) - row) * (bottom - top);
     const double azimuth = 2.0 * std::numbers::pi * static_cast<double>(x) / film.width;
     return {cosine, std::sqrt(std::max(0.0, 1.0 - cosine * cosine)), azimuth};
@@ -39,7 +40,7 @@ struct DirectionGrid {
   double solid_angle(std::uint32_t row) const {
     // cos a - cos b, without losing all digits near the poles
     const double middle = 0.5 * (polar(row) + polar(row + 1));
-    return column_angle() * 2.0 * std::sin(middle) * std::sin(0.5 * row_angle());
+    return column_angle() * 2.0 * math::sin(middle) * math::sin(0.5 * row_angle());
   }
 
   std::uint32_t row(double polar) const { return cell(polar / row_angle(), film.height); }

@@ -4,10 +4,10 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 #include "math/constants.h"
+#include "math/functions.h"
 #include "pdfs/directions.h"
 #include "sensors/direction_grid.h"
 #include "sensors/film.h"
@@ -31,8 +31,8 @@ class IntensityMeter {
     const DirectionGrid grid{film};
     const DirectionGrid::Point point = grid.at(x, y);
     const auto cosine = static_cast<float>(point.cosine), sine = static_cast<float>(point.sine);
-    const auto c = static_cast<float>(std::cos(point.azimuth));
-    const auto s = static_cast<float>(std::sin(point.azimuth));
+    const auto c = static_cast<float>(math::cos(point.azimuth));
+    const auto s = static_cast<float>(math::sin(point.azimuth));
     const Vec3 away = c * pose.right + s * pose.up;
     const Vec3 around = c * pose.up - s * pose.right;
     const Vec3 outwards = normalized(sine * away + cosine * pose.forward);
@@ -53,8 +53,8 @@ class IntensityMeter {
     const DirectionGrid grid{film};
     const double along = dot(direction, pose.forward);
     const double right = dot(direction, pose.right), up = dot(direction, pose.up);
-    const std::uint32_t row = grid.row(std::atan2(std::hypot(right, up), along));
-    const std::uint32_t column = grid.column(std::atan2(up, right));
+    const std::uint32_t row = grid.row(math::atan2(math::hypot(right, up), along));
+    const std::uint32_t column = grid.column(math::atan2(up, right));
     return {row * film.width + column, static_cast<float>(1.0 / grid.solid_angle(row)),
             std::numeric_limits<float>::infinity()};
   }

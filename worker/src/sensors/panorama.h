@@ -3,9 +3,9 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
+#include "math/functions.h"
 #include "sensors/direction_grid.h"
 #include "sensors/film.h"
 #include "sensors/pose.h"
@@ -20,8 +20,8 @@ struct Panorama {
     const DirectionGrid grid{film};
     const DirectionGrid::Point point = grid.at(x, y);
     // The azimuth counts from behind over the left, so that `forward` is half a turn away.
-    const auto behind = static_cast<float>(-point.sine * std::cos(point.azimuth));
-    const auto left = static_cast<float>(-point.sine * std::sin(point.azimuth));
+    const auto behind = static_cast<float>(-point.sine * math::cos(point.azimuth));
+    const auto left = static_cast<float>(-point.sine * math::sin(point.azimuth));
     const Vec3 direction =
         behind * pose.forward + left * pose.right + static_cast<float>(point.cosine) * pose.up;
     const double spread = std::max(grid.row_angle(), grid.column_angle() * point.sine);
@@ -36,8 +36,8 @@ struct Panorama {
     const DirectionGrid grid{film};
     const double up = dot(seen, pose.up), ahead = dot(seen, pose.forward);
     const double right = dot(seen, pose.right);
-    const std::uint32_t row = grid.row(std::atan2(std::hypot(right, ahead), up));
-    const std::uint32_t column = grid.column(std::atan2(-right, -ahead));
+    const std::uint32_t row = grid.row(math::atan2(math::hypot(right, ahead), up));
+    const std::uint32_t column = grid.column(math::atan2(-right, -ahead));
     const double area = grid.solid_angle(row) * static_cast<double>(distance) * distance;
     return CameraConnection{(-1.0f / distance) * seen, distance, row * film.width + column,
                             static_cast<float>(1.0 / area)};

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "math/constants.h"
+#include "math/functions.h"
 #include "pdfs/directions.h"
 #include "sensors/film.h"
 #include "sensors/pose.h"
@@ -20,7 +21,7 @@ class RadianceMeter {
 
   /// Diameter of the disc, metres, > 0; half angle of the cone, (0, pi/2].
   RadianceMeter(float diameter, float acceptance)
-      : radius_(0.5f * diameter), sine_(std::sin(acceptance)) {
+      : radius_(0.5f * diameter), sine_(math::sin(acceptance)) {
     if (!(diameter > 0.0f)) throw std::invalid_argument("a radiance meter without a diameter");
     if (!(acceptance > 0.0f && acceptance <= 0.5f * kPi)) {
       throw std::invalid_argument("a radiance meter with an acceptance outside (0, pi/2]");

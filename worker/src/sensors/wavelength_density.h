@@ -41,11 +41,11 @@ class WavelengthDensity {
     }
     using Lanes = typename Spectral<N>::Lanes;
     // Where the density falls to zero, half of the last bit away from it.
-    constexpr float kLeast = 0x1p-25f, kMost = 1.0f - 0x1p-24f;
+    constexpr float kMin = 0x1p-25f, kMax = 1.0f - 0x1p-24f;
     const Lanes one = Spectral<N>(1.0f).lanes;
     Lanes v = (u.lanes - before.lanes) / share.lanes;
-    v = v < kLeast ? kLeast * one : v;
-    v = v > kMost ? kMost * one : v;
+    v = v < kMin ? kMin * one : v;
+    v = v > kMax ? kMax * one : v;
     const Lanes high = 2.0f - low.lanes;  // over the cell's mean
     const Lanes here =
         sqrt(Spectral<N>((1.0f - v) * low.lanes * low.lanes + v * high * high)).lanes;

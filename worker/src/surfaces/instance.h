@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "math/double3.h"
+#include "math/functions.h"
 
 namespace nocturne {
 
@@ -42,7 +43,7 @@ struct Placement {
     // The root of the sum of squares is never less than the largest singular value.
     const double bound =
         std::sqrt(dot(linear.x, linear.x) + dot(linear.y, linear.y) + dot(linear.z, linear.z));
-    const double uniform = std::cbrt(std::fabs(linear.determinant()));
+    const double uniform = math::cbrt(std::fabs(linear.determinant()));
     const bool rigid = std::fabs(bound * bound - 3.0 * uniform * uniform) < 1e-6 * bound * bound;
     return rigid ? uniform : bound;
   }

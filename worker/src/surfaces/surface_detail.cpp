@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "math/frame.h"
+#include "math/functions.h"
 #include "surfaces/octahedron.h"
 #include "surfaces/triangle_at.h"
 
@@ -52,11 +53,11 @@ OnShape on_shape(const TriangleMesh& mesh, const Hit& hit, float time, bool) {
 
 OnShape on_shape(const Sphere& sphere, const Hit& hit, float, bool instanced) {
   const Double3 n = instanced ? fold(hit.u, hit.v) : Double3(hit.normal);
-  const double azimuth = std::atan2(n.y, n.x), off_axis = std::hypot(n.x, n.y);
+  const double azimuth = math::atan2(n.y, n.x), off_axis = math::hypot(n.x, n.y);
   const double turns = azimuth / (2.0 * std::numbers::pi);
   OnShape detail;
   detail.u = static_cast<float>(turns < 0.0 ? turns + 1.0 : turns);
-  detail.v = static_cast<float>(std::atan2(off_axis, -n.z) / std::numbers::pi);
+  detail.v = static_cast<float>(math::atan2(off_axis, -n.z) / std::numbers::pi);
   if (off_axis == 0.0) return detail;  // the poles
   const double r = sphere.radius;
   detail.dp_du = 2.0 * std::numbers::pi * r * Double3{-n.y, n.x, 0.0};

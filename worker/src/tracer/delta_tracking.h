@@ -4,9 +4,9 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
+#include "math/functions.h"
 #include "math/ray.h"
 #include "media/majorants.h"
 #include "sampling/sequence.h"
@@ -40,7 +40,7 @@ class FlightNumbers {
 
 /// Optical depths are exponentially distributed. Numbers have 32 bits, so depths end at 22.2 (and
 /// a share of 2e-10 that lies beyond is moved there).
-inline float exponential(float u) { return -std::log(std::max(u, 0x1p-33f)); }
+inline float exponential(float u) { return -math::log(std::max(u, 0x1p-33f)); }
 
 struct Tentative {
   /// Along the ray, m.

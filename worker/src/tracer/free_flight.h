@@ -17,7 +17,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -25,6 +24,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "math/functions.h"
 #include "scene/scene.h"
 #include "tracer/delta_tracking.h"
 #include "tracer/fixed_stack.h"
@@ -91,13 +91,13 @@ class FreeFlight {
     const std::size_t i = choose(std::span(depths_), u[1] / chance * depth_);
     if (i == kNone) return std::nullopt;
     const Present& present = present_[i];
-    const float depth = depths_[i], all = -std::expm1(-depth), at = -std::log1p(-u[0] * all);
+    const float depth = depths_[i], all = -math::expm1(-depth), at = -math::log1p(-u[0] * all);
     const auto [distance, majorant] = place(i, ray, end, at);
     if (!(distance < end)) return std::nullopt;
     const Vec3 position = ray.origin + distance * ray.direction;
     const float here = std::visit([&](const auto& d) { return std::min(d.at(position), majorant); },
                                   scene_.media[present.index].density);
-    const float factor = here / (majorant * largest(present.extinction)) * std::exp(at) * all *
+    const float factor = here / (majorant * largest(present.extinction)) * math::exp(at) * all *
                          depth_ / (depth * chance);
     group.weight *= factor * present.extinction;
     transmit(group, ray, group.sequence.next(), distance);
@@ -118,7 +118,7 @@ class FreeFlight {
   }
 
   void transmit(Group<N>& group, const Ray& ray, const Uniform4& u, float end) const {
-    group.weight *= each([end](float sigma) { return std::exp(-sigma * end); }, constant_);
+    group.weight *= each([end](float sigma) { return math::exp(-sigma * end); }, constant_);
     for (std::size_t i = 0; i < present_.size(); ++i) {
       if (!(largest(group.weight) > 0.0f)) return;
       const Present& present = present_[i];
@@ -392,7 +392,7 @@ class FreeFlight {
     if constexpr (N > 1) {
       Spectral<N> p = way.probability;
       const float reference = constant_[lead];
-      p *= each([&](float sigma) { return std::exp((reference - sigma) * way.distance); },
+      p *= each([&](float sigma) { return math::exp((reference - sigma) * way.distance); },
                 constant_);
       if (way.medium != kNone && present_[way.medium].density > 0.0f) {
         p *= present_[way.medium].extinction;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "math/functions.h"
 #include "tracer/by_threads.h"
 #include "tracer/estimators/camera_estimator.h"
 #include "tracer/estimators/sensor_estimator.h"
@@ -17,7 +18,7 @@ namespace nocturne {
 namespace {
 
 /// Above 16 elements a direction's density takes a walk through a tree (luminaire_directions.h).
-constexpr std::size_t kMostAims = 16;
+constexpr std::size_t kMaxAims = 16;
 /// Places that make a ball; fewer are left to photons that are not aimed.
 constexpr std::size_t kEnough = 16;
 /// A ball is divided where that leaves so much of the cost, and loses at most one place of so
@@ -56,7 +57,7 @@ struct Cluster {
   /// Neither too few places nor, but for rounding, all the same.
   bool good() const {
     constexpr double kRounding = 1e-6;
-    return places.size() >= kEnough && radius > kRounding * std::hypot(mean[0], mean[1], mean[2]);
+    return places.size() >= kEnough && radius > kRounding * math::hypot(mean[0], mean[1], mean[2]);
   }
 
   /// Photons that fall evenly on balls of areas A_i, n_i of them worth it, have the least variance
@@ -78,7 +79,7 @@ struct Cluster {
     std::vector<double> distances;
     for (const Vec3 place : places) {
       const auto at = coordinates(place);
-      distances.push_back(std::hypot(at[0] - mean[0], at[1] - mean[1], at[2] - mean[2]));
+      distances.push_back(math::hypot(at[0] - mean[0], at[1] - mean[1], at[2] - mean[2]));
     }
     const auto most =
         distances.begin() + static_cast<std::ptrdiff_t>((distances.size() - 1) * 99 / 100);
@@ -161,7 +162,7 @@ void trace_any(const Scene& scene, Film film, std::uint64_t first, std::uint64_t
 std::vector<Aim> aims_around(const Places& places) {
   std::vector<Cluster> clusters{Cluster(places)};
   // One that is not worth dividing stays; those that came of another are looked at, too.
-  for (std::size_t i = 0; i < clusters.size() && clusters.size() < kMostAims;) {
+  for (std::size_t i = 0; i < clusters.size() && clusters.size() < kMaxAims;) {
     auto [larger, smaller] = clusters[i].halves();
     if (larger.places.size() < smaller.places.size()) std::swap(larger, smaller);
     const bool both = smaller.good();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "math/functions.h"
 #include "tracer/by_threads.h"
 
 namespace nocturne {
@@ -13,11 +14,11 @@ namespace {
 constexpr std::uint32_t kImages = 4, kSamples = 16;
 /// The same for sharing, whose worth depends on how many samples are stratified together: as many
 /// as leave so many squares of the film, in images that pixels alone can be judged by.
-constexpr std::uint32_t kSharingImages = 2, kMostSharingSamples = 64;
+constexpr std::uint32_t kSharingImages = 2, kMaxSharingSamples = 64;
 constexpr double kEnoughSquares = 6.0;
 constexpr std::size_t kParts = 5;
 /// Part of the render's samples that a pilot takes, their most, and the most rays.
-constexpr double kPart = 0.025, kMostSamples = 1.5e6, kMostRays = 12e6;
+constexpr double kPart = 0.025, kMaxSamples = 1.5e6, kMaxRays = 12e6;
 /// Edge of the squares of the film, pixels, in which neighbours share.
 constexpr std::uint32_t kSquare = 16;
 /// Of an occlusion query between neighbours, and of a forward photon's ray with its connection to
@@ -61,12 +62,12 @@ class Pilot {
   /// Samples in all that the pilot may take.
   double samples() {
     const double pixels = static_cast<double>(request_.film.width) * request_.film.height;
-    const double part = std::min(kPart * pixels * request_.samples, kMostSamples);
+    const double part = std::min(kPart * pixels * request_.samples, kMaxSamples);
     // What a sample takes, by a few of them.
     const Film small = reduced(256.0);
     const PilotImages probe = images(Direction::kAdjoint, 1, small, whole(small), 1);
     const double taken = pixels_of(small) * kSamples;
-    return std::min(part, kMostRays / std::max(1.0, rays_of(probe) / taken));
+    return std::min(part, kMaxRays / std::max(1.0, rays_of(probe) / taken));
   }
 
   bool forward_can_bring() const {
@@ -121,11 +122,11 @@ class Pilot {
 
   void choose_sharing() {
     // Half of the budget was for the direction, if that was open.
-    const double budget = std::min(result_.tried.empty() ? budget_ : budget_ / 2, kMostSamples / 2);
+    const double budget = std::min(result_.tried.empty() ? budget_ : budget_ / 2, kMaxSamples / 2);
     const double all = budget / (2 * kSharingImages) / (kSquare * kSquare);
     const double enough = std::min<double>(kEnoughSquares, squares_of_film());
     std::uint32_t samples = kSamples;
-    while (samples < kMostSharingSamples && 2 * samples * enough <= all) samples *= 2;
+    while (samples < kMaxSharingSamples && 2 * samples * enough <= all) samples *= 2;
     const auto film = some_squares(std::max(1.0, all / samples), samples);
     const auto first = film.begin() + static_cast<std::ptrdiff_t>(std::min(kParts, film.size()));
     PilotImages alone, shared;
@@ -282,7 +283,7 @@ ForwardPays forward_pays(const PilotFigures& adjoint, const PilotFigures& rest,
   }
   // What one of the two has not found at all makes no noise: a way that is too dark only looks
   // good.
-  const double apart = kApart * std::hypot(left.mean_error, forward.mean_error);
+  const double apart = kApart * math::hypot(left.mean_error, forward.mean_error);
   if (left.mean - forward.mean > apart) return ForwardPays::kNot;
   if (forward.mean - left.mean > apart) return ForwardPays::kFindsMore;
   return adjoint.relative_mse * adjoint.cost >

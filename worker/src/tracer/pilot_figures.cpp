@@ -55,7 +55,9 @@ namespace {
 double square_of_error(const std::vector<const PilotImages*>& way) {
   double square = 0.0;
   for (const PilotImages* images : way) {
-    if (!images->images.empty()) square += std::pow(mean_and_error(*images)[1], 2);
+    if (images->images.empty()) continue;
+    const double error = mean_and_error(*images)[1];
+    square += error * error;
   }
   return square;
 }

@@ -45,7 +45,7 @@ void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums
         leader = at.y * film_.width + at.x;
       }
       PhotonSequence of_block(sequence_of(leader | kOfBlock),
-                              (run * kMostSharing + place) * kSharingRun + in_run);
+                              (run * kMaxSharing + place) * kSharingRun + in_run);
       const PixelNumbers from_block = next_pixel_numbers(scene_, of_block);
       if (at.leads) common = from_block;
       numbers.wavelengths = common.wavelengths;
@@ -71,7 +71,7 @@ void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums
 /// always in the same order.
 template <int N, bool Media>
 PixelSequence& PixelBatches<N, Media>::sequence_of(std::uint32_t pixel) {
-  constexpr std::size_t kLookBack = 2 * kMostSharing;
+  constexpr std::size_t kLookBack = 2 * kMaxSharing;
   const auto known = [&](std::size_t i) { return i < pixels_.size() && pixels_[i] == pixel; };
   if (known(latest_ + 1)) return sequences_[++latest_];
   const std::size_t end = pixels_.size(), begin = end > kLookBack ? end - kLookBack : 0;

@@ -15,7 +15,7 @@ namespace nocturne {
 inline constexpr std::uint32_t kSharingRun = 16;
 
 /// In a block.
-inline constexpr std::uint32_t kMostSharing = 16;
+inline constexpr std::uint32_t kMaxSharing = 16;
 
 /// How far the grid is shifted in a run of samples, each way below `side`, a power of 2. All shifts
 /// have their turn, and those of four runs are far apart.

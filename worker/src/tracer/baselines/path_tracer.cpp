@@ -1,9 +1,9 @@
 #include "tracer/baselines/path_tracer.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "math/frame.h"
+#include "math/functions.h"
 
 namespace nocturne::baselines {
 namespace {
@@ -57,7 +57,7 @@ class Path {
       entered = &scene_.medium_interfaces[material.medium_interface];
       (front ? shading.index_to : shading.index_from) = entered->index(start_.wavelengths);
       if (!front && entered->absorbs) {
-        weight_ *= std::exp(-entered->absorption(start_.wavelengths)[0] * hit->distance);
+        weight_ *= math::exp(-entered->absorption(start_.wavelengths)[0] * hit->distance);
       }
     }
     return visit_bound<1>(scene_.kernels, front ? material.front_kernel : material.back_kernel,

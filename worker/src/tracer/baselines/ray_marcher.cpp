@@ -1,9 +1,9 @@
 #include "tracer/baselines/ray_marcher.h"
 
-#include <cmath>
 #include <utility>
 
 #include "math/frame.h"
+#include "math/functions.h"
 #include "tracer/vertex.h"
 
 namespace nocturne::baselines {
@@ -85,7 +85,7 @@ class March {
                            scattered(scene_.surface_of(index), p, ray.direction, inside));
       });
       if (!(extinction > 0.0f)) continue;
-      const float passed = std::exp(-extinction * step);
+      const float passed = math::exp(-extinction * step);
       piece.added += left * (1.0f - passed) / extinction * source;
       left *= passed;
     }
@@ -141,7 +141,7 @@ class March {
                [&](std::uint32_t, float sigma) { depth += sigma * step; });
           }
           return Piece{0.0f,
-                       std::exp(-depth) * scene_.transmittance(in, length, start_.wavelengths)[0]};
+                       math::exp(-depth) * scene_.transmittance(in, length, start_.wavelengths)[0]};
         },
         [](const Hit&, const Ray&, const InteriorList&) { return 0.0f; });
   }
