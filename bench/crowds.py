@@ -1,4 +1,5 @@
-"""What crowds cost others: 2,000 watchers, 1,000 gRPC streams, a scene of a million instances."""
+"""What crowds cost others: 2,000 watchers, 1,000 gRPC streams, a scene of a million instances. And how soon
+watchers are out whose token is revoked."""
 
 import asyncio
 import json
@@ -9,7 +10,13 @@ import sys
 import time
 from collections import Counter
 from collections.abc import AsyncIterator, Iterator
-from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager, contextmanager
+from contextlib import (
+    AbstractAsyncContextManager,
+    AsyncExitStack,
+    asynccontextmanager,
+    closing,
+    contextmanager,
+)
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -17,7 +24,9 @@ from urllib.parse import urlsplit
 import grpc
 import httpx
 from nocturne.v1 import render_service_pb2, render_service_pb2_grpc
+from nocturne_api.limits import WATCHERS_OF_OWNER
 from nocturne_client import Client
+from nocturne_coordinator.store.data_folder import DataFolder
 
 from bench.programs import running_cpu_s
 from bench.report import Figures, Row, significant
@@ -34,6 +43,7 @@ _AT_ONCE = 100
 _COMPILE_S = 600.0
 _STREAMS_OF_CHANNEL = 150
 _RENDER = (256, 256, 1_000_000)
+_REVOKED = 5
 _AFTER_S = 15.0
 """How long each crowd stays when all of it is there."""
 
@@ -62,6 +72,12 @@ def run(quick: bool) -> Figures:
             )
             time.sleep(after_s)
         figures["beside_instances"] = found
+    with (
+        running_service(workers=1, threads=1, auth=True) as service,
+        Client(service.url, token=service.token) as client,
+    ):
+        client.submit(Path(CORNELL), *_RENDER)
+        figures["shut_out_s"] = significant(asyncio.run(_shut_out(service, 2 if quick else _REVOKED)))
     return figures
 
 
@@ -81,6 +97,15 @@ def rows(figures: Figures) -> list[Row]:
         )
         for key, crowd in crowds.items()
     ]
+    # Earlier runs have not measured it.
+    if "shut_out_s" in figures:
+        found.append(
+            Row(
+                f"until {WATCHERS_OF_OWNER} watchers are out whose token is revoked, beside as many more, s",
+                f"{figures['shut_out_s']:.3g}",
+                f"at most {AIM_S:g}",
+            )
+        )
     for name in ("watchers", "streams"):
         said = ", ".join(f"{count:,} x {answer}" for answer, count in figures[f"answers_to_{name}"].items())
         found.append(Row(f"answers to {figures[name]:,} {name}", said))
@@ -198,6 +223,37 @@ async def _streaming(service: RunningService, count: int) -> AsyncIterator[Count
         yield answers
         for call in calls:
             call.cancel()
+
+
+async def _shut_out(service: RunningService, times: int) -> float:
+    """Seconds from a revocation to the end of the last stream of the token; the longest of so many."""
+    longest = 0.0
+    with closing(DataFolder(service.data)) as folder:
+        async with AsyncExitStack() as stack:
+            await _watching_as(service, folder.tokens.create("other", ["read"]), stack)
+            for number in range(times):
+                token = folder.tokens.create(f"revoked-{number}", ["read"])
+                streams = await _watching_as(service, token, stack)
+                folder.tokens.revoke(f"revoked-{number}")
+                begun = time.monotonic()
+                await asyncio.gather(*(stream.aread() for stream in streams))
+                longest = max(longest, time.monotonic() - begun)
+    return longest
+
+
+async def _watching_as(service: RunningService, token: str, stack: AsyncExitStack) -> list[httpx.Response]:
+    """All the streams of events that one owner may have, of which each has begun."""
+    headers = {"Authorization": f"Bearer {token}"}
+    client = await stack.enter_async_context(
+        httpx.AsyncClient(
+            base_url=service.url, headers=headers, trust_env=False, timeout=60.0, limits=httpx.Limits()
+        )
+    )
+    streams = [
+        await stack.enter_async_context(client.stream("GET", "/v1/events")) for _ in range(WATCHERS_OF_OWNER)
+    ]
+    assert all(stream.is_success for stream in streams)  # noqa: S101
+    return streams
 
 
 def _submitted(client: Client, url: str, edge: int) -> tuple[float, float]:

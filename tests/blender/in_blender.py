@@ -1,9 +1,10 @@
 """Runs inside Blender's Python: makes a scene, renders it with an engine, and writes all passes.
 
-python in_blender.py SCENE ENGINE OUTPUT.exr [--url URL] [--samples N] [--picture FILE.png]
+python in_blender.py SCENE ENGINE OUTPUT.exr [--url URL] [--samples N] [--picture FILE.png] [--open FROM TO]
 """
 
 import argparse
+import math
 import sys
 from pathlib import Path
 from typing import Any
@@ -29,10 +30,13 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=64)
     parser.add_argument("--size", type=int, nargs=2, default=(128, 96))
     parser.add_argument("--picture", type=Path)
+    parser.add_argument("--open", type=float, nargs=2, help="The shutter is, as parts of the scene's time.")
     asked = parser.parse_args()
     nocturne_blender.register()
     scenes.SCENES[asked.scene]()
     scene = bpy.context.scene
+    if asked.open:
+        _open(scene, *asked.open)
     scene.render.resolution_x, scene.render.resolution_y = asked.size
     scene.render.resolution_percentage = 100
     scene.render.engine = _prepared(scene, asked)
@@ -45,6 +49,14 @@ def main() -> None:
         scene.render.image_settings.color_depth = "8"
         scene.render.image_settings.color_mode = "RGB"
         bpy.data.images["Render Result"].save_render(str(asked.picture))
+
+
+def _open(scene: Any, first: float, last: float) -> None:
+    """Open the shutter for a part of the time that it is open for, the middle of which is the frame."""
+    whole = scene.render.motion_blur_shutter
+    middle = scene.frame_current + scene.frame_subframe + whole * ((first + last) / 2 - 0.5)
+    scene.render.motion_blur_shutter = whole * (last - first)
+    scene.frame_set(math.floor(middle), subframe=middle - math.floor(middle))
 
 
 def _prepared(scene: Any, asked: argparse.Namespace) -> str:

@@ -77,6 +77,20 @@ def spheres() -> None:
     sun.rotation_euler = (0.6, 0.4, 0)
 
 
+def crowd() -> None:
+    """1,225 boxes, turned and scaled, on the vertices of a floor."""
+    _clear()
+    _camera((0, -7, 3.5), (0, 0, 0), 45)
+    _world(1.0)
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=34, y_subdivisions=34, size=7)
+    floor = bpy.context.object
+    _material(floor, lambda nodes: _diffuse(nodes, (0.2, 0.3, 0.6, 1)))
+    bpy.ops.mesh.primitive_cube_add(size=0.1, rotation=(0.3, 0.2, 0.5), scale=(1.2, 1.2, 1.2))
+    box = bpy.context.object
+    _material(box, lambda nodes: _diffuse(nodes, (0.7, 0.4, 0.2, 1)))
+    box.parent, floor.instance_type = floor, "VERTS"
+
+
 def cloud() -> None:
     """Even fog from an OpenVDB file, twice as large as there, and hair, on a floor under a white sky."""
     _clear()
@@ -129,6 +143,7 @@ SCENES = {
     "room": room,
     "spheres": spheres,
     "cloud": cloud,
+    "crowd": crowd,
 }
 
 

@@ -63,6 +63,12 @@ def chosen(names: list[str], source: dict[str, Any]) -> list[str]:
     )
 
 
+def top_folder(pattern: str) -> str:
+    """The folder that holds all files of a pattern, as their names begin; empty: they may be anywhere."""
+    folder, slash, _ = pattern.split("*")[0].rpartition("/")
+    return folder + slash
+
+
 @dataclass(frozen=True)
 class There:
     """A scene of the corpus, in a folder for as long as it is looked at."""
@@ -103,8 +109,7 @@ def files(mirrors: Path, only: str) -> Iterator[There]:
             name: digest for digest, _, name in (line.partition(" ") for line in listed.stdout.splitlines())
         }
         scenes = chosen(list(objects), source)
-        tops = tuple(pattern.split("*")[0].rpartition("/")[0] + "/" for pattern in source["files"])
-        tops += tuple(source.get("beside", ()))
+        tops = (*map(top_folder, source["files"]), *source.get("beside", ()))
         with tempfile.TemporaryDirectory() as kept:
             _write(git, {name: objects[name] for name in objects if name.startswith(tops)}, Path(kept))
             for name in filter(lambda name: (Path(kept) / name).exists(), scenes):

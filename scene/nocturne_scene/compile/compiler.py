@@ -85,7 +85,7 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
     message = scene_pb2.CompiledScene(format=FORMAT_WITH_PARTS if tells_parts else FORMAT)
     textures, grids, instances = Textures(workspace), Grids(workspace), Instances(workspace)
     shapes, media = Shapes(workspace, grids), Media(workspace, grids)
-    workspace.frame = frame_of(workspace.document, shapes)
+    workspace.frame = frame_of(workspace, shapes)
     kernels, lights = Kernels(workspace, textures), Lights(workspace, textures, shapes)
     with workspace.problems_at("$.sensor"):
         message.sensor.CopyFrom(compile_sensor(workspace))

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from functools import lru_cache
 
+import numpy as np
 from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile.placement import Similarity, placements_of
@@ -11,8 +12,12 @@ from nocturne_scene.document import bounds
 from nocturne_scene.document.problems import path
 from nocturne_scene.document.surfaces import Instance, Surface
 from nocturne_scene.errors import Problem
+from nocturne_scene.meshes.headers import UnusableMeshError
+from nocturne_scene.meshes.placements import Numbers, Placements
 
 _Steps = list[Similarity]
+# Placements of a file that are flattened together.
+_AT_ONCE = 10_000
 
 
 class Instances:
@@ -39,7 +44,7 @@ class Instances:
     def flattened(self) -> Iterator[scene_pb2.Instance]:
         """Yield all instances; notes a problem instead if there are too many."""
         top = self._workspace.document.instances
-        total = sum(self._flattened_count(instance.group) for instance in top)
+        total = sum(self._copies(instance) * self._flattened_count(instance.group) for instance in top)
         if total > bounds.FLATTENED_INSTANCES:
             self._workspace.problems.append(
                 Problem(
@@ -66,7 +71,17 @@ class Instances:
 
     def _count(self, name: str) -> int:
         inner = (member for member in self._groups[name] if isinstance(member, Instance))
-        return (name in self._numbers) + sum(self._flattened_count(instance.group) for instance in inner)
+        copies = (self._copies(instance) * self._flattened_count(instance.group) for instance in inner)
+        return (name in self._numbers) + sum(copies)
+
+    def _copies(self, instance: Instance) -> int:
+        """Of the group where an instance stands; of a file that can't be read it is told where it is used."""
+        if instance.placements is None:
+            return 1
+        try:
+            return self._workspace.count_placements(instance.placements.asset)
+        except (Unusable, UnusableMeshError):
+            return 1
 
     def _placements(self, instance: Instance) -> _Steps:
         """Those of a part of the document, which lives as long as this: computed once, shown often."""
@@ -79,12 +94,41 @@ class Instances:
             own = self._placements(instance)
             self._workspace.report_motion(instance.motion, len(own), place)
             steps = _combined(around, own)
-            name = instance.group
+            if instance.placements is None:
+                yield from self._at(instance.group, steps)
+            else:
+                yield from self._from_file(instance.group, steps, self._file(instance.placements.asset))
+
+    def _file(self, asset: str) -> Placements:
+        try:
+            return self._workspace.placements(asset)
+        except (Unusable, UnusableMeshError) as error:
+            raise Unusable(str(error), ".placements.asset") from None
+
+    def _at(self, name: str, steps: _Steps) -> Iterator[scene_pb2.Instance]:
+        if name in self._numbers:
+            rows = np.stack([step.rows() for step in steps])
+            yield _message(self._numbers[name], rows)
+        yield from self._inside(name, steps)
+
+    def _inside(self, name: str, steps: _Steps) -> Iterator[scene_pb2.Instance]:
+        for index, member in enumerate(self._groups[name]):
+            if isinstance(member, Instance):
+                yield from self._shown(member, steps, path(("groups", name, index)))
+
+    def _from_file(self, name: str, around: _Steps, placed: Placements) -> Iterator[scene_pb2.Instance]:
+        has_inner = any(isinstance(member, Instance) for member in self._groups[name])
+        for first in range(0, len(placed), _AT_ONCE):
+            part = slice(first, first + _AT_ONCE)
+            scales, rotations, shifts = placed.scales[part], placed.rotations[part], placed.shifts[part]
             if name in self._numbers:
-                yield _message(self._numbers[name], steps)
-            for index, member in enumerate(self._groups[name]):
-                if isinstance(member, Instance):
-                    yield from self._shown(member, steps, path(("groups", name, index)))
+                linear = scales[:, None, None] * rotations
+                rows = np.stack([_rows(step, linear, shifts) for step in around], axis=1)
+                yield from (_message(self._numbers[name], each) for each in rows)
+            if has_inner:
+                for scale, rotation, shift in zip(scales, rotations, shifts, strict=True):
+                    own = Similarity(float(scale), rotation, shift)
+                    yield from self._inside(name, [step.after(own) for step in around])
 
 
 def _combined(outer: _Steps, inner: _Steps) -> _Steps:
@@ -93,11 +137,16 @@ def _combined(outer: _Steps, inner: _Steps) -> _Steps:
     return [placed.after(own) for placed in outer for own in inner]
 
 
-def _message(group: int, steps: _Steps) -> scene_pb2.Instance:
-    message = scene_pb2.Instance(group=group)
-    for step in steps:
-        rows = step.rows()
-        if not abs(rows).max() <= bounds.LENGTH:
-            raise Unusable(f"is farther than {bounds.LENGTH:g} m from the origin, or larger than that")
-        message.transforms.extend((rows + 0.0).ravel().tolist())
-    return message
+def _rows(step: Similarity, linear: Numbers, shifts: Numbers) -> Numbers:
+    """The 3 x 4 matrices of what is placed once more, shape (n, 3, 4)."""
+    placed = np.concatenate([linear, shifts[:, :, None]], axis=2)
+    rows = step.scale * step.rotation @ placed
+    rows[:, :, 3] += step.shift
+    return np.asarray(rows)
+
+
+def _message(group: int, rows: Numbers) -> scene_pb2.Instance:
+    """`rows` of all steps, shape (steps, 3, 4)."""
+    if not abs(rows).max() <= bounds.LENGTH:
+        raise Unusable(f"is farther than {bounds.LENGTH:g} m from the origin, or larger than that")
+    return scene_pb2.Instance(group=group, transforms=(rows + 0.0).ravel().tolist())

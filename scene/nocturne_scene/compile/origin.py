@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from nocturne_scene.compile.placement import IDENTITY, Similarity, placement_of
 from nocturne_scene.compile.shapes import Shapes
-from nocturne_scene.compile.workspace import Unusable
-from nocturne_scene.document.model import SceneDocument
+from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.shapes import MediumBox, Sphere
 from nocturne_scene.meshes.headers import UnusableMeshError
 
@@ -26,13 +25,14 @@ _FAR_AWAY = 100.0
 _Point = NDArray[np.float64]
 
 
-def frame_of(document: SceneDocument, shapes: Shapes) -> Similarity:
+def frame_of(workspace: Workspace, shapes: Shapes) -> Similarity:
     """Return what comes after every placement: a shift to the sensor if all surfaces are that far out; to the
     surfaces if they are far from both."""
+    document = workspace.document
     sensor = np.array(document.sensor.position)
     there, here = np.inf, np.inf
     all_low, all_high = np.full(3, np.inf), np.full(3, -np.inf)
-    for low, high in _extents(document, shapes):
+    for low, high in _extents(workspace, shapes):
         there = min(there, _distance(sensor, low, high))
         here = min(here, _distance(np.zeros(3), low, high))
         all_low, all_high = np.minimum(all_low, low), np.maximum(all_high, high)
@@ -52,9 +52,9 @@ def _shift(to: _Point, step: float) -> Similarity:
     return Similarity(1.0, np.eye(3), -origin) if np.any(origin) else IDENTITY
 
 
-def _extents(document: SceneDocument, shapes: Shapes) -> Iterator[tuple[_Point, _Point]]:
-    """Opposite corners of boxes: of each surface, and of the place of each instance."""
-    for surface in document.surfaces:
+def _extents(workspace: Workspace, shapes: Shapes) -> Iterator[tuple[_Point, _Point]]:
+    """Opposite corners of boxes: of each surface, and of the place of each instance, or of all in a file."""
+    for surface in workspace.document.surfaces:
         placement = placement_of(surface)
         match surface.shape:
             case Sphere() as sphere:
@@ -69,9 +69,15 @@ def _extents(document: SceneDocument, shapes: Shapes) -> Iterator[tuple[_Point, 
                     continue  # Told where the surface is compiled.
                 if extent is not None:  # Told there, too.
                     yield extent
-    for instance in document.instances:
-        shift = placement_of(instance).shift
-        yield shift, shift
+    for instance in workspace.document.instances:
+        places = np.zeros((1, 3))
+        if instance.placements is not None:
+            try:
+                places = workspace.placements(instance.placements.asset).shifts
+            except (Unusable, UnusableMeshError):
+                continue  # Told where the instance is compiled.
+        places = placement_of(instance).points(places)
+        yield places.min(axis=0), places.max(axis=0)
 
 
 def _distance(point: _Point, low: _Point, high: _Point) -> float:

@@ -21,6 +21,7 @@ from nocturne_scene.document.shapes import DIGEST_PREFIX
 from nocturne_scene.document.spectra import LineSpectrum, Spectrum
 from nocturne_scene.errors import InputError, NotFound, Problem
 from nocturne_scene.meshes.headers import UnusableMeshError
+from nocturne_scene.meshes.placements import Placements, count_placements, read_placements
 from nocturne_scene.spectra import indices
 from nocturne_scene.spectra import lines as line_spectra
 from nocturne_scene.spectra import tables as spectra
@@ -78,6 +79,7 @@ class Workspace:
         self.kernels: Pool[scene_pb2.Kernel] = Pool()
         self.interiors: Pool[scene_pb2.Interior] = Pool()
         self.textures: Pool[scene_pb2.Texture] = Pool()
+        self._placements: dict[str, Placements] = {}
         self._used: set[tuple[str, str]] = set()
         self._folder: tempfile.TemporaryDirectory[str] | None = None
 
@@ -189,6 +191,18 @@ class Workspace:
         """Return at most one byte more than `maximum` of an asset, so that its reader can refuse it."""
         with self.blobs.path(digest.hex()).open("rb") as file:
             return file.read(maximum + 1)
+
+    def placements(self, asset: str) -> Placements:
+        """Return those of a file, read once. Raises Unusable and UnusableMeshError."""
+        if asset not in self._placements:
+            if (count := self.count_placements(asset)) > bounds.FLATTENED_INSTANCES:
+                raise Unusable(f"has {count} placements; at most {bounds.FLATTENED_INSTANCES}")
+            self._placements[asset] = read_placements(self.blobs.path(self.asset(asset).hex()))
+        return self._placements[asset]
+
+    def count_placements(self, asset: str) -> int:
+        """How many a file has. Raises Unusable and UnusableMeshError."""
+        return count_placements(self.blobs.path(self.asset(asset).hex()))
 
     def report_unseen(self, reference: object, place: str) -> None:
         """Add the lines of a spectrum that nobody sees; a named one's once."""

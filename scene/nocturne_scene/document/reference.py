@@ -19,6 +19,7 @@ _ORDER = (
     "SceneDocument",
     "Surface",
     "Instance",
+    "PlacementsFile",
     "Rotation",
     "RigidMotion",
     "Turn",

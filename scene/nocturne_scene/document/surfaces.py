@@ -5,11 +5,11 @@ from typing import Annotated, Any, Self
 from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationInfo, model_validator
 
 from nocturne_scene.document import bounds
-from nocturne_scene.document.fields import Text
+from nocturne_scene.document.fields import AssetReference, Text
 from nocturne_scene.document.kernels import KernelReference
 from nocturne_scene.document.luminaires import Luminaire
 from nocturne_scene.document.medium_interfaces import Interior
-from nocturne_scene.document.node import problem_at
+from nocturne_scene.document.node import Node, problem_at
 from nocturne_scene.document.placement import Moving
 from nocturne_scene.document.shapes import ShapeDefinition
 from nocturne_scene.document.spectra import known_name
@@ -47,8 +47,24 @@ def _known_group(name: str, info: ValidationInfo) -> str:
     return known_name(name, "group", "groups", info)
 
 
+class PlacementsFile(Node):
+    """Placements in a PLY file, each of its vertices one.
+
+    `x`, `y` and `z` are the shift in metres. Where they are there, `scale` is a factor for all lengths, more
+    than 0, and `axis_x`, `axis_y`, `axis_z` and `degrees` are a rotation about an axis through the origin.
+    `scale` comes first, then the rotation, then the shift. Other properties are ignored.
+    """
+
+    asset: AssetReference = Field(
+        description="`sha256:` and 64 hexadecimal digits of an uploaded file; the command line also takes "
+        "a path relative to the document."
+    )
+
+
 class Instance(Moving):
     """All surfaces of a group once more, without taking their memory again.
+
+    With `placements`, once for each of them; the instance's own placement and its motion come after.
 
     Groups can hold instances of other groups. Of an instance and those around it only one may move; surfaces
     of a group may move as well.
@@ -57,6 +73,9 @@ class Instance(Moving):
     name: Text = Field(default="", description="For people; not part of the compiled scene.")
     group: Annotated[str, Field(strict=True, title="name"), AfterValidator(_known_group)] = Field(
         description="A name from `$.groups`."
+    )
+    placements: PlacementsFile | None = Field(
+        default=None, description="Where the group stands, often, in a file; else once."
     )
 
 

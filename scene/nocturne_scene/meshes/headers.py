@@ -13,12 +13,17 @@ from nocturne_scene.document.fields import MeshFormat
 from nocturne_scene.meshes import glb
 
 _HEADER_BYTES = 64 * 1024  # more than any PLY header with a comment or two
-_PLY_TYPE_BYTES = {
-    **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
-    **dict.fromkeys(("short", "ushort", "int16", "uint16"), 2),
-    **dict.fromkeys(("int", "uint", "int32", "uint32", "float", "float32"), 4),
-    **dict.fromkeys(("double", "float64"), 8),
+PLY_TYPES = {
+    **dict.fromkeys(("char", "int8"), "i1"),
+    **dict.fromkeys(("uchar", "uint8"), "u1"),
+    **dict.fromkeys(("short", "int16"), "i2"),
+    **dict.fromkeys(("ushort", "uint16"), "u2"),
+    **dict.fromkeys(("int", "int32"), "i4"),
+    **dict.fromkeys(("uint", "uint32"), "u4"),
+    **dict.fromkeys(("float", "float32"), "f4"),
+    **dict.fromkeys(("double", "float64"), "f8"),
 }
+"""In numpy's names: a kind and a number of bytes."""
 _PLY_FORMAT = re.compile(rb"^format (ascii|binary_little_endian|binary_big_endian) 1\.0\s*$", re.MULTILINE)
 _STL_HEADER_BYTES = 84
 _STL_TRIANGLE_BYTES = 50
@@ -117,15 +122,15 @@ def _ply_property(words: list[str]) -> str:
             kinds = {kind}
         case _:
             kinds, name = {""}, ""
-    if not kinds <= _PLY_TYPE_BYTES.keys():
-        expected = ", ".join(_PLY_TYPE_BYTES)
+    if not kinds <= PLY_TYPES.keys():
+        expected = ", ".join(PLY_TYPES)
         raise UnusableMeshError(f'"{" ".join(words)[:80]}" is no property; its type is one of {expected}')
     return name
 
 
 def _ply_property_bytes(words: list[str]) -> int:
     kind = words[2] if words[1:2] == ["list"] and len(words) > 2 else words[1] if len(words) > 1 else ""
-    return _PLY_TYPE_BYTES.get(kind, 1)
+    return int(PLY_TYPES[kind][1]) if kind in PLY_TYPES else 1
 
 
 def _check_stl(file: BinaryIO, size: int) -> None:

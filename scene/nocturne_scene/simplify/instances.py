@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.document.shapes import AssetMesh, Box, Disc, InlineMesh, Quad, Shape, Sphere
 from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.meshes.files import load_mesh
+from nocturne_scene.meshes.placements import read_placements
 from nocturne_scene.meshes.simple import box_mesh, disc_mesh, inline_mesh, quad_mesh
 from nocturne_scene.simplify.simplification import Document, Find, Simplification
 
@@ -21,10 +23,11 @@ _Box = NDArray[np.float64]
 
 
 def small_instances(checked: SceneDocument, find: Find) -> Iterator[Simplification]:
-    """Without those that look smallest from where the sensor is: radius over distance."""
-    if len(checked.instances) < 2:
+    """Without those that look smallest from where the sensor is: radius over distance. Files stay whole."""
+    listed = [index for index, each in enumerate(checked.instances) if each.placements is None]
+    if len(listed) < 2:
         return
-    order = np.argsort(_apparent_sizes(checked, find), kind="stable")
+    order = np.array(listed)[np.argsort(_apparent_sizes(checked, find), kind="stable")]
     for share in SHARES:
         left_out = order[: int(share * len(order))]
         if left_out.size:
@@ -42,6 +45,8 @@ def _apparent_sizes(document: SceneDocument, find: Find) -> NDArray[np.float64]:
     boxes: dict[str, _Box] = {}
     sizes = []
     for instance in document.instances:
+        if instance.placements is not None:
+            continue
         box = _box_of_group(instance.group, document, find, boxes)
         placement = placement_of(instance)
         centre = placement.points(box.mean(axis=0))
@@ -59,10 +64,19 @@ def _box_of_group(name: str, document: SceneDocument, find: Find, known: dict[st
                 points = _points(member.shape, find)
             else:
                 points = _corners(_box_of_group(member.group, document, find, known))
+                if member.placements is not None:
+                    points = _corners(_box_of_copies(points, find(member.placements.asset)))
             corners.append(placement_of(member).points(points))
         points = np.concatenate(corners)
         known[name] = np.stack([points.min(axis=0), points.max(axis=0)])
     return known[name]
+
+
+def _box_of_copies(points: NDArray[np.float64], file: Path) -> _Box:
+    """A box that holds points wherever a file places them."""
+    placed = read_placements(file)
+    reach = placed.scales[:, None] * float(np.linalg.norm(points, axis=1).max())
+    return np.stack([(placed.shifts - reach).min(axis=0), (placed.shifts + reach).max(axis=0)])
 
 
 def _points(shape: Shape, find: Find) -> NDArray[np.float64]:

@@ -3,12 +3,14 @@
 import hashlib
 import struct
 import zlib
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float32]
 Indices = NDArray[np.int32]
+Json = Any
 
 
 class Files:
@@ -48,6 +50,23 @@ def ply(
     faces["count"], faces["corners"] = 3, triangles
     rows = np.hstack(columns).astype("<f4")
     return ("\n".join(header) + "\n").encode() + rows.tobytes() + faces.tobytes()
+
+
+def placements(places: list[Json]) -> bytes:
+    """A binary PLY file of where things stand; each as fields of a document, without motion."""
+    names = ("x", "y", "z", "scale", "axis_x", "axis_y", "axis_z", "degrees")
+    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(places)}"]
+    header += [*(f"property double {name}" for name in names), "end_header"]
+    rows = np.zeros((len(places), len(names)))
+    for row, each in zip(rows, places, strict=True):
+        turn = each.get("rotate", {"axis": (0.0, 0.0, 0.0), "degrees": 0.0})
+        row[:] = (
+            *each.get("translate", (0.0, 0.0, 0.0)),
+            each.get("scale", 1.0),
+            *turn["axis"],
+            turn["degrees"],
+        )
+    return ("\n".join(header) + "\n").encode() + rows.astype("<f8").tobytes()
 
 
 def exr(pixels: Floats) -> bytes:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from . import cameras, hair, volumes
-from .files import Files
+from .files import Files, placements
 from .findings import Findings
 from .images import Images
 from .lamps import Lamps
@@ -18,6 +18,8 @@ from .world import environment
 
 Json = Any
 
+# Instances of one thing; of more a file holds the placements, as a document has at most 8 MiB.
+_LISTED = 1000
 _WITH_GEOMETRY = ("MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES")
 
 
@@ -136,6 +138,11 @@ class _Objects:
             return
         name = f"group {len(self._document['groups']) + 1}"
         self._document["groups"][name] = members
+        at_rest = [where for _, where in even if "motion" not in where]
+        if len(at_rest) > _LISTED:
+            asset = self._files.add(placements(at_rest))
+            self._document["instances"].append({"group": name, "placements": {"asset": asset}})
+            even = [each for each in even if "motion" in each[1]]
         self._document["instances"] += [{"group": name} | where for _, where in even]
 
     def add_volume(self, shown: _Shown) -> None:

@@ -25,6 +25,10 @@ from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from nocturne_scene.formats.reading import crowds
+from nocturne_scene.formats.reading.crowds import MANY
+from nocturne_scene.meshes.headers import UnusableMeshError
+from nocturne_scene.meshes.placements import read_placements, write_placements
 
 from tests.pictures import write_exr
 from tests.scene.formats.test_any_scene import CORPUS, WORDS, changed, try_import
@@ -162,6 +166,32 @@ def _packed(folder: Path) -> list[Seed]:
     ]
 
 
+def _placements(folder: Path) -> list[Seed]:
+    """No scene of others, but their placements are written so; as numbers, and as text."""
+    rows = np.random.default_rng(1).uniform(0.1, 2.0, (20, 8))
+    write_placements(folder / "rows.ply", rows)
+    content = (folder / "rows.ply").read_bytes()
+    head = content[: content.index(b"end_header\n") + 11].replace(b"binary_little_endian", b"ascii")
+    lines = "".join(" ".join(map(str, row)) + "\n" for row in rows)
+    texts = {"text.ply": head + lines.encode()}
+    return [
+        Seed("", "rows.ply", {"rows.ply": content}),
+        Seed("", "text.ply", texts),
+        Seed("", "text.ply", texts, words=True),
+    ]
+
+
+def _try_placements(file: Path, content: bytes) -> None:
+    file.write_bytes(content)
+    try:
+        found = read_placements(file)
+    except UnusableMeshError:
+        return
+    assert np.isfinite(found.shifts).all()
+    assert (found.scales > 0).all()
+    np.testing.assert_allclose(np.linalg.det(found.rotations), 1.0, rtol=1e-6)
+
+
 READERS: dict[str, Callable[[Path], list[Seed]]] = {
     "mitsuba": lambda _: _words("scene.xml"),
     "pbrt": lambda _: _words("scene.pbrt"),
@@ -173,6 +203,7 @@ READERS: dict[str, Callable[[Path], list[Seed]]] = {
     ],
     "parts": _parts,
     "packed": _packed,
+    "placements": _placements,
 }
 
 
@@ -228,11 +259,16 @@ def _work(sender: Connection, folder: Path, name: str, first: int, ends: float) 
     while time.monotonic() < ends:
         random_ = random.Random(number)
         seed = random_.choice(seeds)
+        # In every other one what there is twice shares files already.
+        crowds.MANY = (MANY, 1)[number % 2]
         started = time.process_time()
         error = ""
         try:
             contents = {**seed.files, seed.part: seed.spoilt(random_)}
-            try_import(seed.scene, contents, allow_missing=random_.random() < 0.5)
+            if name == "placements":
+                _try_placements(folder / "spoilt.ply", contents[seed.part])
+            else:
+                try_import(seed.scene, contents, allow_missing=random_.random() < 0.5)
         except BaseException:  # whatever it is, it is told
             error = f"{seed.part}: {traceback.format_exc()}"
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024

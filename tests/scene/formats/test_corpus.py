@@ -9,7 +9,7 @@ import pytest
 from nocturne_scene.formats.reading.scene_writer import FilmSettings
 
 from tests.corpus import means
-from tests.corpus.__main__ import Tried, chosen, git_folder, is_scene, page
+from tests.corpus.__main__ import Tried, chosen, git_folder, is_scene, page, top_folder
 from tests.corpus.trying import DARK, FAILED, LOSSY, NO_SCENE, REFUSED, STRICT, Outcome, tried
 from tests.scene.formats.test_gltf import tree
 
@@ -26,6 +26,11 @@ def test_patterns_choose_scenes_and_leave_out_parts() -> None:
     names = ["scenes/a.xml", "scenes/b/c.xml", "scenes/b/parts/d.xml", "scenes/e.png", "other/f.xml"]
     source = {"files": ["scenes/*"], "without": ["*/parts/*"]}
     assert chosen(names, source) == ["scenes/a.xml", "scenes/b/c.xml"]
+
+
+def test_patterns_without_a_folder_are_of_the_whole_repository() -> None:
+    patterns = ("0*/*.pbrt", "scene.pbrt", "scenes/*.xml", "a/b/c*/*.xml")
+    assert [top_folder(pattern) for pattern in patterns] == ["", "", "scenes/", "a/b/"]
 
 
 def test_clones_are_found_by_either_name(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.import_scene import import_scene
-from nocturne_scene.formats.mitsuba.read import elements
+from nocturne_scene.formats.mitsuba.read import tree
 from nocturne_scene.formats.reading.options import ImportOptions
 
 BOMB = """<?xml version="1.0"?><!DOCTYPE scene [<!ENTITY a "aaaaaaaaaa">
@@ -64,7 +64,7 @@ def test_xml(tmp_path: Path, content: str | bytes, said: str) -> None:
 
 def test_files_that_include_each_other_many_times(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two includes in each of 15 files: 2^15 times the last one, with 100 elements each."""
-    monkeypatch.setattr(elements, "_MAX_ELEMENTS", 10_000)
+    monkeypatch.setattr(tree, "_MAX_ELEMENTS", 10_000)
     folder = tmp_path / "in"
     folder.mkdir()
     for number in range(1, 15):

@@ -10,8 +10,8 @@ Points = NDArray[np.float64]
 _OF_DIAGONAL = 1e-3
 _OF_DISTANCE = 1e-2
 # A hit on a triangle of 2 km lies some 0.5 mm off, and of a lamp of 3 cm 3 % of the light is then missed.
-_LEAST_OF_DIAGONAL = 1e-4
-_MOST_OF_DISTANCE = 0.3
+_MIN_OF_DIAGONAL = 1e-4
+_MAX_OF_DISTANCE = 0.3
 # Boxes of shapes that are looked at.
 _MAX_BOXES = 10_000
 
@@ -55,5 +55,5 @@ class Extent:
         beside = np.maximum(np.maximum(boxes[:, 0] - place, place - boxes[:, 1]), 0.0)
         distances = np.linalg.norm(beside, axis=1)
         near = float(min(distances[distances > 0], default=np.inf))
-        least = min(_LEAST_OF_DIAGONAL * self.diagonal, _MOST_OF_DISTANCE * near)
+        least = min(_MIN_OF_DIAGONAL * self.diagonal, _MAX_OF_DISTANCE * near)
         return min(usual, max(_OF_DISTANCE * near, least))

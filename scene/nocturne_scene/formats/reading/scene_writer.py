@@ -127,7 +127,8 @@ class SceneWriter:
         """Leave out meshes none of whose triangles has an area, where something else is left."""
         lists = [self.document.get("surfaces", []), *self.document.get("groups", {}).values()]
         for surfaces in lists:
-            seen = [each for each in surfaces if each["shape"].get("asset") not in self._unseen]
+            # Of a group instances, too, which have no shape.
+            seen = [each for each in surfaces if each.get("shape", {}).get("asset") not in self._unseen]
             if seen and len(seen) < len(surfaces):
                 findings.note("", f"{len(surfaces) - len(seen)} meshes without an area are left out")
                 surfaces[:] = seen

@@ -23,6 +23,7 @@ from nocturne_scene.formats.gltf.read.poses import Poses, poses_at
 from nocturne_scene.formats.gltf.read.primitives import Primitive, Skin, read_primitive
 from nocturne_scene.formats.reading import colours, lamps, shapes, transforms
 from nocturne_scene.formats.reading.baking import bake
+from nocturne_scene.formats.reading.crowds import Crowds
 from nocturne_scene.formats.reading.extent import Extent
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.options import ImportOptions
@@ -57,8 +58,13 @@ class _Reader:
     materials: Materials
     poses: Poses
     extent: Extent = field(default_factory=Extent)
+    crowds: Crowds = field(init=False)
+    """Instances."""
     nodes: list[tuple[int, Matrix]] = field(default_factory=list)
     cameras: list[tuple[int, Matrix]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.crowds = Crowds(self.writer, self.findings)
 
     def node(self, index: Json, outer: Matrix, above: tuple[Json, ...]) -> None:
         """Place a node and all below it."""
@@ -87,16 +93,14 @@ class _Reader:
             else:
                 # Of a mesh with a skin only the joints say where it is.
                 self._mesh(index, entry, transforms.IDENTITY if skin else matrix, skin)
+        _, instances = self.crowds.written()
+        for instance in instances:
+            self.writer.add("instances", instance)
 
     def _instances(self, index: int, entry: Json, matrix: Matrix, place: str) -> None:
         """Copies of a node's mesh: instances of one group, or meshes where one is stretched or mirrored."""
         copies = self._copies(entry, matrix, place)
-        factors = [
-            factor
-            for factor, each in ((transforms.similarity(each), each) for each in copies)
-            if factor is not None and not transforms.is_mirrored(each)
-        ]
-        if len(factors) < len(copies):
+        if not all(transforms.is_even(each) for each in copies):
             for each in copies:
                 self._mesh(index, entry, each, None)
             return
@@ -112,12 +116,8 @@ class _Reader:
         ends = np.stack(np.meshgrid(*np.stack([self.extent.lowest, self.extent.highest], 1)), -1).reshape(
             -1, 3
         )
-        for factor, each in zip(factors, copies, strict=True):
-            instance: Json = {"group": group, "translate": each[:3, 3].tolist(), "scale": factor}
-            turn = transforms.rotation_of(each[:3, :3] / factor)
-            if turn is not None:
-                instance["rotate"] = {"axis": turn[0], "degrees": turn[1]}
-            self.writer.add("instances", instance)
+        for each in copies:
+            self.crowds.instance(group, each)
             outer.add(ends @ each[:3, :3].T + each[:3, 3])
         self.extent = outer
 

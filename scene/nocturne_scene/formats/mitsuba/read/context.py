@@ -6,8 +6,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from nocturne_scene.formats.mitsuba.read.elements import Element, SceneTree
+from nocturne_scene.formats.mitsuba.read.elements import Element
 from nocturne_scene.formats.mitsuba.read.properties import Properties
+from nocturne_scene.formats.mitsuba.read.tree import SceneTree
+from nocturne_scene.formats.reading.crowds import Crowds
 from nocturne_scene.formats.reading.extent import Extent
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.options import ImportOptions
@@ -24,20 +26,25 @@ class Context:
     findings: Findings
     options: ImportOptions
     textures: dict[int, Json] = field(default_factory=dict)
-    """Textures made so far, by the identity of their element."""
+    """Textures made so far, by the number of their element."""
     bsdfs: dict[str, str] = field(default_factory=dict)
     """Names of kernels made so far, by id."""
     media: dict[int, list[str]] = field(default_factory=dict)
-    """Names of media made so far, by the identity of their element; empty where there is nothing."""
+    """Names of media made so far, by the number of their element; empty where there is nothing."""
     enclosed: set[str] = field(default_factory=set)
     """Names of media that are inside of a shape."""
     meshes: dict[tuple[Path, str], Triangles] = field(default_factory=dict)
     """Mesh files read so far."""
     groups: dict[str, str] = field(default_factory=dict)
-    """Groups made so far, by the id of their shapegroup."""
+    """Groups made so far, by the id of their shapegroup; empty where nothing is in it."""
     hides_emitters: bool = False
     """Whether the camera sees past all lights."""
     extent: Extent = field(default_factory=Extent)
+    crowds: Crowds = field(init=False)
+    """Shapes and instances of the scene."""
+
+    def __post_init__(self) -> None:
+        self.crowds = Crowds(self.writer, self.findings)
 
     def properties(self, element: Element) -> Properties:
         """The parameters of a plugin."""

@@ -1,20 +1,23 @@
-"""XML as a tree, with defaults, paths, includes and references resolved as Mitsuba does."""
+"""XML as elements; those that a scene may have a million of are given away as soon as they end."""
 
-import re
-from collections.abc import Iterator, Mapping
+import json
+import os
+import tempfile
+import weakref
+from array import array
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 from xml.parsers.expat import ExpatError, ParserCreate, XMLParserType
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.formats.reading.scene_files import TEXT_BYTES, SceneFiles, read_bytes
 
-# Elements of a scene, included files each time they are; and how deep they and the files may nest.
-_MAX_ELEMENTS = 1_000_000
+# How deep elements may nest.
 _MAX_DEPTH = 64
-_MAX_INCLUDES = 16
-
-_PARAMETER = re.compile(r"\$(\w+)")
+# Of a file, which is read in pieces: a million shapes have some 300 MB.
+_MAX_BYTES = 2**30
+_PIECE_BYTES = 2**20
 
 
 @dataclass
@@ -25,6 +28,10 @@ class Element:
     attributes: dict[str, str]
     place: str
     children: list["Element"] = field(default_factory=list)
+    number: int = -1
+    """Of the elements of a scene, in the order in which they end; it stays the same for what was packed."""
+    packed: list[int] = field(default_factory=list)
+    """More children, which lie in a file."""
 
     @property
     def type(self) -> str:
@@ -48,13 +55,45 @@ class Element:
         return self.attributes[attribute]
 
 
+class Packed:
+    """Elements in a temporary file; of each in memory only where it is."""
+
+    def __init__(self) -> None:
+        self._file = tempfile.TemporaryFile()  # noqa: SIM115 - open for as long as this
+        weakref.finalize(self, self._file.close)
+        self._ends = array("Q", [0])
+
+    def add(self, element: Element) -> int:
+        """Return the element's index."""
+        content = json.dumps(_plain(element)).encode()
+        self._file.write(content)
+        self._ends.append(self._ends[-1] + len(content))
+        return len(self._ends) - 2
+
+    def __getitem__(self, index: int) -> Element:
+        start, end = self._ends[index : index + 2]
+        self._file.flush()
+        return _element(json.loads(os.pread(self._file.fileno(), end - start, start)))
+
+
+def _plain(element: Element) -> list[Any]:
+    inner = [_plain(child) for child in element.children]
+    return [element.tag, element.attributes, element.place, inner, element.number]
+
+
+def _element(plain: list[Any]) -> Element:
+    tag, attributes, place, inner, number = plain
+    return Element(tag, attributes, place, [_element(child) for child in inner], number)
+
+
 class _Builder:
     """Builds elements of what the parser tells, and remembers their lines."""
 
-    def __init__(self, parser: XMLParserType, shown: str) -> None:
+    def __init__(self, parser: XMLParserType, shown: str, part: "Part") -> None:
         self.root: Element | None = None
         self._shown = shown
         self._parser = parser
+        self._part = part
         self._open: list[Element] = []
         parser.StartElementHandler = self._start
         parser.EndElementHandler = self._end
@@ -66,14 +105,14 @@ class _Builder:
         if len(self._open) >= _MAX_DEPTH:
             raise InputError.at(self._place(), f"elements are nested more than {_MAX_DEPTH} deep")
         element = Element(tag, attributes, self._place())
-        if self._open:
-            self._open[-1].children.append(element)
-        else:
+        if not self._open:
             self.root = element
         self._open.append(element)
 
     def _end(self, _: str) -> None:
-        self._open.pop()
+        element = self._open.pop()
+        if not self._part(element, self._open) and self._open:
+            self._open[-1].children.append(element)
 
     def _text(self, text: str) -> None:
         if text.strip():
@@ -86,114 +125,27 @@ class _Builder:
         return f"{self._shown}:{self._parser.CurrentLineNumber}"
 
 
-def parse_xml(content: bytes, shown: str) -> Element:
-    """Return the root of a file. Raises InputError for what is no XML or may be harmful."""
+Part = Callable[[Element, list[Element]], bool]
+"""Told of an element that ended and of those around it, the root first; whether it takes it away from
+them."""
+
+
+def parse_xml(file: Path, shown: str, part: Part) -> None:
+    """Read a file. Raises InputError for what is no XML or may be harmful."""
     parser = ParserCreate()
-    builder = _Builder(parser, shown)
+    builder = _Builder(parser, shown, part)
     try:
-        parser.Parse(content, True)
+        with file.open("rb") as opened:
+            if os.fstat(opened.fileno()).st_size > _MAX_BYTES:
+                raise InputError.at(shown, f"has more than {_MAX_BYTES:,} bytes")
+            while piece := opened.read(_PIECE_BYTES):
+                parser.Parse(piece, False)
+        parser.Parse(b"", True)
+    except OSError as error:
+        raise InputError.at(shown, f"can't be read: {error.strerror}") from None
     except ExpatError as error:
         raise InputError.at(shown, f"is no XML: {str(error)[:200]}") from None
     except (ValueError, LookupError) as error:
         raise InputError.at(shown, f"has an encoding that can't be read: {str(error)[:200]}") from None
     if builder.root is None:
         raise InputError.at(shown, "is empty")
-    return builder.root
-
-
-class SceneTree:
-    """The elements of a scene, and how to find files and other elements."""
-
-    def __init__(self, files: SceneFiles, file: Path, parameters: Mapping[str, str]) -> None:
-        """Read `file` and all that it includes; `parameters` replace its defaults. Raises InputError."""
-        self.files = files
-        self.folders = [file.parent]
-        self.by_id: dict[str, Element] = {}
-        self._parameters = dict(parameters)
-        self._count = 0
-        self.elements = self._read(file, ())
-
-    def file(self, element: Element, name: str) -> Path:
-        """Return a file that an element names."""
-        return self.files.find(name, self.folders, element.place)
-
-    def resolve(self, element: Element) -> Element:
-        """Return what a reference refers to; other elements are themselves."""
-        if element.tag != "ref":
-            return element
-        wanted = element.need("id")
-        if wanted not in self.by_id:
-            known = ", ".join(sorted(self.by_id)[:20]) or "none"
-            raise InputError.at(element.place, f'nothing has the id "{wanted[:80]}"; known: {known}')
-        return self.by_id[wanted]
-
-    def _read(self, file: Path, opened: tuple[Path, ...]) -> list[Element]:
-        shown = self.files.shown(file)
-        if file in opened:
-            raise InputError.at(shown, "includes itself")
-        if len(opened) >= _MAX_INCLUDES:
-            raise InputError.at(shown, f"files are included more than {_MAX_INCLUDES} deep")
-        root = parse_xml(read_bytes(file, TEXT_BYTES, shown), shown)
-        version = root.attributes.get("version", "")
-        if root.tag == "scene" and re.match(r"0\.", version):
-            raise InputError.at(root.place, f"version {version} is of Mitsuba 0.x; expected 2.0 or later")
-        wrapped = root.children if root.tag == "scene" else [root]
-        return list(self._expanded(wrapped, (*opened, file)))
-
-    def _expanded(self, elements: list[Element], opened: tuple[Path, ...]) -> Iterator[Element]:
-        for element in elements:
-            self._count += 1
-            if self._count > _MAX_ELEMENTS:
-                raise InputError.at(element.place, f"more than {_MAX_ELEMENTS:,} elements")
-            if self._is_unset_count(element):
-                continue
-            for key, value in element.attributes.items():
-                element.attributes[key] = self._substituted(value, element.place)
-            match element.tag:
-                case "default":
-                    self._parameters.setdefault(element.need("name"), element.need("value"))
-                case "path":
-                    self.folders.insert(0, self._folder(element, opened))
-                case "include":
-                    folders = [*self.folders, opened[-1].parent]
-                    yield from self._read(
-                        self.files.find(element.need("filename"), folders, element.place), opened
-                    )
-                case "alias":
-                    target = self.resolve(Element("ref", {"id": element.need("id")}, element.place))
-                    self._remember(element.need("as"), target)
-                case _:
-                    element.children = list(self._expanded(element.children, opened))
-                    if element.id and element.tag != "ref":
-                        self._remember(element.id, element)
-                    yield element
-
-    def _folder(self, element: Element, opened: tuple[Path, ...]) -> Path:
-        """The folder of a <path>: beside its file, or else beside one that includes that."""
-        name = element.need("value")
-        for base in opened[::-1]:
-            if (base.parent / name.replace("\\", "/")).is_dir():
-                return self.files.folder(name, base.parent, element.place)
-        return self.files.folder(name, opened[-1].parent, element.place)
-
-    def _remember(self, name: str, element: Element) -> None:
-        if name in self.by_id and self.by_id[name] is not element:
-            raise InputError.at(element.place, f'the id "{name[:80]}" is used twice')
-        self.by_id[name] = element
-
-    def _is_unset_count(self, element: Element) -> bool:
-        """Whether it is a number of samples that has no value: whoever renders the scene chooses that."""
-        return element.name == "sample_count" and any(
-            name not in self._parameters for name in _PARAMETER.findall(element.attributes.get("value", ""))
-        )
-
-    def _substituted(self, value: str, place: str) -> str:
-        def found(match: re.Match[str]) -> str:
-            if match[1] not in self._parameters:
-                raise InputError.at(
-                    place,
-                    f'the parameter "{match[1][:80]}" has no value; give one with -D {match[1][:80]}=VALUE',
-                )
-            return self._parameters[match[1]]
-
-        return _PARAMETER.sub(found, value)

@@ -48,9 +48,9 @@ def around_sensor(context: Context, properties: Properties) -> None:
 
 def medium(context: Context, element: Element) -> list[str]:
     """The names of the media that stand for an element's. Empty where light does not notice it."""
-    if id(element) not in context.media:
-        context.media[id(element)] = _add(context, element)
-    return context.media[id(element)]
+    if element.number not in context.media:
+        context.media[element.number] = _add(context, element)
+    return context.media[element.number]
 
 
 def _add(context: Context, element: Element) -> list[str]:

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.formats.mitsuba.read.elements import Element, SceneTree
+from nocturne_scene.formats.mitsuba.read.elements import Element
+from nocturne_scene.formats.mitsuba.read.tree import SceneTree
 from nocturne_scene.formats.reading import transforms
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.transforms import Matrix

@@ -5,10 +5,11 @@ from pathlib import Path
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read.context import Context
-from nocturne_scene.formats.mitsuba.read.elements import Element, SceneTree
+from nocturne_scene.formats.mitsuba.read.elements import Element
 from nocturne_scene.formats.mitsuba.read.emitters import add_emitter
 from nocturne_scene.formats.mitsuba.read.sensors import add_integrator, add_sensor
 from nocturne_scene.formats.mitsuba.read.shapes import add_shape
+from nocturne_scene.formats.mitsuba.read.tree import SceneTree
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.formats.reading.scene_files import SceneFiles
@@ -38,14 +39,16 @@ def import_mitsuba(file: Path, writer: SceneWriter, findings: Findings, options:
     """Read a scene into a writer. Raises InputError."""
     tree = SceneTree(SceneFiles(options.root or file.parent), file.resolve(), options.parameters)
     context = Context(tree, writer, findings, options)
-    for element in tree.elements:
-        if element.tag not in _PARTS and element.tag not in _REFERRED:
-            findings.lost(element.place, f"no equal of <{element.tag}>")
+    for element in tree.other_elements(*_PARTS, *_REFERRED):
+        findings.lost(element.place, f"no equal of <{element.tag}>")
     for tag, add in _PARTS.items():
-        for element in tree.elements:
-            if element.tag == tag:
-                with findings.leaving_out():
-                    add(context, element)
+        for element in tree.elements(tag):
+            with findings.leaving_out():
+                add(context, element)
+        if tag == "shape":
+            surfaces, instances = context.crowds.written()
+            writer.document |= {"surfaces": surfaces} if surfaces else {}
+            writer.document |= {"instances": instances} if instances else {}
     if context.hides_emitters:
         _hide_emitters(writer.document)
     if "sensor" not in writer.document:

@@ -1,8 +1,9 @@
-"""Mitsuba's shape plugins as surfaces. All but spheres and rectangles become meshes where they stand."""
+"""Mitsuba's shape plugins as surfaces, those of files as meshes where they stand."""
 
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -12,12 +13,14 @@ from nocturne_scene.formats.mitsuba.read import attributes, textures
 from nocturne_scene.formats.mitsuba.read.bsdfs import Bsdf, bsdf, front_only
 from nocturne_scene.formats.mitsuba.read.context import Context
 from nocturne_scene.formats.mitsuba.read.elements import Element
+from nocturne_scene.formats.mitsuba.read.generated import GENERATED
 from nocturne_scene.formats.mitsuba.read.media import interior
 from nocturne_scene.formats.mitsuba.read.properties import Properties, numbers
 from nocturne_scene.formats.mitsuba.read.serialized import read_serialized
 from nocturne_scene.formats.mitsuba.read.units import white
 from nocturne_scene.formats.reading import shapes, transforms, tubes
 from nocturne_scene.formats.reading.baking import LOOKUP, bake
+from nocturne_scene.formats.reading.crowds import Crowds, Placed
 from nocturne_scene.formats.reading.scene_files import TEXT_BYTES, read_bytes
 from nocturne_scene.formats.reading.scene_writer import Json
 from nocturne_scene.formats.reading.transforms import IDENTITY, Matrix
@@ -40,16 +43,6 @@ _DEFAULT = Bsdf(front_only({"type": "lambertian", "reflectance": 0.5}))
 _OF_LAMPS = Bsdf({"type": "lambertian", "reflectance": 0.0})
 """What nothing is said of: a lamp reflects nothing then."""
 
-# The faces of a cube from -1 to 1: the corner at u = v = 0, and the edges along u and v (v down the picture).
-_CUBE = (
-    ((-1, -1, -1), (0, 0, 2), (2, 0, 0)),
-    ((1, 1, 1), (-2, 0, 0), (0, 0, -2)),
-    ((1, -1, 1), (0, 2, 0), (0, 0, -2)),
-    ((-1, -1, 1), (0, 2, 0), (2, 0, 0)),
-    ((-1, -1, -1), (0, 2, 0), (0, 0, 2)),
-    ((-1, 1, -1), (0, -2, 0), (2, 0, 0)),
-)
-
 
 def add_shape(context: Context, element: Element) -> None:
     """Put a shape into the scene."""
@@ -58,25 +51,27 @@ def add_shape(context: Context, element: Element) -> None:
     if element.type == "instance":
         _instance(context, element)
         return
-    for surface in surfaces(context, element, IDENTITY):
-        context.writer.add("surfaces", surface)
+    _add(context, context.crowds, element, IDENTITY)
 
 
-def surfaces(context: Context, element: Element, outer: Matrix) -> list[Json]:
-    """Return the surfaces of one shape, `outer` being what places it once more."""
+def _add(context: Context, crowds: Crowds, element: Element, outer: Matrix) -> None:
+    """Add the surface of one shape, `outer` being what places it once more."""
     properties = context.properties(element)
-    if element.type not in _SHAPES:
-        context.findings.lost(
-            element.place, f'no equal of the shape "{element.type}"; there are {", ".join(sorted(_SHAPES))}'
-        )
-        return []
+    if element.type not in _SHAPES and element.type not in GENERATED:
+        known = ", ".join(sorted((*_SHAPES, *GENERATED)))
+        context.findings.lost(element.place, f'no equal of the shape "{element.type}"; there are {known}')
+        return
     material = _material(context, properties)
     to_world = outer @ properties.transform("to_world")
-    shape = _SHAPES[element.type](context, properties, to_world, material)
+    shape: Json | Placed
+    if element.type in GENERATED:
+        shape = GENERATED[element.type](context, properties, to_world, material.textured)
+    else:
+        shape = _SHAPES[element.type](context, properties, to_world, material)
     if properties.element.id:
         material.surface["name"] = properties.element.id
     properties.finish()
-    return [{**material.surface, "shape": shape}]
+    crowds.add(material.surface, shape)
 
 
 def _material(context: Context, properties: Properties) -> _Material:
@@ -185,43 +180,6 @@ def _serialized(context: Context, properties: Properties, to_world: Matrix, mate
     return _mesh(context, properties, to_world, material, shapes.facing_their_normals(mesh), file.stem)
 
 
-def _sphere(context: Context, properties: Properties, to_world: Matrix, material: _Material) -> Json:
-    radius = properties.number("radius", 1.0)
-    centre = properties.vector("center") or [0.0, 0.0, 0.0]
-    placed = to_world @ transforms.translation(centre) @ transforms.scaling([radius] * 3)
-    factor = transforms.similarity(placed)
-    if factor is not None and not material.textured and not properties.has("flip_normals"):
-        middle = placed[:3, 3]
-        context.extent.add(np.array([middle - factor, middle + factor]))
-        return {"type": "sphere", "centre": middle.tolist(), "radius": factor}
-    context.findings.note(
-        properties.place, f"the sphere became a mesh of {2 * shapes.AROUND * shapes.ALONG} triangles"
-    )
-    return _mesh(context, properties, placed, material, shapes.sphere(), "sphere")
-
-
-def _cylinder(context: Context, properties: Properties, to_world: Matrix, material: _Material) -> Json:
-    radius = properties.number("radius", 1.0)
-    start, end = properties.vector("p0") or [0.0, 0.0, 0.0], properties.vector("p1") or [0.0, 0.0, 1.0]
-    along = np.subtract(end, start)
-    length = float(np.linalg.norm(along))
-    if not length > 0:
-        raise InputError.at(properties.place, "p0 and p1 are the same point")
-    # Any direction across will do but for textures, which Mitsuba starts where its frame does.
-    across = np.eye(3)[int(np.argmin(np.abs(along)))]
-    frame = np.eye(4)
-    z = along / length
-    x = (
-        np.array([1.0, 0.0, 0.0])
-        if z[2] == 1.0
-        else np.cross(across, z) / np.linalg.norm(np.cross(across, z))
-    )
-    frame[:3, :3] = np.column_stack([radius * x, radius * np.cross(z, x), along])
-    frame[:3, 3] = start
-    context.findings.note(properties.place, f"the cylinder became a mesh of {2 * shapes.AROUND} triangles")
-    return _mesh(context, properties, to_world @ frame, material, shapes.cylinder(), "cylinder")
-
-
 def _curves(context: Context, properties: Properties, to_world: Matrix, material: _Material) -> Json:
     """Control points and radii, a line for each; empty lines between curves."""
     file = _file(properties, context)
@@ -251,34 +209,6 @@ def _curves(context: Context, properties: Properties, to_world: Matrix, material
     return _mesh(context, properties, IDENTITY, material, mesh, file.stem)
 
 
-def _disk(context: Context, properties: Properties, to_world: Matrix, material: _Material) -> Json:
-    return _mesh(context, properties, to_world, material, shapes.disc(), "disk")
-
-
-def _rectangle(context: Context, properties: Properties, to_world: Matrix, material: _Material) -> Json:
-    if material.textured or properties.has("flip_normals") or transforms.is_mirrored(to_world):
-        return _mesh(context, properties, to_world, material, shapes.rectangle(), "rectangle")
-    corners = np.array([[-1, -1, 0, 1], [1, -1, 0, 1], [-1, 1, 0, 1]]) @ to_world.T
-    corner, right, top = corners[:, :3]
-    context.extent.add(np.array([corner, right, top, right + top - corner]))
-    edges = {"edge_u": (right - corner).tolist(), "edge_v": (top - corner).tolist()}
-    return {"type": "quad", "corner": corner.tolist(), **edges}
-
-
-def _cube(context: Context, properties: Properties, to_world: Matrix, material: _Material) -> Json:
-    vertices, coordinates, normals = [], [], []
-    for corner, u, v in np.array(_CUBE, dtype=np.float64):
-        vertices += [corner, corner + u, corner + u + v, corner + v]
-        coordinates += [[0, 1], [1, 1], [1, 0], [0, 0]]
-        normals += [np.cross(v, u)] * 4
-    first = np.arange(0, 24, 4)[:, None]
-    indices = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])])
-    mesh = Triangles(np.array(vertices), indices, np.array(normals), np.array(coordinates, dtype=np.float64))
-    flat = Triangles(*vars(shapes.facing_their_normals(mesh)).values())
-    mesh = Triangles(flat.vertices, flat.indices, None, flat.coordinates)
-    return _mesh(context, properties, to_world, material, mesh, "cube")
-
-
 def _instance(context: Context, element: Element) -> None:
     properties = context.properties(element)
     groups = [each for each in properties.take_all("shape") if each.type == "shapegroup"]
@@ -287,44 +217,31 @@ def _instance(context: Context, element: Element) -> None:
     if len(groups) != 1 or not groups[0].id:
         raise InputError.at(element.place, "an instance refers to one shapegroup")
     group = groups[0]
-    factor = transforms.similarity(to_world)
-    if factor is None or transforms.is_mirrored(to_world):
+    if not transforms.is_even(to_world):
         context.findings.note(element.place, "an instance that is stretched or mirrored became a copy")
-        for surface in _members(context, group, to_world):
-            context.writer.add("surfaces", surface)
+        _add_members(context, context.crowds, group, to_world)
         return
     if group.id not in context.groups:
-        members = _members(context, group, IDENTITY)
-        if not members:
-            return
-        context.groups[group.id] = context.writer.name("groups", group.id, members)
-    instance: Json = {
-        "group": context.groups[group.id],
-        "translate": to_world[:3, 3].tolist(),
-        "scale": factor,
-    }
-    turn = transforms.rotation_of(to_world[:3, :3] / factor)
-    if turn is not None:
-        instance["rotate"] = {"axis": turn[0], "degrees": turn[1]}
-    context.writer.add("instances", instance)
+        crowds = Crowds(context.writer, context.findings)
+        _add_members(context, crowds, group, IDENTITY)
+        members = [each for found in crowds.written() for each in found]
+        context.groups[group.id] = context.writer.name("groups", group.id, members) if members else ""
+    if context.groups[group.id]:
+        context.crowds.instance(context.groups[group.id], to_world)
 
 
-def _members(context: Context, group: Element, outer: Matrix) -> list[Json]:
+def _add_members(context: Context, crowds: Crowds, group: Element, outer: Matrix) -> None:
     properties = context.properties(group)
     members = properties.take_all("shape")
     properties.finish()
-    return [surface for member in members for surface in surfaces(context, member, outer)]
+    for member in chain(members, context.tree.members(group)):
+        _add(context, crowds, member, outer)
 
 
 _SHAPES: dict[str, Callable[[Context, Properties, Matrix, _Material], Json]] = {
     "obj": _mesh_file,
     "ply": _mesh_file,
     "serialized": _serialized,
-    "sphere": _sphere,
-    "cylinder": _cylinder,
     "bsplinecurve": _curves,
     "linearcurve": _curves,
-    "disk": _disk,
-    "rectangle": _rectangle,
-    "cube": _cube,
 }

@@ -185,9 +185,9 @@ def texture(context: Context, element: Element) -> Json:
             element.place, f'no equal of the texture "{element.type}"; there are {", ".join(_TEXTURES)}'
         )
         return None
-    if id(element) not in context.textures:
-        context.textures[id(element)] = _TEXTURES[element.type](context, element)
-    return context.textures[id(element)]
+    if element.number not in context.textures:
+        context.textures[element.number] = _TEXTURES[element.type](context, element)
+    return context.textures[element.number]
 
 
 def colour(context: Context, properties: Properties, name: str, default: Json) -> Json:

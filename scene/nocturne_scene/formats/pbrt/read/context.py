@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nocturne_scene.formats.pbrt.read.parameters import Parameter, Parameters
+from nocturne_scene.formats.reading.crowds import Crowds
 from nocturne_scene.formats.reading.extent import Extent
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.options import ImportOptions
@@ -55,8 +56,13 @@ class Context:
     curves: dict[str, list[NDArray[np.float64]]] = field(default_factory=dict)
     """Curves that are no part of objects, by the JSON of what their surface has but a shape."""
     extent: Extent = field(default_factory=Extent)
+    crowds: Crowds = field(init=False)
+    """Shapes and instances of the scene."""
     later: list[Callable[[], None]] = field(default_factory=list)
     """What waits for the size of the scene."""
+
+    def __post_init__(self) -> None:
+        self.crowds = Crowds(self.writer, self.findings)
 
     def to_world(self) -> Matrix:
         """From the coordinates of now to those of the document."""

@@ -14,9 +14,9 @@ from nocturne_scene.formats.reading.scene_writer import Json
 def material(context: Context, kind: str, parameters: Parameters) -> tuple[Json, Json]:
     """Return a kernel, and the fields of a surface that change its shading normal."""
     if kind not in _MATERIALS:
+        known = ", ".join(filter(None, _MATERIALS))
         context.findings.lost(
-            parameters.place,
-            f'no equal of the material "{kind}"; there are {", ".join(_MATERIALS)}. Taken as grey',
+            parameters.place, f'no equal of the material "{kind}"; there are {known}. Taken as grey'
         )
         return {"type": "lambertian", "reflectance": 0.5}, {}
     kernel = _MATERIALS[kind](context, parameters)

@@ -6,9 +6,9 @@ from nocturne_scene.errors import InputError
 from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.parameters import Stream
 from nocturne_scene.formats.pbrt.read.reader import Directive, Reader, RecordedShape
-from nocturne_scene.formats.pbrt.read.shapes import surface
+from nocturne_scene.formats.pbrt.read.shapes import add_surface
 from nocturne_scene.formats.reading import transforms
-from nocturne_scene.formats.reading.scene_writer import Json
+from nocturne_scene.formats.reading.crowds import Crowds
 from nocturne_scene.formats.reading.transforms import Matrix
 
 _MAX_DEPTH = 64
@@ -49,39 +49,30 @@ def _instance(reader: Reader, stream: Stream, place: str) -> None:
         raise InputError.at(place, f'no object "{name[:80]}"')
     context = reader.context
     placed = context.outer @ context.state.transform @ transforms.inverse(context.outer)
-    factor = transforms.similarity(placed)
-    if factor is None or transforms.is_mirrored(placed):
+    if not transforms.is_even(placed):
         context.findings.note(place, "an instance that is stretched or mirrored became a copy")
-        for each in _made(context, reader.objects[name], placed @ context.outer):
-            context.writer.add("surfaces", each)
+        _add_members(context, context.crowds, reader.objects[name], placed @ context.outer)
         return
     if name not in reader.groups:
-        members = _made(context, reader.objects[name], context.outer)
-        if not members:
-            return
-        reader.groups[name] = context.writer.name("groups", name, members)
-    instance: Json = {"group": reader.groups[name], "translate": placed[:3, 3].tolist(), "scale": factor}
-    turn = transforms.rotation_of(placed[:3, :3] / factor)
-    if turn is not None:
-        instance["rotate"] = {"axis": turn[0], "degrees": turn[1]}
-    context.writer.add("instances", instance)
+        crowds = Crowds(context.writer, context.findings)
+        _add_members(context, crowds, reader.objects[name], context.outer)
+        members = [each for found in crowds.written() for each in found]
+        # Where nothing is left of an object that is known of its other instances, too.
+        reader.groups[name] = context.writer.name("groups", name, members) if members else ""
+    if reader.groups[name]:
+        context.crowds.instance(reader.groups[name], placed)
 
 
-def _made(context: Context, recorded: list[RecordedShape], outer: Matrix) -> list[Json]:
+def _add_members(context: Context, crowds: Crowds, recorded: list[RecordedShape], outer: Matrix) -> None:
     """The surfaces of an object, `outer` in place of the context's own."""
     state, kept = context.state, context.outer
     context.outer = outer
-    found = []
     for shape in recorded:
         context.state = shape.state
+        parameters = context.parameters(f"shape {shape.kind}", shape.place, shape.given)
         with context.findings.leaving_out():
-            found.append(
-                surface(
-                    context, shape.kind, context.parameters(f"shape {shape.kind}", shape.place, shape.given)
-                )
-            )
+            add_surface(context, crowds, shape.kind, parameters)
     context.state, context.outer = state, kept
-    return [each for each in found if each is not None]
 
 
 DIRECTIVES: dict[str, Directive] = {

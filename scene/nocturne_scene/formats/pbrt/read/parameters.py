@@ -42,15 +42,15 @@ class Parameter:
         return self.values[0]
 
 
-def number(token: Token) -> float:
-    """A token as a finite number. Raises InputError."""
+def _numbers(token: Token) -> list[float]:
+    """A token as finite numbers. Raises InputError."""
     try:
-        value = float(token.text)
+        values = [float(word) for word in token.text.split()]
     except ValueError:
-        value = math.nan
-    if token.kind != "word" or not math.isfinite(value):
+        values = [math.nan]
+    if token.kind not in ("word", "numbers") or not all(math.isfinite(value) for value in values):
         raise InputError.at(token.place, f'expected a number, found "{token.text[:40]}"')
-    return value
+    return values
 
 
 class Stream:
@@ -79,8 +79,10 @@ class Stream:
         bracket = self.ahead is not None and self.ahead.kind == "open"
         if bracket:
             self.take(place)
-        values = [number(self.take(place)) for _ in range(count)]
-        if bracket and self.take(place).kind != "close":
+        values: list[float] = []
+        while len(values) < count:
+            values += _numbers(self.take(place))
+        if len(values) > count or (bracket and self.take(place).kind != "close"):
             raise InputError.at(place, f"expected {count} numbers")
         return values
 
@@ -103,9 +105,9 @@ class Stream:
             listed = []
             while (token := self.take(place)).kind != "close":
                 listed.append(token)
-        words = kind in _WORDS and not (kind == "spectrum" and listed and listed[0].kind == "word")
-        if not words:
-            return [number(token) for token in listed]
+        is_table = kind == "spectrum" and listed and listed[0].kind in ("word", "numbers")
+        if kind not in _WORDS or is_table:
+            return [value for token in listed for value in _numbers(token)]
         for token in listed:
             if token.kind != "string" and not (kind == "bool" and token.text in ("true", "false")):
                 raise InputError.at(token.place, f'expected a string in quotes, found "{token.text[:40]}"')

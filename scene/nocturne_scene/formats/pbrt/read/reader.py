@@ -7,14 +7,17 @@ from pathlib import Path
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.pbrt.read.context import Context, State
 from nocturne_scene.formats.pbrt.read.parameters import Parameter, Parameters, Stream
-from nocturne_scene.formats.pbrt.read.tokens import read_text, tokens
+from nocturne_scene.formats.pbrt.read.tokens import read_lines, tokens
+from nocturne_scene.formats.reading.findings import TooLarge
 from nocturne_scene.formats.reading.transforms import Matrix
 
 # Directives of former versions.
 _OLD = ("WorldEnd", "SurfaceIntegrator", "VolumeIntegrator", "Renderer", "Volume")
 _MAX_INCLUDES = 16
 # Directives of a scene, those of included files each time.
-_MAX_DIRECTIVES = 1_000_000
+_MAX_DIRECTIVES = 20_000_000
+# Of shapes in objects, which are kept until instances need them.
+_MAX_RECORDED = 200_000
 
 
 @dataclass
@@ -39,6 +42,7 @@ class Reader:
     recording: str | None = None
     in_world: bool = False
     count: int = 0
+    recorded: int = 0
 
     def read(self, file: Path, opened: tuple[Path, ...]) -> None:
         """All directives of a file and of those that it includes."""
@@ -47,7 +51,7 @@ class Reader:
             raise InputError.at(shown, "includes itself")
         if len(opened) >= _MAX_INCLUDES:
             raise InputError.at(shown, f"files are included more than {_MAX_INCLUDES} deep")
-        stream = Stream(tokens(read_text(file, shown), shown))
+        stream = Stream(tokens(read_lines(file, shown), shown))
         while stream.ahead is not None:
             token = stream.take(shown)
             self.count += 1
@@ -64,6 +68,13 @@ class Reader:
                 self.read(self.context.file(name, token.place), (*opened, file))
             else:
                 self.directives[token.text](self, stream, token.place)
+
+    def record(self, shape: RecordedShape) -> None:
+        """Keep a shape of the object of now. Raises TooLarge."""
+        self.recorded += 1
+        if self.recorded > _MAX_RECORDED:
+            raise TooLarge(f"more than {_MAX_RECORDED:,} shapes in objects", shape.place)
+        self.objects[self.recording or ""].append(shape)
 
     def apply(self, matrix: Matrix) -> None:
         """Coordinates of what follows are inside of those of now."""

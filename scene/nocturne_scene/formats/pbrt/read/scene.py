@@ -9,7 +9,7 @@ from nocturne_scene.formats.pbrt.read import camera, lights, materials, media, o
 from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.parameters import Parameters, Stream
 from nocturne_scene.formats.pbrt.read.reader import Directive, Reader, RecordedShape
-from nocturne_scene.formats.pbrt.read.shapes import gathered, surface
+from nocturne_scene.formats.pbrt.read.shapes import add_surface, gathered
 from nocturne_scene.formats.reading import transforms
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.options import ImportOptions
@@ -32,13 +32,11 @@ def _shape(reader: Reader, stream: Stream, place: str) -> None:
     if not reader.in_world:
         raise InputError.at(place, "a shape before the world begins")
     if reader.recording is not None:
-        reader.objects[reader.recording].append(RecordedShape(kind, given, place, replace(context.state)))
+        reader.record(RecordedShape(kind, given, place, replace(context.state)))
         return
     with context.findings.leaving_out():
         parameters = context.parameters(f"shape {kind}", place, given)
-        found = surface(context, kind, parameters, gathers=True)
-        if found is not None:
-            context.writer.add("surfaces", found)
+        add_surface(context, context.crowds, kind, parameters, gathers=True)
 
 
 def _kernel(reader: Reader, kind: str, parameters: Parameters) -> tuple[Json, Json]:
@@ -185,7 +183,10 @@ def import_pbrt(file: Path, writer: SceneWriter, findings: Findings, options: Im
         raise InputError.at(files.shown(file.resolve()), "the scene's world never begins")
     if reader.saved:
         raise InputError.at(files.shown(file.resolve()), "the file ends inside of attributes")
-    for found in gathered(context):
+    surfaces, instances = context.crowds.written()
+    for found in instances:
+        writer.add("instances", found)
+    for found in (*surfaces, *gathered(context)):
         writer.add("surfaces", found)
     for add in context.later:
         with findings.leaving_out():

@@ -3,6 +3,7 @@
 import json
 import tempfile
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -14,18 +15,22 @@ from nocturne_scene.formats.pbrt.read.media import interior
 from nocturne_scene.formats.pbrt.read.parameters import Parameters
 from nocturne_scene.formats.pbrt.read.tokens import decompressed
 from nocturne_scene.formats.reading import shapes, subdivision, transforms, tubes
+from nocturne_scene.formats.reading.crowds import Base, Crowds, Placed, ball
 from nocturne_scene.formats.reading.scene_files import read_bytes
 from nocturne_scene.formats.reading.scene_writer import Json
+from nocturne_scene.formats.reading.transforms import Matrix
 from nocturne_scene.limits import MAX_ASSET_BYTES
 from nocturne_scene.meshes.files import load_mesh, load_ply_columns
 from nocturne_scene.meshes.headers import UnusableMeshError, check_counts
 from nocturne_scene.meshes.triangles import Triangles, check_indices
 
-_MOST_LEVELS = 12
+_MAX_LEVELS = 12
 
 
-def surface(context: Context, kind: str, parameters: Parameters, *, gathers: bool = False) -> Json | None:
-    """Return the surface of a `Shape` directive; None where it has no equal.
+def add_surface(
+    context: Context, crowds: Crowds, kind: str, parameters: Parameters, *, gathers: bool = False
+) -> None:
+    """Add the surface of a `Shape` directive, where it has an equal.
 
     `gathers`: curves are kept for `gathered`, as hair has one directive for each.
     """
@@ -33,7 +38,7 @@ def surface(context: Context, kind: str, parameters: Parameters, *, gathers: boo
         context.findings.lost(
             parameters.place, f'no equal of the shape "{kind}"; there are {", ".join(sorted(_SHAPES))}'
         )
-        return None
+        return
     state = context.state
     kernel = state.material
     opacity = spectra.scalar(context, parameters, "alpha", 1.0)
@@ -53,10 +58,10 @@ def surface(context: Context, kind: str, parameters: Parameters, *, gathers: boo
         curve = _curve(context, parameters)
         context.curves.setdefault(json.dumps(found), []).append(curve)
         parameters.finish()
-        return None
-    found["shape"] = _SHAPES[kind](context, parameters, textured)
+        return
+    shape = _SHAPES[kind](context, parameters, textured)
     parameters.finish()
-    return found
+    crowds.add(found, shape)
 
 
 def gathered(context: Context) -> Iterator[Json]:
@@ -85,8 +90,8 @@ def area_light(context: Context) -> Json:
     return {"radiance": radiance} | ({"two_sided": True} if two_sided else {})
 
 
-def _placed(context: Context, mesh: Triangles, textured: bool, name: str) -> Json:
-    mesh = shapes.transformed(mesh, context.to_world())
+def _oriented(context: Context, mesh: Triangles, textured: bool) -> Triangles:
+    """A mesh in its own coordinates, with what its surface needs."""
     if context.state.reversed:
         mesh = shapes.flipped(mesh)
     if mesh.coordinates is None and textured:
@@ -98,11 +103,46 @@ def _placed(context: Context, mesh: Triangles, textured: bool, name: str) -> Jso
             None if mesh.normals is None else mesh.normals[corner],
             np.tile([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], (len(mesh.indices), 1)),
         )
+    return mesh
+
+
+def _placed(context: Context, mesh: Triangles, textured: bool, name: str) -> Json:
+    mesh = shapes.transformed(_oriented(context, mesh, textured), context.to_world())
     context.extent.add(mesh.vertices)
     return context.writer.mesh(name, mesh)
 
 
-def _sphere(context: Context, parameters: Parameters, textured: bool) -> Json:
+def _generated(context: Context, matrix: Matrix, kind: str) -> Placed:
+    """A shape that is made up, placed in the coordinates of now."""
+    to_world = context.to_world() @ matrix
+    base = _base(kind, context.state.reversed)
+    context.extent.add(_outline(kind) @ to_world[:3, :3].T + to_world[:3, 3])
+    return Placed(base, to_world)
+
+
+@cache
+def _base(kind: str, is_reversed: bool) -> Base:
+    """One for all that are alike, as those are put together that have the same one."""
+    mesh = _MESHES[kind]()
+    return Base(kind, shapes.flipped(mesh) if is_reversed else mesh)
+
+
+@cache
+def _outline(kind: str) -> Matrix:
+    """Points of a shape that reach as far as all of it in every direction."""
+    points = _MESHES[kind]().vertices
+    # Of a disc the rim will do.
+    return points[np.linalg.norm(points, axis=1) > 0.99] if kind == "disk" else points
+
+
+_MESHES: dict[str, Callable[[], Triangles]] = {
+    "sphere": shapes.sphere,
+    "disk": shapes.disc,
+    "cylinder": shapes.cylinder,
+}
+
+
+def _sphere(context: Context, parameters: Parameters, textured: bool) -> Placed:
     radius = float(parameters.number("radius", 1.0))
     whole = (-radius, radius, 360.0)
     given = tuple(
@@ -115,10 +155,8 @@ def _sphere(context: Context, parameters: Parameters, textured: bool) -> Json:
     if factor is not None and not textured and not context.state.reversed:
         centre = matrix[:3, 3]
         context.extent.add(np.array([centre - factor * radius, centre + factor * radius]))
-        return {"type": "sphere", "centre": centre.tolist(), "radius": factor * radius}
-    return _placed(
-        context, shapes.transformed(shapes.sphere(), transforms.scaling([radius] * 3)), textured, "sphere"
-    )
+        return ball(centre, factor * radius)
+    return _generated(context, transforms.scaling([radius] * 3), "sphere")
 
 
 def _curve(context: Context, parameters: Parameters) -> np.ndarray:
@@ -158,21 +196,23 @@ def _single_curve(context: Context, parameters: Parameters, textured: bool) -> J
     return _tubes(context, [_curve(context, parameters)])
 
 
-def _disk(context: Context, parameters: Parameters, textured: bool) -> Json:
+def _disk(context: Context, parameters: Parameters, textured: bool) -> Placed:
+    del textured  # it has coordinates
     radius, height = float(parameters.number("radius", 1.0)), float(parameters.number("height", 0.0))
     if parameters.number("innerradius", 0.0) != 0.0 or parameters.number("phimax", 360.0) != 360.0:
         context.findings.lost(parameters.place, "no equal of a part of a disk; all of it is there")
     own = transforms.translation([0, 0, height]) @ transforms.scaling([radius, radius, 1.0])
-    return _placed(context, shapes.transformed(shapes.disc(), own), textured, "disk")
+    return _generated(context, own, "disk")
 
 
-def _cylinder(context: Context, parameters: Parameters, textured: bool) -> Json:
+def _cylinder(context: Context, parameters: Parameters, textured: bool) -> Placed:
+    del textured  # it has coordinates
     radius = float(parameters.number("radius", 1.0))
     low, high = float(parameters.number("zmin", -1.0)), float(parameters.number("zmax", 1.0))
     if parameters.number("phimax", 360.0) != 360.0:
         context.findings.lost(parameters.place, "no equal of a part of a cylinder; all of it is there")
     own = transforms.translation([0, 0, low]) @ transforms.scaling([radius, radius, high - low])
-    return _placed(context, shapes.transformed(shapes.cylinder(), own), textured, "cylinder")
+    return _generated(context, own, "cylinder")
 
 
 def _triangle_mesh(context: Context, parameters: Parameters, textured: bool) -> Json:
@@ -230,8 +270,8 @@ def _loop_subdivision(context: Context, parameters: Parameters, textured: bool) 
     try:
         check_indices(len(points), triangles)
         # Each step makes four of each triangle.
-        if not 0 <= levels <= _MOST_LEVELS:
-            raise InputError.at(parameters.place, f'"levels" lies between 0 and {_MOST_LEVELS}')
+        if not 0 <= levels <= _MAX_LEVELS:
+            raise InputError.at(parameters.place, f'"levels" lies between 0 and {_MAX_LEVELS}')
         check_counts(len(points), len(triangles) * 4**levels)
         mesh = subdivision.subdivided(points, triangles, levels)
     except (UnusableMeshError, ValueError) as error:
@@ -277,7 +317,7 @@ def _read(file: Path) -> Triangles:
     return load_mesh(file, "ply", normals=smooth)
 
 
-_SHAPES: dict[str, Callable[[Context, Parameters, bool], Json]] = {
+_SHAPES: dict[str, Callable[[Context, Parameters, bool], Json | Placed]] = {
     "sphere": _sphere,
     "disk": _disk,
     "cylinder": _cylinder,

@@ -5,7 +5,7 @@ import math
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.parameters import Parameter, Parameters
-from nocturne_scene.formats.pbrt.read.tokens import read_text
+from nocturne_scene.formats.pbrt.read.tokens import read_lines
 from nocturne_scene.formats.reading import colours, metals
 from nocturne_scene.formats.reading.scene_writer import Json
 
@@ -47,7 +47,7 @@ def spectrum(context: Context, found: Parameter) -> Json:
         values = found.numbers()
     else:
         file = context.file(found.word(), found.place)
-        text = read_text(file, context.files.shown(file))
+        text = "".join(read_lines(file, context.files.shown(file)))
         try:
             values = [float(word) for line in text.split("\n") for word in line.partition("#")[0].split()]
         except ValueError:

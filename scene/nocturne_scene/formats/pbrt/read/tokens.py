@@ -1,8 +1,10 @@
 """Directives of pbrt files: names, strings, numbers and lists, with the line that each is on."""
 
+import io
+import os
 import re
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,27 +14,44 @@ from nocturne_scene.formats.reading.scene_files import TEXT_BYTES, read_bytes
 # Bytes of a compressed file once it is not.
 _MAX_BYTES = 4 * TEXT_BYTES
 
-_TOKEN = re.compile(r'\s+|#[^\n]*|"(?P<string>[^"\n]*)"|(?P<open>\[)|(?P<close>\])|(?P<word>[^\s"\[\]#]+)')
+# Of a file that is read line by line, and of one line.
+_MAX_FILE_BYTES = 2**30
+_MAX_LINE = TEXT_BYTES
+
+_NUMBER = r"[-+.0-9][-+.0-9eE]*"
+_TOKEN = re.compile(
+    rf'\s+|#[^\n]*|"(?P<string>[^"\n]*)"|(?P<open>\[)|(?P<close>\])'
+    rf'|(?P<numbers>{_NUMBER}(?:[ \t]+{_NUMBER}){{2,999}}(?=[\s\]#]|$))|(?P<word>[^\s"\[\]#]+)'
+)
 
 
 @dataclass(frozen=True)
 class Token:
-    """A word, a string, or a bracket; numbers are words."""
+    """A word, a string, or a bracket; numbers are words, or several together."""
 
     kind: str
     text: str
     place: str
 
 
-def read_text(file: Path, shown: str) -> str:
-    """Return a file's text, decompressed if its name ends in .gz. Raises InputError."""
-    content = read_bytes(file, TEXT_BYTES, shown)
-    if file.suffix == ".gz":
-        content = decompressed(content, _MAX_BYTES, shown)
+def read_lines(file: Path, shown: str) -> Iterator[str]:
+    """Yield a file's lines, decompressed if its name ends in .gz. Raises InputError."""
     try:
-        return content.decode("utf-8")
+        if file.suffix == ".gz":
+            content = decompressed(read_bytes(file, TEXT_BYTES, shown), _MAX_BYTES, shown)
+            yield from io.StringIO(content.decode("utf-8"))
+            return
+        with file.open(encoding="utf-8") as opened:
+            if os.fstat(opened.fileno()).st_size > _MAX_FILE_BYTES:
+                raise InputError.at(shown, f"has more than {_MAX_FILE_BYTES:,} bytes")
+            while line := opened.readline(_MAX_LINE + 1):
+                if len(line) > _MAX_LINE:
+                    raise InputError.at(shown, f"has a line of more than {_MAX_LINE:,} characters")
+                yield line
     except UnicodeDecodeError as error:
-        raise InputError.at(shown, f"is not UTF-8 at byte {error.start}") from None
+        raise InputError.at(shown, f"is not UTF-8: {error.reason}") from None
+    except OSError as error:
+        raise InputError.at(shown, f"can't be read: {error.strerror}") from None
 
 
 def decompressed(content: bytes, most: int, shown: str) -> bytes:
@@ -52,15 +71,14 @@ def decompressed(content: bytes, most: int, shown: str) -> bytes:
     return bytes(plain)
 
 
-def tokens(text: str, shown: str) -> Iterator[Token]:
+def tokens(lines: Iterable[str], shown: str) -> Iterator[Token]:
     """Yield the tokens of a file. Raises InputError."""
-    line, counted, at = 1, 0, 0
-    while at < len(text):
-        match = _TOKEN.match(text, at)
-        line += text.count("\n", counted, at)
-        counted = at
-        if match is None:
-            raise InputError.at(f"{shown}:{line}", f'unexpected "{text[at : at + 20]}"')
-        if match.lastgroup is not None:
-            yield Token(match.lastgroup, match[match.lastgroup], f"{shown}:{line}")
-        at = match.end()
+    for number, line in enumerate(lines, 1):
+        place, at = f"{shown}:{number}", 0
+        while at < len(line):
+            match = _TOKEN.match(line, at)
+            if match is None:
+                raise InputError.at(place, f'unexpected "{line[at : at + 20].strip()}"')
+            if match.lastgroup is not None:
+                yield Token(match.lastgroup, match[match.lastgroup], place)
+            at = match.end()
