@@ -204,6 +204,7 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
             options.audit_share,
             options.audit_share_new,
             options.job_seconds,
+            options.enrolled,
         )
         ledger = Ledger(folder.database, ownership)
         if options.checkpoint_seconds > 0.0:

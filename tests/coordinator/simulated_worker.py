@@ -103,7 +103,8 @@ class SimulatedWorker(threading.Thread):
         self._machine = machine
         self._client: Any = machine.client(url) if machine else redis.Redis.from_url(url, protocol=2)
         self._alter = alter
-        self._delay = delay
+        self.delay = delay
+        """Seconds that each job takes; may be changed."""
         self._lease_ms = lease_ms
         self._dies = dies
         self._seen = seen
@@ -164,7 +165,7 @@ class SimulatedWorker(threading.Thread):
 
     def _work(self, entry: bytes, job: job_pb2.Job, lease: bytes) -> None:
         self.jobs_taken += 1
-        self._stopping.wait(self._delay)
+        self._stopping.wait(self.delay)
         result = simulated_result(job, self.name, self._further_responses)
         result.floating_point_profile = self._floating_point_profile
         if self._dies(result):

@@ -59,7 +59,11 @@ class Session:
     """Renders, scheduler and intake without I/O: the coordinator's core, and a stream that can be lost."""
 
     def __init__(
-        self, samples: int, tiles: list[TileRow] | None = None, further_responses: Sequence[str] = ()
+        self,
+        samples: int,
+        tiles: list[TileRow] | None = None,
+        further_responses: Sequence[str] = (),
+        settings: Settings | None = None,
     ) -> None:
         self._further_responses = len(further_responses)
         schedule = make_schedule(70, 33, samples, further_responses)
@@ -67,7 +71,7 @@ class Session:
         self.render = RunningRender(row, tiles or [])
         self.scheduler = Scheduler()
         self.scheduler.add("r", len(schedule.range_ends), self.render.merged_ranges)
-        state = State(Settings(), self.scheduler, Auditor(0.0, 0.0), {"r": self.render})
+        state = State(settings or Settings(), self.scheduler, Auditor(0.0, 0.0), {"r": self.render})
         state.fleet.seen((WorkerRow(WORKER, job_pb2.ENGINE_CURRENT, 1, 0, 0, 0.0, 0, 0.0, 0.0),))
         self.intake = ResultHandler(state)
         self.stream: dict[JobKey, bytes] = {}

@@ -10,6 +10,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import limits
+from nocturne_coordinator.dispatch.state import Settings
 from nocturne_coordinator.queue.worker_status import worker_row
 from nocturne_scene.tile_sums import XYZ_SUMS, TileSums, split
 
@@ -196,6 +197,19 @@ def test_workers_that_send_nonsense_for_ever_end_the_render() -> None:
     assert sorted(session.render.failed_tiles) == list(range(6))
     assert session.scheduler.in_flight == 0
     assert session.render.totals.refused == 6 * limits.DISTINCT_WORKERS
+
+
+def test_one_machine_that_enrolled_can_not_end_a_render_by_what_it_says() -> None:
+    """P5: tiles that it says it can't do get no more samples, and a resumed render tries them again."""
+    session = Session(samples=4, settings=Settings(enrolled=True))
+    for tile in range(6):
+        for _ in range(limits.DISTINCT_WORKERS):
+            session.fill(6)
+            result = session.result(next(key for key in session.stream if key.tile_index == tile))
+            result.failure = "no such scene"
+            session.deliver(result.SerializeToString())
+    assert sorted(session.render.failed_tiles) == list(range(6))
+    assert session.failed == {}
 
 
 def test_a_failure_counts_once_per_attempt() -> None:

@@ -173,6 +173,12 @@ def test_services_find_their_pods_and_policies_too() -> None:
         assert wanted in labels, document["metadata"]["name"]
 
 
+def test_workers_have_a_disruption_budget() -> None:
+    budgets = [each["spec"] for each in base() if each["kind"] == "PodDisruptionBudget"]
+    of_workers = {"matchLabels": pods(base())["nocturne-worker"]["metadata"]["labels"]}
+    assert [(each["selector"], each["maxUnavailable"]) for each in budgets] == [(of_workers, "50%")]
+
+
 def test_the_tunnel_has_all_that_its_files_ask_for() -> None:
     for name, end in (("nocturne-redis/tunnel", "server"), ("nocturne-worker/tunnel", "client")):
         container = {key: each for key, each, _ in containers(base())}[name]
@@ -197,6 +203,20 @@ def test_nobody_reaches_redis_without_tls() -> None:
     mounts = {mount["mountPath"] for mount in found["nocturne/coordinator"]["volumeMounts"]}
     assert len(files) == 3
     assert set(files) <= mounts
+
+
+def test_a_worker_reaches_redis_by_its_own_end_of_the_tunnel() -> None:
+    tunnels = {
+        name: {each["name"]: each["value"] for each in container["env"] if "value" in each}
+        for name, container, _ in containers(base())
+        if name.endswith("/tunnel")
+    }
+    own, far = tunnels["nocturne-worker/tunnel"], tunnels["nocturne-redis/tunnel"]
+    assert own["NOCTURNE_TUNNEL_ACCEPT"].startswith("127.0.0.1:")
+    address = _value(_arguments("nocturne-worker/worker"), "--redis")
+    assert address == f"tcp://{own['NOCTURNE_TUNNEL_ACCEPT']}"
+    assert own["NOCTURNE_TUNNEL_CONNECT"] == f"nocturne-redis:{far['NOCTURNE_TUNNEL_ACCEPT']}"
+    assert far["NOCTURNE_TUNNEL_CONNECT"].startswith("127.0.0.1:")
 
 
 def test_each_role_has_a_certificate_of_its_own() -> None:

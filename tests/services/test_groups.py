@@ -98,7 +98,7 @@ def test_values_may_be_any_json(tmp_path: Path) -> None:
 async def test_the_command_submits_a_group_and_tells_of_it(
     rest: httpx.AsyncClient, service: Service, scene: dict[str, Any], tmp_path: Path
 ) -> None:
-    (tmp_path / "room.json").write_text(json.dumps(scene))
+    (tmp_path / "room.json").write_text(json.dumps({**scene, "name": "Room"}))
     film = ["--width", "8", "--height", "8", "--samples", "4"]
     more = ["--frames", "1-3", "--set", "sensor.position[0]=0..1", "--group", "film", "--request-id", "a"]
     command = ["submit", str(tmp_path / "room.json"), *film, *more]
@@ -106,11 +106,22 @@ async def test_the_command_submits_a_group_and_tells_of_it(
     assert said[0] == said[1]
     assert said[0].splitlines()[0] == "group film"
     frames = (await rest.get("/v1/renders", params={"group": "film"})).json()["renders"]
-    assert [each["name"] for each in frames] == ["room 3", "room 2", "room 1"]
+    assert [each["name"] for each in frames] == ["Room 3", "Room 2", "Room 1"]
     assert said[0].splitlines()[:0:-1] == [each["id"] for each in frames]
     middle = (await rest.get(f"/v1/renders/{frames[1]['id']}/scene.json")).json()
     assert middle["sensor"]["position"] == [0.5, 0, 4]
     assert (await run(service, "group", "film")).startswith("film: 0 of 3 renders have ended, 0.0% is done")
+
+
+async def test_documents_of_a_folder_are_told_by_their_files(
+    rest: httpx.AsyncClient, service: Service, scene: dict[str, Any], tmp_path: Path
+) -> None:
+    nameless = {key: value for key, value in scene.items() if key != "name"}
+    for name, document in (("a", nameless), ("b", {**scene, "name": "Hall"})):
+        (tmp_path / f"{name}.json").write_text(json.dumps(document))
+    await run(service, "submit", str(tmp_path), "--width", "8", "--height", "8", "--group", "film")
+    frames = (await rest.get("/v1/renders", params={"group": "film"})).json()["renders"]
+    assert [each["name"] for each in frames] == ["Hall b", "a"]
 
 
 async def run(service: Service, *words: str) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 import OpenEXR
 import pytest
 from nocturne_api.background.layers_maker import LayersMaker
+from nocturne_api.background.space import Space
 from nocturne_api.compiling.pool import WARM_SCENE, CompileLimits, layers_in_child
 from nocturne_api.files.current_image import write_current
 from nocturne_coordinator.output.previews import layers_of
@@ -148,7 +149,7 @@ async def test_who_has_many_keeps_nobody_else_waiting(
         give_up(render_id, warning)
 
     monkeypatch.setattr(folder.layers, "give_up", note)
-    maker = LayersMaker(folder, asyncio.to_thread, CompileLimits())
+    maker = LayersMaker(folder, asyncio.to_thread, CompileLimits(), Space(folder.root, 0.0))
     maker.start()
     await until(lambda: not folder.layers.due())
     await maker.close()
@@ -174,11 +175,64 @@ async def test_one_that_fails_for_now_holds_no_place(
 
     monkeypatch.setattr(folder.layers, "get_due", get)
     monkeypatch.setattr("nocturne_api.background.layers_maker.layers_in_child", fails)
-    maker = LayersMaker(folder, asyncio.to_thread, CompileLimits())
+    maker = LayersMaker(folder, asyncio.to_thread, CompileLimits(), Space(folder.root, 0.0))
     maker.start()
     await until(lambda: other not in {render_id for render_id, _ in folder.layers.due()})
     await maker.close()
     assert {render_id for render_id, _ in folder.layers.due()} == failing
+
+
+@pytest.mark.parametrize("more_bytes", [-1, 1])
+async def test_wait_for_room_in_a_bounded_folder(
+    folder: DataFolder, monkeypatch: pytest.MonkeyPatch, more_bytes: int
+) -> None:
+    """Nothing is made beyond the bound; what is being made counts, and is told to others that ask."""
+    render_id = queue_with_layers(folder, "ann", "one")
+    size_bytes = 4 * 8 * 8
+    space = Space(folder.root, 0.0)
+    bound = space.figures()["data_bytes"] + size_bytes + more_bytes
+    space = Space(folder.root, bound)
+    begun: list[float] = []
+
+    def fails(*_: object) -> str:
+        begun.append(space.figures()["data_bytes"])
+        raise InputError.at("$.layers", "can't be made")
+
+    monkeypatch.setattr("nocturne_api.background.layers_maker.layers_in_child", fails)
+    monkeypatch.setattr("nocturne_api.background.layers_maker._AGAIN_S", 0.01)
+    tried: list[str] = []
+    get_due = folder.layers.get_due
+
+    def get(due: str) -> LayersDue | None:
+        tried.append(due)
+        return get_due(due)
+
+    monkeypatch.setattr(folder.layers, "get_due", get)
+    maker = LayersMaker(folder, asyncio.to_thread, CompileLimits(), space)
+    maker.start()
+    await until(lambda: len(tried) >= 3 or not folder.layers.due())
+    await maker.close()
+    assert [due for due, _ in folder.layers.due()] == ([render_id] if more_bytes < 0 else [])
+    assert begun == ([] if more_bytes < 0 else [bound - more_bytes])
+
+
+async def test_can_be_closed_when_a_render_comes_just_then(folder: DataFolder) -> None:
+    """At every turn of the event loop after it came; a service could not be stopped."""
+
+    async def nothing_is_due(*_: object) -> list[tuple[str, str]]:
+        return []
+
+    for turns in range(8):
+        maker = LayersMaker(folder, nothing_is_due, CompileLimits(), Space(folder.root, 0.0))
+        maker.start()
+        for _ in range(20):
+            await asyncio.sleep(0)
+        maker.wake()
+        for _ in range(turns):
+            await asyncio.sleep(0)
+        # Not by a timeout, which would cancel it once more.
+        closed, _ = await asyncio.wait([asyncio.create_task(maker.close())], timeout=30)
+        assert closed, turns
 
 
 def test_what_was_cancelled_before_it_had_samples_needs_none(folder: DataFolder) -> None:

@@ -55,7 +55,11 @@ async def test_why_tells_the_first_thing_in_the_way(
             },
             f"floating-point profile {'a' * 16}. The workers that are there have {'b' * 16}, which",
         ),
-        ({"render": running, "incompatible": {"w": "It rounds otherwise."}}, "1 workers get no jobs"),
+        (
+            {"render": running, "incompatible": {"w": "It rounds otherwise."}},
+            "on 4 worker threads, alone. 1 worker gets no jobs",
+        ),
+        ({"render": running, "running": 3}, "shared with 2 other renders. It should end"),
         ({"running": 8}, "until one of 8 running renders ends"),
         ({"running": 0}, "about to start"),
         ({"render": running}, "in 10 minutes"),

@@ -3,6 +3,7 @@
 from bisect import bisect_right
 from collections import Counter, deque
 from collections.abc import Iterable, Mapping
+from heapq import heapify, heappop, heappush
 from itertools import pairwise
 
 from nocturne.v1 import job_pb2
@@ -189,14 +190,20 @@ class Admission:
         for row in sorted(waiting, key=lambda each: each.state is RenderState.QUEUED):
             queues.setdefault(row.owner, deque()).append(row)
         at_work = Counter(row.owner for row in rows if row.id in renders or _is_at_work(row))
-        while queues and len(renders) < part:
-            owner = min(queues, key=lambda each: at_work[each] / queues[each][0].owner_weight)
+
+        def turn(number: int, owner: str) -> tuple[float, int, str]:
+            return at_work[owner] / queues[owner][0].owner_weight, number, owner
+
+        turns = [turn(number, owner) for number, owner in enumerate(queues)]
+        heapify(turns)
+        while turns and len(renders) < part:
+            _, number, owner = heappop(turns)
             row = queues[owner].popleft()
-            if not queues[owner]:
-                del queues[owner]
             if row.state is RenderState.RUNNING or self._has_room(row, newcomer=not at_work[owner]):
                 yield from self._admit(row, at)
                 at_work[owner] += row.id in renders
+            if queues[owner]:
+                heappush(turns, turn(number, owner))
 
     def _admit(self, row: OpenRender, at: Moment) -> Steps[None]:
         taken: OpenRender | None = yield TakeRender(row.id)
@@ -262,10 +269,12 @@ class Admission:
         most, most_sums = limits.MAX_RUNNING, limits.MAX_RUNNING_SUMS
         if newcomer:
             most, most_sums = most + limits.MAX_NEWCOMERS, 2 * most_sums
+        if len(renders) >= most:
+            return False
         held = sum(render.film.numbers_held for render in renders.values())
         per_pixel = sums_per_pixel(len(row.schedule.further_responses))
         wanted = row.schedule.width * row.schedule.height * per_pixel
-        return len(renders) < most and held + wanted <= most_sums
+        return held + wanted <= most_sums
 
 
 def _longest(ends: Iterable[int]) -> int:

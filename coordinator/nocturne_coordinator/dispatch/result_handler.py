@@ -256,8 +256,13 @@ class ResultHandler:
         outcome.failed_tiles.append((render.id, failed))
         line = f"render={render.id} tile={key.tile_index} failed: {verdict.reason}"
         outcome.lines.append(Log(ERROR, line))
-        if len(render.failed_tiles) >= min(MAX_FAILED_TILES, render.planned.grid.count):
+        if self._is_failure(render):
             outcome.failed[render.id] = verdict.reason
+
+    def _is_failure(self, render: RunningRender) -> bool:
+        """A single machine that enrolled can spoil tiles, which a resumed render tries again, and no more."""
+        believed = not self._state.settings.enrolled or len(render.failed_on) > 1
+        return believed and len(render.failed_tiles) >= min(MAX_FAILED_TILES, render.planned.grid.count)
 
     def _refuse_of(self, render: RunningRender, entry: bytes, reason: str, outcome: Outcome) -> None:
         render.count_refused()

@@ -139,6 +139,11 @@ class RunningRender:
             self._dirty.add(tile_index)
         return outcome
 
+    @property
+    def failed_on(self) -> set[str]:
+        """The workers that failed at its tiles; with enrolment, machines."""
+        return set().union(*(each.workers for each in self.failed_tiles.values()))
+
     def fail_tile(self, failed: FailedTile) -> list[RangeSums]:
         """The tile gets no more samples; gives ranges that waited and are of no use now."""
         self.failed_tiles[failed.tile_index] = failed
@@ -211,7 +216,8 @@ class RunningRender:
         places = [f"{index} ({self._place(index)})" for index in sorted(self.failed_tiles)[:5]]
         more = f" and {len(self.failed_tiles) - 5} more" if len(self.failed_tiles) > 5 else ""
         reason = next(iter(self.failed_tiles.values())).reason
-        return f"Tiles {', '.join(places)}{more} failed on several workers: {reason}"
+        where = "several workers" if len(self.failed_on) > 1 else "the only worker that was there"
+        return f"Tiles {', '.join(places)}{more} failed on {where}: {reason}"
 
     def _place(self, tile_index: int) -> str:
         samples = self.film.samples(tile_index)

@@ -24,6 +24,8 @@ class Settings:
     audit_share: float = SHARE
     audit_share_new: float = NEW_SHARE
     job_seconds: float = JOB_SECONDS
+    enrolled: bool = False
+    """Only machines that enrolled work, and nobody knows whether each is honest."""
 
 
 @dataclass(slots=True)

@@ -11,6 +11,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from datetime import date, datetime, time, timedelta, tzinfo
+from functools import lru_cache
 from typing import Any, Self
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
@@ -52,8 +53,9 @@ class StopConditions:
         return {name: value for name, value in asdict(self).items() if value}
 
     @classmethod
+    @lru_cache(maxsize=64)
     def from_json(cls, text: str) -> Self:
-        """What `to_json` gave."""
+        """What `to_json` gave. Most of thousands of renders have the same."""
         values = json.loads(text)
         values["tile_samples"] = tuple(values.get("tile_samples", ()))
         return cls(**values)

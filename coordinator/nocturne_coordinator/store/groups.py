@@ -6,9 +6,8 @@ from nocturne_scene.errors import NotFound
 
 from nocturne_coordinator.store.database import Database
 
-WAITS = """after_group <> '' AND EXISTS (
-    SELECT 1 FROM render AS before WHERE before.owner = render.owner AND before.in_group = render.after_group
-        AND before.state IN ('QUEUED', 'RUNNING', 'PAUSED'))"""
+WAITS = """after_group <> '' AND (owner, after_group) IN (
+    SELECT owner, in_group FROM render WHERE state IN ('QUEUED', 'RUNNING', 'PAUSED'))"""
 """Of a row of `render`: whether another group has to end first."""
 
 

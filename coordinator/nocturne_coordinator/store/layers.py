@@ -1,9 +1,11 @@
 """Layers of renders: made by whoever serves, after the render was queued; its end waits for them."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
+
+from nocturne_scene.layers import CHANNELS
 
 from nocturne_coordinator.errors import FilesGone
 from nocturne_coordinator.store.database import Database
@@ -25,6 +27,16 @@ class LayersDue:
     samples: int
     layers: tuple[str, ...]
     scene_document: str
+
+    @property
+    def size_bytes(self) -> int:
+        """Of their file, at most: it is compressed."""
+        return layers_bytes(self.width, self.height, self.layers)
+
+
+def layers_bytes(width: int, height: int, layers: Iterable[str]) -> int:
+    """What layers of a film take, before they are compressed."""
+    return 4 * width * height * sum(len(CHANNELS[layer]) for layer in layers)
 
 
 class RenderLayers:

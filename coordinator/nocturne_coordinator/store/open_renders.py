@@ -18,11 +18,15 @@ from nocturne_coordinator.store.leases import Leases
 _COLUMNS = f"""id, state, scene_sha256, engine, schedule, photons, rays, invalid_samples, truncated_paths,
     cpu_seconds, audited, refused, stop, priority, owner, ran_seconds, look_first, floating_point_profile,
     layers_sha256, {LAYERS_DUE} AS layers_due,
+    EXISTS (SELECT 1 FROM failed_tile WHERE render_id = render.id) AS has_failed_tiles,
     coalesce((SELECT weight FROM token WHERE token.name = render.owner), 100) AS owner_weight,
     coalesce((SELECT fence FROM lease WHERE lease.render_id = render.id), 0) AS fence,
     coalesce((SELECT coordinator.number FROM lease JOIN coordinator ON coordinator.number = lease.coordinator
               WHERE lease.render_id = render.id
                   AND coordinator.until >= (julianday('now') - 2440587.5) * 86400.0), 0) AS holder"""  # noqa: S608 - a condition of our own
+
+_INDEXED = "(state IN ('QUEUED', 'RUNNING') OR image_final = 0)"
+"""True of all that are open; in the words of the index `render_open`, without which all renders are read."""
 
 
 class OpenRenders:
@@ -36,7 +40,7 @@ class OpenRenders:
         """All that run, and of each owner those that are next: by priority, then oldest first."""
         rows = self._database.rows(
             f"""SELECT {_COLUMNS} FROM render WHERE id IN (
-                    SELECT id FROM render WHERE state = 'RUNNING'
+                    SELECT id FROM render WHERE state = 'RUNNING' AND {_INDEXED}
                     UNION SELECT id FROM lease JOIN render ON id = render_id
                         WHERE coordinator <> 0 AND state = 'QUEUED'
                     UNION SELECT id FROM (
@@ -52,10 +56,11 @@ class OpenRenders:
     def ended_without_image(self) -> list[OpenRender]:
         """Those that ended, or pause, while their images do not show all that was committed, and layers are
         not waited for."""
+        # The plus: sorting these few is less than reading all renders in the order of their numbers.
         rows = self._database.rows(
             f"""SELECT {_COLUMNS} FROM render
                 WHERE image_final = 0 AND state NOT IN ('QUEUED', 'RUNNING') AND NOT ({LAYERS_DUE})
-                ORDER BY number"""  # noqa: S608
+                ORDER BY +number"""  # noqa: S608
         )
         return [self._open_render(row) for row in rows]
 
@@ -95,9 +100,6 @@ class OpenRenders:
                 yield TileRow(**dict(row))
 
     def _open_render(self, row: sqlite3.Row) -> OpenRender:
-        failed = self._database.rows(
-            "SELECT * FROM failed_tile WHERE render_id = ? ORDER BY tile_index", (row["id"],)
-        )
         return OpenRender(
             id=row["id"],
             state=RenderState(row["state"]),
@@ -124,14 +126,20 @@ class OpenRenders:
             floating_point_profile=row["floating_point_profile"],
             layers_sha256=row["layers_sha256"],
             layers_due=bool(row["layers_due"]),
-            failed_tiles=tuple(
-                FailedTile(
-                    each["tile_index"],
-                    each["first_sample"],
-                    each["end_sample"],
-                    each["reason"],
-                    tuple(json.loads(each["workers"])),
-                )
-                for each in failed
-            ),
+            failed_tiles=self._failed_tiles(row["id"]) if row["has_failed_tiles"] else (),
+        )
+
+    def _failed_tiles(self, render_id: str) -> tuple[FailedTile, ...]:
+        rows = self._database.rows(
+            "SELECT * FROM failed_tile WHERE render_id = ? ORDER BY tile_index", (render_id,)
+        )
+        return tuple(
+            FailedTile(
+                row["tile_index"],
+                row["first_sample"],
+                row["end_sample"],
+                row["reason"],
+                tuple(json.loads(row["workers"])),
+            )
+            for row in rows
         )

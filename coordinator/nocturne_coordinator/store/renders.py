@@ -13,7 +13,6 @@ from pathlib import Path
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.errors import InputError, NotFound, Problem
-from nocturne_scene.layers import CHANNELS
 from nocturne_scene.ranges import TileGrid, ranges_planned
 from nocturne_scene.tile_sums import numbers_in
 
@@ -22,6 +21,7 @@ from nocturne_coordinator.dispatch.records import ErrorPoint, RenderState
 from nocturne_coordinator.dispatch.stopping import StopConditions, check_tile_samples
 from nocturne_coordinator.errors import AmbiguousId, Conflict, FilesGone
 from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.layers import layers_bytes
 from nocturne_coordinator.store.quotas import NO_QUOTA, Quota, check_quota
 from nocturne_coordinator.store.rows import MergedTotals, NewRender, RenderRow
 from nocturne_coordinator.store.tags import SEARCHED, TAGGED, words_of
@@ -119,11 +119,11 @@ class Renders:
         further = len(new.schedule.further_responses)
         # Forward photons in ranges of their own have sums, too, and both together.
         sums = 8 * numbers_in(new.width, new.height, further) * (3 if new.schedule.photon_range_ends else 1)
-        layers = sum(len(CHANNELS[layer]) for layer in new.layers)
-        image = 4 * new.width * new.height * (_EXR_CHANNELS + 2 * further + 2 * layers)
+        layers = 2 * layers_bytes(new.width, new.height, new.layers)
+        image = 4 * new.width * new.height * (_EXR_CHANNELS + 2 * further)
         files = (self._blob_here(sha256) for sha256 in new.files)
         here = sum(file.stat().st_size for file in files if file is not None)
-        return sums + image + len(new.scene_document) + here
+        return sums + image + layers + len(new.scene_document) + here
 
     def find_request(self, owner: str, request_id: str) -> RenderRow | None:
         """The render that the owner made with this request id, if there is one."""

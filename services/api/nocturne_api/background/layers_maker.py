@@ -16,8 +16,10 @@ from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError
 from nocturne_scene.film import Film
 
+from nocturne_api.background.space import Space
 from nocturne_api.background.task import Background
 from nocturne_api.compiling.pool import Abandoned, CompileLimits, layers_in_child
+from nocturne_api.errors import FolderFull
 from nocturne_api.limits import COMPILES_AT_ONCE
 
 _log = logging.getLogger(__name__)
@@ -30,12 +32,17 @@ class LayersMaker(Background):
     """One for each API process; two may make the same file, which is one file."""
 
     def __init__(
-        self, folder: DataFolder, in_database: Callable[..., Awaitable[Any]], compile_limits: CompileLimits
+        self,
+        folder: DataFolder,
+        in_database: Callable[..., Awaitable[Any]],
+        compile_limits: CompileLimits,
+        space: Space,
     ) -> None:
         """`in_database` runs a call where the data folder's calls run."""
         self._folder = folder
         self._in_database = in_database
         self._compile_limits = compile_limits
+        self._space = space
         self._wanted = asyncio.Event()
         self._closing = threading.Event()
         self._at_work = 0
@@ -59,8 +66,10 @@ class LayersMaker(Background):
             while True:
                 await self._begin(group)
                 self._wanted.clear()
+                # Not by `wait_for`, which may forget that it was cancelled if what it waits for comes then.
                 with suppress(TimeoutError):
-                    await asyncio.wait_for(self._wanted.wait(), _LOOK_S)
+                    async with asyncio.timeout(_LOOK_S):
+                        await self._wanted.wait()
 
     async def _begin(self, group: asyncio.TaskGroup) -> None:
         """The oldest of each owner that has none in hand, as far as there is room; in turn, so that whoever
@@ -90,7 +99,7 @@ class LayersMaker(Background):
             found = await self._in_database(self._folder.layers.get_due, render_id)
             if found is not None:
                 await self._make(found)
-        except (ObjectStoreUnavailable, FilesGone, OSError) as error:
+        except (ObjectStoreUnavailable, FilesGone, FolderFull, OSError) as error:
             _log.warning("render=%s: its layers are made later: %s", render_id, error)
             again_s = _AGAIN_S
         except Abandoned:
@@ -108,7 +117,8 @@ class LayersMaker(Background):
     async def _make(self, due: LayersDue) -> None:
         layers = self._folder.layers
         try:
-            sha256 = await asyncio.to_thread(self._made, due)
+            with self._space.taken(due.size_bytes):
+                sha256 = await asyncio.to_thread(self._made, due)
         except InputError as error:
             _log.error("render=%s has no layers: %s", due.render_id, error)
             await self._in_database(layers.give_up, due.render_id, f"It has no layers: {error}")

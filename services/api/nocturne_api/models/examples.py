@@ -200,7 +200,7 @@ MEASUREMENTS: dict[str, Any] = {
     "csv": "name,kind,points,quantity,unit,pixels,mean,mean_error,...",
 }
 
-EXPLANATION: dict[str, Any] = {"sentence": "It is running on 16 worker threads, shared with 0 other renders."}
+EXPLANATION: dict[str, Any] = {"sentence": "It is running on 16 worker threads, shared with 2 other renders."}
 
 WORKER: dict[str, Any] = {
     "id": "w-7",

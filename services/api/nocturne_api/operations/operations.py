@@ -51,7 +51,7 @@ class Operations:
         archiver = None if objects is None else Archiver(folder, access.in_database, objects)
         sweeper = Sweeper(folder, storage.unused_seconds)
         space = Space(folder.root, storage.data_bytes)
-        layers_maker = LayersMaker(folder, access.in_database, compile_limits)
+        layers_maker = LayersMaker(folder, access.in_database, compile_limits, space)
         sender = WebhookSender(folder.webhooks, access.in_database, webhook_rules)
         self._access = access
         self._background = [sender, *([archiver] if archiver else []), sweeper, space, layers_maker]

@@ -111,17 +111,22 @@ def _running(situation: Situation, now: float) -> str:
         return "All samples are there; it waits for audits, or for its images to be written."
     if render.photons_per_second <= 0.0:
         out = int(situation.meters.get("jobs_published", 0))
+        busy = f"{_counted(threads, 'worker thread')} {'is' if threads == 1 else 'are'} busy"
         return (
-            f"No result came back in the last minutes: {threads} worker threads are busy with the {out} jobs "
-            "published before, its own among them or behind them."
+            f"No result came back in the last minutes: {busy} with the {_counted(out, 'job')} published "
+            "before, its own among them or behind them."
         )
     end = "" if not render.predicted_end else f" It should end {_when(render.predicted_end, now)}."
     kept = len(situation.incompatible)
-    others = f" {kept} workers get no jobs; `nocturne workers` says why." if kept else ""
-    return (
-        f"It is running on {threads} worker threads, shared with {situation.running - 1} other renders."
-        f"{others}{end}"
-    )
+    get = "gets" if kept == 1 else "get"
+    others = f" {_counted(kept, 'worker')} {get} no jobs; `nocturne workers` says why." if kept else ""
+    beside = situation.running - 1
+    shared = f"shared with {_counted(beside, 'other render')}" if beside else "alone"
+    return f"It is running on {_counted(threads, 'worker thread')}, {shared}.{others}{end}"
+
+
+def _counted(number: int, name: str) -> str:
+    return f"{number} {name}{'' if number == 1 else 's'}"
 
 
 def _when(unix_time: float, now: float) -> str:

@@ -7,7 +7,7 @@ change overwrites. The poller runs only while somebody watches.
 import asyncio
 import logging
 import time
-from collections.abc import AsyncIterator, Iterable, Iterator, Set
+from collections.abc import AsyncIterator, Iterable, Iterator, Sequence, Set
 from contextlib import contextmanager, suppress
 from typing import Protocol
 
@@ -33,8 +33,8 @@ class Watcher:
         self._why: Exception | None = None
 
     def offer(self, render: Render) -> None:
-        """Takes a state, unless this watcher has seen it or one after it."""
-        if render.sequence > self._sent.get(render.id, -1):
+        """Takes a state, unless this watcher has seen it or one after it, or was shut."""
+        if self._why is None and render.sequence > self._sent.get(render.id, -1):
             self._newest[render.id] = render
             self._awake.set()
 
@@ -131,17 +131,24 @@ class Watchers:
 
     async def _poll(self) -> None:
         """Runs until nobody watches. An error ends all streams, so that callers connect again and see it."""
-        last: int | None = None
+        seen: int | None = None
+        told: int | None = None
+        rests_until = 0.0
         try:
             while self._watchers:
-                begun = time.monotonic()
-                counter = await self._source.change_counter()
                 # A counter seen before the read: a change in between is read twice rather than lost.
-                if counter != last:
-                    last = counter
+                counter = await self._source.change_counter()
+                begun = time.monotonic()
+                if counter != told and begun >= rests_until:
+                    await self._tell()
+                    seen = told = counter
+                    now = time.monotonic()
+                    rests_until = now + WATCH_REST * (now - begun)
+                elif counter != seen:
+                    # Never put off: a slow disk would keep streams of revoked tokens open for that long.
                     await self._shut_out()
-                    await self._feed()
-                await asyncio.sleep(max(WATCH_INTERVAL_S, WATCH_REST * (time.monotonic() - begun)))
+                    seen = counter
+                await asyncio.sleep(WATCH_INTERVAL_S)
         except Exception:
             _log.exception("watching the data folder failed")
             for watcher in self._watchers:
@@ -154,27 +161,34 @@ class Watchers:
         for watcher in [each for each in self._watchers if each.caller.name in revoked]:
             watcher.shut(Unauthenticated("the token was revoked"))
 
-    async def _feed(self) -> None:
-        for render_id in frozenset().union(*(each.render_ids or () for each in self._watchers)):
-            render = await self._source.get(render_id)
-            for watcher in [each for each in self._watchers if render_id in (each.render_ids or ())]:
-                if render is None:
-                    watcher.close()
-                else:
-                    watcher.offer(render)
-        for owner in {each.caller.sees for each in self._watchers if each.render_ids is None}:
-            await self._feed_newest(owner)
+    async def _tell(self) -> None:
+        """Reads states, then looks who was revoked, and only then tells: nobody hears of what came after."""
+        render_ids = frozenset().union(*(each.render_ids or () for each in self._watchers))
+        renders = {render_id: await self._source.get(render_id) for render_id in render_ids}
+        owners = {each.caller.sees for each in self._watchers if each.render_ids is None}
+        newest = {owner: await self._source.newest(owner) for owner in owners}
+        await self._shut_out()
+        for watcher in self._watchers:
+            # Who came meanwhile read its first states itself, and hears of the next change.
+            if watcher.render_ids is not None:
+                for render_id in watcher.render_ids & renders.keys():
+                    _offer(watcher, renders[render_id])
+            elif watcher.caller.sees in newest:
+                _offer_newest(watcher, newest[watcher.caller.sees])
 
-    async def _feed_newest(self, owner: str | None) -> None:
-        """Those who watch the newest renders, of one owner or of all."""
-        renders = await self._source.newest(owner)
-        for watcher in [
-            each for each in self._watchers if each.render_ids is None and each.caller.sees == owner
-        ]:
-            # Oldest first, so that a page which shows newest on top ends in the right order.
-            for render in reversed(renders):
-                watcher.offer(render)
-            watcher.forget_except(render.id for render in renders)
+
+def _offer(watcher: Watcher, render: Render | None) -> None:
+    if render is None:
+        watcher.close()
+    else:
+        watcher.offer(render)
+
+
+def _offer_newest(watcher: Watcher, renders: Sequence[Render]) -> None:
+    # Oldest first, so that a page which shows newest on top ends in the right order.
+    for render in reversed(renders):
+        watcher.offer(render)
+    watcher.forget_except(render.id for render in renders)
 
 
 async def states(watcher: Watcher, to_the_end: bool = False) -> AsyncIterator[Render]:
