@@ -10,8 +10,8 @@
 
 w_s is a source's solid angle and p_s its position index: above the line of sight S. K. Guth's as R. E. Levin
 wrote it ("Position index in VCP calculations", Journal of the IES, 1975; 12 % at most from Guth's plot, of
-which CIE 117 has a table), below it that of T. Iwata and M. Tokura (1997), as evalglare has it. Sources are
-connected pixels at or above a luminance.
+which CIE 117 has a table), below it that of T. Iwata and M. Tokura (1997), as evalglare 1.17 has it. Sources
+are connected pixels at or above a luminance.
 """
 
 import math
@@ -34,7 +34,7 @@ MAX_PIXELS = 2**22
 UGR_SOLID_ANGLES = (0.0003, 0.1)
 DGP_MIN_ILLUMINANCE = 380.0
 DGP_RANGE = (0.2, 0.8)
-_LARGEST_POSITION_INDEX = 16.0
+_MAX_POSITION_INDEX = 16.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +123,7 @@ def position_index(right: Values, up: Values, forward: Values) -> Values:
     # Iwata and Tokura: by the distance from the line of sight on a plane in front of the eye.
     distance = np.minimum(beside / np.maximum(forward, 1e-9), 3.0)
     iwata = 1.0 + np.where(distance > 0.6, 1.2, 0.8) * distance
-    return np.minimum(np.where(up < 0.0, iwata, guth), _LARGEST_POSITION_INDEX)
+    return np.minimum(np.where(up < 0.0, iwata, guth), _MAX_POSITION_INDEX)
 
 
 def _turned(seen: PixelDirections, view: View) -> PixelDirections:
