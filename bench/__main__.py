@@ -14,6 +14,7 @@ from bench import (
     error_bars,
     first_tile,
     grid,
+    layers,
     media,
     mixture,
     page,
@@ -52,6 +53,7 @@ BENCHES: dict[str, Bench] = {
     "stops": stops,
     "accumulation": accumulation,
     "plain": plain,
+    "layers": layers,
 }
 
 

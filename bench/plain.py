@@ -7,10 +7,7 @@ machine does; CPU times are measured in turns.
 """
 
 import math
-import re
-import shutil
 import statistics
-import subprocess
 import tempfile
 from pathlib import Path
 
@@ -19,8 +16,9 @@ from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import CompiledFolder
 from nocturne_client.local.programs import need_program
 
+from bench.counting import instructions
 from bench.programs import Traced, bench_program, trace
-from bench.report import Figures, Row, Skipped, significant, spread
+from bench.report import Figures, Row, significant, spread
 from bench.scenes import compile_document, cornell
 
 _NOISE = 1.2533
@@ -32,14 +30,11 @@ _FEW, _MANY = 64, 256
 
 def run(quick: bool) -> Figures:
     """Instructions and CPU time of nocturne-trace over those of the plain one, on one thread."""
-    valgrind = shutil.which("valgrind")
-    if valgrind is None:
-        raise Skipped("Valgrind is not there (`apt-get install valgrind`)")
     edge, rounds = (32, 3) if quick else (64, 32)
     programs = (need_program("nocturne-trace"), bench_program("nocturne-trace-plain"))
     with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
         few, many = (_compiled(folder, 16, samples) for samples in (_FEW, _MANY))
-        full, plain = (_count(valgrind, each, many) - _count(valgrind, each, few) for each in programs)
+        full, plain = (instructions(each, many) - instructions(each, few) for each in programs)
         ratios = _times(_compiled(folder, edge, _FEW), programs, rounds)
     error = _NOISE * statistics.stdev(ratios) / math.sqrt(rounds)
     return {
@@ -63,19 +58,6 @@ def rows(figures: Figures) -> list[Row]:
 
 def _compiled(folder: str, edge: int, samples: int) -> CompiledFolder:
     return compile_document(cornell(), Path(folder) / f"{edge}-{samples}", edge, samples, {})
-
-
-def _count(valgrind: str, program: Path, compiled: CompiledFolder) -> int:
-    """Instructions of a run."""
-    with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
-        words = [valgrind, "--tool=callgrind", f"--callgrind-out-file={folder}/profile", program]
-        words += [compiled.scene, "--schedule", compiled.schedule, "--blobs", compiled.blobs]
-        words += ["-o", f"{folder}/image.exr", "--threads", "1", "--quiet"]
-        done = subprocess.run(list(map(str, words)), capture_output=True, text=True, check=False)
-    counted = re.search(r"Collected : (\d+)", done.stderr)
-    if done.returncode != 0 or counted is None:
-        raise NocturneClientError(f"Valgrind failed ({done.returncode}): {done.stderr.strip()[-500:]}")
-    return int(counted[1])
 
 
 def _times(compiled: CompiledFolder, programs: tuple[Path, Path], rounds: int) -> list[float]:
