@@ -150,7 +150,9 @@ def test_an_older_renders_numbers_have_no_unit() -> None:
     assert sentence(reading(quantity="", unit="")).startswith("Y 10 +- 1.4, u'")
 
 
-@pytest.mark.parametrize("text", ["", "1", "1,2,3", "1,2,3,4,5", "a,b", "-1,0", "1.5,2", "0,0,0,1"])
+@pytest.mark.parametrize(
+    "text", ["", "1", "1,2,3", "1,2,3,4,5", "a,b", "-1,0", "1.5,2", "0,0,0,1", "0,0 64,64"]
+)
 def test_what_is_no_region_is_refused(text: str) -> None:
     with pytest.raises(NocturneClientError, match=r"expected X,Y,WIDTH,HEIGHT|has no pixels"):
         parse_region(text)

@@ -133,7 +133,7 @@ def test_the_page(page_service: Up, guarded_url: str, tmp_path: Path) -> None:
         "pixel": pixel_of(exr),
         "archive": str(archive_of(ROOT / "examples" / "cornell", tmp_path / "cornell.zip")),
         "scene_folder": str(ROOT / "examples" / "cornell"),
-        "screenshots": os.environ.get("NOCTURNE_SCREENSHOTS", str(tmp_path / "screenshots")),
+        "screenshots": os.environ.get("NOCTURNE_SCREENSHOTS", ""),
     }
     visit("page.e2e.mjs", given)
 

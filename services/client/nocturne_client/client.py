@@ -132,6 +132,7 @@ class Client:
         group: str = "",
         after: str = "",
         tags: Sequence[str] = (),
+        member: str = "",
     ) -> Render:
         """Uploads what the scene document at `scene` names and the service lacks, and starts a render.
 
@@ -142,15 +143,17 @@ class Client:
         `layers`: what the EXR is to tell of surfaces, of albedo, normal, depth, position, object, material.
         Renders with the same `group` are one; `after`: a group that has to end before this render begins.
         `tags`: words to sort renders by. Submitting again with the same `request_id` gives the same render.
+        `name`: else the document's own, else the file's; `member`, what tells it from others, comes after it.
         """
         if isinstance(scene, Path):
             on_disk = self._uploaded(scene, progress)
-            name = name or on_disk.name or scene.stem
+            # Members of a folder are told by their files already.
+            file = "" if member.startswith(scene.stem) else scene.stem
         else:
-            on_disk = SceneOnDisk(dict(scene), {})
+            on_disk, file = SceneOnDisk(dict(scene), {}), ""
         body = {
             "request_id": request_id or str(uuid.uuid4()),
-            "name": name or on_disk.name,
+            "name": f"{name or on_disk.name or file} {member}".strip(),
             "scene": changed(on_disk.document, changes or {}),
             "width": width,
             "height": height,

@@ -1,7 +1,5 @@
 """What a part of a render's image shows, in words."""
 
-import re
-
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Reading, Region
 
@@ -18,9 +16,10 @@ def parse_region(text: str) -> Region:
 
     Raises NocturneClientError.
     """
-    numbers = [int(each) for each in re.split(r"\s*,\s*", text.strip()) if each.isdecimal()]
-    if len(numbers) not in (2, 4) or not re.fullmatch(r"[\d\s,]+", text):
+    parts = [each.strip() for each in text.split(",")]
+    if len(parts) not in (2, 4) or not all(each.isascii() and each.isdigit() for each in parts):
         raise NocturneClientError(f"--region {text}: expected X,Y,WIDTH,HEIGHT in pixels, or X,Y")
+    numbers = [int(each) for each in parts]
     x, y, width, height = numbers if len(numbers) == 4 else (*numbers, 1, 1)
     if not (width and height):
         raise NocturneClientError(f"--region {text}: has no pixels")

@@ -32,6 +32,17 @@ export function setText(node: Element, text: string): void {
   if (node.textContent !== text) node.textContent = text;
 }
 
+/** Calls that come before the next frame become one, in that frame. */
+export function oncePerFrame(act: () => void): () => void {
+  let frame = 0;
+  return () => {
+    frame ||= requestAnimationFrame(() => {
+      frame = 0;
+      act();
+    });
+  };
+}
+
 /** An element that index.html must have. */
 export function required(id: string): HTMLElement {
   const node = document.getElementById(id);

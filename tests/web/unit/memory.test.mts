@@ -23,6 +23,14 @@ test("an address says how the image was looked at", () => {
   assert.deepEqual(fromQuery(text), { show, tone, ranges, chosen, exposure: 0.0001234, placement: { x: 12.3, y: 5, scale: 8 } });
 });
 
+test("an address says what looks white: by name, or as somebody picked it in the image", () => {
+  assert.equal(toQuery({ ...plain, white: whites.D50 }), "white=D50");
+  assert.deepEqual(fromQuery("white=D50"), { white: whites.D50 });
+  assert.equal(toQuery({ ...plain, white: [1.0985, 1, 0.35592] }), "white=1.0985,0.3559");
+  assert.deepEqual(fromQuery("white=1.0985,0.3559"), { white: [1.0985, 1, 0.3559] });
+  for (const wrong of ["D66", "toString", "0,1", "1", "1,x", "1e999,1"]) assert.deepEqual(fromQuery(`white=${wrong}`), {}, wrong);
+});
+
 test("an address says where the wipe is", () => {
   assert.equal(toQuery({ ...plain, side: "wipe", wipe: 0.3 }), "wipe=0.300");
   assert.deepEqual(fromQuery("wipe=0.300"), { side: "wipe", wipe: 0.3 });

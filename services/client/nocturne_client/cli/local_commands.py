@@ -87,6 +87,14 @@ def up(
         ),
     ] = None,
     currency: Annotated[str | None, typer.Option("--currency", help="Of that price; else EUR.")] = None,
+    webhook_network: Annotated[
+        str | None,
+        typer.Option(
+            "--webhook-network",
+            metavar="CIDR",
+            help="A private network that webhooks may lead to, also by http, such as 127.0.0.1/32.",
+        ),
+    ] = None,
 ) -> None:
     """Run the whole service here: redis-server, coordinator, API with page, workers. Ctrl-C stops it."""
     from nocturne_client.local.data import default_data_folder
@@ -102,6 +110,7 @@ def up(
         "--owner-stored-bytes": owner_stored_bytes,
         "--core-hour-price": core_hour_price,
         "--currency": currency,
+        "--webhook-network": webhook_network,
     }
     asked = {option: f"{value}" for option, value in options.items() if value is not None}
     run_up(UpSettings(folder, port, workers, threads or share, auth, asked))

@@ -128,7 +128,7 @@ def _submit_all(
             client.submit(
                 member.scene if document is None else document,
                 *wanted.film,
-                " ".join(filter(None, (name or (member.scene.stem if member.name else ""), member.name))),
+                name,
                 wanted.request_id if len(members) == 1 else f"{wanted.request_id}/{index}",
                 _told,
                 wanted.stop,
@@ -138,6 +138,7 @@ def _submit_all(
                 wanted.group,
                 wanted.after,
                 wanted.tags,
+                member.name,
             )
             for index, member in enumerate(members)
         ]

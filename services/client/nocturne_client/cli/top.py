@@ -41,7 +41,7 @@ def _dashboard(client: Client) -> Group:
     workers, work = client.workers(), client.work()
     rate = sum(worker.rays_per_second for worker in workers)
     threads = sum(worker.threads for worker in workers)
-    head = f"{len(workers)} workers, {threads} threads, {rate:,.0f} rays/s"
+    head = f"Workers: {len(workers)}, threads: {threads}, {rate:,.0f} rays/s"
     renders.sort(key=lambda each: (each.has_ended, -each.created))
     return Group(f"[bold]{head}[/]", _of_renders(renders), "", _of_workers([*workers], [*work], now))
 

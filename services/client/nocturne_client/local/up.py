@@ -47,7 +47,8 @@ class UpSettings:
     auth: bool = False
     """Callers need a token."""
     api_options: Mapping[str, str] = field(default_factory=dict)
-    """Where they are not its defaults: what owners and the data folder may have, and what an hour costs."""
+    """Where they are not its defaults: what owners and the data folder may have, what an hour costs, where
+    webhooks may lead."""
 
 
 def run_up(settings: UpSettings) -> None:

@@ -16,6 +16,8 @@ export class Renders {
   connections = 0;
 
   readonly #byId = new Map<string, Render>();
+  /** Until something changes: it is asked for several times at each change. */
+  #sorted: Render[] | undefined;
   readonly #listeners = new Set<Listener>();
 
   readonly #tilesListeners = new Set<(event: TilesEvent) => void>();
@@ -68,8 +70,9 @@ export class Renders {
     return this.#byId.get(id);
   }
 
-  newestFirst(): Render[] {
-    return [...this.#byId.values()].sort((a, b) => b.created - a.created || b.id.localeCompare(a.id));
+  newestFirst(): readonly Render[] {
+    this.#sorted ??= [...this.#byId.values()].sort((a, b) => b.created - a.created || (a.id < b.id ? 1 : -1));
+    return this.#sorted;
   }
 
   /** Takes a render unless something newer is known. */
@@ -147,6 +150,7 @@ export class Renders {
   }
 
   #notify(): void {
+    this.#sorted = undefined;
     for (const listener of [...this.#listeners]) listener();
   }
 }

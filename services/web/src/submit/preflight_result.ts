@@ -5,7 +5,7 @@ import type { Interval, PreflightReport, PreflightModel } from "../service/types
 
 /** The table, and a button that takes the simpler scene where there is one. */
 export function preflightResult(preflight: PreflightReport, onTake: () => void): HTMLElement[] {
-  const heads = ["Without", "Mean luminance", "Relative RMSE", "Time a sample", "Verdict", "Time to the target"];
+  const heads = ["Without", "Mean luminance", "Relative RMSE", "Time per sample", "Verdict", "Time to the target"];
   const row = (cells: string[], tag: "td" | "th"): HTMLElement => element("tr", {}, ...cells.map((cell) => element(tag, {}, cell)));
   const rows = preflight.models.map((model) => row(cellsOf(model), "td"));
   const table = element("table", {}, element("thead", {}, row(heads, "th")), element("tbody", {}, ...rows));

@@ -1,58 +1,52 @@
 /** Submitting a scene: drop a folder or an archive, say what is wanted, send. */
-import { announce, element, setText } from "../dom.ts";
+import { announce, element } from "../dom.ts";
 import { formatDuration } from "../format.ts";
 import { groupRoute, renderRoute } from "../router.ts";
-import { createRender, preflight, ServiceError } from "../service/client.ts";
-import type { CreateRenderRequest, PreflightReport, Problem, Render, SceneDocument } from "../service/types.ts";
+import { createRender, preflight } from "../service/client.ts";
+import type { CreateRenderRequest, PreflightReport, Render, SceneDocument } from "../service/types.ts";
 import { filesDropped, filesOf } from "./dropped.ts";
 import { type Asked, submitForm } from "./form.ts";
 import { membersOf } from "./members.ts";
+import { messages } from "./messages.ts";
 import { preflightResult } from "./preflight_result.ts";
 import { type Scene, upload } from "./scene_files.ts";
 import { takes } from "./taking.ts";
+
+type Say = (words: string) => void;
 
 /** Of a preflight where no stop is asked for. */
 const usualError = 0.02;
 
 export function submitPanel(): { node: HTMLElement; close: () => void } {
-  const status = element("p", { role: "status" });
-  const problems = problemList();
+  const { status, problems, say, failed, show, correctable, corrected } = messages();
   const form = submitForm(
     (asked) => { if (scene) void send(scene, asked); },
     (asked) => { if (scene) void preflight(scene, asked); },
   );
   const report = element("div", {});
   const picker = pickers((files) => void take(files));
-  const node = element("section", { class: "submit", "aria-labelledby": "submit-title" }, element("h2", { id: "submit-title" }, "Submit a scene"), picker, status, problems.node, form.node, report);
+  const title = element("h2", { id: "submit-title" }, "Submit a scene");
+  const node = element("section", { class: "submit", "aria-labelledby": "submit-title" }, title, picker, status, problems, form.node, report);
   let scene: Scene | undefined;
   form.node.hidden = true;
+  form.node.addEventListener("input", corrected);
 
-  const failed = (error: unknown): void => {
-    setText(status, error instanceof Error ? error.message : String(error));
-    problems.show(error instanceof ServiceError ? error.problems : []);
-  };
-  const say = (words: string): void => { setText(status, words); };
   const begin = (taken: Scene): void => {
     scene = taken;
-    problems.show(taken.problems);
+    show(taken.problems);
     form.begin(typeof taken.document.name === "string" ? taken.document.name : (taken.path.split("/").at(-2) ?? "scene"));
     form.node.hidden = taken.problems.length > 0;
   };
   const clear = (): void => {
     scene = undefined;
-    problems.show([]);
+    show([]);
     form.node.hidden = true;
     report.replaceChildren();
   };
   const take = takes({ say, failed, begin, clear, report, setFilm: form.setFilm });
   const working = async (work: () => Promise<void>): Promise<void> => {
     form.busy(true);
-    problems.show([]);
-    try {
-      await work();
-    } catch (error) {
-      failed(error);
-    }
+    await correctable(work);
     form.busy(false);
   };
   const send = (wanted: Scene, asked: Asked): Promise<void> => working(async () => {
@@ -62,15 +56,15 @@ export function submitPanel(): { node: HTMLElement; close: () => void } {
   });
   const preflight = (wanted: Scene, asked: Asked): Promise<void> => working(async () => {
     report.replaceChildren();
-    const found = await preflightOf(wanted, asked, status);
+    const found = await preflightOf(wanted, asked, say);
     // Another scene may have been dropped meanwhile.
-    if (scene === wanted) report.replaceChildren(...preflightResult(found, () => { scene = simpler(wanted, found, status); }));
+    if (scene === wanted) report.replaceChildren(...preflightResult(found, () => { scene = simpler(wanted, found, say); }));
   });
   return { node, close: takeDrops(node, (files) => void take(files)) };
 }
 
 /** Then shows the render, or the group. */
-async function submitAll(requests: CreateRenderRequest[], say: (words: string) => void): Promise<void> {
+async function submitAll(requests: CreateRenderRequest[], say: Say): Promise<void> {
   let last: Render | undefined;
   for (const [index, request] of requests.entries()) {
     say(requests.length === 1 ? "Submitting…" : `Submitting ${index + 1} of ${requests.length}…`);
@@ -94,16 +88,19 @@ export function requestsOf(document: SceneDocument, { requestId, request, wanted
   }));
 }
 
-async function preflightOf(wanted: Scene, { request }: Asked, status: HTMLElement): Promise<PreflightReport> {
+async function preflightOf(wanted: Scene, { request }: Asked, say: Say): Promise<PreflightReport> {
   const { width, height, stop } = request;
-  await upload(wanted.files, (words) => { setText(status, words); });
+  await upload(wanted.files, say);
   const start = performance.now();
-  const tell = (): void => { setText(status, `Rendering it small, with and without each part; this takes minutes… ${formatDuration(Math.round((performance.now() - start) / 1000))}`); };
+  const tell = (): void => {
+    const elapsed = formatDuration(Math.round((performance.now() - start) / 1000));
+    say(`Rendering it small, with and without each part; this takes minutes… ${elapsed}`);
+  };
   tell();
   const timer = setInterval(tell, 5000);
   try {
     const found = await preflight({ scene: wanted.document, width, height, error: stop.relative_error ?? usualError });
-    setText(status, `${wanted.path} is checked`);
+    say(`${wanted.path} is checked`);
     return found;
   } finally {
     clearInterval(timer);
@@ -111,8 +108,8 @@ async function preflightOf(wanted: Scene, { request }: Asked, status: HTMLElemen
 }
 
 /** The scene that is enough; its files are there already. */
-function simpler(scene: Scene, preflight: PreflightReport, status: HTMLElement): Scene {
-  setText(status, `${scene.path}, simplified: ${preflight.chosen.without.join(", ")}`);
+function simpler(scene: Scene, preflight: PreflightReport, say: Say): Scene {
+  say(`${scene.path}, simplified: ${preflight.chosen.without.join(", ")}`);
   return { ...scene, document: preflight.document };
 }
 
@@ -154,17 +151,5 @@ function takeDrops(node: HTMLElement, onFiles: (files: Promise<Map<string, Blob>
     window.removeEventListener("dragover", over);
     window.removeEventListener("dragleave", leave);
     window.removeEventListener("drop", drop);
-  };
-}
-
-function problemList(): { node: HTMLElement; show: (problems: readonly Problem[]) => void } {
-  const node = element("ul", { class: "problems", role: "alert" });
-  node.hidden = true;
-  return {
-    node,
-    show: (problems) => {
-      node.replaceChildren(...problems.map(({ place, message }) => element("li", {}, element("code", {}, place), ` ${message}`)));
-      node.hidden = problems.length === 0;
-    },
   };
 }

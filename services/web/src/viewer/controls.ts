@@ -1,9 +1,10 @@
 /** The tools over the image. */
-import { element, setText } from "../dom.ts";
+import { announce, element, setText } from "../dom.ts";
 import { formatStops, formatValue } from "../format.ts";
 import { type Triple, whites } from "../image/colour.ts";
 import { middleGrey, type Show, shows, type Tone, tones } from "../image/look.ts";
 import { type Kind, kinds } from "../measure/outlines.ts";
+import { nameOfWhite } from "./memory.ts";
 import type { Viewer } from "./viewer.ts";
 
 const showNames: Record<Show, string> = {
@@ -75,9 +76,14 @@ function showChoice(viewer: Viewer, canCompare: boolean): HTMLElement {
 
 function whiteChoice(viewer: Viewer, neutral: () => Triple | undefined): HTMLElement {
   const names: [string, string][] = [...Object.keys(whites).map((name): [string, string] => [name, name]), ["camera", "Camera"]];
-  return select("White", names, "D65", (name) => {
+  return select("White", names, nameOfWhite(viewer.look.white) ?? "camera", (name, input) => {
     const white = name === "camera" ? neutral() : whites[name as keyof typeof whites];
-    if (white && white[1] > 0) viewer.change({ white: white.map((value) => value / white[1]) as Triple });
+    if (white && white[1] > 0) {
+      viewer.change({ white: white.map((value) => value / white[1]) as Triple });
+      return;
+    }
+    input.value = nameOfWhite(viewer.look.white) ?? "camera";
+    announce("Point at a pixel or choose a region first: that will look white");
   });
 }
 
@@ -118,10 +124,12 @@ function zoomButtons(viewer: Viewer): HTMLElement[] {
   ];
 }
 
-export function select(label: string, options: [string, string][], value: string, onChange: (value: string) => void): HTMLElement {
+type OnChange = (value: string, input: HTMLSelectElement) => void;
+
+export function select(label: string, options: [string, string][], value: string, onChange: OnChange): HTMLElement {
   const input = element("select", {}, ...options.map(([name, text]) => element("option", { value: name }, text)));
   input.value = value;
-  input.addEventListener("change", () => { onChange(input.value); });
+  input.addEventListener("change", () => { onChange(input.value, input); });
   return element("label", { class: "select" }, element("span", {}, label), input);
 }
 

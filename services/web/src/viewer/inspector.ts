@@ -60,7 +60,7 @@ function column(title: string, hint: string, measured: () => Measured, ask: Ask)
   const place = element("span", { class: "place" });
   const list = element("dl", { title: "After ±: one standard error" });
   const invitation = element("p", { class: "note" }, hint);
-  const node = element("section", { "aria-label": title }, element("h3", {}, title, place), invitation, list);
+  const node = element("section", { "aria-label": title }, element("h2", {}, title, place), invitation, list);
   list.hidden = true;
   let shown: Reading | undefined;
   let told: RegionReading | undefined;

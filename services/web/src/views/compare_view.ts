@@ -99,9 +99,24 @@ function chooser(first: string, second: string | undefined, renders: Renders, on
     if (key === offered && offered) return;
     offered = key;
     const options: [string, string][] = [["", "Choose a render"], ...same.map((render): [string, string] => [render.id, nameOf(render, render.id)])];
-    others.replaceChildren(select("Second", options, second ?? "", (id) => { if (id) location.hash = compareRoute(first, id); }));
+    const box = select("Second", options, second ?? "", () => undefined);
+    others.replaceChildren(patient(box, (id) => { if (id && id !== second) location.hash = compareRoute(first, id); }));
   };
   return { node, update };
+}
+
+/** A choice that leads away: by keys with Enter or when the focus leaves it, as arrow keys pass by others on their way. */
+function patient(box: HTMLElement, go: (value: string) => void): HTMLElement {
+  let byKeys = false;
+  const act = (event: Event): void => { if (event.target instanceof HTMLSelectElement) go(event.target.value); };
+  box.addEventListener("pointerdown", () => { byKeys = false; });
+  box.addEventListener("keydown", (event) => {
+    byKeys = true;
+    if (event.key === "Enter") act(event);
+  });
+  box.addEventListener("change", (event) => { if (!byKeys) act(event); });
+  box.addEventListener("focusout", act);
+  return box;
 }
 
 function nameOf(render: Render | undefined, id: string): string {

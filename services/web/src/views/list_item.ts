@@ -20,7 +20,8 @@ export interface ListItem {
 export function listItem(onSelect: () => void): ListItem {
   const box = element("input", { type: "checkbox" });
   box.addEventListener("change", onSelect);
-  const picture = thumbnail();
+  const node = element("li", {});
+  const picture = thumbnail(node);
   const link = element("a", { class: "name" });
   const badge = stateBadge();
   const size = element("span");
@@ -30,16 +31,20 @@ export function listItem(onSelect: () => void): ListItem {
   const error = element("span", { class: "error", title: "Relative error, and what was asked for" });
   const finish = element("span", { class: "finish" });
   const cost = element("span", { class: "cost", title: "Processor time of workers, so far and as predicted" });
-  const node = element(
-    "li",
-    {},
+  node.append(
     box,
     picture.node,
     element("div", { class: "what" }, element("h2", {}, link, badge.node), size, group, tags),
     element("div", { class: "how-far" }, bar.node, error, finish, cost),
   );
 
+  let shown: Render | undefined;
   const show = (render: Render): void => {
+    // The price may come later.
+    setText(cost, costText(render));
+    // Of hundreds most have ended, and stay as they are.
+    if (render === shown && hasEnded(render)) return;
+    shown = render;
     link.href = renderRoute(render.id);
     setText(link, render.name || render.id);
     box.setAttribute("aria-label", `Select ${render.name || render.id}`);
@@ -54,7 +59,6 @@ export function listItem(onSelect: () => void): ListItem {
     setText(error, errorText(render));
     setText(finish, finishText(render));
     finish.title = render.out_of_reach;
-    setText(cost, costText(render));
     picture.show(render);
   };
   return { node, show, box };

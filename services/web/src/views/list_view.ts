@@ -1,5 +1,5 @@
 /** The list of renders: filtered, in an order, and a place to submit another. */
-import { element, setText } from "../dom.ts";
+import { element, oncePerFrame, setText } from "../dom.ts";
 import { notifyBox } from "../service/notifier.ts";
 import type { Renders } from "../service/renders.ts";
 import { submitPanel } from "../submit/submit_panel.ts";
@@ -55,7 +55,8 @@ export function listView(renders: Renders, group = ""): View {
     // A failed page leaves the button, to be pressed again.
     renders.fetchNextPage().catch(() => undefined);
   });
-  const unsubscribe = renders.subscribe(update);
+  // Renders come one by one; what they change is shown at once.
+  const unsubscribe = renders.subscribe(oncePerFrame(update));
   update();
   return {
     node,
@@ -73,9 +74,11 @@ export function listView(renders: Renders, group = ""): View {
 function place(list: HTMLElement, items: ReadonlyMap<string, ListItem>, nodes: HTMLElement[]): void {
   const wanted = new Set(nodes);
   for (const { node } of items.values()) if (!wanted.has(node)) node.remove();
-  nodes.forEach((node, index) => {
-    if (list.children[index] !== node) list.insertBefore(node, list.children[index] ?? null);
-  });
+  let next = list.firstChild;
+  for (const node of nodes) {
+    if (node === next) next = next.nextSibling;
+    else list.insertBefore(node, next);
+  }
 }
 
 /** `find` has the service look among all renders, once nobody types any more. */

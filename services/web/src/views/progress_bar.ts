@@ -4,7 +4,7 @@ import { formatSamples } from "../format.ts";
 import { fractionDone, type Render } from "../service/types.ts";
 
 export function progressBar(): { node: HTMLElement; show: (render: Render) => void } {
-  const node = element("progress", { max: "1", value: "0", "aria-label": "Samples merged" });
+  const node = element("progress", { max: "1", value: "0", "aria-label": "Samples completed" });
   return {
     node,
     show: (render) => {
