@@ -35,7 +35,6 @@ from tests.faults.survival import (
     note,
 )
 from tests.pictures import samples_of
-from tests.system.own_time import waited_s
 from tests.system.waiting import LIMIT_S
 
 
@@ -62,18 +61,16 @@ def test_further_responses_come_through_a_restart(service: Service) -> None:
 
 
 def test_a_killed_coordinator_is_replaced_at_once(service: Service) -> None:
-    """C1: the next one does not wait for the lease of the dead one."""
-    service.start()
+    """C1: the next one does not wait for the lease of the dead one, here of a day: the epoch says who may
+    have it."""
+    service.start("", "--lease-seconds", "86400")
     render = service.create(samples=100)
     service.work(SimulatedWorker(service.server.url, delay=SOME_DELAY))
     wait_until(lambda: half_done(service, render.id))
     service.stop(signal.SIGKILL)
-    begun = time.monotonic()
     done = service.row(render.id).ranges_done
-    process = service.start()
+    service.start()
     wait_until(lambda: service.row(render.id).ranges_done > done)
-    # Less than the lease that the dead one left behind: the epoch says who may have it.
-    assert time.monotonic() - begun - waited_s(process.pid) < 8.0
     check_survived(service, render.id)
 
 

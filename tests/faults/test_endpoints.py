@@ -21,7 +21,7 @@ from nocturne.v1 import render_service_pb2 as pb
 from nocturne_api import limits
 
 from tests.faults.owners import Guarded, guarded, metadata, next_of, request
-from tests.system.own_time import OwnTime
+from tests.services import coordinator_acts
 from tests.system.waiting import LIMIT_S
 
 HALF_A_HEAD = b"GET /v1/renders HTTP/1.1\r\nHost: localhost\r\nX-A: "
@@ -169,8 +169,9 @@ async def test_a_body_has_its_time(
     assert [row["size_bytes"] for row in rows] == [20_000]
 
 
-async def test_a_call_has_its_time(service: Guarded, monkeypatch: pytest.MonkeyPatch) -> None:
-    """P8: the same by gRPC."""
+@pytest.mark.parametrize("begins", [True, False])
+async def test_a_call_has_its_time(begins: bool, service: Guarded, monkeypatch: pytest.MonkeyPatch) -> None:
+    """P8: the same by gRPC, also where not even a first message comes."""
     monkeypatch.setattr(limits, "BODY_SECONDS", 0.5)
     about = asset_service_pb2.Asset(sha256="a" * 64, size_bytes=1_000_000)
     async with service.grpc() as channel:
@@ -178,10 +179,13 @@ async def test_a_call_has_its_time(service: Guarded, monkeypatch: pytest.MonkeyP
             metadata=metadata(service.token("alice", "submit"))
         )
         begun = time.monotonic()
-        await call.write(asset_service_pb2.UploadRequest(asset=about))
+        if begins:
+            await call.write(asset_service_pb2.UploadRequest(asset=about))
         while not call.done() and time.monotonic() - begun < _CLOSED_S:
-            await call.write(asset_service_pb2.UploadRequest(data=b"x"))
+            if begins:
+                await call.write(asset_service_pb2.UploadRequest(data=b"x"))
             await asyncio.sleep(0.1)
+        assert call.done()
         assert await call.code() == grpc.StatusCode.DEADLINE_EXCEEDED
 
 
@@ -191,16 +195,13 @@ async def test_an_answer_that_nobody_reads_is_given_up(
     """P8: it held a connection and an open file."""
     monkeypatch.setattr(limits, "UNREAD_SECONDS", 0.5)
     token = service.token("alice", "submit")
-    sha256 = service.folder.blobs.put(bytes(30_000_000))
     async with service.rest(token) as alice:
-        # There is a way for the bytes of an asset by gRPC only; an image is a file like it.
         made = (await alice.post("/v1/renders", json=request("a"))).json()["id"]
-    image = service.folder.image_path(made)
-    image.parent.mkdir(parents=True, exist_ok=True)
-    image.hardlink_to(service.folder.blobs.path(sha256))
-    head = f"GET /v1/renders/{made}/image.exr HTTP/1.1\r\nHost: localhost\r\n"
+    coordinator_acts.picture(service.folder, made, bytes(30_000_000))
+    head = f"GET /v1/renders/{made}/preview.png HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n"
     reader, _ = await connections.open(f"{head}Authorization: Bearer {token}\r\n\r\n".encode())
     await asyncio.sleep(2.0)
+    assert (await reader.readline()).split()[1] == b"200"
     received = 0
     with contextlib.suppress(ConnectionResetError):
         while piece := await reader.read(2**20):
@@ -316,7 +317,10 @@ async def test_wrong_tokens_are_slowed_down(service: Guarded, monkeypatch: pytes
 
 
 async def test_a_revoked_token_ends_its_streams(service: Guarded) -> None:
-    """P10: within a second, by either transport, and before anything that happened after; others go on."""
+    """P10: by either transport, before anything that happened after; others go on.
+
+    How soon, `python -m bench crowds` says.
+    """
     secrets = {name: service.token(name, "read") for name in ("eve", "alice")}
     async with contextlib.AsyncExitStack() as stack:
         clients = {
@@ -338,16 +342,15 @@ async def test_a_revoked_token_ends_its_streams(service: Guarded) -> None:
         assert (await next_of(call)).id == made
 
         service.folder.tokens.revoke("eve")
-        own = OwnTime()
-        rest_of_stream = [line async for line in lines["eve"]]
-        assert [line async for line in of_one.aiter_lines()]
-        assert await call.code() == grpc.StatusCode.UNAUTHENTICATED
-        assert own.seconds() < 1.0
-        assert any("the token was revoked" in line for line in rest_of_stream)
         await submitter.post("/v1/renders", json=request("b", name="after it"))
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(LIMIT_S):
+            rest_of_stream = [line async for line in lines["eve"]]
+            assert [line async for line in of_one.aiter_lines()]
+            assert await call.code() == grpc.StatusCode.UNAUTHENTICATED
             while "after it" not in await anext(lines["alice"]):
                 pass
+        assert any("the token was revoked" in line for line in rest_of_stream)
+        assert not any("after it" in line for line in rest_of_stream)
 
 
 async def watchers(client: httpx.AsyncClient, count: int, stack: contextlib.AsyncExitStack) -> list[int]:

@@ -18,7 +18,6 @@ from nocturne_scene.tile_sums import split
 from tests.coordinator.service import RedisServer, Service, wait_until
 from tests.coordinator.simulated_worker import Machine, SimulatedWorker, simulated_result
 from tests.faults.survival import OVERDUE_SOON, SOME_DELAY, check_survived
-from tests.system.own_time import waited_s
 from tests.system.waiting import LIMIT_S
 
 _START = Path(__file__).parents[2] / "deploy" / "redis" / "start.sh"
@@ -227,6 +226,8 @@ def test_failed_in_three_names_is_one_machine(farm: Farm) -> None:
 def test_a_forged_status_moves_only_its_own_worker(farm: Farm) -> None:
     """P5: threads without number, another floating-point profile, and a status for somebody else's worker."""
     honest = farm.honest("honest-1", floating_point_profile="a" * 16)
+    # So that the render is at work all the time, beyond the seconds after which most machines have their way.
+    honest.delay = 0.4
     render = farm.create(samples=3000)
     wait_until(lambda: farm.row(render.id).ranges_done > 3)
     liar = Liar(farm)
@@ -242,6 +243,8 @@ def test_a_forged_status_moves_only_its_own_worker(farm: Farm) -> None:
         before = after.ranges_done
         assert honest.name not in farm.folder.workers.incompatible()
         assert farm.folder.workers.in_quarantine() == {}
+    assert after.state == "RUNNING"
+    honest.delay = SOME_DELAY
     check_survived(farm, render.id)
     assert farm.row(render.id).floating_point_profile == "a" * 16
 
@@ -269,11 +272,8 @@ def test_a_machine_is_revoked_while_it_runs(farm: Farm) -> None:
     taken = liar.take()
     assert taken is not None
     farm.honest("honest-1")
-    begun, waited = time.monotonic(), waited_s(farm.pid)
     farm.folder.tokens.revoke("liar")
     wait_until(lambda: not _answers(liar.machine, farm.server.url))
-    # But for what the coordinator waited for a processor.
-    assert time.monotonic() - begun - (waited_s(farm.pid) - waited) < 5.0
     with pytest.raises(redis.RedisError):
         liar.send(wrong(taken[1], "liar/x"), taken[2])
     check_survived(farm, render.id)

@@ -1,5 +1,6 @@
 """Real workers and scenes that would hold them: no job keeps a thread."""
 
+import os
 import resource
 import time
 from collections.abc import Iterator
@@ -10,7 +11,6 @@ import httpx
 import pytest
 from nocturne_coordinator.queue import keys
 
-from tests.system.own_time import cpu_s
 from tests.system.renders import has_ended, wait_for_more_ranges
 from tests.system.service_processes import ServiceProcesses
 from tests.system.waiting import wait_for
@@ -67,6 +67,12 @@ def _held(service: ServiceProcesses) -> list[bytes]:
     return [entry for worker in service.workers for entry in service.jobs_held_by(worker)]
 
 
+def _cpu_s(pid: int) -> float:
+    """User and system time of a running process; see proc(5)."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 def _cpu_s_of_ended() -> float:
     """Processor time of all children that have ended and were waited for."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -83,9 +89,9 @@ def test_a_render_that_is_let_go_frees_its_threads(verb: str, service: ServicePr
     hostile = submit(service, ENDLESS, 4)
     wait_for(lambda: _all_threads_are_held(service), "all threads to be held")
     httpx.post(f"{service.url}/v1/renders/{hostile}:{verb}", json={}).raise_for_status()
-    before = [cpu_s(worker.pid) for worker in service.workers.values()]
+    before = [_cpu_s(worker.pid) for worker in service.workers.values()]
     wait_for(lambda: not _held(service), "the threads to be free")
-    after = [cpu_s(worker.pid) for worker in service.workers.values()]
+    after = [_cpu_s(worker.pid) for worker in service.workers.values()]
     assert all(b - a < FREE_S for a, b in zip(before, after, strict=True))
     good = submit(service, QUICK, 4, 32)
     wait_for(lambda: has_ended(service.client, good), "another render to end")
@@ -98,7 +104,7 @@ def test_a_worker_told_to_end_frees_its_threads(service: ServiceProcesses) -> No
     wait_for(lambda: _all_threads_are_held(service), "all threads to be held")
     name = next(iter(service.workers))
     # Of its whole life, when it has ended.
-    before = cpu_s(service.workers[name].pid) + _cpu_s_of_ended()
+    before = _cpu_s(service.workers[name].pid) + _cpu_s_of_ended()
     service.end_worker(name)
     assert _cpu_s_of_ended() - before < FREE_S
 

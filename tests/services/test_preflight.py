@@ -9,6 +9,7 @@ import grpc
 import httpx
 import pytest
 from nocturne.v1 import render_service_pb2, render_service_pb2_grpc
+from nocturne_api.children import answer_of
 from nocturne_api.preflight import pool as pool
 from nocturne_api.service import Service
 from nocturne_client import Client
@@ -25,24 +26,44 @@ def preflight_body(scene: dict[str, Any]) -> dict[str, Any]:
     return {"scene": scene, "width": 24, "height": 16, "error": 0.1, "budget_seconds": 1.0}
 
 
-async def test_both_endpoints_tell_what_a_scene_needs(
-    rest: httpx.AsyncClient, channel: grpc.aio.Channel, preflight_body: dict[str, Any]
+async def test_both_endpoints_and_the_client_tell_what_a_scene_needs(
+    service: Service,
+    channel: grpc.aio.Channel,
+    preflight_body: dict[str, Any],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    answer = await rest.post("/v1/preflights", json=preflight_body, timeout=300)
-    assert answer.status_code == 200, answer.text
-    report = answer.json()
-    parts = [each["without"][0] for each in report["models"]]
+    """The client asks by REST. What both endpoints ask of the child is the same, so it answers once."""
+    asked: list[Any] = []
+    answers: list[Any] = []
+
+    async def answer_once(program: Any, job: Any, seconds: float) -> Any:
+        asked.append(job)
+        if not answers:
+            answers.append(await answer_of(program, job, seconds))
+        return answers[0]
+
+    monkeypatch.setattr(pool, "answer_of", answer_once)
+    scene = tmp_path / "scene.json"
+    scene.write_text(json.dumps(preflight_body["scene"]))
+
+    def preflight() -> PreflightReport:
+        with Client(f"http://127.0.0.1:{service.port}") as client:
+            return client.preflight(scene, 24, 16, 0.1, 1.0)
+
+    report = await asyncio.to_thread(preflight)
+    parts = [each.without[0] for each in report.models]
     assert "one index of refraction, at 589.29 nm" in parts
     assert "at most 2 interactions" in parts
-    assert report["pilot"]["film"] == [24, 16]
-    assert report["document"]["nocturne"] == 1
+    assert (report.error, report.film, report.pilot.film) == (0.1, [24, 16], [24, 16])
+    assert report.document["nocturne"] == 1
     stub = render_service_pb2_grpc.RenderServiceStub(channel)
-    asked = {**preflight_body, "scene_json": json.dumps(preflight_body["scene"]).encode()}
-    del asked["scene"]
-    other = await stub.Preflight(render_service_pb2.PreflightRequest(**asked), timeout=300)
+    wanted = {**preflight_body, "scene_json": json.dumps(preflight_body["scene"]).encode()}
+    del wanted["scene"]
+    other = await stub.Preflight(render_service_pb2.PreflightRequest(**wanted), timeout=300)
     again = json.loads(other.report_json)
-    # Seeds are the same, and times are not.
     assert [each["without"][0] for each in again["models"]] == parts
+    assert asked[0] == asked[1]
 
 
 async def test_problems_are_told_before_anything_is_rendered(
@@ -108,18 +129,3 @@ async def test_without_the_tracer_it_says_so(
     answer = await rest.post("/v1/preflights", json=preflight_body, timeout=60)
     assert answer.status_code == 409
     assert "nocturne-trace is missing" in answer.json()["detail"]
-
-
-async def test_the_client_runs_a_preflight(
-    service: Service, preflight_body: dict[str, Any], tmp_path: Path
-) -> None:
-    scene = tmp_path / "scene.json"
-    scene.write_text(json.dumps(preflight_body["scene"]))
-
-    def preflight() -> PreflightReport:
-        with Client(f"http://127.0.0.1:{service.port}") as client:
-            return client.preflight(scene, 24, 16, 0.1, 1.0)
-
-    report = await asyncio.to_thread(preflight)
-    assert report.error == 0.1
-    assert report.film == [24, 16]

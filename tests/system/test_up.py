@@ -92,23 +92,51 @@ def test_a_second_service_on_the_folder_refuses(running_service: Up) -> None:
     assert running_service.children() == before
 
 
-def test_ctrl_c_stops_all_and_the_next_start_goes_on(tmp_path: Path, traced_alone: Image) -> None:
+def test_tokens_ctrl_c_and_a_killed_parent(tmp_path: Path, traced_alone: Image) -> None:
+    """One service through its life, as a start is what costs most."""
     # One thread, so that there is something left to do after the first commit, a second after the start.
-    with Up(tmp_path, 1, 1) as service, Client(service.url) as client:
-        render_id = submit(client)
-        wait_for_more_ranges(client, render_id, 1)
-        children = service.children()
-        assert set(children) == {"redis", "coordinator", "api", "worker-1"}
-        assert all(is_running(pid) for pid in children.values())
-        assert service.stop() == 0
-        assert not any(is_running(pid) for pid in children.values())
-        assert list(service.temporary.iterdir()) == []
-        assert not (service.data / "service.json").exists()
-        assert 0 < _committed_ranges(service.data, render_id) < RANGES, "there is nothing left to do"
+    with Up(tmp_path, 1, 1, "--auth") as service:
+        token = _the_token_shown(service)
+        assert httpx.get(f"{service.url}/v1/renders", trust_env=False).status_code == 401
+        with closing(Client(service.url, token=token)) as client:
+            # The worker came in by the socket that is its own, and needs no token.
+            render_id = submit(client)
+            wait_for_more_ranges(client, render_id, 1)
+            assert client.get(render_id).owner.startswith("admin-")
+            _ctrl_c_stops_all(service)
+            assert 0 < _committed_ranges(service.data, render_id) < RANGES, "there is nothing left to do"
 
-        service.start()
-        image = finished_image(client, render_id)
-    assert differing_values(image, traced_alone) == {}
+            service.start()
+            image = finished_image(client, render_id)
+        assert differing_values(image, traced_alone) == {}
+        assert service.program.log.read_text().count(token) == 1
+        children = service.children()
+        service.program.kill()
+        wait_for(lambda: not any(is_running(pid) for pid in children.values()), "all children to end")
+    # The folder is free again, although nothing was put in order.
+    with Up(tmp_path, 0, 1, "--auth", "--owner-open-renders", "1", "--data-bytes", "1e9") as again:
+        assert not set(again.children().values()) & set(children.values())
+        _bounds_were_passed_on(again, token)
+        assert again.stop() == 0
+
+
+def _the_token_shown(service: Up) -> str:
+    def shown() -> list[str]:
+        return re.findall(r"nct_[\w-]+", service.program.log.read_text())
+
+    # It is printed when all runs.
+    wait_for(lambda: bool(shown()), "the token")
+    return shown()[0]
+
+
+def _ctrl_c_stops_all(service: Up) -> None:
+    children = service.children()
+    assert set(children) == {"redis", "coordinator", "api", "worker-1"}
+    assert all(is_running(pid) for pid in children.values())
+    assert service.stop() == 0
+    assert not any(is_running(pid) for pid in children.values())
+    assert list(service.temporary.iterdir()) == []
+    assert not (service.data / "service.json").exists()
 
 
 def _committed_ranges(data: Path, render_id: str) -> int:
@@ -117,39 +145,13 @@ def _committed_ranges(data: Path, render_id: str) -> int:
         return folder.renders.get(render_id).ranges_done
 
 
-def test_no_child_outlives_a_killed_parent(tmp_path: Path) -> None:
-    with Up(tmp_path) as service:
-        children = service.children()
-        service.program.kill()
-        wait_for(lambda: not any(is_running(pid) for pid in children.values()), "all children to end")
-        # The folder is free again, although nothing was put in order.
-        service.start()
-        assert not set(service.children().values()) & set(children.values())
-        assert service.stop() == 0
-
-
-def test_with_tokens_the_first_one_is_shown_once_and_bounds_are_passed_on(
-    tmp_path_factory: pytest.TempPathFactory,
-) -> None:
-    folder = tmp_path_factory.mktemp("auth")
-    with Up(folder, 1, 1, "--auth") as service:
-        said = service.program.log.read_text()
-        token = re.search(r"nct_[\w-]+", said)
-        assert token is not None
-        assert httpx.get(f"{service.url}/v1/renders", trust_env=False).status_code == 401
-        with closing(Client(service.url, token=token[0])) as client:
-            # The worker came in by the socket that is its own, and needs no token.
-            render = client.submit(CORNELL, 40, 30, 16)
-            wait_for(lambda: client.get(render.id).has_ended, "the render to end")
-            assert client.get(render.id).state == "SUCCEEDED"
-            assert client.get(render.id).owner.startswith("admin-")
-    with Up(folder, 0, 1, "--auth", "--owner-open-renders", "1", "--data-bytes", "1e9") as again:
-        assert "nct_" not in again.program.log.read_text().replace(said, "")
-        with closing(Client(again.url, token=token[0])) as client:
+def _bounds_were_passed_on(service: Up, token: str) -> None:
+    """One open render for an owner, and a gigabyte for all data."""
+    with closing(Client(service.url, token=token)) as client:
+        client.submit(CORNELL, 40, 30, 16)
+        with pytest.raises(NocturneClientError, match="open renders") as caught:
             client.submit(CORNELL, 40, 30, 16)
-            with pytest.raises(NocturneClientError, match="open renders") as caught:
-                client.submit(CORNELL, 40, 30, 16)
-            assert caught.value.status == 429
-        headers = {"Authorization": f"Bearer {token[0]}"}
-        metrics = httpx.get(f"{again.url}/metrics", headers=headers, trust_env=False).text
-        assert "nocturne_data_bytes_bound 1e+09" in metrics
+        assert caught.value.status == 429
+    headers = {"Authorization": f"Bearer {token}"}
+    metrics = httpx.get(f"{service.url}/metrics", headers=headers, trust_env=False).text
+    assert "nocturne_data_bytes_bound 1e+09" in metrics
