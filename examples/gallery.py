@@ -47,6 +47,8 @@ class Picture:
     samples: int
     tracing: dict[str, Any] = field(default_factory=dict)
     """Replaces options of the document's `tracing`."""
+    sensor: dict[str, Any] = field(default_factory=dict)
+    """Replaces properties of the document's `sensor`, where a picture shows more or less than tests see."""
     white: float = 0.0
     """Luminance in cd/m2 that is shown as white, without tone mapping; 0: as the service shows it."""
 
@@ -130,14 +132,15 @@ def make_files(folder: Path) -> None:
 
 
 def _document(picture: Picture, folder: Path) -> Path:
-    """The scene document to render: the example's, or one beside it with another way to trace."""
+    """The scene document to render: the example's, or one beside it with another way to trace or to look."""
     if picture.document.suffix != ".json":
         _nocturne("import", picture.document, "-o", folder / "scene")
         return folder / "scene" / "scene.json"
-    if not picture.tracing:
+    if not (picture.tracing or picture.sensor):
         return picture.document
     document = json.loads(picture.document.read_text(encoding="utf-8"))
     document["tracing"] = {**document.get("tracing", {}), **picture.tracing}
+    document["sensor"] = {**document["sensor"], **picture.sensor}
     # Beside the original, for the files that it names.
     changed = picture.document.with_name(f".gallery-{picture.document.name}")
     changed.write_text(json.dumps(document), encoding="utf-8")
@@ -266,7 +269,8 @@ def _row(picture: Picture, cost: dict[str, Any]) -> str:
     error = cost["relative_error"]
     told = "nothing seen" if error is None else f"{100 * error:.2g} %"
     film = f"{cost['width']} x {cost['height']}"
-    way = "".join(f", {name} {value}" for name, value in picture.tracing.items())
+    changed = {**picture.tracing, **picture.sensor}
+    way = "".join(f", {name.replace('_', ' ')} {value}" for name, value in changed.items())
     return f"| `{picture.scene}`{way} | {film} | {cost['samples']:,} | {cost['cpu_seconds']:.0f} s | {told} |"
 
 
