@@ -179,7 +179,7 @@ def test_a_worker_that_rounds_otherwise(
     service = services(2)
     service.start_worker(environment=rounds_otherwise)
     odd = next(reversed(service.workers))
-    wait_for(lambda: len(service.client.workers()) == 3, "all workers to be seen")
+    service.wait_for_workers()
     endless = submit(service.client, 2**20)
     wait_for(
         lambda: any(each.incompatible for each in service.client.workers()), "a worker to be incompatible"
@@ -209,7 +209,7 @@ def test_the_c_library_does_not_matter(services: Services) -> None:
     service = services(1)
     service.start_worker(environment={"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-AVX2"})
     odd = next(reversed(service.workers))
-    wait_for(lambda: len(service.client.workers()) == 2, "both workers to be seen")
+    service.wait_for_workers()
     assert len({each.floating_point_profile for each in service.client.workers()}) == 1
     service.end_worker(odd)
 
@@ -246,7 +246,7 @@ def test_a_worker_that_can_not_keep_the_scene(
     cache = tmp_path / "cache"
     worker = service.start_worker(cache)
     name = next(reversed(service.workers))
-    wait_for(lambda: len(service.client.workers()) == 2, "both workers to be seen")
+    service.wait_for_workers()
     mend = trouble(worker, cache)
     # It goes on when there is a job for it to take over, or it could have done them all by then.
     service.workers[healthy].pause()

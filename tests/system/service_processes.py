@@ -100,10 +100,18 @@ class ServiceProcesses:
         self.workers[name] = worker
         return worker
 
+    def wait_for_workers(self) -> None:
+        """Until the service has seen each of these, and not only others that have just ended."""
+        wait_for(
+            lambda: set(self.workers) <= {each.id for each in self.client.workers()}, "all workers to be seen"
+        )
+
     def end_worker(self, name: str) -> None:
         """SIGTERM; it finishes its job, or hands it back, and ends in order."""
         worker = self.workers.pop(name)
         self._past_workers.append(worker)
+        # What starts it, a Python program, would die of the signal.
+        wait_for(lambda: b" starts," in worker.log.read_bytes(), f"{name} to start")
         assert worker.end() == 0, worker.tail()
 
     def kill_worker(self, name: str) -> None:
