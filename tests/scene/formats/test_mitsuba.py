@@ -250,6 +250,13 @@ def test_mistakes_are_told_with_their_line(tmp_path: Path, body: str, said: str)
     assert "a.xml:8" in raised.value.problems[0].place
 
 
+def test_a_film_without_pixels_is_refused(tmp_path: Path) -> None:
+    film = '<film type="hdrfilm"><integer name="height" value="0"/></film>'
+    (tmp_path / "a.xml").write_text(f'<scene version="3.0.0"><sensor type="thinlens">{film}</sensor></scene>')
+    with pytest.raises(InputError, match="a film has at least one pixel"):
+        import_scene(tmp_path / "a.xml", tmp_path / "out", ImportOptions())
+
+
 def test_an_emitter_of_the_scene_is_that_of_shapes_that_refer_to_it(tmp_path: Path) -> None:
     emitter = '<emitter type="area" id="e"><spectrum name="radiance" value="2"/></emitter>'
     document, _ = imported(tmp_path, emitter + '<shape type="sphere"><ref id="e"/></shape>')

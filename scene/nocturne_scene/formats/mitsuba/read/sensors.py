@@ -68,6 +68,8 @@ def _unit(direction: Matrix) -> Matrix:
 def _film(context: Context, element: Element) -> FilmSettings:
     properties = context.properties(element)
     film = FilmSettings(properties.whole("width", 768), properties.whole("height", 576))
+    if not (film.width > 0 and film.height > 0):
+        raise InputError.at(properties.place, "a film has at least one pixel")
     for rfilter in properties.take_all("rfilter") or [
         Element("rfilter", {"type": "gaussian"}, element.place)
     ]:
