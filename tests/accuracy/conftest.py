@@ -1,4 +1,7 @@
-"""The mark `every_third`: `make test` takes a third of a test's cases, `make accuracy` all of them."""
+"""The mark `every_third`: `make test` takes a third of a test's cases, `make accuracy` all of them.
+
+What is marked `soak`, too, has all of them in `make soak`.
+"""
 
 from collections import Counter, defaultdict
 
@@ -14,7 +17,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         return
     tests: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
-        if item.get_closest_marker("every_third"):
+        if item.get_closest_marker("every_third") and not item.get_closest_marker("soak"):
             tests[item.nodeid.partition("[")[0]].append(item)
     left_out = {case for cases in tests.values() for case in set(cases).difference(_chosen(cases))}
     items[:] = [item for item in items if item not in left_out]
