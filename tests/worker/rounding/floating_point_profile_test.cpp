@@ -31,9 +31,10 @@ TEST(FloatingPointProfile, FlagsOfEarlierArithmeticDoNotMatter) {
 
 TEST(FloatingPointProfile, DiffersByRoundingAndByWhatBecomesOfTinyNumbers) {
   const std::string usual = floating_point_profile();
-  for (const unsigned control : {_MM_ROUND_UP, _MM_ROUND_DOWN, _MM_ROUND_TOWARD_ZERO,
-                                 _MM_FLUSH_ZERO_ON, 0x40 /* denormals are zero */}) {
-    EXPECT_NE(class_with(static_cast<unsigned>(control)), usual) << control;
+  for (const unsigned control :
+       std::initializer_list<unsigned>{_MM_ROUND_UP, _MM_ROUND_DOWN, _MM_ROUND_TOWARD_ZERO,
+                                       _MM_FLUSH_ZERO_ON, 0x40 /* denormals are zero */}) {
+    EXPECT_NE(class_with(control), usual) << control;
   }
 }
 
