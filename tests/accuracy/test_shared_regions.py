@@ -17,10 +17,10 @@ from tests.accuracy.tracing import IN_FULL, run_seeds, write
 
 pytestmark = [
     pytest.mark.system,
-    pytest.mark.skipif(not IN_FULL, reason="half a minute, in `make accuracy`"),
+    pytest.mark.skipif(not IN_FULL, reason="minutes, in `make accuracy`"),
 ]
 
-_FILM, _SEEDS = 32, 200
+_FILM, _SEEDS = 72, 200
 _HELD = 0.93
 """At least: what was asked for; 0.95 but for the skewness of few samples."""
 _FALSE_ALARM_SIGMAS = 3.0
@@ -36,11 +36,11 @@ def images(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     return [each for each in found if each is not None]
 
 
-@pytest.mark.parametrize("edge", [1, 2, 4, 16, _FILM])
+@pytest.mark.parametrize("edge", [1, 2, 4, 16, 64, _FILM])
 def test_intervals_of_regions_hold_the_truth(edge: int, images: list[ImageMoments]) -> None:
     """X, Y and Z, in regions all over the film."""
     # Spread, in all phases of a block.
-    step = max(edge, 7)
+    step = max(edge, 11)
     places = [(x, y) for y in range(0, _FILM - edge + 1, step) for x in range(0, _FILM - edge + 1, step)]
     found = []
     for image in images:
