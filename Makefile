@@ -53,7 +53,7 @@ $(STAMPS)/web: services/web/node_modules/.package-lock.json $(WEB_SOURCES)
 web: $(STAMPS)/web  ## The page, in services/web/dist
 
 build/release/build.ninja: worker/CMakePresets.json | packages
-	cd worker && cmake --preset release --log-level=WARNING
+	cd worker && cmake --fresh --preset release --log-level=WARNING
 worker: build/release/build.ninja  ## The C++ programs and their tests
 	@cmake --build build/release -- --quiet
 programs: build/release/build.ninja  ## The C++ programs alone
@@ -173,7 +173,7 @@ preflights: build  ## What the examples need for 2 %, into bench/results (half a
 	$(PYTHON) -m bench.preflights
 
 sanitize: packages  ## C++ tests under the address and undefined-behaviour sanitizers
-	cd worker && cmake --preset sanitize --log-level=WARNING
+	cd worker && cmake --fresh --preset sanitize --log-level=WARNING
 	cmake --build build/sanitize -- --quiet
 	ctest --test-dir build/sanitize --output-on-failure --no-tests=error
 
