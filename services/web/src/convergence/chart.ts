@@ -3,6 +3,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { formatCount, formatDuration, formatRelativeError } from "../format.ts";
 import type { Abscissa } from "./points.ts";
+import { wholeTicks } from "./ticks.ts";
 
 // The declarations name it in a const enum, which single-file compilers cannot read.
 // eslint-disable-next-line @typescript-eslint/no-unsafe-enum-assignment
@@ -98,8 +99,8 @@ function options(drawing: Drawing, abscissa: Abscissa, width: number): uPlot.Opt
     height: height_px,
     padding: [8, 28, 0, 0],
     scales: {
-      x: { time: false, distr: logarithmic, range: wholeTicks },
-      y: { distr: logarithmic, range: wholeTicks },
+      x: { time: false, distr: logarithmic, range: (_plot, low, high) => wholeTicks(low, high) },
+      y: { distr: logarithmic, range: (_plot, low, high) => wholeTicks(low, high) },
     },
     axes: [
       { ...axis, size: 34, space: 60, values: labels(abscissa === "time" ? tickSeconds : formatCount) },
@@ -131,20 +132,6 @@ function bands({ lines }: Drawing, colour: string): uPlot.Band[] {
   const edges = lines.flatMap(({ kind }, index) => (kind === "edge" ? [index + 1] : []));
   const [high, low] = edges;
   return high !== undefined && low !== undefined ? [{ series: [high, low], fill: `${colour}30` }] : [];
-}
-
-/** Widens a range to the next 1, 2 or 5 times a power of ten, so that even a short history has labelled ends. */
-function wholeTicks(_plot: uPlot, low: number | null, high: number | null): [number, number] {
-  return [roundTick(low ?? 0.1, Math.floor), roundTick(high ?? 1, Math.ceil)];
-}
-
-function roundTick(value: number, round: (value: number) => number): number {
-  const decade = 10 ** Math.floor(Math.log10(value));
-  const ticks = [1, 2, 5, 10];
-  const place = ticks.findIndex((tick) => tick * decade > value * (1 + 1e-9));
-  const above = Math.max(1, place);
-  const exact = Math.abs((ticks[above - 1] ?? 1) * decade - value) < 1e-9 * value;
-  return (exact || round === Math.floor ? (ticks[above - 1] ?? 1) : (ticks[above] ?? 10)) * decade;
 }
 
 /** Labels 1, 2 and 5 of each decade, or where there are many decades their beginnings; uPlot offers all nine and hides what is null. */

@@ -1,6 +1,7 @@
 /** Speed against accuracy: the error of this service's renders over their processor time; the benches in two charts. */
 import uPlot from "uplot";
 import benches from "../../../../bench/results/speed-summary.json";
+import { wholeTicks } from "../convergence/ticks.ts";
 import { element } from "../dom.ts";
 import { formatDuration, formatRelativeError } from "../format.ts";
 import { renderRoute } from "../router.ts";
@@ -104,7 +105,7 @@ function plotOf(renders: readonly Render[], histories: readonly (readonly Conver
   const firsts = columns.flatMap((column) => column.flatMap((error, index) => (error === null ? [] : [error * Math.sqrt(x[index] ?? 1)])));
   const constant = firsts.sort((a, b) => a - b)[Math.floor(firsts.length / 2)] ?? 1;
   const axis = { stroke: colour("--muted"), grid: { stroke: colour("--line"), width: 1 }, ticks: { show: false } };
-  const wide = (_: uPlot, low: number | null, high: number | null): [number, number] => [(low ?? 0.1) / 1.5, (high ?? 1) * 1.5];
+  const wide = (_: uPlot, low: number | null, high: number | null): [number, number] => wholeTicks((low ?? 0.1) / 1.5, (high ?? 1) * 1.5);
   return new uPlot(
     {
       width: Math.max(260, container.clientWidth),
