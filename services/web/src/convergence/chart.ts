@@ -3,11 +3,8 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { formatCount, formatDuration, formatRelativeError } from "../format.ts";
 import type { Abscissa } from "./points.ts";
-import { wholeTicks } from "./ticks.ts";
+import { logarithmicScale } from "./ticks.ts";
 
-// The declarations name it in a const enum, which single-file compilers cannot read.
-// eslint-disable-next-line @typescript-eslint/no-unsafe-enum-assignment
-const logarithmic = 3 as uPlot.Scale.Distr;
 const height_px = 240;
 /** More dots than this run into each other. */
 const mostDots = 40;
@@ -98,10 +95,7 @@ function options(drawing: Drawing, abscissa: Abscissa, width: number): uPlot.Opt
     width,
     height: height_px,
     padding: [8, 28, 0, 0],
-    scales: {
-      x: { time: false, distr: logarithmic, range: (_plot, low, high) => wholeTicks(low, high) },
-      y: { distr: logarithmic, range: (_plot, low, high) => wholeTicks(low, high) },
-    },
+    scales: { x: logarithmicScale(), y: logarithmicScale() },
     axes: [
       { ...axis, size: 34, space: 60, values: labels(abscissa === "time" ? tickSeconds : formatCount) },
       { ...axis, size: 58, values: labels(tickPercent) },

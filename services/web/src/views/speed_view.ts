@@ -1,7 +1,7 @@
 /** Speed against accuracy: the error of this service's renders over their processor time; the benches in two charts. */
 import uPlot from "uplot";
 import benches from "../../../../bench/results/speed-summary.json";
-import { wholeTicks } from "../convergence/ticks.ts";
+import { logarithmicScale } from "../convergence/ticks.ts";
 import { element } from "../dom.ts";
 import { formatDuration, formatRelativeError } from "../format.ts";
 import { renderRoute } from "../router.ts";
@@ -12,9 +12,6 @@ import { dotTable } from "./dot_table.ts";
 import { chosenOf, curvesOf } from "./speed_curves.ts";
 import type { View } from "./view.ts";
 
-// The declarations name it in a const enum, which single-file compilers cannot read.
-// eslint-disable-next-line @typescript-eslint/no-unsafe-enum-assignment
-const logarithmic = 3 as uPlot.Scale.Distr;
 /** As the style sheet has them; told apart by people who do not see colours alike. */
 const lineColours = ["--line-1", "--line-2", "--line-3", "--line-4", "--line-5", "--line-6"];
 const mostRows = 30;
@@ -105,12 +102,11 @@ function plotOf(renders: readonly Render[], histories: readonly (readonly Conver
   const firsts = columns.flatMap((column) => column.flatMap((error, index) => (error === null ? [] : [error * Math.sqrt(x[index] ?? 1)])));
   const constant = firsts.sort((a, b) => a - b)[Math.floor(firsts.length / 2)] ?? 1;
   const axis = { stroke: colour("--muted"), grid: { stroke: colour("--line"), width: 1 }, ticks: { show: false } };
-  const wide = (_: uPlot, low: number | null, high: number | null): [number, number] => wholeTicks((low ?? 0.1) / 1.5, (high ?? 1) * 1.5);
   return new uPlot(
     {
       width: Math.max(260, container.clientWidth),
       height: 300,
-      scales: { x: { time: false, distr: logarithmic, range: wide }, y: { distr: logarithmic, range: wide } },
+      scales: { x: logarithmicScale(1.5), y: logarithmicScale(1.5) },
       axes: [
         { ...axis, values: (_, values) => values.map((value) => (isDecade(value) ? seconds(value) : null)) },
         { ...axis, size: 64, values: (_, values) => values.map((value) => (value ? formatRelativeError(value) : null)) },
