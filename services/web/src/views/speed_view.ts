@@ -106,6 +106,8 @@ function plotOf(renders: readonly Render[], histories: readonly (readonly Conver
     {
       width: Math.max(260, container.clientWidth),
       height: 300,
+      // Room for the label at the end.
+      padding: [8, 40, 0, 0],
       scales: { x: logarithmicScale(1.5), y: logarithmicScale(1.5) },
       axes: [
         { ...axis, values: (_, values) => values.map((value) => (isDecade(value) ? seconds(value) : null)) },
