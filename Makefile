@@ -21,7 +21,7 @@ STAMPS := build/stamps
 PROCESSES := --numprocesses
 NOT_MINUTES := not soak and not references and not peers and not containers and not blender
 
-.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-coordinator test-services test-scene test-others heaviest format unit system screenshots soak accuracy fuzz fuzz-readers references peers blender stability preflights sanitize bench lock contract docs gallery clean
+.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-coordinator test-services test-scene test-others heaviest format unit system screenshots visit soak accuracy fuzz fuzz-readers references peers blender stability preflights sanitize bench lock contract docs gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -78,9 +78,9 @@ stop:  ## Stop the service that `make demo` started
 	@python3 -c "import json, os, signal; os.kill(json.load(open('data/service.json'))['pid'], signal.SIGTERM)"
 
 # One pool of jobs, the longest first. Python's tests are in parts, each of which collects only its own; those of whole services, of
-# coordinators and of the page wait most of the time, so there are more jobs than processors, and several processes for the first two
-# (tests/conftest.py).
-PARTS := services-at-work page accuracy coordinator services scene others
+# coordinators and of the page wait most of the time, so there are more jobs than processors, and several processes where a part would
+# end last (tests/conftest.py).
+PARTS := services-at-work page accuracy others coordinator services scene
 IN_services-at-work := tests/system tests/faults
 IN_page := tests/web
 IN_accuracy := tests/accuracy
@@ -90,7 +90,7 @@ IN_scene := tests/scene
 IN_others := tests $(addprefix --ignore ,$(IN_page) $(IN_services-at-work) $(IN_accuracy) $(IN_services) $(IN_coordinator) $(IN_scene))
 TEST_PARTS := $(addprefix test-,$(PARTS))
 CPU_TIMES := $(CURDIR)/build/cpu-times.txt
-JOBS := 6
+JOBS := 9
 
 test: build  ## All checks and tests
 	@rm -f $(CPU_TIMES)
@@ -99,8 +99,8 @@ test: build  ## All checks and tests
 test-cpp: build
 	@ctest --test-dir build/release --output-on-failure --no-tests=error --parallel 2 > build/ctest.log || { cat build/ctest.log; false; }
 	@grep "tests passed" build/ctest.log
-test-services-at-work: AT_ONCE := --numprocesses 4
-test-coordinator: AT_ONCE := --numprocesses 2
+test-services-at-work: AT_ONCE := --numprocesses 5
+test-accuracy test-services: AT_ONCE := --numprocesses 2
 $(TEST_PARTS): test-%: build
 	@NOCTURNE_CPU_TIMES=$(CPU_TIMES) PYTHONPATH=. pytest -p tests.cpu_times -q -m "$(NOT_MINUTES)" $(AT_ONCE) $(IN_$*)
 
@@ -136,15 +136,18 @@ system: build  ## Tests of the whole: service, workers, browser, images
 	pytest -m "system and $(NOT_MINUTES)" --ignore tests/web $(PROCESSES) 4
 
 screenshots: build  ## Pictures of the page for docs/how-to/page.md: by its test, then of renders worth looking at (some minutes)
-	NOCTURNE_SCREENSHOTS=$(CURDIR)/docs/images/page pytest -m "$(NOT_MINUTES)" tests/web
+	NOCTURNE_SCREENSHOTS=$(CURDIR)/docs/images/page pytest -m soak tests/web
 	$(PYTHON) -m tests.web.pictures docs/images/page
+
+visit: build  ## The page in a browser, every view and every control by keyboard; `make test` visits half of it (a minute)
+	pytest -m soak tests/web
 
 soak: build  ## Random faults for SOAK_SECONDS (default 600), and all that takes minutes (a quarter of an hour more)
 	pytest -m soak
 
 accuracy: build  ## C++ tests and images against known values with all cases, and four times the samples of `make test` (some ten minutes)
 	NOCTURNE_ACCURACY=1 ctest --test-dir build/release --output-on-failure --no-tests=error
-	NOCTURNE_ACCURACY=1 pytest -m "not soak" $(PROCESSES) 4 tests/accuracy tests/scene/test_uncertainty.py
+	NOCTURNE_ACCURACY=1 pytest -m "not soak" $(PROCESSES) 4 tests/accuracy tests/scene/test_uncertainty.py tests/bench/test_stops.py
 
 fuzz: build  ## Any calls, messages, scenes and bytes, many times more than in the tests (about 20 minutes)
 	NOCTURNE_FUZZ_EXAMPLES=300 pytest tests/services/test_any_calls.py tests/scene/formats/test_any_scene.py \

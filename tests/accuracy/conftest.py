@@ -1,4 +1,4 @@
-"""The mark `every_third`: `make test` takes a third of a test's cases, `make accuracy` all of them.
+"""The mark `every_sixth`: `make test` takes a sixth of a test's cases, `make accuracy` all of them.
 
 What is marked `soak`, too, has all of them in `make soak`.
 """
@@ -17,7 +17,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         return
     tests: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
-        if item.get_closest_marker("every_third") and not item.get_closest_marker("soak"):
+        if item.get_closest_marker("every_sixth") and not item.get_closest_marker("soak"):
             tests[item.nodeid.partition("[")[0]].append(item)
     left_out = {case for cases in tests.values() for case in set(cases).difference(_chosen(cases))}
     items[:] = [item for item in items if item not in left_out]
@@ -25,7 +25,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def _chosen(cases: list[pytest.Item]) -> list[pytest.Item]:
-    """Every third, and the first with a value that several cases share and none of these has.
+    """Every sixth, and the first with a value that several cases share and none of these has.
 
     Two cases are mostly two ways to one thing: both.
     """
@@ -33,7 +33,7 @@ def _chosen(cases: list[pytest.Item]) -> list[pytest.Item]:
         return cases
     values = {case: _values(case) for case in cases}
     counts = Counter(value for each in values.values() for value in each)
-    chosen = cases[::3]
+    chosen = cases[::6]
     seen = {value for case in chosen for value in values[case]}
     for case in cases:
         if any(counts[value] > 1 and value not in seen for value in values[case]):

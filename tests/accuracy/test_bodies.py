@@ -12,7 +12,7 @@ from tests.accuracy.spectral_meters import NO_ROULETTE, Estimate, flat, scene
 from tests.accuracy.tracing import Document, part_of, trace
 from tests.system.images import differing_values
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 _BOUND = sidak_bound(12)
 

@@ -15,7 +15,7 @@ from tests.accuracy.meters import image_by
 from tests.accuracy.tracing import part_of
 from tests.system.images import Image
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 
 def _trace(name: str, direction: str, seed: int, folder: Path) -> Image:

@@ -17,7 +17,7 @@ from tests.accuracy.scenes import BLACK, diffuse
 from tests.accuracy.spectral_meters import beam, level, measure, scene, slab
 from tests.accuracy.tracing import Document
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 _BOUND = sidak_bound(60)
 _TURNED: Document = {"axis": [1.0, 0.3, 0.2], "degrees": 33.0}

@@ -17,7 +17,7 @@ from tests.accuracy.scenes import cornell
 from tests.accuracy.tracing import IN_FULL, Document, part_of, trace
 from tests.system.images import Image
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 _EDGE = 16
 

@@ -9,7 +9,7 @@ from tests.accuracy.meters import Measurement, Reading
 from tests.accuracy.scenes import measured_scene, quad, surface
 from tests.accuracy.tracing import Document
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 # Reflects all but 4 n / ((n + 1)^2 + k^2) = 4e-7 along the normal, and less than 1e-6 at other angles.
 _MIRROR = {"n": 0.001, "k": 100.0}

@@ -15,7 +15,7 @@ from tests.accuracy.meters import GREY, Measurement, check_equal
 from tests.accuracy.scenes import BLACK, diffuse, disc, film, furnace, measured_scene, quad, sphere, surface
 from tests.accuracy.tracing import Document
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 CIE_171: dict[str, Any] = json.loads((Path(__file__).parent / "data" / "cie171.json").read_text())
 

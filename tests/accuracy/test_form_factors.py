@@ -19,7 +19,7 @@ from tests.accuracy.meters import Measurement, Reading, check_equal
 from tests.accuracy.scenes import diffuse, disc, film, measured_scene, quad, ring, sphere, surface
 from tests.accuracy.tracing import Document
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 _UNCERTAINTY = 2e-5
 """Of a factor: polygons for circles (6e-6 of an area), and a film 4e-6 off its plane, per metre."""

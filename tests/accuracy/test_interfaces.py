@@ -24,7 +24,7 @@ from tests.accuracy.spectral_meters import (
 )
 from tests.accuracy.tracing import Document, trace
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 _TRUTH = json.loads((Path(__file__).parent / "data" / "interfaces.json").read_text())
 GLASS = {entry["index"]: entry for entry in _TRUTH["glass"]}

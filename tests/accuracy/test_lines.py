@@ -15,7 +15,7 @@ from nocturne_scene.spectra import published
 from tests.accuracy.scenes import furnace
 from tests.accuracy.tracing import Document, trace
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 _EDGE = 16
 _SAMPLES = 128

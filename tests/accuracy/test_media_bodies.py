@@ -17,7 +17,7 @@ from tests.accuracy.meters import Measurement, Reading
 from tests.accuracy.scenes import BLACK, film, measured_scene, quad, sphere, surface
 from tests.accuracy.tracing import Document
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 _SAMPLES = 32
 

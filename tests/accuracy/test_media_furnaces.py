@@ -18,7 +18,7 @@ from tests.accuracy.meters import Measurement
 from tests.accuracy.scenes import measured_scene, sphere
 from tests.accuracy.tracing import Document
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 _CAMERA: Document = {
     "type": "pinhole",

@@ -19,7 +19,7 @@ from tests.accuracy.meters import Measurement, Reading
 from tests.accuracy.scenes import diffuse, film, measured_scene, quad, surface, white_tile
 from tests.accuracy.tracing import Document
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 TRUTHS: dict[str, Any] = json.loads((Path(__file__).parent / "data" / "media.json").read_text())
 _AIR = {"phase": {"type": "rayleigh"}}

@@ -15,7 +15,7 @@ from tests.accuracy.agreement import ROUNDING
 from tests.accuracy.media import EDGE, along, from_above, lit_slab, medium, read, sun
 from tests.accuracy.tracing import Document
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 TRUTHS: dict[str, Any] = json.loads((Path(__file__).parent / "data" / "media.json").read_text())
 _KEYS = ("R_normal", "T_normal", "R_60deg", "T_60deg", "R_diffuse", "T_diffuse")

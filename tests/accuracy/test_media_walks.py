@@ -28,7 +28,7 @@ from tests.accuracy.tracing import Document, part_of
 
 pytestmark = [
     pytest.mark.system,
-    pytest.mark.every_third,
+    pytest.mark.every_sixth,
     pytest.mark.skipif(find_program("nocturne-grid") is None, reason="nocturne-grid is not built"),
 ]
 

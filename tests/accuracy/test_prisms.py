@@ -13,7 +13,7 @@ import pytest
 from tests.accuracy.ruler import Ruler, extruded
 from tests.accuracy.tracing import Document
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 GLASSES = {
     "N-BK7": {"b": [1.03961212, 0.231792344, 1.01046945], "c": [0.00600069867, 0.0200179144, 103.560653]},

@@ -18,7 +18,7 @@ from tests.accuracy.scenes import BLACK
 from tests.accuracy.spectral_meters import Estimate, flat
 from tests.accuracy.tracing import Document, trace
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 _SEGMENTS = 128
 _RINGS = 40

@@ -17,7 +17,7 @@ from tests.accuracy.scenes import diffuse, measured_scene, quad, surface
 from tests.accuracy.tracing import Document
 from tests.pictures import write_exr
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 Pixels = npt.NDArray[np.float32]
 

@@ -24,7 +24,7 @@ from tests.accuracy.scenes import box, cornell, diffuse, quad, sphere, surface
 from tests.accuracy.tracing import IN_FULL, Document, part_of, run_seeds, write
 from tests.pictures import write_exr
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 _EDGE = 24
 _SAMPLES = 64

@@ -18,7 +18,7 @@ from tests.accuracy.skies import ORIENTATION, Sky, horizontal_illuminance, map_l
 from tests.accuracy.test_illuminance import FLOOR_G_TO_N, WALL_A_TO_F
 from tests.accuracy.tracing import Document
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 _ROOMS: dict[str, dict[str, list[float]]] = json.loads(
     (Path(__file__).parent / "data" / "cie171.json").read_text()

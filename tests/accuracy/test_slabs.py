@@ -17,7 +17,7 @@ from tests.accuracy.scenes import BLACK
 from tests.accuracy.spectral_meters import beam, level, measure, scene, slab
 from tests.accuracy.tracing import Document
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 # Index, optical thickness along the normal: transmittance and reflectance by angle, degrees.
 PLATES = {

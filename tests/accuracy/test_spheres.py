@@ -14,7 +14,7 @@ import pytest
 from tests.accuracy.ruler import Ruler, Vector
 from tests.accuracy.tracing import IN_FULL, Document, trace
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 # Height of the ray: distance from the centre where it crosses the axis, radii; deviation, degrees.
 CROSSINGS = {

@@ -14,7 +14,7 @@ from tests.accuracy.meters import Measurement, check_equal
 from tests.accuracy.scenes import BLACK, box, diffuse, measured_scene, quad, surface
 from tests.accuracy.tracing import IN_FULL, Document
 
-pytestmark = [pytest.mark.system, pytest.mark.every_third]
+pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
 _WIDTH = 2.0
 _THICKNESSES = (1e-1, 1e-3, 1e-5, 1e-6, 1e-7)

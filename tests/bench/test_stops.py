@@ -1,8 +1,12 @@
 """Stops by error, by simulation: an image that ended at 5 % is rarely off by more than 10 %."""
 
+import pytest
+
 from bench.stops import MAX_WRONG_SHARE, SCENES, rows, run, wrong_share
+from tests.accuracy.tracing import IN_FULL
 
 
+@pytest.mark.skipif(not IN_FULL, reason="4,000 renders, in `make accuracy`")
 def test_honest_stops_are_rarely_wrong() -> None:
     """Ten renders of each of twenty scenes. The estimate alone, which it once was, is wrong too often: so
     the scenes are such that the rules matter."""

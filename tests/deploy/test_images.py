@@ -95,18 +95,16 @@ def needed_packages(program: Path) -> frozenset[str]:
     """Debian packages of the libraries that a file names itself; those bring what they need themselves."""
     said = subprocess.run(["readelf", "-d", program], check=True, capture_output=True, text=True).stdout
     linked = subprocess.run(["ldd", program], check=True, capture_output=True, text=True).stdout
-    owners = set()
-    for name in re.findall(r"NEEDED.*\[(.+)\]", said):
-        place = re.search(rf"{re.escape(name)} => (\S+)", linked)
-        if place is None:
-            continue
-        file = str(Path(place[1]).resolve())
-        # Packages name what is in /usr/lib by /lib still.
-        either = [file, file.removeprefix("/usr")]
-        owner = subprocess.run(["dpkg", "-S", *either], check=False, capture_output=True, text=True).stdout
-        assert owner, f"{file} is of no package"
-        owners.add(owner.split(":")[0])
-    return frozenset(owners)
+    names = re.findall(r"NEEDED.*\[(.+)\]", said)
+    places = [re.search(rf"{re.escape(name)} => (\S+)", linked) for name in names]
+    files = [str(Path(place[1]).resolve()) for place in places if place]
+    # Packages name what is in /usr/lib by /lib still.
+    either = [path for file in files for path in (file, file.removeprefix("/usr"))]
+    told = subprocess.run(["dpkg", "-S", *either], check=False, capture_output=True, text=True).stdout
+    owners = {path: owner.split(":")[0] for owner, path in re.findall(r"^(\S+): (\S+)$", told, re.MULTILINE)}
+    found = {file: owners.get(file) or owners.get(file.removeprefix("/usr")) for file in files}
+    assert None not in found.values(), f"of no package: {found}"
+    return frozenset(owner for owner in found.values() if owner)
 
 
 @cache

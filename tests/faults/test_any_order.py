@@ -26,7 +26,7 @@ from tests.faults.test_lies import Flooder, Forger
 from tests.fuzzing import tried
 
 MAX_RENDERS, MAX_WORKERS = 3, 5
-EXAMPLES, STEPS = 80, 25
+EXAMPLES, STEPS = 48, 25
 
 
 class Night(RuleBasedStateMachine):
@@ -172,5 +172,5 @@ class Night(RuleBasedStateMachine):
 
 
 def test_any_order_of_things_leaves_the_bits() -> None:
-    """S3, S4: 2,000 of them, each after some others; `make fuzz` tries more."""
+    """S3, S4: 1,200 of them, each after some others; `make fuzz` tries more."""
     run_state_machine_as_test(Night, settings=settings(tried(EXAMPLES), stateful_step_count=STEPS))

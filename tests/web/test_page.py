@@ -109,7 +109,8 @@ def as_mitsuba_writes_it(exr: Path, copy: Path) -> Path:
 
 
 @pytest.mark.system
-def test_the_page(page_service: Up, guarded_url: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("brief", [True, pytest.param(False, marks=pytest.mark.soak)], ids=["brief", "whole"])
+def test_the_page(brief: bool, page_service: Up, guarded_url: str, tmp_path: Path) -> None:
     assert (DIST / "index.html").is_file(), "run npm run build in services/web"
     url = page_service.url
     cornell = json.loads((ROOT / "examples" / "cornell" / "scene.json").read_text())
@@ -133,6 +134,7 @@ def test_the_page(page_service: Up, guarded_url: str, tmp_path: Path) -> None:
         "pixel": pixel_of(exr),
         "archive": str(archive_of(ROOT / "examples" / "cornell", tmp_path / "cornell.zip")),
         "scene_folder": str(ROOT / "examples" / "cornell"),
+        "brief": brief,
         "screenshots": os.environ.get("NOCTURNE_SCREENSHOTS", ""),
     }
     visit("page.e2e.mjs", given)
