@@ -21,7 +21,7 @@ STAMPS := build/stamps
 PROCESSES := --numprocesses
 NOT_MINUTES := not soak and not references and not peers and not containers and not blender
 
-.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-coordinator test-services test-scene test-others heaviest format unit system screenshots visit soak accuracy fuzz fuzz-readers references peers blender stability preflights sanitize bench lock contract docs gallery clean
+.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-coordinator test-services test-scene test-others heaviest format unit system screenshots visit soak accuracy fuzz fuzz-readers references peers blender stability preflights profile sanitize bench lock contract docs gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -174,6 +174,12 @@ stability: build  ## Torture cases by every method; writes docs/explanation/stab
 
 preflights: build  ## What the examples need for 2 %, into bench/results (half an hour)
 	$(PYTHON) -m bench.preflights
+
+profile: proto programs  ## What the tracer does in examples, for the compiler that optimises by it: worker/tracing.profdata (some ten minutes)
+	@deploy/install-debian-packages.sh profile
+	cd worker && cmake --fresh --preset profile --log-level=WARNING
+	cmake --build build/profile --target nocturne-trace -- --quiet
+	$(PYTHON) -m bench.profile
 
 sanitize: packages  ## C++ tests under the address and undefined-behaviour sanitizers
 	cd worker && cmake --fresh --preset sanitize --log-level=WARNING
