@@ -126,6 +126,9 @@ class PhotonSequence {
         reverse_bits(nested_hash(alone, _mm256_castsi128_si256(point.scrambles)))));
   }
 
+  /// Past the numbers of so many calls of `next`.
+  void skip(std::uint32_t sets) { set_ += sets; }
+
   /// The next four dimensions of many photons, as `next` gives them: sequence_of(i) for each i
   /// below `count`. Two at a time go through one register.
   template <class SequenceOf>

@@ -3,6 +3,7 @@
 #include "surfaces/geometry.h"
 
 #include <embree3/rtcore.h>
+#include <immintrin.h>
 
 #include <algorithm>
 #include <array>
@@ -51,26 +52,53 @@ RTCRayHit embree_query(const Ray& ray, float time) {
 
 constexpr std::size_t kPacket = 8;
 
+// Eight rows of eight floats: their columns.
+void transpose(std::array<__m256, 8>& rows) {
+  std::array<__m256, 8> pairs, fours;
+  for (std::size_t i = 0; i < 8; i += 2) {
+    pairs[i] = _mm256_unpacklo_ps(rows[i], rows[i + 1]);
+    pairs[i + 1] = _mm256_unpackhi_ps(rows[i], rows[i + 1]);
+  }
+  for (std::size_t i = 0; i < 8; i += 4) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      fours[i + 2 * k] = _mm256_shuffle_ps(pairs[i + k], pairs[i + 2 + k], 0x44);
+      fours[i + 2 * k + 1] = _mm256_shuffle_ps(pairs[i + k], pairs[i + 2 + k], 0xEE);
+    }
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    rows[i] = _mm256_permute2f128_ps(fours[i], fours[i + 4], 0x20);
+    rows[i + 4] = _mm256_permute2f128_ps(fours[i], fours[i + 4], 0x31);
+  }
+}
+
+// A TimedRay begins with eight floats. Turned in registers: Embree reads lanes together what single
+// stores would have left in pieces.
+static_assert(sizeof(Ray) == 6 * sizeof(float) && offsetof(TimedRay, ray) == 0 &&
+              offsetof(TimedRay, time) == 6 * sizeof(float) &&
+              offsetof(TimedRay, end) == 7 * sizeof(float));
+
 // Rays of a packet have nothing to do with each other: then Embree finds for each what it finds for
 // it alone, bit for bit, whatever rays it is with (tests/worker/surfaces/packets_test.cpp).
 template <class Packet>
 void fill(Packet& packet, std::span<const TimedRay> rays, std::span<int> valid) {
+  std::array<__m256, kPacket> rows;
   for (std::size_t i = 0; i < kPacket; ++i) {
     valid[i] = i < rays.size() ? -1 : 0;
-    const TimedRay& from = rays[std::min(i, rays.size() - 1)];
-    packet.org_x[i] = from.ray.origin.x;
-    packet.org_y[i] = from.ray.origin.y;
-    packet.org_z[i] = from.ray.origin.z;
-    packet.dir_x[i] = from.ray.direction.x;
-    packet.dir_y[i] = from.ray.direction.y;
-    packet.dir_z[i] = from.ray.direction.z;
-    packet.tnear[i] = 0.0f;
-    packet.tfar[i] = from.end;
-    packet.time[i] = from.time;
-    packet.mask[i] = ~0u;
-    packet.id[i] = 0;
-    packet.flags[i] = 0;
+    rows[i] = _mm256_loadu_ps(&rays[std::min(i, rays.size() - 1)].ray.origin.x);
   }
+  transpose(rows);
+  std::size_t row = 0;
+  for (float* column : {packet.org_x, packet.org_y, packet.org_z, packet.dir_x, packet.dir_y,
+                        packet.dir_z, packet.time, packet.tfar}) {
+    _mm256_store_ps(column, rows[row++]);
+  }
+  _mm256_store_ps(packet.tnear, _mm256_setzero_ps());
+  const auto set = [](unsigned* column, int all) {
+    _mm256_store_si256(reinterpret_cast<__m256i*>(column), _mm256_set1_epi32(all));
+  };
+  set(packet.mask, -1);
+  set(packet.id, 0);
+  set(packet.flags, 0);
 }
 
 // What a single ray's search offers its filter.

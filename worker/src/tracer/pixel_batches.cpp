@@ -32,6 +32,7 @@ void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums
   const bool shares = scene_.options.sharing > 1;
   if (shares) batch_.sharing.firsts.resize(samples.size());
   PixelNumbers common{};
+  WavelengthSamples<N> wavelengths{};
   std::uint32_t place = 0, leader = 0;  // in the block; the pixel of its first place
   for (std::uint32_t i = 0; i < samples.size(); ++i) {
     const PixelIndex& at = samples[i];
@@ -46,14 +47,20 @@ void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums
       }
       PhotonSequence of_block(sequence_of(leader | kOfBlock),
                               (run * kMaxSharing + place) * kSharingRun + in_run);
-      const PixelNumbers from_block = next_pixel_numbers(scene_, of_block);
-      if (at.leads) common = from_block;
-      numbers.wavelengths = common.wavelengths;
+      if (at.leads) {
+        common = next_pixel_numbers(scene_, of_block);
+      } else {
+        skip_pixel_numbers(scene_, of_block);
+      }
       numbers.time = common.time;
       batch_.sharing.sequences.push_back(of_block);
     }
+    // All of a block have the same: they are computed once.
+    if (at.leads) {
+      wavelengths = scene_.wavelengths.template sample<N>((shares ? common : numbers).wavelengths);
+    }
     samples_.emplace_back(
-        InPlace{[&] { return sample_pixel<N>(scene_, film_, at.x, at.y, numbers); }});
+        InPlace{[&] { return sample_pixel(scene_, film_, at.x, at.y, numbers, wavelengths); }});
     start(batch_, samples_.back().start, sequence);
   }
   trace_batch(batch_);

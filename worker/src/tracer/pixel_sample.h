@@ -23,13 +23,17 @@ inline PixelNumbers next_pixel_numbers(const Scene& scene, PhotonSequence& seque
   const Uniform4 v = scene.sensor.needs_lens() ? sequence.next() : Uniform4{};
   return {u[0], u[1], u[2], u[3], v[0], v[1]};
 }
+/// To the number behind them.
+inline void skip_pixel_numbers(const Scene& scene, PhotonSequence& sequence) {
+  sequence.skip(scene.sensor.needs_lens() ? 2 : 1);
+}
 
 template <int N>
 PixelSample<N> sample_pixel(const Scene& scene, Film film, std::uint32_t x, std::uint32_t y,
-                            const PixelNumbers& u) {
+                            const PixelNumbers& u, const WavelengthSamples<N>& wavelengths) {
   const SensorSample from = scene.sensor.sample(
       film, static_cast<float>(x) + u.x, static_cast<float>(y) + u.y, u.lens_u, u.lens_v, u.time);
-  PixelSample<N> sample{scene.wavelengths.sample<N>(u.wavelengths), from.weight, {}};
+  PixelSample<N> sample{wavelengths, from.weight, {}};
   sample.start.ray = from.ray;
   sample.start.wavelengths = sample.wavelengths.nm;
   sample.start.inside = scene.sensor_inside;
@@ -37,6 +41,13 @@ PixelSample<N> sample_pixel(const Scene& scene, Film film, std::uint32_t x, std:
   sample.start.width = from.width;
   sample.start.spread = from.spread;
   return sample;
+}
+
+/// With wavelengths of its own.
+template <int N>
+PixelSample<N> sample_pixel(const Scene& scene, Film film, std::uint32_t x, std::uint32_t y,
+                            const PixelNumbers& u) {
+  return sample_pixel(scene, film, x, y, u, scene.wavelengths.sample<N>(u.wavelengths));
 }
 
 }  // namespace nocturne

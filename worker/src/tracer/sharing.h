@@ -5,6 +5,7 @@
 // that could have found y (Veach 1997).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <numeric>
 #include <optional>
@@ -69,6 +70,23 @@ struct SecondVertex {
   std::uint32_t arrivals = Arrival<N>::kNone;
 };
 
+/// Some second vertices side by side: a first vertex looks at all of them at once.
+struct SecondLanes {
+  static constexpr std::size_t kCount = 8;
+  using Floats = std::array<float, kCount>;
+
+  /// Positions, the normals of the surfaces and of the kernels; what is not there is a zero.
+  Floats x{}, y{}, z{}, nx{}, ny{}, nz{}, kx{}, ky{}, kz{};
+
+  template <int N>
+  void set(std::size_t i, const SecondVertex<N>& second) {
+    const Vec3 p = second.hit.position, n = second.normal, k = second.frame.normal;
+    x[i] = p.x, y[i] = p.y, z[i] = p.z;
+    nx[i] = n.x, ny[i] = n.y, nz[i] = n.z;
+    kx[i] = k.x, ky[i] = k.y, kz[i] = k.z;
+  }
+};
+
 /// A first and a second vertex of a block.
 template <int N>
 struct Meeting {
@@ -110,9 +128,14 @@ struct Sharing {
   std::vector<PhotonSequence> sequences;
   std::vector<std::optional<FirstVertex<N>>> firsts;
   std::vector<SecondVertex<N>> seconds;
+  /// Those from which anything was found, by sample, otherwise in the order in which they were met.
+  std::vector<SecondVertex<N>> found;
+  /// For sorting them: by sample, where its own end; and their indices in `seconds`.
+  std::vector<std::uint32_t> ends, order;
   std::vector<Arrival<N>> arrivals;
   /// Of the block at hand.
   BlockMeetings<N> block;
+  std::vector<SecondLanes> lanes;
   /// Of the second vertex at hand.
   std::vector<Counted<N>> counted;
 

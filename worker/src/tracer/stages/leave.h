@@ -31,10 +31,10 @@ bool keep_in_partition(const Batch& batch, Group<N>& group, const Vertex<N>& ver
 }
 
 /// Whether a kernel may send anything in a direction, `wi` in its frame. Where a shading normal
-/// says one side and the surface, whose normal is given, the other, nothing goes on.
+/// says one side and the surface, by the cosine with its normal, the other, nothing goes on.
 template <class Kernel>
-bool may_send(const Kernel& kernel, Vec3 normal, Vec3 direction, Vec3 wi) {
-  return (wi.z > 0.0f || kernel.transmits()) && dot(normal, direction) * wi.z > 0.0f;
+bool may_send(const Kernel& kernel, float cosine, Vec3 wi) {
+  return (wi.z > 0.0f || kernel.transmits()) && cosine * wi.z > 0.0f;
 }
 
 /// Turns a group into `wi`; false where it ends.

@@ -47,7 +47,7 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
   const Scene& scene = batch.scene;
   const BatchSample<N>& sample = batch.sample_of(group);
   const Vec3 wi = vertex.to_local(light.direction);
-  if (!may_send(kernel, vertex.normal, light.direction, wi)) return;
+  if (!may_send(kernel, dot(vertex.normal, light.direction), wi)) return;
   const Spectral<N> radiance = light.luminaire == Emission::kNoLuminaire
                                    ? scene.distant_radiance(light.direction, sample.wavelengths)
                                    : scene.luminaires[light.luminaire].emitted(

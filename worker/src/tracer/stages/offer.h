@@ -16,17 +16,18 @@ bool may_share_at(const Batch& batch, const Group<N>& group, const Vertex<N>& ve
          !batch.scene.materials[vertex.hit.surface].close;
 }
 
+/// True where the group has its next numbers from the block.
 template <class Batch, int N, class Kernel>
-void offer_first(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
-                 float survival, Uniform4& numbers) {
-  if (!kernel.smooth() || !may_share_at(batch, group, vertex)) return;
+bool offer_first(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
+                 float survival) {
+  if (!kernel.smooth() || !may_share_at(batch, group, vertex)) return false;
   group.shares = true;
-  numbers = batch.sharing.sequences[group.sample].next();
   const bool diffuse_like =
       batch.both && !batch.scene.specular_like[vertex.kernel] && !near_camera(batch, group, vertex);
   batch.sharing.firsts[group.sample].emplace(
       FirstVertex<N>{vertex.hit, vertex.frame, vertex.normal, vertex.wo, vertex.kernel,
                      vertex.shading, survival, diffuse_like});
+  return true;
 }
 
 /// From here on the group counts apart, as of weight 1.

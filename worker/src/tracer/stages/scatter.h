@@ -64,12 +64,10 @@ float survival_at(const Batch& batch, Group<N>& group, const Vertex<N>& vertex,
   return survival;
 }
 
-/// Before it is known what becomes of a group, from its next numbers.
+/// Before it is known what becomes of a group; and its next numbers.
 template <class Batch, int N, class Bound>
 void prepare(Batch& batch, Chunk<N, Bound>& chunk) {
-  PhotonSequence::next_of_each(
-      chunk.count, [&](std::size_t i) -> PhotonSequence& { return chunk.groups[i]->sequence; },
-      chunk.numbers.data());
+  std::array<PhotonSequence*, kChunk> sequences;
   const bool second = batch.kAdjoint && batch.options.estimator == Estimator::kTwoPhotons &&
                       !batch.scene.lights.empty();
   for (std::size_t i = 0; i < chunk.count; ++i) {
@@ -86,12 +84,18 @@ void prepare(Batch& batch, Chunk<N, Bound>& chunk) {
     }
     chunk.survival[i] = passes_on ? survival_of_passing(group, vertex, kernel)
                                   : survival_at(batch, group, vertex, kernel);
+    sequences[i] = &group.sequence;
     if constexpr (Batch::kAdjoint) {
-      if (batch.sharing.on() && chunk.two_photons[i] && group.depth == 1 && group.passes == 0) {
-        offer_first(batch, group, vertex, kernel, chunk.survival[i], chunk.numbers[i]);
+      if (batch.sharing.on() && chunk.two_photons[i] && group.depth == 1 && group.passes == 0 &&
+          offer_first(batch, group, vertex, kernel, chunk.survival[i])) {
+        group.sequence.skip(1);
+        sequences[i] = &batch.sharing.sequences[group.sample];
       }
     }
   }
+  PhotonSequence::next_of_each(
+      chunk.count, [&](std::size_t i) -> PhotonSequence& { return *sequences[i]; },
+      chunk.numbers.data());
 }
 
 /// A direction for a group that survived.

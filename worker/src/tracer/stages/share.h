@@ -14,21 +14,45 @@
 
 namespace nocturne {
 
-/// What a photon from `first`, whose kernel is bound, brings from `second` if nothing is between.
-/// False where it would never go there.
+/// What a first vertex sees of some second ones.
+struct Seen {
+  /// Directions in the kernel's frame.
+  SecondLanes::Floats x, y, z;
+  /// Cosine of the direction at the first surface.
+  SecondLanes::Floats cosine;
+  /// From solid angle to area at the second vertex, 1/m2; not above zero where that shows its back.
+  SecondLanes::Floats by_area;
+};
+
+/// In a loop without branches, which the compiler takes lanes together in.
+template <int N>
+Seen look(const FirstVertex<N>& first, const SecondLanes& lanes) {
+  Seen seen;
+  for (std::size_t i = 0; i < SecondLanes::kCount; ++i) {
+    const Vec3 way = Vec3{lanes.x[i], lanes.y[i], lanes.z[i]} - first.hit.position;
+    const float square = dot(way, way);
+    const float inverse = 1.0f / std::sqrt(square);
+    const Vec3 direction = inverse * way;
+    const float cosine = -dot(Vec3{lanes.nx[i], lanes.ny[i], lanes.nz[i]}, direction);
+    const float of_kernel = dot(Vec3{lanes.kx[i], lanes.ky[i], lanes.kz[i]}, direction);
+    const Vec3 wi = first.frame.to_local(direction);
+    seen.x[i] = wi.x, seen.y[i] = wi.y, seen.z[i] = wi.z;
+    seen.cosine[i] = dot(first.normal, direction);
+    const float by_area = cosine * inverse * inverse;
+    const float facing = of_kernel < 0.0f ? by_area : 0.0f;
+    seen.by_area[i] = square > 0.0f ? facing : 0.0f;
+  }
+  return seen;
+}
+
+/// What a photon from `first`, whose kernel is bound, brings from the second vertex `i` of those
+/// that it sees if nothing is between. False where it would never go there.
 template <int N, class Kernel>
-bool meet(const FirstVertex<N>& first, const Kernel& kernel, const SecondVertex<N>& second,
+bool meet(const FirstVertex<N>& first, const Kernel& kernel, const Seen& seen, std::size_t i,
           Meeting<N>& meeting) {
-  const Vec3 way = second.hit.position - first.hit.position;
-  const float square = dot(way, way);
-  if (!(square > 0.0f)) return false;
-  const float inverse = 1.0f / std::sqrt(square);
-  const Vec3 direction = inverse * way;
-  const float cosine = -dot(second.normal, direction);
-  if (!(cosine > 0.0f) || !(dot(second.frame.normal, direction) < 0.0f)) return false;
-  const Vec3 wi = first.frame.to_local(direction);
-  if (!may_send(kernel, first.normal, direction, wi)) return false;
-  const float by_area = cosine * inverse * inverse;
+  const float by_area = seen.by_area[i];
+  const Vec3 wi{seen.x[i], seen.y[i], seen.z[i]};
+  if (!(by_area > 0.0f) || !may_send(kernel, seen.cosine[i], wi)) return false;
   const Evaluation<N> there = evaluate<N>(kernel, first.wo, wi);
   meeting.value = by_area * there.value;
   // A photon that would carry nothing there ends.
@@ -45,6 +69,23 @@ TimedRay way_between(const FirstVertex<N>& first, const SecondVertex<N>& second,
   return {.ray = {from, (1.0f / distance) * way}, .time = time, .end = distance};
 }
 
+/// Of a first vertex with the second ones of some lanes, those from `begin` on.
+template <int N, class Estimator, bool Media, class Kernel>
+void find_meetings_of(Batch<N, Estimator, Media>& batch, std::uint32_t sample, const Kernel& kernel,
+                      const SecondLanes& lanes, std::uint32_t begin,
+                      std::span<const SecondVertex<N>> seconds) {
+  const FirstVertex<N>& first = *batch.sharing.firsts[sample];
+  const Seen seen = look(first, lanes);
+  for (std::uint32_t i = 0; i < std::min(SecondLanes::kCount, seconds.size() - begin); ++i) {
+    const std::uint32_t from = seconds[begin + i].sample;
+    if (batch.sharing.firsts[from]->diffuse_like != first.diffuse_like) continue;
+    Meeting<N> meeting{.sample = sample, .second = begin + i, .value = 0.0f, .density = 0.0f};
+    if (meet(first, kernel, seen, i, meeting) || from == sample) {
+      batch.sharing.block.add(meeting);
+    }
+  }
+}
+
 /// All meetings of a block, those of each second vertex together: the ways to it are close to each
 /// other, and one packet follows them.
 template <int N, class Estimator, bool Media>
@@ -52,17 +93,18 @@ void find_meetings(Batch<N, Estimator, Media>& batch, std::uint32_t first_sample
                    std::uint32_t end_sample, std::span<const SecondVertex<N>> seconds) {
   BlockMeetings<N>& block = batch.sharing.block;
   block.clear(seconds.size());
+  std::vector<SecondLanes>& lanes = batch.sharing.lanes;
+  lanes.assign((seconds.size() + SecondLanes::kCount - 1) / SecondLanes::kCount, {});
+  for (std::size_t i = 0; i < seconds.size(); ++i) {
+    lanes[i / SecondLanes::kCount].set(i % SecondLanes::kCount, seconds[i]);
+  }
   for (std::uint32_t sample = first_sample; sample < end_sample; ++sample) {
     const auto& first = batch.sharing.firsts[sample];
     if (!first) continue;
     visit_bound<N>(batch.scene.kernels, first->kernel, first->shading, [&](const auto& kernel) {
-      for (std::uint32_t i = 0; i < seconds.size(); ++i) {
-        const auto& from = batch.sharing.firsts[seconds[i].sample];
-        if (from->diffuse_like != first->diffuse_like) continue;
-        Meeting<N> meeting{.sample = sample, .second = i, .value = 0.0f, .density = 0.0f};
-        if (meet(*first, kernel, seconds[i], meeting) || seconds[i].sample == sample) {
-          block.add(meeting);
-        }
+      for (std::uint32_t k = 0; k < lanes.size(); ++k) {
+        find_meetings_of(batch, sample, kernel, lanes[k],
+                         k * static_cast<std::uint32_t>(SecondLanes::kCount), seconds);
       }
     });
   }
@@ -184,6 +226,23 @@ bool found_anything(const Batch<N, Estimator, Media>& batch, const SecondVertex<
   return any;
 }
 
+/// Those from which anything was found, by sample, otherwise in the order in which they were met.
+template <int N, class Estimator, bool Media>
+void sort_seconds(Batch<N, Estimator, Media>& batch) {
+  Sharing<N>& sharing = batch.sharing;
+  std::erase_if(sharing.seconds,
+                [&](const SecondVertex<N>& second) { return !found_anything(batch, second); });
+  sharing.ends.assign(batch.samples.size(), 0);
+  for (const SecondVertex<N>& second : sharing.seconds) ++sharing.ends[second.sample];
+  std::exclusive_scan(sharing.ends.begin(), sharing.ends.end(), sharing.ends.begin(), 0u);
+  sharing.order.resize(sharing.seconds.size());
+  for (std::uint32_t i = 0; i < sharing.seconds.size(); ++i) {
+    sharing.order[sharing.ends[sharing.seconds[i].sample]++] = i;
+  }
+  sharing.found.clear();
+  for (const std::uint32_t i : sharing.order) sharing.found.push_back(sharing.seconds[i]);
+}
+
 /// At the end of a batch, when what is found from each second vertex on is known: where that is
 /// nothing, there is nothing to share.
 template <int N, class Estimator, bool Media>
@@ -192,21 +251,17 @@ void share(Batch<N, Estimator, Media>& batch) {
   for (const SecondVertex<N>& second : sharing.seconds) {
     if (!second.lambertian) batch.estimator.take(second.sample, second.tally, second.weight);
   }
-  std::erase_if(sharing.seconds,
-                [&](const SecondVertex<N>& second) { return !found_anything(batch, second); });
-  std::stable_sort(
-      sharing.seconds.begin(), sharing.seconds.end(),
-      [](const SecondVertex<N>& a, const SecondVertex<N>& b) { return a.sample < b.sample; });
+  sort_seconds(batch);
   std::size_t second = 0;
   for (std::size_t block = 0; block < sharing.blocks.size(); ++block) {
     const std::uint32_t end = block + 1 < sharing.blocks.size()
                                   ? sharing.blocks[block + 1]
                                   : static_cast<std::uint32_t>(batch.samples.size());
     const std::size_t begin = second;
-    while (second < sharing.seconds.size() && sharing.seconds[second].sample < end) ++second;
+    while (second < sharing.found.size() && sharing.found[second].sample < end) ++second;
     if (second == begin) continue;
     share_block(batch, sharing.blocks[block], end,
-                std::span<const SecondVertex<N>>(sharing.seconds).subspan(begin, second - begin));
+                std::span<const SecondVertex<N>>(sharing.found).subspan(begin, second - begin));
   }
 }
 
