@@ -29,8 +29,10 @@ TEST(Sobol, PointsAreThoseOfTheDefinition) {
   const auto scramble = [](std::uint32_t x, std::uint32_t seed) {
     return reverse_bits(nested_hash(reverse_bits(x), seed));
   };
+  const JointSets joint{{4, 1, 7}, 3};
   for (std::uint32_t sample = 0; sample < 3000; ++sample) {
-    PixelSequence numbers(SequenceKind::kSobol, 7, sample % 5);
+    PixelSequence numbers(SequenceKind::kSobol, 7, sample % 5,
+                          sample % 2 == 0 ? joint : JointSets{});
     const std::uint32_t index = sample < 2000 ? sample : sample * 2654435761u;
     PhotonSequence sequence(numbers, index);
     for (std::uint32_t set = 0; set < 10; ++set) {
@@ -41,12 +43,28 @@ TEST(Sobol, PointsAreThoseOfTheDefinition) {
       for (std::size_t d = 0; d < 4; ++d) {
         std::uint32_t point = 0;
         for (std::size_t bit = 0; bit < 32; ++bit) {
-          if ((shuffled >> bit) & 1u) point ^= directions[d][bit];
+          if ((shuffled >> bit) & 1u) point ^= directions[4 * randomisation.table + d][bit];
         }
         ASSERT_EQ(u[d], to_unit(scramble(point, seeds[d])));
       }
     }
   }
+}
+
+// Point 1000 in the order of Gray's code, as SciPy 1.17's scipy.stats.qmc.Sobol(12, bits=32) gives
+// it by the same direction numbers.
+TEST(Sobol, DirectionsAreThePublishedOnes) {
+  constexpr std::uint32_t kIndex = 1000 ^ (1000 >> 1);
+  const auto directions = sobol_direction_numbers();
+  std::vector<std::uint32_t> point(kSobolDimensions);
+  for (std::size_t d = 0; d < kSobolDimensions; ++d) {
+    for (std::size_t bit = 0; bit < 32; ++bit) {
+      if ((kIndex >> bit) & 1u) point[d] ^= directions[d][bit];
+    }
+  }
+  EXPECT_EQ(point, (std::vector<std::uint32_t>{943718400u, 415236096u, 2227175424u, 2906652672u,
+                                               1203765248u, 3896508416u, 197132288u, 3862953984u,
+                                               2151677952u, 297795584u, 364904448u, 1094713344u}));
 }
 
 // Each pixel's first 2^k numbers of any dimension fall one into each of 2^k equal intervals;
@@ -99,6 +117,26 @@ TEST(Sobol, IntegratesASmoothFunctionBetterThanIndependentNumbers) {
     return std::sqrt(squares / 64.0);
   };
   EXPECT_LT(error(SequenceKind::kSobol), 0.1 * error(SequenceKind::kIndependent));
+}
+
+// What sets gain that are dimensions of one sequence: functions of both are no longer as if the
+// numbers of one were independent of the other's.
+TEST(Sobol, JointSetsIntegrateAFunctionOfBothBetterThanOthers) {
+  const auto error = [](const JointSets& joint) {
+    double squares = 0.0;
+    for (std::uint32_t pixel = 0; pixel < 64; ++pixel) {
+      double sum = 0.0;
+      for (std::uint32_t sample = 0; sample < 1024; ++sample) {
+        PixelSequence numbers(SequenceKind::kSobol, 1, pixel, joint);
+        PhotonSequence sequence(numbers, sample);
+        const Uniform4 u = sequence.next(), v = sequence.next(), w = sequence.next();
+        sum += (u[0] - 0.5) * (v[1] - 0.5) + (v[0] - 0.5) * (w[1] - 0.5);
+      }
+      squares += sum / 1024.0 * (sum / 1024.0);
+    }
+    return std::sqrt(squares / 64.0);
+  };
+  EXPECT_LT(error({{0, 1, 2}, 3}), 0.3 * error({}));
 }
 
 // Over many pixels every single sample is uniform and two sets are uncorrelated: no bias, whatever

@@ -20,7 +20,7 @@ TEST(SharingBlocks, HoldEachSampleOfEachPixelOnce) {
     for_each_sharing_block(tile, side, [&](const SharingBlock& block) {
       EXPECT_LE(block.width, side);
       EXPECT_LE(block.height, side);
-      EXPECT_EQ(block.first_sample / kSharingRun, (block.end_sample - 1) / kSharingRun);
+      EXPECT_EQ(sharing_run(block.first_sample).index, sharing_run(block.end_sample - 1).index);
       for (std::uint32_t y = block.y; y < block.y + block.height; ++y) {
         for (std::uint32_t x = block.x; x < block.x + block.width; ++x) {
           for (std::uint32_t s = block.first_sample; s < block.end_sample; ++s) {
@@ -40,6 +40,37 @@ TEST(SharingBlocks, HoldEachSampleOfEachPixelOnce) {
       EXPECT_EQ(found, all);
     }
   }
+}
+
+TEST(SharingBlocks, StandAsLongAsAllBefore) {
+  std::uint32_t index = 0;
+  for (std::uint32_t first = 0; first < 1u << 20; first = sharing_run(first).end) {
+    const SharingRun run = sharing_run(first);
+    EXPECT_EQ(run.index, index++);
+    EXPECT_EQ(run.first, first);
+    EXPECT_EQ(run.end, first == 0 ? 32 : 2 * first);
+    EXPECT_EQ(sharing_run(run.end - 1).first, first);
+  }
+  constexpr std::uint32_t kLast = (1u << 31) - 1;  // the most samples
+  EXPECT_EQ(sharing_run(kLast).first, 1u << 30);
+  EXPECT_EQ(sharing_run(kLast).end, 1u << 31);
+}
+
+// Each pixel's run begins at a multiple of its length and so does the block's: nets.
+TEST(SharingBlocks, NumbersOfPixelsLieTogether) {
+  std::set<std::uint32_t> all;
+  for (std::uint32_t sample = 0; sample < 256; ++sample) {
+    const SharingRun run = sharing_run(sample);
+    const std::uint32_t length = run.end - run.first;
+    for (std::uint32_t place = 0; place < kMaxSharing; ++place) {
+      const std::uint32_t number = number_in_block(sample, place);
+      all.insert(number);
+      EXPECT_EQ(number % length, sample - run.first);
+      EXPECT_EQ(number / length, number_in_block(run.first, place) / length);
+    }
+  }
+  EXPECT_EQ(all.size(), 256 * kMaxSharing);
+  EXPECT_EQ(*all.rbegin(), 256 * kMaxSharing - 1);
 }
 
 TEST(SharingBlocks, StandInAllPlacesInTurn) {

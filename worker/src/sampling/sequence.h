@@ -1,7 +1,8 @@
 // The random numbers of one photon, a pure function of (seed, pixel, sample, dimension): any sample
 // range can be computed anywhere. Numbers come in sets of four dimensions. Sobol: each set is the
 // four-dimensional Sobol sequence with its own index shuffle and Owen scramble (padding, Burley
-// 2020), each pixel its own randomisation.
+// 2020), but for a few that are joint: further dimensions of one sequence. Each pixel has its own
+// randomisation.
 #pragma once
 
 #include <algorithm>
@@ -44,22 +45,30 @@ inline Uniform4 to_unit(__m128i fractions) {
   return u;
 }
 
+/// Sets that are dimensions of one sequence, in this order, at most kSobolTableCount.
+struct JointSets {
+  std::array<std::uint32_t, kSobolTableCount> sets{};
+  std::uint32_t count = 0;
+};
+
 /// What the photons of one pixel share. Not safe between threads: it remembers the scrambles of its
 /// first sets.
 class PixelSequence {
  public:
   /// How the numbers of one set are randomised: a shuffle of the sample index, and a scramble for
-  /// each dimension.
+  /// each dimension. And which dimensions of the Sobol sequence they are.
   struct Randomisation {
     __m128i scrambles;
-    std::uint32_t shuffle;
+    std::uint32_t shuffle, table;
   };
 
-  PixelSequence(SequenceKind kind, std::uint64_t seed, std::uint32_t pixel)
+  PixelSequence(SequenceKind kind, std::uint64_t seed, std::uint32_t pixel,
+                const JointSets& joint = {})
       : kind_(kind),
         key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
         pixel_(pixel),
-        hash_(mix(mix(seed) + pixel)) {}
+        hash_(mix(mix(seed) + pixel)),
+        joint_(joint) {}
 
   SequenceKind kind() const { return kind_; }
 
@@ -82,6 +91,9 @@ class PixelSequence {
 
   /// The sets of branch k of a photon are those from k << kBranchBits on.
   static constexpr std::uint32_t kBranchBits = 24;
+  static constexpr std::uint32_t set_of_branch(std::uint32_t branch, std::uint32_t set) {
+    return (branch << kBranchBits) + set;
+  }
 
  private:
   // Photons with more vertices are few, and so are those that branch twice.
@@ -95,11 +107,20 @@ class PixelSequence {
     return x ^ (x >> 31);
   }
 
+  /// The scrambles' words and the shuffle's are three in a row.
+  std::uint64_t word(std::uint32_t set, std::uint32_t index) const {
+    return mix(hash_ + 3u * static_cast<std::uint64_t>(set) + index);
+  }
+
   Randomisation make(std::uint32_t set) const {
-    const std::uint64_t first = hash_ + 3u * static_cast<std::uint64_t>(set);
-    return {
-        _mm_set_epi64x(static_cast<long long>(mix(first + 1u)), static_cast<long long>(mix(first))),
-        static_cast<std::uint32_t>(mix(first + 2u))};
+    const __m128i scrambles =
+        _mm_set_epi64x(static_cast<long long>(word(set, 1)), static_cast<long long>(word(set, 0)));
+    for (std::uint32_t table = 0; table < joint_.count; ++table) {
+      if (joint_.sets[table] == set) {
+        return {scrambles, static_cast<std::uint32_t>(word(joint_.sets[0], 2)), table};
+      }
+    }
+    return {scrambles, static_cast<std::uint32_t>(word(set, 2)), 0};
   }
 
   SequenceKind kind_;
@@ -107,6 +128,7 @@ class PixelSequence {
   std::uint32_t pixel_;
   std::uint32_t known_ = 0;
   std::uint64_t hash_;
+  JointSets joint_;
   std::array<Randomisation, kBranches * kRemembered> remembered_;
 };
 
@@ -160,7 +182,8 @@ class PhotonSequence {
   };
   Point next_point() {
     const auto randomisation = pixel_->randomisation(set_++);
-    return {sobol4(nested_hash(reversed_sample_, randomisation.shuffle)), randomisation.scrambles};
+    return {sobol4(randomisation.table, nested_hash(reversed_sample_, randomisation.shuffle)),
+            randomisation.scrambles};
   }
 
   PixelSequence* pixel_;

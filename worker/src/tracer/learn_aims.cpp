@@ -111,25 +111,20 @@ template <int N, class Estimator, bool Media>
 void trace_chunk(const Scene& scene, Film film, std::uint64_t first, std::uint64_t end,
                  Chunk& chunk) {
   const FlushDenormals flush;
-  const std::uint64_t pixels = std::uint64_t{film.width} * film.height;
-  PhotonBatches<N, Estimator, Media> photons(scene, film, kBatchGroups, {});
-  std::vector<PhotonIndex> batch;
-  for (std::uint64_t i = first; i < end; ++i) {
-    batch.push_back(
-        {static_cast<std::uint32_t>(i % pixels), static_cast<std::uint32_t>(i / pixels)});
-    if (batch.size() < kBatchGroups && i + 1 < end) continue;
-    photons.trace(batch, chunk.counts);
+  PhotonBatches<N, Estimator, Media> photons(scene, film, {});
+  for (std::uint64_t begin = first; begin < end; begin += kBatchGroups) {
+    photons.trace(begin, std::min<std::uint64_t>(kBatchGroups, end - begin), chunk.counts);
     std::optional<std::uint32_t> latest;
     for (const Splat<N>& splat : photons.splats()) {
       if (latest == splat.sample || !(largest(splat.value) > 0.0f)) continue;
       latest = splat.sample;
-      PixelSequence numbers = photon_numbers(scene, batch[splat.sample].number);
-      PhotonSequence sequence(numbers, batch[splat.sample].sample);
+      const std::uint64_t photon = begin + splat.sample;
+      PixelSequence numbers = photon_numbers(scene, photon);
+      PhotonSequence sequence(numbers, sample_of_photon(photon));
       const PhotonStart<N> from = start_photon<N>(scene, sequence);
       if (!from.from_surface) continue;
       if (const auto place = first_place(scene, film, from.start)) chunk.places.push_back(*place);
     }
-    batch.clear();
   }
   chunk.counts.photons = (end - first) * N;
 }

@@ -9,25 +9,27 @@
 namespace nocturne {
 
 template <int N, class Estimator, bool Media>
-PhotonBatches<N, Estimator, Media>::PhotonBatches(const Scene& scene, Film film, std::uint32_t most,
+PhotonBatches<N, Estimator, Media>::PhotonBatches(const Scene& scene, Film film,
                                                   const std::stop_token& stop)
     : scene_(scene),
       scale_(1.0 / (film.width * film.height)),
       estimator_(scene, film),
       batch_(scene, estimator_, stop) {
-  sequences_.reserve(most);  // groups point to them
+  numbers_.reserve(2);  // groups point to them
 }
 
 template <int N, class Estimator, bool Media>
-void PhotonBatches<N, Estimator, Media>::trace(std::span<const PhotonIndex> photons,
+void PhotonBatches<N, Estimator, Media>::trace(std::uint64_t first, std::size_t count,
                                                TileSums& counts) {
   batch_.clear();
   wavelengths_.clear();
-  sequences_.clear();
+  numbers_.clear();
   estimator_.splats().clear();
-  for (const PhotonIndex& photon : photons) {
-    sequences_.push_back(photon_numbers(scene_, photon.number));
-    PhotonSequence sequence(sequences_.back(), photon.sample);
+  for (std::uint64_t photon = first; photon < first + count; ++photon) {
+    if (numbers_.empty() || sample_of_photon(photon) == 0) {
+      numbers_.push_back(photon_numbers(scene_, photon));
+    }
+    PhotonSequence sequence(numbers_.back(), sample_of_photon(photon));
     const PhotonStart<N> from = start_photon<N>(scene_, sequence);
     wavelengths_.push_back(from.wavelengths);
     start(batch_, from.start, sequence);

@@ -5,14 +5,21 @@
 
 #include "scene/scene.h"
 #include "tracer/group.h"
+#include "tracer/joint_sets.h"
 
 namespace nocturne {
 
-/// Those of photon `number` of each sample of the film. With both directions, others than those of
-/// photons from the pixels.
-inline PixelSequence photon_numbers(const Scene& scene, std::uint32_t number) {
+/// Those of photon `photon` of all of the film: all, up to 2^32, are points of one sequence, so
+/// that they leave the luminaires evenly. With both directions, others than those of photons from
+/// the pixels.
+inline PixelSequence photon_numbers(const Scene& scene, std::uint64_t photon) {
   const std::uint32_t other = scene.options.direction == Direction::kBoth ? ~0u : 0u;
-  return {scene.options.sequence, scene.options.seed, number ^ other};
+  return {scene.options.sequence, scene.options.seed,
+          static_cast<std::uint32_t>(photon >> 32) ^ other, kJointSetsOfEmission};
+}
+/// Which point of that sequence it is.
+constexpr std::uint32_t sample_of_photon(std::uint64_t photon) {
+  return static_cast<std::uint32_t>(photon);
 }
 
 template <int N>

@@ -1,6 +1,7 @@
 #include "tracer/pixel_batches.h"
 
 #include "math/in_place.h"
+#include "tracer/joint_sets.h"
 #include "tracer/response.h"
 #include "tracer/sharing_blocks.h"
 #include "tracer/stages/share.h"
@@ -40,13 +41,11 @@ void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums
     PixelNumbers numbers = next_pixel_numbers(scene_, sequence);
     if (shares) {
       place = at.leads ? 0 : place + 1;
-      const std::uint32_t run = at.sample / kSharingRun, in_run = at.sample % kSharingRun;
       if (at.leads) {
         batch_.sharing.blocks.push_back(i);
         leader = at.y * film_.width + at.x;
       }
-      PhotonSequence of_block(sequence_of(leader | kOfBlock),
-                              (run * kMaxSharing + place) * kSharingRun + in_run);
+      PhotonSequence of_block(sequence_of(leader | kOfBlock), number_in_block(at.sample, place));
       if (at.leads) {
         common = next_pixel_numbers(scene_, of_block);
       } else {
@@ -87,7 +86,10 @@ PixelSequence& PixelBatches<N, Media>::sequence_of(std::uint32_t pixel) {
   }
   latest_ = end;
   pixels_.push_back(pixel);
-  return sequences_.emplace_back(scene_.options.sequence, scene_.options.seed, pixel);
+  const std::uint32_t before = sets_of_pixel(scene_);
+  const JointSets joint =
+      (pixel & kOfBlock) != 0 ? joint_sets_of_block(before) : joint_sets_of_pixel(before);
+  return sequences_.emplace_back(scene_.options.sequence, scene_.options.seed, pixel, joint);
 }
 
 template class PixelBatches<1, false>;

@@ -18,6 +18,7 @@ struct PixelSample {
 struct PixelNumbers {
   float x, y, wavelengths, time, lens_u, lens_v;
 };
+inline std::uint32_t sets_of_pixel(const Scene& scene) { return scene.sensor.needs_lens() ? 2 : 1; }
 inline PixelNumbers next_pixel_numbers(const Scene& scene, PhotonSequence& sequence) {
   const Uniform4 u = sequence.next();
   const Uniform4 v = scene.sensor.needs_lens() ? sequence.next() : Uniform4{};
@@ -25,7 +26,7 @@ inline PixelNumbers next_pixel_numbers(const Scene& scene, PhotonSequence& seque
 }
 /// To the number behind them.
 inline void skip_pixel_numbers(const Scene& scene, PhotonSequence& sequence) {
-  sequence.skip(scene.sensor.needs_lens() ? 2 : 1);
+  sequence.skip(sets_of_pixel(scene));
 }
 
 template <int N>

@@ -1,21 +1,41 @@
 // Pixels whose photons share what they find (docs/decisions/0061): squares of 2 x 2 or 4 x 4, cut
-// off at the tile's edge. The grid is shifted from run to run of a few samples, so that no pattern
-// of squares stays in the image.
+// off at the tile's edge. The grid is shifted from run to run of samples, so that no pattern of
+// squares stays in the image.
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 
 #include "tile/tile_sums.h"
 
 namespace nocturne {
 
-/// Samples for which the grid stands still. The numbers of a pixel are stratified within them, and
-/// so are those of the block as a whole.
-inline constexpr std::uint32_t kSharingRun = 16;
+/// Samples for which the grid stands still, from `first` to before `end`. The numbers of a pixel
+/// are stratified within them, and so are those of the block as a whole.
+struct SharingRun {
+  std::uint32_t index, first, end;
+};
 
-/// In a block.
+/// The run of a sample: each is as long as all before it together, so that half of all samples
+/// are stratified together, however many there are (docs/decisions/0097).
+constexpr SharingRun sharing_run(std::uint32_t sample) {
+  constexpr std::uint32_t kFirst = 32;
+  const auto index = static_cast<std::uint32_t>(std::bit_width(sample / kFirst));
+  if (index == 0) return {0, 0, kFirst};
+  const std::uint32_t first = kFirst << (index - 1);
+  return {index, first, 2 * first};
+}
+
+/// Pixels in a block.
 inline constexpr std::uint32_t kMaxSharing = 16;
+
+/// Which point of its block's sequence a pixel has for a sample: those of a pixel's run are a net,
+/// and those of the block's, too. `place` is the pixel's in its block.
+constexpr std::uint32_t number_in_block(std::uint32_t sample, std::uint32_t place) {
+  const SharingRun run = sharing_run(sample);
+  return run.first * kMaxSharing + place * (run.end - run.first) + sample - run.first;
+}
 
 /// How far the grid is shifted in a run of samples, each way below `side`, a power of 2. All shifts
 /// have their turn, and those of four runs are far apart.
@@ -39,9 +59,9 @@ using SharingBlock = TileRange;
 template <class F>
 void for_each_sharing_block(const TileRange& range, std::uint32_t side, const F& f) {
   for (std::uint32_t first = range.first_sample; first < range.end_sample;) {
-    const std::uint32_t run = first / kSharingRun;
-    const std::uint32_t end = std::min(range.end_sample, (run + 1) * kSharingRun);
-    const SharingShift shift = sharing_shift(run, side);
+    const SharingRun run = sharing_run(first);
+    const std::uint32_t end = std::min(range.end_sample, run.end);
+    const SharingShift shift = sharing_shift(run.index, side);
     const auto cut = [side](std::uint32_t size, std::uint32_t shift_by, const auto& piece) {
       for (std::uint32_t begin = 0, next = shift_by == 0 ? side : shift_by; begin < size;
            begin = next, next += side) {

@@ -19,25 +19,19 @@ template <int N, class Estimator, bool Media>
 class PhotonsOnFilm {
  public:
   PhotonsOnFilm(const Scene& scene, Film film, std::uint32_t tile_size, const std::stop_token& stop)
-      : pixels_(std::uint64_t{film.width} * film.height),
-        tile_blocks_(tile_size / TileSums::kBlock),
+      : tile_blocks_(tile_size / TileSums::kBlock),
         tile_columns_((film.width + tile_size - 1) / tile_size),
         batch_size_(samples_in_batch(scene.options, kBatchGroups)),
-        photons_(scene, film, batch_size_, stop),
+        photons_(scene, film, stop),
         sums_(film.width, film.height, scene.wavelengths.further_curves(),
               std::size_t{tile_columns_} * ((film.height + tile_size - 1) / tile_size)),
         of_pixel_(sums_.values()) {}
 
   TileSums trace(const PhotonRange& range) {
-    std::vector<PhotonIndex> batch;
     const std::uint64_t end = range.end * kPhotonBundle;
-    for (std::uint64_t photon = range.first * kPhotonBundle; photon < end; ++photon) {
-      batch.push_back({static_cast<std::uint32_t>(photon % pixels_),
-                       static_cast<std::uint32_t>(photon / pixels_)});
-      if (batch.size() < batch_size_ && photon + 1 < end) continue;
-      photons_.trace(batch, sums_);
+    for (std::uint64_t photon = range.first * kPhotonBundle; photon < end; photon += batch_size_) {
+      photons_.trace(photon, std::min<std::uint64_t>(batch_size_, end - photon), sums_);
       add_splats();
-      batch.clear();
     }
     return std::move(sums_);
   }
@@ -96,7 +90,6 @@ class PhotonsOnFilm {
     values.fill(0.0);
   }
 
-  const std::uint64_t pixels_;
   const std::uint32_t tile_blocks_, tile_columns_, batch_size_;
   PhotonBatches<N, Estimator, Media> photons_;
   TileSums sums_;

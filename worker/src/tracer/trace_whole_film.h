@@ -72,7 +72,7 @@ class WholeFilm {
         batch_size_(samples_in_batch(scene.options, groups)),
         // Small films several samples at a time, so that batches are full.
         samples_at_once_(std::max(1u, batch_size_ / pixels_)),
-        photons_(scene, film, batch_size_, stop),
+        photons_(scene, film, stop),
         from_pixels_(scene, film, batch_size_, stop),
         sums_(film.width, film.height, scene.wavelengths.further_curves()),
         samples_(samples_at_once_, pixels_, sums_.values()),
@@ -92,22 +92,16 @@ class WholeFilm {
 
  private:
   void trace_photons(std::uint32_t first, std::uint32_t end) {
-    std::vector<PhotonIndex> photons;
-    const auto trace = [&] {
-      photons_.trace(photons, sums_);
+    const std::uint64_t begin = std::uint64_t{first} * pixels_,
+                        end_photon = std::uint64_t{end} * pixels_;
+    for (std::uint64_t photon = begin; photon < end_photon; photon += batch_size_) {
+      photons_.trace(photon, std::min<std::uint64_t>(batch_size_, end_photon - photon), sums_);
       for (const Splat<N>& splat : photons_.splats()) {
-        double* const values = samples_.touch(photons[splat.sample].sample - first, splat.pixel);
+        const std::uint64_t sample = (photon - begin + splat.sample) / pixels_;
+        double* const values = samples_.touch(static_cast<std::uint32_t>(sample), splat.pixel);
         sums_.invalid_samples += photons_.add(splat, values);
       }
-      photons.clear();
-    };
-    for (std::uint32_t sample = first; sample < end; ++sample) {
-      for (std::uint32_t photon = 0; photon < pixels_; ++photon) {
-        photons.push_back({photon, sample});
-        if (photons.size() == batch_size_) trace();
-      }
     }
-    trace();
   }
 
   void trace_from_pixels(std::uint32_t first, std::uint32_t end) {
