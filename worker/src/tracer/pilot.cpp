@@ -28,9 +28,8 @@ constexpr double kQueryCost = 0.7, kForwardCost = 1.5;
 /// them but one so many times more than it has to, or so many times less: somebody waits for the
 /// pilot, and one part of five does not move the median.
 constexpr double kPlain = 1.25;
-/// A way is left for another that is so much better; sharing is judged by a few squares of the
-/// film.
-constexpr double kWorthIt = 1.25, kSharingWorthIt = 1.5;
+/// A way is left for another that is so much better.
+constexpr double kWorthIt = 1.25;
 /// Standard errors between two means that are told apart; of four images, so few are not enough.
 constexpr double kApart = 5.0;
 /// Forward photons whose mean is less certain have hardly found the sensor yet.
@@ -137,7 +136,7 @@ class Pilot {
     // A single bright sample may decide about the whole.
     const auto middle = gains.begin() + static_cast<std::ptrdiff_t>(gains.size() / 2);
     std::ranges::nth_element(gains, middle);
-    if (!(*middle > kSharingWorthIt)) return;
+    if (!(*middle > kWorthIt)) return;
     result_.choice.sharing = 16;
     result_.choice.gain *= *middle;
   }
@@ -170,8 +169,8 @@ class Pilot {
 
   static bool plain(const std::vector<double>& gains) {
     const auto but_one = static_cast<std::ptrdiff_t>(gains.size()) - 1;
-    const auto pays = [](double gain) { return gain > kPlain * kSharingWorthIt; };
-    const auto loses = [](double gain) { return gain < kSharingWorthIt / kPlain; };
+    const auto pays = [](double gain) { return gain > kPlain * kWorthIt; };
+    const auto loses = [](double gain) { return gain < kWorthIt / kPlain; };
     return std::ranges::count_if(gains, pays) >= but_one ||
            std::ranges::count_if(gains, loses) >= but_one;
   }
