@@ -107,7 +107,9 @@ def _each(figures: Figures) -> list[tuple[str, Any]]:
 
 def _measure(scene: Document, sequence: str, folder: Path, size: _Size) -> Figures:
     document = {**scene, "tracing": {**scene.get("tracing", {}), "sequence": sequence}}
-    compiled = compile_film(document, folder, size.film.width, size.film.height, _FOR_A_PILOT, folder / sequence)
+    compiled = compile_film(
+        document, folder, size.film.width, size.film.height, _FOR_A_PILOT, folder / sequence
+    )
     ours = Ours(compiled, size.film, threads=2)
     frames = [ours.traced(size.samples, seed) for seed in range(size.renders)]
     parts = 16
