@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from bench.peer.planes import planes
 from bench.peer.room import room
 from bench.peer.sky import SKY, write_sky
 from bench.scenes import Document, cornell
@@ -34,6 +35,7 @@ def scenes() -> dict[str, Scene]:
         "chart": Scene(lambda _: chart(), 96, 64),
         "spheres": Scene(spheres, 128, 96),
         "room": Scene(room, 160, 120),
+        "planes": Scene(planes, 128, 96),
     }
 
 

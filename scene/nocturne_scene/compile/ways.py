@@ -22,8 +22,11 @@ from nocturne_scene.film import Film
 from nocturne_scene.programs import find_program
 from nocturne_scene.scene_ranges import schedule_of
 
-WORTH_A_PILOT = 2**21
-"""Samples of a whole film: what takes a second or two needs no choice."""
+WORTH_A_PILOT = 2**20
+"""Samples of a whole film: what takes a second needs no choice."""
+
+_TELLS_DIRECTIONS = 2**21
+"""From here on a pilot has samples enough to compare directions."""
 
 MAX_SECONDS = 120.0
 """After which a pilot is given up."""
@@ -90,7 +93,8 @@ def open_ways(
     """What a pilot is to choose. `photons_can_start`: at all luminaires."""
     tracing, default = document.tracing, given_ways(document)
     names, asked = [], default
-    may_forward = tracing.direction == "auto" and photons_can_start
+    tells = film.all_samples >= _TELLS_DIRECTIONS
+    may_forward = tracing.direction == "auto" and photons_can_start and tells
     with_forward = _forward(document, scene, film) if may_forward else None
     if with_forward is not None:
         names.append("direction")
