@@ -45,12 +45,15 @@ def _mixture(**weights: float) -> dict[str, Any]:
     return {"estimator": "mixture", "mixture": weights}
 
 
+_ALONE = {"estimator": "two_photons", "direction": "adjoint", "sharing": 1}
+_SHARED = {**_ALONE, "sharing": 16}
 _PLATES = {"kernel": 0.4, "luminaires": 0.4, "environment": 0.2}
 _AIMS = {
     "opening": _mixture(kernel=0.5, important=0.5),
     "lamp": _mixture(kernel=0.5, luminaires=0.5),
     "opening and lamp": _mixture(kernel=0.5, important=0.25, luminaires=0.25),
-    "two photons": {"estimator": "two_photons"},
+    "two photons": _ALONE,
+    "two photons, shared": _SHARED,
 }
 # In the reflector, hundreds of times less error than by any of those.
 _BOTH = {"direction": "both"}
@@ -61,9 +64,10 @@ FIGURES = {
         {
             "mixture": _mixture(**_PLATES),
             "split": {"estimator": "split", "split_vertices": 1, "mixture": _PLATES},
-            "two photons": {"estimator": "two_photons"},
+            "two photons": _ALONE,
+            "two photons, shared": _SHARED,
         },
-        {"estimator": "two_photons"},
+        _ALONE,
     ),
     "reflector": _Figure(5, "reflector", _AIMS, _BOTH),
     "polished reflector": _Figure(

@@ -69,7 +69,7 @@ FORWARD = Way(
 )
 
 WAYS = (
-    Way("two photons", "the default: one photon by the kernel, one towards lights"),
+    Way("two photons", "each pixel alone: one photon by the kernel, one towards lights"),
     Way(
         "kernel only",
         "directions by the kernel alone",
