@@ -61,7 +61,7 @@ def _compiled(tree: Path, folder: Path, scene: dict[str, Any]) -> str:
         contracts.mkdir(parents=True)
         protos = sorted((tree / "proto" / "nocturne" / "v1").glob("*.proto"))
         made = [f"--python_out={contracts}", f"--grpc_python_out={contracts}"]
-        protoc = [sys.executable, "-m", "grpc_tools.protoc", "-I", tree / "proto"]
+        protoc: list[str | Path] = [sys.executable, "-m", "grpc_tools.protoc", "-I", tree / "proto"]
         subprocess.run([*protoc, *made, *protos], check=True)
     folder.mkdir()
     (folder / "scene.json").write_text(json.dumps(scene))
@@ -117,15 +117,9 @@ def test_what_the_page_adds_is_built_and_traced(tmp_path: Path) -> None:
     for degrees in (0.0, 60.0):
         folder = tmp_path / f"seen at {degrees:g} degrees"
         _compiled(tree, folder, _under_a_sky(degrees))
-        command = [
-            build / "worker" / "nocturne-trace",
-            folder / "scene.pb",
-            "--quiet",
-            "-o",
-            folder / "image.exr",
-        ]
-        schedule = ["--schedule", folder / "schedule.pb", "--blobs", folder / "blobs"]
-        subprocess.run([*command, *schedule], check=True)
+        command: list[str | Path] = [build / "worker" / "nocturne-trace", folder / "scene.pb", "--quiet"]
+        command += ["-o", folder / "image.exr", "--schedule", folder / "schedule.pb"]
+        subprocess.run([*command, "--blobs", folder / "blobs"], check=True)
         image = Image.read(folder / "image.exr")
         error = math.sqrt(float((image.y_error.astype(float) ** 2).sum())) / image.y.size
         expected = _TINT * (1 - 2 / 3 * math.cos(math.radians(degrees)))
