@@ -1,10 +1,10 @@
 """A floor and a wall with textures under one lamp: nearly all of the light is direct."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from bench.peer.pieces import diffuse, quad, textured
 from bench.peer.sky import write_grey
 from bench.programs import Channel
 from bench.scenes import Document
@@ -16,6 +16,8 @@ _TEXELS, _WAVES = 256, 4
 def planes(folder: Path) -> Document:
     """The document; its texture goes into the folder."""
     write_grey(folder / _TEXTURE, _waves())
+    waves = textured(_TEXTURE, 0.8)
+    lamp = quad([-0.4, 3, -0.9], [0.8, 0, 0], [0, 0, 0.8], diffuse(0.0))
     return {
         "nocturne": 1,
         "sensor": {
@@ -26,30 +28,10 @@ def planes(folder: Path) -> Document:
             "vertical_field_of_view_degrees": 45,
         },
         "surfaces": [
-            _plane([-3, 0, 3], [6, 0, 0], [0, 0, -6]),
-            _plane([-3, 0, -3], [6, 0, 0], [0, 4, 0]),
-            {
-                "shape": {
-                    "type": "quad",
-                    "corner": [-0.4, 3, -0.9],
-                    "edge_u": [0.8, 0, 0],
-                    "edge_v": [0, 0, 0.8],
-                },
-                "kernel": {"type": "lambertian", "reflectance": 0.0},
-                "luminaire": {"radiance": {"illuminant": "A", "luminance": 10_000}},
-            },
+            quad([-3, 0, 3], [6, 0, 0], [0, 0, -6], waves),
+            quad([-3, 0, -3], [6, 0, 0], [0, 4, 0], waves),
+            lamp | {"luminaire": {"radiance": {"illuminant": "A", "luminance": 10_000}}},
         ],
-    }
-
-
-def _plane(corner: list[float], edge_u: list[float], edge_v: list[float]) -> dict[str, Any]:
-    texture = {"asset": _TEXTURE, "encoding": "linear"}
-    return {
-        "shape": {"type": "quad", "corner": corner, "edge_u": edge_u, "edge_v": edge_v},
-        "kernel": {
-            "type": "lambertian",
-            "reflectance": {"texture": texture, "spectrum": 0.8, "grey": True},
-        },
     }
 
 

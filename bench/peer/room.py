@@ -4,12 +4,11 @@ Walls of plaster, a floor of boards and a carpet have textures; table, chairs, s
 lacquered; light comes by a window from the sky with its sun, and by a lamp under the ceiling.
 """
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from bench.peer.pieces import Vec, box, diffuse, quad, textured
 from bench.peer.sky import SKY, write_grey, write_sky
 from bench.programs import Channel
 from bench.scenes import Document
@@ -22,9 +21,6 @@ _WINDOW = (0.9, 2.1, 1.5, 3.3)
 
 _BOARDS, _PLASTER, _WEAVE = "boards.exr", "plaster.exr", "weave.exr"
 _TEXELS = 256
-
-Kernel = dict[str, Any]
-Vec = Sequence[float]
 
 
 def room(folder: Path) -> Document:
@@ -47,7 +43,7 @@ def room(folder: Path) -> Document:
 
 
 def _walls() -> list[Document]:
-    plaster, ceiling = _textured(_PLASTER, 0.75), _diffuse(0.8)
+    plaster, ceiling = textured(_PLASTER, 0.75), diffuse(0.8)
     x, y, z = [_WIDTH, 0, 0], [0, _HEIGHT, 0], [0, 0, _DEPTH]
     low, high, near, far = _WINDOW
     beside: list[tuple[Vec, Vec, Vec]] = [
@@ -57,73 +53,52 @@ def _walls() -> list[Document]:
         ([0, low, far], [0, high - low, 0], [0, 0, _DEPTH - far]),
     ]
     return [
-        _quad([0, 0, 0], z, x, _textured(_BOARDS, 0.55)),
-        _quad([0, _HEIGHT, 0], x, z, ceiling),
-        _quad([0, 0, 0], x, y, plaster),
-        _quad([0, 0, _DEPTH], y, x, plaster),
-        _quad([_WIDTH, 0, 0], z, y, plaster),
-        *(_quad(corner, u, v, plaster) for corner, u, v in beside),
+        quad([0, 0, 0], z, x, textured(_BOARDS, 0.55)),
+        quad([0, _HEIGHT, 0], x, z, ceiling),
+        quad([0, 0, 0], x, y, plaster),
+        quad([0, 0, _DEPTH], y, x, plaster),
+        quad([_WIDTH, 0, 0], z, y, plaster),
+        *(quad(corner, u, v, plaster) for corner, u, v in beside),
     ]
 
 
 def _furniture() -> list[Document]:
     lacquer = {"type": "coated_diffuse", "index": 1.5, "reflectance": 0.35}
-    wood, cloth, weave = _diffuse(0.3), _diffuse(0.5), _textured(_WEAVE, 0.6)
-    table = [_box([1.3, 0.7, 1.9], [2.5, 0.75, 2.7], lacquer)]
-    table += [_box([x, 0, z], [x + 0.06, 0.699, z + 0.06], wood) for x in (1.32, 2.4) for z in (1.92, 2.6)]
+    wood, cloth, weave = diffuse(0.3), diffuse(0.5), textured(_WEAVE, 0.6)
+    table = [box([1.3, 0.7, 1.9], [2.5, 0.75, 2.7], lacquer)]
+    table += [box([x, 0, z], [x + 0.06, 0.699, z + 0.06], wood) for x in (1.32, 2.4) for z in (1.92, 2.6)]
     chairs = []
     for x, z in ((1.0, 2.1), (2.5, 2.1)):
-        chairs += [_box([x, 0.42, z], [x + 0.4, 0.46, z + 0.4], wood)]
+        chairs += [box([x, 0.42, z], [x + 0.4, 0.46, z + 0.4], wood)]
         chairs += [
-            _box([x + a, 0, z + b], [x + a + 0.04, 0.419, z + b + 0.04], wood)
+            box([x + a, 0, z + b], [x + a + 0.04, 0.419, z + b + 0.04], wood)
             for a in (0, 0.36)
             for b in (0, 0.36)
         ]
     sofa = [
-        _box([1.0, 0.001, 0.1], [3.0, 0.4, 0.9], cloth),
-        _box([1.0, 0.401, 0.1], [3.0, 0.85, 0.3], cloth),
+        box([1.0, 0.001, 0.1], [3.0, 0.4, 0.9], cloth),
+        box([1.0, 0.401, 0.1], [3.0, 0.85, 0.3], cloth),
     ]
     shelf = [
-        _box([3.6, 0.4 * level + 0.3, 1.0], [3.95, 0.4 * level + 0.33, 2.4], lacquer) for level in range(4)
+        box([3.6, 0.4 * level + 0.3, 1.0], [3.95, 0.4 * level + 0.33, 2.4], lacquer) for level in range(4)
     ]
     shelf += [
-        _box(
+        box(
             [3.65, 0.4 * level + 0.331, 1.1 + 0.11 * book],
             [3.85, 0.4 * level + 0.58, 1.18 + 0.11 * book],
-            _diffuse(shade),
+            diffuse(shade),
         )
         for level in range(3)
         for book, shade in enumerate((0.2, 0.5, 0.7, 0.3, 0.6, 0.15, 0.45))
     ]
-    carpet = _quad([0.9, 0.005, 1.2], [0, 0, 1.8], [2.4, 0, 0], weave)
+    carpet = quad([0.9, 0.005, 1.2], [0, 0, 1.8], [2.4, 0, 0], weave)
     bowl = {"shape": {"type": "sphere", "centre": [1.9, 0.9, 2.3], "radius": 0.14}, "kernel": lacquer}
     return [carpet, *table, *chairs, *sofa, *shelf, bowl]
 
 
 def _lamp() -> Document:
-    lamp = _quad([1.85, 2.4, 2.3], [0.3, 0, 0], [0, 0, 0.3], _diffuse(0.5))
+    lamp = quad([1.85, 2.4, 2.3], [0.3, 0, 0], [0, 0, 0.3], diffuse(0.5))
     return lamp | {"luminaire": {"radiance": {"illuminant": "A", "luminance": 8000}}}
-
-
-def _diffuse(reflectance: float) -> Kernel:
-    return {"type": "lambertian", "reflectance": reflectance}
-
-
-def _textured(picture: str, reflectance: float) -> Kernel:
-    texture = {"asset": picture, "encoding": "linear"}
-    return {
-        "type": "lambertian",
-        "reflectance": {"texture": texture, "spectrum": reflectance, "grey": True},
-    }
-
-
-def _quad(corner: Vec, u: Vec, v: Vec, kernel: Kernel) -> Document:
-    shape = {"type": "quad", "corner": [*corner], "edge_u": [*u], "edge_v": [*v]}
-    return {"shape": shape, "kernel": kernel}
-
-
-def _box(low: Vec, high: Vec, kernel: Kernel) -> Document:
-    return {"shape": {"type": "box", "minimum": [*low], "maximum": [*high]}, "kernel": kernel}
 
 
 def _boards() -> Channel:
