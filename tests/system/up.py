@@ -62,6 +62,10 @@ class Up:
     def start(self) -> None:
         """Returns when everything runs."""
         self.program.start()
+        self.wait_until_up()
+
+    def wait_until_up(self) -> None:
+        """Until its API answers, also one that was started again."""
         wait_for(self._is_up, "`nocturne up` to be up")
 
     def stop(self) -> int:

@@ -19,6 +19,9 @@ _HEALTHY_S = 60.0
 _TAIL_BYTES = 2000
 # Ten times what a busy machine takes for an answer, and less than a render is missed for.
 _SILENT_S = 20.0
+# A machine with many times more to do than it can takes half a minute to load a program. One that is ended
+# while it loads never comes up.
+_LOADS_S = 60.0
 
 
 class Child:
@@ -31,12 +34,13 @@ class Child:
         log: Path,
         answers: Callable[[], bool] | None = None,
         silent_s: float = _SILENT_S,
+        loads_s: float = _LOADS_S,
     ) -> None:
-        """`answers`: whether it does what it is for; not for `silent_s` seconds, and it is ended and started
-        again."""
+        """`answers`: whether it does what it is for; not for `silent_s` seconds, or `loads_s` after
+        its start, and it is ended and started again."""
         self.name = name
         self._watch = None if answers is None else Watch(answers)
-        self._silent_s = silent_s
+        self._silent_s, self._loads_s = silent_s, loads_s
         self._command = command
         self._log = log
         self._process: subprocess.Popen[bytes] | None = None
@@ -74,8 +78,12 @@ class Child:
         now."""
         if self._process is None:
             return False
-        if self.is_alive() and self._watch is not None and self._watch.silent_s() > self._silent_s:
-            say(f"{self.name} has not answered for {self._silent_s:g} s; ending it. {self.tail()}")
+        if (
+            self.is_alive()
+            and self._watch is not None
+            and self._watch.silent_s() > (patience := self._patience_s())
+        ):
+            say(f"{self.name} has not answered for {patience:g} s; ending it. {self.tail()}")
             self._process.kill()
             self._process.wait()
         if self.is_alive():
@@ -99,6 +107,9 @@ class Child:
             say(f"{self.name} can't be started: {error}; trying again in {self._delay:g} s")
             return False
         return True
+
+    def _patience_s(self) -> float:
+        return self._silent_s if self._watch is None or self._watch.has_answered else self._loads_s
 
     def wait_until(self, ready: Callable[[], bool], timeout_s: float) -> None:
         """Waits for `ready`; NocturneClientError with the end of the log if the process dies or is slow."""

@@ -20,15 +20,22 @@ class Watch:
     def __init__(self, answers: Callable[[], bool]) -> None:
         self._answers = answers
         self._last = time.monotonic()
+        self._has_answered = False
         self._end = threading.Event()
         self._thread: threading.Thread | None = None
 
     def begin(self) -> None:
         """The child was started just now."""
         self._last = time.monotonic()
+        self._has_answered = False
         if self._thread is None:
             self._thread = threading.Thread(target=self._run, daemon=True)
             self._thread.start()
+
+    @property
+    def has_answered(self) -> bool:
+        """Whether an answer has come since the start."""
+        return self._has_answered
 
     def silent_s(self) -> float:
         """Seconds since the last answer, or since the start."""
@@ -41,6 +48,7 @@ class Watch:
         while not self._end.wait(_LOOK_S):
             if self._answers():
                 self._last = time.monotonic()
+                self._has_answered = True
 
 
 def redis_answers(redis: Path) -> bool:
