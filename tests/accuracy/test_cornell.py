@@ -65,7 +65,6 @@ def test_sobol_has_the_same_mean(adjoint: Image, tmp_path: Path) -> None:
         ),
         pytest.param(cornell(_independent(9, estimator="split", split_vertices=2)), id="split"),
         pytest.param(cornell(_independent(10, photons_together=1)), id="alone"),
-        pytest.param(cornell(_independent(11, photons_together=8)), id="groups of eight"),
         pytest.param(
             cornell(_independent(8), type="thin_lens", lens_radius=1e-5, focus_distance=1.0), id="tiny lens"
         ),

@@ -50,7 +50,8 @@ def test_furnace(name: str, tmp_path: Path) -> None:
     Estimate.of(flat(image)).check(2.0, sidak_bound(3), name)
 
 
-def test_an_ellipsoid_has_the_power_of_its_shadow(tmp_path: Path) -> None:
+@pytest.mark.parametrize("direction", ["adjoint", "forward"])
+def test_an_ellipsoid_has_the_power_of_its_shadow(direction: str, tmp_path: Path) -> None:
     """A sphere as an ellipsoid of half axes 0.5, 0.05, 1: towards d the intensity is the radiance times the
     shadow's area, pi a b c |A^-1 d|.
 
@@ -62,6 +63,7 @@ def test_an_ellipsoid_has_the_power_of_its_shadow(tmp_path: Path) -> None:
         "nocturne": 1,
         "sensor": sensor,
         "surfaces": [surface(sphere([0, 0, 0], 1.0), BLACK, 1.0)],
+        "tracing": {"direction": direction},
     }
     rows, columns = 6, 8
     image = _instanced(document, np.diag(axes), tmp_path, (columns, rows), 16384)

@@ -35,7 +35,7 @@ _SAMPLES = 64
 
 
 def _document(picture: Path, sensor: Document, surfaces: list[Document]) -> Document:
-    document = measured_scene(sensor, surfaces, photons_together=8)
+    document = measured_scene(sensor, surfaces, photons_together=4)
     document["environment"] = {
         "asset": picture.name,
         "luminance": 1.0,

@@ -85,7 +85,6 @@ def test_a_plate(kind: str, index: float, absorbed: float, tmp_path: Path) -> No
         {"estimator": "mixture"},
         {"estimator": "split"},
         {"photons_together": 1},
-        {"photons_together": 8},
         {"sequence": "independent"},
         {"h": 1e6},
         {"h": 0.5},

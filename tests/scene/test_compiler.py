@@ -148,14 +148,6 @@ def test_a_table_that_is_constant_is_a_number(
     assert spectrum.values[0] == 2
 
 
-def test_a_constant_index_does_not_part_photons(document: dict[str, Any], compiled: Compile) -> None:
-    """Groups of photons stay together in glass whose index is a table or formula of one value."""
-    for index in (1.5, {"table": [[400, 1.5], [700, 1.5]]}, {"cauchy": [1.5]}, {"cauchy": [1.5, 0.004]}):
-        document["surfaces"][0]["kernel"] = {"type": "dielectric", "index": index}
-        disperses = isinstance(index, dict) and index.get("cauchy") == [1.5, 0.004]
-        assert compiled(document).tracing.group == (1 if disperses else 4)
-
-
 def test_the_mixture_is_scaled_to_one(document: dict[str, Any], compiled: Compile) -> None:
     document["tracing"] = {"mixture": {"kernel": 1, "luminaires": 2, "uniform": 1}, "seed": 2**64 - 1}
     tracing = compiled(document).tracing

@@ -416,13 +416,6 @@ def test_a_photometric_file_is_for_flat_shapes_and_spheres(
     expect_problem(document, blobs, "$.surfaces[1].luminaire.profile", "a flat shape or a sphere")
 
 
-def test_photons_do_not_start_at_a_sphere_in_a_group(document: dict[str, Any], blobs: BlobStore) -> None:
-    document["sensor"] = {"type": "irradiance_meter", "position": [0, 0, 0], "normal": [0, 1, 0], "height": 1}
-    lamp = document["surfaces"][0] | {"luminaire": {"radiance": 1}}
-    document |= {"groups": {"a": [lamp]}, "instances": [{"group": "a"}], "tracing": {"direction": "forward"}}
-    expect_problem(document, blobs, "$.groups.a[0].luminaire", "can't start at a sphere in a group")
-
-
 @pytest.mark.parametrize(
     ("hidden", "expected"),
     [

@@ -73,12 +73,6 @@ def test_photons_travel_together_but_forward_in_media(document: Document, compil
     assert compiled(forward).tracing.group == 4
 
 
-def test_a_matched_body_has_no_index_that_could_be_dispersive(document: Document, compiled: Compile) -> None:
-    """Spectrum 0 has many values; an interior that does not look at its index must not ask for it."""
-    scene = compiled(with_media(document, fog={"scattering": {"table": [[400, 2], [500, 3]]}}))
-    assert scene.tracing.group == 4
-
-
 @pytest.mark.parametrize(
     ("phase", "message"),
     [

@@ -56,26 +56,21 @@ class Lights:
                 self._workspace.dropped.append(f"{place}.luminaire: emits no visible light")
                 return None
             if colour.HasField("texture"):
-                self._photons_cant_start(
-                    'photons that start at luminaires can\'t start by a texture; expected "adjoint" in '
-                    "$.tracing.direction, or a radiance without a texture",
-                    ".radiance",
-                )
-            if in_group and isinstance(surface.shape, Sphere):
-                self._photons_cant_start(
-                    'photons can\'t start at a sphere in a group; expected "adjoint" in $.tracing.direction, '
-                    "a mesh, or the sphere outside of groups"
-                )
+                self._photons_cant_start()
             message.radiance.CopyFrom(colour)
             message.hidden_from = self._hidden_from(luminaire.hidden_from)
             self._put_profile(message, surface, luminaire)
             return message
         return None
 
-    def _photons_cant_start(self, why: str, suffix: str = "") -> None:
+    def _photons_cant_start(self) -> None:
         direction = self._workspace.document.tracing.direction
         if direction in ("forward", "both"):
-            raise Unusable(why, suffix)
+            raise Unusable(
+                'photons that start at luminaires can\'t start by a texture; expected "adjoint" in '
+                "$.tracing.direction, or a radiance without a texture",
+                ".radiance",
+            )
         self._workspace.photons_can_start = False
 
     def _amount(

@@ -117,7 +117,5 @@ def _sharing(workspace: Workspace, ways: Ways) -> int:
 def _group(tracing: Tracing, ways: Ways, scene: scene_pb2.CompiledScene) -> int:
     if tracing.photons_together != "auto":
         return tracing.photons_together
-    dielectrics = (interior for interior in scene.interiors if not interior.index_matched)
-    dispersive = any(len(scene.spectra[interior.index].values) > 1 for interior in dielectrics)
-    parts_at_once = ways.direction == "forward" and scene.media
-    return 1 if dispersive or parts_at_once else 4
+    # Photons that start in media part there at once.
+    return 1 if ways.direction == "forward" and scene.media else 4

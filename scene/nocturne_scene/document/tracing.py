@@ -70,11 +70,10 @@ class Tracing(Node):
         default=1, description='At how many vertices the estimator `"split"` splits.'
     )
     mixture: Mixture = Field(default=Mixture(), description="How directions are chosen.")
-    photons_together: Literal["auto", 1, 4, 8] = Field(
+    photons_together: Literal["auto", 1, 4] = Field(
         default="auto",
         description="Photons of different wavelengths that travel together as long as nothing parts them. "
-        "`auto`: 1 where a body's index of refraction depends on wavelength, and for `forward` with media, "
-        "else 4.",
+        "`auto`: 1 for `forward` with media, else 4.",
     )
     direction: Literal["auto", "adjoint", "forward", "both"] = Field(
         default="auto",

@@ -118,6 +118,19 @@ TEST(FresnelDielectric, HemisphericalIsAsPublishedAndTheIntegral) {
   }
 }
 
+// Of both sides, from a film that hardly differs to more than any material has.
+TEST(FresnelDielectric, HemisphericalByTableIsTheClosedForm) {
+  const HemisphericalReflectance& table = HemisphericalReflectance::instance();
+  EXPECT_EQ(table(1.0f), 0.0f);
+  for (int i = 0; i < 200000; ++i) {
+    const double more = 1e-7 * std::pow(5e7, i / 199999.0);
+    for (const float ratio :
+         {static_cast<float>(1.0 + more), static_cast<float>(1.0 / (1.0 + more))}) {
+      ASSERT_NEAR(table(ratio), hemispherical_reflectance(ratio), 1e-6) << ratio;
+    }
+  }
+}
+
 TEST(FresnelDielectric, BrewsterAndCriticalAngles) {
   for (const Glass& glass : kGlasses) {
     SCOPED_TRACE(glass.n);

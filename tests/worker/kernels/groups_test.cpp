@@ -62,7 +62,6 @@ void expect_each_follows_its_density() {
 }
 
 TEST(Groups, EachOfFourFollowsItsOwnDensity) { expect_each_follows_its_density<4>(); }
-TEST(Groups, EachOfEightFollowsItsOwnDensity) { expect_each_follows_its_density<8>(); }
 
 }  // namespace
 }  // namespace nocturne

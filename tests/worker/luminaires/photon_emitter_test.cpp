@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace nocturne {
@@ -63,6 +65,44 @@ TEST(PhotonEmitter, AWeakLampBesideAStrongOneEmitsItsFlux) {
       EXPECT_NEAR(flux / (static_cast<double>(kPi) * ratio), 1.0, 0.02) << ratio << weak_first;
     }
   }
+}
+
+// Of half axes 1, 1 and 2, mirrored, turned and elsewhere: its area is 2 pi (1 + 2 asin(e) / e)
+// with e the root of 3/4. Points lie on it, and as densely as its surface of revolution has area.
+TEST(PhotonEmitter, ASphereInAnInstanceEmitsAsTheEllipsoidThatItIs) {
+  const Transform turned{0, 0, 2, 5, 1, 0, 0, -3, 0, -1, 0, 7};  // the group's z is the scene's x
+  const Geometry geometry({Sphere{0.5, 0.0, 0.25, 1.0}}, {1}, {{1, {turned}}});
+  const Double3 centre = geometry.instances()[0].placement(0.0f).point_to_scene({0.5, 0.0, 0.25});
+  std::vector<Luminaire> luminaires;
+  luminaires.emplace_back(0u, Colour(Spectrum(1.0f)), false, LambertianProfile{});
+  PhotonEmitter emitter;
+  emitter.add_sphere(0, luminaires[0], Sphere{0.5, 0.0, 0.25, 1.0}, geometry, 0);
+  emitter.finish({}, {}, geometry.bounds());
+  const LightDirections lights({}, {}, {}, {}, {});
+  constexpr int kSteps = 512;
+  double flux = 0.0, of_the_middle = 0.0;
+  for (int i = 0; i < kSteps * kSteps; ++i) {
+    const float u = (static_cast<float>(i % kSteps) + 0.5f) / kSteps;
+    const float v = (static_cast<float>(i / kSteps) + 0.5f) / kSteps;
+    const auto emitted = emitter.emit<1>(luminaires, lights, geometry, 0.0f, 0.0f, 550.0f,
+                                         {u, v, 0.3f, 0.7f}, {0.2f, 0.6f, 0.5f, 0.5f});
+    ASSERT_TRUE(emitted);
+    const Double3 p = Double3(emitted->ray.origin) - centre;
+    ASSERT_NEAR(p.x * p.x / 4.0 + p.y * p.y + p.z * p.z, 1.0, 1e-4);
+    ASSERT_GT(emitted->ray.direction.x * p.x / 4.0 + emitted->ray.direction.y * p.y +
+                  emitted->ray.direction.z * p.z,
+              0.0);
+    const double carried = emitted->flux[0] / (kSteps * kSteps);
+    flux += carried;
+    if (std::fabs(p.x) < 1.0) of_the_middle += carried;
+  }
+  const double e = std::sqrt(0.75), pi = std::numbers::pi;
+  const double area = 2.0 * pi * (1.0 + 2.0 * std::asin(e) / e);
+  EXPECT_NEAR(flux / (pi * area), 1.0, 2e-4);
+  // Between x = -1 and 1: the integral of 2 pi sqrt(1 - 3 x^2 / 16).
+  const double k = std::sqrt(3.0) / 4.0;
+  const double middle = 2.0 * pi * (std::sqrt(1.0 - k * k) + std::asin(k) / k);
+  EXPECT_NEAR(of_the_middle / (pi * middle), 1.0, 2e-3);
 }
 
 }  // namespace

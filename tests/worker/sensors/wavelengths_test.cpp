@@ -84,9 +84,9 @@ TEST_P(Wavelengths, EndsOfTheUnitIntervalStayOnTheGrid) {
 TEST_P(Wavelengths, GroupsAreStratified) {
   const WavelengthSampler sampler(curves(), GetParam());
   for (const float u : {0.0f, 0.1f, 0.7f, 0.99f}) {
-    const auto group = sampler.sample<8>(u);
-    for (std::size_t k = 0; k < 8; ++k) {
-      const float shifted = u + static_cast<float>(k) / 8.0f;
+    const auto group = sampler.sample<4>(u);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const float shifted = u + static_cast<float>(k) / 4.0f;
       const auto one = sampler.sample<1>(shifted < 1.0f ? shifted : shifted - 1.0f);
       EXPECT_EQ(group.nm[k], one.nm[0]);
       EXPECT_EQ(group.weight[1][k], one.weight[1][0]);

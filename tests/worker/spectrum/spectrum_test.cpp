@@ -53,10 +53,10 @@ TEST(Spectrum, LinesCloserThanTheirWidth) {
 TEST(Spectrum, AGroupHasTheValuesOfItsPhotons) {
   const Spectrum table(400.0f, 100.0f, {1.0f, 2.0f, 4.0f}, true);
   const Spectrum both(table, Lines(many_lines()));
-  Spectral<8> nm;
-  for (std::size_t k = 0; k < 8; ++k) nm[k] = 380.0f + 37.0f * static_cast<float>(k);
-  const Spectral<8> of_table = table(nm), of_both = both(nm);
-  for (std::size_t k = 0; k < 8; ++k) {
+  Spectral<4> nm;
+  for (std::size_t k = 0; k < 4; ++k) nm[k] = 380.0f + 74.0f * static_cast<float>(k);
+  const Spectral<4> of_table = table(nm), of_both = both(nm);
+  for (std::size_t k = 0; k < 4; ++k) {
     EXPECT_EQ(of_table[k], table(nm[k]));
     EXPECT_EQ(of_both[k], both(nm[k]));
   }

@@ -124,8 +124,7 @@ class BoundBlend {
   std::size_t count_ = 0;
   float total_ = 0.0f;
 };
-static_assert(BoundKernel<BoundBlend<1>, 1> && BoundKernel<BoundBlend<4>, 4> &&
-              BoundKernel<BoundBlend<8>, 8>);
+static_assert(BoundKernel<BoundBlend<1>, 1> && BoundKernel<BoundBlend<4>, 4>);
 
 struct Blend {
   /// A weight in [0, 1], or what is left of it.

@@ -36,7 +36,7 @@ struct Coat {
                   : RoughFresnel::instance().reflectance(cosine, alpha, ratio);
   }
   float hemispherical() const {
-    return smooth ? static_cast<float>(hemispherical_reflectance(ratio))
+    return smooth ? HemisphericalReflectance::instance()(ratio)
                   : RoughFresnel::instance().hemispherical(alpha, ratio);
   }
 };
@@ -134,8 +134,7 @@ struct BoundCoatedDiffuse {
     return std::clamp(total > 0.0f ? e / total : 0.0f, kMin, 1.0f - kMin);
   }
 };
-static_assert(BoundKernel<BoundCoatedDiffuse<1>, 1> && BoundKernel<BoundCoatedDiffuse<4>, 4> &&
-              BoundKernel<BoundCoatedDiffuse<8>, 8>);
+static_assert(BoundKernel<BoundCoatedDiffuse<1>, 1> && BoundKernel<BoundCoatedDiffuse<4>, 4>);
 
 class CoatedDiffuse {
  public:
@@ -148,7 +147,9 @@ class CoatedDiffuse {
     const Coat smooth{mean_index_, 0.0f, true};
     const float out = smooth.hemispherical();
     mean_leaving_ = diffuse_gain(reflectance_.mean(), mean_index_, out) * (1.0f - out);
-    RoughFresnel::instance();  // made while loading, not while tracing
+    // Made while loading, not while tracing.
+    RoughFresnel::instance();
+    HemisphericalReflectance::instance();
   }
 
   bool has_delta_lobe() const { return roughness_.may_be_smooth(); }

@@ -116,8 +116,7 @@ struct BoundDielectric {
                               static_cast<double>(facets.visible(wo, h)) * jacobian);
   }
 };
-static_assert(BoundKernel<BoundDielectric<1>, 1> && BoundKernel<BoundDielectric<4>, 4> &&
-              BoundKernel<BoundDielectric<8>, 8>);
+static_assert(BoundKernel<BoundDielectric<1>, 1> && BoundKernel<BoundDielectric<4>, 4>);
 
 /// The indices of refraction come with the shading: a photon knows what it is in.
 struct Dielectric {

@@ -33,8 +33,7 @@ struct BoundDiffuseTransmitter {
   static constexpr bool transmits() { return true; }
 };
 static_assert(BoundKernel<BoundDiffuseTransmitter<1>, 1> &&
-              BoundKernel<BoundDiffuseTransmitter<4>, 4> &&
-              BoundKernel<BoundDiffuseTransmitter<8>, 8>);
+              BoundKernel<BoundDiffuseTransmitter<4>, 4>);
 
 class DiffuseTransmitter {
  public:

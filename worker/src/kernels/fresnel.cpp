@@ -63,4 +63,29 @@ double hemispherical_reflectance(double ratio) {
   return (1.0 - ratio) * (1.0 + ratio) + from_thinner_side(1.0 / ratio) * ratio * ratio;
 }
 
+const HemisphericalReflectance& HemisphericalReflectance::instance() {
+  static const HemisphericalReflectance table;
+  return table;
+}
+
+HemisphericalReflectance::HemisphericalReflectance() {
+  for (std::size_t i = 0; i <= kCells; ++i) {
+    const double t = static_cast<double>(i) / static_cast<double>(kCellsPerT);
+    values_[i] = static_cast<float>(hemispherical_reflectance(1.0 + t * t));
+  }
+}
+
+float HemisphericalReflectance::from_thinner_side(float n) const {
+  if (!(n < kMaxRatio)) return static_cast<float>(hemispherical_reflectance(n));
+  const float place = std::sqrt(n - 1.0f) * kCellsPerT;
+  const auto cell = std::min(static_cast<std::size_t>(place), kCells - 1);
+  const float t = place - static_cast<float>(cell);
+  return values_[cell] + t * (values_[cell + 1] - values_[cell]);
+}
+
+float HemisphericalReflectance::operator()(float ratio) const {
+  if (ratio >= 1.0f) return from_thinner_side(ratio);
+  return (1.0f - ratio) * (1.0f + ratio) + from_thinner_side(1.0f / ratio) * ratio * ratio;
+}
+
 }  // namespace nocturne

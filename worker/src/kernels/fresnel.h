@@ -2,7 +2,9 @@
 // Wolf, Principles of Optics, 7th ed., section 1.5 (dielectrics) and 14.2 (metals).
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 namespace nocturne {
 
@@ -44,5 +46,24 @@ T fresnel_conductor(T cos_from, T n, T k) {
 /// radiance), from the side where `ratio` is index beyond over index here. Duntley's closed form as
 /// in Stern, Applied Optics 3(1), 1964; seen from the denser side 1 - (1 - R) / n^2.
 double hemispherical_reflectance(double ratio);
+
+/// The same to within 1e-6, from a table: what kernels ask at every vertex.
+class HemisphericalReflectance {
+ public:
+  /// Made at the first call; call it once while loading.
+  static const HemisphericalReflectance& instance();
+
+  float operator()(float ratio) const;
+
+ private:
+  // Of n = 1 + t^2 at equally spaced t: the reflectance rises steeply at n = 1.
+  static constexpr std::size_t kCells = 2048;
+  static constexpr float kMaxRatio = 5.0f, kCellsPerT = static_cast<float>(kCells) / 2.0f;
+
+  HemisphericalReflectance();
+  float from_thinner_side(float n) const;
+
+  std::array<float, kCells + 1> values_;
+};
 
 }  // namespace nocturne

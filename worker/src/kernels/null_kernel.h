@@ -17,8 +17,7 @@ struct BoundNullKernel {
   static constexpr bool smooth() { return false; }
   static constexpr bool transmits() { return false; }
 };
-static_assert(BoundKernel<BoundNullKernel<1>, 1> && BoundKernel<BoundNullKernel<4>, 4> &&
-              BoundKernel<BoundNullKernel<8>, 8>);
+static_assert(BoundKernel<BoundNullKernel<1>, 1> && BoundKernel<BoundNullKernel<4>, 4>);
 
 struct NullKernel {
   static constexpr bool has_delta_lobe() { return true; }

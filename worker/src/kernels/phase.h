@@ -68,8 +68,7 @@ class BoundPhase {
   Spectral<N> albedo_;
   Shape shape_;
 };
-static_assert(BoundKernel<BoundPhase<1>, 1> && BoundKernel<BoundPhase<4>, 4> &&
-              BoundKernel<BoundPhase<8>, 8>);
+static_assert(BoundKernel<BoundPhase<1>, 1> && BoundKernel<BoundPhase<4>, 4>);
 
 struct Phase {
   /// Not negative, in a common unit.

@@ -278,8 +278,7 @@ struct BoundPrincipled {
            each([&](float b) { return GgxEnergy::left(b + (1.0f - b) / 21.0f, mean); }, base);
   }
 };
-static_assert(BoundKernel<BoundPrincipled<1>, 1> && BoundKernel<BoundPrincipled<4>, 4> &&
-              BoundKernel<BoundPrincipled<8>, 8>);
+static_assert(BoundKernel<BoundPrincipled<1>, 1> && BoundKernel<BoundPrincipled<4>, 4>);
 
 class Principled {
  public:
@@ -331,7 +330,9 @@ class Principled {
                          ? extras_.reflectance->normal->mean()
                          : own_reflectance(mean_index_)),
         mean_sheen_(extras_.sheen ? extras_.sheen->colour.mean() : 0.0f) {
-    RoughFresnel::instance();  // made while loading, not while tracing
+    // Made while loading, not while tracing.
+    RoughFresnel::instance();
+    HemisphericalReflectance::instance();
     GgxEnergy::instance();
     if (extras_.brush) BrushedEnergy::instance();
     if (extras_.sheen) SheenEnergy::instance();
@@ -416,9 +417,7 @@ class Principled {
       return recoloured ? colouring.even * white + colouring.scale * e : e;
     };
     if (!coat.there() && below.roughness.smooth) {
-      const auto mean =
-          static_cast<float>(hemispherical_reflectance(static_cast<double>(below.ratio)));
-      return 1.0f - coloured(mean, 1.0f);
+      return 1.0f - coloured(HemisphericalReflectance::instance()(below.ratio), 1.0f);
     }
     // Gauss-Legendre over x, the square root of the cosine: 2 mu dmu = 4 x^3 dx.
     constexpr std::array<std::pair<float, float>, 5> kNodes{{{0.0469100770f, 0.1184634425f},

@@ -83,7 +83,7 @@ float RoughFresnel::reflectance(float cosine, float alpha, float ratio) const {
 float RoughFresnel::hemispherical(float alpha, float ratio) const {
   const float difference =
       TableCell(alpha, ratio).interpolate([&](std::size_t p) { return mean_difference_[p]; });
-  return std::clamp(static_cast<float>(hemispherical_reflectance(ratio)) + difference, 0.0f, 1.0f);
+  return std::clamp(HemisphericalReflectance::instance()(ratio) + difference, 0.0f, 1.0f);
 }
 
 }  // namespace nocturne

@@ -64,8 +64,7 @@ struct BoundThinPane {
     return std::clamp(share, kMin, 1.0f - kMin);
   }
 };
-static_assert(BoundKernel<BoundThinPane<1>, 1> && BoundKernel<BoundThinPane<4>, 4> &&
-              BoundKernel<BoundThinPane<8>, 8>);
+static_assert(BoundKernel<BoundThinPane<1>, 1> && BoundKernel<BoundThinPane<4>, 4>);
 
 class ThinPane {
  public:

@@ -5,17 +5,35 @@
 #include <numbers>
 
 #include "math/time_steps.h"
+#include "surfaces/octahedron.h"
+#include "surfaces/sphere_intersection.h"
 
 namespace nocturne {
 namespace {
 
 // Between the time steps around `time`.
-Vec3 at_time(std::span<const Vec3> points, std::size_t stride, std::size_t index, float time) {
-  const std::size_t steps = points.size() / stride;
-  if (steps == 1) return points[index];
+Vec3 corner_at(std::span<const Vec3> corners, std::size_t index, float time) {
+  const std::size_t steps = corners.size() / 3;
+  if (steps == 1) return corners[index];
   const auto [step, t] = segment_at(time, steps);
-  const Vec3 before = points[step * stride + index], after = points[(step + 1) * stride + index];
+  const Vec3 before = corners[step * 3 + index], after = corners[(step + 1) * 3 + index];
   return before + t * (after - before);
+}
+
+// How much larger than in its group a piece of surface is: the normal is stretched by the inverse
+// transposed, so areas by that times the determinant.
+double area_factor(const Placement& placement, double stretched_normal) {
+  return std::fabs(placement.linear.determinant()) * stretched_normal;
+}
+
+// Mean over the six ends of the group's axes.
+double mean_area_factor(const Placement& placement) {
+  if (!placement.valid()) return 0.0;
+  double sum = 0.0;
+  for (const Double3 axis : {Double3{1, 0, 0}, Double3{0, 1, 0}, Double3{0, 0, 1}}) {
+    sum += area_factor(placement, length(placement.normal_to_scene(axis)));
+  }
+  return sum / 3.0;
 }
 
 }  // namespace
@@ -33,17 +51,20 @@ void PhotonEmitter::add_triangle(std::uint32_t luminaire, const Luminaire& what,
                                  std::vector<std::array<Vec3, 3>> corners, Triangle triangle) {
   const auto& first = corners.front();
   const float area = 0.5f * length(cross(first[1] - first[0], first[2] - first[0]));
-  Element element{luminaire, area, {}, 0.0f, triangle};
+  Element element{luminaire, area, {}, {}, triangle};
   for (const auto& moment : corners) {
-    element.points.insert(element.points.end(), moment.begin(), moment.end());
+    element.corners.insert(element.corners.end(), moment.begin(), moment.end());
   }
   add(std::move(element), what);
 }
 
-void PhotonEmitter::add_sphere(std::uint32_t luminaire, const Luminaire& what,
-                               std::vector<Vec3> centres, float radius) {
-  add({luminaire, 4.0f * kPi * radius * radius, std::move(centres), radius, {Hit::kNoInstance, 0}},
-      what);
+void PhotonEmitter::add_sphere(std::uint32_t luminaire, const Luminaire& what, const Sphere& sphere,
+                               const Geometry& geometry, std::uint32_t instance) {
+  double area = 4.0 * std::numbers::pi * sphere.radius * sphere.radius;
+  if (instance != Hit::kNoInstance) {
+    area *= mean_area_factor(geometry.instances()[instance].placement(0.0f));
+  }
+  add({luminaire, static_cast<float>(area), {}, sphere, {instance, 0}}, what);
 }
 
 void PhotonEmitter::finish(std::span<const DistantDisc> discs,
@@ -97,21 +118,44 @@ PhotonEmitter::Choice PhotonEmitter::choose(float coarse, float fine) const {
           std::clamp(static_cast<float>((u - start) / width), 0.0f, kOneMinusEpsilon)};
 }
 
-PhotonEmitter::EmissionPoint PhotonEmitter::point_on(const Element& element, float time, float u,
+PhotonEmitter::EmissionPoint PhotonEmitter::point_on_sphere(const Element& element,
+                                                            const Geometry& geometry, float time,
+                                                            float u, float v) {
+  const Sphere& sphere = *element.sphere;
+  const Double3 centre = centre_at(sphere, time);
+  Hit hit{};
+  hit.instance = element.triangle.instance;
+  hit.normal = UniformSphere::sample(u, v);
+  const auto radius = static_cast<float>(sphere.radius);
+  const Vec3 middle = centre.rounded();
+  hit.position = middle + radius * hit.normal;
+  hit.clearance = kClearanceUnits * (max_abs(middle) + radius);
+  const float area = 4.0f * kPi * radius * radius;
+  if (hit.instance == Hit::kNoInstance) return {hit, area};
+  const Placement placement = geometry.instances()[hit.instance].placement(time);
+  if (!placement.valid()) return {hit, 0.0f};
+  const Double3 out(hit.normal), normal = placement.normal_to_scene(out);
+  const double stretched = length(normal);
+  const auto [unfolded_u, unfolded_v] = unfold(out);
+  hit.u = unfolded_u;
+  hit.v = unfolded_v;
+  hit.position = placement.point_to_scene(centre + (sphere.radius / length(out)) * out).rounded();
+  hit.normal = ((1.0 / stretched) * normal).rounded();
+  hit.clearance =
+      kClearanceUnits * max_abs(hit.position) + hit.clearance / static_cast<float>(stretched);
+  return {hit, area * static_cast<float>(area_factor(placement, stretched))};
+}
+
+PhotonEmitter::EmissionPoint PhotonEmitter::point_on(const Element& element,
+                                                     const Geometry& geometry, float time, float u,
                                                      float v) {
+  if (element.sphere) return point_on_sphere(element, geometry, time, u, v);
   Hit hit{};
   hit.instance = element.triangle.instance;
   hit.primitive = element.triangle.primitive;
-  if (element.radius > 0.0f) {
-    const Vec3 centre = at_time(element.points, 1, 0, time);
-    hit.normal = UniformSphere::sample(u, v);
-    hit.position = centre + element.radius * hit.normal;
-    hit.clearance = kClearanceUnits * (max_abs(centre) + element.radius);
-    return {hit, element.area};
-  }
-  const Vec3 corner = at_time(element.points, 3, 0, time);
-  const Vec3 edge_u = at_time(element.points, 3, 1, time) - corner;
-  const Vec3 edge_v = at_time(element.points, 3, 2, time) - corner;
+  const Vec3 corner = corner_at(element.corners, 0, time);
+  const Vec3 edge_u = corner_at(element.corners, 1, time) - corner;
+  const Vec3 edge_v = corner_at(element.corners, 2, time) - corner;
   const float root = std::sqrt(u);
   hit.u = 1.0f - root;
   hit.v = v * root;

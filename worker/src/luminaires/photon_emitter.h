@@ -41,8 +41,10 @@ class PhotonEmitter {
   /// Corners or centres at equally spaced times over the shutter, at least one.
   void add_triangle(std::uint32_t luminaire, const Luminaire& what,
                     std::vector<std::array<Vec3, 3>> corners, Triangle triangle);
-  void add_sphere(std::uint32_t luminaire, const Luminaire& what, std::vector<Vec3> centres,
-                  float radius);
+  /// `sphere`: as it stands in the scene or, shown by instance `instance` of `geometry`, in its
+  /// group; there it may be an ellipsoid.
+  void add_sphere(std::uint32_t luminaire, const Luminaire& what, const Sphere& sphere,
+                  const Geometry& geometry, std::uint32_t instance = Hit::kNoInstance);
   /// After the last element. `bounds` holds the scene: distant light is emitted from a disc of its
   /// size, outside it.
   void finish(std::span<const DistantDisc> discs, const std::optional<Environment>& environment,
@@ -66,7 +68,7 @@ class PhotonEmitter {
     const Luminaire& luminaire = luminaires[element.luminaire];
     const bool back = luminaire.two_sided() && rest < 0.5f;
     const float sides = luminaire.two_sided() ? 2.0f : 1.0f;
-    auto [from, area] = point_on(element, time, a[0], a[1]);
+    auto [from, area] = point_on(element, geometry, time, a[0], a[1]);
     from.surface = luminaire.surface;
     const Vec3 normal = back ? -from.normal : from.normal;
     const auto leaving = leave({from.position, normal, false, time}, lights.important(), aimed, b);
@@ -86,9 +88,11 @@ class PhotonEmitter {
     std::uint32_t luminaire;
     /// At the first time, m2.
     float area;
-    /// Three corners for each time step; or one centre, and a radius.
-    std::vector<Vec3> points;
-    float radius;
+    /// Three corners for each time step.
+    std::vector<Vec3> corners;
+    /// Or a sphere.
+    std::optional<Sphere> sphere;
+    /// Of a sphere the instance alone.
     Triangle triangle;
   };
 
@@ -115,7 +119,10 @@ class PhotonEmitter {
     Hit hit;
     float area;
   };
-  static EmissionPoint point_on(const Element& element, float time, float u, float v);
+  static EmissionPoint point_on(const Element& element, const Geometry& geometry, float time,
+                                float u, float v);
+  static EmissionPoint point_on_sphere(const Element& element, const Geometry& geometry, float time,
+                                       float u, float v);
   void add(Element element, const Luminaire& what);
 
   template <int N>

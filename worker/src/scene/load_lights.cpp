@@ -291,28 +291,19 @@ PhotonEmitter load_emitter(const std::vector<Luminaire>& luminaires, const Light
     const Luminaire& luminaire = luminaires[i];
     const Shape& shape = geometry.shapes()[luminaire.surface];
     for_each_place(geometry, groups[luminaire.surface], [&](const PlacedInstance* instance) {
-      const std::size_t steps = time_steps(shape, instance);
-      if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
-        const auto vertices = placed_vertices(*mesh, instance, steps);
-        const std::uint32_t shown_by = index_of(geometry, instance);
-        for (std::uint32_t triangle = 0; triangle < mesh->triangles.size(); ++triangle) {
-          const auto& t = mesh->triangles[triangle];
-          std::vector<std::array<Vec3, 3>> corners;
-          for (const auto& v : vertices) corners.push_back({v[t[0]], v[t[1]], v[t[2]]});
-          emitter.add_triangle(i, luminaire, std::move(corners), {shown_by, triangle});
-        }
+      const std::uint32_t shown_by = index_of(geometry, instance);
+      if (const auto* sphere = std::get_if<Sphere>(&shape)) {
+        emitter.add_sphere(i, luminaire, *sphere, geometry, shown_by);
         return;
       }
-      if (instance != nullptr) {
-        refuse("forward photons from a sphere in an instance");
+      const auto& mesh = std::get<TriangleMesh>(shape);
+      const auto vertices = placed_vertices(mesh, instance, time_steps(shape, instance));
+      for (std::uint32_t triangle = 0; triangle < mesh.triangles.size(); ++triangle) {
+        const auto& t = mesh.triangles[triangle];
+        std::vector<std::array<Vec3, 3>> corners;
+        for (const auto& v : vertices) corners.push_back({v[t[0]], v[t[1]], v[t[2]]});
+        emitter.add_triangle(i, luminaire, std::move(corners), {shown_by, triangle});
       }
-      std::vector<Vec3> centres;
-      for (const Sphere& s : placed_spheres(std::get<Sphere>(shape), nullptr, steps)) {
-        centres.push_back(
-            {static_cast<float>(s.x), static_cast<float>(s.y), static_cast<float>(s.z)});
-      }
-      emitter.add_sphere(i, luminaire, std::move(centres),
-                         static_cast<float>(std::get<Sphere>(shape).radius));
     });
   }
   emitter.finish(lights.discs(), lights.environment(), geometry.bounds());

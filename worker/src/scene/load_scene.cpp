@@ -115,8 +115,7 @@ TracingOptions load_tracing(const v1::Tracing& t, bool no_lights) {
           "a roulette that this program doesn't know");
   require(t.split_vertices() <= TracingOptions::kMaxSplitVertices,
           "more than 8 vertices that split");
-  require(t.group() == 1 || t.group() == 4 || t.group() == 8,
-          "a group of photons that is not 1, 4 or 8");
+  require(t.group() == 1 || t.group() == 4, "a group of photons that is not 1 or 4");
   const std::uint32_t sharing = std::max(1u, t.sharing());
   require(sharing == 1 || sharing == 4 || sharing == 16,
           "a block of pixels that share which is not 1, 4 or 16");

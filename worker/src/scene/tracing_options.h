@@ -58,7 +58,7 @@ struct TracingOptions {
   Estimator estimator;
   /// Vertices that split.
   std::uint32_t split_vertices;
-  /// Photons that travel together: 1, 4 or 8.
+  /// Photons that travel together: 1 or 4.
   std::uint32_t group;
   /// Pixels of a block that share what their photons find: 1, 4 or 16.
   std::uint32_t sharing;

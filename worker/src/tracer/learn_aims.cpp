@@ -145,8 +145,6 @@ void trace_any(const Scene& scene, Film film, std::uint64_t first, std::uint64_t
   switch (scene.options.group) {
     case 4:
       return trace_group<4>(scene, film, first, end, chunk);
-    case 8:
-      return trace_group<8>(scene, film, first, end, chunk);
     default:
       return trace_group<1>(scene, film, first, end, chunk);
   }

@@ -50,13 +50,9 @@ template class PhotonBatches<1, SensorEstimator<1>, false>;
 template class PhotonBatches<1, SensorEstimator<1>, true>;
 template class PhotonBatches<4, SensorEstimator<4>, false>;
 template class PhotonBatches<4, SensorEstimator<4>, true>;
-template class PhotonBatches<8, SensorEstimator<8>, false>;
-template class PhotonBatches<8, SensorEstimator<8>, true>;
 template class PhotonBatches<1, CameraEstimator<1>, false>;
 template class PhotonBatches<1, CameraEstimator<1>, true>;
 template class PhotonBatches<4, CameraEstimator<4>, false>;
 template class PhotonBatches<4, CameraEstimator<4>, true>;
-template class PhotonBatches<8, CameraEstimator<8>, false>;
-template class PhotonBatches<8, CameraEstimator<8>, true>;
 
 }  // namespace nocturne

@@ -10,7 +10,7 @@
 
 namespace nocturne {
 
-/// Estimator is SensorEstimator or CameraEstimator; N is 1, 4 or 8; Media says whether the scene
+/// Estimator is SensorEstimator or CameraEstimator; N is 1 or 4; Media says whether the scene
 /// has any.
 template <int N, class Estimator, bool Media>
 class PhotonBatches {

@@ -96,7 +96,5 @@ template class PixelBatches<1, false>;
 template class PixelBatches<1, true>;
 template class PixelBatches<4, false>;
 template class PixelBatches<4, true>;
-template class PixelBatches<8, false>;
-template class PixelBatches<8, true>;
 
 }  // namespace nocturne

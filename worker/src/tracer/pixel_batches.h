@@ -20,7 +20,7 @@ struct PixelIndex {
   bool leads = true;
 };
 
-/// N is 1, 4 or 8; Media says whether the scene has any.
+/// N is 1 or 4; Media says whether the scene has any.
 template <int N, bool Media>
 class PixelBatches {
  public:

@@ -119,8 +119,6 @@ TileSums trace_any(const Scene& scene, Film film, std::uint32_t tile_size, const
   switch (scene.options.group) {
     case 4:
       return trace_group<4>(scene, film, tile_size, range, stop);
-    case 8:
-      return trace_group<8>(scene, film, tile_size, range, stop);
     default:
       return trace_group<1>(scene, film, tile_size, range, stop);
   }

@@ -79,8 +79,6 @@ TileSums trace_side(const Scene& scene, Film film, const TileRange& range, Side 
   switch (scene.options.group) {
     case 4:
       return trace_in_groups<4>(scene, film, range, side, groups, stop);
-    case 8:
-      return trace_in_groups<8>(scene, film, range, side, groups, stop);
     default:
       return trace_in_groups<1>(scene, film, range, side, groups, stop);
   }
