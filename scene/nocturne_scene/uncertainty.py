@@ -43,6 +43,8 @@ class ImageMoments:
     """Shape (height, width, 3 or more): X, Y, Z, further responses."""
     variance: Values
     """Of the mean, same shape; 0 where there is none or below two samples, NaN where it was not kept."""
+    one_more: Values
+    """What one more find would bring to it, same shape; see one_more_find."""
     covariance: Values
     """Of the means XY, XZ, YZ, shape (height, width, 3)."""
     block_covariance: Values
@@ -58,6 +60,34 @@ class ImageMoments:
 def variance_of_mean(sums: Values, squares: Values, counts: Values | Counts) -> Values:
     """Of n numbers each with such sums; 0 below two. All of one shape."""
     return np.maximum(0.0, covariance_of_means(squares, sums, sums, counts))
+
+
+def one_more_find(mean: Values, variance: Values, counts: Counts) -> Values:
+    """What is to be added to the variance of a pixel's mean, or of a region's sum, for what its samples
+    missed; shapes (height, width, ...), `counts` (height, width).
+
+    Light that few samples find is unknown where none found it, and too well known where two found as much.
+    So each error has the variance that one more find would bring: that of the pixel's block, over the number
+    of its finds, which are its samples weighed by what they found, (sum of |x|)^2 / sum of x^2 (Kish's
+    effective sample size), at least 1. Where all samples find light that is nothing.
+    """
+    n = np.maximum(counts[::BLOCK, ::BLOCK], 2).astype(np.float64)
+    n = n.reshape(n.shape + (1,) * (mean.ndim - 2))
+    of_block, found = block_sums(variance), block_sums(np.abs(mean))
+    second = (n - 1.0) * of_block + block_sums(mean * mean)
+    finds = np.divide(n * (found * found), second, out=np.ones_like(second), where=second > 0.0)
+    one_more = of_block / np.maximum(finds, 1.0)
+    height, width = counts.shape
+    pixels: Values = one_more.repeat(BLOCK, axis=0)[:height].repeat(BLOCK, axis=1)[:, :width]
+    pixels[counts < 2] = 0.0
+    return pixels
+
+
+def pixel_variance(sums: Values, squares: Values, counts: Counts) -> Values:
+    """Of the means of one quantity in pixels, all of shape (height, width), with one more find."""
+    own = variance_of_mean(sums, squares, counts)
+    own += one_more_find(sums / np.maximum(counts, 1), own, counts)
+    return own
 
 
 def covariance_of_means(products: Values, a: Values, b: Values, counts: Values | Counts) -> Values:
@@ -111,9 +141,12 @@ def moments_of(
     factors = blocks[..., _FIRST_FACTORS], blocks[..., _SECOND_FACTORS]
     of_blocks = covariance_of_means(block_products, *factors, n[::BLOCK, ::BLOCK])
     of_blocks[..., :3] = np.maximum(of_blocks[..., :3], 0.0)
+    mean = sums[..., values] / np.maximum(n, 1)
+    variance = variance_of_mean(sums[..., values], sums[..., squares], n)
     return ImageMoments(
-        sums[..., values] / np.maximum(n, 1),
-        variance_of_mean(sums[..., values], sums[..., squares], n),
+        mean,
+        variance,
+        one_more_find(mean, variance, counts),
         covariance_of_means(sums[..., PIXEL_PAIRS], sums[..., PAIR_FIRST], sums[..., PAIR_SECOND], n),
         of_blocks,
         variance_of_mean(
@@ -225,6 +258,7 @@ class RegionSums:
         """`values`: X, Y, Z and further responses."""
         self._mean = np.zeros(values)
         self._variance = np.zeros(values)
+        self._one_more = np.zeros(values)
         # Of X, Y, Z: by pixels alone, and what blocks have together, as PRODUCTS.
         self._covariance = np.zeros(PRODUCTS)
         self._of_blocks = np.zeros(PRODUCTS)
@@ -240,6 +274,7 @@ class RegionSums:
             return
         self._mean += image.mean[chosen].sum(axis=0)
         self._variance += image.variance[chosen].sum(axis=0)
+        self._one_more += image.one_more[chosen].sum(axis=0)
         self._covariance[PRODUCTS_PAIRS] += image.covariance[chosen].sum(axis=0)
         for index, correlation in enumerate(self._correlations):
             of_blocks = image.block_covariance[..., PRODUCTS_SQUARES[index]]
@@ -270,7 +305,9 @@ class RegionSums:
         known = self._fewest > 1
         # Further responses are not kept for blocks.
         each_factor = np.array([*factors, *[max(factors)] * (len(mean) - 3)])
-        variance = self._variance * each_factor / n**2 if known else np.full(len(mean), np.nan)
+        # One find more in all of it, of the mean size.
+        sums_variance = self._variance * each_factor + self._one_more / n
+        variance = sums_variance / n**2 if known else np.full(len(mean), np.nan)
         covariance = self._covariances(variance)
         chromaticity, errors = chromaticity_of(mean, variance, covariance)
         return RegionReading(

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from nocturne_coordinator.dispatch.heavy_tails import HEAVY, unevenness
-from nocturne_coordinator.dispatch.variance import variance_of_mean
+from nocturne_scene.uncertainty import variance_of_mean
 
 Values = npt.NDArray[np.float64]
 Draw = Callable[[np.random.Generator, tuple[int, ...]], Values]
@@ -39,7 +39,7 @@ def _image(draw: Draw, samples: int) -> tuple[Values, npt.NDArray[np.uint32]]:
 
 
 def _unevenness(sums: Values, counts: npt.NDArray[np.uint32]) -> float:
-    return unevenness(sums[..., 1] / counts, variance_of_mean(sums, counts))
+    return unevenness(sums[..., 1] / counts, variance_of_mean(sums[..., 1], sums[..., 3], counts))
 
 
 def _coverage(draw: Draw, samples: int, mean: float) -> float:

@@ -10,7 +10,6 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne_coordinator.dispatch.error_estimate import Squares, estimate_error
 from nocturne_coordinator.dispatch.merge import Counts, Sums
-from nocturne_coordinator.dispatch.variance import variance_of_mean
 from nocturne_coordinator.output.images import (
     FINAL_COMPRESSION,
     LIVE_COMPRESSION,
@@ -20,7 +19,7 @@ from nocturne_coordinator.output.images import (
     write_preview,
     write_thumbnail,
 )
-from nocturne_scene.uncertainty import block_sums
+from nocturne_scene.uncertainty import Values, block_sums, pixel_variance, variance_of_mean
 
 from tests.coordinator.service import read_exr, read_further_responses, read_rgb
 from tests.sums import sums_of
@@ -37,10 +36,29 @@ SQUARES = Squares(np.zeros((2, 3, 6)), np.zeros((1, 1, 6)), 32)
 """Of a film whose blocks nobody looks at."""
 
 
+def variance_of_y(sums: Sums, counts: Counts) -> Values:
+    return pixel_variance(sums[..., 1], sums[..., 3], counts)
+
+
+def with_one_more(draws: Values) -> Values:
+    """Variances of the means of pixels, from numbers of shape (samples, height, width): one more find of the
+    block's is added, by the samples themselves."""
+    own = draws.var(axis=0, ddof=1) / len(draws)
+    variance: Values = own.copy()
+    for y in range(0, variance.shape[0], 4):
+        for x in range(0, variance.shape[1], 4):
+            of_block = draws[:, y : y + 4, x : x + 4]
+            finds = of_block.sum() ** 2 / (of_block**2).sum()
+            variance[y : y + 4, x : x + 4] += own[y : y + 4, x : x + 4].sum() / finds
+    return variance
+
+
 def test_variance_is_that_of_the_mean() -> None:
     draws = np.random.default_rng(1).random((10, 7, 9, 3)) * 50
+    sums, counts = film()
     expected = draws[..., 1].var(axis=0, ddof=1) / 10
-    assert variance_of_mean(*film()) == pytest.approx(expected)
+    assert variance_of_mean(sums[..., 1], sums[..., 3], counts) == pytest.approx(expected)
+    assert variance_of_y(sums, counts) == pytest.approx(with_one_more(draws[..., 1]))
     y = draws[..., 1].mean(axis=0)
     relative_variance = expected / (y**2 + 0.01 * y.mean() ** 2)
     assert estimate_error(*film()).relative_error == pytest.approx(np.sqrt(relative_variance.mean()))
@@ -48,7 +66,7 @@ def test_variance_is_that_of_the_mean() -> None:
 
 def test_one_sample_has_no_error_yet() -> None:
     sums, counts = film(1)
-    assert not variance_of_mean(sums, counts).any()
+    assert not variance_of_y(sums, counts).any()
     assert estimate_error(sums, counts).relative_error == 0.0
 
 
@@ -61,7 +79,7 @@ def test_exr_keeps_every_bit(tmp_path: Path, count: int) -> None:
     xyz, stderr, read_counts = read_exr(path)
     assert np.array_equal(read_counts, counts)
     assert np.array_equal(xyz, (sums[..., :3] / np.maximum(counts, 1)[..., None]).astype(np.float32))
-    assert np.array_equal(stderr, np.sqrt(variance_of_mean(sums, counts)).astype(np.float32))
+    assert np.array_equal(stderr, np.sqrt(variance_of_y(sums, counts)).astype(np.float32))
     assert [path.name for path in path.parent.iterdir()] == ["image.exr"]
 
 
@@ -75,7 +93,7 @@ def test_exr_has_channels_for_each_further_response(tmp_path: Path) -> None:
     assert np.array_equal(read["A-far_red"], (sums[..., 10] / n).astype(np.float32))
     xyz, stderr, read_counts = read_exr(tmp_path / "image.exr")
     assert np.array_equal(xyz, (sums[..., :3] / n[..., None]).astype(np.float32))
-    assert np.array_equal(stderr, np.sqrt(variance_of_mean(sums, counts)).astype(np.float32))
+    assert np.array_equal(stderr, np.sqrt(variance_of_y(sums, counts)).astype(np.float32))
     assert np.array_equal(read_counts, counts)
 
 
@@ -90,7 +108,7 @@ def test_exr_has_the_errors_of_all_quantities(tmp_path: Path) -> None:
     with OpenEXR.File(str(path), separate_channels=True) as file:
         read = {name: channel.pixels for name, channel in file.channels().items()}
     for index, name in enumerate(("X", "Y", "Z", "rod")):
-        error = draws[..., index].std(axis=0, ddof=1) / np.sqrt(10)
+        error = np.sqrt(with_one_more(draws[..., index]))
         assert read[f"{name}.stderr"] == pytest.approx(error, rel=1e-6)
     for name, one, other in (("XY", 0, 1), ("XZ", 0, 2), ("YZ", 1, 2)):
         expected = [
@@ -105,6 +123,8 @@ def test_exr_has_the_errors_of_all_quantities(tmp_path: Path) -> None:
         found = read[f"{name}.blockRatio"]
         assert found[::4, ::4] == pytest.approx(blocks.var(axis=0, ddof=1) / of_pixels, rel=1e-5)
         assert (found[:4, 4:8] == found[0, 4]).all()
+        all_of_them = block_sums(10 * with_one_more(draws[..., index]))
+        assert read[f"{name}.ownRatio"][::4, ::4] == pytest.approx(of_pixels / all_of_them, rel=1e-5)
         tile = blocks.sum(axis=(1, 2)).var(ddof=1) / blocks.var(axis=0, ddof=1).sum()
         assert read[f"{name}.tileRatio"] == pytest.approx(tile, rel=1e-5)
     for name, one, other in (("XY", 0, 1), ("XZ", 0, 2), ("YZ", 1, 2)):
@@ -236,7 +256,9 @@ def test_the_means_error_is_that_of_independent_pixels() -> None:
     sums, counts = film()
     estimate = estimate_error(sums, counts)
     assert estimate.mean == pytest.approx(sums[..., 1].sum() / counts.sum())
-    assert estimate.mean_error == pytest.approx(np.sqrt(variance_of_mean(sums, counts).sum()) / 63)
+    assert estimate.mean_error == pytest.approx(
+        np.sqrt(variance_of_mean(sums[..., 1], sums[..., 3], counts).sum()) / 63
+    )
 
 
 def test_a_thumbnail_has_the_films_shape_and_its_mean_light(tmp_path: Path) -> None:

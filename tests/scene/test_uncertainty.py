@@ -20,8 +20,10 @@ from nocturne_scene.uncertainty import (
     ImageMoments,
     block_sums,
     moments_of,
+    pixel_variance,
     read_region,
     tile_sums,
+    variance_of_mean,
 )
 from scipy import special
 
@@ -186,6 +188,27 @@ def test_independent_intervals_would_not_hold_it() -> None:
     assert held < 0.8 * 200
 
 
+@pytest.mark.parametrize("finds", [0.3, 1.0, 4.0, 64.0])
+def test_intervals_of_pixels_hold_light_that_is_seldom_found(finds: float) -> None:
+    """As many finds in the 64 samples of a pixel; light grows tenfold over the film, as in a caustic.
+
+    By a pixel's own samples alone, 0.3 finds would hold the truth in one pixel of four.
+    """
+    random = np.random.default_rng(7)
+    truth = np.broadcast_to(np.geomspace(0.3, 3.0, EDGE), (EDGE, EDGE))
+    held, alone = [], []
+    for _ in range(REPEATS // 5):
+        found = random.random((SAMPLES, EDGE, EDGE)) * SAMPLES < finds * truth
+        drawn = np.where(found, random.exponential(SAMPLES / finds, found.shape), 0.0)
+        y, squares = drawn.sum(axis=0), (drawn**2).sum(axis=0)
+        counts = np.full(y.shape, SAMPLES, np.uint32)
+        off = np.abs(y / SAMPLES - np.minimum(truth, SAMPLES / finds))
+        held.append(off <= CONFIDENCE * np.sqrt(pixel_variance(y, squares, counts)))
+        alone.append(off <= CONFIDENCE * np.sqrt(variance_of_mean(y, squares, counts)))
+    assert np.mean(held) > 0.93
+    assert finds > 1.0 or np.mean(alone) < 0.6
+
+
 # --- sums ---
 
 
@@ -235,7 +258,8 @@ def test_a_tile_from_before_has_errors_of_y_alone() -> None:
     assert found is not None
     assert found.mean == pytest.approx(drawn.mean(axis=(0, 1, 2)))
     variance = drawn[..., 1].var(axis=0, ddof=1) / 5
-    assert found.error[1] == pytest.approx(math.sqrt(variance.sum()) / 42)
+    more = pixel_variance(drawn[..., 1].sum(axis=0), (drawn[..., 1] ** 2).sum(axis=0), counts) - variance
+    assert found.error[1] == pytest.approx(math.sqrt(variance.sum() + more.mean()) / 42)
     assert all(map(math.isnan, (found.error[0], found.error[2], found.error[3])))
     assert found.correlation == 1.0
 

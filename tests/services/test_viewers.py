@@ -66,7 +66,7 @@ def test_tev_shows_an_image_its_layers_parts_and_bands(
     assert sorted(shown["id"]) == ["material", "object"]
     assert shown["S0"] == ["450,000000nm", "550,000000nm"]
     # Errors and how they go together are layers of what they are of; none has a name that is an opacity.
-    assert shown["Y"] == ["blockRatio", "stderr", "tileRatio"]
+    assert shown["Y"] == ["blockRatio", "ownRatio", "stderr", "tileRatio"]
     assert shown["S0.450,000000nm"] == ["stderr"]
     assert not any("A" in names for names in shown.values())
     # What is read is the file, so any denoiser will do.

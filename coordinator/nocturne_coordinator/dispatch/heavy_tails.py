@@ -6,8 +6,7 @@ nearly the same, so their variances should be nearly the same, and with heavy ta
 """
 
 import numpy as np
-
-from nocturne_coordinator.dispatch.variance import Pixels
+from nocturne_scene.uncertainty import Values
 
 HEAVY = 0.45
 """Unevenness from which on 95 % intervals hold the truth in less than some 90 of 100 cases.
@@ -23,7 +22,7 @@ _ENOUGH = 2**18
 """Pairs of neighbours: results wait while an error is estimated."""
 
 
-def unevenness(y: Pixels, variance: Pixels) -> float:
+def unevenness(y: Values, variance: Values) -> float:
     """How unevenly an image's variance is spread, from each pixel's mean and the variance of that mean.
 
     Difference of neighbouring pixels' variances over their sum, in [0, 1]: near 0 with many samples of
@@ -44,8 +43,8 @@ def unevenness(y: Pixels, variance: Pixels) -> float:
     return differences / totals if totals > 0.0 else 0.0
 
 
-def _neighbours(y: Pixels, variance: Pixels) -> list[tuple[tuple[Pixels, Pixels], tuple[Pixels, Pixels]]]:
-    """Pixels and those to their right; pixels and those below. Of a large film those of some rows."""
+def _neighbours(y: Values, variance: Values) -> list[tuple[tuple[Values, Values], tuple[Values, Values]]]:
+    """Values and those to their right; pixels and those below. Of a large film those of some rows."""
     step = max(1, y.size // _ENOUGH)
     return [
         ((y[::step, :-1], variance[::step, :-1]), (y[::step, 1:], variance[::step, 1:])),

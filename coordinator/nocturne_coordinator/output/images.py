@@ -24,11 +24,10 @@ from nocturne_scene.tile_sums import (
     PRODUCTS_PAIRS,
     PRODUCTS_SQUARES,
 )
-from nocturne_scene.uncertainty import ImageMoments, block_sums, moments_of, tile_sums
+from nocturne_scene.uncertainty import ImageMoments, Values, block_sums, moments_of, tile_sums
 
 from nocturne_coordinator.dispatch.error_estimate import Squares
 from nocturne_coordinator.dispatch.merge import Counts, Sums
-from nocturne_coordinator.dispatch.variance import Pixels
 
 # IEC 61966-2-1: XYZ of white D65 to linear sRGB; transposed, for rows of pixels.
 _XYZ_TO_SRGB = np.array(
@@ -56,7 +55,7 @@ LIVE_COMPRESSION = 0
 FINAL_COMPRESSION = 6
 
 THUMBNAIL_EDGE = 160
-"""Pixels: a list shows 72, screens have two for one, and a list of many must stay light."""
+"""Values: a list shows 72, screens have two for one, and a list of many must stay light."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +85,7 @@ def manifest_text(samples: Sequence[int]) -> str:
     return " ".join(f"{value}x{length}" if length > 1 else f"{value}" for value, length in runs)
 
 
-def mean_xyz(sums: Sums, counts: Counts) -> Pixels:
+def mean_xyz(sums: Sums, counts: Counts) -> Values:
     """Shape (height, width, 3); Y in cd/m2; 0 where there are no samples."""
     return sums[..., :3] / np.maximum(counts, 1)[..., None]
 
@@ -119,7 +118,7 @@ def tone_map(
     return encoded.reshape(xyz.shape)
 
 
-def _srgb_curve(linear: Pixels) -> npt.NDArray[np.uint8]:
+def _srgb_curve(linear: Values) -> npt.NDArray[np.uint8]:
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     return np.rint(encoded * 255.0).astype(np.uint8)
 
@@ -231,14 +230,14 @@ def _exr_channels(
     sums: Sums, counts: Counts, squares: Squares, further_responses: Sequence[str]
 ) -> dict[str, npt.NDArray[Any]]:
     moments = moments_of(sums, counts, *squares)
-    mean, errors = moments.mean.astype(np.float32), np.sqrt(moments.variance)
+    mean, errors = moments.mean.astype(np.float32), np.sqrt(moments.variance + moments.one_more)
     names = ["X", "Y", "Z", *further_responses]
     channels = {
         **_planes(names, mean),
         **_planes([f"{name}.stderr" for name in names], errors.astype(np.float32)),
         **_planes(
             [f"{pair}.correlation" for pair in PAIRS],
-            _correlation_of(moments.covariance, errors),
+            _correlation_of(moments.covariance, np.sqrt(moments.variance)),
         ),
         **_ratios(moments),
         "n": np.ascontiguousarray(counts, dtype=np.uint32),
@@ -248,7 +247,7 @@ def _exr_channels(
     return {**channels, **rgb}
 
 
-def _correlation_of(covariance: Pixels, errors: Pixels) -> npt.NDArray[np.float32]:
+def _correlation_of(covariance: Values, errors: Values) -> npt.NDArray[np.float32]:
     """Of the errors of X and Y, X and Z, Y and Z; 0 where one of them has none."""
     both = errors[..., PAIR_FIRST] * errors[..., PAIR_SECOND]
     found = np.divide(covariance, both, out=np.zeros_like(both), where=both > 0.0)
@@ -256,16 +255,19 @@ def _correlation_of(covariance: Pixels, errors: Pixels) -> npt.NDArray[np.float3
 
 
 def _ratios(moments: ImageMoments) -> dict[str, npt.NDArray[np.float32]]:
-    """Variances of blocks over their pixels', and of tiles over their blocks', 1 without noise; and how X, Y,
-    Z of blocks go together."""
+    """Variances of blocks over their pixels', of tiles over their blocks', and of pixels by their own samples
+    over what their errors say, 1 without noise; and how X, Y, Z of blocks go together."""
     edge, (height, width) = moments.tile_size, moments.samples.shape
     of_blocks = moments.block_covariance[..., PRODUCTS_SQUARES]
-    block_ratio = _ratio(of_blocks, block_sums(moments.variance[..., :3]))
+    own = block_sums(moments.variance[..., :3])
+    own_ratio = _ratio(own, block_sums(moments.variance[..., :3] + moments.one_more[..., :3]))
+    block_ratio = _ratio(of_blocks, own)
     tile_ratio = _ratio(moments.tile_variance, tile_sums(of_blocks, edge))
     errors = np.sqrt(of_blocks)
     correlation = _correlation_of(moments.block_covariance[..., PRODUCTS_PAIRS], errors)
     found = {
         **{f"{name}.blockRatio": (block_ratio[..., index], BLOCK) for index, name in enumerate("XYZ")},
+        **{f"{name}.ownRatio": (own_ratio[..., index], BLOCK) for index, name in enumerate("XYZ")},
         **{f"{name}.tileRatio": (tile_ratio[..., index], edge) for index, name in enumerate("XYZ")},
         **{f"{name}.blockCorrelation": (correlation[..., index], BLOCK) for index, name in enumerate(PAIRS)},
     }
@@ -275,7 +277,7 @@ def _ratios(moments: ImageMoments) -> dict[str, npt.NDArray[np.float32]]:
     }
 
 
-def _ratio(variance: Pixels, independent: Pixels) -> npt.NDArray[np.float32]:
+def _ratio(variance: Values, independent: Values) -> npt.NDArray[np.float32]:
     ratio = np.divide(variance, independent, out=np.ones_like(variance), where=independent > 0.0)
     return ratio.astype(np.float32)
 

@@ -22,7 +22,7 @@ _RGB_TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0
 _TOGETHER = frozenset(
     (
         *(f"{pair}.{what}" for pair in PAIRS for what in ("correlation", "blockCorrelation")),
-        *(f"{each}.{what}" for each in "XYZ" for what in ("blockRatio", "tileRatio")),
+        *(f"{each}.{what}" for each in "XYZ" for what in ("blockRatio", "ownRatio", "tileRatio")),
     )
 )
 """How errors go together."""
@@ -96,20 +96,34 @@ def _with_moments(picture: Picture, channels: Mapping[str, Values], schedule: st
     names = ("X", "Y", "Z", *sorted(known - {*"XYZ"}))
     edge = int(json.loads(schedule)["tileSize"]) if schedule else max(picture.xyz.shape)
     error = np.stack([channels[f"{name}.stderr"] for name in names], axis=-1)
-    of_blocks = block_sums(error[..., :3] ** 2) * _planes(channels, "XYZ", "blockRatio")[::BLOCK, ::BLOCK]
+    one_more = _one_more(channels, error)
+    variance = np.maximum(0.0, error**2 - one_more)
+    of_blocks = block_sums(variance[..., :3]) * _planes(channels, "XYZ", "blockRatio")[::BLOCK, ::BLOCK]
     of_tiles = tile_sums(of_blocks, edge) * _planes(channels, "XYZ", "tileRatio")[::edge, ::edge]
     together = _planes(channels, PAIRS, "blockCorrelation")[::BLOCK, ::BLOCK]
     products = _covariance(together, np.sqrt(of_blocks))
     moments = ImageMoments(
         np.stack([channels[name] for name in names], axis=-1),
-        error**2,
-        _covariance(_planes(channels, PAIRS, "correlation"), error),
+        variance,
+        one_more,
+        _covariance(_planes(channels, PAIRS, "correlation"), np.sqrt(variance)),
         np.concatenate([of_blocks[..., PRODUCTS_SQUARES], products], axis=-1),
         of_tiles,
         edge,
         channels["n"].astype(np.uint32),
     )
     return replace(picture, moments=moments, names=names)
+
+
+def _one_more(channels: Mapping[str, Values], error: Values) -> Values:
+    """See uncertainty.one_more_find; of further responses the same part as of Y."""
+    height, width, quantities = error.shape
+    own = _planes(channels, "XYZ", "ownRatio")[::BLOCK, ::BLOCK]
+    part = 1.0 - own[..., [0, 1, 2, *[1] * (quantities - 3)]]
+    pixels = block_sums(np.ones((height, width, 1)))
+    of_block = part * block_sums(error**2) / pixels
+    found: Values = of_block.repeat(BLOCK, axis=0)[:height].repeat(BLOCK, axis=1)[:, :width]
+    return found
 
 
 def _planes(channels: Mapping[str, Values], of: Iterable[str], what: str) -> Values:

@@ -78,6 +78,26 @@ void expect_means(const std::vector<float>& values, std::size_t channel) {
 // What is added to a sum of squares to give the mean's variance so much more.
 double squares(double variance) { return variance * kSamples * (kSamples - 1); }
 
+// One more find of the block's, where its variances add up to `variance`: over its samples weighed by
+// their values, all of which are those of `expect_means`.
+double one_more(double variance, std::size_t channel) {
+  double found = 0.0, squared = kSamples * (kSamples - 1) * variance;
+  for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {
+    const double value = 10.0 * static_cast<double>(pixel) + static_cast<double>(channel);
+    found += kSamples * value;
+    squared += kSamples * value * value;
+  }
+  return variance * squared / (found * found);
+}
+
+void expect_errors(const std::vector<float>& errors, double first, std::size_t channel) {
+  const double more = one_more(first * first, channel);
+  EXPECT_FLOAT_EQ(errors[0], static_cast<float>(std::sqrt(first * first + more)));
+  for (std::size_t pixel = 1; pixel < kPixels; ++pixel) {
+    EXPECT_FLOAT_EQ(errors[pixel], static_cast<float>(std::sqrt(more)));
+  }
+}
+
 TEST_F(WriteExr, HoldsMeansErrorsAndCounts) {
   TileSums film = equal_samples(0);
   film.sums[3] += squares(9.0);
@@ -88,13 +108,15 @@ TEST_F(WriteExr, HoldsMeansErrorsAndCounts) {
   film.sums[8] += squares(3.0 * 5.0);
   write(film, {});
   const auto image = read();
-  EXPECT_EQ(image.size(), 22u);
+  EXPECT_EQ(image.size(), 25u);
   expect_means(image.at("X"), 0);
   expect_means(image.at("Y"), 1);
   expect_means(image.at("Z"), 2);
-  EXPECT_EQ(image.at("Y.stderr"), (std::vector<float>{3, 0, 0, 0, 0, 0}));
-  EXPECT_EQ(image.at("X.stderr"), (std::vector<float>{4, 0, 0, 0, 0, 0}));
-  EXPECT_EQ(image.at("Z.stderr"), (std::vector<float>{5, 0, 0, 0, 0, 0}));
+  expect_errors(image.at("Y.stderr"), 3.0, 1);
+  expect_errors(image.at("X.stderr"), 4.0, 0);
+  expect_errors(image.at("Z.stderr"), 5.0, 2);
+  const double all = kPixels * one_more(9.0, 1);
+  EXPECT_FLOAT_EQ(image.at("Y.ownRatio")[5], static_cast<float>(9.0 / (9.0 + all)));
   EXPECT_FLOAT_EQ(image.at("XY.correlation")[0], 0.5f);
   EXPECT_FLOAT_EQ(image.at("XZ.correlation")[0], -0.25f);
   EXPECT_FLOAT_EQ(image.at("YZ.correlation")[0], 1.0f);
@@ -130,13 +152,13 @@ TEST_F(WriteExr, HasTwoChannelsForEachFurtherResponse) {
   film.sums[TileSums::kXyzSums + 3] += squares(4.0);
   write(film, {"rod", "A-far-red"});
   const auto image = read();
-  EXPECT_EQ(image.size(), 26u);
+  EXPECT_EQ(image.size(), 29u);
   expect_means(image.at("Z"), 2);
   EXPECT_EQ(image.at("Y.stderr"), std::vector<float>(kPixels, 0));
   expect_means(image.at("rod"), 3);
   expect_means(image.at("A-far-red"), 4);
   EXPECT_EQ(image.at("rod.stderr"), std::vector<float>(kPixels, 0));
-  EXPECT_EQ(image.at("A-far-red.stderr"), (std::vector<float>{2, 0, 0, 0, 0, 0}));
+  expect_errors(image.at("A-far-red.stderr"), 2.0, 4);
 }
 
 // Viewers show R, G and B: the white of sRGB (x 0.3127, y 0.3290) has as much of each.
@@ -164,7 +186,7 @@ TEST_F(WriteExr, HasSrgbForViewers) {
 TEST_F(WriteExr, AResponseMayBeCalledR) {
   write(equal_samples(1), {"R"});
   const auto image = read();
-  EXPECT_EQ(image.size(), 21u);
+  EXPECT_EQ(image.size(), 24u);
   expect_means(image.at("R"), 3);
 }
 

@@ -56,11 +56,14 @@ class Channels {
     for (std::size_t i = 0; i < values; ++i) names_.push_back(names_[i] + ".stderr");
     for (const char* name :
          {"XY.correlation", "XZ.correlation", "YZ.correlation", "X.blockRatio", "Y.blockRatio",
-          "Z.blockRatio", "X.tileRatio", "Y.tileRatio", "Z.tileRatio", "XY.blockCorrelation",
-          "XZ.blockCorrelation", "YZ.blockCorrelation"}) {
+          "Z.blockRatio", "X.tileRatio", "Y.tileRatio", "Z.tileRatio", "X.ownRatio", "Y.ownRatio",
+          "Z.ownRatio", "XY.blockCorrelation", "XZ.blockCorrelation", "YZ.blockCorrelation"}) {
       names_.emplace_back(name);
     }
     values_.resize(names_.size() * film.width * film.height);
+    for (std::uint32_t y = 0; y < film.height; y += TileSums::kBlock) {
+      for (std::uint32_t x = 0; x < film.width; x += TileSums::kBlock) find_one_more(x, y);
+    }
     for (std::uint32_t y = 0; y < film.height; ++y) {
       for (std::uint32_t x = 0; x < film.width; ++x) put_pixel(x, y);
     }
@@ -87,24 +90,51 @@ class Channels {
   float* channels(std::uint32_t x, std::uint32_t y) {
     return &values_[names_.size() * (std::size_t{y} * film_.width + x)];
   }
-  double variance(const double* sums, std::size_t sum, std::size_t squares) const {
-    return variance_of_mean(sums[squares], sums[sum], samples_);
+  std::size_t quantities() const { return 3 + film_.further; }
+  // Of X, Y, Z, then further responses.
+  std::size_t sum_of(std::size_t i) const { return i < 3 ? i : TileSums::kXyzSums + i - 3; }
+  std::size_t squares_of(std::size_t i) const {
+    return i < 3 ? kSquares[i] : TileSums::kXyzSums + film_.further + i - 3;
+  }
+  double variance(const double* pixel, std::size_t i) const {
+    return variance_of_mean(pixel[squares_of(i)], pixel[sum_of(i)], samples_);
+  }
+  double one_more(std::uint32_t x, std::uint32_t y, std::size_t i) const {
+    const std::size_t block =
+        std::size_t{y / TileSums::kBlock} * film_.block_columns() + x / TileSums::kBlock;
+    return one_more_[quantities() * block + i];
+  }
+
+  // What one more find would bring, of a block: nocturne_scene/uncertainty.py has the reason, and
+  // the same order of sums.
+  void find_one_more(std::uint32_t left, std::uint32_t top) {
+    const std::uint32_t right = std::min(left + TileSums::kBlock, film_.width);
+    const std::uint32_t bottom = std::min(top + TileSums::kBlock, film_.height);
+    const double n = std::max(2.0, samples_);
+    for (std::size_t i = 0; i < quantities(); ++i) {
+      double of_block = 0.0, found = 0.0, squares = 0.0;
+      for_each_pixel(left, top, right, bottom, [&](std::uint32_t x, std::uint32_t y) {
+        const double mean = sums(x, y)[sum_of(i)] / samples_;
+        of_block += variance(sums(x, y), i);
+        found += std::fabs(mean);
+        squares += mean * mean;
+      });
+      const double second = (n - 1.0) * of_block + squares;
+      const double finds = second > 0.0 ? n * (found * found) / second : 1.0;
+      one_more_.push_back(of_block / std::max(finds, 1.0));
+    }
   }
 
   void put_pixel(std::uint32_t x, std::uint32_t y) {
     const double* const of_pixel = sums(x, y);
     float* to = channels(x, y);
     const auto put = [&to](double value) { *to++ = static_cast<float>(value); };
-    const std::size_t further = TileSums::kXyzSums, squares = further + film_.further;
-    for (const std::size_t i : {kX, kY, kZ}) put(of_pixel[i] / samples_);
-    for (std::size_t i = 0; i < film_.further; ++i) put(of_pixel[further + i] / samples_);
-    const double errors[3] = {std::sqrt(variance(of_pixel, kX, kXX)),
-                              std::sqrt(variance(of_pixel, kY, kYY)),
-                              std::sqrt(variance(of_pixel, kZ, kZZ))};
-    for (const double error : errors) put(error);
-    for (std::size_t i = 0; i < film_.further; ++i) {
-      put(std::sqrt(variance(of_pixel, further + i, squares + i)));
+    for (std::size_t i = 0; i < quantities(); ++i) put(of_pixel[sum_of(i)] / samples_);
+    for (std::size_t i = 0; i < quantities(); ++i) {
+      put(std::sqrt(variance(of_pixel, i) + one_more(x, y, i)));
     }
+    std::array<double, 3> errors{};
+    for (std::size_t i = 0; i < 3; ++i) errors[i] = std::sqrt(variance(of_pixel, i));
     for (std::size_t i = 0; i < 3; ++i) {
       const auto [a, b] = kPairs[i];
       const double found =
@@ -113,15 +143,18 @@ class Channels {
     }
   }
 
-  // X, Y, Z of what some pixels have together: sums, their products, and variances of pixels alone.
+  // X, Y, Z of what some pixels have together: sums, variances of pixels alone, and these with one
+  // more find.
   struct Together {
-    std::array<double, 3> sums{}, variances{};
+    std::array<double, 3> sums{}, variances{}, with_one_more{};
   };
 
-  void add(const double* pixel, Together& to) const {
+  void add(std::uint32_t x, std::uint32_t y, Together& to) const {
     for (std::size_t i = 0; i < 3; ++i) {
-      to.sums[i] += pixel[i];
-      to.variances[i] += variance(pixel, i, kSquares[i]);
+      const double own = variance(sums(x, y), i);
+      to.sums[i] += sums(x, y)[i];
+      to.variances[i] += own;
+      to.with_one_more[i] += own + one_more(x, y, i);
     }
   }
 
@@ -137,7 +170,7 @@ class Channels {
   void put_ratios_of_tile(const double* tile_products, std::uint32_t left, std::uint32_t top,
                           std::uint32_t width, std::uint32_t height) {
     constexpr std::uint32_t kBlock = TileSums::kBlock;
-    const std::size_t first = names_.size() - 9;
+    const std::size_t first = names_.size() - 12;
     Together blocks;
     for (std::uint32_t y = top; y < top + height; y += kBlock) {
       for (std::uint32_t x = left; x < left + width; x += kBlock) {
@@ -145,16 +178,17 @@ class Channels {
         const std::uint32_t bottom = std::min(y + kBlock, top + height);
         Together pixels;
         for_each_pixel(x, y, right, bottom,
-                       [&](std::uint32_t px, std::uint32_t py) { add(sums(px, py), pixels); });
+                       [&](std::uint32_t px, std::uint32_t py) { add(px, py, pixels); });
         const double* const products =
             &film_.block_products[TileSums::kProducts *
                                   (std::size_t{y / kBlock} * film_.block_columns() + x / kBlock)];
         const auto of_block = variances(pixels, products);
-        std::array<float, 3> ratios{}, correlations{};
+        std::array<float, 3> ratios{}, own{}, correlations{};
         for (std::size_t i = 0; i < 3; ++i) {
           blocks.sums[i] += pixels.sums[i];
           blocks.variances[i] += of_block[i];
           ratios[i] = static_cast<float>(ratio(of_block[i], pixels.variances[i]));
+          own[i] = static_cast<float>(ratio(pixels.variances[i], pixels.with_one_more[i]));
           const auto [a, b] = kPairs[i];
           const double found = covariance_of_means(products[kXY - kYY + i], pixels.sums[a],
                                                    pixels.sums[b], samples_);
@@ -163,7 +197,8 @@ class Channels {
         }
         for_each_pixel(x, y, right, bottom, [&](std::uint32_t px, std::uint32_t py) {
           std::ranges::copy(ratios, channels(px, py) + first);
-          std::ranges::copy(correlations, channels(px, py) + first + 6);
+          std::ranges::copy(own, channels(px, py) + first + 6);
+          std::ranges::copy(correlations, channels(px, py) + first + 9);
         });
       }
     }
@@ -189,6 +224,8 @@ class Channels {
   const double samples_;
   std::vector<std::string> names_;
   std::vector<float> values_;
+  // By block and quantity.
+  std::vector<double> one_more_;
 };
 
 // The primaries and the white of sRGB, IEC 61966-2-1.

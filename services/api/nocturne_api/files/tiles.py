@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.merge import Sums
-from nocturne_coordinator.dispatch.variance import variance_of_mean
 from nocturne_coordinator.output.images import mean_xyz
 from nocturne_coordinator.store.rows import TileChange
 from nocturne_scene.compare.images import Picture
 from nocturne_scene.errors import InputError
 from nocturne_scene.ranges import TileGrid
 from nocturne_scene.tile_sums import decode
+from nocturne_scene.uncertainty import pixel_variance
 
 from nocturne_api.limits import TILE_ANSWERS_KEPT, TILES_ANSWER_BYTES
 
@@ -108,7 +108,7 @@ def _pixels(sums: Sums, samples: int) -> bytes:
     counts = np.full(sums.shape[:2], samples, dtype=np.uint32)
     pixels = np.empty((*counts.shape, 4), dtype="<f4")
     pixels[..., :3] = mean_xyz(sums, counts)
-    pixels[..., 3] = np.sqrt(variance_of_mean(sums, counts))
+    pixels[..., 3] = np.sqrt(pixel_variance(sums[..., 1], sums[..., 3], counts))
     return pixels.tobytes()
 
 
