@@ -121,7 +121,7 @@ def _measure(scene: Document, sequence: str, folder: Path, size: _Size) -> Figur
     covered: dict[str, list[Channel]] = {level: [] for level in LEVELS}
     uneven = []
     for frame in frames:
-        y, error = frame.xyz[..., 1], np.hypot(frame.y_error, truth_error)
+        y, error = frame.xyz[..., 1], np.hypot(frame.y_stderr, truth_error)
         for level, factor in LEVELS.items():
             covered[level].append(np.abs(y - truth)[lit] <= factor * error[lit])
         uneven.append(unevenness(y, frame.y_error**2))

@@ -29,6 +29,8 @@ class Traced:
     """Shape (height, width, 3), Y in cd/m2."""
     y_error: Channel
     """Standard error of Y as independent samples would have it, shape (height, width)."""
+    y_stderr: Channel
+    """The one that the image tells, with what one more find would bring."""
     photons: int
     tracing_cpu_s: float
     """Without loading the scene and writing the image."""
@@ -53,7 +55,8 @@ def trace(
         cpu_s, wall_s = children_cpu_s() - cpu_s, time.monotonic() - wall_s
         said: dict[str, Any] = json.loads(statistics.read_text())
         xyz, y_error = read_image(image)
-    return Traced(xyz, y_error, said["photons"], said["cpu_seconds"], cpu_s, wall_s)
+        told = read_channels(image, ["Y.stderr"])[..., 0]
+    return Traced(xyz, y_error, told, said["photons"], said["cpu_seconds"], cpu_s, wall_s)
 
 
 def trace_to(
@@ -104,8 +107,10 @@ def kept_waiting_s(pid: int) -> float:
 
 
 def read_image(path: Path) -> tuple[Channel, Channel]:
-    """XYZ of shape (height, width, 3) and the standard error of Y of an EXR of ours."""
-    return read_channels(path, "XYZ"), read_channels(path, ["Y.stderr"])[..., 0]
+    """XYZ of shape (height, width, 3) and the standard error of Y, by pixels' own samples, of an EXR of
+    ours."""
+    told, own_ratio = np.moveaxis(read_channels(path, ["Y.stderr", "Y.ownRatio"]), -1, 0)
+    return read_channels(path, "XYZ"), told * np.sqrt(own_ratio)
 
 
 def read_channels(path: Path, names: Sequence[str]) -> Channel:

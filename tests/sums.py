@@ -2,8 +2,7 @@
 
 import numpy as np
 import numpy.typing as npt
-from nocturne_scene.tile_sums import XYZ_SUMS, TileSums, blocks_in
-from nocturne_scene.uncertainty import block_sums
+from nocturne_scene.tile_sums import XYZ_SUMS, TileSums, block_sums, blocks_in
 
 Values = npt.NDArray[np.float64]
 

@@ -18,11 +18,12 @@ from nocturne_scene.tile_sums import (
     XYZ_SUMS,
     TileSums,
     Values,
+    block_sums,
     blocks_in,
     split,
     sums_per_pixel,
+    tile_sums,
 )
-from nocturne_scene.uncertainty import block_sums, tile_sums
 
 _XYZ = 3
 _VALUE_BYTES, _PRODUCT_BYTES = 4, 2

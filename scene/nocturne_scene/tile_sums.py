@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Values = NDArray[np.float64]
+Counts = NDArray[np.uint32]
+"""Samples of pixels."""
 
 XYZ_SUMS = 9
 """Sums of a pixel without further responses: X, Y, Z, YY, XX, ZZ, XY, XZ, YZ. Then come a sum for each
@@ -124,3 +126,28 @@ def _from_before(sums: Values, width: int, height: int, further: int) -> Values:
     pixels[:, :_XYZ_SUMS_BEFORE] = sums[:, :_XYZ_SUMS_BEFORE]
     pixels[:, XYZ_SUMS : XYZ_SUMS + further] = sums[:, _XYZ_SUMS_BEFORE:]
     return numbers
+
+
+def block_sums(values: Values) -> Values:
+    """Over blocks of pixels, in the order in which C++ adds them; shape (blocks down, blocks across, ...)."""
+    height, width, *more = values.shape
+    down, across = blocks_in(height), blocks_in(width)
+    if (height, width) != (down * BLOCK, across * BLOCK):
+        values = np.pad(values, [(0, -height % BLOCK), (0, -width % BLOCK), *[(0, 0)] * len(more)])
+    # By pixel of the block: a sum over the first axis is added up one after the other.
+    blocks = values.reshape(down, BLOCK, across, BLOCK, *more).swapaxes(1, 2)
+    pixels = np.moveaxis(blocks, (2, 3), (0, 1)).reshape(BLOCK**2, down, across, *more)
+    total: Values = np.add.reduce(pixels)
+    return total
+
+
+def tile_sums(of_blocks: Values, tile_size: int) -> Values:
+    """Over the blocks of each tile, row by row as C++ adds them; shape (tiles down, tiles across, ...)."""
+    height, width, *more = of_blocks.shape
+    down, across = min(blocks_in(tile_size), height), min(blocks_in(tile_size), width)
+    padded = np.pad(of_blocks, [(0, -height % down), (0, -width % across), *[(0, 0)] * len(more)])
+    tiles = padded.reshape(padded.shape[0] // down, down, padded.shape[1] // across, across, *more)
+    rows, columns = tiles.shape[0], tiles.shape[2]
+    one_after_the_other = np.cumsum(tiles.swapaxes(1, 2).reshape(rows, columns, -1, *more), axis=2)
+    total: Values = one_after_the_other[:, :, -1]
+    return total

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from nocturne_scene.pixel_errors import covariance_of_means, one_more_find, variance_of_mean
 from nocturne_scene.tile_sums import (
     BLOCK,
     PAIR_FIRST,
@@ -19,11 +20,11 @@ from nocturne_scene.tile_sums import (
     PRODUCTS_PAIRS,
     PRODUCTS_SQUARES,
     XYZ_SUMS,
-    blocks_in,
+    Counts,
+    Values,
+    block_sums,
+    tile_sums,
 )
-
-Values = NDArray[np.float64]
-Counts = NDArray[np.uint32]
 
 CONFIDENCE = 1.96
 """Standard errors to each side of a 95 % interval, where these are well known."""
@@ -55,75 +56,6 @@ class ImageMoments:
     tile_size: int
     samples: Counts
     """Shape (height, width)."""
-
-
-def variance_of_mean(sums: Values, squares: Values, counts: Values | Counts) -> Values:
-    """Of n numbers each with such sums; 0 below two. All of one shape."""
-    return np.maximum(0.0, covariance_of_means(squares, sums, sums, counts))
-
-
-def one_more_find(mean: Values, variance: Values, counts: Counts) -> Values:
-    """What is to be added to the variance of a pixel's mean, or of a region's sum, for what its samples
-    missed; shapes (height, width, ...), `counts` (height, width).
-
-    Light that few samples find is unknown where none found it, and too well known where two found as much.
-    So each error has the variance that one more find would bring: that of the pixel's block, over the number
-    of its finds, which are its samples weighed by what they found, (sum of |x|)^2 / sum of x^2 (Kish's
-    effective sample size), at least 1. Where all samples find light that is nothing.
-    """
-    n = np.maximum(counts[::BLOCK, ::BLOCK], 2).astype(np.float64)
-    n = n.reshape(n.shape + (1,) * (mean.ndim - 2))
-    of_block, found = block_sums(variance), block_sums(np.abs(mean))
-    second = (n - 1.0) * of_block + block_sums(mean * mean)
-    finds = np.divide(n * (found * found), second, out=np.ones_like(second), where=second > 0.0)
-    one_more = of_block / np.maximum(finds, 1.0)
-    height, width = counts.shape
-    pixels: Values = one_more.repeat(BLOCK, axis=0)[:height].repeat(BLOCK, axis=1)[:, :width]
-    pixels[counts < 2] = 0.0
-    return pixels
-
-
-def pixel_variance(sums: Values, squares: Values, counts: Counts) -> Values:
-    """Of the means of one quantity in pixels, all of shape (height, width), with one more find."""
-    own = variance_of_mean(sums, squares, counts)
-    own += one_more_find(sums / np.maximum(counts, 1), own, counts)
-    return own
-
-
-def covariance_of_means(products: Values, a: Values, b: Values, counts: Values | Counts) -> Values:
-    """Of the means of n pairs of numbers; 0 below two."""
-    n = np.maximum(counts, 2).astype(np.float64)
-    found: Values = a * b
-    found /= n
-    np.subtract(products, found, out=found)
-    found /= n * (n - 1.0)
-    found[np.broadcast_to(counts < 2, found.shape)] = 0.0
-    return found
-
-
-def block_sums(values: Values) -> Values:
-    """Over blocks of pixels, in the order in which C++ adds them; shape (blocks down, blocks across, ...)."""
-    height, width, *more = values.shape
-    down, across = blocks_in(height), blocks_in(width)
-    if (height, width) != (down * BLOCK, across * BLOCK):
-        values = np.pad(values, [(0, -height % BLOCK), (0, -width % BLOCK), *[(0, 0)] * len(more)])
-    # By pixel of the block: a sum over the first axis is added up one after the other.
-    blocks = values.reshape(down, BLOCK, across, BLOCK, *more).swapaxes(1, 2)
-    pixels = np.moveaxis(blocks, (2, 3), (0, 1)).reshape(BLOCK**2, down, across, *more)
-    total: Values = np.add.reduce(pixels)
-    return total
-
-
-def tile_sums(of_blocks: Values, tile_size: int) -> Values:
-    """Over the blocks of each tile, row by row as C++ adds them; shape (tiles down, tiles across, ...)."""
-    height, width, *more = of_blocks.shape
-    down, across = min(blocks_in(tile_size), height), min(blocks_in(tile_size), width)
-    padded = np.pad(of_blocks, [(0, -height % down), (0, -width % across), *[(0, 0)] * len(more)])
-    tiles = padded.reshape(padded.shape[0] // down, down, padded.shape[1] // across, across, *more)
-    rows, columns = tiles.shape[0], tiles.shape[2]
-    one_after_the_other = np.cumsum(tiles.swapaxes(1, 2).reshape(rows, columns, -1, *more), axis=2)
-    total: Values = one_after_the_other[:, :, -1]
-    return total
 
 
 def moments_of(

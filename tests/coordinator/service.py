@@ -216,6 +216,11 @@ def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.stack([channel[name] for name in "XYZ"], axis=-1), channel["Y.stderr"], channel["n"]
 
 
+def read_channel(path: Path, name: str) -> np.ndarray:
+    """One of an EXR."""
+    return np.asarray(_read_channels(path)[name])
+
+
 def read_rgb(path: Path) -> np.ndarray:
     """What viewers show; empty where not all three are there."""
     channel = _read_channels(path)

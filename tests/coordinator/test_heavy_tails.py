@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from nocturne_coordinator.dispatch.heavy_tails import HEAVY, unevenness
-from nocturne_scene.uncertainty import variance_of_mean
+from nocturne_scene.pixel_errors import variance_of_mean
 
 Values = npt.NDArray[np.float64]
 Draw = Callable[[np.random.Generator, tuple[int, ...]], Values]

@@ -19,7 +19,8 @@ from nocturne_coordinator.output.images import (
     write_preview,
     write_thumbnail,
 )
-from nocturne_scene.uncertainty import Values, block_sums, pixel_variance, variance_of_mean
+from nocturne_scene.pixel_errors import pixel_variance, variance_of_mean
+from nocturne_scene.tile_sums import Values, block_sums
 
 from tests.coordinator.service import read_exr, read_further_responses, read_rgb
 from tests.sums import sums_of
@@ -42,14 +43,16 @@ def variance_of_y(sums: Sums, counts: Counts) -> Values:
 
 def with_one_more(draws: Values) -> Values:
     """Variances of the means of pixels, from numbers of shape (samples, height, width): one more find of the
-    block's is added, by the samples themselves."""
+    block's is added, by the samples themselves, the less the more finds a pixel has."""
     own = draws.var(axis=0, ddof=1) / len(draws)
     variance: Values = own.copy()
+    own_finds = draws.sum(axis=0) ** 2 / (draws**2).sum(axis=0)
     for y in range(0, variance.shape[0], 4):
         for x in range(0, variance.shape[1], 4):
             of_block = draws[:, y : y + 4, x : x + 4]
             finds = of_block.sum() ** 2 / (of_block**2).sum()
-            variance[y : y + 4, x : x + 4] += own[y : y + 4, x : x + 4].sum() / finds
+            one_more = own[y : y + 4, x : x + 4].sum() / finds
+            variance[y : y + 4, x : x + 4] += one_more / own_finds[y : y + 4, x : x + 4]
     return variance
 
 
@@ -123,8 +126,9 @@ def test_exr_has_the_errors_of_all_quantities(tmp_path: Path) -> None:
         found = read[f"{name}.blockRatio"]
         assert found[::4, ::4] == pytest.approx(blocks.var(axis=0, ddof=1) / of_pixels, rel=1e-5)
         assert (found[:4, 4:8] == found[0, 4]).all()
-        all_of_them = block_sums(10 * with_one_more(draws[..., index]))
-        assert read[f"{name}.ownRatio"][::4, ::4] == pytest.approx(of_pixels / all_of_them, rel=1e-5)
+        of_all = with_one_more(draws[..., index])
+        own = draws[..., index].var(axis=0, ddof=1) / 10
+        assert read[f"{name}.ownRatio"] == pytest.approx(own / of_all, rel=1e-5)
         tile = blocks.sum(axis=(1, 2)).var(ddof=1) / blocks.var(axis=0, ddof=1).sum()
         assert read[f"{name}.tileRatio"] == pytest.approx(tile, rel=1e-5)
     for name, one, other in (("XY", 0, 1), ("XZ", 0, 2), ("YZ", 1, 2)):

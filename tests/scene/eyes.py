@@ -17,6 +17,7 @@ def image_of(y: Values, error: float = 0.0) -> ImageMoments:
     return ImageMoments(
         mean,
         variance,
+        np.zeros_like(variance),
         variance.copy(),
         np.zeros((*(-(-edge // 4) for edge in y.shape), 6)),
         np.zeros((1, 1, 3)),

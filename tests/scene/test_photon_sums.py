@@ -6,9 +6,9 @@ from dataclasses import astuple
 import numpy as np
 import pytest
 from nocturne_scene.photon_sums import decode_photon_sums, with_photons
+from nocturne_scene.pixel_errors import variance_of_mean
 from nocturne_scene.ranges import PHOTON_BUNDLE
 from nocturne_scene.tile_sums import TileSums, sums_per_pixel
-from nocturne_scene.uncertainty import variance_of_mean
 
 
 def _planes(numbers: np.ndarray, size: int) -> bytes:

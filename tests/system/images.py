@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 import numpy.typing as npt
 
-from tests.coordinator.service import read_exr, read_further_responses, read_rgb
+from tests.coordinator.service import read_channel, read_exr, read_further_responses, read_rgb
 
 Channel = npt.NDArray[np.float32]
 
@@ -19,8 +19,10 @@ class Image:
 
     xyz: Channel
     """Shape (height, width, 3), Y in cd/m2."""
+    y_stderr: Channel
+    """Standard error of Y as the image tells it, shape (height, width)."""
     y_error: Channel
-    """Standard error of Y, shape (height, width)."""
+    """The same by each pixel's own samples: what many pixels' statistics are made of."""
     samples: npt.NDArray[np.uint32]
     """Per pixel, shape (height, width)."""
     further: Mapping[str, Channel]
@@ -30,7 +32,9 @@ class Image:
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        return cls(*read_exr(path), read_further_responses(path), read_rgb(path))
+        xyz, told, samples = read_exr(path)
+        error = told * np.sqrt(read_channel(path, "Y.ownRatio"))
+        return cls(xyz, told, error, samples, read_further_responses(path), read_rgb(path))
 
     @property
     def y(self) -> npt.NDArray[np.float64]:
@@ -41,7 +45,7 @@ def differing_values(one: Image, other: Image) -> dict[str, int]:
     """How many values of each channel differ in any bit; empty where the images are the same."""
     pairs = {
         "XYZ": (one.xyz.view(np.uint32), other.xyz.view(np.uint32)),
-        "Y.stderr": (one.y_error.view(np.uint32), other.y_error.view(np.uint32)),
+        "Y.stderr": (one.y_stderr.view(np.uint32), other.y_stderr.view(np.uint32)),
         "n": (one.samples, other.samples),
         "RGB": (one.rgb.view(np.uint32), other.rgb.view(np.uint32)),
     }

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 from nocturne_scene import uncertainty
+from nocturne_scene.pixel_errors import variance_of_mean
 
 from nocturne_coordinator.dispatch.heavy_tails import unevenness
 from nocturne_coordinator.dispatch.merge import Counts, Sums
@@ -62,7 +63,7 @@ def estimate_error(sums: Sums, counts: Counts, squares: Squares | None = None) -
     known = ErrorEstimate(mean=mean, pixels=y.size, unseen_pixels=unseen, samples=samples)
     if samples:
         known = replace(known, mean_samples=float(y.size / np.sum(1.0 / counts)))
-    variances = uncertainty.variance_of_mean(sums_y, squares_y, counts)
+    variances = variance_of_mean(sums_y, squares_y, counts)
     if mean <= 0.0 or samples < 2 or not variances.any():
         return known
     flat = (variances / (y * y + 0.01 * mean * mean)).ravel()

@@ -6,7 +6,7 @@ nearly the same, so their variances should be nearly the same, and with heavy ta
 """
 
 import numpy as np
-from nocturne_scene.uncertainty import Values
+from nocturne_scene.tile_sums import Values
 
 HEAVY = 0.45
 """Unevenness from which on 95 % intervals hold the truth in less than some 90 of 100 cases.

@@ -23,8 +23,11 @@ from nocturne_scene.tile_sums import (
     PAIRS,
     PRODUCTS_PAIRS,
     PRODUCTS_SQUARES,
+    Values,
+    block_sums,
+    tile_sums,
 )
-from nocturne_scene.uncertainty import ImageMoments, Values, block_sums, moments_of, tile_sums
+from nocturne_scene.uncertainty import ImageMoments, moments_of
 
 from nocturne_coordinator.dispatch.error_estimate import Squares
 from nocturne_coordinator.dispatch.merge import Counts, Sums
@@ -255,19 +258,19 @@ def _correlation_of(covariance: Values, errors: Values) -> npt.NDArray[np.float3
 
 
 def _ratios(moments: ImageMoments) -> dict[str, npt.NDArray[np.float32]]:
-    """Variances of blocks over their pixels', of tiles over their blocks', and of pixels by their own samples
-    over what their errors say, 1 without noise; and how X, Y, Z of blocks go together."""
+    """Variances of pixels by their own samples over what their errors say, of blocks over their pixels', and
+    of tiles over their blocks', 1 without noise; and how X, Y, Z of blocks go together."""
     edge, (height, width) = moments.tile_size, moments.samples.shape
     of_blocks = moments.block_covariance[..., PRODUCTS_SQUARES]
-    own = block_sums(moments.variance[..., :3])
-    own_ratio = _ratio(own, block_sums(moments.variance[..., :3] + moments.one_more[..., :3]))
-    block_ratio = _ratio(of_blocks, own)
+    own = moments.variance[..., :3]
+    own_ratio = _ratio(own, own + moments.one_more[..., :3])
+    block_ratio = _ratio(of_blocks, block_sums(own))
     tile_ratio = _ratio(moments.tile_variance, tile_sums(of_blocks, edge))
     errors = np.sqrt(of_blocks)
     correlation = _correlation_of(moments.block_covariance[..., PRODUCTS_PAIRS], errors)
     found = {
         **{f"{name}.blockRatio": (block_ratio[..., index], BLOCK) for index, name in enumerate("XYZ")},
-        **{f"{name}.ownRatio": (own_ratio[..., index], BLOCK) for index, name in enumerate("XYZ")},
+        **{f"{name}.ownRatio": (own_ratio[..., index], 1) for index, name in enumerate("XYZ")},
         **{f"{name}.tileRatio": (tile_ratio[..., index], edge) for index, name in enumerate("XYZ")},
         **{f"{name}.blockCorrelation": (correlation[..., index], BLOCK) for index, name in enumerate(PAIRS)},
     }

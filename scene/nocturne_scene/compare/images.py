@@ -11,8 +11,16 @@ from numpy.typing import NDArray
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.library_words import said_by
-from nocturne_scene.tile_sums import BLOCK, PAIR_FIRST, PAIR_SECOND, PAIRS, PRODUCTS_SQUARES
-from nocturne_scene.uncertainty import ImageMoments, block_sums, tile_sums
+from nocturne_scene.tile_sums import (
+    BLOCK,
+    PAIR_FIRST,
+    PAIR_SECOND,
+    PAIRS,
+    PRODUCTS_SQUARES,
+    block_sums,
+    tile_sums,
+)
+from nocturne_scene.uncertainty import ImageMoments
 
 Values = NDArray[np.float64]
 
@@ -96,8 +104,9 @@ def _with_moments(picture: Picture, channels: Mapping[str, Values], schedule: st
     names = ("X", "Y", "Z", *sorted(known - {*"XYZ"}))
     edge = int(json.loads(schedule)["tileSize"]) if schedule else max(picture.xyz.shape)
     error = np.stack([channels[f"{name}.stderr"] for name in names], axis=-1)
-    one_more = _one_more(channels, error)
-    variance = np.maximum(0.0, error**2 - one_more)
+    # Of further responses the same part as of Y.
+    own_ratio = _planes(channels, "XYZ", "ownRatio")[..., [0, 1, 2, *[1] * (len(names) - 3)]]
+    variance = error**2 * own_ratio
     of_blocks = block_sums(variance[..., :3]) * _planes(channels, "XYZ", "blockRatio")[::BLOCK, ::BLOCK]
     of_tiles = tile_sums(of_blocks, edge) * _planes(channels, "XYZ", "tileRatio")[::edge, ::edge]
     together = _planes(channels, PAIRS, "blockCorrelation")[::BLOCK, ::BLOCK]
@@ -105,7 +114,7 @@ def _with_moments(picture: Picture, channels: Mapping[str, Values], schedule: st
     moments = ImageMoments(
         np.stack([channels[name] for name in names], axis=-1),
         variance,
-        one_more,
+        error**2 - variance,
         _covariance(_planes(channels, PAIRS, "correlation"), np.sqrt(variance)),
         np.concatenate([of_blocks[..., PRODUCTS_SQUARES], products], axis=-1),
         of_tiles,
@@ -113,17 +122,6 @@ def _with_moments(picture: Picture, channels: Mapping[str, Values], schedule: st
         channels["n"].astype(np.uint32),
     )
     return replace(picture, moments=moments, names=names)
-
-
-def _one_more(channels: Mapping[str, Values], error: Values) -> Values:
-    """See uncertainty.one_more_find; of further responses the same part as of Y."""
-    height, width, quantities = error.shape
-    own = _planes(channels, "XYZ", "ownRatio")[::BLOCK, ::BLOCK]
-    part = 1.0 - own[..., [0, 1, 2, *[1] * (quantities - 3)]]
-    pixels = block_sums(np.ones((height, width, 1)))
-    of_block = part * block_sums(error**2) / pixels
-    found: Values = of_block.repeat(BLOCK, axis=0)[:height].repeat(BLOCK, axis=1)[:, :width]
-    return found
 
 
 def _planes(channels: Mapping[str, Values], of: Iterable[str], what: str) -> Values:

@@ -9,7 +9,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.uncertainty import Values
+from nocturne_scene.tile_sums import Values
 
 Projection = Literal["panorama", "equidistant", "equisolid"]
 """A panorama as our sensor of that name draws it: equal steps of azimuth and of the angle from `up`. Fisheyes

@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 from nocturne_scene.errors import InputError
 from nocturne_scene.photometry.directions import PixelDirections, Projection, directions_of
 from nocturne_scene.quantities import LUMINANCE, Quantity
-from nocturne_scene.uncertainty import ImageMoments, Values, read_region
+from nocturne_scene.tile_sums import Values
+from nocturne_scene.uncertainty import ImageMoments, read_region
 
 DEFAULT_THRESHOLD = 2000.0
 """cd/m2, as in evalglare since its version 2."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.uncertainty import Values
+from nocturne_scene.tile_sums import Values
 
 Line = list[tuple[float, float]]
 

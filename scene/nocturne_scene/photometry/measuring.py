@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nocturne_scene.photometry.outlines import Outline
-from nocturne_scene.uncertainty import ImageMoments, RegionSums, Values
+from nocturne_scene.tile_sums import Values
+from nocturne_scene.uncertainty import ImageMoments, RegionSums
 
 MAX_BINS = 512
 
@@ -120,7 +121,8 @@ class Measuring:
 
 def _values_and_errors(image: ImageMoments, index: int) -> tuple[Values, Values]:
     """Of one quantity in all pixels; below two samples an error is not known."""
-    error = np.where(image.samples > 1, np.sqrt(image.variance[..., index]), np.nan)
+    variance = image.variance[..., index] + image.one_more[..., index]
+    error = np.where(image.samples > 1, np.sqrt(variance), np.nan)
     return image.mean[..., index], error
 
 

@@ -54,10 +54,10 @@ class Channels {
     names_.insert(names_.end(), further_responses.begin(), further_responses.end());
     const std::size_t values = names_.size();
     for (std::size_t i = 0; i < values; ++i) names_.push_back(names_[i] + ".stderr");
-    for (const char* name :
-         {"XY.correlation", "XZ.correlation", "YZ.correlation", "X.blockRatio", "Y.blockRatio",
-          "Z.blockRatio", "X.tileRatio", "Y.tileRatio", "Z.tileRatio", "X.ownRatio", "Y.ownRatio",
-          "Z.ownRatio", "XY.blockCorrelation", "XZ.blockCorrelation", "YZ.blockCorrelation"}) {
+    for (const char* name : {"XY.correlation", "XZ.correlation", "YZ.correlation", "X.ownRatio",
+                             "Y.ownRatio", "Z.ownRatio", "X.blockRatio", "Y.blockRatio",
+                             "Z.blockRatio", "X.tileRatio", "Y.tileRatio", "Z.tileRatio",
+                             "XY.blockCorrelation", "XZ.blockCorrelation", "YZ.blockCorrelation"}) {
       names_.emplace_back(name);
     }
     values_.resize(names_.size() * film.width * film.height);
@@ -99,18 +99,21 @@ class Channels {
   double variance(const double* pixel, std::size_t i) const {
     return variance_of_mean(pixel[squares_of(i)], pixel[sum_of(i)], samples_);
   }
+  // As nocturne_scene/pixel_errors.py has it, with the reason, and in the same order.
+  double finds(double found, double variance, double squares) const {
+    const double n = std::max(2.0, samples_), second = (n - 1.0) * variance + squares;
+    return second > 0.0 ? std::max(1.0, n * (found * found) / second) : 1.0;
+  }
   double one_more(std::uint32_t x, std::uint32_t y, std::size_t i) const {
     const std::size_t block =
         std::size_t{y / TileSums::kBlock} * film_.block_columns() + x / TileSums::kBlock;
-    return one_more_[quantities() * block + i];
+    const double mean = sums(x, y)[sum_of(i)] / samples_;
+    return one_more_[quantities() * block + i] / finds(mean, variance(sums(x, y), i), mean * mean);
   }
 
-  // What one more find would bring, of a block: nocturne_scene/uncertainty.py has the reason, and
-  // the same order of sums.
   void find_one_more(std::uint32_t left, std::uint32_t top) {
     const std::uint32_t right = std::min(left + TileSums::kBlock, film_.width);
     const std::uint32_t bottom = std::min(top + TileSums::kBlock, film_.height);
-    const double n = std::max(2.0, samples_);
     for (std::size_t i = 0; i < quantities(); ++i) {
       double of_block = 0.0, found = 0.0, squares = 0.0;
       for_each_pixel(left, top, right, bottom, [&](std::uint32_t x, std::uint32_t y) {
@@ -119,9 +122,7 @@ class Channels {
         found += std::fabs(mean);
         squares += mean * mean;
       });
-      const double second = (n - 1.0) * of_block + squares;
-      const double finds = second > 0.0 ? n * (found * found) / second : 1.0;
-      one_more_.push_back(of_block / std::max(finds, 1.0));
+      one_more_.push_back(of_block / finds(found, of_block, squares));
     }
   }
 
@@ -141,20 +142,21 @@ class Channels {
           covariance_of_means(of_pixel[kXY + i], of_pixel[a], of_pixel[b], samples_);
       put(correlation(found, errors[a] * errors[b]));
     }
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double own = variance(of_pixel, i);
+      put(ratio(own, own + one_more(x, y, i)));
+    }
   }
 
-  // X, Y, Z of what some pixels have together: sums, variances of pixels alone, and these with one
-  // more find.
+  // X, Y, Z of what some pixels have together: sums, their products, and variances of pixels alone.
   struct Together {
-    std::array<double, 3> sums{}, variances{}, with_one_more{};
+    std::array<double, 3> sums{}, variances{};
   };
 
-  void add(std::uint32_t x, std::uint32_t y, Together& to) const {
+  void add(const double* pixel, Together& to) const {
     for (std::size_t i = 0; i < 3; ++i) {
-      const double own = variance(sums(x, y), i);
-      to.sums[i] += sums(x, y)[i];
-      to.variances[i] += own;
-      to.with_one_more[i] += own + one_more(x, y, i);
+      to.sums[i] += pixel[i];
+      to.variances[i] += variance(pixel, i);
     }
   }
 
@@ -170,7 +172,7 @@ class Channels {
   void put_ratios_of_tile(const double* tile_products, std::uint32_t left, std::uint32_t top,
                           std::uint32_t width, std::uint32_t height) {
     constexpr std::uint32_t kBlock = TileSums::kBlock;
-    const std::size_t first = names_.size() - 12;
+    const std::size_t first = names_.size() - 9;
     Together blocks;
     for (std::uint32_t y = top; y < top + height; y += kBlock) {
       for (std::uint32_t x = left; x < left + width; x += kBlock) {
@@ -178,17 +180,16 @@ class Channels {
         const std::uint32_t bottom = std::min(y + kBlock, top + height);
         Together pixels;
         for_each_pixel(x, y, right, bottom,
-                       [&](std::uint32_t px, std::uint32_t py) { add(px, py, pixels); });
+                       [&](std::uint32_t px, std::uint32_t py) { add(sums(px, py), pixels); });
         const double* const products =
             &film_.block_products[TileSums::kProducts *
                                   (std::size_t{y / kBlock} * film_.block_columns() + x / kBlock)];
         const auto of_block = variances(pixels, products);
-        std::array<float, 3> ratios{}, own{}, correlations{};
+        std::array<float, 3> ratios{}, correlations{};
         for (std::size_t i = 0; i < 3; ++i) {
           blocks.sums[i] += pixels.sums[i];
           blocks.variances[i] += of_block[i];
           ratios[i] = static_cast<float>(ratio(of_block[i], pixels.variances[i]));
-          own[i] = static_cast<float>(ratio(pixels.variances[i], pixels.with_one_more[i]));
           const auto [a, b] = kPairs[i];
           const double found = covariance_of_means(products[kXY - kYY + i], pixels.sums[a],
                                                    pixels.sums[b], samples_);
@@ -197,8 +198,7 @@ class Channels {
         }
         for_each_pixel(x, y, right, bottom, [&](std::uint32_t px, std::uint32_t py) {
           std::ranges::copy(ratios, channels(px, py) + first);
-          std::ranges::copy(own, channels(px, py) + first + 6);
-          std::ranges::copy(correlations, channels(px, py) + first + 9);
+          std::ranges::copy(correlations, channels(px, py) + first + 6);
         });
       }
     }

@@ -27,8 +27,8 @@ struct ImageProvenance {
 /// Writes means and errors of a film whose tiles have edges of `tile_size` pixels, over `samples`
 /// samples of every pixel. Float channels: X, Y, Z (Y in cd/m2) and one with the name of each
 /// further response; the standard error of each, NAME.stderr; XY.correlation, XZ.correlation and
-/// YZ.correlation of their errors; X.ownRatio and so on, the variance of a block's pixels
-/// by their own samples over that of NAME.stderr; X.blockRatio and so on, the variance of what a
+/// YZ.correlation of their errors; X.ownRatio and so on, the variance by the pixel's own
+/// samples over that of NAME.stderr; X.blockRatio and so on, the variance of what a
 /// block's pixels have together over the sum of their variances, X.tileRatio and so on, that of a
 /// tile over those of its blocks, and XY.blockCorrelation and so on of errors of what a block's
 /// pixels have together; linear sRGB in R, G, B for viewers, unless a response has one of these

@@ -20,9 +20,9 @@ from nocturne_coordinator.output.images import mean_xyz
 from nocturne_coordinator.store.rows import TileChange
 from nocturne_scene.compare.images import Picture
 from nocturne_scene.errors import InputError
+from nocturne_scene.pixel_errors import pixel_variance
 from nocturne_scene.ranges import TileGrid
 from nocturne_scene.tile_sums import decode
-from nocturne_scene.uncertainty import pixel_variance
 
 from nocturne_api.limits import TILE_ANSWERS_KEPT, TILES_ANSWER_BYTES
 

@@ -12,7 +12,8 @@ from nocturne_scene.errors import InputError, NotFound
 from nocturne_scene.photometry import glare, isolines, measuring
 from nocturne_scene.photometry.outlines import Outline
 from nocturne_scene.quantities import quantity_named
-from nocturne_scene.uncertainty import ImageMoments, Values
+from nocturne_scene.tile_sums import Values
+from nocturne_scene.uncertainty import ImageMoments
 
 from nocturne_api import limits
 from nocturne_api.models import measurements as models
@@ -198,7 +199,7 @@ class _Whole:
         whole = all(parts[0].image.samples.shape[1] == width for parts in rows.values())
         if not whole or sum(len(image.samples) for image in found) != height:
             raise NotFound("parts of the image have no samples yet")
-        fields = ("mean", "variance", "covariance", "block_covariance", "tile_variance")
+        fields = ("mean", "variance", "one_more", "covariance", "block_covariance", "tile_variance")
         arrays = {name: np.concatenate([getattr(image, name) for image in found]) for name in fields}
         return ImageMoments(
             **arrays, tile_size=found[0].tile_size, samples=np.concatenate([each.samples for each in found])

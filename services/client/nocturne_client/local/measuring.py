@@ -104,7 +104,14 @@ def _moments(picture: Picture) -> ImageMoments:
     blocks = np.full((blocks_in(height), blocks_in(width), PRODUCTS), np.nan)
     samples = np.ones((height, width), dtype=np.uint32)
     return ImageMoments(
-        picture.xyz, unknown, unknown, blocks, np.full((1, 1, 3), np.nan), max(width, height), samples
+        picture.xyz,
+        unknown,
+        unknown,
+        unknown,
+        blocks,
+        np.full((1, 1, 3), np.nan),
+        max(width, height),
+        samples,
     )
 
 

@@ -1,0 +1,56 @@
+"""Variances of pixels' means, from their sums; docs/explanation/units-and-errors.md explains them."""
+
+import numpy as np
+
+from nocturne_scene.tile_sums import BLOCK, Counts, Values, block_sums
+
+
+def variance_of_mean(sums: Values, squares: Values, counts: Values | Counts) -> Values:
+    """Of n numbers each with such sums; 0 below two. All of one shape."""
+    return np.maximum(0.0, covariance_of_means(squares, sums, sums, counts))
+
+
+def covariance_of_means(products: Values, a: Values, b: Values, counts: Values | Counts) -> Values:
+    """Of the means of n pairs of numbers; 0 below two."""
+    n = np.maximum(counts, 2).astype(np.float64)
+    found: Values = a * b
+    found /= n
+    np.subtract(products, found, out=found)
+    found /= n * (n - 1.0)
+    found[np.broadcast_to(counts < 2, found.shape)] = 0.0
+    return found
+
+
+def one_more_find(mean: Values, variance: Values, counts: Counts) -> Values:
+    """What is to be added to the variance of a pixel's mean, or of a region's sum, for what its samples
+    missed; shapes (height, width, ...), `counts` (height, width).
+
+    Light that few samples find is unknown where none found it, and too well known where two found as much.
+    So each error has the variance that one more find would bring: that of the pixel's block, over the number
+    of its finds. Those are its samples weighed by what they found, (sum of |x|)^2 / sum of x^2 (Kish's
+    effective sample size), at least 1. A pixel with many finds of its own needs the others' so much less.
+    """
+    n = np.maximum(counts, 2).astype(np.float64)
+    n = n.reshape(n.shape + (1,) * (mean.ndim - 2))
+    squares = mean * mean
+    of_block = block_sums(variance)
+    one_more = of_block / _finds(n[::BLOCK, ::BLOCK], block_sums(np.abs(mean)), of_block, block_sums(squares))
+    height, width = counts.shape
+    found: Values = one_more.repeat(BLOCK, axis=0)[:height].repeat(BLOCK, axis=1)[:, :width]
+    found /= _finds(n, mean, variance, squares)
+    found[counts < 2] = 0.0
+    return found
+
+
+def _finds(n: Values, found: Values, variance: Values, squares: Values) -> Values:
+    """At least 1; from sums over pixels of means, of their variances, and of their squares."""
+    second = (n - 1.0) * variance + squares
+    finds = np.divide(n * (found * found), second, out=np.ones_like(second), where=second > 0.0)
+    return np.maximum(finds, 1.0, out=finds)
+
+
+def pixel_variance(sums: Values, squares: Values, counts: Counts) -> Values:
+    """Of the means of one quantity in pixels, all of shape (height, width), with one more find."""
+    own = variance_of_mean(sums, squares, counts)
+    own += one_more_find(sums / np.maximum(counts, 1), own, counts)
+    return own
