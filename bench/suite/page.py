@@ -1,4 +1,4 @@
-"""docs/explanation/speed.md and docs/explanation/accuracy.md, made of kept figures, and the charts."""
+"""docs/explanation/speed.md, accuracy.md and chosen.md, made of kept figures, and the charts."""
 
 import json
 
@@ -9,6 +9,7 @@ from bench.chart import Line, write_chart
 from bench.errors import expected_relmse
 from bench.report import Figures, Row, kept, results_folder
 from bench.suite.aims import AIMS, WHY, best
+from bench.suite.chosen import chosen
 from bench.suite.measure import MITSUBA, NOT_FALLING, TARGET
 from bench.suite.references import load
 from bench.suite.scenes import SCENES
@@ -70,10 +71,11 @@ In the sky one pixel holds the disc of the Sun, and most of the mean's error: z 
 
 
 def write_pages(figures: Figures) -> None:
-    """Both pages and a chart for each scene."""
+    """All pages, and a chart for each scene."""
     docs = CHECKOUT / "docs" / "explanation"
     (docs / "speed.md").write_text(speed(figures))
     (docs / "accuracy.md").write_text(accuracy(references()))
+    (docs / "chosen.md").write_text(chosen(figures, kept()))
     for name, found in figures.items():
         _chart(name, found["ways"])
     summary = results_folder() / SUMMARY
