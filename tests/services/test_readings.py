@@ -63,13 +63,14 @@ async def test_a_region_across_tiles_has_means_and_errors(
     assert read["u_prime_error"] > 0.0
 
 
-async def test_a_pixel_has_the_error_of_its_own_samples(
+async def test_a_pixel_has_the_error_of_its_own_samples_and_of_one_more_find(
     rest: httpx.AsyncClient, rendered: str, drawn: np.ndarray[Any, Any]
 ) -> None:
     asked = {"x": 5, "y": 6, "width": 1, "height": 1}
     read = (await rest.get(f"/v1/renders/{rendered}/reading", params=asked)).json()
     expected = drawn[:, 6, 5].std(axis=0, ddof=1) / np.sqrt(SAMPLES)
-    assert [each["standard_error"] for each in read["values"]] == pytest.approx(expected)
+    more = np.array([each["standard_error"] for each in read["values"]]) / expected
+    assert ((more > 1.0) & (more < 1.01)).all()
     assert read["correlation"] == 1.0
 
 
