@@ -161,9 +161,7 @@ INSTANTIATE_TEST_SUITE_P(All, Media,
                          testing::Values(Variant{"Mixture", v1::ESTIMATOR_MIXTURE, 1},
                                          Variant{"Split", v1::ESTIMATOR_SPLIT, 4},
                                          Variant{"TwoPhotons", v1::ESTIMATOR_TWO_PHOTONS, 1},
-                                         Variant{"TwoPhotonsOfFour", v1::ESTIMATOR_TWO_PHOTONS, 4},
-                                         Variant{"TwoPhotonsOfEight", v1::ESTIMATOR_TWO_PHOTONS,
-                                                 8}),
+                                         Variant{"TwoPhotonsOfFour", v1::ESTIMATOR_TWO_PHOTONS, 4}),
                          [](const auto& variant) { return variant.param.name; });
 
 // Light that is scattered once, found by chance and by marching: a lamp beside a ball of medium

@@ -119,7 +119,7 @@ TEST_F(TexturedSquare, ShowsTheTexels) {
   under_uniform_sky();
   auto& reflectance = *message().mutable_kernels(0)->mutable_lambertian()->mutable_reflectance();
   *reflectance.mutable_texture() = use(blocks());
-  for (const std::uint32_t group : {1u, 4u, 8u}) {
+  for (const std::uint32_t group : {1u, 4u}) {
     message().mutable_tracing()->set_group(group);
     const TileSums tile = trace(kEdge, 8);
     for_each_inner_pixel([&](std::size_t pixel, int x, int row) {

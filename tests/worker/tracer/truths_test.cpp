@@ -115,8 +115,6 @@ INSTANTIATE_TEST_SUITE_P(
         Variant{"TwoPhotons", Method::kAdjointPhotons, 0.65, 0.35, 0, v1::ESTIMATOR_TWO_PHOTONS},
         Variant{"TwoPhotonsOfFour", Method::kAdjointPhotons, 0.65, 0.35, 0,
                 v1::ESTIMATOR_TWO_PHOTONS, 4},
-        Variant{"TwoPhotonsOfEight", Method::kAdjointPhotons, 0.65, 0.35, 0,
-                v1::ESTIMATOR_TWO_PHOTONS, 8},
         Variant{"PathTracing", Method::kPathTracing, 0.65, 0.35, 0}),
     [](const auto& instance) { return instance.param.name; });
 
