@@ -112,7 +112,7 @@ def test_what_the_document_says_is_taken(
         assert found.direction == scene_pb2.DIRECTION_BOTH
 
 
-def test_photons_start_at_luminaires_only_where_they_can(
+def test_photons_start_at_spheres_in_groups_but_not_for_too_large_films(
     document: dict[str, Any], blobs: BlobStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     trace = Asked(monkeypatch)
@@ -121,9 +121,8 @@ def test_photons_start_at_luminaires_only_where_they_can(
     lamp["luminaire"] = {"radiance": {"blackbody": 3000}}
     grouped = {**document, "groups": {"lamps": [lamp]}, "instances": [{"group": "lamps"}]}
     compiled(grouped, blobs, LARGE)
-    # Nor on films that are too large for them.
     compiled(document, blobs, Film(8192, 4096, 64))
-    assert [chosen for chosen, _ in trace.asked] == [["sharing"], ["sharing"]]
+    assert [chosen for chosen, _ in trace.asked] == [["direction", "learn", "sharing"], ["sharing"]]
 
 
 def test_photons_may_start_at_luminaires_for_a_large_film(
