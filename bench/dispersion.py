@@ -10,7 +10,10 @@ from bench.programs import Channel, trace
 from bench.report import Figures, Row, significant
 from bench.scenes import Document, compile_document, cornell, example
 
-_ADJOINT = {"direction": "adjoint", "sharing": 1}
+_Tracing = dict[str, str | int]
+
+_ADJOINT: _Tracing = {"direction": "adjoint", "sharing": 1}
+_BOTH: _Tracing = {"direction": "both", "sharing": 1}
 
 
 def run(quick: bool) -> Figures:
@@ -18,8 +21,8 @@ def run(quick: bool) -> Figures:
     edge, samples, seeds = (16, 16, 3) if quick else (64, 64, 12)
     with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
         scenes = {
-            name: _scene(document, Path(folder) / name, edge, samples, seeds)
-            for name, document in _scenes(Path(folder)).items()
+            name: _scene(document, tracing, Path(folder) / name, edge, samples, seeds)
+            for name, (document, tracing) in _scenes(Path(folder)).items()
         }
     return {"scenes": scenes}
 
@@ -32,7 +35,7 @@ def rows(figures: Figures) -> list[Row]:
     ]
 
 
-def _scenes(folder: Path) -> dict[str, Document]:
+def _scenes(folder: Path) -> dict[str, tuple[Document, _Tracing]]:
     gem = cornell()
     gem["surfaces"].append(
         {
@@ -42,26 +45,24 @@ def _scenes(folder: Path) -> dict[str, Document]:
     )
     prism = example("prism", folder / "prism")
     return {
-        "cornell": _traced(cornell(), **_ADJOINT),
-        "cornell with a glass ball": _traced(gem, **_ADJOINT),
-        "the same, 16 pixels share": _traced(gem, direction="adjoint", sharing=16),
-        "the same, both directions": _traced(gem, direction="both", sharing=1),
-        "prism": _traced(prism, **_ADJOINT),
-        "prism, both directions": _traced(prism, direction="both", sharing=1),
+        "cornell": (cornell(), _ADJOINT),
+        "cornell with a glass ball": (gem, _ADJOINT),
+        "the same, 16 pixels share": (gem, {**_ADJOINT, "sharing": 16}),
+        "the same, both directions": (gem, _BOTH),
+        "prism": (prism, _ADJOINT),
+        "prism, both directions": (prism, _BOTH),
     }
 
 
-def _traced(document: Document, **tracing: object) -> Document:
-    return {**document, "tracing": {**document.get("tracing", {}), **tracing}}
-
-
-def _scene(document: Document, folder: Path, edge: int, samples: int, seeds: int) -> Figures:
+def _scene(
+    document: Document, tracing: _Tracing, folder: Path, edge: int, samples: int, seeds: int
+) -> Figures:
     errors, times = {}, {}
     for together in (1, 4):
         images = []
         times[together] = 0.0
         for seed in range(seeds):
-            choice = {"photons_together": together, "seed": seed}
+            choice = {**tracing, "photons_together": together, "seed": seed}
             compiled = compile_document(document, folder / f"{together}-{seed}", edge, samples, choice)
             traced = trace(compiled, threads=1)
             images.append(traced.xyz)

@@ -131,21 +131,22 @@ class Channels {
     float* to = channels(x, y);
     const auto put = [&to](double value) { *to++ = static_cast<float>(value); };
     for (std::size_t i = 0; i < quantities(); ++i) put(of_pixel[sum_of(i)] / samples_);
+    std::array<double, 3> errors{}, own_ratios{};
     for (std::size_t i = 0; i < quantities(); ++i) {
-      put(std::sqrt(variance(of_pixel, i) + one_more(x, y, i)));
+      const double own = variance(of_pixel, i), told = own + one_more(x, y, i);
+      put(std::sqrt(told));
+      if (i < 3) {
+        errors[i] = std::sqrt(own);
+        own_ratios[i] = ratio(own, told);
+      }
     }
-    std::array<double, 3> errors{};
-    for (std::size_t i = 0; i < 3; ++i) errors[i] = std::sqrt(variance(of_pixel, i));
     for (std::size_t i = 0; i < 3; ++i) {
       const auto [a, b] = kPairs[i];
       const double found =
           covariance_of_means(of_pixel[kXY + i], of_pixel[a], of_pixel[b], samples_);
       put(correlation(found, errors[a] * errors[b]));
     }
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double own = variance(of_pixel, i);
-      put(ratio(own, own + one_more(x, y, i)));
-    }
+    for (const double own_ratio : own_ratios) put(own_ratio);
   }
 
   // X, Y, Z of what some pixels have together: sums, their products, and variances of pixels alone.
