@@ -47,6 +47,29 @@ class _Worker:
     started: float = 1.0
 
 
+class ResultMaker:
+    """Valid results, put together of parts: all sums of as many samples are the same."""
+
+    def __init__(self) -> None:
+        self._partials: dict[tuple[int, int], bytes] = {}
+
+    def result(self, job_bytes: bytes, worker: str, cpu_seconds: float) -> bytes:
+        """A serialised JobResult of a serialised job."""
+        job = job_pb2.Job.FromString(job_bytes)
+        samples, pixels = job.end_sample - job.first_sample, job.tile.width * job.tile.height
+        if (samples, pixels) not in self._partials:
+            # Like those of a picture: among a million equal numbers some steps take other ways.
+            lit = np.random.default_rng(samples).uniform(0.5, 2.0, (job.tile.height, job.tile.width, 3))
+            drawn = lit * samples
+            sums = sums_of_independent(drawn, np.full(drawn.shape[:2], 1.5), samples).encode()
+            partial = job_pb2.Partial(sums=sums, photons=pixels * samples, rays=pixels)
+            self._partials[samples, pixels] = job_pb2.JobResult(partial=partial).SerializeToString()
+        cpu = job_pb2.Partial(cpu_seconds=cpu_seconds)
+        head = job_pb2.JobResult(job=job, worker_id=worker, partial=cpu).SerializeToString()
+        # Two messages one after the other are the merged message.
+        return head + self._partials[samples, pixels]
+
+
 @dataclass
 class Fleet:
     """Workers and what they wait for; `due` in seconds of the monotonic clock."""
@@ -69,7 +92,7 @@ class Fleet:
     next_take_over: float = 0.0
     chance: random.Random = field(default_factory=lambda: random.Random(1))  # noqa: S311 - no secrets
     worked_s: float = 0.0
-    _partials: dict[tuple[int, int], bytes] = field(default_factory=dict)
+    maker: ResultMaker = field(default_factory=ResultMaker)
 
     def start(self) -> None:
         """All come within a few seconds, in no order."""
@@ -132,7 +155,7 @@ class Fleet:
             if not worker.entry or now < worker.due:
                 # It died meanwhile.
                 continue
-            result = self._result(worker)
+            result = self.maker.result(worker.job, worker.name, worker.due - worker.since)
             pipeline.xadd(keys.RESULTS, {keys.RESULT_FIELD: result, **self._signed(worker, result)})
             pipeline.xack(keys.JOBS, keys.WORKERS_GROUP, worker.entry)
             pipeline.xdel(keys.JOBS, worker.entry)
@@ -184,20 +207,6 @@ class Fleet:
             return {}
         signed = signature(self.key, worker.lease, result)
         return {keys.MACHINE_FIELD: MACHINE.encode(), keys.SIGNATURE_FIELD: signed}
-
-    def _result(self, worker: _Worker) -> bytes:
-        """A valid one, put together of parts: all sums of as many samples are the same."""
-        job = job_pb2.Job.FromString(worker.job)
-        samples, pixels = job.end_sample - job.first_sample, job.tile.width * job.tile.height
-        if (samples, pixels) not in self._partials:
-            drawn = np.full((job.tile.height, job.tile.width, 3), float(samples))
-            sums = sums_of_independent(drawn, np.full(drawn.shape[:2], 1.5), samples).encode()
-            partial = job_pb2.Partial(sums=sums, photons=pixels * samples, rays=pixels)
-            self._partials[samples, pixels] = job_pb2.JobResult(partial=partial).SerializeToString()
-        cpu = job_pb2.Partial(cpu_seconds=worker.due - worker.since)
-        head = job_pb2.JobResult(job=job, worker_id=worker.name, partial=cpu).SerializeToString()
-        # Two messages one after the other are the merged message.
-        return head + self._partials[samples, pixels]
 
 
 def _due(heap: list[tuple[float, int]], now: float) -> list[int]:

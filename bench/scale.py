@@ -153,6 +153,13 @@ def _watched(here: Farm, settle_s: float, seconds: float) -> Figures:
     }
 
 
+def night_of_renders(folder: DataFolder) -> None:
+    """Renders that last the night."""
+    schedule = make_schedule(EDGE, EDGE, 2**20)
+    for number in range(RENDERS):
+        folder.renders.create(NewRender(f"{number}", "", "5c" * 32, "{}", EDGE, EDGE, 2**20, schedule))
+
+
 def _resident_bytes(pid: int) -> int:
     pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
     return pages * 4096
@@ -175,10 +182,7 @@ def farm(*options: str, enrolled: bool = False) -> Iterator[Farm]:
             folder.tokens.create(MACHINE, ["worker"])
             key = folder.machines.enrol(MACHINE)
         try:
-            schedule = make_schedule(EDGE, EDGE, 2**20)
-            for number in range(RENDERS):
-                new = NewRender(f"{number}", "", "5c" * 32, "{}", EDGE, EDGE, 2**20, schedule)
-                folder.renders.create(new)
+            night_of_renders(folder)
             while not socket.exists():
                 time.sleep(0.05)
             words: list[str | Path] = [

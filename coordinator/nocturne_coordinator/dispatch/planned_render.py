@@ -183,10 +183,9 @@ def check_sums(sums: TileSums, samples: int) -> None:
     table[3:, pixels:-1] = of_blocks.T
     table[3:, -1] = sums.tile_products[0]
     further = of_pixels[:, XYZ_SUMS:]
-    for numbers in (table, *([further] if further.size else [])):
-        # With a NaN inside, minimum and maximum are NaN, and compare false.
-        if not (numbers.min() >= 0.0 and numbers.max() < _BEYOND_PHYSICS):
-            raise RefusedResult("sums that are negative, not finite or beyond all physics")
+    _check_range(table)
+    if further.size:
+        _check_range(further)
     if count := further.shape[-1] // 2:
         _check_products(further[:, :count] ** 2, further[:, count:], samples)
     film = table[:, :pixels].reshape(-1, height, width)
@@ -216,8 +215,7 @@ def check_photon_sums(sums: TileSums, photons: int) -> None:
     """RefusedResult if no photons bring such sums of a film; squares are known to eight bits."""
     pixels = sums.pixels
     for numbers in (pixels, sums.block_products, sums.tile_products):
-        if not (numbers.min() >= 0.0 and numbers.max() < _BEYOND_PHYSICS):
-            raise RefusedResult("sums that are negative, not finite or beyond all physics")
+        _check_range(numbers)
     further = (pixels.shape[-1] - XYZ_SUMS) // 2
     values = [0, 1, 2, *range(XYZ_SUMS, XYZ_SUMS + further)]
     squares = [*PIXEL_SQUARES, *range(XYZ_SUMS + further, XYZ_SUMS + 2 * further)]
@@ -231,6 +229,13 @@ def _blocks_of(edge: int) -> Sums:
     """A row for each block along an edge, with 1 for each of its pixels."""
     pixels = np.arange(edge) // BLOCK
     return np.asarray(pixels == np.arange(blocks_in(edge))[:, None], dtype=np.float64)
+
+
+def _check_range(numbers: Sums) -> None:
+    """Sums are 0 or more, and of this world."""
+    # With a NaN inside, minimum and maximum are NaN, and compare false.
+    if not (numbers.min() >= 0.0 and numbers.max() < _BEYOND_PHYSICS):
+        raise RefusedResult("sums that are negative, not finite or beyond all physics")
 
 
 def _check_counts(partial: job_pb2.Partial, photons: int) -> None:
@@ -252,5 +257,7 @@ def _check_products(
     """No n numbers have a sum whose square is above n times the sum of their squares, and no pairs a sum of
     products above the root of both sums of squares (Cauchy-Schwarz). `times`: n; `slack`: a part."""
     # The slack is for rounding; `least` for squares that are too small for a float64.
-    if not (products <= bound * (times * (1 + slack)) + least).all():
+    excess = bound * (times * (1 + slack))
+    np.subtract(products, excess, out=excess)
+    if not excess.max() <= least:
         raise RefusedResult("sums of values and of their squares or products that no samples have")

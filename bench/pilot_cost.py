@@ -1,0 +1,71 @@
+"""What a pilot takes of a render of a minute, for scenes that gain by it and for those that do not.
+
+Processor seconds of compiling a scene that leaves the way open, less those of the same scene with a way
+named, over a minute; the suite's scenes on a larger film, as sharing needs one.
+"""
+
+import resource
+import tempfile
+from pathlib import Path
+
+from bench.peer.contenders import FilmSize, Ours
+from bench.report import Figures, Row, significant
+from bench.scenes import Document, compile_film
+from bench.suite.references import THREADS, samples_for
+from bench.suite.scenes import SCENES, SuiteScene
+
+_FILM, _QUICK_FILM = FilmSize(256, 192), FilmSize(48, 36)
+_RENDER_CPU_S, _QUICK_RENDER_CPU_S = 60.0, 1.0
+_TRIAL_CPU_S = 1.0
+_NAMED = {"direction": "adjoint", "sharing": 1}
+_OPEN = {"direction": "auto", "sharing": "auto"}
+
+
+def run(quick: bool) -> Figures:
+    """One render of each scene; nothing is traced but trials and pilots."""
+    film = _QUICK_FILM if quick else _FILM
+    cpu_s = _QUICK_RENDER_CPU_S if quick else _RENDER_CPU_S
+    return {name: _scene(scene, film, cpu_s) for name, scene in SCENES.items()}
+
+
+def rows(figures: Figures) -> list[Row]:
+    """Those that gain nothing have an aim."""
+    table = []
+    for name in SCENES:
+        found = figures[name]
+        gains = "shared" in found["chosen"] or "luminaires" in found["chosen"] or "both" in found["chosen"]
+        what = f"{name}: pilot's processor time, of a render of a minute; {found['chosen'].partition(':')[0]}"
+        table.append(Row(what, f"{100 * found['part']:.2g} %", "" if gains else "at most 3 %"))
+    return table
+
+
+def _scene(scene: SuiteScene, film: FilmSize, cpu_s: float) -> Figures:
+    with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
+        place = Path(folder)
+        document = scene.document(place)
+        named = compile_film(_traced(document, _NAMED), place, film.width, film.height, 1, place / "trial")
+        ours = Ours(named, film, THREADS, ())
+        samples = max(1, round(samples_for(ours, min(_TRIAL_CPU_S, cpu_s)) * cpu_s / min(_TRIAL_CPU_S, cpu_s)))
+        taken, chosen = [], ""
+        for tracing in (_NAMED, _OPEN):
+            began = _children_cpu_s()
+            compiled = compile_film(
+                _traced(document, tracing), place, film.width, film.height, samples, place / str(len(taken))
+            )
+            taken.append(_children_cpu_s() - began)
+            chosen = compiled.way
+        return {
+            "samples": samples,
+            "pilot_cpu_s": significant(taken[1] - taken[0]),
+            "part": significant((taken[1] - taken[0]) / cpu_s),
+            "chosen": chosen,
+        }
+
+
+def _traced(document: Document, tracing: dict[str, object]) -> Document:
+    return {**document, "tracing": {**document.get("tracing", {}), **tracing}}
+
+
+def _children_cpu_s() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
