@@ -20,6 +20,7 @@ from bench import (
     mixture,
     page,
     peers,
+    pilot_cost,
     plain,
     sampling,
     scale,
@@ -54,6 +55,7 @@ BENCHES: dict[str, Bench] = {
     "error_bars": error_bars,
     "stops": stops,
     "accumulation": accumulation,
+    "pilot_cost": pilot_cost,
     "plain": plain,
     "layers": layers,
 }

@@ -12,13 +12,13 @@ from bench.peer.contenders import FilmSize, Ours
 from bench.report import Figures, Row, significant
 from bench.scenes import Document, compile_film
 from bench.suite.references import THREADS, samples_for
-from bench.suite.scenes import SCENES, SuiteScene
+from bench.suite.scenes import SCENES, SuiteScene, Tracing
 
 _FILM, _QUICK_FILM = FilmSize(256, 192), FilmSize(48, 36)
 _RENDER_CPU_S, _QUICK_RENDER_CPU_S = 60.0, 1.0
 _TRIAL_CPU_S = 1.0
-_NAMED = {"direction": "adjoint", "sharing": 1}
-_OPEN = {"direction": "auto", "sharing": "auto"}
+_NAMED: Tracing = {"direction": "adjoint", "sharing": 1}
+_OPEN: Tracing = {"direction": "auto", "sharing": "auto"}
 
 
 def run(quick: bool) -> Figures:
@@ -45,8 +45,10 @@ def _scene(scene: SuiteScene, film: FilmSize, cpu_s: float) -> Figures:
         document = scene.document(place)
         named = compile_film(_traced(document, _NAMED), place, film.width, film.height, 1, place / "trial")
         ours = Ours(named, film, THREADS, ())
-        samples = max(1, round(samples_for(ours, min(_TRIAL_CPU_S, cpu_s)) * cpu_s / min(_TRIAL_CPU_S, cpu_s)))
-        taken, chosen = [], ""
+        trial_s = min(_TRIAL_CPU_S, cpu_s)
+        samples = max(1, round(samples_for(ours, trial_s) * cpu_s / trial_s))
+        taken: list[float] = []
+        chosen = ""
         for tracing in (_NAMED, _OPEN):
             began = _children_cpu_s()
             compiled = compile_film(
@@ -62,7 +64,7 @@ def _scene(scene: SuiteScene, film: FilmSize, cpu_s: float) -> Figures:
         }
 
 
-def _traced(document: Document, tracing: dict[str, object]) -> Document:
+def _traced(document: Document, tracing: Tracing) -> Document:
     return {**document, "tracing": {**document.get("tracing", {}), **tracing}}
 
 

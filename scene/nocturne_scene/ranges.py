@@ -1,5 +1,6 @@
 """How a render is cut into tiles and sample ranges: a fixed function of film, samples and responses. Pure."""
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -32,10 +33,14 @@ MAX_CUT_RANGES = 2**16
 MAX_JOB = MAX_RANGE * TILE_SIZE**2
 """Photons: shortens the ranges of tiles that are larger than usual."""
 
-PHOTON_BUNDLE = 2**18
+PHOTON_BUNDLE = 2**14
 """Forward photons, by which ranges of them are counted; as in worker/src/tile/photon_range.h."""
 
-MAX_PHOTON_RANGE = 2**7
+FIRST_PHOTON_RANGE = 2**6
+"""Bundles, at most: a million photons. A result is as large as the film, so many short ranges would be much
+traffic."""
+
+MAX_PHOTON_RANGE = 2**11
 """Bundles: 34 million photons are about half a minute where a photon takes 1 us, and a result for a film of
 two million pixels is then below 1 MB for each second of tracing. Where it takes longer, ranges are cut."""
 
@@ -68,15 +73,18 @@ def make_schedule(
     *,
     forward_photons: ForwardPhotons = ForwardPhotons.NONE,
     photons_per_sample: int = 1,
+    forward_ratio: float = 0.0,
 ) -> job_pb2.RangeSchedule:
     """The schedule of a film of width x height pixels with `samples` samples per pixel.
 
     `further_responses` are the names of the sensor's, besides X, Y and Z. `photons_per_sample`: photons that
-    travel together. Raises InputError with the places `$.width`, `$.height`, `$.samples`, and `$.scene` for
-    the names.
+    travel together. `forward_ratio`: photons from the luminaires for each from a pixel, where they go both
+    ways; 0: 1. Raises InputError with the places `$.width`, `$.height`, `$.samples`, and `$.scene` for the
+    names.
     """
     problems = [*_edge_problems("$.width", width), *_edge_problems("$.height", height)]
-    one_tile = _is_one_tile(width * height, forward_photons, len(further_responses))
+    has_ratio = forward_photons is ForwardPhotons.BESIDE and forward_ratio not in (0.0, 1.0)
+    one_tile = not has_ratio and _is_one_tile(width * height, forward_photons, len(further_responses))
     if not problems:
         problems.extend(_size_problems(width, height, forward_photons, len(further_responses)))
     problems.extend(Problem("$.scene", message) for message in name_problems(further_responses))
@@ -99,15 +107,18 @@ def make_schedule(
         range_ends=_range_ends(samples, longest),
         further_responses=further_responses,
         photons_per_sample=photons_per_sample if photons_per_sample > 1 else 0,
+        forward_ratio=forward_ratio if has_ratio else 0.0,
     )
     if forward_photons is ForwardPhotons.BESIDE and not one_tile:
-        bundles = -(-width * height * samples // PHOTON_BUNDLE)
+        photons_of_sample = width * height * ratio_of(schedule)
+        bundles = math.ceil(photons_of_sample * samples / PHOTON_BUNDLE)
         if bundles // MAX_PHOTON_RANGE > limits.MAX_FORWARD_RANGES:
-            most = limits.MAX_FORWARD_RANGES * MAX_PHOTON_RANGE * PHOTON_BUNDLE // (width * height)
+            most = int(limits.MAX_FORWARD_RANGES * MAX_PHOTON_RANGE * PHOTON_BUNDLE / photons_of_sample)
             raise InputError.at(
                 "$.samples", f"is {samples}; at most {most} of this film, with photons from luminaires"
             )
-        schedule.photon_range_ends.extend(_range_ends(bundles, MAX_PHOTON_RANGE))
+        first = min(FIRST_PHOTON_RANGE, _power_of_two(FIRST_RANGE * photons_of_sample / PHOTON_BUNDLE))
+        schedule.photon_range_ends.extend(_range_ends(bundles, MAX_PHOTON_RANGE, first))
     planned = ranges_planned(schedule)
     if planned > limits.MAX_RANGES:
         raise InputError.at(
@@ -134,6 +145,7 @@ def extended_schedule(schedule: job_pb2.RangeSchedule, samples: int) -> job_pb2.
         list(schedule.further_responses),
         forward_photons=_forward_photons_of(schedule),
         photons_per_sample=schedule.photons_per_sample,
+        forward_ratio=schedule.forward_ratio,
     )
     extended = job_pb2.RangeSchedule()
     extended.CopyFrom(schedule)
@@ -152,6 +164,11 @@ def _forward_photons_of(schedule: job_pb2.RangeSchedule) -> ForwardPhotons:
         return ForwardPhotons.BESIDE
     one_tile = schedule.tile_size >= max(schedule.width, schedule.height) > TILE_SIZE
     return ForwardPhotons.ALONE if one_tile else ForwardPhotons.NONE
+
+
+def ratio_of(schedule: job_pb2.RangeSchedule) -> float:
+    """Photons from the luminaires for each from a pixel, where they go both ways."""
+    return schedule.forward_ratio or 1.0
 
 
 def entries_of(schedule: job_pb2.RangeSchedule) -> int:
@@ -226,10 +243,15 @@ def _tile_size(further: int) -> int:
     return size
 
 
-def _range_ends(samples: int, longest: int) -> list[int]:
-    """4, 8, 16, ... doubling until a range is `longest` long, then steps of that, up to `samples`."""
+def _power_of_two(least: float) -> int:
+    """The first one from `least` and 1 on."""
+    return 1 << max(0, math.ceil(math.log2(least)))
+
+
+def _range_ends(samples: int, longest: int, first: int = FIRST_RANGE) -> list[int]:
+    """`first`, then doubling until a range is `longest` long, then steps of that, up to `samples`."""
     ends = []
-    end = FIRST_RANGE
+    end = first
     while end < samples:
         ends.append(end)
         end += min(end, longest)

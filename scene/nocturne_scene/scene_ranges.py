@@ -32,6 +32,7 @@ def schedule_of(
         [response.name for response in scene.sensor.further_responses],
         forward_photons=_FORWARD_PHOTONS[scene.tracing.direction],
         photons_per_sample=scene.tracing.group,
+        forward_ratio=scene.tracing.forward_ratio,
     )
     schedule.quantity = quantity_of(scene.sensor).name
     schedule.way = scene.tracing.way

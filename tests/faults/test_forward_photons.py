@@ -1,12 +1,14 @@
-"""Real workers, photons of both directions on a film of many tiles: the service's image is that of
-`nocturne render` in every bit, whatever happens on the way.
+"""Real workers, photons of both directions, the forward ones in ranges of their own: the service's image is
+that of `nocturne render` in every bit, whatever happens on the way.
 
-Half a minute, as films of many tiles are large; the same with simulated workers is in tests/coordinator."""
+Half a minute for a film that is too large for one tile; the same with simulated workers is in
+tests/coordinator."""
 
 import json
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +20,23 @@ from tests.system.renders import has_ended
 from tests.system.service_processes import ServiceProcesses
 from tests.system.waiting import wait_for
 
-pytestmark = pytest.mark.soak
 
-# Just above the largest film that is one tile: 289 of them, of two ranges, and three ranges of photons.
-WIDTH, HEIGHT, SAMPLES = 520, 520, 8
-RANGES = 17 * 17 * 2 + 3
+@dataclass(frozen=True)
+class Film:
+    """One whose forward photons have ranges of their own."""
+
+    width: int
+    height: int
+    samples: int
+    forward_ratio: float
+    ranges: int
+    """Of all tiles, and of forward photons."""
+
+
+# Four tiles; six million photons.
+MANY_PHOTONS = Film(64, 48, 32, 64, 4 * 4 + 4)
+# Just above the largest film that is one tile: 289 of them.
+LARGE = Film(520, 520, 8, 1, 17 * 17 * 2 + 3)
 
 
 _SCENE: dict[str, Any] = {
@@ -54,36 +68,43 @@ _SCENE: dict[str, Any] = {
             "luminaire": {"radiance": {"blackbody": 3000}},
         },
     ],
-    "tracing": {"direction": "both", "sharing": 1},
 }
 """A lamp that a ball of metal mirrors onto a floor. Most of the film sees nothing, which costs little."""
 
 
+@pytest.fixture(scope="module", params=[MANY_PHOTONS, pytest.param(LARGE, marks=pytest.mark.soak)])
+def film(request: pytest.FixtureRequest) -> Film:
+    found: Film = request.param
+    return found
+
+
 @pytest.fixture(scope="module")
-def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def scene(film: Film, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("scene") / "scene.json"
-    path.write_text(json.dumps(_SCENE))
+    tracing = {"direction": "both", "sharing": 1, "forward_ratio": film.forward_ratio}
+    path.write_text(json.dumps({**_SCENE, "tracing": tracing}))
     return path
 
 
 @pytest.fixture(scope="module")
-def alone(scene: Path) -> Image:
+def alone(scene: Path, film: Film) -> Image:
     output = scene.with_name("alone.exr")
-    film = ["--width", str(WIDTH), "--height", str(HEIGHT), "--samples", str(SAMPLES)]
+    size = ["--width", str(film.width), "--height", str(film.height), "--samples", str(film.samples)]
     command: list[str | Path] = [
         Path(sys.executable).with_name("nocturne"),
         "render",
         scene,
         "-o",
         output,
-        *film,
+        *size,
     ]
     subprocess.run(command, check=True, capture_output=True)
     return Image.read(output)
 
 
 @pytest.fixture(scope="module")
-def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceProcesses]:
+def service(film: Film, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceProcesses]:
+    del film  # a service for each, whose first render is its own
     # As often as by default: a commit of photons writes the whole film.
     running = ServiceProcesses(tmp_path_factory.mktemp("service"), "--commit-seconds", "1")
     running.start()
@@ -91,35 +112,37 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceProcess
     running.close()
 
 
-def _finished(service: ServiceProcesses, render_id: str, tmp_path: Path) -> Image:
+def _finished(service: ServiceProcesses, film: Film, render_id: str, tmp_path: Path) -> Image:
     wait_for(lambda: has_ended(service.client, render_id), "the render to end")
     render = service.client.get(render_id)
     assert render.state == "SUCCEEDED"
-    assert render.progress.ranges_done == render.progress.ranges_planned == RANGES
-    assert render.progress.mean_samples == SAMPLES
+    assert render.progress.ranges_done == render.progress.ranges_planned == film.ranges
+    assert render.progress.mean_samples == film.samples
     service.check_nothing_left()
     return Image.read(service.client.download(render_id, "exr", tmp_path / "image.exr"))
 
 
 def test_photon_ranges_are_merged_exactly_once(
-    service: ServiceProcesses, scene: Path, alone: Image, tmp_path: Path
+    service: ServiceProcesses, film: Film, scene: Path, alone: Image, tmp_path: Path
 ) -> None:
     """S2, T3, W1, C1: results twice, a worker killed, the coordinator killed, all in one render."""
     service.have_workers(2)
-    render_id = service.client.submit(scene, WIDTH, HEIGHT, SAMPLES).id
+    render_id = service.client.submit(scene, film.width, film.height, film.samples).id
     wait_for(lambda: service.client.get(render_id).progress.ranges_done > 0, "something to be committed")
     deliver_waiting_results_again(service, render_id)
     hit = kill_worker(service, render_id)
     service.coordinator.kill()
     service.coordinator.start()
-    image = _finished(service, render_id, tmp_path)
+    image = _finished(service, film, render_id, tmp_path)
     assert hit
     assert differing_values(image, alone) == {}
 
 
-def test_a_replay_has_the_same_bits(service: ServiceProcesses, alone: Image, tmp_path: Path) -> None:
+def test_a_replay_has_the_same_bits(
+    service: ServiceProcesses, film: Film, alone: Image, tmp_path: Path
+) -> None:
     """One worker, by the manifest, which counts forward photons last."""
     service.have_workers(1)
     first = next(each.id for each in service.client.list() if each.has_ended)
     replayed = service.client.replay(first, "again").id
-    assert differing_values(_finished(service, replayed, tmp_path), alone) == {}
+    assert differing_values(_finished(service, film, replayed, tmp_path), alone) == {}

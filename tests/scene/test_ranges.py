@@ -171,6 +171,28 @@ def test_a_large_film_of_both_directions_has_tiles_and_ranges_of_photons(
     assert text["photonRangeEnds"] == list(schedule.photon_range_ends)
 
 
+@given(
+    width=st.integers(1, 512),
+    height=st.integers(1, 512),
+    samples=st.integers(1, 500),
+    ratio=st.sampled_from([1 / 16, 0.25, 3.0, 8.0, 64.0]),
+)
+def test_forward_photons_that_are_not_as_many_as_adjoint_ones_have_ranges_on_any_film(
+    width: int, height: int, samples: int, ratio: float
+) -> None:
+    schedule = make_schedule(
+        width, height, samples, forward_photons=ForwardPhotons.BESIDE, forward_ratio=ratio
+    )
+    assert (schedule.tile_size, schedule.forward_ratio) == (TILE_SIZE, ratio)
+    assert schedule.range_ends == make_schedule(width, height, samples).range_ends
+    photons = PHOTON_BUNDLE * schedule.photon_range_ends[-1]
+    assert 0 <= photons - ratio * width * height * samples < PHOTON_BUNDLE
+    # More samples keep the ratio.
+    more = extended_schedule(schedule, 2 * samples)
+    photons = PHOTON_BUNDLE * more.photon_range_ends[-1]
+    assert 0 <= photons - 2 * ratio * width * height * samples < PHOTON_BUNDLE
+
+
 def test_both_directions_have_one_tile_where_the_film_is_small() -> None:
     both = make_schedule(512, 512, 64, forward_photons=ForwardPhotons.BESIDE)
     assert both == make_schedule(512, 512, 64, forward_photons=ForwardPhotons.ALONE)

@@ -34,12 +34,14 @@ class Asked:
         *,
         forward: bool = False,
         sharing: int = 1,
+        ratio: float = 1.0,
         aims: Sequence[dict[str, Any]] = (),
     ) -> None:
         self.asked: list[tuple[list[str], scene_pb2.Tracing]] = []
         answer = {
             "forward_photons": forward,
             "sharing": sharing,
+            "forward_ratio": ratio,
             "gain": 7.5,
             "finds_more": False,
             "aimed": forward,
@@ -66,13 +68,43 @@ def test_what_is_left_open_is_asked_for_once(
     trace = Asked(monkeypatch, forward=True, sharing=16)
     output, tracing = compiled(document, blobs, LARGE)
     [(chosen, asked)] = trace.asked
-    assert chosen == ["direction", "learn", "sharing"]
+    assert chosen == ["direction", "ratio", "learn", "sharing"]
     assert asked.direction == scene_pb2.DIRECTION_BOTH
     assert (tracing.direction, tracing.sharing) == (scene_pb2.DIRECTION_BOTH, 16)
     assert output.way == tracing.way
     assert output.way.startswith(
         "photons from both directions, shared by blocks of 16 pixels: 7.5 times less time"
     )
+
+
+@pytest.mark.parametrize(
+    ("ratio", "said"),
+    [
+        (8.0, "(8 from the luminaires for each from the sensor)"),
+        (0.25, "(4 from the sensor for each from the luminaires)"),
+    ],
+)
+def test_a_pilot_says_how_many_photons_leave_the_luminaires(
+    document: dict[str, Any], blobs: BlobStore, monkeypatch: pytest.MonkeyPatch, ratio: float, said: str
+) -> None:
+    Asked(monkeypatch, forward=True, ratio=ratio)
+    output = compile_scene(parse_document(json.dumps(document)), blobs, LARGE)
+    scene = scene_pb2.CompiledScene.FromString(blobs.path(output.scene_sha256).read_bytes())
+    # An older program would take each tile's photons for all there are.
+    assert (scene.tracing.forward_ratio, scene.format) == (ratio, 5)
+    assert output.way.startswith(f"photons from both directions {said}: ")
+
+
+def test_a_ratio_is_for_photons_that_go_both_ways(
+    document: dict[str, Any], blobs: BlobStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Asked(monkeypatch, forward=False)
+    output, tracing = compiled({**document, "tracing": {"forward_ratio": 4}}, blobs, LARGE)
+    assert (tracing.forward_ratio, output.dropped) == (0.0, [])
+    told = {"direction": "adjoint", "forward_ratio": 4}
+    output, tracing = compiled({**document, "tracing": told}, blobs, LARGE)
+    assert tracing.forward_ratio == 0.0
+    assert output.dropped == ["$.tracing.forward_ratio: photons do not go both ways"]
 
 
 def test_nothing_is_asked_for_a_small_image_or_an_unknown_film(
@@ -90,10 +122,10 @@ def test_nothing_is_asked_for_a_small_image_or_an_unknown_film(
     ("tracing", "chosen"),
     [
         ({"direction": "adjoint"}, [["sharing"]]),
-        ({"sharing": 4}, [["direction", "learn"]]),
-        ({"sharing": 4, "aimed_emission": 0}, [["direction"]]),
+        ({"sharing": 4}, [["direction", "ratio", "learn"]]),
+        ({"sharing": 4, "aimed_emission": 0, "forward_ratio": 2}, [["direction"]]),
         ({"direction": "both", "sharing": 1}, []),
-        ({"estimator": "mixture"}, [["direction", "learn"]]),
+        ({"estimator": "mixture"}, [["direction", "ratio", "learn"]]),
     ],
 )
 def test_what_the_document_says_is_taken(
@@ -122,7 +154,7 @@ def test_photons_start_at_spheres_in_groups_but_not_for_too_large_films(
     grouped = {**document, "groups": {"lamps": [lamp]}, "instances": [{"group": "lamps"}]}
     compiled(grouped, blobs, LARGE)
     compiled(document, blobs, Film(8192, 4096, 64))
-    assert [chosen for chosen, _ in trace.asked] == [["direction", "learn", "sharing"], ["sharing"]]
+    assert [chosen for chosen, _ in trace.asked] == [["direction", "ratio", "learn", "sharing"], ["sharing"]]
 
 
 def test_photons_may_start_at_luminaires_for_a_large_film(
@@ -130,7 +162,7 @@ def test_photons_may_start_at_luminaires_for_a_large_film(
 ) -> None:
     trace = Asked(monkeypatch, forward=True)
     _, tracing = compiled(document, blobs, Film(1920, 1080, 64))
-    assert [chosen for chosen, _ in trace.asked] == [["direction", "learn", "sharing"]]
+    assert [chosen for chosen, _ in trace.asked] == [["direction", "ratio", "learn", "sharing"]]
     assert tracing.direction == scene_pb2.DIRECTION_BOTH
 
 

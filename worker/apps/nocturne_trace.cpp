@@ -307,6 +307,7 @@ void run_pilot(const Options& options, v1::CompiledScene message,
                                                .direction = open("direction"),
                                                .aim = open("aim") || !learned.aims.empty(),
                                                .sharing = open("sharing"),
+                                               .ratio = open("ratio"),
                                                .threads = options.threads});
   std::string tried;
   for (const PilotFigures& figures : found.tried) {
@@ -318,7 +319,9 @@ void run_pilot(const Options& options, v1::CompiledScene message,
        << (found.choice.direction != Direction::kAdjoint ? "true" : "false")
        << ", \"aimed\": " << (found.choice.aimed ? "true" : "false")
        << ", \"aims\": " << aims_json(found.choice.aimed ? learned.aims : std::vector<Aim>{})
-       << ", \"sharing\": " << found.choice.sharing << ", \"gain\": " << found.choice.gain
+       << ", \"sharing\": " << found.choice.sharing
+       << ", \"forward_ratio\": " << found.choice.forward_ratio
+       << ", \"gain\": " << found.choice.gain
        << ", \"finds_more\": " << (found.choice.finds_more ? "true" : "false")
        << ", \"photons\": " << found.photons + learned.photons
        << ", \"rays\": " << found.rays + learned.rays
@@ -433,9 +436,9 @@ int main(int argc, char** argv) {
          "Instead of an image, a JSON file that tells which way to trace is best, of those "
          "that are open: direction (adjoint photons, or what the scene says), aim (of forward "
          "photons, as the scene says or not), learn (what to aim them at, of a scene that does not "
-         "say), sharing")
+         "say), ratio (of forward photons to adjoint ones), sharing")
       ->delimiter(',')
-      ->check(CLI::IsMember({"direction", "aim", "learn", "sharing"}))
+      ->check(CLI::IsMember({"direction", "aim", "learn", "ratio", "sharing"}))
       ->excludes(job);
   app.add_option("--layers", options.layer_samples,
                  "Instead of an image, what the surfaces in it are like, from this many samples of "

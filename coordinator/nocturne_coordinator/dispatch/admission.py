@@ -7,7 +7,7 @@ from heapq import heapify, heappop, heappush
 from itertools import pairwise
 
 from nocturne.v1 import job_pb2
-from nocturne_scene.ranges import PHOTON_BUNDLE, ranges_planned
+from nocturne_scene.ranges import PHOTON_BUNDLE, ranges_planned, ratio_of
 from nocturne_scene.tile_sums import sums_per_pixel
 
 from nocturne_coordinator import limits
@@ -288,7 +288,8 @@ def forward_ranges(planned: PlannedRender) -> ForwardRanges | None:
         return None
     firsts = [0, *planned.schedule.photon_range_ends[:-1]]
     ends = planned.schedule.range_ends
-    turns = [bisect_right(ends, first * PHOTON_BUNDLE / planned.pixels) for first in firsts]
+    of_sample = planned.pixels * ratio_of(planned.schedule)
+    turns = [bisect_right(ends, first * PHOTON_BUNDLE / of_sample) for first in firsts]
     return ForwardRanges(planned.photon_index, turns, photon_ranges_ahead(planned.pixels))
 
 

@@ -5,7 +5,7 @@ from bisect import bisect_left
 
 import numpy as np
 from nocturne_scene.photon_sums import with_photons
-from nocturne_scene.ranges import PHOTON_BUNDLE
+from nocturne_scene.ranges import PHOTON_BUNDLE, ratio_of
 from nocturne_scene.tile_sums import PRODUCTS, TileSums, decode
 
 from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate, Squares, estimate_error
@@ -242,7 +242,7 @@ class MergedFilm:
         tiles = range(self._render.grid.count)
         most = max(self.samples(index) for index in tiles)
         return all(self.tiles[index].closed for index in tiles) and (
-            self.bundles * PHOTON_BUNDLE >= most * self._render.pixels
+            self.bundles * PHOTON_BUNDLE >= most * self._render.pixels * ratio_of(self._render.schedule)
         )
 
     def _advance(self, tile_index: int, was_open: bool) -> None:

@@ -36,8 +36,8 @@ from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.film import Film
 
 # Layouts of CompiledScene; raised with every change that an older worker would misread. The second one is
-# that of scenes whose sensor tells parts of the light.
-FORMAT, FORMAT_WITH_PARTS = 3, 4
+# that of scenes whose sensor tells parts of the light, the third of those with a forward_ratio.
+FORMAT, FORMAT_WITH_PARTS, FORMAT_WITH_RATIO = 3, 4, 5
 
 
 def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None = None) -> CompiledOutput:
@@ -137,6 +137,8 @@ def _put_tracing(
             message.important_shapes.extend(ways.aims)
     message.tracing.CopyFrom(compile_tracing(workspace, message, ways, scatters=scatters))
     message.tracing.way = said
+    if message.tracing.forward_ratio:
+        message.format = FORMAT_WITH_RATIO
 
 
 def _all_surfaces(workspace: Workspace, instances: Instances) -> Iterator[tuple[Surface, int, str]]:

@@ -74,6 +74,7 @@ def compile_tracing(
         direction=DIRECTIONS[ways.direction],
         sharing=_sharing(workspace, ways),
         aimed_emission=_aimed_emission(workspace, scene, ways),
+        forward_ratio=_forward_ratio(workspace, ways),
     )
 
 
@@ -98,6 +99,16 @@ def _aimed_emission(workspace: Workspace, scene: scene_pb2.CompiledScene, ways: 
     else:
         return ways.aimed_emission
     workspace.dropped.append(f"$.tracing.aimed_emission: {why}")
+    return 0.0
+
+
+def _forward_ratio(workspace: Workspace, ways: Ways) -> float:
+    """0, which means 1, where it is not used: a scene has one spelling."""
+    if ways.forward_ratio == 1.0:
+        return 0.0
+    if ways.direction == "both":
+        return ways.forward_ratio
+    workspace.dropped.append("$.tracing.forward_ratio: photons do not go both ways")
     return 0.0
 
 

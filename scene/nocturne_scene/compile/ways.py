@@ -57,12 +57,21 @@ class Ways:
     aimed_emission: float = 0.0
     aims: tuple[scene_pb2.ImportantShape, ...] = ()
     """What these photons are aimed at, where that was learned and not declared."""
+    forward_ratio: float = 1.0
+    """Photons from luminaires for each from a pixel, where they go both ways."""
 
     def named(self) -> str:
         """In words."""
         shared = f", shared by blocks of {self.sharing} pixels" if self.sharing > 1 else ""
         aimed = ", aimed at what was learned" if self.aims else ""
-        return f"{_SAID[self.direction]}{aimed}{shared}"
+        return f"{_SAID[self.direction]}{self._unequal()}{aimed}{shared}"
+
+    def _unequal(self) -> str:
+        if self.forward_ratio == 1.0 or self.direction != "both":
+            return ""
+        if self.forward_ratio > 1.0:
+            return f" ({self.forward_ratio:g} from the luminaires for each from the sensor)"
+        return f" ({1.0 / self.forward_ratio:g} from the sensor for each from the luminaires)"
 
 
 @dataclass(frozen=True)
@@ -84,6 +93,7 @@ def given_ways(document: SceneDocument) -> Ways:
         "adjoint" if tracing.direction == "auto" else tracing.direction,
         1 if tracing.sharing == "auto" else tracing.sharing,
         tracing.aimed_emission or 0.0,
+        forward_ratio=1.0 if tracing.forward_ratio == "auto" else tracing.forward_ratio,
     )
 
 
@@ -98,15 +108,17 @@ def open_ways(
     with_forward = _forward(document, scene, film) if may_forward else None
     if with_forward is not None:
         names.append("direction")
-        # Photons from the sensor are aimed at nothing.
-        default = replace(default, aimed_emission=0.0)
+        if tracing.forward_ratio == "auto" and with_forward == "both":
+            names.append("ratio")
+        # Photons from the sensor are aimed at nothing, and alone.
+        default = replace(default, aimed_emission=0.0, forward_ratio=1.0)
         aimed = tracing.aimed_emission or 0.0
         if tracing.aimed_emission is None and scene.important_shapes:
             names.append("aim")
             aimed = _AIMED
         elif tracing.aimed_emission is None and scene.luminaires:
             names.append("learn")
-        asked = Ways(with_forward, asked.sharing, aimed)
+        asked = replace(asked, direction=with_forward, aimed_emission=aimed)
     if tracing.sharing == "auto" and tracing.estimator == "two_photons" and asked.direction != "forward":
         names.append("sharing")
     return OpenWays(names, default, asked)
@@ -146,8 +158,16 @@ def choose(scene: scene_pb2.CompiledScene, blobs: Path, film: Film, ways: OpenWa
         int(found["sharing"]) if "sharing" in ways.names else asked.sharing,
         (_AIMED if learned else asked.aimed_emission) if found["aimed"] else 0.0,
         learned,
+        _ratio(found, ways),
     )
     return better, _sentence(better, default, found)
+
+
+def _ratio(found: Mapping[str, Any], ways: OpenWays) -> float:
+    if not found["forward_photons"]:
+        return ways.default.forward_ratio
+    ratio: float = found["forward_ratio"] if "ratio" in ways.names else ways.asked.forward_ratio
+    return ratio
 
 
 def _aim(found: Mapping[str, Any]) -> scene_pb2.ImportantShape:

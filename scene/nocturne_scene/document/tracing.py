@@ -98,6 +98,11 @@ class Tracing(Node):
         "that chooses the direction finds that better; where the scene declares no important directions, the "
         "pilot then learns some for these photons.",
     )
+    forward_ratio: Literal["auto"] | Annotated[Finite, Field(ge=1 / 16, le=64)] = Field(
+        default="auto",
+        description="With `both`: how many photons leave the luminaires for each that leaves a pixel. "
+        "`auto`: what the pilot that chooses the direction finds best, else 1.",
+    )
     sequence: Literal["sobol", "independent"] = Field(
         default="sobol",
         description="Random numbers: Owen-scrambled Sobol points for each pixel, or independent ones.",

@@ -75,7 +75,7 @@ TEST(PhotonRanges, HaveTheLightOfOneTileAndErrorsThatCover) {
   constexpr std::uint32_t kSamples = 32;
   double z_squared = 0.0;
   for (const std::uint64_t seed : {1u, 2u}) {
-    const TileSums ranges = film_of(*caustic(seed), 2, {kSamples}, {1});
+    const TileSums ranges = film_of(*caustic(seed), 2, {kSamples}, {16});
     const auto whole = caustic(seed + 100);
     const TileSums one_tile = trace_tile(*whole, kFilm, {0, 0, 64, 48, 0, 4 * kSamples});
     for (std::uint32_t tile = 0; tile < 12; ++tile) {

@@ -49,6 +49,29 @@ TEST(PilotOfBoth, WhereTheOtherMissesWhatItFinds) {
       ForwardPays::kFindsMore);
 }
 
+// Costs and errors of two that share the time: the best parts are as the roots of error over cost.
+TEST(PilotOfBoth, GivesEachKindAsManyPhotonsAsPay) {
+  const auto ratio = [](double adjoint_mse, double forward_mse, double forward_cost) {
+    return best_forward_ratio(figures(1, 1, adjoint_mse), figures(1, 1, forward_mse, forward_cost));
+  };
+  EXPECT_EQ(ratio(1.0, 1.0, 1.0), 1.0);
+  EXPECT_EQ(ratio(1.0, 16.0, 1.0), 4.0);
+  EXPECT_EQ(ratio(16.0, 1.0, 1.0), 0.25);
+  EXPECT_EQ(ratio(1.0, 16.0, 0.25), 8.0);
+  // Each keeps an eighth of the time: at a ratio of 4 of 5.
+  EXPECT_EQ(ratio(0.0, 1.0, 1.0), 4.0);
+  EXPECT_EQ(ratio(1.0, 0.0, 1.0), 0.25);
+  // Hardly better: as it was.
+  EXPECT_EQ(ratio(1.0, 1.5, 1.0), 1.0);
+}
+
+TEST(PilotOfBoth, MayBeWorthItByTheirRatioAlone) {
+  const PilotFigures adjoint = figures(10, 1, 4.0), rest = figures(5, 0.1, 0.01),
+                     left = figures(5, 1, 4.0), forward = figures(5, 0.1, 2.0);
+  EXPECT_EQ(forward_pays(adjoint, rest, left, forward), ForwardPays::kNot);
+  EXPECT_EQ(forward_pays(adjoint, rest, left, forward, 4.0), ForwardPays::kLessError);
+}
+
 PilotResult pilot(const test::SceneBuilder& builder, bool direction, unsigned threads = 2) {
   return run_pilot(*builder.load(), {.film = {64, 48},
                                      .samples = 4096,

@@ -18,7 +18,7 @@ namespace nocturne {
 namespace {
 
 /// Of scenes whose responses count parts of the light, which programs before it would not see.
-constexpr std::uint32_t kFormat = 3, kFormatWithParts = 4;
+constexpr std::uint32_t kFormat = 3, kFormatWithRatio = 5;
 // Of one spectrum, so that a scene's size says how much work it makes.
 constexpr int kMaxLines = 10'000;
 
@@ -51,9 +51,9 @@ Spectrum load_spectrum(const v1::Spectrum& message) {
 
 LoadContext make_context(const v1::CompiledScene& message, const FindBlob& find_blob,
                          std::stop_token stop) {
-  if (message.format() != kFormat && message.format() != kFormatWithParts) {
+  if (message.format() < kFormat || message.format() > kFormatWithRatio) {
     refuse("format " + std::to_string(message.format()) + "; this program reads formats " +
-           std::to_string(kFormat) + " and " + std::to_string(kFormatWithParts));
+           std::to_string(kFormat) + " to " + std::to_string(kFormatWithRatio));
   }
   LoadContext context{message, find_blob, stop, {}, {}, {}};
   for (const auto& s : message.spectra()) context.spectra.push_back(load_spectrum(s));
@@ -122,6 +122,8 @@ TracingOptions load_tracing(const v1::Tracing& t, bool no_lights) {
   // Without others, light that takes another way from the luminaires would be lost.
   require(t.aimed_emission() >= 0.0 && t.aimed_emission() <= 0.99,
           "a part of aimed photons beyond 0 to 0.99");
+  require(t.forward_ratio() == 0.0 || (t.forward_ratio() >= 1.0 / 16 && t.forward_ratio() <= 64.0),
+          "a ratio of forward photons beyond 1/16 to 64");
   return {
       static_cast<float>(t.h()),
       t.roulette() == v1::ROULETTE_WEIGHT,
@@ -134,6 +136,7 @@ TracingOptions load_tracing(const v1::Tracing& t, bool no_lights) {
       sharing,
       load_direction(t),
       static_cast<float>(t.aimed_emission()),
+      t.forward_ratio() == 0.0 ? 1.0 : t.forward_ratio(),
       t.sequence() == v1::SAMPLE_SEQUENCE_SOBOL ? SequenceKind::kSobol : SequenceKind::kIndependent,
       t.seed()};
 }

@@ -65,6 +65,9 @@ struct TracingOptions {
   Direction direction;
   /// Part of the photons from luminaires that is drawn towards important shapes, [0, 1).
   float aimed_emission;
+  /// Photons from luminaires for each from a pixel, where they go both ways: with another number
+  /// than 1 they have ranges of their own on any film.
+  double forward_ratio;
   SequenceKind sequence;
   std::uint64_t seed;
 };

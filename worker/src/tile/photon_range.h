@@ -9,7 +9,7 @@
 namespace nocturne {
 
 /// Photons in a bundle, by which ranges are counted: a fraction of a second of tracing.
-inline constexpr std::uint64_t kPhotonBundle = std::uint64_t{1} << 18;
+inline constexpr std::uint64_t kPhotonBundle = std::uint64_t{1} << 14;
 
 /// Bundles [first, end) of the photons that fall on a film. Photon i is number i % pixels of sample
 /// i / pixels.

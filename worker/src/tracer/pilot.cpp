@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <tuple>
+#include <utility>
 
 #include "math/functions.h"
 #include "tracer/by_threads.h"
@@ -30,6 +32,9 @@ constexpr double kQueryCost = 0.7, kForwardCost = 1.5;
 constexpr double kPlain = 1.25;
 /// A way is left for another that is so much better.
 constexpr double kWorthIt = 1.25;
+/// Ratios of forward photons that may be chosen, the part of the time that each kind keeps at
+/// least, and how many times better another ratio than 1 must be.
+constexpr double kLeastRatio = 1.0 / 16, kMostRatio = 64.0, kLeastTime = 1.0 / 8, kRatioPays = 1.05;
 /// Standard errors between two means that are told apart; of four images, so few are not enough.
 constexpr double kApart = 5.0;
 /// Forward photons whose mean is less certain have hardly found the sensor yet.
@@ -44,10 +49,11 @@ class Pilot {
   Pilot& operator=(const Pilot&) = delete;
 
   PilotResult run() {
-    result_.choice = {Direction::kAdjoint, 1, false, 1.0, false};
+    result_.choice = {Direction::kAdjoint, 1, false, 1.0, 1.0, false};
     if (!request_.direction) {
       result_.choice.direction = before_.direction;
       result_.choice.aimed = before_.aimed_emission > 0.0f;
+      result_.choice.forward_ratio = before_.forward_ratio;
     }
     if (request_.direction && forward_can_bring()) choose_direction();
     if (request_.sharing && result_.choice.direction != Direction::kForward &&
@@ -108,14 +114,17 @@ class Pilot {
       found.aimed = aims[i];
       found.cost *= kForwardCost;
       result_.tried.push_back(found);
-      const ForwardPays pays = forward_pays(adjoint, others, left_to_them, found);
-      const double gain = adjoint.relative_mse * adjoint.cost /
-                          ((others.relative_mse + found.relative_mse) * (others.cost + found.cost));
+      const double ratio = ratio_with(others, found);
+      const ForwardPays pays = forward_pays(adjoint, others, left_to_them, found, ratio);
+      const double gain =
+          adjoint.relative_mse * adjoint.cost / product_of_both(others, found, ratio);
       const bool better =
           result_.choice.direction == Direction::kAdjoint || gain > result_.choice.gain;
       if (pays == ForwardPays::kNot || !better) continue;
+      adjoint_ = others;
       forward_ = found;
-      result_.choice = {before_.direction, 1, found.aimed, gain, pays == ForwardPays::kFindsMore};
+      const bool finds_more = pays == ForwardPays::kFindsMore;
+      result_.choice = {before_.direction, 1, found.aimed, ratio, gain, finds_more};
     }
   }
 
@@ -131,9 +140,9 @@ class Pilot {
     const auto film = some_squares(std::max(1.0, std::round(all / samples)), samples);
     const auto first = film.begin() + static_cast<std::ptrdiff_t>(std::min(kParts, film.size()));
     PilotImages alone, shared;
-    std::vector<double> gains = gains_of_sharing({film.begin(), first}, alone, shared);
+    auto [gains, ratio] = gains_of_sharing({film.begin(), first}, alone, shared);
     if (first != film.end() && !plain(gains)) {
-      gains = gains_of_sharing({first, film.end()}, alone, shared);
+      std::tie(gains, ratio) = gains_of_sharing({first, film.end()}, alone, shared);
     }
     if (gains.empty()) return;
     // A single bright sample may decide about the whole. Of an even number the lower middle.
@@ -141,13 +150,19 @@ class Pilot {
     std::ranges::nth_element(gains, middle);
     if (!(*middle > kWorthIt)) return;
     result_.choice.sharing = 16;
+    result_.choice.forward_ratio = ratio;
     result_.choice.gain *= *middle;
   }
 
+  double ratio_with(const PilotFigures& adjoint, const PilotFigures& forward) const {
+    if (before_.direction != Direction::kBoth) return 1.0;
+    return request_.ratio ? best_forward_ratio(adjoint, forward) : before_.forward_ratio;
+  }
+
   /// By parts of the film, when more squares of it are added to the images of pixels alone and of
-  /// 16 that share.
-  std::vector<double> gains_of_sharing(const std::vector<TileRange>& squares, PilotImages& alone,
-                                       PilotImages& shared) {
+  /// 16 that share; and the ratio of forward photons to these.
+  std::pair<std::vector<double>, double> gains_of_sharing(const std::vector<TileRange>& squares,
+                                                          PilotImages& alone, PilotImages& shared) {
     const auto add = [&](PilotImages& to, std::uint32_t sharing) {
       PilotImages more =
           images(result_.choice.direction, sharing, request_.film, squares, kSharingImages);
@@ -178,28 +193,38 @@ class Pilot {
            std::ranges::count_if(gains, loses) >= but_one;
   }
 
-  /// How much more efficient one is than another, in those parts of the film that have any noise.
-  std::vector<double> gains_of_parts(const PilotFigures& one, const PilotFigures& other) const {
+  /// How much more efficient `one` is than `other`, each with what forward photons add, in those
+  /// parts of the film that have any noise; and the ratio of forward photons to `one`.
+  ///
+  /// Squares of the film show what adjoint photons bring alone, so of their errors only how many
+  /// times less they are is told: what forward ones leave to them was measured beside these.
+  std::pair<std::vector<double>, double> gains_of_parts(const PilotFigures& one,
+                                                        const PilotFigures& other) const {
+    const auto beside = [&](double part_of_error, double cost) {
+      PilotFigures adjoint = adjoint_;
+      adjoint.relative_mse *= part_of_error;
+      adjoint.cost = cost;
+      return adjoint;
+    };
+    const double less = other.relative_mse > 0.0 ? one.relative_mse / other.relative_mse : 1.0;
+    const double ratio = ratio_with(beside(less, one.cost), forward_),
+                 other_ratio = result_.choice.forward_ratio;
     const std::size_t squares = one.of_squares.size();
     const std::size_t parts = std::min(kParts, squares);
     std::vector<double> gains;
     for (std::size_t part = 0; part < parts; ++part) {
-      double error = 0.0, other_error = 0.0, count = 0.0;
+      double error = 0.0, other_error = 0.0;
       for (std::size_t square = part; square < squares; square += parts) {
         error += one.of_squares[square];
         other_error += other.of_squares[square];
-        ++count;
       }
-      const double product = product_with_forward(error / count, one.cost);
-      const double other_product = product_with_forward(other_error / count, other.cost);
+      if (!(other_error > 0.0)) continue;
+      const double product =
+          product_of_both(beside(error / other_error, one.cost), forward_, ratio);
+      const double other_product = product_of_both(beside(1.0, other.cost), forward_, other_ratio);
       if (product > 0.0 && other_product > 0.0) gains.push_back(other_product / product);
     }
-    return gains;
-  }
-
-  /// Error times cost of photons from the sensor and of what forward ones add.
-  double product_with_forward(double relative_mse, double cost) const {
-    return (relative_mse + forward_.relative_mse) * (cost + forward_.cost);
+    return {gains, ratio};
   }
 
   static double pixels_of(Film film) { return static_cast<double>(film.width) * film.height; }
@@ -272,15 +297,36 @@ class Pilot {
   const PilotRequest request_;
   const TracingOptions before_;
   PilotResult result_{};
-  /// Of forward photons, where they take part.
+  /// Of forward photons, where they take part, and of the adjoint ones beside them.
   PilotFigures forward_{.photons = PilotFigures::kForward};
+  PilotFigures adjoint_{.photons = PilotFigures::kAdjoint, .relative_mse = 1.0};
   const double budget_;
 };
 
 }  // namespace
 
+double product_of_both(const PilotFigures& adjoint, const PilotFigures& forward, double ratio) {
+  return (adjoint.relative_mse + forward.relative_mse / ratio) *
+         (adjoint.cost + ratio * forward.cost);
+}
+
+double best_forward_ratio(const PilotFigures& adjoint, const PilotFigures& forward) {
+  double best = 1.0, least = product_of_both(adjoint, forward, best);
+  for (double ratio = kLeastRatio; ratio <= kMostRatio; ratio *= 2.0) {
+    const double of_forward = ratio * forward.cost, all = adjoint.cost + of_forward;
+    if (of_forward < kLeastTime * all || adjoint.cost < kLeastTime * all) continue;
+    const double product = product_of_both(adjoint, forward, ratio);
+    // A ratio of 1 keeps small films in one piece.
+    if (product < (best == 1.0 ? 1.0 / kRatioPays : 1.0) * least) {
+      best = ratio;
+      least = product;
+    }
+  }
+  return best;
+}
+
 ForwardPays forward_pays(const PilotFigures& adjoint, const PilotFigures& rest,
-                         const PilotFigures& left, const PilotFigures& forward) {
+                         const PilotFigures& left, const PilotFigures& forward, double ratio) {
   if (!(forward.mean > 0.0) || forward.mean_error > kCertain * forward.mean) {
     return ForwardPays::kNot;
   }
@@ -289,8 +335,7 @@ ForwardPays forward_pays(const PilotFigures& adjoint, const PilotFigures& rest,
   const double apart = kApart * math::hypot(left.mean_error, forward.mean_error);
   if (left.mean - forward.mean > apart) return ForwardPays::kNot;
   if (forward.mean - left.mean > apart) return ForwardPays::kFindsMore;
-  return adjoint.relative_mse * adjoint.cost >
-                 kWorthIt * (rest.relative_mse + forward.relative_mse) * (rest.cost + forward.cost)
+  return adjoint.relative_mse * adjoint.cost > kWorthIt * product_of_both(rest, forward, ratio)
              ? ForwardPays::kLessError
              : ForwardPays::kNot;
 }

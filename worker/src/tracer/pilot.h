@@ -16,8 +16,10 @@ struct PilotRequest {
   /// Of each pixel, in the render that is to come: the pilot takes a small part of that.
   std::uint32_t samples;
   /// What is open. Direction: adjoint, or what the scene's options say. Aim: whether forward
-  /// photons are aimed as these say, or not.
+  /// photons are aimed as these say, or not. Ratio: how many forward photons there are for each
+  /// adjoint one, or what the options say.
   bool direction, aim, sharing;
+  bool ratio = false;
   unsigned threads;
 };
 
@@ -26,6 +28,8 @@ struct PilotChoice {
   Direction direction;
   std::uint32_t sharing;
   bool aimed;
+  /// Forward photons for each adjoint one, where they go both ways.
+  double forward_ratio;
   /// How many times less time it takes to the same error than adjoint photons of pixels alone.
   double gain;
   /// These missed light that the way finds, so that `gain` says nothing.
@@ -38,14 +42,23 @@ struct PilotResult {
   std::uint64_t photons, rays;
 };
 
+/// A power of two: how many forward photons for each adjoint one give the least error for the same
+/// time. Each kind keeps an eighth of the time at least, so that one whose error the pilot has not
+/// seen yet is slowed no more than that.
+double best_forward_ratio(const PilotFigures& adjoint, const PilotFigures& forward);
+
+/// Error times cost of both kinds together.
+double product_of_both(const PilotFigures& adjoint, const PilotFigures& forward, double ratio);
+
 /// What is better about forward photons.
 enum class ForwardPays { kNot, kLessError, kFindsMore };
 
 /// Whether photons start at luminaires. `adjoint` are photons from the sensor that bring all light,
 /// `rest` those that leave to `forward` ones what these bring (all zero where these bring all), and
 /// `left` is what they leave: the difference of `adjoint` and `rest` with the same numbers.
+/// `ratio`: of forward photons to those of `rest`.
 ForwardPays forward_pays(const PilotFigures& adjoint, const PilotFigures& rest,
-                         const PilotFigures& left, const PilotFigures& forward);
+                         const PilotFigures& left, const PilotFigures& forward, double ratio = 1.0);
 
 /// The same choice on every machine and for any number of threads: costs are counted, not timed.
 /// The options of `scene`, which was loaded for the direction that its options say, change
