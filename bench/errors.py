@@ -18,12 +18,18 @@ def expected_relmse(error: Channel, reference: Channel) -> float:
 
 def true_relmse(image: Channel, reference: Channel, reference_error: Channel) -> float:
     """Against a reference with known standard errors, whose own share is taken off."""
-    return float(np.mean(((image - reference) ** 2 - reference_error**2) / _scale(reference)))
+    return float(np.mean(squared_errors(image, reference, reference_error)))
+
+
+def squared_errors(image: Channel, reference: Channel, reference_error: Channel) -> Channel:
+    """The same of each pixel."""
+    errors: Channel = ((image - reference) ** 2 - reference_error**2) / _scale(reference)
+    return errors
 
 
 def trimmed_relmse(image: Channel, reference: Channel, reference_error: Channel, worst: float) -> float:
     """The same without a part of the pixels, in [0, 1): those with the largest errors."""
-    errors = np.sort(((image - reference) ** 2 - reference_error**2) / _scale(reference), axis=None)
+    errors = np.sort(squared_errors(image, reference, reference_error), axis=None)
     return float(np.mean(errors[: errors.size - round(worst * errors.size)]))
 
 
