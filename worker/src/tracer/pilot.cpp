@@ -17,7 +17,7 @@ constexpr std::uint32_t kImages = 4, kSamples = 16;
 /// The same for sharing, whose worth depends on how many samples are stratified together: as many
 /// as leave so many squares of the film, in images that pixels alone can be judged by.
 constexpr std::uint32_t kSharingImages = 2, kMaxSharingSamples = 64;
-constexpr double kEnoughSquares = 6.0;
+constexpr double kEnoughSquares = 4.0;
 constexpr std::size_t kParts = 5;
 /// Part of the render's samples that a pilot takes, their most, and the most rays.
 constexpr double kPart = 0.025, kMaxSamples = 1.5e6, kMaxRays = 12e6;
