@@ -10,7 +10,7 @@ from nocturne_coordinator.dispatch.admission import forward_ranges
 from nocturne_coordinator.dispatch.merge import MergeResult, RangeSums
 from nocturne_coordinator.dispatch.planned_render import PlannedRender, RefusedResult
 from nocturne_coordinator.dispatch.records import OpenRender, RenderCommit, RenderState, TileRow, Totals
-from nocturne_coordinator.dispatch.running_render import PHOTON_COMMIT_SECONDS, RunningRender
+from nocturne_coordinator.dispatch.running_render import RunningRender, photon_commit_seconds
 from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_coordinator.store.data_folder import DataFolder
@@ -131,7 +131,7 @@ def test_photons_are_committed_seldom_and_their_results_kept_until_then(
     assert [(row.tile_index, bool(row.photons)) for row in early.tiles] == [(0, False)]
     assert render.committed() == []
     assert render.waiting_entries() == [b"photons-0"]
-    due = render.changes(PHOTON_COMMIT_SECONDS, 1.0)
+    due = render.changes(photon_commit_seconds(WIDTH * HEIGHT), 1.0)
     assert due is not None
     rows = list(due.tiles)
     assert [row.tile_index for row in rows] == [0, 1, 2, 3, PHOTONS]
@@ -139,6 +139,10 @@ def test_photons_are_committed_seldom_and_their_results_kept_until_then(
     assert rows[-1].samples == due.photon_bundles == 1
     assert render.committed() == [b"photons-0"]
     assert render.waiting_entries() == []
+
+
+def test_large_films_are_committed_more_seldom() -> None:
+    assert [photon_commit_seconds(edge**2) for edge in (64, 256, 512, 4096)] == [2.0, 4.0, 16.0, 30.0]
 
 
 def test_a_render_goes_on_with_what_was_committed(schedule: job_pb2.RangeSchedule) -> None:

@@ -34,12 +34,18 @@ _RATE_SECONDS = 10.0
 _USUAL_COST = 1e-6
 """Processor seconds per photon, before anything was measured: what the example scenes cost."""
 
-PHOTON_COMMIT_SECONDS = 30.0
-"""Between two commits of forward photons, which fall on all tiles: they write sums of the whole film three
-times."""
+_PHOTON_COMMIT_SECONDS = (2.0, 30.0)
+_PIXELS_A_SECOND = 2**14
 
 _HISTORY_STEP = 1.01
 """A point of the error's history for every 1 % more photons: about 1400 for a render of a million samples."""
+
+
+def photon_commit_seconds(pixels: int) -> float:
+    """Between two commits of forward photons, which fall on all tiles: they write sums of the whole film
+    three times, which a small one is soon done with."""
+    least, most = _PHOTON_COMMIT_SECONDS
+    return min(most, max(least, pixels / _PIXELS_A_SECOND))
 
 
 class RunningRender:
@@ -100,7 +106,7 @@ class RunningRender:
         self._committing_photons = False
         self._photon_entries: list[bytes] = []
         """Results whose forward photons are merged and not committed yet: that is a whole film."""
-        self._next_photon_commit = now + PHOTON_COMMIT_SECONDS
+        self._next_photon_commit = now + photon_commit_seconds(self.planned.pixels)
 
     @property
     def id(self) -> str:
@@ -325,7 +331,7 @@ class RunningRender:
         self._committing_photons = with_photons
         if with_photons:
             tiles = self._all_rows()
-            self._next_photon_commit = now + PHOTON_COMMIT_SECONDS
+            self._next_photon_commit = now + photon_commit_seconds(self.planned.pixels)
         return RenderCommit(
             self.id,
             self.row.fence,
