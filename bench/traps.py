@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from nocturne.v1 import scene_pb2
 
 from bench.errors import true_relmse
 from bench.peer.agreement import Reference
@@ -20,6 +21,7 @@ from bench.report import Figures, Row, significant
 from bench.scenes import compile_film
 from bench.suite.references import samples_for
 from bench.trap_scenes import TRAPS
+from bench.ways import gathers
 
 ALONE, DEFAULT = "alone", "auto"
 WAYS: Mapping[str, Mapping[str, Any]] = {
@@ -74,27 +76,39 @@ def rows(figures: Figures) -> list[Row]:
 
 def _scene(document: dict[str, Any], size: _Size) -> Figures:
     with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
-        ours, chosen = {}, ""
+        ours: dict[bytes, Ours] = {}
+        traced_as, chosen = {}, ""
         for way, tracing in WAYS.items():
+            if tracing.get("direction") == "both" and not gathers(document):
+                # Then photons from the luminaires bring nothing.
+                continue
             place = Path(folder)
             traced = {**document, "tracing": dict(tracing)}
             compiled = compile_film(traced, place, _FILM.width, _FILM.height, _FOR_A_PILOT, place / way)
-            ours[way] = Ours(compiled, _FILM, _THREADS)
             chosen = compiled.way or chosen
+            # What is traced alike is measured once: otherwise chance alone tells it apart.
+            traced_as[way] = _but_words(compiled.scene)
+            ours.setdefault(traced_as[way], Ours(compiled, _FILM, _THREADS))
+        default = ours[traced_as[DEFAULT]]
         frames = [
-            ours[DEFAULT].frame(samples_for(ours[DEFAULT], size.reference_cpu_s), _REFERENCE_SEED + i).y
+            default.frame(samples_for(default, size.reference_cpu_s), _REFERENCE_SEED + i).y
             for i in range(size.reference_frames)
         ]
         reference = Reference.of(frames)
-        samples = {way: samples_for(each, size.cpu_s) for way, each in ours.items()}
-        products: dict[str, list[float]] = {way: [] for way in WAYS}
+        samples = {key: samples_for(each, size.cpu_s) for key, each in ours.items()}
+        products: dict[bytes, list[float]] = {key: [] for key in ours}
         for seed in range(size.rounds):
-            for way, each in ours.items():
-                frame = each.frame(samples[way], seed)
-                products[way].append(true_relmse(frame.y, reference.y, reference.error) * frame.cpu_s)
-    return {
-        "chosen": chosen,
-        "ways": {
-            way: significant(1.0 / max(1e-12, float(np.median(each)))) for way, each in products.items()
-        },
+            for key, each in ours.items():
+                frame = each.frame(samples[key], seed)
+                products[key].append(true_relmse(frame.y, reference.y, reference.error) * frame.cpu_s)
+    efficiency = {
+        key: significant(1.0 / max(1e-12, float(np.median(each)))) for key, each in products.items()
     }
+    return {"chosen": chosen, "ways": {way: efficiency[key] for way, key in traced_as.items()}}
+
+
+def _but_words(scene: Path) -> bytes:
+    """What a compiled scene says, but for how its way was chosen."""
+    message = scene_pb2.CompiledScene.FromString(scene.read_bytes())
+    message.tracing.way = ""
+    return message.SerializeToString(deterministic=True)

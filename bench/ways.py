@@ -19,7 +19,7 @@ def _can_be_hit(document: Document) -> bool:
     return document["sensor"]["type"] in MET_BY_PHOTONS
 
 
-def _gathers(document: Document) -> bool:
+def gathers(document: Document) -> bool:
     """A camera, and something in the scene that is like a mirror or glass."""
     kinds = (each.get("type") for each in objects(document))
     return document["sensor"]["type"] in CAMERAS and not {"conductor", "dielectric"}.isdisjoint(kinds)
@@ -82,7 +82,7 @@ WAYS = (
         "both directions",
         "photons from the luminaires for what mirrors and glass gather, the default for the rest",
         {"direction": "both"},
-        applies=_gathers,
+        applies=gathers,
         samples=0.5,
     ),
     Way("uniform", "the default with wavelengths drawn uniformly", sensor={"wavelengths": "uniform"}),
