@@ -163,5 +163,17 @@ TEST(ThinShapes, OnlyPartsThatAreCloseCount) {
   EXPECT_TRUE(may_be_thin(Sphere{0, 0, 0, 1e-6}, 1e-5));
 }
 
+// 160,000 triangles, those at the poles smaller than the reach.
+TEST(ThinShapes, FineMeshesAreThinWhereTheirBodyIs) {
+  TriangleMesh ball = test::lumpy_ball(200);
+  ball.vertices = ball.normals;  // without its lumps
+  EXPECT_FALSE(may_be_thin(ball, 1e-2));
+  const auto flat = [&](double height) {
+    return test::moved(ball, test::transform({1, 1, height}, {1, 2, 3}, 0.5, {0, 0, 0}));
+  };
+  EXPECT_FALSE(may_be_thin(flat(0.1), 1e-5));
+  EXPECT_TRUE(may_be_thin(flat(1e-6), 1e-5));
+}
+
 }  // namespace
 }  // namespace nocturne

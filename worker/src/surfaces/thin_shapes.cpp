@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "surfaces/exact_crossing.h"
@@ -14,6 +17,8 @@ namespace {
 
 // Pairs of triangles that are looked at before a mesh counts as thin: a tenth of a second.
 constexpr std::size_t kMaxPairs = 30'000'000;
+// Of double precision.
+constexpr double kDoubleUnits = 0x1p-44;
 
 struct Box {
   std::uint32_t triangle;
@@ -27,15 +32,15 @@ Triangle triangle_of(const TriangleMesh& mesh, std::uint32_t index) {
   return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
 }
 
+Vec3 smaller(Vec3 a, Vec3 b) {
+  return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
+Vec3 larger(Vec3 a, Vec3 b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
+
 Box box_of(const TriangleMesh& mesh, std::uint32_t index) {
   const auto& t = mesh.triangles[index];
-  Box box{index, mesh.vertices[t[0]], mesh.vertices[t[0]]};
-  for (const std::uint32_t corner : {t[1], t[2]}) {
-    const Vec3 p = mesh.vertices[corner];
-    box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
-    box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
-  }
-  return box;
+  const Vec3 a = mesh.vertices[t[0]], b = mesh.vertices[t[1]], c = mesh.vertices[t[2]];
+  return {index, smaller(a, smaller(b, c)), larger(a, larger(b, c))};
 }
 
 // Between what two triangles cover along an axis, over its length.
@@ -70,35 +75,115 @@ bool apart(const Triangle& a, const Triangle& b, double reach) {
   return false;
 }
 
-bool may_be_thin(const TriangleMesh& mesh, double reach) {
-  if (mesh.time_steps > 1) return true;
-  std::vector<Box> boxes;
-  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) boxes.push_back(box_of(mesh, i));
-  std::sort(boxes.begin(), boxes.end(),
-            [](const Box& a, const Box& b) { return a.low.x < b.low.x; });
-  std::size_t pairs = 0;
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    const Box& a = boxes[i];
-    for (std::size_t j = i + 1; j < boxes.size() && boxes[j].low.x - a.high.x <= reach; ++j) {
-      if (++pairs > kMaxPairs) return true;
-      const Box& b = boxes[j];
-      if (std::max({b.low.y - a.high.y, a.low.y - b.high.y, b.low.z - a.high.z,
-                    a.low.z - b.high.z}) > reach) {
-        continue;
-      }
-      if (!share_corner(mesh, a.triangle, b.triangle) &&
-          !apart(triangle_of(mesh, a.triangle), triangle_of(mesh, b.triangle), reach)) {
-        return true;
+// Between two parts of one surface that face the same way there is nothing thin, however fine the
+// mesh; at a right angle no more than at an edge.
+bool face_away(const Triangle& a, const Triangle& b) {
+  const auto normal = [](const Triangle& t) {
+    const Double3 u = t[1] - t[0], v = t[2] - t[0], n = cross(u, v);
+    // Slivers, as at the poles of a ball, face anywhere.
+    const double rounding = kDoubleUnits * max_abs(t[0]) * std::max(max_abs(u), max_abs(v));
+    return max_abs(n) > rounding ? n : Double3{0, 0, 0};
+  };
+  return dot(normal(a), normal(b)) < 0.0;
+}
+
+// A tree of boxes, each cut at the middle triangle of its longest axis, is searched against itself.
+class ThinParts {
+ public:
+  ThinParts(const TriangleMesh& mesh, double reach) : mesh_(mesh), reach_(reach) {
+    boxes_.reserve(mesh.triangles.size());
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) boxes_.push_back(box_of(mesh, i));
+    nodes_.resize(2 * std::bit_ceil(boxes_.size() / kFew + 1));
+    if (!boxes_.empty()) build(1, 0, boxes_.size());
+  }
+
+  bool any() { return !boxes_.empty() && within(1); }
+
+ private:
+  static constexpr std::size_t kFew = 4;
+
+  // Its children are 2 i and 2 i + 1.
+  struct Node {
+    std::size_t first = 0, count = 0;
+    Vec3 low, high;
+  };
+
+  bool is_leaf(std::size_t i) const { return nodes_[i].count <= kFew; }
+  std::span<const Box> boxes_of(std::size_t i) const {
+    return std::span(boxes_).subspan(nodes_[i].first, nodes_[i].count);
+  }
+
+  void build(std::size_t i, std::size_t first, std::size_t count) {
+    Node node{first, count, boxes_[first].low, boxes_[first].high};
+    for (const Box& box : std::span(boxes_).subspan(first, count)) {
+      node.low = smaller(node.low, box.low);
+      node.high = larger(node.high, box.high);
+    }
+    nodes_[i] = node;
+    if (is_leaf(i)) return;
+    const Vec3 size = node.high - node.low;
+    const auto axis = size.x >= std::max(size.y, size.z) ? &Vec3::x
+                      : size.y >= size.z                 ? &Vec3::y
+                                                         : &Vec3::z;
+    const auto begin = boxes_.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto half = static_cast<std::ptrdiff_t>(count / 2);
+    std::nth_element(begin, begin + half, begin + static_cast<std::ptrdiff_t>(count),
+                     [axis](const Box& a, const Box& b) {
+                       return a.low.*axis + a.high.*axis < b.low.*axis + b.high.*axis;
+                     });
+    build(2 * i, first, count / 2);
+    build(2 * i + 1, first + count / 2, count - count / 2);
+  }
+
+  bool within(std::size_t i) {
+    if (!is_leaf(i)) return within(2 * i) || within(2 * i + 1) || between(2 * i, 2 * i + 1);
+    const auto boxes = boxes_of(i);
+    for (std::size_t a = 0; a < boxes.size(); ++a) {
+      for (std::size_t b = a + 1; b < boxes.size(); ++b) {
+        if (close(boxes[a], boxes[b])) return true;
       }
     }
+    return false;
   }
-  return false;
-}
+
+  bool between(std::size_t i, std::size_t j) {
+    if (!overlap(nodes_[i], nodes_[j])) return false;
+    if (is_leaf(i) && is_leaf(j)) {
+      return std::ranges::any_of(boxes_of(i), [&](const Box& a) {
+        return std::ranges::any_of(boxes_of(j), [&](const Box& b) { return close(a, b); });
+      });
+    }
+    if (is_leaf(i) || (!is_leaf(j) && nodes_[j].count > nodes_[i].count)) std::swap(i, j);
+    return between(2 * i, j) || between(2 * i + 1, j);
+  }
+
+  template <class B>
+  bool overlap(const B& a, const B& b) const {
+    return std::max({b.low.x - a.high.x, a.low.x - b.high.x, b.low.y - a.high.y, a.low.y - b.high.y,
+                     b.low.z - a.high.z, a.low.z - b.high.z}) <= reach_;
+  }
+
+  bool close(const Box& a, const Box& b) {
+    if (!overlap(a, b)) return false;
+    if (++pairs_ > kMaxPairs) return true;
+    const Triangle one = triangle_of(mesh_, a.triangle), other = triangle_of(mesh_, b.triangle);
+    return face_away(one, other) && !share_corner(mesh_, a.triangle, b.triangle) &&
+           !apart(one, other, reach_);
+  }
+
+  const TriangleMesh& mesh_;
+  double reach_;
+  std::vector<Box> boxes_;
+  std::vector<Node> nodes_;
+  std::size_t pairs_ = 0;
+};
 
 }  // namespace
 
 bool may_be_thin(const Shape& shape, double reach) {
-  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) return may_be_thin(*mesh, reach);
+  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
+    return mesh->time_steps > 1 || ThinParts(*mesh, reach).any();
+  }
   return std::get<Sphere>(shape).radius < 4.0 * reach;
 }
 
