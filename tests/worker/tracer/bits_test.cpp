@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <immintrin.h>
 
+#include "support/caustic_scene.h"
 #include "support/scene_builder.h"
 #include "tracer/trace_film.h"
 
@@ -43,6 +44,24 @@ TEST(Bits, SizeOfBatchesDoesNotMatter) {
   const auto sums = traced(2048);
   EXPECT_EQ(traced(256), sums);
   EXPECT_EQ(traced(7), sums);
+  EXPECT_EQ(traced(1), sums);
+}
+
+// A lamp in a ball of glass in a box of thin fog: every photon is connected to the camera, which is
+// outside of the box, from several places.
+TEST(Bits, SizeOfBatchesDoesNotMatterToForwardPhotonsInFog) {
+  auto builder = test::floor_and_lamp(true);
+  test::SceneBuilder::set(*builder.message.mutable_surfaces(1)->mutable_sphere()->mutable_centre(),
+                          {0, -0.2f, -0.5f});
+  const auto fog = builder.add_medium(builder.add_spectrum(0.1f), builder.add_spectrum(0.4f), 0.5);
+  builder.add_matched_box({-1.5f, -0.9f, -1.5f}, {1.5f, 2.5f, 1.5f}, {fog});
+  const auto scene = builder.load();
+  const auto traced = [&](std::uint32_t groups) {
+    return trace_tile(*scene, {16, 16}, {0, 0, 16, 16, 0, 32}, Method::kAdjointPhotons, groups)
+        .sums;
+  };
+  const auto sums = traced(2048);
+  EXPECT_EQ(traced(256), sums);
   EXPECT_EQ(traced(1), sums);
 }
 

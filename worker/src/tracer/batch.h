@@ -70,6 +70,7 @@ struct CameraRay {
   CameraConnection connection;
   /// Way that is left, m.
   float left;
+  enum class State : std::uint8_t { kUnderWay, kHidden, kThere } state = State::kUnderWay;
 };
 
 /// Estimator counts what photons meet; it has
@@ -140,6 +141,8 @@ struct Batch {
   std::vector<ShadowRay<N>> shadow_rays;
   std::vector<std::uint8_t> blocked;
   std::vector<CameraRay<N>> camera_rays;
+  std::vector<std::uint32_t> under_way;
+  std::vector<std::optional<Hit>> camera_hits;
   std::uint64_t rays = 0;
 };
 

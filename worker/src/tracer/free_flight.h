@@ -79,13 +79,25 @@ class FreeFlight {
     return depth_ < kThin;
   }
 
+  /// How many forced collisions are worth the while in thin media: one for so much depth.
+  std::uint32_t collisions_worthwhile() const {
+    return std::max(1u, static_cast<std::uint32_t>(depth_ / kWorthwhile));
+  }
+
+  /// Which of several collisions, each with its part of the weight.
+  struct OneOf {
+    std::uint32_t index = 0, count = 1;
+  };
+
   /// A collision before `end` in thin media, whose weight is the probability that there would have
   /// been one: what pass leaves of another group is the rest. Placed by the bounds, so that it is
-  /// the same for all photons; none where it is not worth the while.
-  std::optional<Hit> force(Group<N>& group, float nearest) const {
+  /// the same for all photons; none where it is not worth the while. Several are spread evenly.
+  std::optional<Hit> force(Group<N>& group, float nearest, OneOf which = {}) const {
     const Ray ray = from_surface(group);
     const float end = nearest + group.skipped;
-    const Uniform4 u = group.sequence.next();
+    Uniform4 u = group.sequence.next();
+    const auto count = static_cast<float>(which.count);
+    u[0] = (static_cast<float>(which.index) + u[0]) / count;
     const float chance = std::min(1.0f, depth_ / kWorthwhile);
     if (u[1] >= chance) return std::nullopt;
     const std::size_t i = choose(std::span(depths_), u[1] / chance * depth_);
@@ -98,7 +110,7 @@ class FreeFlight {
     const float here = std::visit([&](const auto& d) { return std::min(d.at(position), majorant); },
                                   scene_.media[present.index].density);
     const float factor = here / (majorant * largest(present.extinction)) * math::exp(at) * all *
-                         depth_ / (depth * chance);
+                         depth_ / (depth * chance * count);
     group.weight *= factor * present.extinction;
     transmit(group, ray, group.sequence.next(), distance);
     return hit_at(group, i, distance);
@@ -146,7 +158,7 @@ class FreeFlight {
   // An estimate below this goes on by roulette.
   static constexpr float kSmallTransmittance = 0.05f;
   // Depths up to which a photon is made to collide, and below which only some are.
-  static constexpr float kThin = 2.0f, kWorthwhile = 0.1f;
+  static constexpr float kThin = 2.0f, kWorthwhile = 0.05f;
 
   template <class Density>
   static constexpr bool kIsConstant = std::is_same_v<std::remove_cvref_t<Density>, ConstantDensity>;

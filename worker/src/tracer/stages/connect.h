@@ -2,6 +2,8 @@
 // the camera, and vertices of adjoint photons to lights, unless something is in between.
 #pragma once
 
+#include <numeric>
+
 #include "tracer/stages/count.h"
 #include "tracer/stages/leave.h"
 
@@ -30,13 +32,12 @@ void connect_to_camera(Batch& batch, const Group<N>& group, const Vertex<N>& ver
   batch.camera_rays.push_back({photon, *connection, connection->distance});
 }
 
-/// One ray further; false where the camera is reached or something that is seen is met before.
+/// To the end of one ray: the camera, or what stands before it.
 template <class Batch, int N>
-bool follow_to_camera(Batch& batch, CameraRay<N>& to_camera) {
+void arrive_towards_camera(Batch& batch, CameraRay<N>& to_camera, std::optional<Hit>& hit) {
+  using State = typename CameraRay<N>::State;
   Group<N>& group = to_camera.group;
   const BatchSample<N>& sample = batch.sample_of(group);
-  ++batch.rays;
-  auto hit = batch.scene.geometry.intersect(group.ray, sample.time, group.departure);
   if (hit && hit->distance >= to_camera.left) hit.reset();
   const float end = hit ? hit->distance : to_camera.left;
   if (!batch.flights.empty()) {
@@ -47,18 +48,51 @@ bool follow_to_camera(Batch& batch, CameraRay<N>& to_camera) {
     absorb(batch, group, hit ? way_to(group, *hit) : to_camera.left + group.skipped);
   }
   if (!hit) {
-    batch.estimator.reaches(sample, group, to_camera.connection);
-    return false;
+    to_camera.state = State::kThere;
+    return;
   }
   const Contacts contacts = contacts_of(batch.scene, group.ray, sample.time, group.departure, *hit);
   if (batch.scene.hidden_from(hit->surface) == HiddenFrom::kNobody &&
       make_vertex(batch.scene, *hit, contacts, group, sample.wavelengths, sample.time,
                   Transport::kForward)) {
-    return false;
+    to_camera.state = State::kHidden;
+    return;
   }
   pass_index_matched(batch.scene, group, *hit, contacts, sample.time);
   to_camera.left -= hit->distance;
-  return true;
+}
+
+/// All that were connected, ray by ray; they are counted in the order in which they were.
+template <class Batch>
+void follow_to_camera(Batch& batch) {
+  using State = typename decltype(batch.camera_rays)::value_type::State;
+  batch.under_way.resize(batch.camera_rays.size());
+  std::iota(batch.under_way.begin(), batch.under_way.end(), 0u);
+  while (!batch.under_way.empty()) {
+    batch.limits.check_stop();
+    batch.rays += batch.under_way.size();
+    batch.timed_rays.clear();
+    for (const std::uint32_t i : batch.under_way) {
+      const auto& [group, connection, left, state] = batch.camera_rays[i];
+      batch.timed_rays.push_back({.ray = group.ray,
+                                  .time = batch.sample_of(group).time,
+                                  .end = left,
+                                  .departure = &group.departure});
+    }
+    batch.camera_hits.resize(batch.under_way.size());
+    batch.scene.geometry.intersect(batch.timed_rays, batch.camera_hits);
+    for (std::size_t k = 0; k < batch.under_way.size(); ++k) {
+      arrive_towards_camera(batch, batch.camera_rays[batch.under_way[k]], batch.camera_hits[k]);
+    }
+    std::erase_if(batch.under_way,
+                  [&](std::uint32_t i) { return batch.camera_rays[i].state != State::kUnderWay; });
+  }
+  for (const auto& [group, connection, left, state] : batch.camera_rays) {
+    if (state == State::kThere) {
+      batch.estimator.reaches(batch.sample_of(group), group, connection);
+    }
+  }
+  batch.camera_rays.clear();
 }
 
 template <class Batch>
@@ -81,14 +115,9 @@ template <int N, class Estimator, bool Media>
 void connect(Batch<N, Estimator, Media>& batch) {
   if constexpr (Batch<N, Estimator, Media>::kAdjoint) {
     connect_to_lights(batch);
-    return;
+  } else if constexpr (Batch<N, Estimator, Media>::kToCamera) {
+    follow_to_camera(batch);
   }
-  for (CameraRay<N>& to_camera : batch.camera_rays) {
-    if constexpr (Batch<N, Estimator, Media>::kToCamera) {
-      while (follow_to_camera(batch, to_camera)) batch.limits.check_stop();
-    }
-  }
-  batch.camera_rays.clear();
 }
 
 }  // namespace nocturne
