@@ -52,22 +52,28 @@ RTCRayHit embree_query(const Ray& ray, float time) {
 
 constexpr std::size_t kPacket = 8;
 
+// GCC warns of the register itself as an argument of a template.
+struct Row {
+  __m256 lanes;
+};
+
 // Eight rows of eight floats: their columns.
-void transpose(std::array<__m256, 8>& rows) {
-  std::array<__m256, 8> pairs, fours;
+void transpose(std::array<Row, 8>& rows) {
+  std::array<Row, 8> pairs, fours;
   for (std::size_t i = 0; i < 8; i += 2) {
-    pairs[i] = _mm256_unpacklo_ps(rows[i], rows[i + 1]);
-    pairs[i + 1] = _mm256_unpackhi_ps(rows[i], rows[i + 1]);
+    pairs[i].lanes = _mm256_unpacklo_ps(rows[i].lanes, rows[i + 1].lanes);
+    pairs[i + 1].lanes = _mm256_unpackhi_ps(rows[i].lanes, rows[i + 1].lanes);
   }
   for (std::size_t i = 0; i < 8; i += 4) {
     for (std::size_t k = 0; k < 2; ++k) {
-      fours[i + 2 * k] = _mm256_shuffle_ps(pairs[i + k], pairs[i + 2 + k], 0x44);
-      fours[i + 2 * k + 1] = _mm256_shuffle_ps(pairs[i + k], pairs[i + 2 + k], 0xEE);
+      fours[i + 2 * k].lanes = _mm256_shuffle_ps(pairs[i + k].lanes, pairs[i + 2 + k].lanes, 0x44);
+      fours[i + 2 * k + 1].lanes =
+          _mm256_shuffle_ps(pairs[i + k].lanes, pairs[i + 2 + k].lanes, 0xEE);
     }
   }
   for (std::size_t i = 0; i < 4; ++i) {
-    rows[i] = _mm256_permute2f128_ps(fours[i], fours[i + 4], 0x20);
-    rows[i + 4] = _mm256_permute2f128_ps(fours[i], fours[i + 4], 0x31);
+    rows[i].lanes = _mm256_permute2f128_ps(fours[i].lanes, fours[i + 4].lanes, 0x20);
+    rows[i + 4].lanes = _mm256_permute2f128_ps(fours[i].lanes, fours[i + 4].lanes, 0x31);
   }
 }
 
@@ -81,16 +87,16 @@ static_assert(sizeof(Ray) == 6 * sizeof(float) && offsetof(TimedRay, ray) == 0 &
 // it alone, bit for bit, whatever rays it is with (tests/worker/surfaces/packets_test.cpp).
 template <class Packet>
 void fill(Packet& packet, std::span<const TimedRay> rays, std::span<int> valid) {
-  std::array<__m256, kPacket> rows;
+  std::array<Row, kPacket> rows;
   for (std::size_t i = 0; i < kPacket; ++i) {
     valid[i] = i < rays.size() ? -1 : 0;
-    rows[i] = _mm256_loadu_ps(&rays[std::min(i, rays.size() - 1)].ray.origin.x);
+    rows[i].lanes = _mm256_loadu_ps(&rays[std::min(i, rays.size() - 1)].ray.origin.x);
   }
   transpose(rows);
   std::size_t row = 0;
   for (float* column : {packet.org_x, packet.org_y, packet.org_z, packet.dir_x, packet.dir_y,
                         packet.dir_z, packet.time, packet.tfar}) {
-    _mm256_store_ps(column, rows[row++]);
+    _mm256_store_ps(column, rows[row++].lanes);
   }
   _mm256_store_ps(packet.tnear, _mm256_setzero_ps());
   const auto set = [](unsigned* column, int all) {
