@@ -168,8 +168,7 @@ def _grey(measurement: Measurement, samples: int, seed: int = 0) -> Values:
         pytest.param(50.0, 0.025929798, 64, id="50"),
         # Eleven photons of 8192 come through: a third of what 50 tells of them, at ten times its time.
         pytest.param(1000.0, 0.0013314415, 16, id="1000", marks=pytest.mark.soak),
-        # About five minutes: as many collisions as it takes for seven photons to come through.
-        pytest.param(1e4, 0.00013331439, 96, id="10000", marks=pytest.mark.soak),
+        # What comes through 10,000 collides some 1e8 times on the way: beyond the bound of a photon, 2^20.
     ],
 )
 def test_a_very_thick_slab(thickness: float, truth: float, samples: int, tmp_path: Path) -> None:
@@ -195,8 +194,6 @@ def test_a_very_thick_slab(thickness: float, truth: float, samples: int, tmp_pat
     [
         pytest.param(50.0, 0.032648698, 256, id="50"),
         pytest.param(1000.0, 0.0016764431, 64, id="1000", marks=pytest.mark.soak),
-        # As long as it takes for eight photons to come through.
-        pytest.param(1e4, 0.00016785867, 768, id="10000", marks=pytest.mark.soak),
     ],
 )
 def test_a_beam_through_a_thick_slab(thickness: float, truth: float, samples: int, tmp_path: Path) -> None:
