@@ -163,6 +163,21 @@ TEST(ThinShapes, OnlyPartsThatAreCloseCount) {
   EXPECT_TRUE(may_be_thin(Sphere{0, 0, 0, 1e-6}, 1e-5));
 }
 
+// A box that sinks into a floor crosses it; one that stands on it lies along it.
+TEST(ThinShapes, WhatCrossesIsNotClose) {
+  const Shape floor = quad_mesh({-3, -3, 0}, {6, 0, 0}, {0, 6, 0});
+  const auto is_close = [&](double height, double angle) {
+    const auto moved = test::transform({1, 1, 1}, {1, 0, 0}, angle, {0, 0, height});
+    return may_be_close(floor, test::moved(test::box(1.0f, {}), moved), 1e-5);
+  };
+  EXPECT_TRUE(is_close(1.0, 0.0));
+  EXPECT_TRUE(is_close(1.0 + 5e-6, 0.0));
+  EXPECT_FALSE(is_close(1.0 + 1e-4, 0.0));
+  EXPECT_FALSE(is_close(0.9, 0.0));
+  EXPECT_TRUE(is_close(0.9, 0.3));   // faces at 17 degrees and at 73
+  EXPECT_FALSE(is_close(0.9, 0.7));  // at 40 and 50
+}
+
 // 160,000 triangles, those at the poles smaller than the reach.
 TEST(ThinShapes, FineMeshesAreThinWhereTheirBodyIs) {
   TriangleMesh ball = test::lumpy_ball(200);

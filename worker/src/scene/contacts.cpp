@@ -133,10 +133,12 @@ std::vector<CloseSurface> find_close(const Geometry& geometry,
   const double seen_from = kClearanceUnits * static_cast<double>(longest_view);
   const auto meet = [&](std::size_t i, std::size_t j) {
     if (!reaches(extents[i], extents[j], seen_from)) return false;
-    return (groups[i] != 0 ||
-            any_part_reaches(geometry.shapes()[i], extents[i], extents[j], seen_from)) &&
-           (groups[j] != 0 ||
-            any_part_reaches(geometry.shapes()[j], extents[j], extents[i], seen_from));
+    const Shape &one = geometry.shapes()[i], &other = geometry.shapes()[j];
+    return (groups[i] != 0 || any_part_reaches(one, extents[i], extents[j], seen_from)) &&
+           (groups[j] != 0 || any_part_reaches(other, extents[j], extents[i], seen_from)) &&
+           (groups[i] != 0 || groups[j] != 0 ||
+            may_be_close(one, other,
+                         std::max(extents[i].clearance, extents[j].clearance) + seen_from));
   };
   const auto set = [&](std::size_t i) {
     close[i].reach = static_cast<float>(extents[i].clearance);

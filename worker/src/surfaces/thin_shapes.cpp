@@ -75,29 +75,43 @@ bool apart(const Triangle& a, const Triangle& b, double reach) {
   return false;
 }
 
-// Between two parts of one surface that face the same way there is nothing thin, however fine the
-// mesh; at a right angle no more than at an edge.
-bool face_away(const Triangle& a, const Triangle& b) {
-  const auto normal = [](const Triangle& t) {
-    const Double3 u = t[1] - t[0], v = t[2] - t[0], n = cross(u, v);
-    // Slivers, as at the poles of a ball, face anywhere.
-    const double rounding = kDoubleUnits * max_abs(t[0]) * std::max(max_abs(u), max_abs(v));
-    return max_abs(n) > rounding ? n : Double3{0, 0, 0};
-  };
-  return dot(normal(a), normal(b)) < 0.0;
+// Not unit. Slivers, as at the poles of a ball, face anywhere: zero.
+Double3 normal(const Triangle& t) {
+  const Double3 u = t[1] - t[0], v = t[2] - t[0], n = cross(u, v);
+  const double rounding = kDoubleUnits * max_abs(t[0]) * std::max(max_abs(u), max_abs(v));
+  return max_abs(n) > rounding ? n : Double3{0, 0, 0};
 }
 
-// A tree of boxes, each cut at the middle triangle of its longest axis, is searched against itself.
-class ThinParts {
+// Between two parts of one surface that face the same way there is nothing thin, however fine the
+// mesh; at a right angle no more than at an edge.
+bool face_away(const Triangle& a, const Triangle& b) { return dot(normal(a), normal(b)) < 0.0; }
+
+// Surfaces that cross each other at an angle are close in a strip as wide as the reach: no more
+// than at an edge.
+bool may_lie_along(const Triangle& a, const Triangle& b) {
+  constexpr double kMinCosine = 0.866;  // 30 degrees
+  const Double3 m = normal(a), n = normal(b);
+  return std::fabs(dot(m, n)) > kMinCosine * length(m) * length(n);
+}
+
+// Boxes of triangles, each cut at the middle one along its longest axis.
+class BoxTree {
  public:
-  ThinParts(const TriangleMesh& mesh, double reach) : mesh_(mesh), reach_(reach) {
-    boxes_.reserve(mesh.triangles.size());
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) boxes_.push_back(box_of(mesh, i));
-    nodes_.resize(2 * std::bit_ceil(boxes_.size() / kFew + 1));
+  explicit BoxTree(std::vector<Box> boxes)
+      : boxes_(std::move(boxes)), nodes_(2 * std::bit_ceil(boxes_.size() / kFew + 1)) {
     if (!boxes_.empty()) build(1, 0, boxes_.size());
   }
 
-  bool any() { return !boxes_.empty() && within(1); }
+  /// Whether close(a, b) of any two boxes within reach of each other.
+  template <class Close>
+  bool any_pair(double reach, const Close& close) const {
+    return !boxes_.empty() && within(1, reach, close);
+  }
+  /// The same of one from each tree.
+  template <class Close>
+  bool any_pair_with(const BoxTree& other, double reach, const Close& close) const {
+    return !boxes_.empty() && !other.boxes_.empty() && between(1, other, 1, reach, close);
+  }
 
  private:
   static constexpr std::size_t kFew = 4;
@@ -135,56 +149,89 @@ class ThinParts {
     build(2 * i + 1, first + count / 2, count - count / 2);
   }
 
-  bool within(std::size_t i) {
-    if (!is_leaf(i)) return within(2 * i) || within(2 * i + 1) || between(2 * i, 2 * i + 1);
+  template <class Close>
+  bool within(std::size_t i, double reach, const Close& close) const {
+    if (!is_leaf(i)) {
+      return within(2 * i, reach, close) || within(2 * i + 1, reach, close) ||
+             between(2 * i, *this, 2 * i + 1, reach, close);
+    }
     const auto boxes = boxes_of(i);
     for (std::size_t a = 0; a < boxes.size(); ++a) {
       for (std::size_t b = a + 1; b < boxes.size(); ++b) {
-        if (close(boxes[a], boxes[b])) return true;
+        if (reaches(boxes[a], boxes[b], reach) && close(boxes[a], boxes[b])) return true;
       }
     }
     return false;
   }
 
-  bool between(std::size_t i, std::size_t j) {
-    if (!overlap(nodes_[i], nodes_[j])) return false;
-    if (is_leaf(i) && is_leaf(j)) {
+  template <class Close>
+  bool between(std::size_t i, const BoxTree& other, std::size_t j, double reach,
+               const Close& close) const {
+    if (!reaches(nodes_[i], other.nodes_[j], reach)) return false;
+    if (is_leaf(i) && other.is_leaf(j)) {
       return std::ranges::any_of(boxes_of(i), [&](const Box& a) {
-        return std::ranges::any_of(boxes_of(j), [&](const Box& b) { return close(a, b); });
+        return std::ranges::any_of(
+            other.boxes_of(j), [&](const Box& b) { return reaches(a, b, reach) && close(a, b); });
       });
     }
-    if (is_leaf(i) || (!is_leaf(j) && nodes_[j].count > nodes_[i].count)) std::swap(i, j);
-    return between(2 * i, j) || between(2 * i + 1, j);
+    if (is_leaf(i) || (!other.is_leaf(j) && other.nodes_[j].count > nodes_[i].count)) {
+      return between(i, other, 2 * j, reach, close) || between(i, other, 2 * j + 1, reach, close);
+    }
+    return between(2 * i, other, j, reach, close) || between(2 * i + 1, other, j, reach, close);
   }
 
   template <class B>
-  bool overlap(const B& a, const B& b) const {
+  static bool reaches(const B& a, const B& b, double reach) {
     return std::max({b.low.x - a.high.x, a.low.x - b.high.x, b.low.y - a.high.y, a.low.y - b.high.y,
-                     b.low.z - a.high.z, a.low.z - b.high.z}) <= reach_;
+                     b.low.z - a.high.z, a.low.z - b.high.z}) <= reach;
   }
 
-  bool close(const Box& a, const Box& b) {
-    if (!overlap(a, b)) return false;
-    if (++pairs_ > kMaxPairs) return true;
-    const Triangle one = triangle_of(mesh_, a.triangle), other = triangle_of(mesh_, b.triangle);
-    return face_away(one, other) && !share_corner(mesh_, a.triangle, b.triangle) &&
-           !apart(one, other, reach_);
-  }
-
-  const TriangleMesh& mesh_;
-  double reach_;
   std::vector<Box> boxes_;
   std::vector<Node> nodes_;
-  std::size_t pairs_ = 0;
 };
+
+std::vector<Box> boxes_of(const TriangleMesh& mesh) {
+  std::vector<Box> boxes;
+  boxes.reserve(mesh.triangles.size());
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) boxes.push_back(box_of(mesh, i));
+  return boxes;
+}
+
+bool may_be_thin(const TriangleMesh& mesh, double reach) {
+  std::size_t pairs = 0;
+  return BoxTree(boxes_of(mesh)).any_pair(reach, [&](const Box& a, const Box& b) {
+    if (++pairs > kMaxPairs) return true;
+    const Triangle one = triangle_of(mesh, a.triangle), other = triangle_of(mesh, b.triangle);
+    return face_away(one, other) && !share_corner(mesh, a.triangle, b.triangle) &&
+           !apart(one, other, reach);
+  });
+}
+
+bool may_be_close(const TriangleMesh& a, const TriangleMesh& b, double reach) {
+  std::size_t pairs = 0;
+  const auto close = [&](const Box& of_a, const Box& of_b) {
+    if (++pairs > kMaxPairs) return true;
+    const Triangle one = triangle_of(a, of_a.triangle), other = triangle_of(b, of_b.triangle);
+    return may_lie_along(one, other) && !apart(one, other, reach);
+  };
+  return BoxTree(boxes_of(a)).any_pair_with(BoxTree(boxes_of(b)), reach, close);
+}
 
 }  // namespace
 
 bool may_be_thin(const Shape& shape, double reach) {
   if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
-    return mesh->time_steps > 1 || ThinParts(*mesh, reach).any();
+    return mesh->time_steps > 1 || may_be_thin(*mesh, reach);
   }
   return std::get<Sphere>(shape).radius < 4.0 * reach;
+}
+
+bool may_be_close(const Shape& a, const Shape& b, double reach) {
+  const auto* one = std::get_if<TriangleMesh>(&a);
+  const auto* other = std::get_if<TriangleMesh>(&b);
+  if (one == nullptr || other == nullptr || one->time_steps > 1 || other->time_steps > 1)
+    return true;
+  return may_be_close(*one, *other, reach);
 }
 
 }  // namespace nocturne
