@@ -49,6 +49,7 @@ class Reader {
  private:
   void copy(void* to, std::size_t size) {
     if (size > bytes_.size()) refuse("too short");
+    if (size == 0) return;
     std::memcpy(to, bytes_.data(), size);
     bytes_ = bytes_.subspan(size);
   }
