@@ -168,7 +168,7 @@ class PhotonSequence {
   }
 
   /// Numbers of a photon that leaves this one's way: they have nothing in common with what follows
-  /// here. Number 1 or 2.
+  /// here. Of 1 to 255, a branch of a branch being the sum of both.
   PhotonSequence branch(std::uint32_t number) const {
     PhotonSequence other = *this;
     other.set_ += number << PixelSequence::kBranchBits;

@@ -83,12 +83,16 @@ std::vector<Extent> extents_of(const Geometry& geometry, std::span<const std::ui
   return shown;
 }
 
-// Whether they may be so close that single precision does not tell them apart; `seen_from` is the
-// error of a hit that is seen from afar.
+// How close they have to be for single precision not to tell them apart; `seen_from` is the error
+// of a hit that is seen from afar.
+double reach_of(const Extent& a, const Extent& b, double seen_from) {
+  return std::max(a.clearance, b.clearance) + seen_from;
+}
+
 bool reaches(const Extent& a, const Extent& b, double seen_from) {
   const Double3 gap_up = b.lower - a.upper, gap_down = a.lower - b.upper;
   return std::max({gap_up.x, gap_up.y, gap_up.z, gap_down.x, gap_down.y, gap_down.z}) <=
-         std::max(a.clearance, b.clearance) + seen_from;
+         reach_of(a, b, seen_from);
 }
 
 // The part of a shape's box that its triangles fill may be far less: whether any of them reaches
@@ -137,8 +141,7 @@ std::vector<CloseSurface> find_close(const Geometry& geometry,
     return (groups[i] != 0 || any_part_reaches(one, extents[i], extents[j], seen_from)) &&
            (groups[j] != 0 || any_part_reaches(other, extents[j], extents[i], seen_from)) &&
            (groups[i] != 0 || groups[j] != 0 ||
-            may_be_close(one, other,
-                         std::max(extents[i].clearance, extents[j].clearance) + seen_from));
+            may_be_close(one, other, reach_of(extents[i], extents[j], seen_from)));
   };
   const auto set = [&](std::size_t i) {
     close[i].reach = static_cast<float>(extents[i].clearance);

@@ -16,8 +16,6 @@ constexpr double kParallel = 0.999;
 constexpr double kRounding = 0x1p-24;
 // Whoever wrote a mesh as text gave it six digits.
 constexpr double kSixDigits = kClearanceUnits;
-// Of double precision.
-constexpr double kDoubleUnits = 0x1p-44;
 
 // In the space of the shape.
 struct Plane {

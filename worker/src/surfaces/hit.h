@@ -45,6 +45,9 @@ struct Hit {
 ///   sphere    coordinate of the point (the rest is in double precision)
 inline constexpr float kClearanceUnits = 16.0f * std::numeric_limits<float>::epsilon() / 2.0f;
 
+/// Double precision leaves an error of about 2^-52 of the largest number; with room.
+inline constexpr double kDoubleUnits = 0x1p-44;
+
 /// From a surface to where a ray that leaves it in `direction` starts, on the side that it leaves
 /// on.
 inline Vec3 step_off_surface(Vec3 normal, float clearance, Vec3 direction) {

@@ -6,9 +6,6 @@
 namespace nocturne {
 namespace {
 
-// Double precision leaves an error of about 2^-52 of the largest number; with room.
-constexpr double kDoubleUnits = 0x1p-44;
-
 Double3 on_sphere(Double3 centre, Double3 origin, Double3 direction, float distance) {
   const Double3 from_centre = origin + static_cast<double>(distance) * direction - centre;
   return (1.0 / length(from_centre)) * from_centre;

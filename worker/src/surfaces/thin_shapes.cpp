@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -15,10 +16,8 @@
 namespace nocturne {
 namespace {
 
-// Pairs of triangles that are looked at before a mesh counts as thin: a tenth of a second.
+// Pairs of triangles that are looked at before meshes count as thin or close: a tenth of a second.
 constexpr std::size_t kMaxPairs = 30'000'000;
-// Of double precision.
-constexpr double kDoubleUnits = 0x1p-44;
 
 struct Box {
   std::uint32_t triangle;
@@ -41,6 +40,22 @@ Box box_of(const TriangleMesh& mesh, std::uint32_t index) {
   const auto& t = mesh.triangles[index];
   const Vec3 a = mesh.vertices[t[0]], b = mesh.vertices[t[1]], c = mesh.vertices[t[2]];
   return {index, smaller(a, smaller(b, c)), larger(a, larger(b, c))};
+}
+
+// Around them all; of none, one that nothing reaches.
+Box around(std::span<const Box> boxes) {
+  constexpr float kInfinite = std::numeric_limits<float>::infinity();
+  Box all{0, {kInfinite, kInfinite, kInfinite}, {-kInfinite, -kInfinite, -kInfinite}};
+  for (const Box& box : boxes) {
+    all.low = smaller(all.low, box.low);
+    all.high = larger(all.high, box.high);
+  }
+  return all;
+}
+
+bool reaches(const Box& a, const Box& b, double reach) {
+  return std::max({b.low.x - a.high.x, a.low.x - b.high.x, b.low.y - a.high.y, a.low.y - b.high.y,
+                   b.low.z - a.high.z, a.low.z - b.high.z}) <= reach;
 }
 
 // Between what two triangles cover along an axis, over its length.
@@ -119,7 +134,7 @@ class BoxTree {
   // Its children are 2 i and 2 i + 1.
   struct Node {
     std::size_t first = 0, count = 0;
-    Vec3 low, high;
+    Box all;
   };
 
   bool is_leaf(std::size_t i) const { return nodes_[i].count <= kFew; }
@@ -128,14 +143,9 @@ class BoxTree {
   }
 
   void build(std::size_t i, std::size_t first, std::size_t count) {
-    Node node{first, count, boxes_[first].low, boxes_[first].high};
-    for (const Box& box : std::span(boxes_).subspan(first, count)) {
-      node.low = smaller(node.low, box.low);
-      node.high = larger(node.high, box.high);
-    }
-    nodes_[i] = node;
+    nodes_[i] = {first, count, around(std::span(boxes_).subspan(first, count))};
     if (is_leaf(i)) return;
-    const Vec3 size = node.high - node.low;
+    const Vec3 size = nodes_[i].all.high - nodes_[i].all.low;
     const auto axis = size.x >= std::max(size.y, size.z) ? &Vec3::x
                       : size.y >= size.z                 ? &Vec3::y
                                                          : &Vec3::z;
@@ -167,7 +177,7 @@ class BoxTree {
   template <class Close>
   bool between(std::size_t i, const BoxTree& other, std::size_t j, double reach,
                const Close& close) const {
-    if (!reaches(nodes_[i], other.nodes_[j], reach)) return false;
+    if (!reaches(nodes_[i].all, other.nodes_[j].all, reach)) return false;
     if (is_leaf(i) && other.is_leaf(j)) {
       return std::ranges::any_of(boxes_of(i), [&](const Box& a) {
         return std::ranges::any_of(
@@ -178,12 +188,6 @@ class BoxTree {
       return between(i, other, 2 * j, reach, close) || between(i, other, 2 * j + 1, reach, close);
     }
     return between(2 * i, other, j, reach, close) || between(2 * i + 1, other, j, reach, close);
-  }
-
-  template <class B>
-  static bool reaches(const B& a, const B& b, double reach) {
-    return std::max({b.low.x - a.high.x, a.low.x - b.high.x, b.low.y - a.high.y, a.low.y - b.high.y,
-                     b.low.z - a.high.z, a.low.z - b.high.z}) <= reach;
   }
 
   std::vector<Box> boxes_;
@@ -214,7 +218,14 @@ bool may_be_close(const TriangleMesh& a, const TriangleMesh& b, double reach) {
     const Triangle one = triangle_of(a, of_a.triangle), other = triangle_of(b, of_b.triangle);
     return may_lie_along(one, other) && !apart(one, other, reach);
   };
-  return BoxTree(boxes_of(a)).any_pair_with(BoxTree(boxes_of(b)), reach, close);
+  // Trees of what may matter only: a mesh is asked about with each that stands by it.
+  std::vector<Box> boxes_a = boxes_of(a), boxes_b = boxes_of(b);
+  const auto keep_by = [reach](std::vector<Box>& boxes, const Box& other) {
+    std::erase_if(boxes, [&](const Box& box) { return !reaches(box, other, reach); });
+  };
+  keep_by(boxes_a, around(boxes_b));
+  keep_by(boxes_b, around(boxes_a));
+  return BoxTree(std::move(boxes_a)).any_pair_with(BoxTree(std::move(boxes_b)), reach, close);
 }
 
 }  // namespace

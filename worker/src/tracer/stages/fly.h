@@ -19,6 +19,7 @@ std::optional<Hit> collide_surely(Batch& batch, Group<N>& met, float end,
   return hit;
 }
 
+/// From one place of several.
 template <int N, class Batch>
 void connect_from_media(Batch& batch, const Group<N>& group, float end,
                         typename FreeFlight<N>::OneOf which) {
@@ -35,7 +36,7 @@ void connect_from_media(Batch& batch, const Group<N>& group, float end,
 }
 
 /// To the camera from thin media without waiting for a collision there, which would seldom be; from
-/// several places, as the way there cost more than those from here (docs/decisions/0102).
+/// several places, as the way there cost more than those to the camera (docs/decisions/0102).
 template <int N, class Batch>
 void connect_from_thin_media(Batch& batch, const Group<N>& group, float end) {
   const std::uint32_t count = batch.flight_of(group).collisions_worthwhile();
