@@ -19,8 +19,7 @@ What that is worth on the scenes of [speed.md](speed.md): relMSE of the default 
 times there, over that of photons from the sensor with each pixel alone, and over that of the best way that
 we measured, which a person would have to know. What the pilot takes is left out. One image of each: a
 factor of 1.5 may be chance, and more where single photons decide, as those of the glossy spheres' mirrored
-Sun and of the pixel with the Sun's disc in the sky. *Without the worst*: relMSE x time over that alone,
-without the worst 0.1 % of the pixels, at least one.
+Sun. *Without the worst*: relMSE x time over that alone, without the worst 0.1 % of the pixels, at least one.
 
 | scene | chosen | over alone | without the worst | over the best (which) |
 | --- | --- | --- | --- | --- |

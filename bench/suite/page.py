@@ -63,7 +63,6 @@ photons in the second way.
 
 The second way hardly finds the light of the headlight: few bright photons make its mean, and its own error
 says too little. With 170 CPU s in eight images it was 3.83 +- 0.27 cd/m2, and the first way 3.697 +- 0.008.
-In the sky one pixel holds the disc of the Sun, and most of the mean's error: z says nothing there.
 
 | scene | CPU s | error of a pixel, median | relMSE | ratio of means | z | rms z |
 | --- | --- | --- | --- | --- | --- | --- |

@@ -26,6 +26,9 @@ class DistantDisc {
 
   Vec3 direction() const { return frame_.normal; }
 
+  /// Of its angular radius; very large for half the sky.
+  float tan_half_angle() const { return sin_ / (1.0f - wide_drop_); }
+
   /// From the unit direction; zero beside the disc, never negative.
   template <int N>
   Spectral<N> radiance(Vec3 direction, const Spectral<N>& wavelengths) const {

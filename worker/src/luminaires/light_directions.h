@@ -57,6 +57,8 @@ class LightDirections {
 
   const std::optional<Environment>& environment() const { return environment_; }
   const std::vector<DistantDisc>& discs() const { return discs_; }
+  /// Towards elements of luminaires alone.
+  const LuminaireDirections& luminaires() const { return luminaires_; }
   /// Towards important shapes alone.
   const LuminaireDirections& important() const { return important_; }
 

@@ -11,6 +11,11 @@ struct Film {
   std::uint32_t width, height;
 };
 
+/// A point of a film, in pixels from its top left corner; may lie outside.
+struct FilmPoint {
+  float x, y;
+};
+
 /// The pixel at a point, in pixels from the film's centre, x to the right and y up; row by row.
 inline std::optional<std::uint32_t> pixel_at(Film film, float x, float y) {
   const float column = std::floor(x + 0.5f * static_cast<float>(film.width));

@@ -28,6 +28,15 @@ struct Panorama {
     return {{pose.position, normalized(direction)}, 1.0f, static_cast<float>(spread), 0.0f};
   }
 
+  /// Where the film sees a direction of any length.
+  std::optional<FilmPoint> film_point(const Pose& pose, Film film, Vec3 direction) const {
+    const double up = dot(direction, pose.up), ahead = dot(direction, pose.forward);
+    const double right = dot(direction, pose.right);
+    const DirectionGrid::Place place = DirectionGrid{film}.place(
+        math::atan2(math::hypot(right, ahead), up), math::atan2(-right, -ahead));
+    return FilmPoint{static_cast<float>(place.x), static_cast<float>(place.y)};
+  }
+
   std::optional<CameraConnection> connect(const Pose& pose, Film film, Vec3 place, float,
                                           float) const {
     const Vec3 seen = place - pose.position;

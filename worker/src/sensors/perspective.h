@@ -37,6 +37,14 @@ class Pinhole {
     return pose.forward + horizontal * pose.right + vertical * pose.up;
   }
 
+  /// Where the film sees a direction of any length; nothing for one that points backwards.
+  std::optional<FilmPoint> film_point(const Pose& pose, Film film, Vec3 direction) const {
+    const float along = dot(direction, pose.forward) * pixel(film);
+    if (!(along > 0.0f)) return std::nullopt;
+    return FilmPoint{0.5f * static_cast<float>(film.width) + dot(direction, pose.right) / along,
+                     0.5f * static_cast<float>(film.height) - dot(direction, pose.up) / along};
+  }
+
   /// From a place in front to the pinhole; lens numbers are not looked at.
   std::optional<CameraConnection> connect(const Pose& pose, Film film, Vec3 place, float,
                                           float) const {

@@ -84,6 +84,24 @@ class Sensor {
         model_);
   }
 
+  /// Where a camera that is at rest and sees from one place without a lens sees a direction;
+  /// nothing where it does not, or for any other sensor.
+  std::optional<FilmPoint> film_point(Film film, Vec3 direction) const {
+    if (moves()) return std::nullopt;
+    return std::visit(
+        [&](const auto& model) -> std::optional<FilmPoint> {
+          if constexpr (requires { model.film_point(motion_.start(), film, direction); }) {
+            return model.film_point(motion_.start(), film, direction);
+          } else {
+            return std::nullopt;
+          }
+        },
+        model_);
+  }
+
+  /// Of the middle of the sensor, when the shutter opens.
+  Vec3 place() const { return motion_.start().position; }
+
   /// Metres, to the middle of the sensor.
   float distance_from(Vec3 place, float time) const {
     return length(place - motion_.at(time).position);

@@ -18,7 +18,11 @@ constexpr std::uint32_t kOfBlock = 1u << 31;
 template <int N, bool Media>
 PixelBatches<N, Media>::PixelBatches(const Scene& scene, Film film, std::uint32_t most,
                                      const std::stop_token& stop)
-    : scene_(scene), film_(film), estimator_(scene), batch_(scene, estimator_, stop) {
+    : scene_(scene),
+      film_(film),
+      small_lights_(scene, film),
+      estimator_(scene),
+      batch_(scene, estimator_, stop) {
   sequences_.reserve(2 * static_cast<std::size_t>(most));  // groups point to them
 }
 
@@ -58,8 +62,10 @@ void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums
     if (at.leads) {
       wavelengths = scene_.wavelengths.template sample<N>((shares ? common : numbers).wavelengths);
     }
+    const float weight = small_lights_.move(at.y * film_.width + at.x, numbers.x, numbers.y);
     samples_.emplace_back(
         InPlace{[&] { return sample_pixel(scene_, film_, at.x, at.y, numbers, wavelengths); }});
+    samples_.back().weight *= weight;
     start(batch_, samples_.back().start, sequence);
   }
   trace_batch(batch_);

@@ -9,6 +9,7 @@
 #include "tracer/batch.h"
 #include "tracer/estimators/radiance_estimator.h"
 #include "tracer/pixel_sample.h"
+#include "tracer/small_lights.h"
 
 namespace nocturne {
 
@@ -36,6 +37,7 @@ class PixelBatches {
 
   const Scene& scene_;
   const Film film_;
+  const SmallLights small_lights_;
   RadianceEstimator<N> estimator_;
   Batch<N, RadianceEstimator<N>, Media> batch_;
   std::vector<PixelSample<N>> samples_;
