@@ -7,6 +7,7 @@ between threads.
 import os
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from nocturne_client.local.programs import CHECKOUT
 
@@ -16,19 +17,23 @@ from bench.scenes import compile_document, example
 PROFILE = CHECKOUT / "worker" / "tracing.profdata"
 COUNTING = CHECKOUT / "build" / "profile" / "worker" / "nocturne-trace"
 
-SCENES = {
-    "cornell": 16,
-    "fog": 1,
-    "subsurface": 1,
-    "sky": 1,
-    "glossy_spheres": 1,
-    "both_directions": 1,
-    "mixtures": 1,
-}
-"""With the pixels that share, as no pilot runs for so few samples. Together they have surfaces, media, glass
-and photons from both ends."""
+_BOTH = {"direction": "both", "forward_ratio": 4.0}
 
-_EDGE, _SAMPLES = 128, 64
+SCENES: dict[str, tuple[int, dict[str, Any]]] = {
+    "cornell": (128, {"sharing": 16}),
+    "fog": (128, {}),
+    "subsurface": (128, {}),
+    "sky": (128, {}),
+    "glossy_spheres": (128, {"sharing": 16}),
+    "both_directions": (128, {}),
+    "mixtures": (128, {}),
+    "reflector": (128, _BOTH),
+    "headlight": (48, _BOTH),
+}
+"""Film edge and what a pilot would choose, as none runs for so few samples. Together they have surfaces,
+media, glass and photons from both ends."""
+
+_SAMPLES = 64
 # Of LLVM 19, as the compiler.
 _MERGE = "llvm-profdata-19"
 
@@ -37,15 +42,16 @@ def main() -> None:
     """Trace the scenes and write the profile, without the functions that nothing called."""
     with tempfile.TemporaryDirectory(prefix="nocturne-profile-") as name:
         folder = Path(name)
-        for scene, sharing in SCENES.items():
+        for scene, (edge, tracing) in SCENES.items():
             print(scene, flush=True)
-            _count(scene, sharing, folder / scene, folder / f"{scene}.profraw")
+            _count(scene, edge, tracing, folder / scene, folder / f"{scene}.profraw")
         run([_MERGE, "merge", "--sparse", *sorted(folder.glob("*.profraw")), "-o", PROFILE])
     print(f"{PROFILE.relative_to(CHECKOUT)}: {PROFILE.stat().st_size} bytes")
 
 
-def _count(scene: str, sharing: int, folder: Path, counts: Path) -> None:
-    compiled = compile_document(example(scene, folder), folder, _EDGE, _SAMPLES, {"sharing": sharing})
+def _count(scene: str, edge: int, tracing: dict[str, Any], folder: Path, counts: Path) -> None:
+    options = {"sharing": 1, **tracing}
+    compiled = compile_document(example(scene, folder), folder, edge, _SAMPLES, options)
     os.environ["LLVM_PROFILE_FILE"] = str(counts)
     trace_to(compiled, folder / "image.exr", 1, program=COUNTING)
 
