@@ -146,6 +146,21 @@ TEST(SmallLights, ALampBehindAWall) {
   EXPECT_NEAR(seen.y, kResponseIntegral * 2.0, 4.0 * seen.standard_error);
 }
 
+// A furnace with a small ball in it that emits and reflects like its walls has the same radiance at
+// every pixel, by samples of different weights, shared by neighbours or not.
+TEST(SmallLights, AFurnaceWithASmallLamp) {
+  for (const std::uint32_t sharing : {1u, 4u, 16u}) {
+    test::SceneBuilder builder;
+    builder.look({0, 0, 0}, {0, 0, -1}, 0.9);
+    builder.add_furnace(0.5f, 2.0f);
+    builder.add_sphere(0.5f, 2.0f, {0.03f, 0.02f, -0.9f}, 0.002);
+    builder.message.mutable_tracing()->set_sharing(sharing);
+    ASSERT_EQ(SmallLights(*builder.load(), {8, 8}).pixels(), 1u);
+    SCOPED_TRACE(sharing);
+    test::expect_all_pixels(trace(builder, {8, 8}, 1024), 1024, kResponseIntegral * 4.0);
+  }
+}
+
 // Samples stay where they were: at lamps larger than a pixel, hidden from the camera, or across the
 // seam of a panorama, and for a camera that moves or has a lens.
 TEST(SmallLights, OthersAreNotLookedFor) {
