@@ -107,10 +107,15 @@ async function reachedByTab(page) {
     const controls = [...document.querySelectorAll("a[href], button, input, select, textarea, summary, canvas[tabindex]")].filter((node) => node.checkVisibility({ visibilityProperty: true }) && !node.disabled)
       .filter((node) => node.closest("dialog:modal") || !document.querySelector("dialog:modal"));
     const nameOf = (node) => (node.type === "radio" ? node.name : `${node.tagName} ${node.getAttribute("aria-label") ?? node.labels?.[0]?.textContent ?? node.textContent}`);
-    globalThis.onReached ??= document.addEventListener("focusin", (event) => { globalThis.reached.add(nameOf(event.target)); }) ?? true;
-    return controls.map(nameOf).filter((name) => !globalThis.reached.has(name));
+    globalThis.onReached ??= document.addEventListener("focusin", (event) => {
+      globalThis.reached.names.add(nameOf(event.target));
+      globalThis.reached.nodes.add(event.target);
+    }) ?? true;
+    // By itself, as the image's name tells how many samples it has by now; or by its name, as some are made anew.
+    const { names, nodes } = globalThis.reached;
+    return controls.filter((node) => !nodes.has(node)).map(nameOf).filter((name) => !names.has(name));
   });
-  await page.evaluate(() => { globalThis.reached = new Set(); document.activeElement?.blur(); });
+  await page.evaluate(() => { globalThis.reached = { names: new Set(), nodes: new WeakSet() }; document.activeElement?.blur(); });
   let left = await missing();
   // Tables that are made anew while one goes through them begin again.
   for (let round = 0; round < 3 && left.length > 0; round += 1) {
