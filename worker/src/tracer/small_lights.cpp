@@ -81,18 +81,21 @@ SmallLights::SmallLights(const Scene& scene, Film film) {
 
 /// Around it and what is there, in each pixel that it meets.
 void SmallLights::add(Film film, const Rectangle& seen) {
-  const auto first = [](float from) { return std::max(0, static_cast<int>(std::floor(from))); };
-  const auto end = [](float to, std::uint32_t size) {
-    return std::min(static_cast<int>(size), static_cast<int>(std::ceil(to)));
+  // As a whole number within the film: what is seen may lie farther beside it than an integer
+  // tells.
+  const auto within = [](float place, std::uint32_t size) {
+    return static_cast<std::uint32_t>(std::clamp(place, 0.0f, static_cast<float>(size)));
   };
-  for (int row = first(seen.top); row < end(seen.bottom, film.height); ++row) {
-    for (int column = first(seen.left); column < end(seen.right, film.width); ++column) {
+  const std::uint32_t left = within(std::floor(seen.left), film.width);
+  const std::uint32_t right = within(std::ceil(seen.right), film.width);
+  const std::uint32_t bottom = within(std::ceil(seen.bottom), film.height);
+  for (std::uint32_t row = within(std::floor(seen.top), film.height); row < bottom; ++row) {
+    for (std::uint32_t column = left; column < right; ++column) {
       const auto x = static_cast<float>(column), y = static_cast<float>(row);
       const Rectangle part{std::max(0.0f, seen.left - x), std::max(0.0f, seen.top - y),
                            std::min(1.0f, seen.right - x), std::min(1.0f, seen.bottom - y)};
       if (!(part.right > part.left && part.bottom > part.top)) continue;
-      const auto pixel =
-          static_cast<std::uint32_t>(row) * film.width + static_cast<std::uint32_t>(column);
+      const std::uint32_t pixel = row * film.width + column;
       const auto [there, is_new] = places_.try_emplace(pixel, part);
       Rectangle& all = there->second;
       if (is_new) continue;
