@@ -30,16 +30,14 @@ struct DirectionGrid {
     return {cosine, std::sqrt(std::max(0.0, 1.0 - cosine * cosine)), azimuth};
   }
 
-  /// The film point of a direction: polar angle in [0, pi], any azimuth in [-2 pi, 2 pi].
-  struct Place {
-    double x, y;
-  };
-  Place place(double polar_angle, double azimuth) const {
+  /// Where a direction is: polar angle in [0, pi], any azimuth in [-2 pi, 2 pi].
+  FilmPoint film_point(double polar_angle, double azimuth) const {
     const double turn = 2.0 * std::numbers::pi;
     const double around = azimuth < 0.0 ? azimuth + turn : azimuth;
     const std::uint32_t in = row(polar_angle);
     const double top = math::cos(polar(in)), bottom = math::cos(polar(in + 1));
-    return {around / column_angle(), in + (math::cos(polar_angle) - top) / (bottom - top)};
+    return {static_cast<float>(around / column_angle()),
+            static_cast<float>(in + (math::cos(polar_angle) - top) / (bottom - top))};
   }
 
   /// Angle between neighbouring rows, radians.

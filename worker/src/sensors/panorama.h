@@ -29,12 +29,9 @@ struct Panorama {
   }
 
   /// Where the film sees a direction of any length.
-  std::optional<FilmPoint> film_point(const Pose& pose, Film film, Vec3 direction) const {
-    const double up = dot(direction, pose.up), ahead = dot(direction, pose.forward);
-    const double right = dot(direction, pose.right);
-    const DirectionGrid::Place place = DirectionGrid{film}.place(
-        math::atan2(math::hypot(right, ahead), up), math::atan2(-right, -ahead));
-    return FilmPoint{static_cast<float>(place.x), static_cast<float>(place.y)};
+  FilmPoint film_point(const Pose& pose, Film film, Vec3 direction) const {
+    const Angles angles = angles_of(pose, direction);
+    return DirectionGrid{film}.film_point(angles.polar, angles.azimuth);
   }
 
   std::optional<CameraConnection> connect(const Pose& pose, Film film, Vec3 place, float,
@@ -43,13 +40,22 @@ struct Panorama {
     const float distance = length(seen);
     if (!(distance > 0.0f)) return std::nullopt;
     const DirectionGrid grid{film};
-    const double up = dot(seen, pose.up), ahead = dot(seen, pose.forward);
-    const double right = dot(seen, pose.right);
-    const std::uint32_t row = grid.row(math::atan2(math::hypot(right, ahead), up));
-    const std::uint32_t column = grid.column(math::atan2(-right, -ahead));
+    const Angles angles = angles_of(pose, seen);
+    const std::uint32_t row = grid.row(angles.polar), column = grid.column(angles.azimuth);
     const double area = grid.solid_angle(row) * static_cast<double>(distance) * distance;
     return CameraConnection{(-1.0f / distance) * seen, distance, row * film.width + column,
                             static_cast<float>(1.0 / area)};
+  }
+
+ private:
+  /// Radians; the azimuth as in `sample`, in [-pi, pi].
+  struct Angles {
+    double polar, azimuth;
+  };
+  static Angles angles_of(const Pose& pose, Vec3 direction) {
+    const double up = dot(direction, pose.up), ahead = dot(direction, pose.forward);
+    const double right = dot(direction, pose.right);
+    return {math::atan2(math::hypot(right, ahead), up), math::atan2(-right, -ahead)};
   }
 };
 
