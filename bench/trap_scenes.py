@@ -1,7 +1,8 @@
 """Small scenes whose light is hard to find for photons that know only kernels and luminaires.
 
 Each is a trap for a way of tracing: light comes through a keyhole, by way of the ceiling alone, from one of
-many lamps whose others stand behind a wall, through glass, by a mirror, or through fog.
+many lamps whose others stand behind a wall, through glass, by a mirror or a polished floor, or through
+fog.
 """
 
 from collections.abc import Callable, Sequence
@@ -118,6 +119,17 @@ def glass() -> Document:
     return _scene(_camera([2.8, 0.3, 1.6], [1.2, 1.6, 0.5]), surfaces)
 
 
+def polished() -> Document:
+    """A small lamp that shines down on a floor with a smooth coat, whose mirror lights the ceiling."""
+    surfaces = [
+        *_room([0, 0, 0], [3, 3, 2.5]),
+        _quad([3, 0, 0], [0, 3, 0], [0, 0, 2.5]),
+        _quad([0.4, 2.2, 2.0], [0, 0.05, 0], [0.05, 0, 0], 0.0, 500_000),
+    ]
+    surfaces[0]["kernel"] = {"type": "coated_diffuse", "reflectance": 0.3, "index": 1.5}
+    return _scene(_camera([2.8, 0.3, 1.6], [0.5, 2.2, 0.8]), surfaces)
+
+
 def panes() -> Document:
     """A room whose lamp hangs in a case of glass within another."""
     cases = [
@@ -189,6 +201,7 @@ TRAPS: dict[str, Callable[[], Document]] = {
     "ceiling": ceiling,
     "lamps": lamps,
     "glass on a table": glass,
+    "polished floor": polished,
     "lamp behind two panes": panes,
     "caustic in a mirror": mirrored_glass,
     "Sun in a mirror": mirrored_sun,

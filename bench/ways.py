@@ -19,10 +19,13 @@ def _can_be_hit(document: Document) -> bool:
     return document["sensor"]["type"] in MET_BY_PHOTONS
 
 
+_MIRRORS = {"conductor", "dielectric", "thin_pane", "coated_diffuse"}
+
+
 def gathers(document: Document) -> bool:
-    """A camera, and something in the scene that is like a mirror or glass."""
+    """A camera, and something in the scene that may be a mirror or glass."""
     kinds = (each.get("type") for each in objects(document))
-    return document["sensor"]["type"] in CAMERAS and not {"conductor", "dielectric"}.isdisjoint(kinds)
+    return document["sensor"]["type"] in CAMERAS and not _MIRRORS.isdisjoint(kinds)
 
 
 def _no_media(document: Document) -> bool:

@@ -87,6 +87,26 @@ def _panes() -> Document:
     )
 
 
+def _case() -> Document:
+    """A lamp in a case of panes, above a floor with a smooth coat; panes with holes beside it."""
+    pane = {"type": "thin_pane", "index": 1.8, "transmittance": 0.95}
+    paint = {"type": "coated_diffuse", "reflectance": 0.5, "index": 1.8}
+    case = {"type": "box", "minimum": [-0.4, 0.7, -0.4], "maximum": [0.4, 1.5, 0.4]}
+    return _scene(
+        _pinhole(),
+        [
+            surface(quad([-1, 0, -1], [0, 0, 2], [2, 0, 0]), paint),
+            _WALL,
+            surface(case, pane),
+            surface(sphere([0, 1.1, 0], 0.25), diffuse(0.2), 1.0),
+            surface(
+                quad([-0.9, 0.2, -0.3], [0, 0.6, 0.3], [0.5, 0, 0]),
+                {"type": "mask", "kernel": pane, "opacity": 0.5},
+            ),
+        ],
+    )
+
+
 def _distant() -> Document:
     """A wide Sun and an even sky, through a ball of glass."""
     sun = {"direction": [0.3, 1, 0.1], "angular_diameter_degrees": 24, "radiance": 20.0}
@@ -113,6 +133,7 @@ SCENES = {
     "ball, all around": SeenBothWays(_scene(_PANORAMA, [_FLOOR, _LAMP_ABOVE, _BALL, _WALL]), (32, 16)),
     "lamp in glass in fog": SeenBothWays(_fog(_pinhole()), samples=1024),
     "panes": SeenBothWays(_panes()),
+    "lamp in a case": SeenBothWays(_case()),
     "Sun and sky": SeenBothWays(_distant()),
     "motion": SeenBothWays(_moving()),
 }

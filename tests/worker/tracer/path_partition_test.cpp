@@ -11,9 +11,9 @@
 namespace nocturne {
 namespace {
 
-// From the camera to the luminaire: S specular-like, D diffuse-like, d a delta lobe of a kernel
-// that is diffuse-like as a whole (a smooth coat), | straight through a pane, N diffuse-like near
-// the camera.
+// From the camera to the luminaire: S specular-like, D diffuse-like, d mirrored by a kernel that
+// is diffuse-like as a whole (a smooth coat) or by a pane, | straight through a pane, N
+// diffuse-like near the camera.
 Interaction interaction(char c) {
   return {.specular_like = c == 'S',
           .delta = c == 'S' || c == 'd' || c == '|',
@@ -46,10 +46,11 @@ TEST(PathPartition, TruthTable) {
     Transport by;
   };
   constexpr Transport kA = Transport::kAdjoint, kF = Transport::kForward;
-  const std::array<Row, 20> rows{{{"", kA},    {"D", kA},   {"S", kA},   {"DD", kA},  {"DS", kF},
+  const std::array<Row, 23> rows{{{"", kA},    {"D", kA},   {"S", kA},   {"DD", kA},  {"DS", kF},
                                   {"SD", kA},  {"SS", kA},  {"NS", kA},  {"dS", kA},  {"|S", kA},
                                   {"DDS", kF}, {"DSD", kA}, {"DSS", kF}, {"SDS", kA}, {"D|S", kF},
-                                  {"DS|", kF}, {"D||", kA}, {"DSd", kA}, {"DdS", kF}, {"NDS", kA}}};
+                                  {"DS|", kF}, {"D||", kA}, {"DSd", kF}, {"DdS", kF}, {"NDS", kA},
+                                  {"Dd", kF},  {"dd", kA},  {"Dd|", kF}}};
   for (const Row& row : rows) EXPECT_EQ(by_adjoint_walk(row.path), row.by) << row.path;
 }
 

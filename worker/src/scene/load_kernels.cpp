@@ -188,6 +188,12 @@ bool may_pass(const std::vector<AnyKernel>& kernels, std::uint32_t index) {
   return any_part(kernels, index, [](const auto& kernel) { return kernel.may_transmit(); });
 }
 
+bool may_turn_sharply(const std::vector<AnyKernel>& kernels, std::uint32_t index) {
+  return any_part(kernels, index, []<class Kernel>(const Kernel& kernel) {
+    return !std::is_same_v<Kernel, NullKernel> && kernel.has_delta_lobe();
+  });
+}
+
 std::vector<bool> load_specular_like(const v1::CompiledScene& message, std::size_t kernels) {
   std::vector<bool> by_kernel(kernels, false);
   for (int i = 0; i < message.kernels_size(); ++i) {

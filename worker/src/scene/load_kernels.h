@@ -18,6 +18,8 @@ bool may_pass(const std::vector<AnyKernel>& kernels, std::uint32_t index);
 /// together, so that what it falls on is better found from the luminaires: glass, mirrors and the
 /// like, roughness up to 0.3.
 std::vector<bool> load_specular_like(const v1::CompiledScene& message, std::size_t kernels);
+/// Whether a photon may be turned into a single direction, by a mirror, glass or the coat of paint.
+bool may_turn_sharply(const std::vector<AnyKernel>& kernels, std::uint32_t index);
 
 /// Whether it varies over the surface or tells directions around the normal apart.
 bool needs_detail(const v1::CompiledScene& message, std::uint32_t index);

@@ -255,6 +255,10 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
                                                  medium_interfaces, everywhere);
     }
     auto specular_like = load_specular_like(message, kernels.size());
+    bool has_mirrors = std::ranges::find(specular_like, true) != specular_like.end();
+    for (std::uint32_t i = 0; i < kernels.size(); ++i) {
+      has_mirrors = has_mirrors || may_turn_sharply(kernels, i);
+    }
     const float near_sensor = kNearSensor * geometry.bounds().radius;
     const auto all_in_fog = find_all_in_fog(geometry, sensor_start(message.sensor()), everywhere,
                                             medium_interfaces, media);
@@ -265,7 +269,7 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
         std::move(media), load_bump_maps(context), std::move(luminaires), std::move(lights),
         std::move(emitter), std::move(sensor), load_wavelengths(message.sensor()), options,
         sensor_inside, std::move(luminaires_inside), occlusion, all_in_fog,
-        std::move(specular_like), near_sensor});
+        std::move(specular_like), has_mirrors, near_sensor});
   });
 }
 

@@ -67,8 +67,11 @@ struct Scene {
   /// Holds all that photons can end at, where fog without end hides what is beyond it.
   std::optional<Geometry::Ball> all_in_fog;
   /// By kernel: whether it is specular-like (load_kernels.h). What scatters light closer to the
-  /// sensor than near_sensor, m, is left to photons from there. Both are for Direction::kBoth.
+  /// sensor than near_sensor, m, is left to photons from there. For Direction::kBoth.
   std::vector<bool> specular_like;
+  /// Whether any kernel is, or has a mirror as the coat of paint has: then forward photons bring
+  /// something beside adjoint ones.
+  bool has_mirrors = false;
   float near_sensor = 0.0f;
 
   bool has_distant_light() const { return lights.environment() || !lights.discs().empty(); }

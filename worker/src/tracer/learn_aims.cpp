@@ -180,10 +180,7 @@ std::vector<Aim> aims_around(const Places& places) {
 }
 
 LearnedAims learn_aims(Scene& scene, Film film, double photons, unsigned threads) {
-  const bool bring_something =
-      scene.options.direction == Direction::kForward ||
-      std::ranges::find(scene.specular_like, true) != scene.specular_like.end();
-  if (!bring_something) return {};
+  if (scene.options.direction != Direction::kForward && !scene.has_mirrors) return {};
   const TracingOptions before = scene.options;
   scene.options.aimed_emission = 0.0f;
   scene.options.seed = ~before.seed;

@@ -1,9 +1,9 @@
 // Which photons bring a path of light where photons start at both ends
 // (docs/decisions/0032-each-path-by-one-direction.md). An interaction is specular-like (a mirror,
-// glass, or as good as one) or diffuse-like (all others, media too). A path is a forward photon's
-// if its interaction next to the luminaire is specular-like and the one next to the camera is
-// diffuse-like; all others are adjoint photons'. So both know from their own way what is theirs:
-// no weights, no densities of the other direction.
+// glass, or as good as one; the smooth coat of paint and a pane where they mirror) or diffuse-like
+// (all others, media too). A path is a forward photon's if its interaction next to the luminaire is
+// specular-like and the one next to the camera is diffuse-like; all others are adjoint photons'. So
+// both know from their own way what is theirs: no weights, no densities of the other direction.
 #pragma once
 
 #include "kernels/kernel.h"
@@ -19,6 +19,9 @@ struct Interaction {
   bool straight;
   /// So near to the camera that a forward photon would count by far too much there.
   bool near_camera;
+
+  constexpr bool as_if_nothing_were_there() const { return straight && !specular_like; }
+  constexpr bool keeps_together() const { return specular_like || delta; }
 };
 
 /// The ends of a path, as far as the photon that walks it knows them.
@@ -34,22 +37,20 @@ constexpr Transport brought_by(PathEnds ends) {
 
 /// An adjoint photon's ends after one more interaction; `first`: nothing was met before.
 constexpr PathEnds after_adjoint(PathEnds ends, const Interaction& i, bool first) {
-  const bool straight = i.straight && !i.specular_like;
   if (first) ends.diffuse_like_at_camera = !i.delta && !i.specular_like && !i.near_camera;
-  if (!straight) ends.specular_like_at_luminaire = i.specular_like;
+  if (!i.as_if_nothing_were_there()) ends.specular_like_at_luminaire = i.keeps_together();
   return ends;
 }
 
 /// A forward photon's. Once it is specular-like at the luminaire it stays so.
 constexpr PathEnds after_forward(PathEnds ends, const Interaction& i) {
-  const bool straight = i.straight && !i.specular_like;
-  if (!straight && i.specular_like) ends.specular_like_at_luminaire = true;
+  if (!i.as_if_nothing_were_there() && i.keeps_together()) ends.specular_like_at_luminaire = true;
   return ends;
 }
 
 /// Whether a forward photon may still bring something after its latest interaction.
 constexpr bool forward_goes_on(PathEnds after, const Interaction& latest) {
-  return after.specular_like_at_luminaire || (latest.straight && !latest.specular_like);
+  return after.specular_like_at_luminaire || latest.as_if_nothing_were_there();
 }
 
 }  // namespace nocturne

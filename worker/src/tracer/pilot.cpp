@@ -76,8 +76,7 @@ class Pilot {
   }
 
   bool forward_can_bring() const {
-    return before_.direction == Direction::kForward ||
-           std::ranges::find(scene_.specular_like, true) != scene_.specular_like.end();
+    return before_.direction == Direction::kForward || scene_.has_mirrors;
   }
 
   void choose_direction() {
