@@ -162,6 +162,20 @@ def mirrored_glass() -> Document:
     return document
 
 
+def pool() -> Document:
+    """A pool in a room, whose floor a small lamp lights through the water."""
+    surfaces = [
+        *_room([0, 0, 0], [3, 3, 2.5]),
+        _quad([3, 0, 0], [0, 3, 0], [0, 0, 2.5]),
+        {
+            "shape": {"type": "box", "minimum": [0.1, 0.1, -0.1], "maximum": [2.9, 2.9, 0.7]},
+            "kernel": {"type": "dielectric", "index": 1.33},
+        },
+        _quad([1.9, 1.2, 2.2], [0, 0.1, 0], [0.1, 0, 0], 0.0, 50_000),
+    ]
+    return _scene(_camera([2.8, 0.3, 1.6], [1.0, 1.8, 0.0]), surfaces)
+
+
 def mirrored_sun() -> Document:
     """A floor in the shade, and a mirror that throws the Sun on it."""
     mirror = _quad([2, -1, 0], [0, 2, 0], [-0.2, 0, 2])
@@ -204,6 +218,7 @@ TRAPS: dict[str, Callable[[], Document]] = {
     "polished floor": polished,
     "lamp behind two panes": panes,
     "caustic in a mirror": mirrored_glass,
+    "pool": pool,
     "Sun in a mirror": mirrored_sun,
     "fog with a far lamp": fog,
 }

@@ -12,7 +12,8 @@ _PAGE = """# What was chosen, and what it was worth
 Nobody has to know how a scene is best traced: a pilot of a few hundred thousand photons tries photons from
 the sensor, from the luminaires and from both, and neighbours that share, when the scene is compiled
 ([decision 0062](../decisions/0062-ways-are-chosen-by-a-pilot.md)), and learns where photons from luminaires
-are to be aimed ([decision 0081](../decisions/0081-learned-aims.md)). Page, EXR (`nocturne:way`) and
+are to be aimed ([decision 0081](../decisions/0081-learned-aims.md)) and photons from the sensor guided
+([decision 0104](../decisions/0104-learned-light.md)). Page, EXR (`nocturne:way`) and
 `nocturne get` say what it chose. A scene may say otherwise in its `tracing`.
 
 What that is worth on the scenes of [speed.md](speed.md): relMSE of the default at the longest of the equal

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from nocturne.v1 import scene_pb2
 from nocturne_client.local.compiled import CompiledFolder, compile_to
+from nocturne_scene.compile.compiler import FORMAT_WITH_GUIDE
 from nocturne_scene.scene_ranges import schedule_of
 
 from tests.accuracy.agreement import ROUNDING, Values, student_bound
@@ -101,6 +102,11 @@ class Measurement:
         moved = self._compile(document, self._folder / "moved")
         other = scene_pb2.CompiledScene.FromString(moved.scene.read_bytes())
         self._scene.sensor.CopyFrom(other.sensor)
+
+    def guide(self, learned_light: bytes) -> None:
+        """Photons from the sensor go where this says that light comes from, too; as in CompiledScene."""
+        self._scene.learned_light = learned_light
+        self._scene.format = FORMAT_WITH_GUIDE
 
     def by_pixels(self, samples: int, channel: str = "grey", seed: int = 0) -> Reading:
         """For a film whose pixels all measure the same."""

@@ -36,6 +36,7 @@ class Asked:
         sharing: int = 1,
         ratio: float = 1.0,
         aims: Sequence[dict[str, Any]] = (),
+        learned_light: bytes = b"",
     ) -> None:
         self.asked: list[tuple[list[str], scene_pb2.Tracing]] = []
         answer = {
@@ -46,6 +47,7 @@ class Asked:
             "finds_more": False,
             "aimed": forward,
             "aims": list(aims),
+            "learned_light": learned_light.hex(),
             "photons": 123456,
         }
 
@@ -68,7 +70,7 @@ def test_what_is_left_open_is_asked_for_once(
     trace = Asked(monkeypatch, forward=True, sharing=16)
     output, tracing = compiled(document, blobs, LARGE)
     [(chosen, asked)] = trace.asked
-    assert chosen == ["direction", "ratio", "learn", "sharing"]
+    assert chosen == ["direction", "ratio", "learn", "guide", "sharing"]
     assert asked.direction == scene_pb2.DIRECTION_BOTH
     assert (tracing.direction, tracing.sharing) == (scene_pb2.DIRECTION_BOTH, 16)
     assert output.way == tracing.way
@@ -122,10 +124,11 @@ def test_nothing_is_asked_for_a_small_image_or_an_unknown_film(
     ("tracing", "chosen"),
     [
         ({"direction": "adjoint"}, [["sharing"]]),
-        ({"sharing": 4}, [["direction", "ratio", "learn"]]),
-        ({"sharing": 4, "aimed_emission": 0, "forward_ratio": 2}, [["direction"]]),
-        ({"direction": "both", "sharing": 1}, []),
-        ({"estimator": "mixture"}, [["direction", "ratio", "learn"]]),
+        ({"sharing": 4}, [["direction", "ratio", "learn", "guide"]]),
+        ({"sharing": 4, "aimed_emission": 0, "forward_ratio": 2, "guide": "none"}, [["direction"]]),
+        ({"direction": "both", "sharing": 1}, [["guide"]]),
+        ({"direction": "both", "sharing": 1, "guide": "none"}, []),
+        ({"estimator": "mixture"}, [["direction", "ratio", "learn", "guide"]]),
     ],
 )
 def test_what_the_document_says_is_taken(
@@ -154,7 +157,10 @@ def test_photons_start_at_spheres_in_groups_but_not_for_too_large_films(
     grouped = {**document, "groups": {"lamps": [lamp]}, "instances": [{"group": "lamps"}]}
     compiled(grouped, blobs, LARGE)
     compiled(document, blobs, Film(8192, 4096, 64))
-    assert [chosen for chosen, _ in trace.asked] == [["direction", "ratio", "learn", "sharing"], ["sharing"]]
+    assert [chosen for chosen, _ in trace.asked] == [
+        ["direction", "ratio", "learn", "guide", "sharing"],
+        ["sharing"],
+    ]
 
 
 def test_photons_may_start_at_luminaires_for_a_large_film(
@@ -162,7 +168,7 @@ def test_photons_may_start_at_luminaires_for_a_large_film(
 ) -> None:
     trace = Asked(monkeypatch, forward=True)
     _, tracing = compiled(document, blobs, Film(1920, 1080, 64))
-    assert [chosen for chosen, _ in trace.asked] == [["direction", "ratio", "learn", "sharing"]]
+    assert [chosen for chosen, _ in trace.asked] == [["direction", "ratio", "learn", "guide", "sharing"]]
     assert tracing.direction == scene_pb2.DIRECTION_BOTH
 
 
@@ -202,6 +208,48 @@ def test_photons_are_aimed_at_what_was_learned(
     # Photons from the sensor are not sent there.
     assert scene.tracing.weight_important == 0.0
     assert output.way.startswith("photons from both directions, aimed at what was learned")
+
+
+def test_photons_are_guided_by_what_was_learned(
+    document: dict[str, Any], blobs: BlobStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Asked(monkeypatch, forward=True, learned_light=bytes(range(16)))
+    output = compile_scene(parse_document(json.dumps(document)), blobs, LARGE)
+    scene = scene_pb2.CompiledScene.FromString(blobs.path(output.scene_sha256).read_bytes())
+    # An older program would not look at it, and make other bits.
+    assert (scene.learned_light, scene.format) == (bytes(range(16)), 6)
+    assert output.way.startswith("photons from both directions, guided by what was learned: ")
+
+
+def test_the_real_tracer_guides_photons_to_a_lamp_above_water(
+    document: dict[str, Any], blobs: BlobStore
+) -> None:
+    water = {"type": "box", "minimum": [-1, -1, -0.1], "maximum": [1, 1, 0.5]}
+    lamp = {"shape": {"type": "sphere", "centre": [0.3, 0.2, 1.5], "radius": 0.02}}
+    document["sensor"] = {
+        "type": "pinhole",
+        "position": [0, -3, 2.5],
+        "look_at": [0, 0, 0],
+        "up": [0, 0, 1],
+        "vertical_field_of_view_degrees": 30,
+    }
+    document["surfaces"] = [
+        {
+            "shape": {"type": "quad", "corner": [-1, -1, 0], "edge_u": [2, 0, 0], "edge_v": [0, 2, 0]},
+            "kernel": {"type": "lambertian", "reflectance": 0.5},
+        },
+        {"shape": water, "kernel": {"type": "dielectric", "index": 1.33}},
+        {
+            **lamp,
+            "kernel": {"type": "lambertian", "reflectance": 0},
+            "luminaire": {"radiance": {"blackbody": 5500}},
+        },
+    ]
+    outputs = [compile_scene(parse_document(json.dumps(document)), blobs, LARGE) for _ in range(2)]
+    assert outputs[0] == outputs[1]
+    assert ", guided by what was learned" in outputs[0].way
+    scene = scene_pb2.CompiledScene.FromString(blobs.path(outputs[0].scene_sha256).read_bytes())
+    assert 0 < len(scene.learned_light) <= 65_536 * 16
 
 
 def test_the_real_tracer_aims_at_the_glass_that_makes_a_caustic(blobs: BlobStore) -> None:

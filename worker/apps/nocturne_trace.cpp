@@ -25,6 +25,7 @@
 #include "trace_job.h"
 #include "tracer/layers.h"
 #include "tracer/learn_aims.h"
+#include "tracer/learn_light.h"
 #include "tracer/path_limits.h"
 #include "tracer/pilot.h"
 #include "tracer/trace_film.h"
@@ -243,11 +244,13 @@ void run_film(const Options& options, const v1::CompiledScene& message,
 }
 
 std::string figures_json(const PilotFigures& figures) {
-  static constexpr const char* kNames[] = {"adjoint", "adjoint_of_both", "forward", "sharing"};
+  static constexpr const char* kNames[] = {"adjoint", "adjoint_of_both", "forward", "guide",
+                                           "sharing"};
   std::ostringstream json;
   json.precision(6);
   json << "{\"photons\": \"" << kNames[figures.photons] << "\", \"sharing\": " << figures.sharing
-       << ", \"aimed\": " << (figures.aimed ? "true" : "false") << ", \"mean\": " << figures.mean
+       << ", \"aimed\": " << (figures.aimed ? "true" : "false")
+       << ", \"guided\": " << (figures.guided ? "true" : "false") << ", \"mean\": " << figures.mean
        << ", \"mean_error\": " << figures.mean_error
        << ", \"relative_mse\": " << figures.relative_mse << ", \"cost\": " << figures.cost << '}';
   return json.str();
@@ -264,20 +267,33 @@ std::string aims_json(const std::vector<Aim>& aims) {
   return '[' + json.str() + ']';
 }
 
-// Part of a render's samples from which aims are learned, and most of these: enough to find what a
-// thousandth of the photons is worth.
+std::string hex(std::string_view bytes) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string text;
+  for (const char byte : bytes) {
+    const auto value = static_cast<unsigned char>(byte);
+    text += {kDigits[value >> 4], kDigits[value & 15]};
+  }
+  return text;
+}
+
+// Part of a render's samples from which aims are learned, and light to guide photons by, and most
+// of these: enough to find what a thousandth of the photons is worth.
 constexpr double kLearnedFrom = 0.005, kMaxLearnedFrom = 3e5;
 // Part of the photons that are then aimed; the others leave as luminaires emit.
 constexpr double kAimed = 0.9;
+
+double lessons(const FilmPlan& plan) {
+  const double samples =
+      1.0 * plan.film.width * plan.film.height * static_cast<double>(plan.range_ends.back());
+  return std::min(kMaxLearnedFrom, kLearnedFrom * samples);
+}
 
 // What photons from the luminaires are worth being aimed at; has the scene loaded again with that,
 // as with important shapes that a person declared.
 LearnedAims learn_aims(const Options& options, const FilmPlan& plan, v1::CompiledScene& message,
                        std::shared_ptr<Scene>& scene) {
-  const double samples =
-      1.0 * plan.film.width * plan.film.height * static_cast<double>(plan.range_ends.back());
-  LearnedAims learned = learn_aims(
-      *scene, plan.film, std::min(kMaxLearnedFrom, kLearnedFrom * samples), options.threads);
+  LearnedAims learned = learn_aims(*scene, plan.film, lessons(plan), options.threads);
   if (learned.aims.empty()) return learned;
   for (const Aim& aim : learned.aims) {
     v1::ImportantShape& shape = *message.add_important_shapes();
@@ -302,12 +318,20 @@ void run_pilot(const Options& options, v1::CompiledScene message,
   const double cpu_before = process_cpu_seconds();
   LearnedAims learned{};
   if (open("learn")) learned = learn_aims(options, plan, message, scene);
+  LearnedArrivals light{};
+  std::string learned_light;
+  if (open("guide")) {
+    light = learn_light(*scene, lessons(plan), LearnedLight::kMaxArrivals, options.threads);
+    learned_light = LearnedLight::packed(light.arrivals);
+    scene->lights.set_learned(LearnedLight(LearnedLight::unpacked(learned_light)));
+  }
   const PilotResult found = run_pilot(*scene, {.film = plan.film,
                                                .samples = plan.range_ends.back(),
                                                .direction = open("direction"),
                                                .aim = open("aim") || !learned.aims.empty(),
                                                .sharing = open("sharing"),
                                                .ratio = open("ratio"),
+                                               .guide = !scene->lights.learned().empty(),
                                                .threads = options.threads});
   std::string tried;
   for (const PilotFigures& figures : found.tried) {
@@ -319,12 +343,13 @@ void run_pilot(const Options& options, v1::CompiledScene message,
        << (found.choice.direction != Direction::kAdjoint ? "true" : "false")
        << ", \"aimed\": " << (found.choice.aimed ? "true" : "false")
        << ", \"aims\": " << aims_json(found.choice.aimed ? learned.aims : std::vector<Aim>{})
+       << ", \"learned_light\": \"" << (found.choice.guided ? hex(learned_light) : "") << '"'
        << ", \"sharing\": " << found.choice.sharing
        << ", \"forward_ratio\": " << found.choice.forward_ratio
        << ", \"gain\": " << found.choice.gain
        << ", \"finds_more\": " << (found.choice.finds_more ? "true" : "false")
-       << ", \"photons\": " << found.photons + learned.photons
-       << ", \"rays\": " << found.rays + learned.rays
+       << ", \"photons\": " << found.photons + learned.photons + light.photons
+       << ", \"rays\": " << found.rays + learned.rays + light.rays
        << ", \"cpu_seconds\": " << process_cpu_seconds() - cpu_before << ", \"tried\": [" << tried
        << "]}\n";
   finish(file, options.output);
@@ -436,9 +461,11 @@ int main(int argc, char** argv) {
          "Instead of an image, a JSON file that tells which way to trace is best, of those "
          "that are open: direction (adjoint photons, or what the scene says), aim (of forward "
          "photons, as the scene says or not), learn (what to aim them at, of a scene that does not "
-         "say), ratio (of forward photons to adjoint ones), sharing")
+         "say), ratio (of forward photons to adjoint ones), guide (of adjoint photons, to where "
+         "light was "
+         "learned to come from), sharing")
       ->delimiter(',')
-      ->check(CLI::IsMember({"direction", "aim", "learn", "ratio", "sharing"}))
+      ->check(CLI::IsMember({"direction", "aim", "learn", "ratio", "guide", "sharing"}))
       ->excludes(job);
   app.add_option("--layers", options.layer_samples,
                  "Instead of an image, what the surfaces in it are like, from this many samples of "

@@ -36,8 +36,9 @@ from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.film import Film
 
 # Layouts of CompiledScene; raised with every change that an older worker would misread. The second one is
-# that of scenes whose sensor tells parts of the light, the third of those with a forward_ratio.
-FORMAT, FORMAT_WITH_PARTS, FORMAT_WITH_RATIO = 3, 4, 5
+# that of scenes whose sensor tells parts of the light, the third of those with a forward_ratio, the
+# fourth of those whose photons are guided.
+FORMAT, FORMAT_WITH_PARTS, FORMAT_WITH_RATIO, FORMAT_WITH_GUIDE = 3, 4, 5, 6
 
 
 def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None = None) -> CompiledOutput:
@@ -135,10 +136,13 @@ def _put_tracing(
             del workspace.dropped[before:]
             ways, said = choose(message, workspace.blobs.root, film, left_open)
             message.important_shapes.extend(ways.aims)
+            message.learned_light = ways.learned_light
     message.tracing.CopyFrom(compile_tracing(workspace, message, ways, scatters=scatters))
     message.tracing.way = said
     if message.tracing.forward_ratio:
         message.format = FORMAT_WITH_RATIO
+    if message.learned_light:
+        message.format = FORMAT_WITH_GUIDE
 
 
 def _all_surfaces(workspace: Workspace, instances: Instances) -> Iterator[tuple[Surface, int, str]]:

@@ -57,6 +57,8 @@ class Ways:
     aimed_emission: float = 0.0
     aims: tuple[scene_pb2.ImportantShape, ...] = ()
     """What these photons are aimed at, where that was learned and not declared."""
+    learned_light: bytes = b""
+    """Where light was found to come from, for photons from the sensor, as in CompiledScene."""
     forward_ratio: float = 1.0
     """Photons from luminaires for each from a pixel, where they go both ways."""
 
@@ -64,7 +66,8 @@ class Ways:
         """In words."""
         shared = f", shared by blocks of {self.sharing} pixels" if self.sharing > 1 else ""
         aimed = ", aimed at what was learned" if self.aims else ""
-        return f"{_SAID[self.direction]}{self._unequal()}{aimed}{shared}"
+        guided = ", guided by what was learned" if self.learned_light else ""
+        return f"{_SAID[self.direction]}{self._unequal()}{aimed}{guided}{shared}"
 
     def _unequal(self) -> str:
         if self.forward_ratio == 1.0 or self.direction != "both":
@@ -119,6 +122,8 @@ def open_ways(
         elif tracing.aimed_emission is None and scene.luminaires:
             names.append("learn")
         asked = replace(asked, direction=with_forward, aimed_emission=aimed)
+    if tracing.guide == "auto" and tells and asked.direction == "both":
+        names.append("guide")
     if tracing.sharing == "auto" and tracing.estimator == "two_photons" and asked.direction != "forward":
         names.append("sharing")
     return OpenWays(names, default, asked)
@@ -158,6 +163,7 @@ def choose(scene: scene_pb2.CompiledScene, blobs: Path, film: Film, ways: OpenWa
         int(found["sharing"]) if "sharing" in ways.names else asked.sharing,
         (_AIMED if learned else asked.aimed_emission) if found["aimed"] else 0.0,
         learned,
+        bytes.fromhex(found["learned_light"]),
         _ratio(found, ways),
     )
     return better, _sentence(better, default, found)

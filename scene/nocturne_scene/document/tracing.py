@@ -103,6 +103,12 @@ class Tracing(Node):
         description="With `both`: how many photons leave the luminaires for each that leaves a pixel. "
         "`auto`: what the pilot that chooses the direction finds best, else 1.",
     )
+    guide: Literal["auto", "none"] = Field(
+        default="auto",
+        description="Whether photons from the sensor are sent to where light comes from that mirrors and "
+        "glass gather (path guiding), as photons from the luminaires have shown; for a caustic that is seen "
+        "in a mirror or through glass. `auto`: where a pilot finds that better.",
+    )
     sequence: Literal["sobol", "independent"] = Field(
         default="sobol",
         description="Random numbers: Owen-scrambled Sobol points for each pixel, or independent ones.",

@@ -11,6 +11,9 @@
 namespace nocturne {
 namespace {
 
+/// Part of the directions that what was learned gets.
+constexpr float kLearned = 0.5f;
+
 // A number that fell into [start, start + width), stretched to [0, 1).
 float stretched(float u, float start, float width) {
   return std::clamp((u - start) / width, 0.0f, kOneMinusEpsilon);
@@ -44,6 +47,24 @@ LightDirections::LightDirections(Elements luminaires, std::optional<Environment>
 
 std::optional<Vec3> LightDirections::sample(const LightSamplingContext& from, float choice,
                                             float u1, float u2) const {
+  if (from.learned == LearnedLight::kNone) return sample_declared(from, choice, u1, u2);
+  if (choice >= kLearned) {
+    return sample_declared(from, stretched(choice, kLearned, 1.0f - kLearned), u1, u2);
+  }
+  const Vec3 direction = learned_.sample(from.learned, stretched(choice, 0.0f, kLearned), u1, u2);
+  if (!from.sees(direction)) return std::nullopt;
+  return direction;
+}
+
+float LightDirections::pdf(const LightSamplingContext& from, Vec3 direction) const {
+  const float declared = declared_pdf(from, direction);
+  if (from.learned == LearnedLight::kNone) return declared;
+  const float learned = from.sees(direction) ? learned_.pdf(from.learned, direction) : 0.0f;
+  return kLearned * learned + (1.0f - kLearned) * declared;
+}
+
+std::optional<Vec3> LightDirections::sample_declared(const LightSamplingContext& from, float choice,
+                                                     float u1, float u2) const {
   if (choice < luminaires_share_) {
     return luminaires_.sample(from, stretched(choice, 0.0f, luminaires_share_), u1, u2);
   }
@@ -55,7 +76,7 @@ std::optional<Vec3> LightDirections::sample(const LightSamplingContext& from, fl
   return important_.sample(from, stretched(choice, before_important, important_share_), u1, u2);
 }
 
-float LightDirections::pdf(const LightSamplingContext& from, Vec3 direction) const {
+float LightDirections::declared_pdf(const LightSamplingContext& from, Vec3 direction) const {
   float sum = 0.0f;
   if (luminaires_share_ > 0.0f) sum += luminaires_share_ * luminaires_.pdf(from, direction);
   if (sky_share_ > 0.0f) sum += sky_share_ * sky_pdf(from, direction);

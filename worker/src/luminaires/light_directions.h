@@ -5,10 +5,12 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "luminaires/distant_disc.h"
 #include "luminaires/environment.h"
+#include "luminaires/learned_light.h"
 #include "luminaires/light_sampling_context.h"
 #include "luminaires/luminaire_directions.h"
 
@@ -55,6 +57,10 @@ class LightDirections {
   bool sample_light(const LightSamplingContext& from, Vec3 normal, float clearance, float choice,
                     float u1, float u2, LightSample& light) const;
 
+  /// Half of the directions are drawn from what was learned, where a context has a cell of it.
+  void set_learned(LearnedLight learned) { learned_ = std::move(learned); }
+  const LearnedLight& learned() const { return learned_; }
+
   const std::optional<Environment>& environment() const { return environment_; }
   const std::vector<DistantDisc>& discs() const { return discs_; }
   /// Towards elements of luminaires alone.
@@ -68,7 +74,12 @@ class LightDirections {
   float sky_pdf(const LightSamplingContext& from, Vec3 direction) const;
   float environment_irradiance() const;
 
+  std::optional<Vec3> sample_declared(const LightSamplingContext& from, float choice, float u1,
+                                      float u2) const;
+  float declared_pdf(const LightSamplingContext& from, Vec3 direction) const;
+
   LuminaireDirections luminaires_, important_;
+  LearnedLight learned_;
   std::optional<Environment> environment_;
   std::vector<DistantDisc> discs_;
   float luminaires_share_ = 0.0f, sky_share_ = 0.0f, important_share_ = 0.0f;  // sum 1, or all 0

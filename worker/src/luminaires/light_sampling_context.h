@@ -1,6 +1,8 @@
 // Where a direction towards light is asked for.
 #pragma once
 
+#include <cstdint>
+
 #include "math/vec3.h"
 
 namespace nocturne {
@@ -13,6 +15,8 @@ struct LightSamplingContext {
   bool both_sides = false;
   /// Of the shutter interval, [0, 1).
   float time = 0.0f;
+  /// The cell of what was learned, or none.
+  std::uint32_t learned = ~0u;
 
   bool sees(Vec3 direction) const { return both_sides || dot(normal, direction) > 0.0f; }
 };

@@ -18,7 +18,7 @@ namespace nocturne {
 namespace {
 
 /// Of scenes whose responses count parts of the light, which programs before it would not see.
-constexpr std::uint32_t kFormat = 3, kFormatWithRatio = 5;
+constexpr std::uint32_t kFormat = 3, kFormatWithLearnedLight = 6;
 // Of one spectrum, so that a scene's size says how much work it makes.
 constexpr int kMaxLines = 10'000;
 
@@ -51,9 +51,9 @@ Spectrum load_spectrum(const v1::Spectrum& message) {
 
 LoadContext make_context(const v1::CompiledScene& message, const FindBlob& find_blob,
                          std::stop_token stop) {
-  if (message.format() < kFormat || message.format() > kFormatWithRatio) {
+  if (message.format() < kFormat || message.format() > kFormatWithLearnedLight) {
     refuse("format " + std::to_string(message.format()) + "; this program reads formats " +
-           std::to_string(kFormat) + " to " + std::to_string(kFormatWithRatio));
+           std::to_string(kFormat) + " to " + std::to_string(kFormatWithLearnedLight));
   }
   LoadContext context{message, find_blob, stop, {}, {}, {}};
   for (const auto& s : message.spectra()) context.spectra.push_back(load_spectrum(s));
@@ -264,6 +264,9 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
                                             medium_interfaces, media);
     const bool occlusion = media.empty() && occlusion_decides(options, materials, medium_interfaces,
                                                               lights, luminaires, loaded.groups);
+    LearnedLight learned(LearnedLight::unpacked(message.learned_light()));
+    require(learned.empty() || !occlusion, "learned light where nothing gathers any");
+    lights.set_learned(std::move(learned));
     return std::shared_ptr<Scene>(new Scene{
         std::move(geometry), std::move(materials), std::move(kernels), std::move(medium_interfaces),
         std::move(media), load_bump_maps(context), std::move(luminaires), std::move(lights),

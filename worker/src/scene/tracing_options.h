@@ -70,6 +70,8 @@ struct TracingOptions {
   double forward_ratio;
   SequenceKind sequence;
   std::uint64_t seed;
+  /// Photons towards lights go where light was learned to come from, too.
+  bool guide = true;
 };
 
 }  // namespace nocturne

@@ -1,3 +1,4 @@
+// Long, as each comparison starts from what the ones before found, and from the same budget.
 #include "tracer/pilot.h"
 
 #include <algorithm>
@@ -35,6 +36,9 @@ constexpr double kWorthIt = 1.25;
 /// Ratios of forward photons that may be chosen, the part of the time that each kind keeps at
 /// least, and how many times better another ratio than 1 must be.
 constexpr double kLeastRatio = 1.0 / 16, kMostRatio = 64.0, kLeastTime = 1.0 / 8, kRatioPays = 1.05;
+/// Of a guided sample over that of one that is not: looking up and asking cells of learned light,
+/// measured, docs/decisions/0104. Part of the direction's budget that comparing these takes.
+constexpr double kGuideCost = 1.1, kGuidePart = 0.5;
 /// Standard errors between two means that are told apart; of four images, so few are not enough.
 constexpr double kApart = 5.0;
 /// Forward photons whose mean is less certain have hardly found the sensor yet.
@@ -43,7 +47,9 @@ constexpr double kCertain = 0.2;
 class Pilot {
  public:
   Pilot(Scene& scene, const PilotRequest& request)
-      : scene_(scene), request_(request), before_(scene.options), budget_(samples()) {}
+      : scene_(scene), request_(request), before_(scene.options), budget_(samples()) {
+    scene_.options.guide = false;
+  }
   ~Pilot() { scene_.options = before_; }
   Pilot(const Pilot&) = delete;
   Pilot& operator=(const Pilot&) = delete;
@@ -56,6 +62,7 @@ class Pilot {
       result_.choice.forward_ratio = before_.forward_ratio;
     }
     if (request_.direction && forward_can_bring()) choose_direction();
+    if (request_.guide && result_.choice.direction != Direction::kForward) choose_guide();
     if (request_.sharing && result_.choice.direction != Direction::kForward &&
         before_.estimator == Estimator::kTwoPhotons) {
       choose_sharing();
@@ -82,7 +89,9 @@ class Pilot {
   void choose_direction() {
     std::vector<bool> aims{before_.aimed_emission > 0.0f};
     if (request_.aim && aims.front()) aims.push_back(false);
-    const auto ways = static_cast<double>(2 + aims.size());
+    // Whatever is better once adjoint photons are guided: whether they are is asked then.
+    scene_.options.guide = request_.guide;
+    const auto ways = static_cast<double>((request_.guide ? 3 : 2) + aims.size());
     const Film film = reduced(budget_ / 2 / (ways * kImages * kSamples));
     const auto square = whole(film);
     const PilotImages all = images(Direction::kAdjoint, 1, film, square);
@@ -99,14 +108,26 @@ class Pilot {
       scene_.options.aimed_emission = aimed ? before_.aimed_emission : 0.0f;
       forward.push_back(images(before_.direction, 1, film, square, kImages, true));
     }
+    scene_.options.guide = false;
+    const PilotImages plain = request_.guide ? images(Direction::kAdjoint, 1, film, square) : all;
     const PilotImages& best = *std::ranges::min_element(
         forward, {}, [](const PilotImages& each) { return mean_and_error(each)[1]; });
     const std::vector<double> shown = shown_by({&all}, {&rest, &best});
-    const PilotFigures adjoint = figures_of(PilotFigures::kAdjoint, 1, all, shown);
+    const PilotFigures unguided = figures_of(PilotFigures::kAdjoint, 1, plain, shown);
+    PilotFigures adjoint = figures_of(PilotFigures::kAdjoint, 1, all, shown);
     PilotFigures others{.photons = PilotFigures::kAdjointOfBoth};
     if (!rest.images.empty()) others = figures_of(PilotFigures::kAdjointOfBoth, 1, rest, shown);
     const PilotFigures left_to_them = figures_of(PilotFigures::kAdjoint, 1, left, shown);
-    result_.tried = {adjoint};
+    result_.tried = {unguided};
+    if (request_.guide) {
+      for (PilotFigures* each : {&adjoint, &others}) {
+        each->guided = true;
+        each->cost *= kGuideCost;
+      }
+      result_.tried.push_back(adjoint);
+      unguided_ = unguided;
+      guided_ = adjoint;
+    }
     if (!rest.images.empty()) result_.tried.push_back(others);
     for (std::size_t i = 0; i < aims.size(); ++i) {
       PilotFigures found = figures_of(PilotFigures::kForward, 1, forward[i], shown);
@@ -116,7 +137,7 @@ class Pilot {
       const double ratio = ratio_with(others, found);
       const ForwardPays pays = forward_pays(adjoint, others, left_to_them, found, ratio);
       const double gain =
-          adjoint.relative_mse * adjoint.cost / product_of_both(others, found, ratio);
+          unguided.relative_mse * unguided.cost / product_of_both(others, found, ratio);
       const bool better =
           result_.choice.direction == Direction::kAdjoint || gain > result_.choice.gain;
       if (pays == ForwardPays::kNot || !better) continue;
@@ -125,6 +146,51 @@ class Pilot {
       const bool finds_more = pays == ForwardPays::kFindsMore;
       result_.choice = {before_.direction, 1, found.aimed, ratio, gain, finds_more};
     }
+  }
+
+  void choose_guide() {
+    if (request_.direction && result_.choice.direction == Direction::kAdjoint) {
+      return choose_guide(unguided_, guided_);
+    }
+    const Film film = reduced(kGuidePart * budget_ / 2 / (2 * kImages * kSamples));
+    const auto square = whole(film);
+    const PilotImages without = images(result_.choice.direction, 1, film, square);
+    scene_.options.guide = true;
+    const PilotImages with = images(result_.choice.direction, 1, film, square);
+    scene_.options.guide = false;
+    const std::vector<double> shown = shown_by({&without}, {&with});
+    const PilotFigures before = figures_of(PilotFigures::kGuide, 1, without, shown);
+    PilotFigures found = figures_of(PilotFigures::kGuide, 1, with, shown);
+    found.guided = true;
+    found.cost *= kGuideCost;
+    result_.tried.insert(result_.tried.end(), {before, found});
+    choose_guide(before, found);
+  }
+
+  /// By what photons did before they were guided, and then.
+  void choose_guide(const PilotFigures& before, const PilotFigures& found) {
+    if (!(before.relative_mse > 0.0 && found.relative_mse > 0.0)) return;
+    const double less = found.relative_mse / before.relative_mse;
+    // Both directions were compared by photons that are guided.
+    const bool compared = request_.direction && result_.choice.direction != Direction::kAdjoint;
+    PilotFigures unguided = adjoint_, guided = adjoint_;
+    (compared ? unguided.relative_mse : guided.relative_mse) *= compared ? 1.0 / less : less;
+    unguided.cost = before.cost;
+    guided.cost = found.cost;
+    const double ratio = ratio_with(guided, forward_), other_ratio = ratio_with(unguided, forward_);
+    const double gain =
+        product_of_both(unguided, forward_, other_ratio) / product_of_both(guided, forward_, ratio);
+    // Where a way to the light is too narrow for chance, photons that are not guided are too dark,
+    // and look good.
+    const double apart = kApart * math::hypot(before.mean_error, found.mean_error);
+    const bool finds_more = found.mean - before.mean > apart;
+    result_.choice.guided = finds_more || gain > kWorthIt;
+    scene_.options.guide = result_.choice.guided;
+    adjoint_ = result_.choice.guided ? guided : unguided;
+    result_.choice.forward_ratio = result_.choice.guided ? ratio : other_ratio;
+    if (!result_.choice.guided) return;
+    if (!compared) result_.choice.gain *= gain;
+    result_.choice.finds_more = result_.choice.finds_more || finds_more;
   }
 
   void choose_sharing() {
@@ -299,6 +365,9 @@ class Pilot {
   /// Of forward photons, where they take part, and of the adjoint ones beside them.
   PilotFigures forward_{.photons = PilotFigures::kForward};
   PilotFigures adjoint_{.photons = PilotFigures::kAdjoint, .relative_mse = 1.0};
+  /// Adjoint photons alone, where they may be guided.
+  PilotFigures unguided_{.photons = PilotFigures::kAdjoint};
+  PilotFigures guided_{.photons = PilotFigures::kAdjoint};
   const double budget_;
 };
 

@@ -20,6 +20,8 @@ struct PilotRequest {
   /// adjoint one, or what the options say.
   bool direction, aim, sharing;
   bool ratio = false;
+  /// Guide: whether adjoint photons go where the scene's learned light comes from.
+  bool guide = false;
   unsigned threads;
 };
 
@@ -34,6 +36,7 @@ struct PilotChoice {
   double gain;
   /// These missed light that the way finds, so that `gain` says nothing.
   bool finds_more;
+  bool guided = false;
 };
 
 struct PilotResult {

@@ -19,12 +19,14 @@ struct PilotImages {
 
 /// What photons of one kind did.
 struct PilotFigures {
-  enum Photons { kAdjoint, kAdjointOfBoth, kForward, kSharing };
+  enum Photons { kAdjoint, kAdjointOfBoth, kForward, kGuide, kSharing };
   Photons photons;
   /// Pixels that share.
   std::uint32_t sharing = 1;
   /// Forward photons that are aimed at important shapes.
   bool aimed = false;
+  /// Adjoint photons that are sent to where light was learned to come from.
+  bool guided = false;
   /// Mean Y of the pilot's pixels, and its standard error.
   double mean = 0.0, mean_error = 0.0;
   /// Relative MSE of Y (docs/explanation/units-and-errors.md) of one sample of each pixel.

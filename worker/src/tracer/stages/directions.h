@@ -8,10 +8,24 @@
 
 namespace nocturne {
 
+/// Whether light that mirrors and glass gather counts for an adjoint photon that leaves a vertex.
+template <class Batch, int N>
+bool brings_what_is_gathered(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex) {
+  if (!batch.both) return true;
+  if (group.depth > 1) return !group.ends.diffuse_like_at_camera;
+  return batch.scene.specular_like[vertex.kernel] || near_camera(batch, group, vertex);
+}
+
 template <class Batch, int N, class Kernel>
 LightSamplingContext light_context(const Batch& batch, const Group<N>& group,
                                    const Vertex<N>& vertex, const Kernel& kernel) {
-  return {vertex.hit.position, vertex.normal, kernel.transmits(), batch.sample_of(group).time};
+  LightSamplingContext context{vertex.hit.position, vertex.normal, kernel.transmits(),
+                               batch.sample_of(group).time};
+  const LearnedLight& learned = batch.scene.lights.learned();
+  if (!learned.empty() && batch.options.guide && brings_what_is_gathered(batch, group, vertex)) {
+    context.learned = learned.find(vertex.hit.position);
+  }
+  return context;
 }
 
 template <class Kernel>
