@@ -23,9 +23,9 @@
 #include "scene/load_scene.h"
 #include "textures/texture.h"
 #include "trace_job.h"
+#include "tracer/aims_around.h"
 #include "tracer/layers.h"
-#include "tracer/learn_aims.h"
-#include "tracer/learn_light.h"
+#include "tracer/learn.h"
 #include "tracer/path_limits.h"
 #include "tracer/pilot.h"
 #include "tracer/trace_film.h"
@@ -289,13 +289,10 @@ double lessons(const FilmPlan& plan) {
   return std::min(kMaxLearnedFrom, kLearnedFrom * samples);
 }
 
-// What photons from the luminaires are worth being aimed at; has the scene loaded again with that,
-// as with important shapes that a person declared.
-LearnedAims learn_aims(const Options& options, const FilmPlan& plan, v1::CompiledScene& message,
-                       std::shared_ptr<Scene>& scene) {
-  LearnedAims learned = learn_aims(*scene, plan.film, lessons(plan), options.threads);
-  if (learned.aims.empty()) return learned;
-  for (const Aim& aim : learned.aims) {
+// Has the scene loaded again, as with important shapes that a person declared.
+void aim_at(const std::vector<Aim>& aims, const Options& options, v1::CompiledScene& message,
+            std::shared_ptr<Scene>& scene) {
+  for (const Aim& aim : aims) {
     v1::ImportantShape& shape = *message.add_important_shapes();
     v1::Sphere& sphere = *shape.mutable_sphere();
     sphere.mutable_centre()->set_x(static_cast<double>(aim.centre.x));
@@ -306,7 +303,6 @@ LearnedAims learn_aims(const Options& options, const FilmPlan& plan, v1::Compile
   }
   message.mutable_tracing()->set_aimed_emission(kAimed);
   scene = load_scene(message, blobs_in(options.blobs));
-  return learned;
 }
 
 // Which way is best, and what each did.
@@ -316,19 +312,22 @@ void run_pilot(const Options& options, v1::CompiledScene message,
   auto scene = load_scene(message, blobs_in(options.blobs));
   const auto open = [&](const char* what) { return std::ranges::count(options.pilot, what) > 0; };
   const double cpu_before = process_cpu_seconds();
-  LearnedAims learned{};
-  if (open("learn")) learned = learn_aims(options, plan, message, scene);
-  LearnedArrivals light{};
+  Learned learned;
+  if (open("learn") || open("guide")) {
+    learned = learn(*scene, plan.film, lessons(plan), options.threads);
+  }
+  std::vector<Aim> aims;
+  if (open("learn")) aims = aims_around(learned.worth_aiming_at);
+  if (!aims.empty()) aim_at(aims, options, message, scene);
   std::string learned_light;
   if (open("guide")) {
-    light = learn_light(*scene, lessons(plan), LearnedLight::kMaxArrivals, options.threads);
-    learned_light = LearnedLight::packed(light.arrivals);
+    learned_light = LearnedLight::packed(learned.arrivals);
     scene->lights.set_learned(LearnedLight(LearnedLight::unpacked(learned_light)));
   }
   const PilotResult found = run_pilot(*scene, {.film = plan.film,
                                                .samples = plan.range_ends.back(),
                                                .direction = open("direction"),
-                                               .aim = open("aim") || !learned.aims.empty(),
+                                               .aim = open("aim") || !aims.empty(),
                                                .sharing = open("sharing"),
                                                .ratio = open("ratio"),
                                                .guide = !scene->lights.learned().empty(),
@@ -342,14 +341,14 @@ void run_pilot(const Options& options, v1::CompiledScene message,
   file << "{\"forward_photons\": "
        << (found.choice.direction != Direction::kAdjoint ? "true" : "false")
        << ", \"aimed\": " << (found.choice.aimed ? "true" : "false")
-       << ", \"aims\": " << aims_json(found.choice.aimed ? learned.aims : std::vector<Aim>{})
+       << ", \"aims\": " << aims_json(found.choice.aimed ? aims : std::vector<Aim>{})
        << ", \"learned_light\": \"" << (found.choice.guided ? hex(learned_light) : "") << '"'
        << ", \"sharing\": " << found.choice.sharing
        << ", \"forward_ratio\": " << found.choice.forward_ratio
        << ", \"gain\": " << found.choice.gain
        << ", \"finds_more\": " << (found.choice.finds_more ? "true" : "false")
-       << ", \"photons\": " << found.photons + learned.photons + light.photons
-       << ", \"rays\": " << found.rays + learned.rays + light.rays
+       << ", \"photons\": " << found.photons + learned.photons
+       << ", \"rays\": " << found.rays + learned.rays
        << ", \"cpu_seconds\": " << process_cpu_seconds() - cpu_before << ", \"tried\": [" << tried
        << "]}\n";
   finish(file, options.output);

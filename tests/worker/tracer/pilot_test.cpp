@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "support/caustic_scene.h"
+#include "tracer/forward_pays.h"
 
 namespace nocturne {
 namespace {

@@ -1,5 +1,6 @@
 #include "tracer/photon_batches.h"
 
+#include "tracer/estimators/arrival_estimator.h"
 #include "tracer/estimators/camera_estimator.h"
 #include "tracer/estimators/sensor_estimator.h"
 #include "tracer/photon_start.h"
@@ -54,5 +55,9 @@ template class PhotonBatches<1, CameraEstimator<1>, false>;
 template class PhotonBatches<1, CameraEstimator<1>, true>;
 template class PhotonBatches<4, CameraEstimator<4>, false>;
 template class PhotonBatches<4, CameraEstimator<4>, true>;
+template class PhotonBatches<1, ArrivalEstimator<1>, false>;
+template class PhotonBatches<1, ArrivalEstimator<1>, true>;
+template class PhotonBatches<4, ArrivalEstimator<4>, false>;
+template class PhotonBatches<4, ArrivalEstimator<4>, true>;
 
 }  // namespace nocturne

@@ -1,4 +1,3 @@
-// Long, as each comparison starts from what the ones before found, and from the same budget.
 #include "tracer/pilot.h"
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 
 #include "math/functions.h"
 #include "tracer/by_threads.h"
+#include "tracer/forward_pays.h"
 
 namespace nocturne {
 namespace {
@@ -31,18 +31,9 @@ constexpr double kQueryCost = 0.7, kForwardCost = 1.5;
 /// them but one so many times more than it has to, or so many times less: somebody waits for the
 /// pilot, and one part of five does not move the median.
 constexpr double kPlain = 1.25;
-/// A way is left for another that is so much better.
-constexpr double kWorthIt = 1.25;
-/// Ratios of forward photons that may be chosen, the part of the time that each kind keeps at
-/// least, and how many times better another ratio than 1 must be.
-constexpr double kLeastRatio = 1.0 / 16, kMostRatio = 64.0, kLeastTime = 1.0 / 8, kRatioPays = 1.05;
 /// Of a guided sample over that of one that is not: looking up and asking cells of learned light,
 /// measured, docs/decisions/0104. Part of the direction's budget that comparing these takes.
 constexpr double kGuideCost = 1.1, kGuidePart = 0.5;
-/// Standard errors between two means that are told apart; of four images, so few are not enough.
-constexpr double kApart = 5.0;
-/// Forward photons whose mean is less certain have hardly found the sensor yet.
-constexpr double kCertain = 0.2;
 
 class Pilot {
  public:
@@ -372,41 +363,6 @@ class Pilot {
 };
 
 }  // namespace
-
-double product_of_both(const PilotFigures& adjoint, const PilotFigures& forward, double ratio) {
-  return (adjoint.relative_mse + forward.relative_mse / ratio) *
-         (adjoint.cost + ratio * forward.cost);
-}
-
-double best_forward_ratio(const PilotFigures& adjoint, const PilotFigures& forward) {
-  double best = 1.0, least = product_of_both(adjoint, forward, best);
-  for (double ratio = kLeastRatio; ratio <= kMostRatio; ratio *= 2.0) {
-    const double of_forward = ratio * forward.cost, all = adjoint.cost + of_forward;
-    if (of_forward < kLeastTime * all || adjoint.cost < kLeastTime * all) continue;
-    const double product = product_of_both(adjoint, forward, ratio);
-    // A ratio of 1 keeps small films in one piece.
-    if (product < (best == 1.0 ? 1.0 / kRatioPays : 1.0) * least) {
-      best = ratio;
-      least = product;
-    }
-  }
-  return best;
-}
-
-ForwardPays forward_pays(const PilotFigures& adjoint, const PilotFigures& rest,
-                         const PilotFigures& left, const PilotFigures& forward, double ratio) {
-  if (!(forward.mean > 0.0) || forward.mean_error > kCertain * forward.mean) {
-    return ForwardPays::kNot;
-  }
-  // What one of the two has not found at all makes no noise: a way that is too dark only looks
-  // good.
-  const double apart = kApart * math::hypot(left.mean_error, forward.mean_error);
-  if (left.mean - forward.mean > apart) return ForwardPays::kNot;
-  if (forward.mean - left.mean > apart) return ForwardPays::kFindsMore;
-  return adjoint.relative_mse * adjoint.cost > kWorthIt * product_of_both(rest, forward, ratio)
-             ? ForwardPays::kLessError
-             : ForwardPays::kNot;
-}
 
 PilotResult run_pilot(Scene& scene, const PilotRequest& request) {
   return Pilot(scene, request).run();

@@ -45,24 +45,6 @@ struct PilotResult {
   std::uint64_t photons, rays;
 };
 
-/// A power of two: how many forward photons for each adjoint one give the least error for the same
-/// time. Each kind keeps an eighth of the time at least, so that one whose error the pilot has not
-/// seen yet is slowed no more than that.
-double best_forward_ratio(const PilotFigures& adjoint, const PilotFigures& forward);
-
-/// Error times cost of both kinds together.
-double product_of_both(const PilotFigures& adjoint, const PilotFigures& forward, double ratio);
-
-/// What is better about forward photons.
-enum class ForwardPays { kNot, kLessError, kFindsMore };
-
-/// Whether photons start at luminaires. `adjoint` are photons from the sensor that bring all light,
-/// `rest` those that leave to `forward` ones what these bring (all zero where these bring all), and
-/// `left` is what they leave: the difference of `adjoint` and `rest` with the same numbers.
-/// `ratio`: of forward photons to those of `rest`.
-ForwardPays forward_pays(const PilotFigures& adjoint, const PilotFigures& rest,
-                         const PilotFigures& left, const PilotFigures& forward, double ratio = 1.0);
-
 /// The same choice on every machine and for any number of threads: costs are counted, not timed.
 /// The options of `scene`, which was loaded for the direction that its options say, change
 /// meanwhile and are at the end what they were. Throws what tracing throws.

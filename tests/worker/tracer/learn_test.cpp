@@ -1,6 +1,6 @@
-// What is learned of where to aim photons from luminaires. That images stay the same is for
-// tests/accuracy/test_both_directions.py, whatever they are aimed at.
-#include "tracer/learn_aims.h"
+// What is learned of where to aim photons from luminaires, and of the light that mirrors and glass
+// gather. That images stay the same is for tests/accuracy, whatever they are aimed at or guided by.
+#include "tracer/learn.h"
 
 #include <gtest/gtest.h>
 
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "support/caustic_scene.h"
+#include "tracer/aims_around.h"
 
 namespace nocturne {
 namespace {
@@ -64,35 +65,46 @@ TEST(AimsAround, OnePointIsNoBall) {
   EXPECT_TRUE(aims_around(std::vector<Vec3>(100, Vec3{1, 1, 1})).empty());
 }
 
-TEST(LearnAims, FindsTheBallThatMakesTheCaustic) {
+TEST(Learn, FindsTheBallThatMakesTheCaustic) {
   const auto scene = test::floor_and_lamp(true).load();
-  const LearnedAims learned = learn_aims(*scene, {64, 48}, 1 << 15, 2);
-  ASSERT_EQ(learned.aims.size(), 1u);
-  EXPECT_LT(length(learned.aims[0].centre - Vec3{0, -0.3f, -0.5f}), 0.5f);
-  EXPECT_LT(learned.aims[0].radius, 1.0f);
+  const Learned learned = learn(*scene, {64, 48}, 1 << 15, 2);
+  const std::vector<Aim> aims = aims_around(learned.worth_aiming_at);
+  ASSERT_EQ(aims.size(), 1u);
+  EXPECT_LT(length(aims[0].centre - Vec3{0, -0.3f, -0.5f}), 0.5f);
+  EXPECT_LT(aims[0].radius, 1.0f);
   EXPECT_GT(learned.rays, 0u);
 }
 
-TEST(LearnAims, IsTheSameOnAnyNumberOfThreadsAndLeavesTheSceneAsItWas) {
+TEST(Learn, FindsWhereTheBallGathersLight) {
   const auto scene = test::floor_and_lamp(true).load();
-  const std::uint64_t seed = scene->options.seed;
-  const LearnedAims one = learn_aims(*scene, {64, 48}, 1 << 16, 1);
-  const LearnedAims three = learn_aims(*scene, {64, 48}, 1 << 16, 3);
-  EXPECT_EQ(scene->options.seed, seed);
-  EXPECT_EQ(one.rays, three.rays);
-  ASSERT_EQ(one.aims.size(), three.aims.size());
-  for (std::size_t i = 0; i < one.aims.size(); ++i) {
-    EXPECT_EQ(one.aims[i].centre, three.aims[i].centre);
-    EXPECT_EQ(one.aims[i].radius, three.aims[i].radius);
-    EXPECT_EQ(one.aims[i].weight, three.aims[i].weight);
+  const std::vector<LearnedLight::Arrival> arrivals = learn(*scene, {64, 48}, 1 << 15, 2).arrivals;
+  ASSERT_GT(arrivals.size(), 50u);
+  std::size_t below = 0;
+  for (const auto& [position, direction] : arrivals) {
+    EXPECT_NEAR(position.y, -1.0f, 1e-4f);
+    EXPECT_GT(direction.y, 0.0f);
+    below += length(position - Vec3{0, -1, -0.5f}) < 0.5f ? 1u : 0u;
   }
+  EXPECT_GT(below, arrivals.size() / 2);
 }
 
-TEST(LearnAims, AsksNothingWhereNoMirrorOrGlassGathersLight) {
+TEST(Learn, IsTheSameOnAnyNumberOfThreadsAndLeavesTheSceneAsItWas) {
+  const auto scene = test::floor_and_lamp(true).load();
+  const std::uint64_t seed = scene->options.seed;
+  const Learned one = learn(*scene, {64, 48}, 1 << 16, 1);
+  const Learned three = learn(*scene, {64, 48}, 1 << 16, 3);
+  EXPECT_EQ(scene->options.seed, seed);
+  EXPECT_EQ(one.rays, three.rays);
+  EXPECT_EQ(one.worth_aiming_at, three.worth_aiming_at);
+  EXPECT_EQ(LearnedLight::packed(one.arrivals), LearnedLight::packed(three.arrivals));
+}
+
+TEST(Learn, AsksNothingWhereNoMirrorOrGlassGathersLight) {
   test::SceneBuilder builder = test::floor_and_lamp(false);
   builder.message.mutable_tracing()->set_direction(v1::DIRECTION_BOTH);
-  const LearnedAims learned = learn_aims(*builder.load(), {64, 48}, 1 << 15, 2);
-  EXPECT_TRUE(learned.aims.empty());
+  const Learned learned = learn(*builder.load(), {64, 48}, 1 << 15, 2);
+  EXPECT_TRUE(learned.worth_aiming_at.empty());
+  EXPECT_TRUE(learned.arrivals.empty());
   EXPECT_EQ(learned.rays, 0u);
 }
 

@@ -1,18 +1,11 @@
-#include "tracer/learn_aims.h"
+#include "tracer/aims_around.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <optional>
+#include <utility>
 
 #include "math/functions.h"
-#include "tracer/by_threads.h"
-#include "tracer/estimators/camera_estimator.h"
-#include "tracer/estimators/sensor_estimator.h"
-#include "tracer/flush_denormals.h"
-#include "tracer/photon_batches.h"
-#include "tracer/photon_start.h"
 
 namespace nocturne {
 namespace {
@@ -25,9 +18,6 @@ constexpr std::size_t kEnough = 16;
 /// many.
 constexpr double kWorthDividing = 0.8;
 constexpr std::size_t kFew = 50;
-/// Groups that one thread traces before it takes others.
-constexpr std::uint64_t kChunk = 1u << 14;
-
 using Places = std::vector<Vec3>;
 
 std::array<double, 3> coordinates(Vec3 place) { return {place.x, place.y, place.z}; }
@@ -88,71 +78,10 @@ struct Cluster {
   }
 };
 
-/// Where a photon first came: a sensor on its way, or a surface.
-template <int N>
-std::optional<Vec3> first_place(const Scene& scene, Film film, const Start<N>& from) {
-  const auto hit = scene.geometry.intersect(from.ray, from.time, from.departure);
-  if (scene.sensor.splats_segments()) {
-    const float way = hit ? hit->distance : std::numeric_limits<float>::infinity();
-    const auto splat =
-        scene.sensor.splat_segment(film, from.ray.origin, from.ray.direction, way, from.time);
-    if (splat) return from.ray.origin + splat->distance * from.ray.direction;
-  }
-  if (!hit) return std::nullopt;
-  return hit->position;
-}
-
-struct Chunk {
-  Places places;
-  TileSums counts{0, 0, 0};
-};
-
-template <int N, class Estimator, bool Media>
-void trace_chunk(const Scene& scene, Film film, std::uint64_t first, std::uint64_t end,
-                 Chunk& chunk) {
-  const FlushDenormals flush;
-  PhotonBatches<N, Estimator, Media> photons(scene, film, {});
-  for (std::uint64_t begin = first; begin < end; begin += kBatchGroups) {
-    photons.trace(begin, std::min<std::uint64_t>(kBatchGroups, end - begin), chunk.counts);
-    std::optional<std::uint32_t> latest;
-    for (const Splat<N>& splat : photons.splats()) {
-      if (latest == splat.sample || !(largest(splat.value) > 0.0f)) continue;
-      latest = splat.sample;
-      const std::uint64_t photon = begin + splat.sample;
-      PixelSequence numbers = photon_numbers(scene, photon);
-      PhotonSequence sequence(numbers, sample_of_photon(photon));
-      const PhotonStart<N> from = start_photon<N>(scene, sequence);
-      if (!from.from_surface) continue;
-      if (const auto place = first_place(scene, film, from.start)) chunk.places.push_back(*place);
-    }
-  }
-  chunk.counts.photons = (end - first) * N;
-}
-
-template <int N>
-void trace_group(const Scene& scene, Film film, std::uint64_t first, std::uint64_t end,
-                 Chunk& chunk) {
-  const auto trace = [&]<class Estimator>() {
-    scene.media.empty() ? trace_chunk<N, Estimator, false>(scene, film, first, end, chunk)
-                        : trace_chunk<N, Estimator, true>(scene, film, first, end, chunk);
-  };
-  scene.options.direction == Direction::kForward ? trace.template operator()<SensorEstimator<N>>()
-                                                 : trace.template operator()<CameraEstimator<N>>();
-}
-
-void trace_any(const Scene& scene, Film film, std::uint64_t first, std::uint64_t end,
-               Chunk& chunk) {
-  switch (scene.options.group) {
-    case 4:
-      return trace_group<4>(scene, film, first, end, chunk);
-    default:
-      return trace_group<1>(scene, film, first, end, chunk);
-  }
-}
-
 }  // namespace
 
 std::vector<Aim> aims_around(const Places& places) {
+  if (places.size() < kEnough) return {};
   std::vector<Cluster> clusters{Cluster(places)};
   // One that is not worth dividing stays; those that came of another are looked at, too.
   for (std::size_t i = 0; i < clusters.size() && clusters.size() < kMaxAims;) {
@@ -177,28 +106,6 @@ std::vector<Aim> aims_around(const Places& places) {
                     cluster.cost()});
   }
   return aims;
-}
-
-LearnedAims learn_aims(Scene& scene, Film film, double photons, unsigned threads) {
-  if (scene.options.direction != Direction::kForward && !scene.has_mirrors) return {};
-  const TracingOptions before = scene.options;
-  scene.options.aimed_emission = 0.0f;
-  scene.options.seed = ~before.seed;
-  const auto all = static_cast<std::uint64_t>(std::max(1.0, photons));
-  std::vector<Chunk> chunks((all + kChunk - 1) / kChunk);
-  by_threads(chunks.size(), threads, [&](std::size_t i) {
-    trace_any(scene, film, i * kChunk, std::min(all, (i + 1) * kChunk), chunks[i]);
-  });
-  scene.options = before;
-  LearnedAims found{};
-  Places places;
-  for (const Chunk& chunk : chunks) {
-    places.insert(places.end(), chunk.places.begin(), chunk.places.end());
-    found.photons += chunk.counts.photons;
-    found.rays += chunk.counts.rays;
-  }
-  if (places.size() >= kEnough) found.aims = aims_around(places);
-  return found;
 }
 
 }  // namespace nocturne

@@ -1,0 +1,33 @@
+// Keeps where forward photons come that mirrors and clear glass gather, besides those that are
+// connected to the camera.
+#pragma once
+
+#include <vector>
+
+#include "luminaires/learned_light.h"
+#include "tracer/estimators/camera_estimator.h"
+
+namespace nocturne {
+
+template <int N>
+class ArrivalEstimator : public CameraEstimator<N> {
+ public:
+  ArrivalEstimator(const Scene& scene, Film film)
+      : CameraEstimator<N>(scene, film), scene_(scene) {}
+
+  void arrives(const BatchSample<N>&, const Group<N>& group, const Hit& hit) {
+    const SurfaceMaterial& material = scene_.materials[hit.surface];
+    if (!group.ends.specular_like_at_luminaire || group.scattered || material.may_pass) return;
+    if (scene_.specular_like[kernel_at(scene_, hit, group.ray.direction)]) return;
+    arrivals_.push_back({hit.position, -group.ray.direction});
+  }
+
+  /// At what is like a diffuse surface.
+  const std::vector<LearnedLight::Arrival>& arrivals() const { return arrivals_; }
+
+ private:
+  const Scene& scene_;
+  std::vector<LearnedLight::Arrival> arrivals_;
+};
+
+}  // namespace nocturne
