@@ -176,6 +176,15 @@ def pool() -> Document:
     return _scene(_camera([2.8, 0.3, 1.6], [1.0, 1.8, 0.0]), surfaces)
 
 
+def murky_pool() -> Document:
+    """The same with murky water, which shows where its waves of light are."""
+    document = pool()
+    water = next(each for each in document["surfaces"] if each.get("kernel", {}).get("type") == "dielectric")
+    water["interior"] = {"media": ["murk"]}
+    document["media"] = {"murk": {"scattering": 0.4, "absorption": 0.1}}
+    return document
+
+
 def mirrored_sun() -> Document:
     """A floor in the shade, and a mirror that throws the Sun on it."""
     mirror = _quad([2, -1, 0], [0, 2, 0], [-0.2, 0, 2])
@@ -219,6 +228,7 @@ TRAPS: dict[str, Callable[[], Document]] = {
     "lamp behind two panes": panes,
     "caustic in a mirror": mirrored_glass,
     "pool": pool,
+    "murky pool": murky_pool,
     "Sun in a mirror": mirrored_sun,
     "fog with a far lamp": fog,
 }

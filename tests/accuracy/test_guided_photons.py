@@ -40,14 +40,23 @@ _WATER = surface(
     {"type": "box", "minimum": [-0.8, -0.1, -0.8], "maximum": [0.8, 0.3, 0.8]},
     {"type": "dielectric", "index": 1.33},
 )
+_MURKY_WATER = _WATER | {"interior": {"media": ["murk"]}}
+_FOG = {
+    "shape": {"type": "box", "minimum": [-3, -1, -3], "maximum": [3, 4, 3]},
+    "interior": {"media": ["murk"]},
+}
 _MIRROR = surface(quad([-1, 0, -1], [2, 0, 0], [0, 1, 0]), {"type": "conductor", "index": "Ag"})
 _ROUGH = surface(
     quad([-1, 0, -1], [2, 0, 0], [0, 1, 0]), {"type": "conductor", "index": "Ag", "roughness": 0.2}
 )
 _PANE = surface(quad([-0.8, 0.5, -0.8], [0, 0, 1.6], [1.6, 0, 0]), {"type": "thin_pane", "index": 1.8})
 
+_MEDIA: Document = {"media": {"murk": {"scattering": 0.4, "absorption": 0.1}}}
+
 SCENES = {
     "water": _scene(_WATER),
+    "murky water": _scene(_MURKY_WATER) | _MEDIA,
+    "mirror in fog": _scene(_MIRROR, _FOG) | _MEDIA,
     "mirror and pane": _scene(_MIRROR, _PANE),
     "rough mirror": _scene(_ROUGH, surface(sphere([0.3, 0.3, 0], 0.2), {"type": "dielectric", "index": 1.5})),
 }

@@ -331,6 +331,7 @@ void run_pilot(const Options& options, v1::CompiledScene message,
                                                .sharing = open("sharing"),
                                                .ratio = open("ratio"),
                                                .guide = !scene->lights.learned().empty(),
+                                               .lessons = learned.rays > 0 ? lessons(plan) : 0.0,
                                                .threads = options.threads});
   std::string tried;
   for (const PilotFigures& figures : found.tried) {

@@ -88,6 +88,25 @@ TEST(Learn, FindsWhereTheBallGathersLight) {
   EXPECT_GT(below, arrivals.size() / 2);
 }
 
+TEST(Learn, FindsWhatIsGatheredInMedia) {
+  test::SceneBuilder builder = test::floor_and_lamp(true);
+  const std::uint32_t none = builder.add_spectrum(0.0f), some = builder.add_spectrum(0.3f);
+  builder.add_unbounded({builder.add_medium(none, some, 0.0)});
+  const std::vector<LearnedLight::Arrival> arrivals =
+      learn(*builder.load(), {64, 48}, 1 << 15, 2).arrivals;
+  std::size_t in_media = 0;
+  for (const auto& [position, direction] : arrivals) {
+    if (position.y < -0.99f) continue;
+    ++in_media;
+    // By the ball alone: from the lamp they come directly, too.
+    const Vec3 to_ball = Vec3{0, -0.3f, -0.5f} - position;
+    const float along = dot(to_ball, direction);
+    EXPECT_LT(length(to_ball - along * direction), 0.501f);
+  }
+  EXPECT_GT(in_media, 10u);
+  EXPECT_LT(in_media, arrivals.size());
+}
+
 TEST(Learn, IsTheSameOnAnyNumberOfThreadsAndLeavesTheSceneAsItWas) {
   const auto scene = test::floor_and_lamp(true).load();
   const std::uint64_t seed = scene->options.seed;

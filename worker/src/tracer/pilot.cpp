@@ -20,8 +20,9 @@ constexpr std::uint32_t kImages = 4, kSamples = 16;
 constexpr std::uint32_t kSharingImages = 2, kMaxSharingSamples = 64;
 constexpr double kEnoughSquares = 4.0;
 constexpr std::size_t kParts = 5;
-/// Part of the render's samples that a pilot takes, their most, and the most rays.
-constexpr double kPart = 0.025, kMaxSamples = 1.5e6, kMaxRays = 12e6;
+/// Part of the render's samples that a pilot takes with its lessons, the most samples without
+/// these, and the most rays.
+constexpr double kPart = 0.024, kMaxSamples = 1.5e6, kMaxRays = 12e6;
 /// Edge of the squares of the film, pixels, in which neighbours share.
 constexpr std::uint32_t kSquare = 16;
 /// Of an occlusion query between neighbours, and of a forward photon's ray with its connection to
@@ -65,7 +66,8 @@ class Pilot {
   /// Samples in all that the pilot may take.
   double samples() {
     const double pixels = static_cast<double>(request_.film.width) * request_.film.height;
-    const double part = std::min(kPart * pixels * request_.samples, kMaxSamples);
+    const double all = kPart * pixels * request_.samples - request_.lessons;
+    const double part = std::clamp(all, 0.0, kMaxSamples);
     // What a sample takes, by a few of them.
     const Film small = reduced(256.0);
     const PilotImages probe = images(Direction::kAdjoint, 1, small, whole(small), 1);
@@ -193,7 +195,7 @@ class Pilot {
     // Not 32: the grid of blocks stands still so long, and then sharing seems to lose nothing where
     // light is direct; at 64 samples it loses a factor of three (colour chart).
     if (kMaxSharingSamples * enough <= all) samples = kMaxSharingSamples;
-    const auto film = some_squares(std::max(1.0, std::round(all / samples)), samples);
+    const auto film = some_squares(std::max(1.0, std::floor(all / samples)), samples);
     const auto first = film.begin() + static_cast<std::ptrdiff_t>(std::min(kParts, film.size()));
     PilotImages alone, shared;
     auto [gains, ratio] = gains_of_sharing({film.begin(), first}, alone, shared);

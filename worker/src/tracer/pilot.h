@@ -22,6 +22,8 @@ struct PilotRequest {
   bool ratio = false;
   /// Guide: whether adjoint photons go where the scene's learned light comes from.
   bool guide = false;
+  /// Groups of photons that something was learned from before, a part of what the pilot may take.
+  double lessons = 0.0;
   unsigned threads;
 };
 

@@ -17,15 +17,21 @@ class ArrivalEstimator : public CameraEstimator<N> {
 
   void arrives(const BatchSample<N>&, const Group<N>& group, const Hit& hit) {
     const SurfaceMaterial& material = scene_.materials[hit.surface];
-    if (!group.ends.specular_like_at_luminaire || group.scattered || material.may_pass) return;
+    if (material.may_pass) return;
     if (scene_.specular_like[kernel_at(scene_, hit, group.ray.direction)]) return;
-    arrivals_.push_back({hit.position, -group.ray.direction});
+    keep(group, hit);
   }
+  void glows(const BatchSample<N>&, const Group<N>& group, const Hit& hit) { keep(group, hit); }
 
-  /// At what is like a diffuse surface.
+  /// At what is like a diffuse surface, and in media.
   const std::vector<LearnedLight::Arrival>& arrivals() const { return arrivals_; }
 
  private:
+  void keep(const Group<N>& group, const Hit& hit) {
+    if (!group.ends.specular_like_at_luminaire || group.scattered) return;
+    arrivals_.push_back({hit.position, -group.ray.direction});
+  }
+
   const Scene& scene_;
   std::vector<LearnedLight::Arrival> arrivals_;
 };

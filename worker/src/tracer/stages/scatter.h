@@ -76,7 +76,7 @@ void prepare(Batch& batch, Chunk<N, Bound>& chunk) {
     const Bound& kernel = *chunk.kernels[i];
     const bool passes_on = group.mis.technique == MisTechnique::kLights;
     chunk.two_photons[i] =
-        second && !passes_on && kernel.smooth() && may_see_lights(batch, group, vertex);
+        second && !passes_on && kernel.smooth() && may_see_lights(batch, group, vertex, kernel);
     if constexpr (Batch::kAdjoint) {
       group.second = Group<N>::kNone;
       if (group.shares) offer_second(batch, group, vertex, kernel);
