@@ -7,14 +7,14 @@
 #include <utility>
 
 #include "math/functions.h"
-#include "tracer/by_threads.h"
 #include "tracer/forward_pays.h"
+#include "tracer/trials.h"
 
 namespace nocturne {
 namespace {
 
-/// Independent images by each way, and samples of a pixel in each.
-constexpr std::uint32_t kImages = 4, kSamples = 16;
+/// Samples of a pixel in each image.
+constexpr std::uint32_t kSamples = 16;
 /// The same for sharing, whose worth depends on how many samples are stratified together: as many
 /// as leave so many squares of the film, in images that pixels alone can be judged by.
 constexpr std::uint32_t kSharingImages = 2, kMaxSharingSamples = 64;
@@ -23,8 +23,6 @@ constexpr std::size_t kParts = 5;
 /// Part of the render's samples that a pilot takes with its lessons, the most samples without
 /// these, and the most rays.
 constexpr double kPart = 0.024, kMaxSamples = 1.5e6, kMaxRays = 12e6;
-/// Edge of the squares of the film, pixels, in which neighbours share.
-constexpr std::uint32_t kSquare = 16;
 /// Of an occlusion query between neighbours, and of a forward photon's ray with its connection to
 /// the camera and its place on the film, in rays of adjoint photons: measured, docs/decisions/0062.
 constexpr double kQueryCost = 0.7, kForwardCost = 1.5;
@@ -39,7 +37,11 @@ constexpr double kGuideCost = 1.1, kGuidePart = 0.5;
 class Pilot {
  public:
   Pilot(Scene& scene, const PilotRequest& request)
-      : scene_(scene), request_(request), before_(scene.options), budget_(samples()) {
+      : scene_(scene),
+        request_(request),
+        before_(scene.options),
+        trials_(scene, request.film, request.threads),
+        budget_(samples()) {
     scene_.options.guide = false;
   }
   ~Pilot() { scene_.options = before_; }
@@ -59,18 +61,21 @@ class Pilot {
         before_.estimator == Estimator::kTwoPhotons) {
       choose_sharing();
     }
+    result_.photons = trials_.photons();
+    result_.rays = trials_.rays();
     return result_;
   }
 
  private:
   /// Samples in all that the pilot may take.
   double samples() {
-    const double pixels = static_cast<double>(request_.film.width) * request_.film.height;
+    const double pixels = pixels_of(request_.film);
     const double all = kPart * pixels * request_.samples - request_.lessons;
     const double part = std::clamp(all, 0.0, kMaxSamples);
     // What a sample takes, by a few of them.
-    const Film small = reduced(256.0);
-    const PilotImages probe = images(Direction::kAdjoint, 1, small, whole(small), 1);
+    const Film small = trials_.reduced(256.0);
+    const PilotImages probe =
+        trials_.images(Direction::kAdjoint, 1, small, whole(small, kSamples), 1);
     const double taken = pixels_of(small) * kSamples;
     return std::min(part, kMaxRays / std::max(1.0, rays_of(probe) / taken));
   }
@@ -85,13 +90,13 @@ class Pilot {
     // Whatever is better once adjoint photons are guided: whether they are is asked then.
     scene_.options.guide = request_.guide;
     const auto ways = static_cast<double>((request_.guide ? 3 : 2) + aims.size());
-    const Film film = reduced(budget_ / 2 / (ways * kImages * kSamples));
-    const auto square = whole(film);
-    const PilotImages all = images(Direction::kAdjoint, 1, film, square);
+    const Film film = trials_.reduced(budget_ / 2 / (ways * Trials::kImages * kSamples));
+    const auto square = whole(film, kSamples);
+    const PilotImages all = trials_.images(Direction::kAdjoint, 1, film, square);
     PilotImages rest, left = all;
     if (before_.direction == Direction::kBoth) {
-      rest = images(Direction::kBoth, 1, film, square);
-      for (std::uint32_t i = 0; i < kImages; ++i) {
+      rest = trials_.images(Direction::kBoth, 1, film, square);
+      for (std::uint32_t i = 0; i < Trials::kImages; ++i) {
         std::vector<double>& sums = left.images[i][0].sums;
         for (std::size_t s = 0; s < sums.size(); ++s) sums[s] -= rest.images[i][0].sums[s];
       }
@@ -99,10 +104,11 @@ class Pilot {
     std::vector<PilotImages> forward;
     for (const bool aimed : aims) {
       scene_.options.aimed_emission = aimed ? before_.aimed_emission : 0.0f;
-      forward.push_back(images(before_.direction, 1, film, square, kImages, true));
+      forward.push_back(trials_.images(before_.direction, 1, film, square, Trials::kImages, true));
     }
     scene_.options.guide = false;
-    const PilotImages plain = request_.guide ? images(Direction::kAdjoint, 1, film, square) : all;
+    const PilotImages plain =
+        request_.guide ? trials_.images(Direction::kAdjoint, 1, film, square) : all;
     const PilotImages& best = *std::ranges::min_element(
         forward, {}, [](const PilotImages& each) { return mean_and_error(each)[1]; });
     const std::vector<double> shown = shown_by({&all}, {&rest, &best});
@@ -145,11 +151,11 @@ class Pilot {
     if (request_.direction && result_.choice.direction == Direction::kAdjoint) {
       return choose_guide(unguided_, guided_);
     }
-    const Film film = reduced(kGuidePart * budget_ / 2 / (2 * kImages * kSamples));
-    const auto square = whole(film);
-    const PilotImages without = images(result_.choice.direction, 1, film, square);
+    const Film film = trials_.reduced(kGuidePart * budget_ / 2 / (2 * Trials::kImages * kSamples));
+    const auto square = whole(film, kSamples);
+    const PilotImages without = trials_.images(result_.choice.direction, 1, film, square);
     scene_.options.guide = true;
-    const PilotImages with = images(result_.choice.direction, 1, film, square);
+    const PilotImages with = trials_.images(result_.choice.direction, 1, film, square);
     scene_.options.guide = false;
     const std::vector<double> shown = shown_by({&without}, {&with});
     const PilotFigures before = figures_of(PilotFigures::kGuide, 1, without, shown);
@@ -189,13 +195,13 @@ class Pilot {
   void choose_sharing() {
     // Half of the budget was for the direction, if that was open.
     const double budget = std::min(result_.tried.empty() ? budget_ : budget_ / 2, kMaxSamples / 2);
-    const double all = budget / (2 * kSharingImages) / (kSquare * kSquare);
-    const double enough = std::min<double>(kEnoughSquares, squares_of_film());
+    const double all = budget / (2 * kSharingImages) / (Trials::kSquare * Trials::kSquare);
+    const double enough = std::min<double>(kEnoughSquares, trials_.squares_of_film());
     std::uint32_t samples = kSamples;
     // Not 32: the grid of blocks stands still so long, and then sharing seems to lose nothing where
     // light is direct; at 64 samples it loses a factor of three (colour chart).
     if (kMaxSharingSamples * enough <= all) samples = kMaxSharingSamples;
-    const auto film = some_squares(std::max(1.0, std::floor(all / samples)), samples);
+    const auto film = trials_.some_squares(std::max(1.0, std::floor(all / samples)), samples);
     const auto first = film.begin() + static_cast<std::ptrdiff_t>(std::min(kParts, film.size()));
     PilotImages alone, shared;
     auto [gains, ratio] = gains_of_sharing({film.begin(), first}, alone, shared);
@@ -223,7 +229,7 @@ class Pilot {
                                                           PilotImages& alone, PilotImages& shared) {
     const auto add = [&](PilotImages& to, std::uint32_t sharing) {
       PilotImages more =
-          images(result_.choice.direction, sharing, request_.film, squares, kSharingImages);
+          trials_.images(result_.choice.direction, sharing, request_.film, squares, kSharingImages);
       to.samples = more.samples;
       to.images.resize(more.images.size());
       for (std::size_t i = 0; i < more.images.size(); ++i) {
@@ -285,75 +291,10 @@ class Pilot {
     return {gains, ratio};
   }
 
-  static double pixels_of(Film film) { return static_cast<double>(film.width) * film.height; }
-
-  /// The same view in so many pixels, about.
-  Film reduced(double pixels) const {
-    const double scale =
-        std::sqrt(std::min(1.0, std::max(16.0, pixels) / pixels_of(request_.film)));
-    const auto edge = [&](std::uint32_t full) {
-      return std::max(1u, static_cast<std::uint32_t>(std::lround(scale * full)));
-    };
-    return {edge(request_.film.width), edge(request_.film.height)};
-  }
-
-  static std::vector<TileRange> whole(Film film) {
-    return {{0, 0, film.width, film.height, 0, kSamples}};
-  }
-
-  static std::uint32_t squares_along(std::uint32_t edge) { return (edge + kSquare - 1) / kSquare; }
-  std::uint32_t squares_of_film() const {
-    return squares_along(request_.film.width) * squares_along(request_.film.height);
-  }
-
-  /// Squares of the render's film, spread over it (by the golden ratio).
-  std::vector<TileRange> some_squares(double wanted, std::uint32_t samples) const {
-    const auto [width, height] = request_.film;
-    const std::uint32_t columns = squares_along(width), all = squares_of_film();
-    const auto count = static_cast<std::uint32_t>(std::min<double>(wanted, all));
-    std::vector<TileRange> squares;
-    for (std::uint32_t i = 0; i < count; ++i) {
-      double unused;
-      const double part = std::modf((i + 0.5) * 0.6180339887498949, &unused);
-      const std::uint32_t index = count == all ? i : static_cast<std::uint32_t>(part * all);
-      const std::uint32_t x = index % columns * kSquare, y = index / columns * kSquare;
-      squares.push_back(
-          {x, y, std::min(kSquare, width - x), std::min(kSquare, height - y), 0, samples});
-    }
-    return squares;
-  }
-
-  /// Independent images of some squares of a film.
-  PilotImages images(Direction direction, std::uint32_t sharing, Film film,
-                     const std::vector<TileRange>& squares, std::uint32_t count = kImages,
-                     bool from_luminaires = false) {
-    scene_.options.direction = direction;
-    scene_.options.sharing = sharing;
-    PilotImages made{.samples = squares.front().end_sample, .images = {}};
-    for (std::uint32_t image = 0; image < count; ++image) {
-      scene_.options.seed = before_.seed + image;
-      made.images.push_back(squares_of(film, squares, from_luminaires));
-      for (const TileSums& sums : made.images.back()) {
-        result_.photons += sums.photons;
-        result_.rays += sums.rays;
-      }
-    }
-    return made;
-  }
-
-  std::vector<TileSums> squares_of(Film film, const std::vector<TileRange>& squares,
-                                   bool from_luminaires) const {
-    std::vector<TileSums> made(squares.size(), TileSums(0, 0, 0));
-    by_threads(squares.size(), request_.threads, [&](std::size_t i) {
-      made[i] = from_luminaires ? trace_from_luminaires(scene_, film, squares[i])
-                                : trace_from_sensor(scene_, film, squares[i]);
-    });
-    return made;
-  }
-
   Scene& scene_;
   const PilotRequest request_;
   const TracingOptions before_;
+  Trials trials_;
   PilotResult result_{};
   /// Of forward photons, where they take part, and of the adjoint ones beside them.
   PilotFigures forward_{.photons = PilotFigures::kForward};
