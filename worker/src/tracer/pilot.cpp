@@ -142,7 +142,11 @@ class Pilot {
       if (pays == ForwardPays::kNot || !better) continue;
       adjoint_ = others;
       forward_ = found;
-      const bool finds_more = pays == ForwardPays::kFindsMore;
+      // Photons that are not guided may miss light that the others have in common.
+      const double apart =
+          kApart * math::hypot(unguided.mean_error, others.mean_error, found.mean_error);
+      const bool finds_more =
+          pays == ForwardPays::kFindsMore || others.mean + found.mean - unguided.mean > apart;
       result_.choice = {before_.direction, 1, found.aimed, ratio, gain, finds_more};
     }
   }
