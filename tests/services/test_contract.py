@@ -142,6 +142,7 @@ def _type_of_field(field: FieldDescriptor) -> str:
     else:
         kind = {
             field.CPPTYPE_STRING: "string",
+            field.CPPTYPE_BOOL: "boolean",
             field.CPPTYPE_DOUBLE: "number",
             field.CPPTYPE_UINT32: "integer",
             field.CPPTYPE_UINT64: "integer",

@@ -3,6 +3,7 @@
  *   url, api_pid: the service; auth_url, token: another API on the same data that asks for tokens;
  *   small, other: ids of renders 128 x 128 of the Cornell box that have ended; `other` is by another engine;
  *   panorama: a render of a bright sky, as an eye has it around;
+ *   guided: a render of a pool from above, whose photons are guided;
  *   quarantine: a command that puts the worker named after it in quarantine;
  *   exr: the image of `small`; pixel: {x, y, values} of it, read by OpenImageIO; archive, scene_folder: a ZIP of the Cornell box, its folder;
  *   screenshots: a folder; empty: no pictures are kept;
@@ -122,6 +123,22 @@ const checks = {
     await canvas.focus();
     await page.keyboard.press("ArrowLeft");
     await pixel.getByText("63, 64", { exact: true }).waitFor();
+  },
+
+  async "of a guided render a map shows where light was learned to come from"({ page }) {
+    await page.goto(at(showing(given.guided)));
+    await page.locator("canvas[data-updates]").waitFor();
+    await page.getByText("Learned light").focus();
+    await page.keyboard.press("Enter");
+    await page.locator(".frame canvas[tabindex]").focus();
+    await page.keyboard.press("ArrowLeft");
+    await page.getByText(/seen by 1 mirror or boundary: \d+ cones/).waitFor({ timeout: 60_000 });
+    const cones = page.getByRole("img", { name: "Directions that light was learned to come from" }).locator("polygon");
+    assert.ok((await cones.count()) >= 8);
+    await look(page, "learned-light");
+    await page.goto(at(showing(given.small)));
+    await page.locator("canvas[data-updates]").waitFor();
+    assert.ok(await page.getByText("Learned light").isHidden());
   },
 
   async "keys and buttons zoom, until values stand on pixels; the address keeps where"({ page }) {

@@ -18,6 +18,7 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne_coordinator.store.data_folder import DataFolder
 
+from tests.pool import FILM, SAMPLES, pool
 from tests.system.free_ports import free_port_pair
 from tests.system.program import Program
 from tests.system.up import Up
@@ -114,9 +115,12 @@ def test_the_page(brief: bool, page_service: Up, guarded_url: str, tmp_path: Pat
     assert (DIST / "index.html").is_file(), "run npm run build in services/web"
     url = page_service.url
     cornell = json.loads((ROOT / "examples" / "cornell" / "scene.json").read_text())
+    guided = submit(url, pool(), FILM, SAMPLES)
     small, other = (submit(url, cornell, (128, 128), samples, "boxes") for samples in (64, 16))
     around = submit(url, PANORAMA, (64, 32), 4)
-    wait_for(lambda: all(has_ended(url, each) for each in (small, other, around)), "renders to end", 400)
+    wait_for(
+        lambda: all(has_ended(url, each) for each in (small, other, around, guided)), "renders to end", 400
+    )
     with sqlite3.connect(page_service.data / "nocturne.db", timeout=20) as database:
         database.execute("UPDATE render SET engine = engine - 1 WHERE id = ?", (other,))
     exr = tmp_path / "small.exr"
@@ -129,6 +133,7 @@ def test_the_page(brief: bool, page_service: Up, guarded_url: str, tmp_path: Pat
         "small": small,
         "other": other,
         "panorama": around,
+        "guided": guided,
         "quarantine": [sys.executable, "-c", QUARANTINE, str(page_service.data / "nocturne.db")],
         "exr": str(as_mitsuba_writes_it(exr, tmp_path / "piz.exr")),
         "pixel": pixel_of(exr),

@@ -18,6 +18,7 @@
 
 #include "digest/sha256.h"
 #include "image/write_exr.h"
+#include "math/constants.h"
 #include "nocturne/v1/job.pb.h"
 #include "rounding/floating_point_profile.h"
 #include "scene/load_scene.h"
@@ -26,6 +27,7 @@
 #include "tracer/aims_around.h"
 #include "tracer/layers.h"
 #include "tracer/learn.h"
+#include "tracer/learned_at.h"
 #include "tracer/path_limits.h"
 #include "tracer/pilot.h"
 #include "tracer/trace_film.h"
@@ -42,6 +44,7 @@ struct Options {
   unsigned seeds = 0;
   std::uint32_t layer_samples = 0;
   std::vector<std::string> pilot;
+  std::vector<std::uint32_t> learned_at;
   bool quiet = false;
 };
 
@@ -367,6 +370,39 @@ void run_layers(const Options& options, const v1::CompiledScene& message,
   finish(file, options.output);
 }
 
+// Normal and direction are null where the pixel shows no surface; of a cone its axis, and half its
+// angle in degrees.
+void run_learned_at(const Options& options, const v1::CompiledScene& message,
+                    const v1::RangeSchedule& schedule) {
+  const Film film = checked_schedule(schedule).film;
+  const std::uint32_t x = options.learned_at[0], y = options.learned_at[1];
+  if (x >= film.width || y >= film.height) throw std::runtime_error("the pixel is not on the film");
+  const auto scene = load_scene(message, blobs_in(options.blobs));
+  const auto found = learned_at(*scene, film, x, y);
+  std::ofstream file(options.output);
+  file.precision(6);
+  const auto three = [&](Vec3 v) { file << v.x << ", " << v.y << ", " << v.z; };
+  const auto vector_or_null = [&](const char* name, const Vec3* v) {
+    file << '"' << name << "\": " << (v ? "[" : "null");
+    if (v) three(*v);
+    file << (v ? "], " : ", ");
+  };
+  file << '{';
+  vector_or_null("normal", found ? &found->normal : nullptr);
+  vector_or_null("direction", found ? &found->direction : nullptr);
+  file << "\"interfaces\": " << (found ? found->passed : 0) << ", \"cones\": [";
+  const auto cones = found ? found->cones : std::vector<LearnedLight::Cone>{};
+  const char* separator = "";
+  for (const auto& [axis, half_angle] : cones) {
+    file << separator << '[';
+    three(axis);
+    file << ", " << half_angle * 180.0f / kPi << ']';
+    separator = ", ";
+  }
+  file << "]}\n";
+  finish(file, options.output);
+}
+
 std::string with_seed(std::string path, unsigned seed) {
   constexpr std::string_view kPlace = "{seed}";
   const auto at = path.find(kPlace);
@@ -398,6 +434,7 @@ void run(const Options& options) {
   const auto schedule = read_message<v1::RangeSchedule>(options.schedule);
   if (!options.pilot.empty()) return run_pilot(options, message, schedule);
   if (options.layer_samples != 0) return run_layers(options, message, schedule);
+  if (!options.learned_at.empty()) return run_learned_at(options, message, schedule);
   if (options.seeds != 0) return run_seeds(options, message, schedule);
   run_film(options, message, schedule, sha256_of_file(options.scene));
 }
@@ -471,6 +508,12 @@ int main(int argc, char** argv) {
                  "Instead of an image, what the surfaces in it are like, from this many samples of "
                  "each pixel: albedo, normal, depth, position, object and material as float32")
       ->check(CLI::Range(1, 1024))
+      ->excludes(job);
+  app.add_option("--learned-at", options.learned_at,
+                 "Instead of an image, a JSON file that tells where light was learned to come from "
+                 "at what the middle of this pixel, X,Y, shows directly or by mirrors and glass")
+      ->delimiter(',')
+      ->expected(2)
       ->excludes(job);
   app.add_flag("--quiet", options.quiet, "No progress");
   CLI11_PARSE(app, argc, argv);

@@ -34,6 +34,9 @@ MAX_SECONDS = 120.0
 _AIMED = 0.9
 """Part of the photons from luminaires that goes to what a person declared important, or was learned."""
 
+GUIDED = "guided by what was learned"
+"""In the words for a way of which that is true."""
+
 _EXACT_BELOW = 10
 
 DIRECTIONS = {
@@ -66,7 +69,7 @@ class Ways:
         """In words."""
         shared = f", shared by blocks of {self.sharing} pixels" if self.sharing > 1 else ""
         aimed = ", aimed at what was learned" if self.aims else ""
-        guided = ", guided by what was learned" if self.learned_light else ""
+        guided = f", {GUIDED}" if self.learned_light else ""
         return f"{_SAID[self.direction]}{self._unequal()}{aimed}{guided}{shared}"
 
     def _unequal(self) -> str:

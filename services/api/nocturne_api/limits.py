@@ -91,6 +91,11 @@ TILE_ANSWERS_KEPT = 8
 # Renders that one stream names: one that is looked at, and what it is compared with.
 RENDERS_PER_STREAM = 4
 
+# Places at which learned light is looked up at once, each with the scene in memory, and seconds until one is
+# given up.
+LEARNED_AT_ONCE = 2
+LEARNED_WALL_S = 60.0
+
 # What happened to workers lately, in one answer.
 EVENTS_SHOWN = 100
 

@@ -137,6 +137,8 @@ class Render:
     """How it is traced and why, in words: what a pilot chose. Empty: the scene left nothing open, or the
     render is too small for a pilot.
     """
+    guided: bool
+    """Whether photons from the sensor are sent to where light was learned to come from."""
     layers: list[str]
     """Layers that its EXR has beside the image."""
     group: str

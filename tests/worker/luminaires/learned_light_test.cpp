@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <vector>
 
@@ -82,6 +83,28 @@ TEST(LearnedLight, PlacesOnAPlaneFindTheirNeighbours) {
     narrow += light.pdf(cell, each.direction) > 10.0f ? 1 : 0;
   }
   EXPECT_GT(static_cast<double>(narrow), 0.8 * static_cast<double>(all.size()));
+}
+
+// A cone's solid angle is 2 pi (1 - cos of half its angle).
+TEST(LearnedLight, DensityIsThatOfItsCones) {
+  const LearnedLight light(arrivals(2000));
+  const std::uint32_t cell = light.find({0.5f, 0.5f, 0.0f});
+  const auto cones = light.cones(cell);
+  ASSERT_GE(cones.size(), 8u);
+  for (std::uint32_t i = 0; i < 200; ++i) {
+    const Uniform4 u = numbers(i);
+    const Vec3 direction = light.sample(cell, u[0], u[1], u[2]);
+    double expected = 0.0;
+    for (const auto& [axis, half_angle] : cones) {
+      const double half = static_cast<double>(half_angle);
+      const double angle = 2.0 * std::asin(0.5 * static_cast<double>(length(direction - axis)));
+      if (std::fabs(angle / half - 1.0) < 1e-3) expected = -1e30;  // on a rim
+      if (angle <= half) expected += 1.0 / (2.0 * std::numbers::pi * (1.0 - std::cos(half)));
+    }
+    if (expected < 0.0) continue;
+    expected /= static_cast<double>(cones.size());
+    EXPECT_NEAR(static_cast<double>(light.pdf(cell, direction)) / expected, 1.0, 1e-3);
+  }
 }
 
 TEST(LearnedLight, TellsNothingElsewhere) {

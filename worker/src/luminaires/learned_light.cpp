@@ -201,4 +201,14 @@ float LearnedLight::pdf(std::uint32_t index, Vec3 direction) const {
   return sum;
 }
 
+std::vector<LearnedLight::Cone> LearnedLight::cones(std::uint32_t index) const {
+  const Cell& cell = cells_[index];
+  std::vector<Cone> cones;
+  for (std::size_t i = 0; i < cell.count; ++i) {
+    const float half_chord = 0.5f * std::sqrt(cell.square[i]);
+    cones.push_back({{cell.x[i], cell.y[i], cell.z[i]}, 2.0f * std::asin(half_chord)});
+  }
+  return cones;
+}
+
 }  // namespace nocturne

@@ -25,6 +25,12 @@ class LearnedLight {
     /// Unit, to where the photon came from.
     Vec3 direction;
   };
+  /// Directions that are equally likely.
+  struct Cone {
+    Vec3 axis;
+    /// Radians.
+    float half_angle;
+  };
   static constexpr std::uint32_t kNone = ~0u;
   static constexpr std::size_t kMaxArrivals = 1u << 16;
 
@@ -45,6 +51,8 @@ class LearnedLight {
   Vec3 sample(std::uint32_t cell, float choice, float u1, float u2) const;
   /// Density of `sample`, 1/sr.
   float pdf(std::uint32_t cell, Vec3 direction) const;
+  /// Of which `sample` draws, each as likely.
+  std::vector<Cone> cones(std::uint32_t cell) const;
 
  private:
   static constexpr std::size_t kArrivals = 32, kEnough = 8;

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Self
 from nocturne_coordinator.dispatch import region, stopping
 from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.store.rows import RenderRow
+from nocturne_scene.compile.ways import GUIDED
 from nocturne_scene.quantities import quantity_named
 from pydantic import ConfigDict, Field
 
@@ -147,6 +148,9 @@ class Render(Answer):
         description="How it is traced and why, in words: what a pilot chose. Empty: the scene left nothing "
         "open, or the render is too small for a pilot."
     )
+    guided: bool = Field(
+        description="Whether photons from the sensor are sent to where light was learned to come from."
+    )
     layers: list[str] = Field(description="Layers that its EXR has beside the image.")
     group: str = Field(description="What it was submitted with; empty: alone.")
     after: str = Field(description="The group that has to end before it begins; empty: none.")
@@ -175,7 +179,7 @@ class Render(Answer):
     @classmethod
     def of(cls, row: RenderRow) -> Self:
         """The public side of a row of the data folder."""
-        converted = {"progress", "stop", "look_first", "unit", "response_unit", "group", "after"}
+        converted = {"progress", "stop", "look_first", "unit", "response_unit", "group", "after", "guided"}
         quantity = quantity_named(row.quantity)
         first = region.Region.from_json(row.look_first) if row.look_first else None
         return cls(
@@ -184,6 +188,7 @@ class Render(Answer):
             look_first=Region.model_validate(first) if first else None,
             group=row.in_group,
             after=row.after_group,
+            guided=GUIDED in row.way,
             unit=quantity.unit,
             response_unit=quantity.response_unit,
             **{name: getattr(row, name) for name in cls.model_fields.keys() - converted},

@@ -20,6 +20,7 @@ from nocturne_api.operations.groups import Groups
 from nocturne_api.operations.health import Health
 from nocturne_api.operations.images import Images
 from nocturne_api.operations.imports import Imports
+from nocturne_api.operations.learned_light import LearnedLights
 from nocturne_api.operations.machines import Machines
 from nocturne_api.operations.measurements import Measurements
 from nocturne_api.operations.preflights import Preflights
@@ -64,6 +65,7 @@ class Operations:
         self.groups = Groups(access)
         self.denoised = Denoised(self.renders, self.images)
         self.readings = Readings(access, self.renders)
+        self.learned_lights = LearnedLights(access, self.renders, compile_limits)
         self.measurements = Measurements(access, self.renders)
         self.preflights = Preflights(access, compile_limits)
         self.workers = Workers(access)

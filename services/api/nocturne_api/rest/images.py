@@ -11,6 +11,7 @@ from starlette.responses import Response, StreamingResponse
 from nocturne_api.denoising.pictures import DIFFERENCE, EXR, PNG
 from nocturne_api.files.open_file import OpenFile
 from nocturne_api.files.tiles import MEDIA_TYPE, Cursor
+from nocturne_api.models.learned_light import LearnedLight
 from nocturne_api.models.renders import Reading
 from nocturne_api.rest.access import Service
 from nocturne_api.rest.contract import answers, errors
@@ -71,6 +72,20 @@ async def read_region(
     """What a region of the image shows, in numbers, with their errors."""
     region = Region(x, y, width, height) if width or height else None
     return await operations.readings.read(render_id, region)
+
+
+@router.get("/{render_id}/learned-light", responses=_OF_ONE)
+async def get_learned_light(
+    render_id: str,
+    operations: Service,
+    x: Annotated[int, Query(description="Pixels from the left.")],
+    y: Annotated[int, Query(description="Pixels from the top.")],
+) -> LearnedLight:
+    """Where light comes from by mirrors and glass at what a pixel shows, as a pilot learned it to guide photons.
+
+    404 for a render whose photons are not guided.
+    """
+    return await operations.learned_lights.at(render_id, x, y)
 
 
 @router.get("/{render_id}/image.exr", response_class=Response, responses=_EXR)

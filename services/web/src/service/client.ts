@@ -10,6 +10,7 @@ import type {
   CreateRenderRequest,
   ImportedScene,
   ImportRequest,
+  LearnedLight,
   PreflightReport,
   PreflightRequest,
   Problem,
@@ -106,6 +107,11 @@ export async function getExplanation(id: string): Promise<string> {
 export async function readRegion(id: string, { x, y, width, height }: Region): Promise<RegionReading> {
   const query = new URLSearchParams(Object.entries({ x, y, width, height }).map(([name, value]) => [name, `${value}`]));
   return getJson<"read_region">(`${renderAddress(id)}/reading?${query.toString()}`);
+}
+
+/** Of a render whose photons are guided, at what a pixel shows; takes a second or more, as the scene is read. */
+export async function getLearnedLight(id: string, x: number, y: number): Promise<LearnedLight> {
+  return getJson<"get_learned_light">(`${renderAddress(id)}/learned-light?x=${x}&y=${y}`);
 }
 
 export async function getTilesInProgress(id: string): Promise<TileInProgress[]> {

@@ -13,6 +13,7 @@ export type Group = Schemas["Group"];
 export type RenderPage = Schemas["RenderPage"];
 export type Region = Schemas["Region"];
 export type RegionReading = Schemas["Reading"];
+export type LearnedLight = Schemas["LearnedLight"];
 export type Outline = Schemas["Outline"];
 export type Measurement = Schemas["Measurement"];
 export type Measurements = Schemas["Measurements"];

@@ -11,6 +11,7 @@ import { recall, rememberer } from "./address.ts";
 import { controls } from "./controls.ts";
 import { type GestureListener, listenToGestures } from "./gestures.ts";
 import { type Inspector, inspector } from "./inspector.ts";
+import { learnedLightView, type LearnedLightView } from "./learned_light.ts";
 import { legend } from "./legend.ts";
 import { Overlay } from "./overlay.ts";
 import { rangeForm } from "./range_form.ts";
@@ -74,6 +75,7 @@ export function renderImage(id: string, hooks: Hooks = {}): RenderImage {
     overlay,
     show: (render) => {
       parts?.measure(measured(render));
+      parts?.learned.show(render);
       canvas.setAttribute("aria-label", `Image of ${render.name}, ${samplesText(render)}`);
       setText(waiting, whyNothingIsShown(render));
     },
@@ -82,6 +84,7 @@ export function renderImage(id: string, hooks: Hooks = {}): RenderImage {
     close: () => {
       source.close();
       parts?.inspector.close();
+      parts?.learned.close();
       parts?.viewer.close();
     },
   };
@@ -90,6 +93,7 @@ export function renderImage(id: string, hooks: Hooks = {}): RenderImage {
 interface Parts {
   viewer: Viewer;
   inspector: Inspector;
+  learned: LearnedLightView;
   begin: (image: TiledImage) => void;
   measure: (measured: Measured) => void;
 }
@@ -129,13 +133,15 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
     numbers.refresh();
     remember();
   };
-  const listener = gestureListener(viewer, numbers, looked, hooks, remember);
+  const learned = learnedLightView(hooks.id);
+  const listener = gestureListener(viewer, numbers, looked, hooks, { remember, pixel: learned.showPixel });
   listenToGestures(viewer, tools.drawing, listener);
   frame.append(zoom);
-  node.append(tools.node, frame, strip.node, range.node, element("p", { id: "image-keys", class: "visually-hidden" }, keys), numbers.node);
+  node.append(tools.node, frame, strip.node, range.node, element("p", { id: "image-keys", class: "visually-hidden" }, keys), numbers.node, learned.node);
   return {
     viewer,
     inspector: numbers,
+    learned,
     measure: (now) => {
       const { measured: before } = viewer.look;
       if (before.unit !== now.unit || before.mean !== now.mean) viewer.change({ measured: now });
@@ -161,16 +167,17 @@ function neutralOf({ look, images }: Viewer, pixel: Region | undefined): Triple 
 }
 
 /** What is told of a pixel that is looked at, and of a region, line or polygon that is drawn. */
-function gestureListener(viewer: Viewer, numbers: Inspector, looked: { pixel?: Region }, hooks: Hooks, remember: () => void): GestureListener {
+function gestureListener(viewer: Viewer, numbers: Inspector, looked: { pixel?: Region }, hooks: Hooks, told: { remember: () => void; pixel: LearnedLightView["showPixel"] }): GestureListener {
   return {
     onPixel: ({ x, y }) => {
       looked.pixel = { x, y, width: 1, height: 1 };
       numbers.showPixel({ x, y });
+      told.pixel({ x, y });
     },
     onRegion: (region) => {
       viewer.choose(region);
       numbers.showRegion(region);
-      remember();
+      told.remember();
       hooks.onChosen?.();
       hooks.onDrawn?.(region && { name: "", kind: "rectangle", points: [[region.x, region.y], [region.x + region.width, region.y + region.height]] });
     },

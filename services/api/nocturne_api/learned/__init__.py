@@ -1,0 +1,1 @@
+"""What a pilot learned of the light of a scene, at single places."""
