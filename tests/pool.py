@@ -44,8 +44,10 @@ def pool() -> dict[str, Any]:
 
 
 def light_at_the_middle() -> tuple[float, float, float]:
-    """The direction from the floor at LOOK_AT in which the lamp's middle is seen through the water, by Snell's
-    law; found by bisection."""
+    """The direction from the floor at LOOK_AT in which the lamp's middle is seen through the water.
+
+    By Snell's law, and bisection.
+    """
     dx, dy = LAMP[0] - LOOK_AT[0], LAMP[1] - LOOK_AT[1]
     away = math.hypot(dx, dy)
     low, high = 0.0, away

@@ -31,7 +31,7 @@ class Place:
 async def learned_in_child(place: Place, blobs: BlobStore, limits: CompileLimits) -> dict[str, Any]:
     """What `nocturne-trace --learned-at` writes.
 
-    Raises NotFound where the scene can't be read, and Overloaded while others are read or after LEARNED_WALL_S.
+    Raises NotFound where the scene can't be read, Overloaded while others are read or after LEARNED_WALL_S.
     """
     if _at_once.locked():
         raise Overloaded(f"{LEARNED_AT_ONCE} places are being looked up; try again")

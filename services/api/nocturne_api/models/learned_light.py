@@ -25,8 +25,8 @@ class LearnedLight(Answer):
     direction: _Vector | None = Field(description="Unit vector of the ray that meets it there.")
     interfaces: int = Field(description="Mirrors and clear boundaries by which it is seen; 0: directly.")
     cones: list[Cone] = Field(
-        description="Half of the photons that are sent towards lights from here go into one of these, each as "
-        "likely; empty: nothing was learned nearby."
+        description="Half of the photons that are sent towards lights from here go into one of these, each "
+        "as likely; empty: nothing was learned nearby."
     )
 
     @classmethod

@@ -81,7 +81,7 @@ async def get_learned_light(
     x: Annotated[int, Query(description="Pixels from the left.")],
     y: Annotated[int, Query(description="Pixels from the top.")],
 ) -> LearnedLight:
-    """Where light comes from by mirrors and glass at what a pixel shows, as a pilot learned it to guide photons.
+    """Where light comes from by mirrors and glass at what a pixel shows, as a pilot learned it.
 
     404 for a render whose photons are not guided.
     """
