@@ -164,6 +164,13 @@ def test_page_says_what_is_missed_and_by_how_much() -> None:
     assert f"- **cornell**: {WHY['cornell']}" in text
 
 
+def test_page_says_when_the_reference_cant_tell() -> None:
+    text = page.speed(_figures({"two photons": _way(-1.0), "Mitsuba x": _way(-1.0, 1e-3)}))
+    row = next(line for line in text.splitlines() if line.startswith("| cornell | 1e+03"))
+    assert "not comparable" in row
+    assert "missed" not in row
+
+
 def test_finding_no_light_is_not_the_best_way() -> None:
     """A black image has a relMSE below 1, and a mean that is far off."""
     ways = {"two photons": _way(-1.0), "kernel only": _way(0.0, 0.1, z=-9.0), "path": _way(-1.0, 0.1)}
