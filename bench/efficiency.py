@@ -1,0 +1,98 @@
+"""Efficiency, 1 / (relMSE x CPU seconds), of the default beside ways that a person could name.
+
+What the pilot takes is left out. The reference is of the default's own long images.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from nocturne.v1 import scene_pb2
+
+from bench.errors import true_relmse
+from bench.peer.agreement import Reference
+from bench.peer.contenders import FilmSize, Ours
+from bench.report import Figures, Row, significant
+from bench.scenes import compile_film
+from bench.suite.references import samples_for
+from bench.ways import gathers
+
+ALONE, DEFAULT = "alone", "auto"
+WAYS: Mapping[str, Mapping[str, Any]] = {
+    ALONE: {"direction": "adjoint", "sharing": 1},
+    "shared": {"direction": "adjoint", "sharing": 16},
+    "both directions": {"direction": "both", "sharing": 1},
+    "both, shared": {"direction": "both", "sharing": 16},
+    DEFAULT: {},
+}
+
+_THREADS = 2
+_REFERENCE_SEED = 5000
+
+
+@dataclass(frozen=True)
+class Size:
+    """How long all ways are measured."""
+
+    film: FilmSize
+    samples: int
+    """Of the render that the pilot is to choose for."""
+    cpu_s: float
+    """Of an image."""
+    rounds: int
+    reference_frames: int
+    reference_cpu_s: float
+
+
+def efficiencies(document: dict[str, Any], place: Path, size: Size) -> Figures:
+    """Of all ways, seeds in turns; `place` has the files that the document names."""
+    ours: dict[bytes, Ours] = {}
+    traced_as, chosen = {}, ""
+    for way, tracing in WAYS.items():
+        if tracing.get("direction") == "both" and not gathers(document):
+            # Then photons from the luminaires bring nothing.
+            continue
+        traced = {**document, "tracing": dict(tracing)}
+        compiled = compile_film(traced, place, size.film.width, size.film.height, size.samples, place / way)
+        chosen = compiled.way or chosen
+        # What is traced alike is measured once: otherwise chance alone tells it apart.
+        traced_as[way] = _but_words(compiled.scene)
+        ours.setdefault(traced_as[way], Ours(compiled, size.film, _THREADS))
+    default = ours[traced_as[DEFAULT]]
+    frames = [
+        default.frame(samples_for(default, size.reference_cpu_s), _REFERENCE_SEED + i).y
+        for i in range(size.reference_frames)
+    ]
+    reference = Reference.of(frames)
+    samples = {key: samples_for(each, size.cpu_s) for key, each in ours.items()}
+    products: dict[bytes, list[float]] = {key: [] for key in ours}
+    for seed in range(size.rounds):
+        for key, each in ours.items():
+            frame = each.frame(samples[key], seed)
+            products[key].append(true_relmse(frame.y, reference.y, reference.error) * frame.cpu_s)
+    efficiency = {
+        key: significant(1.0 / max(1e-12, float(np.median(each)))) for key, each in products.items()
+    }
+    return {"chosen": chosen, "ways": {way: efficiency[key] for way, key in traced_as.items()}}
+
+
+def rows_of(name: str, found: Figures) -> list[Row]:
+    """The default against two others."""
+    best = max(ways := found["ways"], key=ways.__getitem__)
+    return [
+        Row(
+            f"{name}: efficiency, default / each pixel alone",
+            f"{ways[DEFAULT] / ways[ALONE]:.3g}",
+            "at least 1",
+        ),
+        Row(f"{name}: efficiency, default / the best way ({best})", f"{ways[DEFAULT] / ways[best]:.3g}"),
+    ]
+
+
+def _but_words(scene: Path) -> bytes:
+    """What a compiled scene says, but for how its way was chosen."""
+    message = scene_pb2.CompiledScene.FromString(scene.read_bytes())
+    message.tracing.way = ""
+    return message.SerializeToString(deterministic=True)
