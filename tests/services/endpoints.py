@@ -35,7 +35,7 @@ def rest_client(service: Service) -> httpx.AsyncClient:
     """A client of the REST endpoint."""
     address = f"http://127.0.0.1:{service.port}"
     # No certificates, whose reading would take a hundred times as long as a request.
-    return httpx.AsyncClient(base_url=address, timeout=20, trust_env=False, verify=False)  # noqa: S501
+    return httpx.AsyncClient(base_url=address, timeout=60, trust_env=False, verify=False)  # noqa: S501
 
 
 def grpc_channel(service: Service) -> grpc.aio.Channel:

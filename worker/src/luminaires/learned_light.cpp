@@ -205,8 +205,9 @@ std::vector<LearnedLight::Cone> LearnedLight::cones(std::uint32_t index) const {
   const Cell& cell = cells_[index];
   std::vector<Cone> cones;
   for (std::size_t i = 0; i < cell.count; ++i) {
-    const float half_chord = 0.5f * std::sqrt(cell.square[i]);
-    cones.push_back({{cell.x[i], cell.y[i], cell.z[i]}, 2.0f * std::asin(half_chord)});
+    const float sine = 0.5f * std::sqrt(cell.square[i]);  // of half the half angle
+    const float half_angle = 2.0f * math::atan2(sine, std::sqrt(1.0f - sine * sine));
+    cones.push_back({{cell.x[i], cell.y[i], cell.z[i]}, half_angle});
   }
   return cones;
 }

@@ -78,8 +78,8 @@ async def read_region(
 async def get_learned_light(
     render_id: str,
     operations: Service,
-    x: Annotated[int, Query(description="Pixels from the left.")],
-    y: Annotated[int, Query(description="Pixels from the top.")],
+    x: Annotated[int, Query(description="Pixels from the left.")] = 0,
+    y: Annotated[int, Query(description="Pixels from the top.")] = 0,
 ) -> LearnedLight:
     """Where light comes from by mirrors and glass at what a pixel shows, as a pilot learned it.
 
