@@ -1,27 +1,114 @@
-"""What the default is worth where light is hard to find: scenes made to fool the pilot."""
+"""What the default is worth where light is hard to find: scenes made to fool the pilot.
+
+Efficiency is 1 / (relMSE x CPU seconds). That of the default, with nothing declared, beside photons from
+the sensor for each pixel alone and beside the best of the ways that a person could name. What the pilot takes
+is left out.
+"""
 
 import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from bench.efficiency import Size, efficiencies, rows_of
-from bench.peer.contenders import FilmSize
-from bench.report import Figures, Row
+import numpy as np
+from nocturne.v1 import scene_pb2
+
+from bench.errors import true_relmse
+from bench.peer.agreement import Reference
+from bench.peer.contenders import FilmSize, Ours
+from bench.report import Figures, Row, significant
+from bench.scenes import compile_film
+from bench.suite.references import samples_for
 from bench.trap_scenes import TRAPS
+from bench.ways import gathers
 
-_FILM, _SAMPLES = FilmSize(48, 32), 2**13
-"""12 million in all."""
-_FULL, _QUICK = Size(_FILM, _SAMPLES, 0.5, 3, 6, 2.0), Size(_FILM, _SAMPLES, 0.05, 2, 2, 0.1)
+ALONE, DEFAULT = "alone", "auto"
+WAYS: Mapping[str, Mapping[str, Any]] = {
+    ALONE: {"direction": "adjoint", "sharing": 1},
+    "shared": {"direction": "adjoint", "sharing": 16},
+    "both directions": {"direction": "both", "sharing": 1},
+    "both, shared": {"direction": "both", "sharing": 16},
+    DEFAULT: {},
+}
+
+_THREADS = 2
+_FILM = FilmSize(48, 32)
+_FOR_A_PILOT = 2**13
+"""Samples of the render that the pilot is to choose for: 12 million in all."""
+_REFERENCE_SEED = 5000
+
+
+@dataclass(frozen=True)
+class _Size:
+    cpu_s: float
+    """Of an image."""
+    rounds: int
+    reference_frames: int
+    reference_cpu_s: float
+
+
+_FULL, _QUICK = _Size(0.5, 3, 6, 2.0), _Size(0.05, 2, 2, 0.1)
 
 
 def run(quick: bool) -> Figures:
-    """All ways on all scenes."""
-    size, figures = _QUICK if quick else _FULL, {}
-    for name, document in TRAPS.items():
-        with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
-            figures[name] = efficiencies(document(), Path(folder), size)
-    return figures
+    """All ways on all scenes, seeds in turns."""
+    size = _QUICK if quick else _FULL
+    return {name: _scene(document(), size) for name, document in TRAPS.items()}
 
 
 def rows(figures: Figures) -> list[Row]:
     """The default against two others."""
-    return [row for name in TRAPS for row in rows_of(name, figures[name])]
+    table = []
+    for name in TRAPS:
+        found = figures[name]
+        best = max(ways := found["ways"], key=ways.__getitem__)
+        table += [
+            Row(
+                f"{name}: efficiency, default / each pixel alone",
+                f"{ways[DEFAULT] / ways[ALONE]:.3g}",
+                "at least 1",
+            ),
+            Row(f"{name}: efficiency, default / the best way ({best})", f"{ways[DEFAULT] / ways[best]:.3g}"),
+        ]
+    return table
+
+
+def _scene(document: dict[str, Any], size: _Size) -> Figures:
+    with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
+        ours: dict[bytes, Ours] = {}
+        traced_as, chosen = {}, ""
+        for way, tracing in WAYS.items():
+            if tracing.get("direction") == "both" and not gathers(document):
+                # Then photons from the luminaires bring nothing.
+                continue
+            place = Path(folder)
+            traced = {**document, "tracing": dict(tracing)}
+            compiled = compile_film(traced, place, _FILM.width, _FILM.height, _FOR_A_PILOT, place / way)
+            chosen = compiled.way or chosen
+            # What is traced alike is measured once: otherwise chance alone tells it apart.
+            traced_as[way] = _but_words(compiled.scene)
+            ours.setdefault(traced_as[way], Ours(compiled, _FILM, _THREADS))
+        default = ours[traced_as[DEFAULT]]
+        frames = [
+            default.frame(samples_for(default, size.reference_cpu_s), _REFERENCE_SEED + i).y
+            for i in range(size.reference_frames)
+        ]
+        reference = Reference.of(frames)
+        samples = {key: samples_for(each, size.cpu_s) for key, each in ours.items()}
+        products: dict[bytes, list[float]] = {key: [] for key in ours}
+        for seed in range(size.rounds):
+            for key, each in ours.items():
+                frame = each.frame(samples[key], seed)
+                products[key].append(true_relmse(frame.y, reference.y, reference.error) * frame.cpu_s)
+    efficiency = {
+        key: significant(1.0 / max(1e-12, float(np.median(each)))) for key, each in products.items()
+    }
+    return {"chosen": chosen, "ways": {way: efficiency[key] for way, key in traced_as.items()}}
+
+
+def _but_words(scene: Path) -> bytes:
+    """What a compiled scene says, but for how its way was chosen."""
+    message = scene_pb2.CompiledScene.FromString(scene.read_bytes())
+    message.tracing.way = ""
+    return message.SerializeToString(deterministic=True)

@@ -1,9 +1,9 @@
 """docs/explanation/chosen.md: how the default traces each scene, and what that is worth; of kept figures."""
 
-from bench.efficiency import ALONE, DEFAULT
 from bench.report import Figures
 from bench.suite.aims import best
 from bench.trap_scenes import TRAPS
+from bench.traps import ALONE, DEFAULT
 
 _PAGE = """# What was chosen, and what it was worth
 

@@ -499,8 +499,7 @@ int main(int argc, char** argv) {
          "that are open: direction (adjoint photons, or what the scene says), aim (of forward "
          "photons, as the scene says or not), learn (what to aim them at, of a scene that does not "
          "say), ratio (of forward photons to adjoint ones), guide (of adjoint photons, to where "
-         "light was "
-         "learned to come from), sharing")
+         "light was learned to come from), sharing")
       ->delimiter(',')
       ->check(CLI::IsMember({"direction", "aim", "learn", "ratio", "guide", "sharing"}))
       ->excludes(job);

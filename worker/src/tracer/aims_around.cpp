@@ -18,6 +18,7 @@ constexpr std::size_t kEnough = 16;
 /// many.
 constexpr double kWorthDividing = 0.8;
 constexpr std::size_t kFew = 50;
+
 using Places = std::vector<Vec3>;
 
 std::array<double, 3> coordinates(Vec3 place) { return {place.x, place.y, place.z}; }

@@ -13,7 +13,7 @@ from typing import Any
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_coordinator.store.removal import blobs_of_scene
 from nocturne_scene.blobs import BlobStore
-from nocturne_scene.errors import InputError, NocturneError
+from nocturne_scene.errors import NocturneError
 from nocturne_scene.programs import find_program
 
 
@@ -25,7 +25,7 @@ def main() -> None:
     resource.setrlimit(resource.RLIMIT_AS, (job["memory_bytes"], job["memory_bytes"]))
     try:
         answer = _look_up(job)
-    except (NocturneError, InputError) as error:
+    except NocturneError as error:
         answer = {"failed": str(error)}
     except (OSError, subprocess.SubprocessError, ValueError):
         answer = {"failed": "nocturne-trace is missing here, or can't read this scene"}
