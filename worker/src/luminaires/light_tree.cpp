@@ -81,35 +81,64 @@ class LightTreeBuilder {
   LightTreeBuilder(LightTree& tree, const Elements& elements) : tree_(tree), elements_(elements) {
     order_.resize(elements.size());
     std::iota(order_.begin(), order_.end(), 0u);
-    tree_.leaf_of_.resize(elements.size());
-    tree_.nodes_.reserve(2 * elements.size());
-    if (!order_.empty()) build(0, order_.size(), 0, 0);
+    tree_.above_element_.resize(elements.size());
+    if (order_.empty()) return;
+    tree_.boxes_.reserve(2 * elements.size());
+    tree_.children_.reserve(elements.size());
+    tree_.root_ = build(0, order_.size(), {}, 0).below;
   }
 
  private:
+  struct Built {
+    ElementBounds bounds;
+    LightTree::Below below;
+  };
+
   static constexpr int kBuckets = 12;
   // Beyond this depth halves are taken, so that recursion ends soon whatever the scene.
   static constexpr int kDeepest = 48;
 
-  void build(std::size_t begin, std::size_t end, std::uint32_t parent, int depth) {
-    const auto index = static_cast<std::uint32_t>(tree_.nodes_.size());
+  Built build(std::size_t begin, std::size_t end, LightTree::Above above, int depth) {
+    const std::size_t box = tree_.boxes_.size();
     ElementBounds bounds = elements_.bounds(order_[begin]);
     for (std::size_t i = begin + 1; i < end; ++i) {
       bounds = unite(bounds, elements_.bounds(order_[i]));
     }
-    const float cosine = std::clamp(bounds.cos_spread, -1.0f, 1.0f);
-    tree_.nodes_.push_back({bounds.low, bounds.high, bounds.axis, cosine,
-                            std::sqrt(1.0f - cosine * cosine), static_cast<float>(bounds.weight),
-                            bounds.cosine_power, 0, parent, LightTree::kInner, bounds.two_sided});
-    if (end - begin == 1) {
-      tree_.nodes_[index].element = order_[begin];
-      tree_.leaf_of_[order_[begin]] = index;
+    const bool is_element = end - begin == 1;
+    tree_.boxes_.push_back(
+        {bounds.low, bounds.high, 0, is_element ? order_[begin] : LightTree::kNone});
+    LightTree::Below below{order_[begin], is_element};
+    if (is_element) {
+      tree_.above_element_[order_[begin]] = above;
     } else {
+      below.index = static_cast<std::uint32_t>(tree_.children_.size());
+      tree_.children_.emplace_back().above = above;
       const std::size_t middle_index = divide(begin, end, depth);
-      build(begin, middle_index, index, depth + 1);
-      build(middle_index, end, index, depth + 1);
+      put(build(begin, middle_index, {below.index, 0}, depth + 1), below.index, 0);
+      put(build(middle_index, end, {below.index, 1}, depth + 1), below.index, 1);
     }
-    tree_.nodes_[index].next = static_cast<std::uint32_t>(tree_.nodes_.size());
+    tree_.boxes_[box].next = static_cast<std::uint32_t>(tree_.boxes_.size());
+    return {bounds, below};
+  }
+
+  void put(const Built& child, std::uint32_t children, unsigned side) {
+    LightTree::Children& c = tree_.children_[children];
+    const ElementBounds& b = child.bounds;
+    const Vec3 half = 0.5f * (b.high - b.low), at = b.low + half;
+    const float cosine = std::clamp(b.cos_spread, -1.0f, 1.0f);
+    c.x[side] = at.x;
+    c.y[side] = at.y;
+    c.z[side] = at.z;
+    c.radius2[side] = dot(half, half);
+    c.axis_x[side] = b.axis.x;
+    c.axis_y[side] = b.axis.y;
+    c.axis_z[side] = b.axis.z;
+    c.cos_spread[side] = cosine;
+    c.sin_spread[side] = std::sqrt(1.0f - cosine * cosine);
+    c.weight[side] = static_cast<float>(b.weight);
+    c.cosine_power[side] = b.cosine_power;
+    c.two_sided[side] = b.two_sided;
+    c.below[side] = child.below;
   }
 
   // Where the middles of the elements lie.

@@ -5,10 +5,12 @@
 // cosines instead of angles as in Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th
 // ed., 12.6.3.
 //
-// Nodes lie in preorder, so that the same tree finds the elements on a half-line without a stack.
+// What chooses lies by inner nodes, each with its two children side by side, as both are looked at
+// together. What finds elements on a half-line are boxes in preorder, which needs no stack.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -37,29 +39,29 @@ class LightTree {
   };
   /// Empty where no element can be seen.
   std::optional<Chosen> choose(const LightSamplingContext& from, float choice) const {
-    std::uint32_t i = 0;
-    while (!nodes_[i].leaf()) {
-      const float left = importance(nodes_[i + 1], from);
-      const float right = importance(nodes_[nodes_[i + 1].next], from);
-      if (!(left + right > 0.0f)) return std::nullopt;
-      const float p = left / (left + right);
+    Below at = root_;
+    while (!at.is_element) {
+      const Children& children = children_[at.index];
+      const Pair shares = importance(children, from);
+      if (!(shares[0] + shares[1] > 0.0f)) return std::nullopt;
+      const float p = shares[0] / (shares[0] + shares[1]);
       const bool go_left = choice < p;
       choice = go_left ? choice / p : (choice - p) / (1.0f - p);
       choice = std::min(choice, kOneMinusEpsilon);
-      i = go_left ? i + 1 : nodes_[i + 1].next;
+      at = children.below[go_left ? 0 : 1];
     }
-    return Chosen{nodes_[i].element, choice};
+    return Chosen{at.index, choice};
   }
 
   /// The probability that `choose` gives this element.
   float probability(const LightSamplingContext& from, std::uint32_t element) const {
     float p = 1.0f;
-    for (std::uint32_t i = leaf_of_[element]; i != 0; i = nodes_[i].parent) {
-      const std::uint32_t parent = nodes_[i].parent;
-      const std::uint32_t sibling = i == parent + 1 ? nodes_[i].next : parent + 1;
-      const float here = importance(nodes_[i], from);
+    for (Above at = above_element_[element]; at.children != kNone;
+         at = children_[at.children].above) {
+      const Pair shares = importance(children_[at.children], from);
+      const float here = shares[at.side];
       if (!(here > 0.0f)) return 0.0f;
-      p *= here / (here + importance(nodes_[sibling], from));
+      p *= here / (here + shares[1 - at.side]);
     }
     return p;
   }
@@ -68,40 +70,63 @@ class LightTree {
   template <class Visit>
   void for_each_on(Vec3 origin, Vec3 direction, const Visit& visit) const {
     const Vec3 inverse{1.0f / direction.x, 1.0f / direction.y, 1.0f / direction.z};
-    const auto count = static_cast<std::uint32_t>(nodes_.size());
+    const auto count = static_cast<std::uint32_t>(boxes_.size());
     for (std::uint32_t i = 0; i < count;) {
-      const Node& node = nodes_[i];
-      if (!meets(node, origin, inverse)) {
-        i = node.next;
+      const Box& box = boxes_[i];
+      if (!meets(box, origin, inverse)) {
+        i = box.next;
         continue;
       }
-      if (node.leaf()) visit(node.element);
+      if (box.element != kNone) visit(box.element);
       ++i;
     }
   }
 
  private:
-  static constexpr std::uint32_t kInner = ~0u;
+  static constexpr std::uint32_t kNone = ~0u;
 
-  struct Node {
-    Vec3 low, high, axis;
-    float cos_spread, sin_spread, weight, cosine_power;
-    std::uint32_t next, parent;  // next: behind all that is below this node
-    std::uint32_t element;       // kInner: none
-    bool two_sided;
-
-    bool leaf() const { return element != kInner; }
+  struct Box {
+    Vec3 low, high;
+    std::uint32_t next;     // behind all that is below
+    std::uint32_t element;  // kNone: an inner node's
   };
 
+  // Of an element, or of a node's children.
+  struct Below {
+    std::uint32_t index = 0;
+    bool is_element = false;
+  };
+  // Where a node is among its parent's children; kNone: it is the root.
+  struct Above {
+    std::uint32_t children = kNone, side = 0;
+  };
+
+  // A number for each of two children: one register.
+  using Pair [[gnu::vector_size(8)]] = float;
+
+  struct Children {
+    Pair x, y, z, radius2;  // the ball around the box
+    Pair axis_x, axis_y, axis_z;
+    Pair cos_spread, sin_spread, weight, cosine_power;
+    std::array<bool, 2> two_sided;
+    std::array<Below, 2> below;
+    Above above;
+  };
+
+  static Pair maximum(Pair a, Pair b) { return a < b ? b : a; }
+  static Pair absolute(Pair a) { return Pair{std::fabs(a[0]), std::fabs(a[1])}; }
+  static Pair root(Pair a) { return Pair{std::sqrt(a[0]), std::sqrt(a[1])}; }
+
   // The cosine of max(0, a - b), for angles in [0, pi].
-  static float cos_less(float cos_a, float sin_a, float cos_b, float sin_b) {
-    return cos_a > cos_b ? 1.0f : cos_a * cos_b + sin_a * sin_b;
+  static Pair cos_less(Pair cos_a, Pair sin_a, Pair cos_b, Pair sin_b) {
+    const Pair one = {1.0f, 1.0f};
+    return cos_a > cos_b ? one : cos_a * cos_b + sin_a * sin_b;
   }
-  static float sine(float cosine) { return std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)); }
+  static Pair sine(Pair cosine) { return root(maximum(Pair{}, 1.0f - cosine * cosine)); }
 
   // Slabs (Kay and Kajiya 1986). A half-line within a slab's plane gives NaN, which fmin and fmax
   // leave out.
-  static bool meets(const Node& n, Vec3 o, Vec3 inverse) {
+  static bool meets(const Box& n, Vec3 o, Vec3 inverse) {
     const float x0 = (n.low.x - o.x) * inverse.x, x1 = (n.high.x - o.x) * inverse.x;
     const float y0 = (n.low.y - o.y) * inverse.y, y1 = (n.high.y - o.y) * inverse.y;
     const float z0 = (n.low.z - o.z) * inverse.z, z1 = (n.high.z - o.z) * inverse.z;
@@ -114,41 +139,46 @@ class LightTree {
 
   // An upper bound of the cosines over the distance squared (to the middle), times the weight. Zero
   // only where nothing below can shine on the receiver.
-  float importance(const Node& node, const LightSamplingContext& from) const {
-    const Vec3 half = 0.5f * (node.high - node.low);
-    const Vec3 to = node.low + half - from.position;
-    const float radius2 = dot(half, half), distance2 = dot(to, to);
+  Pair importance(const Children& c, const LightSamplingContext& from) const {
+    const Pair x = c.x - from.position.x, y = c.y - from.position.y, z = c.z - from.position.z;
+    const Pair distance2 = x * x + y * y + z * z;
     // The ball around the box: from inside anything may be in any direction.
-    if (!(distance2 > radius2 * 1.0001f)) return node.weight / near_distance2(radius2);
-    const float sin2 = radius2 / distance2;
-    const float sin_ball = std::sqrt(sin2), cos_ball = std::sqrt(1.0f - sin2);
-    const float inverse = 1.0f / std::sqrt(distance2);
+    const auto outside = distance2 > c.radius2 * 1.0001f;
+    const Pair sin2 = c.radius2 / distance2;
+    const Pair sin_ball = root(sin2), cos_ball = root(1.0f - sin2);
+    const Pair inverse = 1.0f / root(distance2);
 
-    float cos_here = inverse * dot(from.normal, to);
-    if (from.both_sides) cos_here = std::fabs(cos_here);
-    const float receiver = cos_less(cos_here, sine(cos_here), cos_ball, sin_ball);
-    if (receiver < -kRounding) return 0.0f;
-    if (choice_ == Choice::kWeight) return node.weight;
+    Pair cos_here = inverse * (from.normal.x * x + from.normal.y * y + from.normal.z * z);
+    if (from.both_sides) cos_here = absolute(cos_here);
+    const Pair receiver = cos_less(cos_here, sine(cos_here), cos_ball, sin_ball);
+    const Pair none = {};
+    if (choice_ == Choice::kWeight) {
+      const Pair seen = receiver < -kRounding ? none : c.weight;
+      return outside ? seen : c.weight;
+    }
 
-    float cos_there = -inverse * dot(node.axis, to);
-    if (node.two_sided) cos_there = std::fabs(cos_there);
-    const float sin_there = sine(cos_there);
-    const float from_cone = cos_less(cos_there, sin_there, node.cos_spread, node.sin_spread);
-    const float emitter = cos_less(from_cone, sine(from_cone), cos_ball, sin_ball);
-    if (emitter < -kRounding) return 0.0f;
-    const float falloff = emission(std::max(emitter, kRounding), node.cosine_power);
-    return node.weight * std::max(receiver, kRounding) * falloff / distance2;
+    Pair cos_there = -inverse * (c.axis_x * x + c.axis_y * y + c.axis_z * z);
+    for (unsigned side = 0; side < 2; ++side) {
+      if (c.two_sided[side]) cos_there[side] = std::fabs(cos_there[side]);
+    }
+    const Pair from_cone = cos_less(cos_there, sine(cos_there), c.cos_spread, c.sin_spread);
+    const Pair emitter = cos_less(from_cone, sine(from_cone), cos_ball, sin_ball);
+    const Pair least = {kRounding, kRounding}, nearest2 = {1e-30f, 1e-30f};
+    const Pair falloff = emission(maximum(emitter, least), c.cosine_power);
+    const Pair far = c.weight * maximum(receiver, least) * falloff / distance2;
+    const auto unseen = (receiver < -kRounding) | (emitter < -kRounding);
+    const Pair seen = unseen ? none : far;
+    // Never zero: an element may be a point for float.
+    return outside ? seen : c.weight / maximum(c.radius2, nearest2);
   }
 
-  static float emission(float cosine, float power) {
-    if (power == 0.0f) return cosine;
-    // Where a narrow lobe has faded away there is still something.
-    return std::max(math::pow(cosine, power + 1.0f), 1e-6f);
-  }
-
-  // Never zero: an element may be a point for float.
-  float near_distance2(float radius2) const {
-    return choice_ == Choice::kWeight ? 1.0f : std::max(radius2, 1e-30f);
+  static Pair emission(Pair cosine, Pair power) {
+    for (unsigned side = 0; side < 2; ++side) {
+      if (power[side] == 0.0f) continue;
+      // Where a narrow lobe has faded away there is still something.
+      cosine[side] = std::max(math::pow(cosine[side], power[side] + 1.0f), 1e-6f);
+    }
+    return cosine;
   }
 
   // Cosines are right to about 1e-6.
@@ -157,8 +187,10 @@ class LightTree {
   friend class LightTreeBuilder;
 
   Choice choice_;
-  std::vector<Node> nodes_;
-  std::vector<std::uint32_t> leaf_of_;
+  Below root_;
+  std::vector<Children> children_;
+  std::vector<Above> above_element_;
+  std::vector<Box> boxes_;
 };
 
 }  // namespace nocturne

@@ -52,6 +52,10 @@ RTCRayHit embree_query(const Ray& ray, float time) {
 
 constexpr std::size_t kPacket = 8;
 
+// Bytes of triangles and corners beyond which they are asked for in advance: half of what a core of
+// today has of second-level cache.
+constexpr std::size_t kLarge = std::size_t{1} << 19;
+
 // GCC warns of the register itself as an argument of a template.
 struct Row {
   __m256 lanes;
@@ -174,6 +178,14 @@ struct Geometry::Embree {
       attach(where.first, sphere_sets.back().all.front().id,
              new_geometry(device, sphere_sets.back()));
     }
+    std::size_t bytes = 0;
+    for (const Shape& shape : shapes) {
+      if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
+        bytes += mesh->vertices.size() * sizeof(Vec3) +
+                 mesh->triangles.size() * sizeof(mesh->triangles[0]);
+      }
+    }
+    is_large = bytes > kLarge;
     for (auto& [number, group] : groups) commit(group.scene, stop);
     attach_instances();
     commit(scene, stop);
@@ -249,6 +261,30 @@ struct Geometry::Embree {
     const Shape& shape = shapes[found.surface];
     if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) return locate(*mesh, found, time);
     return locate(std::get<Sphere>(shape), origin, direction, found, time);
+  }
+
+  // The triangles of a packet's hits outside instances: f(mesh, number).
+  template <class F>
+  void for_each_triangle(const RTCHit8& hit, const F& f) const {
+    for (std::size_t i = 0; i < kPacket; ++i) {
+      if (hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+      if (hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID) continue;
+      if (const auto* mesh = std::get_if<TriangleMesh>(&shapes[hit.geomID[i]])) {
+        f(*mesh, hit.primID[i]);
+      }
+    }
+  }
+  void prefetch_triangles(const RTCHit8& hit) const {
+    for_each_triangle(hit, [](const TriangleMesh& mesh, std::uint32_t triangle) {
+      __builtin_prefetch(&mesh.triangles[triangle]);
+    });
+  }
+  void prefetch_corners(const RTCHit8& hit) const {
+    for_each_triangle(hit, [](const TriangleMesh& mesh, std::uint32_t triangle) {
+      for (const std::uint32_t corner : mesh.triangles[triangle]) {
+        __builtin_prefetch(&mesh.vertices[corner]);
+      }
+    });
   }
 
   // f(shape, placement or null) of what a hit is on.
@@ -421,6 +457,7 @@ struct Geometry::Embree {
   std::vector<const std::vector<std::uint32_t>*> instance_surfaces;  // by instance
   std::vector<CloseSurface> close;                                   // by surface
   float largest_reach = 0.0f;
+  bool is_large = false;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 };
@@ -488,25 +525,42 @@ void Geometry::intersect_packets(std::span<const TimedRay> rays,
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  for (std::size_t first = 0; first < rays.size(); first += kPacket) {
-    const auto some = rays.subspan(first, std::min(kPacket, rays.size() - first));
-    alignas(32) std::array<int, kPacket> valid;
-    RTCRayHit8 query;
-    fill(query.ray, some, valid);
-    for (std::size_t i = 0; i < kPacket; ++i) {
-      query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-      query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  // Large meshes lie in slow memory, which Embree does not touch for its own: corners are asked for
+  // a packet before they are needed, and who they are two packets before.
+  std::array<RTCRayHit8, 3> searched;
+  const std::size_t behind = embree_->is_large ? 2 : 0;
+  const std::size_t packets = (rays.size() + kPacket - 1) / kPacket;
+  for (std::size_t step = 0; step < packets + behind; ++step) {
+    if (step < packets) {
+      const std::size_t first = step * kPacket;
+      const auto some = rays.subspan(first, std::min(kPacket, rays.size() - first));
+      alignas(32) std::array<int, kPacket> valid;
+      RTCRayHit8& query = searched[step % 3];
+      fill(query.ray, some, valid);
+      for (std::size_t i = 0; i < kPacket; ++i) {
+        query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+        query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+      }
+      rtcIntersect8(valid.data(), embree_->scene, &context, &query);
+      if (embree_->is_large) embree_->prefetch_triangles(query.hit);
     }
-    rtcIntersect8(valid.data(), embree_->scene, &context, &query);
-    for (std::size_t i = 0; i < some.size(); ++i) {
-      if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) {
-        hits[first + i].reset();
+    if (embree_->is_large && step >= 1 && step <= packets) {
+      embree_->prefetch_corners(searched[(step - 1) % 3].hit);
+    }
+    if (step < behind) continue;
+    const std::size_t first = (step - behind) * kPacket;
+    const RTCRayHit8& query = searched[(step - behind) % 3];
+    for (std::size_t i = first; i < std::min(first + kPacket, rays.size()); ++i) {
+      const std::size_t lane = i - first;
+      if (query.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) {
+        hits[i].reset();
         continue;
       }
-      hits[first + i].emplace(InPlace{[&] {
-        return embree_->located(some[i].ray.origin, some[i].ray.direction, some[i].time,
-                                {query.hit.geomID[i], query.hit.instID[0][i], query.hit.primID[i],
-                                 query.hit.u[i], query.hit.v[i], query.ray.tfar[i]});
+      hits[i].emplace(InPlace{[&] {
+        return embree_->located(
+            rays[i].ray.origin, rays[i].ray.direction, rays[i].time,
+            {query.hit.geomID[lane], query.hit.instID[0][lane], query.hit.primID[lane],
+             query.hit.u[lane], query.hit.v[lane], query.ray.tfar[lane]});
       }});
     }
   }
