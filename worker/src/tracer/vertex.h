@@ -29,6 +29,8 @@ struct Vertex {
   Shading<N> shading;
   /// What they are in once through; as before where the surface bounds no body.
   InteriorList beyond;
+  /// The cell of what was learned that photons from here are guided by, or none.
+  std::uint32_t learned = LearnedLight::kNone;
 
   Vec3 to_local(Vec3 direction) const { return frame.to_local(direction); }
   Vec3 to_world(Vec3 direction) const { return frame.to_world(direction); }

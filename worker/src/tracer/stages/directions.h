@@ -16,16 +16,19 @@ bool brings_what_is_gathered(const Batch& batch, const Group<N>& group, const Ve
   return batch.scene.specular_like[vertex.kernel] || near_camera(batch, group, vertex);
 }
 
+template <class Batch, int N>
+std::uint32_t learned_at(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex) {
+  const LearnedLight& learned = batch.scene.lights.learned();
+  const bool guides =
+      !learned.empty() && batch.options.guide && brings_what_is_gathered(batch, group, vertex);
+  return guides ? learned.find(vertex.hit.position) : LearnedLight::kNone;
+}
+
 template <class Batch, int N, class Kernel>
 LightSamplingContext light_context(const Batch& batch, const Group<N>& group,
                                    const Vertex<N>& vertex, const Kernel& kernel) {
-  LightSamplingContext context{vertex.hit.position, vertex.normal, kernel.transmits(),
-                               batch.sample_of(group).time};
-  const LearnedLight& learned = batch.scene.lights.learned();
-  if (!learned.empty() && batch.options.guide && brings_what_is_gathered(batch, group, vertex)) {
-    context.learned = learned.find(vertex.hit.position);
-  }
-  return context;
+  return {vertex.hit.position, vertex.normal, kernel.transmits(), batch.sample_of(group).time,
+          vertex.learned};
 }
 
 template <class Kernel>

@@ -13,12 +13,11 @@ namespace nocturne {
 /// From within glass no light lies where it seems to, unless that was learned. A surface that
 /// scatters light in there may still stand before one in the same glass; a medium has too many
 /// vertices to try at each.
-template <class Batch, int N, class Kernel>
-bool may_see_lights(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
-                    const Kernel& kernel) {
+template <class Batch, int N>
+bool may_see_lights(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex) {
   return !batch.is_medium(vertex.hit) ||
          group.inside.current(batch.scene.medium_interfaces) == InteriorList::kOutside ||
-         light_context(batch, group, vertex, kernel).learned != LearnedLight::kNone;
+         vertex.learned != LearnedLight::kNone;
 }
 
 /// A photon towards lights, through whatever lets it pass.

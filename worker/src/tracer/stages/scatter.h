@@ -72,11 +72,12 @@ void prepare(Batch& batch, Chunk<N, Bound>& chunk) {
                       !batch.scene.lights.empty();
   for (std::size_t i = 0; i < chunk.count; ++i) {
     Group<N>& group = *chunk.groups[i];
-    const Vertex<N>& vertex = *chunk.vertices[i];
+    Vertex<N>& vertex = *chunk.vertices[i];
     const Bound& kernel = *chunk.kernels[i];
+    if (Batch::kAdjoint && kernel.smooth()) vertex.learned = learned_at(batch, group, vertex);
     const bool passes_on = group.mis.technique == MisTechnique::kLights;
     chunk.two_photons[i] =
-        second && !passes_on && kernel.smooth() && may_see_lights(batch, group, vertex, kernel);
+        second && !passes_on && kernel.smooth() && may_see_lights(batch, group, vertex);
     if constexpr (Batch::kAdjoint) {
       group.second = Group<N>::kNone;
       if (group.shares) offer_second(batch, group, vertex, kernel);
