@@ -74,10 +74,10 @@ void prepare(Batch& batch, Chunk<N, Bound>& chunk) {
     Group<N>& group = *chunk.groups[i];
     Vertex<N>& vertex = *chunk.vertices[i];
     const Bound& kernel = *chunk.kernels[i];
-    if (Batch::kAdjoint && kernel.smooth()) vertex.learned = learned_at(batch, group, vertex);
     const bool passes_on = group.mis.technique == MisTechnique::kLights;
-    chunk.two_photons[i] =
-        second && !passes_on && kernel.smooth() && may_see_lights(batch, group, vertex);
+    const bool scatters = !passes_on && kernel.smooth();
+    if (Batch::kAdjoint && scatters) vertex.learned = learned_at(batch, group, vertex);
+    chunk.two_photons[i] = second && scatters && may_see_lights(batch, group, vertex);
     if constexpr (Batch::kAdjoint) {
       group.second = Group<N>::kNone;
       if (group.shares) offer_second(batch, group, vertex, kernel);
