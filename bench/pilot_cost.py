@@ -4,10 +4,10 @@ Processor seconds of compiling a scene that leaves the way open, less those of t
 named, over a minute; the suite's scenes on a larger film, as sharing needs one.
 """
 
-import resource
 import tempfile
 from pathlib import Path
 
+from bench.machine import children_cpu_s
 from bench.peer.contenders import FilmSize, Ours
 from bench.report import Figures, Row, significant
 from bench.scenes import Document, compile_film
@@ -50,11 +50,11 @@ def _scene(scene: SuiteScene, film: FilmSize, cpu_s: float) -> Figures:
         taken: list[float] = []
         chosen = ""
         for tracing in (_NAMED, _OPEN):
-            began = _children_cpu_s()
+            began = children_cpu_s()
             compiled = compile_film(
                 _traced(document, tracing), place, film.width, film.height, samples, place / str(len(taken))
             )
-            taken.append(_children_cpu_s() - began)
+            taken.append(children_cpu_s() - began)
             chosen = compiled.way
         return {
             "samples": samples,
@@ -66,8 +66,3 @@ def _scene(scene: SuiteScene, film: FilmSize, cpu_s: float) -> Figures:
 
 def _traced(document: Document, tracing: Tracing) -> Document:
     return {**document, "tracing": {**document.get("tracing", {}), **tracing}}
-
-
-def _children_cpu_s() -> float:
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime

@@ -62,7 +62,9 @@ def rows(figures: Figures) -> list[Row]:
     table = []
     for name in TRAPS:
         found = figures[name]
-        best = max(ways := found["ways"], key=ways.__getitem__)
+        ways = found["ways"]
+        # Of equals one that has a name.
+        best = max((way for way in WAYS if way in ways), key=ways.__getitem__)
         table += [
             Row(
                 f"{name}: efficiency, default / each pixel alone",

@@ -14,7 +14,7 @@ from nocturne_scene.compile.output import CompiledOutput
 from nocturne_scene.document.read import parse_document
 from nocturne_scene.film import Film
 
-LARGE, SMALL = Film(256, 256, 256), Film(64, 64, 64)
+LARGE, SMALL = Film(64, 64, 64), Film(64, 64, 63)
 
 
 def compiled(

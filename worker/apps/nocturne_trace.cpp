@@ -280,16 +280,16 @@ std::string hex(std::string_view bytes) {
   return text;
 }
 
-// Part of a render's samples from which aims are learned, and light to guide photons by, and most
-// of these: enough to find what a thousandth of the photons is worth.
-constexpr double kLearnedFrom = 0.005, kMaxLearnedFrom = 3e5;
+// Part of a render's samples from which aims are learned, and light to guide photons by; at least
+// so many, and at most as many as are enough to find what a thousandth of the photons is worth.
+constexpr double kLearnedFrom = 0.005, kMinLearnedFrom = 1e4, kMaxLearnedFrom = 3e5;
 // Part of the photons that are then aimed; the others leave as luminaires emit.
 constexpr double kAimed = 0.9;
 
 double lessons(const FilmPlan& plan) {
   const double samples =
       1.0 * plan.film.width * plan.film.height * static_cast<double>(plan.range_ends.back());
-  return std::min(kMaxLearnedFrom, kLearnedFrom * samples);
+  return std::clamp(kLearnedFrom * samples, kMinLearnedFrom, kMaxLearnedFrom);
 }
 
 // Has the scene loaded again, as with important shapes that a person declared.

@@ -22,11 +22,8 @@ from nocturne_scene.film import Film
 from nocturne_scene.programs import find_program
 from nocturne_scene.scene_ranges import schedule_of
 
-WORTH_A_PILOT = 2**20
-"""Samples of a whole film: what takes a second needs no choice."""
-
-_TELLS_DIRECTIONS = 2**21
-"""From here on a pilot has samples enough to compare directions."""
+WORTH_A_PILOT = 2**18
+"""Samples of a whole film: five times what a pilot takes at least."""
 
 MAX_SECONDS = 120.0
 """After which a pilot is given up."""
@@ -109,8 +106,7 @@ def open_ways(
     """What a pilot is to choose. `photons_can_start`: at all luminaires."""
     tracing, default = document.tracing, given_ways(document)
     names, asked = [], default
-    tells = film.all_samples >= _TELLS_DIRECTIONS
-    may_forward = tracing.direction == "auto" and photons_can_start and tells
+    may_forward = tracing.direction == "auto" and photons_can_start
     with_forward = _forward(document, scene, film) if may_forward else None
     if with_forward is not None:
         names.append("direction")
@@ -125,7 +121,7 @@ def open_ways(
         elif tracing.aimed_emission is None and scene.luminaires:
             names.append("learn")
         asked = replace(asked, direction=with_forward, aimed_emission=aimed)
-    if tracing.guide == "auto" and tells and asked.direction == "both":
+    if tracing.guide == "auto" and asked.direction == "both":
         names.append("guide")
     if tracing.sharing == "auto" and tracing.estimator == "two_photons" and asked.direction != "forward":
         names.append("sharing")

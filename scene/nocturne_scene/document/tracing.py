@@ -78,10 +78,11 @@ class Tracing(Node):
     direction: Literal["auto", "adjoint", "forward", "both"] = Field(
         default="auto",
         description="From the sensor to the luminaires, or the other way round. `auto`: what a pilot of "
-        "a few samples finds better, `adjoint` for images of a second or two. `forward` is for the "
-        "irradiance meter and the intensity meter. `both` is for cameras: photons from the luminaires bring "
-        "the light that mirrors and glass gather, as from lamps in reflectors and in caustics, and photons "
-        "from the camera find all other light. Neither is for luminaires with textures.",
+        "a few samples finds better, `adjoint` for images of less than 2^18 samples in all. `forward` is "
+        "for the irradiance meter and the intensity meter. `both` is for cameras: photons from the "
+        "luminaires bring the light that mirrors and glass gather, as from lamps in reflectors and in "
+        "caustics, and photons from the camera find all other light. Neither is for luminaires with "
+        "textures.",
     )
     sharing: Literal["auto", 1, 4, 16] = Field(
         default="auto",

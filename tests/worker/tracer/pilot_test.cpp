@@ -73,33 +73,40 @@ TEST(PilotOfBoth, MayBeWorthItByTheirRatioAlone) {
   EXPECT_EQ(forward_pays(adjoint, rest, left, forward, 4.0), ForwardPays::kLessError);
 }
 
-PilotResult pilot(const test::SceneBuilder& builder, bool direction, unsigned threads = 2) {
+PilotResult pilot(const test::SceneBuilder& builder, bool direction, std::uint32_t samples = 4096) {
   return run_pilot(*builder.load(), {.film = {64, 48},
-                                     .samples = 4096,
+                                     .samples = samples,
                                      .direction = direction,
                                      .aim = false,
                                      .sharing = true,
-                                     .threads = threads});
+                                     .threads = 2});
 }
 
+// Of a film of 64 x 48: a quarter of a million in all, a render of a second.
+constexpr std::uint32_t kFewSamples = 86;
+
 // A lamp that shines at the ceiling alone.
-test::SceneBuilder lit_by_its_ceiling() {
+test::SceneBuilder lit_by_its_ceiling(float albedo = 0.7f) {
   test::SceneBuilder builder = test::two_photons();
-  builder.add_furnace(0.7f, 0.0f);
+  builder.add_furnace(albedo, 0.0f);
   builder.add_quad(0.0f, 50.0f, {-0.2f, 0.5f, -0.2f}, {0, 0, 0.4f}, {0.4f, 0, 0});
   return builder;
 }
 
 TEST(Pilot, SharesWhereLightComesByOtherSurfaces) {
-  const PilotResult found = pilot(lit_by_its_ceiling(), false);
-  EXPECT_EQ(found.choice.sharing, 16u);
-  EXPECT_GT(found.choice.gain, 2.0);
+  for (const std::uint32_t samples : {kFewSamples, 4096u}) {
+    const PilotResult found = pilot(lit_by_its_ceiling(), false, samples);
+    EXPECT_EQ(found.choice.sharing, 16u);
+    EXPECT_GT(found.choice.gain, 2.0);
+  }
 }
 
 TEST(Pilot, LeavesPixelsAloneInDirectLight) {
-  const PilotResult found = pilot(test::floor_and_lamp(false), false);
-  EXPECT_EQ(found.choice.sharing, 1u);
-  EXPECT_EQ(found.choice.gain, 1.0);
+  for (const std::uint32_t samples : {kFewSamples, 4096u}) {
+    const PilotResult found = pilot(test::floor_and_lamp(false), false, samples);
+    EXPECT_EQ(found.choice.sharing, 1u);
+    EXPECT_EQ(found.choice.gain, 1.0);
+  }
 }
 
 TEST(Pilot, StartsPhotonsAtTheLampForACaustic) {
@@ -109,25 +116,31 @@ TEST(Pilot, StartsPhotonsAtTheLampForACaustic) {
   EXPECT_TRUE(found.choice.finds_more || found.choice.gain > 5.0);
 }
 
+// In a small render a pilot needs the aim to find enough of a caustic, too.
 TEST(Pilot, AimsForwardPhotonsWhereThatHelps) {
-  for (const bool at_the_ball : {true, false}) {
+  const auto choose = [](Vec3 aim, std::uint32_t samples) {
     test::SceneBuilder builder = test::floor_and_lamp(true);
     auto& important = *builder.message.add_important_shapes();
     important.set_weight(1.0);
     auto& sphere = *important.mutable_sphere();
-    test::SceneBuilder::set(*sphere.mutable_centre(),
-                            at_the_ball ? Vec3{0, -0.3f, -0.5f} : Vec3{3, 3, -0.5f});
+    test::SceneBuilder::set(*sphere.mutable_centre(), aim);
     sphere.set_radius(0.5);
     builder.message.mutable_tracing()->set_aimed_emission(0.9);
-    const PilotResult found = run_pilot(*builder.load(), {.film = {64, 48},
-                                                          .samples = 4096,
-                                                          .direction = true,
-                                                          .aim = true,
-                                                          .sharing = false,
-                                                          .threads = 2});
-    EXPECT_EQ(found.choice.direction, Direction::kBoth);
-    EXPECT_EQ(found.choice.aimed, at_the_ball);
+    return run_pilot(*builder.load(), {.film = {64, 48},
+                                       .samples = samples,
+                                       .direction = true,
+                                       .aim = true,
+                                       .sharing = false,
+                                       .threads = 2})
+        .choice;
+  };
+  const Vec3 at_the_ball{0, -0.3f, -0.5f}, beside_it{3, 3, -0.5f};
+  for (const std::uint32_t samples : {kFewSamples, 4096u}) {
+    EXPECT_EQ(choose(at_the_ball, samples).direction, Direction::kBoth);
+    EXPECT_TRUE(choose(at_the_ball, samples).aimed);
   }
+  EXPECT_EQ(choose(beside_it, 4096).direction, Direction::kBoth);
+  EXPECT_FALSE(choose(beside_it, 4096).aimed);
 }
 
 TEST(Pilot, TracesNoForwardPhotonsWithoutMirrorsAndGlass) {
@@ -169,6 +182,13 @@ TEST(Pilot, TakesASmallPartOfTheRender) {
                                                                        .threads = 2});
     EXPECT_LT(static_cast<double>(found.photons), 0.03 * 64 * 48 * samples);
   }
+}
+
+TEST(Pilot, TakesWhatTellsFromASmallRenderButNoMoreThanASecond) {
+  EXPECT_LT(pilot(lit_by_its_ceiling(), false, kFewSamples).photons, 60'000u);
+  // Photons that are reflected thirty times: half a million rays, and those that told so.
+  const PilotResult found = pilot(lit_by_its_ceiling(0.98f), false, kFewSamples);
+  EXPECT_LT(found.rays, 1'000'000u);
 }
 
 }  // namespace

@@ -19,10 +19,19 @@ constexpr std::uint32_t kSamples = 16;
 /// as leave so many squares of the film, in images that pixels alone can be judged by.
 constexpr std::uint32_t kSharingImages = 2, kMaxSharingSamples = 64;
 constexpr double kEnoughSquares = 4.0;
+/// Edges of these squares, pixels; smaller ones are spread better where the pilot has few samples.
+constexpr std::uint32_t kSquare = 16, kSmallSquare = 8;
+/// What sharing has to gain where fewer pixels than this are looked at: a few that lie well do not
+/// tell 1.25 from a loss, and rooms, where sharing matters, gain 3 to 9 (docs/decisions/0062).
+constexpr std::size_t kFewPixels = 5 * kSquare * kSquare;
+constexpr double kWorthItByFew = 2.0;
 constexpr std::size_t kParts = 5;
 /// Part of the render's samples that a pilot takes with its lessons, the most samples without
 /// these, and the most rays.
 constexpr double kPart = 0.024, kMaxSamples = 1.5e6, kMaxRays = 12e6;
+/// What is enough to tell directions apart is taken even if that is a larger part of a render,
+/// as long as its rays are a matter of a second.
+constexpr double kEnoughSamples = 50e3, kEnoughRays = 0.5e6;
 /// Of an occlusion query between neighbours, and of a forward photon's ray with its connection to
 /// the camera and its place on the film, in rays of adjoint photons: measured, docs/decisions/0062.
 constexpr double kQueryCost = 0.7, kForwardCost = 1.5;
@@ -69,15 +78,14 @@ class Pilot {
  private:
   /// Samples in all that the pilot may take.
   double samples() {
-    const double pixels = pixels_of(request_.film);
-    const double all = kPart * pixels * request_.samples - request_.lessons;
-    const double part = std::clamp(all, 0.0, kMaxSamples);
     // What a sample takes, by a few of them.
     const Film small = trials_.reduced(256.0);
     const PilotImages probe =
         trials_.images(Direction::kAdjoint, 1, small, whole(small, kSamples), 1);
-    const double taken = pixels_of(small) * kSamples;
-    return std::min(part, kMaxRays / std::max(1.0, rays_of(probe) / taken));
+    const double rays = std::max(1.0, rays_of(probe) / (pixels_of(small) * kSamples));
+    const double part = kPart * pixels_of(request_.film) * request_.samples;
+    const double all = std::max(part, std::min(kEnoughSamples, kEnoughRays / rays));
+    return std::min(std::clamp(all - request_.lessons, 0.0, kMaxSamples), kMaxRays / rays);
   }
 
   bool forward_can_bring() const {
@@ -199,24 +207,29 @@ class Pilot {
   void choose_sharing() {
     // Half of the budget was for the direction, if that was open.
     const double budget = std::min(result_.tried.empty() ? budget_ : budget_ / 2, kMaxSamples / 2);
-    const double all = budget / (2 * kSharingImages) / (Trials::kSquare * Trials::kSquare);
-    const double enough = std::min<double>(kEnoughSquares, trials_.squares_of_film());
-    std::uint32_t samples = kSamples;
+    const double all = budget / (2 * kSharingImages);
+    const double enough = std::min<double>(kEnoughSquares, trials_.squares_of_film(kSquare));
+    std::uint32_t samples = kSamples, edge = kSmallSquare;
     // Not 32: the grid of blocks stands still so long, and then sharing seems to lose nothing where
     // light is direct; at 64 samples it loses a factor of three (colour chart).
-    if (kMaxSharingSamples * enough <= all) samples = kMaxSharingSamples;
-    const auto film = trials_.some_squares(std::max(1.0, std::floor(all / samples)), samples);
+    if (kMaxSharingSamples * kSquare * kSquare * enough <= all) {
+      samples = kMaxSharingSamples;
+      edge = kSquare;
+    }
+    const double wanted = std::max(1.0, std::floor(all / samples / (edge * edge)));
+    const auto film = trials_.some_squares(wanted, edge, samples);
+    const double worth_it = film.size() * edge * edge < kFewPixels ? kWorthItByFew : kWorthIt;
     const auto first = film.begin() + static_cast<std::ptrdiff_t>(std::min(kParts, film.size()));
     PilotImages alone, shared;
     auto [gains, ratio] = gains_of_sharing({film.begin(), first}, alone, shared);
-    if (first != film.end() && !plain(gains)) {
+    if (first != film.end() && !plain(gains, worth_it)) {
       std::tie(gains, ratio) = gains_of_sharing({first, film.end()}, alone, shared);
     }
     if (gains.empty()) return;
     // A single bright sample may decide about the whole. Of an even number the lower middle.
     const auto middle = gains.begin() + static_cast<std::ptrdiff_t>((gains.size() - 1) / 2);
     std::ranges::nth_element(gains, middle);
-    if (!(*middle > kWorthIt)) return;
+    if (!(*middle > worth_it)) return;
     result_.choice.sharing = 16;
     result_.choice.forward_ratio = ratio;
     result_.choice.gain *= *middle;
@@ -253,10 +266,10 @@ class Pilot {
     return gains_of_parts(sixteen, one);
   }
 
-  static bool plain(const std::vector<double>& gains) {
+  static bool plain(const std::vector<double>& gains, double worth_it) {
     const auto but_one = static_cast<std::ptrdiff_t>(gains.size()) - 1;
-    const auto pays = [](double gain) { return gain > kPlain * kWorthIt; };
-    const auto loses = [](double gain) { return gain < kWorthIt / kPlain; };
+    const auto pays = [=](double gain) { return gain > kPlain * worth_it; };
+    const auto loses = [=](double gain) { return gain < worth_it / kPlain; };
     return std::ranges::count_if(gains, pays) >= but_one ||
            std::ranges::count_if(gains, loses) >= but_one;
   }

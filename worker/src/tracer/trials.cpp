@@ -9,8 +9,8 @@
 namespace nocturne {
 namespace {
 
-std::uint32_t squares_along(std::uint32_t edge) {
-  return (edge + Trials::kSquare - 1) / Trials::kSquare;
+std::uint32_t squares_along(std::uint32_t film_edge, std::uint32_t edge) {
+  return (film_edge + edge - 1) / edge;
 }
 
 }  // namespace
@@ -32,22 +32,22 @@ Film Trials::reduced(double pixels) const {
   return {edge(film_.width), edge(film_.height)};
 }
 
-std::uint32_t Trials::squares_of_film() const {
-  return squares_along(film_.width) * squares_along(film_.height);
+std::uint32_t Trials::squares_of_film(std::uint32_t edge) const {
+  return squares_along(film_.width, edge) * squares_along(film_.height, edge);
 }
 
-std::vector<TileRange> Trials::some_squares(double wanted, std::uint32_t samples) const {
+std::vector<TileRange> Trials::some_squares(double wanted, std::uint32_t edge,
+                                            std::uint32_t samples) const {
   const auto [width, height] = film_;
-  const std::uint32_t columns = squares_along(width), all = squares_of_film();
+  const std::uint32_t columns = squares_along(width, edge), all = squares_of_film(edge);
   const auto count = static_cast<std::uint32_t>(std::min<double>(wanted, all));
   std::vector<TileRange> squares;
   for (std::uint32_t i = 0; i < count; ++i) {
     double unused;
     const double part = std::modf((i + 0.5) * 0.6180339887498949, &unused);
     const std::uint32_t index = count == all ? i : static_cast<std::uint32_t>(part * all);
-    const std::uint32_t x = index % columns * kSquare, y = index / columns * kSquare;
-    squares.push_back(
-        {x, y, std::min(kSquare, width - x), std::min(kSquare, height - y), 0, samples});
+    const std::uint32_t x = index % columns * edge, y = index / columns * edge;
+    squares.push_back({x, y, std::min(edge, width - x), std::min(edge, height - y), 0, samples});
   }
   return squares;
 }

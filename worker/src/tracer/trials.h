@@ -20,17 +20,15 @@ class Trials {
  public:
   /// Independent images by each way.
   static constexpr std::uint32_t kImages = 4;
-  /// Edge of the squares of the film, pixels, in which neighbours share.
-  static constexpr std::uint32_t kSquare = 16;
-
   Trials(Scene& scene, Film film, unsigned threads);
 
   /// The same view in so many pixels, about.
   Film reduced(double pixels) const;
 
-  /// Squares of the film, spread over it (by the golden ratio).
-  std::vector<TileRange> some_squares(double wanted, std::uint32_t samples) const;
-  std::uint32_t squares_of_film() const;
+  /// Squares of the film, so many pixels along an edge, spread over it (by the golden ratio).
+  std::vector<TileRange> some_squares(double wanted, std::uint32_t edge,
+                                      std::uint32_t samples) const;
+  std::uint32_t squares_of_film(std::uint32_t edge) const;
 
   /// Independent images of some squares of a film.
   PilotImages images(Direction direction, std::uint32_t sharing, Film film,
