@@ -50,6 +50,15 @@ TEST(PilotOfBoth, WhereTheOtherMissesWhatItFinds) {
       ForwardPays::kFindsMore);
 }
 
+TEST(PilotOfBoth, WhereTheOtherHasFoundNothingAtAllOfWhatAFewFound) {
+  const PilotFigures adjoint = figures(10, 0.1, 0.1), nothing = figures(0, 0, 0);
+  EXPECT_EQ(forward_pays(adjoint, adjoint, nothing, figures(1, 0.4, 500.0)),
+            ForwardPays::kFindsMore);
+  EXPECT_EQ(forward_pays(adjoint, adjoint, nothing, figures(1, 0.7, 500.0)), ForwardPays::kNot);
+  EXPECT_EQ(forward_pays(adjoint, adjoint, figures(0.1, 0.1, 1.0), figures(1, 0.4, 500.0)),
+            ForwardPays::kNot);
+}
+
 // Costs and errors of two that share the time: the best parts are as the roots of error over cost.
 TEST(PilotOfBoth, GivesEachKindAsManyPhotonsAsPay) {
   const auto ratio = [](double adjoint_mse, double forward_mse, double forward_cost) {
@@ -110,13 +119,14 @@ TEST(Pilot, LeavesPixelsAloneInDirectLight) {
 }
 
 TEST(Pilot, StartsPhotonsAtTheLampForACaustic) {
-  const PilotResult found = pilot(test::floor_and_lamp(true), true);
-  EXPECT_EQ(found.choice.direction, Direction::kBoth);
-  // Photons from the camera hardly ever get through the glass to so small a lamp.
-  EXPECT_TRUE(found.choice.finds_more || found.choice.gain > 5.0);
+  for (const std::uint32_t samples : {kFewSamples, 4096u}) {
+    const PilotResult found = pilot(test::floor_and_lamp(true), true, samples);
+    EXPECT_EQ(found.choice.direction, Direction::kBoth);
+    // Photons from the camera hardly ever get through the glass to so small a lamp.
+    EXPECT_TRUE(found.choice.finds_more || found.choice.gain > 5.0);
+  }
 }
 
-// In a small render a pilot needs the aim to find enough of a caustic, too.
 TEST(Pilot, AimsForwardPhotonsWhereThatHelps) {
   const auto choose = [](Vec3 aim, std::uint32_t samples) {
     test::SceneBuilder builder = test::floor_and_lamp(true);

@@ -8,8 +8,9 @@ namespace {
 /// Ratios of forward photons that may be chosen, the part of the time that each kind keeps at
 /// least, and how many times better another ratio than 1 must be.
 constexpr double kLeastRatio = 1.0 / 16, kMostRatio = 64.0, kLeastTime = 1.0 / 8, kRatioPays = 1.05;
-/// Forward photons whose mean is less certain have hardly found the sensor yet.
-constexpr double kCertain = 0.2;
+/// Forward photons whose mean is less certain have hardly found the sensor yet; where adjoint ones
+/// have found nothing at all of the same light, few are enough.
+constexpr double kCertain = 0.2, kSeen = 0.5;
 
 }  // namespace
 
@@ -35,9 +36,12 @@ double best_forward_ratio(const PilotFigures& adjoint, const PilotFigures& forwa
 
 ForwardPays forward_pays(const PilotFigures& adjoint, const PilotFigures& rest,
                          const PilotFigures& left, const PilotFigures& forward, double ratio) {
-  if (!(forward.mean > 0.0) || forward.mean_error > kCertain * forward.mean) {
+  const bool unseen = left.mean == 0.0 && left.mean_error == 0.0;
+  if (!(forward.mean > 0.0) || forward.mean_error > (unseen ? kSeen : kCertain) * forward.mean) {
     return ForwardPays::kNot;
   }
+  // Noise tells how wrong an image is, and nobody would see that this light is not there.
+  if (unseen) return ForwardPays::kFindsMore;
   // What one of the two has not found at all makes no noise: a way that is too dark only looks
   // good.
   const double apart = kApart * math::hypot(left.mean_error, forward.mean_error);
