@@ -35,6 +35,7 @@ class Asked:
         forward: bool = False,
         sharing: int = 1,
         ratio: float = 1.0,
+        gain: float = 7.5,
         aims: Sequence[dict[str, Any]] = (),
         learned_light: bytes = b"",
     ) -> None:
@@ -43,7 +44,7 @@ class Asked:
             "forward_photons": forward,
             "sharing": sharing,
             "forward_ratio": ratio,
-            "gain": 7.5,
+            "gain": gain,
             "finds_more": False,
             "aimed": forward,
             "aims": list(aims),
@@ -76,6 +77,17 @@ def test_what_is_left_open_is_asked_for_once(
     assert output.way == tracing.way
     assert output.way.startswith(
         "photons from both directions, shared by blocks of 16 pixels: 7.5 times less time"
+    )
+
+
+def test_no_gain_is_told_that_is_none(
+    document: dict[str, Any], blobs: BlobStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Asked(monkeypatch, forward=True, gain=0.8)
+    output, _ = compiled(document, blobs, LARGE)
+    assert output.way == (
+        "photons from both directions: less error than by photons from the sensor once these are guided, "
+        "by a pilot of 123,456 photons"
     )
 
 

@@ -196,5 +196,8 @@ def _sentence(ways: Ways, default: Ways, found: dict[str, Any]) -> str:
     if found["finds_more"]:
         return f"{ways.named()}: {default.named()} missed light that these found, {tried}"
     gain = found["gain"]
+    if gain <= 1.0:
+        # Guided photons showed the noise of light that the default had not met.
+        return f"{ways.named()}: less error than by {default.named()} once these are guided, {tried}"
     times = f"{gain:.0f}" if gain >= _EXACT_BELOW else f"{gain:.1f}"
     return f"{ways.named()}: {times} times less time to the same error than by {default.named()}, {tried}"

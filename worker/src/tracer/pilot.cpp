@@ -23,7 +23,7 @@ constexpr double kEnoughSquares = 4.0;
 constexpr std::uint32_t kSquare = 16, kSmallSquare = 8;
 /// What sharing has to gain where fewer pixels than this are looked at: a few that lie well do not
 /// tell 1.25 from a loss, and rooms, where sharing matters, gain 3 to 9 (docs/decisions/0062).
-constexpr std::size_t kFewPixels = 5 * kSquare * kSquare;
+constexpr std::size_t kFewPixels = 4 * kSquare * kSquare;
 constexpr double kWorthItByFew = 2.0;
 constexpr std::size_t kParts = 5;
 /// Part of the render's samples that a pilot takes with its lessons, the most samples without
