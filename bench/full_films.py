@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 
 from bench.errors import true_relmse
-from bench.machine import children_cpu_s
 from bench.peer.contenders import FilmSize, Ours
-from bench.programs import Channel
+from bench.programs import Channel, children_cpu_s
 from bench.report import Figures, Row, significant
 from bench.scenes import compile_film, example
 from bench.suite.references import THREADS

@@ -1,7 +1,6 @@
 """What it was measured on."""
 
 import os
-import resource
 from pathlib import Path
 
 
@@ -18,9 +17,3 @@ def processor() -> str:
 def load_average() -> float:
     """Of the last minute: above the number of processors, others were waiting too."""
     return round(os.getloadavg()[0], 2)
-
-
-def children_cpu_s() -> float:
-    """Of all programs that this one started and that have ended."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime

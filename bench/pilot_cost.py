@@ -7,8 +7,8 @@ named, over a minute; the suite's scenes on a larger film, as sharing needs one.
 import tempfile
 from pathlib import Path
 
-from bench.machine import children_cpu_s
 from bench.peer.contenders import FilmSize, Ours
+from bench.programs import children_cpu_s
 from bench.report import Figures, Row, significant
 from bench.scenes import Document, compile_film
 from bench.suite.references import THREADS, samples_for

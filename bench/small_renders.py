@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from bench.errors import true_relmse
-from bench.machine import children_cpu_s
 from bench.peer.agreement import Reference
 from bench.peer.contenders import FilmSize, Ours
+from bench.programs import children_cpu_s
 from bench.report import Figures, Row, significant
 from bench.scenes import Document, compile_film
 from bench.suite.references import THREADS, samples_for

@@ -23,7 +23,7 @@ constexpr double kEnoughSquares = 4.0;
 constexpr std::uint32_t kSquare = 16, kSmallSquare = 8;
 /// What sharing has to gain where fewer pixels than this are looked at: a few that lie well do not
 /// tell 1.25 from a loss, and rooms, where sharing matters, gain 3 to 9 (docs/decisions/0062).
-constexpr std::size_t kFewPixels = 4 * kSquare * kSquare;
+constexpr double kFewPixels = kEnoughSquares * kSquare * kSquare;
 constexpr double kWorthItByFew = 2.0;
 constexpr std::size_t kParts = 5;
 /// Part of the render's samples that a pilot takes with its lessons, the most samples without
@@ -218,7 +218,8 @@ class Pilot {
     }
     const double wanted = std::max(1.0, std::floor(all / samples / (edge * edge)));
     const auto film = trials_.some_squares(wanted, edge, samples);
-    const double worth_it = film.size() * edge * edge < kFewPixels ? kWorthItByFew : kWorthIt;
+    const double pixels = static_cast<double>(film.size()) * edge * edge;
+    const double worth_it = pixels < kFewPixels ? kWorthItByFew : kWorthIt;
     const auto first = film.begin() + static_cast<std::ptrdiff_t>(std::min(kParts, film.size()));
     PilotImages alone, shared;
     auto [gains, ratio] = gains_of_sharing({film.begin(), first}, alone, shared);

@@ -20,6 +20,7 @@ class Trials {
  public:
   /// Independent images by each way.
   static constexpr std::uint32_t kImages = 4;
+
   Trials(Scene& scene, Film film, unsigned threads);
 
   /// The same view in so many pixels, about.
