@@ -7,21 +7,23 @@ import asyncio
 import contextlib
 import hashlib
 import json
+import threading
 import time
 from collections import Counter
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 from typing import Any
 
 import grpc
 import httpx
 import pytest
-from nocturne.v1 import asset_service_pb2, asset_service_pb2_grpc, render_service_pb2_grpc
+from nocturne.v1 import asset_service_pb2, render_service_pb2_grpc
 from nocturne.v1 import render_service_pb2 as pb
 from nocturne_api import limits
 
 from tests.faults.owners import Guarded, guarded, metadata, next_of, request
 from tests.services import coordinator_acts
+from tests.services.endpoints import refusal_of_upload
 from tests.system.waiting import LIMIT_S
 
 HALF_A_HEAD = b"GET /v1/renders HTTP/1.1\r\nHost: localhost\r\nX-A: "
@@ -174,19 +176,19 @@ async def test_a_call_has_its_time(begins: bool, service: Guarded, monkeypatch: 
     """P8: the same by gRPC, also where not even a first message comes."""
     monkeypatch.setattr(limits, "BODY_SECONDS", 0.5)
     about = asset_service_pb2.Asset(sha256="a" * 64, size_bytes=1_000_000)
-    async with service.grpc() as channel:
-        call = asset_service_pb2_grpc.AssetServiceStub(channel).Upload(
-            metadata=metadata(service.token("alice", "submit"))
-        )
-        begun = time.monotonic()
+    over = threading.Event()
+
+    def slowly() -> Iterator[asset_service_pb2.UploadRequest]:
         if begins:
-            await call.write(asset_service_pb2.UploadRequest(asset=about))
-        while not call.done() and time.monotonic() - begun < _CLOSED_S:
+            yield asset_service_pb2.UploadRequest(asset=about)
+        while not over.wait(0.1):
             if begins:
-                await call.write(asset_service_pb2.UploadRequest(data=b"x"))
-            await asyncio.sleep(0.1)
-        assert call.done()
-        assert await call.code() == grpc.StatusCode.DEADLINE_EXCEEDED
+                yield asset_service_pb2.UploadRequest(data=b"x")
+
+    async with asyncio.timeout(_CLOSED_S):
+        ended = await refusal_of_upload(service.service, slowly(), service.token("alice", "submit"))
+    over.set()
+    assert ended == grpc.StatusCode.DEADLINE_EXCEEDED
 
 
 async def test_an_answer_that_nobody_reads_is_given_up(
