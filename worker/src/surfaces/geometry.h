@@ -1,5 +1,5 @@
-// The scene's shapes in a bounding volume hierarchy. Embree does the search; only geometry.cpp and
-// embree_callbacks know it.
+// The scene's shapes in a bounding volume hierarchy. Embree does the search, and is known in this
+// folder alone: embree_scene builds, packets and exact_search ask.
 #pragma once
 
 #include <cstdint>
@@ -20,6 +20,8 @@
 #include "surfaces/surface_detail.h"
 
 namespace nocturne {
+
+struct EmbreeScene;
 
 /// A ray at a time within the shutter, [0, 1], up to a distance.
 struct TimedRay {
@@ -104,10 +106,7 @@ class Geometry {
   static std::string library();
 
  private:
-  void intersect_packets(std::span<const TimedRay> rays, std::span<std::optional<Hit>> hits) const;
-
-  struct Embree;
-  std::unique_ptr<Embree> embree_;
+  std::unique_ptr<EmbreeScene> embree_;
 };
 
 }  // namespace nocturne

@@ -1,0 +1,25 @@
+// Searches for many rays, eight at a time; what is found for a ray does not depend on the others.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "surfaces/embree_scene.h"
+#include "surfaces/geometry.h"
+
+namespace nocturne {
+
+/// Rays in a packet.
+inline constexpr std::size_t kPacket = 8;
+
+/// Nearest hits of rays that start at their origins.
+void intersect_packets(const EmbreeScene& scene, std::span<const TimedRay> rays,
+                       std::span<std::optional<Hit>> hits);
+
+/// See Geometry::occluded.
+void occluded_packets(const EmbreeScene& scene, std::span<const TimedRay> rays,
+                      std::span<std::uint8_t> blocked, Ways ways);
+
+}  // namespace nocturne
