@@ -7,6 +7,7 @@
 
 #include "support/caustic_scene.h"
 #include "tracer/forward_pays.h"
+#include "tracer/sharing_pays.h"
 
 namespace nocturne {
 namespace {
@@ -80,6 +81,30 @@ TEST(PilotOfBoth, MayBeWorthItByTheirRatioAlone) {
                      left = figures(5, 1, 4.0), forward = figures(5, 0.1, 2.0);
   EXPECT_EQ(forward_pays(adjoint, rest, left, forward), ForwardPays::kNot);
   EXPECT_EQ(forward_pays(adjoint, rest, left, forward, 4.0), ForwardPays::kLessError);
+}
+
+// What parts of films gained as pilots measured them (docs/decisions/0062).
+TEST(PilotOfSharing, PaysWhereMostPartsGain) {
+  EXPECT_EQ(sharing_pays({4.36, 2.24, 4.26, 3.55}, 1.25), 3.55);          // a Cornell box
+  EXPECT_EQ(sharing_pays({3.55, 1.02, 2.74, 5.22, 1.98}, 1.25), 2.74);    // a polished floor
+  EXPECT_EQ(sharing_pays({0.23, 0.33, 0.27, 0.24}, 1.25), std::nullopt);  // a colour chart
+  EXPECT_EQ(sharing_pays({1.84, 2.13, 0.82, 1.95, 3.62}, 2.0), std::nullopt);
+  EXPECT_EQ(sharing_pays({}, 1.25), std::nullopt);
+}
+
+// Glossy spheres under a small Sun, where it loses by references.
+TEST(PilotOfSharing, NotWhereItLosesMoreInSomePartsThanItGainsInMost) {
+  EXPECT_EQ(sharing_pays({0.11, 1.33, 6.98, 1.96}, 1.25), std::nullopt);
+  EXPECT_EQ(sharing_pays({0.14, 0.50, 3.72, 1.30, 7.53}, 1.25), std::nullopt);
+  EXPECT_EQ(sharing_pays({1.54, 1.47, 0.41, 2.48, 0.81}, 1.25), std::nullopt);
+}
+
+TEST(PilotOfSharing, IsPlainWhereOnePartMoreWouldNotMatter) {
+  EXPECT_TRUE(votes_are_plain(std::vector{4.36, 1.24, 4.26, 3.55}, 1.25));
+  EXPECT_TRUE(votes_are_plain(std::vector{0.23, 9.0, 0.27, 0.24}, 1.25));
+  // Or what one loses outweighs what the others gain.
+  EXPECT_FALSE(votes_are_plain(std::vector{1.84, 1.84, 0.1, 1.84, 1.84}, 1.25));
+  EXPECT_FALSE(votes_are_plain(std::vector{0.66, 1.34, 1.79, 0.50, 0.29}, 1.25));
 }
 
 PilotResult pilot(const test::SceneBuilder& builder, bool direction, std::uint32_t samples = 4096) {

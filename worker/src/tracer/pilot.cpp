@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <tuple>
 #include <utility>
 
 #include "math/functions.h"
 #include "tracer/forward_pays.h"
+#include "tracer/sharing_pays.h"
 #include "tracer/trials.h"
 
 namespace nocturne {
@@ -35,10 +37,6 @@ constexpr double kEnoughSamples = 50e3, kEnoughRays = 0.5e6;
 /// Of an occlusion query between neighbours, and of a forward photon's ray with its connection to
 /// the camera and its place on the film, in rays of adjoint photons: measured, docs/decisions/0062.
 constexpr double kQueryCost = 0.7, kForwardCost = 1.5;
-/// The first squares, one for each part of the film, decide alone where sharing gains in all of
-/// them but one so many times more than it has to, or so many times less: somebody waits for the
-/// pilot, and one part of five does not move the median.
-constexpr double kPlain = 1.25;
 /// Of a guided sample over that of one that is not: looking up and asking cells of learned light,
 /// measured, docs/decisions/0104. Part of the direction's budget that comparing these takes.
 constexpr double kGuideCost = 1.1, kGuidePart = 0.5;
@@ -223,17 +221,15 @@ class Pilot {
     const auto first = film.begin() + static_cast<std::ptrdiff_t>(std::min(kParts, film.size()));
     PilotImages alone, shared;
     auto [gains, ratio] = gains_of_sharing({film.begin(), first}, alone, shared);
-    if (first != film.end() && !plain(gains, worth_it)) {
+    // The first squares, one for each part of the film, may decide alone.
+    if (first != film.end() && !votes_are_plain(gains, worth_it)) {
       std::tie(gains, ratio) = gains_of_sharing({first, film.end()}, alone, shared);
     }
-    if (gains.empty()) return;
-    // A single bright sample may decide about the whole. Of an even number the lower middle.
-    const auto middle = gains.begin() + static_cast<std::ptrdiff_t>((gains.size() - 1) / 2);
-    std::ranges::nth_element(gains, middle);
-    if (!(*middle > worth_it)) return;
+    const std::optional<double> gain = sharing_pays(std::move(gains), worth_it);
+    if (!gain) return;
     result_.choice.sharing = 16;
     result_.choice.forward_ratio = ratio;
-    result_.choice.gain *= *middle;
+    result_.choice.gain *= *gain;
   }
 
   double ratio_with(const PilotFigures& adjoint, const PilotFigures& forward) const {
@@ -265,14 +261,6 @@ class Pilot {
     });
     result_.tried.insert(result_.tried.end(), {one, sixteen});
     return gains_of_parts(sixteen, one);
-  }
-
-  static bool plain(const std::vector<double>& gains, double worth_it) {
-    const auto but_one = static_cast<std::ptrdiff_t>(gains.size()) - 1;
-    const auto pays = [=](double gain) { return gain > kPlain * worth_it; };
-    const auto loses = [=](double gain) { return gain < worth_it / kPlain; };
-    return std::ranges::count_if(gains, pays) >= but_one ||
-           std::ranges::count_if(gains, loses) >= but_one;
   }
 
   /// How much more efficient `one` is than `other`, each with what forward photons add, in those
