@@ -185,9 +185,12 @@ async def test_a_call_has_its_time(begins: bool, service: Guarded, monkeypatch: 
             if begins:
                 yield asset_service_pb2.UploadRequest(data=b"x")
 
-    async with asyncio.timeout(_CLOSED_S):
-        ended = await refusal_of_upload(service.service, slowly(), service.token("alice", "submit"))
-    over.set()
+    allowed = metadata(service.token("alice", "submit"))
+    try:
+        async with asyncio.timeout(_CLOSED_S):
+            ended = await refusal_of_upload(service.service, slowly(), allowed)
+    finally:
+        over.set()
     assert ended == grpc.StatusCode.DEADLINE_EXCEEDED
 
 

@@ -47,14 +47,15 @@ def grpc_channel(service: Service) -> grpc.aio.Channel:
 
 
 async def refusal_of_upload(
-    service: Service, messages: Iterator[asset_service_pb2.UploadRequest], token: str = ""
+    service: Service,
+    messages: Iterator[asset_service_pb2.UploadRequest],
+    metadata: tuple[tuple[str, str], ...] = (),
 ) -> grpc.StatusCode:
     """With what status an upload ends that the service does not take.
 
     By gRPC's blocking client in a thread: a write of the asynchronous one that meets the end of its call
     puts "Internal error from Core" in the place of the service's status (grpc/grpc issue 36066).
     """
-    metadata = (("authorization", f"Bearer {token}"),) if token else ()
 
     def upload() -> grpc.StatusCode:
         with grpc.insecure_channel(f"127.0.0.1:{service.grpc_port}") as channel:
