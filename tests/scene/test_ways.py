@@ -38,6 +38,7 @@ class Asked:
         gain: float = 7.5,
         aims: Sequence[dict[str, Any]] = (),
         learned_light: bytes = b"",
+        hinted: bool = True,
     ) -> None:
         self.asked: list[tuple[list[str], scene_pb2.Tracing]] = []
         answer = {
@@ -46,7 +47,8 @@ class Asked:
             "forward_ratio": ratio,
             "gain": gain,
             "finds_more": False,
-            "aimed": forward,
+            "aimed": 0.9 if forward else 0.0,
+            "hinted": hinted,
             "aims": list(aims),
             "learned_light": learned_light.hex(),
             "photons": 123456,
@@ -220,6 +222,29 @@ def test_photons_are_aimed_at_what_was_learned(
     # Photons from the sensor are not sent there.
     assert scene.tracing.weight_important == 0.0
     assert output.way.startswith("photons from both directions, aimed at what was learned")
+
+
+def test_important_directions_may_be_left_to_photons_from_the_luminaires(
+    document: dict[str, Any], blobs: BlobStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Unless the document gives them a weight, or nothing else could have it."""
+    ball = {"shape": {"type": "sphere", "centre": [0, 0, 2], "radius": 0.5}}
+    declared = {**document, "important_directions": [ball]}
+    trace = Asked(monkeypatch, forward=True, hinted=False)
+    _, tracing = compiled(declared, blobs, LARGE)
+    [(chosen, asked)] = trace.asked
+    assert chosen == ["direction", "ratio", "aim", "hint", "guide", "sharing"]
+    assert (asked.weight_important, asked.weight_luminaires) == (0.175, 0.175)
+    assert (tracing.weight_important, tracing.weight_luminaires) == (0.0, 0.35)
+    assert tracing.aimed_emission == 0.9
+
+    Asked(monkeypatch, forward=True)
+    assert compiled(declared, blobs, LARGE)[1].weight_important == 0.175
+
+    trace = Asked(monkeypatch, forward=True)
+    _, tracing = compiled({**declared, "tracing": {"mixture": {"important": 1}}}, blobs, LARGE)
+    assert "hint" not in trace.asked[0][0]
+    assert tracing.weight_important > 0.5
 
 
 def test_photons_are_guided_by_what_was_learned(

@@ -252,7 +252,8 @@ std::string figures_json(const PilotFigures& figures) {
   std::ostringstream json;
   json.precision(6);
   json << "{\"photons\": \"" << kNames[figures.photons] << "\", \"sharing\": " << figures.sharing
-       << ", \"aimed\": " << (figures.aimed ? "true" : "false")
+       << ", \"aimed\": " << figures.aimed
+       << ", \"hinted\": " << (figures.hinted ? "true" : "false")
        << ", \"guided\": " << (figures.guided ? "true" : "false") << ", \"mean\": " << figures.mean
        << ", \"mean_error\": " << figures.mean_error
        << ", \"relative_mse\": " << figures.relative_mse << ", \"cost\": " << figures.cost << '}';
@@ -283,7 +284,7 @@ std::string hex(std::string_view bytes) {
 // Part of a render's samples from which aims are learned, and light to guide photons by; at least
 // so many, and at most as many as are enough to find what a thousandth of the photons is worth.
 constexpr double kLearnedFrom = 0.005, kMinLearnedFrom = 1e4, kMaxLearnedFrom = 3e5;
-// Part of the photons that are then aimed; the others leave as luminaires emit.
+// Part of the photons that are then aimed at most; the others leave as luminaires emit.
 constexpr double kAimed = 0.9;
 
 double lessons(const FilmPlan& plan) {
@@ -334,6 +335,7 @@ void run_pilot(const Options& options, v1::CompiledScene message,
                                                .sharing = open("sharing"),
                                                .ratio = open("ratio"),
                                                .guide = !scene->lights.learned().empty(),
+                                               .hint = open("hint"),
                                                .lessons = learned.rays > 0 ? lessons(plan) : 0.0,
                                                .threads = options.threads});
   std::string tried;
@@ -344,8 +346,9 @@ void run_pilot(const Options& options, v1::CompiledScene message,
   file.precision(6);
   file << "{\"forward_photons\": "
        << (found.choice.direction != Direction::kAdjoint ? "true" : "false")
-       << ", \"aimed\": " << (found.choice.aimed ? "true" : "false")
-       << ", \"aims\": " << aims_json(found.choice.aimed ? aims : std::vector<Aim>{})
+       << ", \"aimed\": " << found.choice.aimed
+       << ", \"hinted\": " << (found.choice.hinted ? "true" : "false")
+       << ", \"aims\": " << aims_json(found.choice.aimed > 0.0f ? aims : std::vector<Aim>{})
        << ", \"learned_light\": \"" << (found.choice.guided ? hex(learned_light) : "") << '"'
        << ", \"sharing\": " << found.choice.sharing
        << ", \"forward_ratio\": " << found.choice.forward_ratio
@@ -499,9 +502,11 @@ int main(int argc, char** argv) {
          "that are open: direction (adjoint photons, or what the scene says), aim (of forward "
          "photons, as the scene says or not), learn (what to aim them at, of a scene that does not "
          "say), ratio (of forward photons to adjoint ones), guide (of adjoint photons, to where "
-         "light was learned to come from), sharing")
+         "light was learned to come from), hint (whether adjoint photons are sent towards "
+         "important "
+         "directions beside forward ones), sharing")
       ->delimiter(',')
-      ->check(CLI::IsMember({"direction", "aim", "learn", "ratio", "guide", "sharing"}))
+      ->check(CLI::IsMember({"direction", "aim", "learn", "ratio", "guide", "hint", "sharing"}))
       ->excludes(job);
   app.add_option("--layers", options.layer_samples,
                  "Instead of an image, what the surfaces in it are like, from this many samples of "

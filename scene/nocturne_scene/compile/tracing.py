@@ -42,7 +42,7 @@ def compile_tracing(
         "luminaires": bool(scene.luminaires),
         "environment": scene.HasField("environment") or bool(scene.distant_discs),
         # What was learned is for photons from luminaires alone.
-        "important": bool(scene.important_shapes) and not ways.aims,
+        "important": bool(scene.important_shapes) and ways.hinted and not ways.aims,
     }
     weights = _weights(tracing.mixture, there)
     if not scatters:
@@ -81,7 +81,7 @@ def compile_tracing(
 def _weights(mixture: Mixture, there: Mapping[str, bool]) -> dict[str, float]:
     """Weights as the document or else `Mixture` says; zero for what is not there."""
     given = {name: getattr(mixture, name) for name in there}
-    if all(weight is None for weight in given.values()):
+    if mixture.is_open:
         share = AIMED / max(1, sum(there.values()))
         aimed = {name: share if is_there else 0.0 for name, is_there in there.items()}
     else:

@@ -17,6 +17,7 @@ from nocturne.v1 import scene_pb2
 from nocturne_scene.compile.trace_program import run_trace
 from nocturne_scene.document.checks import CAMERAS, MET_BY_PHOTONS
 from nocturne_scene.document.model import SceneDocument
+from nocturne_scene.document.tracing import Mixture
 from nocturne_scene.errors import InputError
 from nocturne_scene.film import Film
 from nocturne_scene.programs import find_program
@@ -29,7 +30,7 @@ MAX_SECONDS = 120.0
 """After which a pilot is given up."""
 
 _AIMED = 0.9
-"""Part of the photons from luminaires that goes to what a person declared important, or was learned."""
+"""Part of the photons from luminaires that goes to what a person declared important, at most."""
 
 GUIDED = "guided by what was learned"
 """In the words for a way of which that is true."""
@@ -61,6 +62,8 @@ class Ways:
     """Where light was found to come from, for photons from the sensor, as in CompiledScene."""
     forward_ratio: float = 1.0
     """Photons from luminaires for each from a pixel, where they go both ways."""
+    hinted: bool = True
+    """Photons from the sensor are sent towards important directions, by the weight of these."""
 
     def named(self) -> str:
         """In words."""
@@ -121,11 +124,19 @@ def open_ways(
         elif tracing.aimed_emission is None and scene.luminaires:
             names.append("learn")
         asked = replace(asked, direction=with_forward, aimed_emission=aimed)
+    if asked.direction == "both" and "direction" in names and _may_lose_hints(tracing.mixture, scene):
+        names.append("hint")
     if tracing.guide == "auto" and asked.direction == "both":
         names.append("guide")
     if tracing.sharing == "auto" and tracing.estimator == "two_photons" and asked.direction != "forward":
         names.append("sharing")
     return OpenWays(names, default, asked)
+
+
+def _may_lose_hints(mixture: Mixture, scene: scene_pb2.CompiledScene) -> bool:
+    """Important directions have a weight that nobody gave, and something else can take it."""
+    others = bool(scene.luminaires) or scene.HasField("environment") or bool(scene.distant_discs)
+    return mixture.is_open and bool(scene.important_shapes) and others
 
 
 def _forward(document: SceneDocument, scene: scene_pb2.CompiledScene, film: Film) -> str | None:
@@ -160,10 +171,11 @@ def choose(scene: scene_pb2.CompiledScene, blobs: Path, film: Film, ways: OpenWa
     better = Ways(
         asked.direction if found["forward_photons"] else default.direction,
         int(found["sharing"]) if "sharing" in ways.names else asked.sharing,
-        (_AIMED if learned else asked.aimed_emission) if found["aimed"] else 0.0,
+        found["aimed"],
         learned,
         bytes.fromhex(found["learned_light"]),
         _ratio(found, ways),
+        found["hinted"],
     )
     return better, _sentence(better, default, found)
 

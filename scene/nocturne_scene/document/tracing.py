@@ -25,10 +25,19 @@ class Mixture(Node):
     environment: _Weight | None = Field(
         default=None, description="In proportion to the environment, and towards discs at infinity."
     )
-    important: _Weight | None = Field(default=None, description="Towards `$.important_directions`.")
+    important: _Weight | None = Field(
+        default=None,
+        description="Towards `$.important_directions`. Where no weight is given, photons that go both ways "
+        "may leave this out.",
+    )
     uniform: _Weight = Field(
         default=0.0, description="Uniformly over the directions that the surface scatters to."
     )
+
+    @property
+    def is_open(self) -> bool:
+        """What is aimed at has no weights that a person gave."""
+        return self.luminaires is None and self.environment is None and self.important is None
 
     @model_validator(mode="after")
     def _some_weight(self) -> Self:
@@ -95,7 +104,7 @@ class Tracing(Node):
         default=None,
         description="For photons from luminaires on surfaces, with `forward` and `both`: the part that is "
         "sent towards `$.important_directions`, such as glass that makes a caustic. The others leave as the "
-        "luminaire emits, so that no light is lost. Default: 0, or 0.9 where the pilot "
+        "luminaire emits, so that no light is lost. Default: 0, or 0.3 or 0.9 where the pilot "
         "that chooses the direction finds that better; where the scene declares no important directions, the "
         "pilot then learns some for these photons.",
     )

@@ -24,7 +24,8 @@ float stretched(float u, float start, float width) {
 LightDirections::LightDirections(Elements luminaires, std::optional<Environment> environment,
                                  std::vector<DistantDisc> discs, Elements important_shapes,
                                  const LightWeights& weights)
-    : luminaires_(std::move(luminaires)),
+    : weights_(weights),
+      luminaires_(std::move(luminaires)),
       important_(std::move(important_shapes), LightTree::Choice::kWeight),
       environment_(std::move(environment)),
       discs_(std::move(discs)) {
@@ -35,14 +36,19 @@ LightDirections::LightDirections(Elements luminaires, std::optional<Environment>
   }
   float sky = environment_irradiance();
   for (const DistantDisc& disc : discs_) sky += disc.irradiance({0, 0, 1}, true);
-  if (!luminaires_.empty()) luminaires_share_ = weights.luminaires;
-  if (sky > 0.0f) sky_share_ = weights.environment;
-  if (!important_.empty()) important_share_ = weights.important;
-  const float total = luminaires_share_ + sky_share_ + important_share_;
-  if (!(total > 0.0f)) return;
-  luminaires_share_ /= total;
-  sky_share_ /= total;
-  important_share_ /= total;
+  if (luminaires_.empty()) weights_.luminaires = 0.0f;
+  if (!(sky > 0.0f)) weights_.environment = 0.0f;
+  if (important_.empty()) weights_.important = 0.0f;
+  set_hints(true);
+}
+
+void LightDirections::set_hints(bool kept) {
+  const float important = kept ? weights_.important : 0.0f;
+  const float total = weights_.luminaires + weights_.environment + important;
+  const float scale = total > 0.0f ? total : 1.0f;
+  luminaires_share_ = weights_.luminaires / scale;
+  sky_share_ = weights_.environment / scale;
+  important_share_ = important / scale;
 }
 
 std::optional<Vec3> LightDirections::sample(const LightSamplingContext& from, float choice,

@@ -57,6 +57,9 @@ class LightDirections {
   bool sample_light(const LightSamplingContext& from, Vec3 normal, float clearance, float choice,
                     float u1, float u2, LightSample& light) const;
 
+  /// Important shapes keep their weight, or leave it to the others.
+  void set_hints(bool kept);
+
   /// Half of the directions are drawn from what was learned, where a context has a cell of it.
   void set_learned(LearnedLight learned) { learned_ = std::move(learned); }
   const LearnedLight& learned() const { return learned_; }
@@ -78,6 +81,7 @@ class LightDirections {
                                       float u2) const;
   float declared_pdf(const LightSamplingContext& from, Vec3 direction) const;
 
+  LightWeights weights_;  // 0 where there is nothing
   LuminaireDirections luminaires_, important_;
   LearnedLight learned_;
   std::optional<Environment> environment_;

@@ -7,10 +7,13 @@ namespace {
 
 /// Ratios of forward photons that may be chosen, the part of the time that each kind keeps at
 /// least, and how many times better another ratio than 1 must be.
-constexpr double kLeastRatio = 1.0 / 16, kMostRatio = 64.0, kLeastTime = 1.0 / 8, kRatioPays = 1.05;
+constexpr double kLeastRatio = 1.0 / 16, kMostRatio = 64.0, kLeastTime = 1.0 / 16,
+                 kRatioPays = 1.05;
 /// Forward photons whose mean is less certain have hardly found the sensor yet; where adjoint ones
 /// have found nothing at all of the same light, few are enough.
 constexpr double kCertain = 0.2, kSeen = 0.5;
+/// Standard errors by which photons must find more to keep their hints, which somebody gave.
+constexpr double kHintsFindMore = 2.0;
 
 }  // namespace
 
@@ -32,6 +35,12 @@ double best_forward_ratio(const PilotFigures& adjoint, const PilotFigures& forwa
     }
   }
   return best;
+}
+
+bool hints_pay(const PilotFigures& with, const PilotFigures& without) {
+  const double apart = kHintsFindMore * math::hypot(with.mean_error, without.mean_error);
+  return with.mean - without.mean > apart ||
+         with.relative_mse * with.cost <= without.relative_mse * without.cost;
 }
 
 ForwardPays forward_pays(const PilotFigures& adjoint, const PilotFigures& rest,

@@ -12,8 +12,8 @@ constexpr double kWorthIt = 1.25;
 constexpr double kApart = 5.0;
 
 /// A power of two: how many forward photons for each adjoint one give the least error for the same
-/// time. Each kind keeps an eighth of the time at least, so that one whose error the pilot has not
-/// seen yet is slowed no more than that.
+/// time. Each kind keeps a sixteenth of the time at least, so that one whose error the pilot has
+/// not seen yet is slowed no more than that.
 double best_forward_ratio(const PilotFigures& adjoint, const PilotFigures& forward);
 
 /// Error times cost of both kinds together.
@@ -28,5 +28,9 @@ enum class ForwardPays { kNot, kLessError, kFindsMore };
 /// `ratio`: of forward photons to those of `rest`.
 ForwardPays forward_pays(const PilotFigures& adjoint, const PilotFigures& rest,
                          const PilotFigures& left, const PilotFigures& forward, double ratio = 1.0);
+
+/// Whether photons from the sensor that leave to forward ones what these bring are sent towards
+/// important shapes, by what they did `with` these and `without`.
+bool hints_pay(const PilotFigures& with, const PilotFigures& without);
 
 }  // namespace nocturne

@@ -40,6 +40,9 @@ constexpr double kQueryCost = 0.7, kForwardCost = 1.5;
 /// Of a guided sample over that of one that is not: looking up and asking cells of learned light,
 /// measured, docs/decisions/0104. Part of the direction's budget that comparing these takes.
 constexpr double kGuideCost = 1.1, kGuidePart = 0.5;
+/// Part of the forward photons that is aimed where as many as the options say are too many: what is
+/// found elsewhere then weighs 1.4 times as much instead of 10 times (docs/decisions/0106).
+constexpr float kFewAimed = 0.3f;
 
 class Pilot {
  public:
@@ -51,18 +54,22 @@ class Pilot {
         budget_(samples()) {
     scene_.options.guide = false;
   }
-  ~Pilot() { scene_.options = before_; }
+  ~Pilot() {
+    scene_.options = before_;
+    scene_.lights.set_hints(true);
+  }
   Pilot(const Pilot&) = delete;
   Pilot& operator=(const Pilot&) = delete;
 
   PilotResult run() {
-    result_.choice = {Direction::kAdjoint, 1, false, 1.0, 1.0, false};
+    result_.choice = {Direction::kAdjoint, 1, 0.0f, 1.0, 1.0, false};
     if (!request_.direction) {
       result_.choice.direction = before_.direction;
-      result_.choice.aimed = before_.aimed_emission > 0.0f;
+      result_.choice.aimed = before_.aimed_emission;
       result_.choice.forward_ratio = before_.forward_ratio;
     }
     if (request_.direction && forward_can_bring()) choose_direction();
+    scene_.lights.set_hints(result_.choice.hinted);
     if (request_.guide && result_.choice.direction != Direction::kForward) choose_guide();
     if (request_.sharing && result_.choice.direction != Direction::kForward &&
         before_.estimator == Estimator::kTwoPhotons) {
@@ -91,25 +98,33 @@ class Pilot {
   }
 
   void choose_direction() {
-    std::vector<bool> aims{before_.aimed_emission > 0.0f};
-    if (request_.aim && aims.front()) aims.push_back(false);
+    std::vector<float> aims{before_.aimed_emission};
+    for (const float fewer : {kFewAimed, 0.0f}) {
+      if (request_.aim && fewer < aims.front()) aims.push_back(fewer);
+    }
+    const bool both = before_.direction == Direction::kBoth, hint = request_.hint && both;
     // Whatever is better once adjoint photons are guided: whether they are is asked then.
     scene_.options.guide = request_.guide;
-    const auto ways = static_cast<double>((request_.guide ? 3 : 2) + aims.size());
+    const auto ways = static_cast<double>((request_.guide ? 3 : 2) + (hint ? 1 : 0) + aims.size());
     const Film film = trials_.reduced(budget_ / 2 / (ways * Trials::kImages * kSamples));
     const auto square = whole(film, kSamples);
     const PilotImages all = trials_.images(Direction::kAdjoint, 1, film, square);
-    PilotImages rest, left = all;
-    if (before_.direction == Direction::kBoth) {
+    PilotImages rest, unhinted, left = all;
+    if (both) {
       rest = trials_.images(Direction::kBoth, 1, film, square);
+      if (hint) {
+        scene_.lights.set_hints(false);
+        unhinted = trials_.images(Direction::kBoth, 1, film, square);
+        scene_.lights.set_hints(true);
+      }
       for (std::uint32_t i = 0; i < Trials::kImages; ++i) {
         std::vector<double>& sums = left.images[i][0].sums;
         for (std::size_t s = 0; s < sums.size(); ++s) sums[s] -= rest.images[i][0].sums[s];
       }
     }
     std::vector<PilotImages> forward;
-    for (const bool aimed : aims) {
-      scene_.options.aimed_emission = aimed ? before_.aimed_emission : 0.0f;
+    for (const float aimed : aims) {
+      scene_.options.aimed_emission = aimed;
       forward.push_back(trials_.images(before_.direction, 1, film, square, Trials::kImages, true));
     }
     scene_.options.guide = false;
@@ -121,7 +136,7 @@ class Pilot {
     const PilotFigures unguided = figures_of(PilotFigures::kAdjoint, 1, plain, shown);
     PilotFigures adjoint = figures_of(PilotFigures::kAdjoint, 1, all, shown);
     PilotFigures others{.photons = PilotFigures::kAdjointOfBoth};
-    if (!rest.images.empty()) others = figures_of(PilotFigures::kAdjointOfBoth, 1, rest, shown);
+    if (both) others = figures_of(PilotFigures::kAdjointOfBoth, 1, rest, shown);
     const PilotFigures left_to_them = figures_of(PilotFigures::kAdjoint, 1, left, shown);
     result_.tried = {unguided};
     if (request_.guide) {
@@ -133,7 +148,8 @@ class Pilot {
       unguided_ = unguided;
       guided_ = adjoint;
     }
-    if (!rest.images.empty()) result_.tried.push_back(others);
+    if (both) result_.tried.push_back(others);
+    if (hint) others = better_of(others, unhinted, shown);
     for (std::size_t i = 0; i < aims.size(); ++i) {
       PilotFigures found = figures_of(PilotFigures::kForward, 1, forward[i], shown);
       found.aimed = aims[i];
@@ -154,7 +170,19 @@ class Pilot {
       const bool finds_more =
           pays == ForwardPays::kFindsMore || others.mean + found.mean - unguided.mean > apart;
       result_.choice = {before_.direction, 1, found.aimed, ratio, gain, finds_more};
+      result_.choice.hinted = others.hinted;
     }
+  }
+
+  /// Adjoint photons beside forward ones with hints, or without.
+  PilotFigures better_of(const PilotFigures& hinted, const PilotImages& unhinted,
+                         const std::vector<double>& shown) {
+    PilotFigures found = figures_of(PilotFigures::kAdjointOfBoth, 1, unhinted, shown);
+    found.hinted = false;
+    found.guided = hinted.guided;
+    if (found.guided) found.cost *= kGuideCost;
+    result_.tried.push_back(found);
+    return hints_pay(hinted, found) ? hinted : found;
   }
 
   void choose_guide() {

@@ -16,12 +16,14 @@ struct PilotRequest {
   /// Of each pixel, in the render that is to come: the pilot takes a small part of that.
   std::uint32_t samples;
   /// What is open. Direction: adjoint, or what the scene's options say. Aim: whether forward
-  /// photons are aimed as these say, or not. Ratio: how many forward photons there are for each
-  /// adjoint one, or what the options say.
+  /// photons are aimed as these say, fewer of them, or none. Ratio: how many forward photons there
+  /// are for each adjoint one, or what the options say.
   bool direction, aim, sharing;
   bool ratio = false;
   /// Guide: whether adjoint photons go where the scene's learned light comes from.
   bool guide = false;
+  /// Hint: whether adjoint photons are sent towards important shapes beside forward ones.
+  bool hint = false;
   /// Groups of photons that something was learned from before, a part of what the pilot may take.
   double lessons = 0.0;
   unsigned threads;
@@ -31,7 +33,8 @@ struct PilotRequest {
 struct PilotChoice {
   Direction direction;
   std::uint32_t sharing;
-  bool aimed;
+  /// Part of the forward photons.
+  float aimed;
   /// Forward photons for each adjoint one, where they go both ways.
   double forward_ratio;
   /// How many times less time it takes to the same error than adjoint photons of pixels alone.
@@ -39,6 +42,7 @@ struct PilotChoice {
   /// These missed light that the way finds, so that `gain` says nothing.
   bool finds_more;
   bool guided = false;
+  bool hinted = true;
 };
 
 struct PilotResult {

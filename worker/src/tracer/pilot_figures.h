@@ -23,8 +23,10 @@ struct PilotFigures {
   Photons photons;
   /// Pixels that share.
   std::uint32_t sharing = 1;
-  /// Forward photons that are aimed at important shapes.
-  bool aimed = false;
+  /// Part of forward photons that is aimed at important shapes.
+  float aimed = 0.0f;
+  /// Adjoint photons that are sent towards important shapes, where there are any.
+  bool hinted = true;
   /// Adjoint photons that are sent to where light was learned to come from.
   bool guided = false;
   /// Mean Y of the pilot's pixels, and its standard error.
