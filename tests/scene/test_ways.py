@@ -231,7 +231,8 @@ def test_important_directions_may_be_left_to_photons_from_the_luminaires(
     ball = {"shape": {"type": "sphere", "centre": [0, 0, 2], "radius": 0.5}}
     declared = {**document, "important_directions": [ball]}
     trace = Asked(monkeypatch, forward=True, hinted=False)
-    _, tracing = compiled(declared, blobs, LARGE)
+    output, tracing = compiled(declared, blobs, LARGE)
+    assert "directions, those from the sensor not sent to important directions: 7.5 times" in output.way
     [(chosen, asked)] = trace.asked
     assert chosen == ["direction", "ratio", "aim", "hint", "guide", "sharing"]
     assert (asked.weight_important, asked.weight_luminaires) == (0.175, 0.175)

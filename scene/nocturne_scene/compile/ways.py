@@ -70,7 +70,8 @@ class Ways:
         shared = f", shared by blocks of {self.sharing} pixels" if self.sharing > 1 else ""
         aimed = ", aimed at what was learned" if self.aims else ""
         guided = f", {GUIDED}" if self.learned_light else ""
-        return f"{_SAID[self.direction]}{self._unequal()}{aimed}{guided}{shared}"
+        unhinted = "" if self.hinted else ", those from the sensor not sent to important directions"
+        return f"{_SAID[self.direction]}{self._unequal()}{unhinted}{aimed}{guided}{shared}"
 
     def _unequal(self) -> str:
         if self.forward_ratio == 1.0 or self.direction != "both":
