@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <fstream>
 #include <iostream>
 #include <map>
 #include <new>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -20,16 +18,15 @@
 #include "image/write_exr.h"
 #include "math/constants.h"
 #include "nocturne/v1/job.pb.h"
+#include "pilot_command.h"
 #include "rounding/floating_point_profile.h"
 #include "scene/load_scene.h"
 #include "textures/texture.h"
+#include "trace_files.h"
 #include "trace_job.h"
-#include "tracer/aims_around.h"
 #include "tracer/layers.h"
-#include "tracer/learn.h"
 #include "tracer/learned_at.h"
 #include "tracer/path_limits.h"
-#include "tracer/pilot.h"
 #include "tracer/trace_film.h"
 #include "worker_loop/check_job.h"
 
@@ -47,38 +44,6 @@ struct Options {
   std::vector<std::uint32_t> learned_at;
   bool quiet = false;
 };
-
-template <class Message>
-Message read_message(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  Message message;
-  if (!file || !message.ParseFromIstream(&file)) {
-    throw std::runtime_error(path + ": can't be read as a " + message.GetTypeName());
-  }
-  return message;
-}
-
-FilmPlan checked_schedule(const v1::RangeSchedule& schedule) {
-  // The same bounds as the service's: 16384 pixels an edge, 2^26 in all.
-  const auto pixels = static_cast<std::uint64_t>(schedule.width()) * schedule.height();
-  // Blocks of pixels begin at a tile's corner.
-  const bool one_tile = schedule.tile_size() >= std::max(schedule.width(), schedule.height());
-  bool good = (one_tile || schedule.tile_size() % TileSums::kBlock == 0) && schedule.width() > 0 &&
-              schedule.width() <= 16384 && schedule.height() > 0 && schedule.height() <= 16384 &&
-              pixels <= (1u << 26) && schedule.tile_size() > 0 && schedule.tile_size() <= 16384 &&
-              schedule.range_ends_size() > 0;
-  const auto increasing = [](const auto& ends) {
-    return std::ranges::adjacent_find(ends, std::greater_equal()) == ends.end() &&
-           (ends.empty() || ends[0] > 0);
-  };
-  good = good && increasing(schedule.range_ends()) && increasing(schedule.photon_range_ends());
-  if (!good) throw std::runtime_error("the schedule's film, tiles or sample ranges make no sense");
-  return {{schedule.width(), schedule.height()},
-          schedule.tile_size(),
-          {schedule.range_ends().data(), static_cast<std::size_t>(schedule.range_ends_size())},
-          {schedule.photon_range_ends().data(),
-           static_cast<std::size_t>(schedule.photon_range_ends_size())}};
-}
 
 // The schedule's names, which must be those of the scene's sensor.
 std::vector<std::string> checked_responses(const v1::RangeSchedule& schedule,
@@ -115,25 +80,6 @@ std::string schedule_json(const v1::RangeSchedule& schedule) {
          ",\"height\":" + std::to_string(schedule.height()) +
          ",\"tileSize\":" + std::to_string(schedule.tile_size()) +
          ",\"rangeEnds\":" + joined(schedule.range_ends()) + responses + "}";
-}
-
-FindBlob blobs_in(const std::string& folder) {
-  return [folder](const std::string& sha256) {
-    const auto path = std::filesystem::path(folder) / sha256.substr(0, 2) / sha256;
-    if (!std::filesystem::is_regular_file(path))
-      throw std::runtime_error("no file " + path.string());
-    return path;
-  };
-}
-
-double process_cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-void finish(std::ofstream& file, const std::string& path) {
-  if (!file.flush()) throw std::runtime_error(path + ": can't be written");
 }
 
 void write_statistics(const std::string& path, const TileSums& image, double cpu_seconds,
@@ -246,121 +192,6 @@ void run_film(const Options& options, const v1::CompiledScene& message,
   }
 }
 
-std::string figures_json(const PilotFigures& figures) {
-  static constexpr const char* kNames[] = {"adjoint", "adjoint_of_both", "forward", "guide",
-                                           "sharing"};
-  std::ostringstream json;
-  json.precision(6);
-  json << "{\"photons\": \"" << kNames[figures.photons] << "\", \"sharing\": " << figures.sharing
-       << ", \"aimed\": " << figures.aimed
-       << ", \"hinted\": " << (figures.hinted ? "true" : "false")
-       << ", \"guided\": " << (figures.guided ? "true" : "false") << ", \"mean\": " << figures.mean
-       << ", \"mean_error\": " << figures.mean_error
-       << ", \"relative_mse\": " << figures.relative_mse << ", \"cost\": " << figures.cost << '}';
-  return json.str();
-}
-
-std::string aims_json(const std::vector<Aim>& aims) {
-  std::ostringstream json;
-  json.precision(17);
-  for (const Aim& aim : aims) {
-    json << (&aim == aims.data() ? "" : ", ") << "{\"centre\": [" << aim.centre.x << ", "
-         << aim.centre.y << ", " << aim.centre.z << "], \"radius\": " << aim.radius
-         << ", \"weight\": " << aim.weight << '}';
-  }
-  return '[' + json.str() + ']';
-}
-
-std::string hex(std::string_view bytes) {
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string text;
-  for (const char byte : bytes) {
-    const auto value = static_cast<unsigned char>(byte);
-    text += {kDigits[value >> 4], kDigits[value & 15]};
-  }
-  return text;
-}
-
-// Part of a render's samples from which aims are learned, and light to guide photons by; at least
-// so many, and at most as many as are enough to find what a thousandth of the photons is worth.
-constexpr double kLearnedFrom = 0.005, kMinLearnedFrom = 1e4, kMaxLearnedFrom = 3e5;
-// Part of the photons that are then aimed at most; the others leave as luminaires emit.
-constexpr double kAimed = 0.9;
-
-double lessons(const FilmPlan& plan) {
-  const double samples =
-      1.0 * plan.film.width * plan.film.height * static_cast<double>(plan.range_ends.back());
-  return std::clamp(kLearnedFrom * samples, kMinLearnedFrom, kMaxLearnedFrom);
-}
-
-// Has the scene loaded again, as with important shapes that a person declared.
-void aim_at(const std::vector<Aim>& aims, const Options& options, v1::CompiledScene& message,
-            std::shared_ptr<Scene>& scene) {
-  for (const Aim& aim : aims) {
-    v1::ImportantShape& shape = *message.add_important_shapes();
-    v1::Sphere& sphere = *shape.mutable_sphere();
-    sphere.mutable_centre()->set_x(static_cast<double>(aim.centre.x));
-    sphere.mutable_centre()->set_y(static_cast<double>(aim.centre.y));
-    sphere.mutable_centre()->set_z(static_cast<double>(aim.centre.z));
-    sphere.set_radius(static_cast<double>(aim.radius));
-    shape.set_weight(aim.weight);
-  }
-  message.mutable_tracing()->set_aimed_emission(kAimed);
-  scene = load_scene(message, blobs_in(options.blobs));
-}
-
-// Which way is best, and what each did.
-void run_pilot(const Options& options, v1::CompiledScene message,
-               const v1::RangeSchedule& schedule) {
-  const FilmPlan plan = checked_schedule(schedule);
-  auto scene = load_scene(message, blobs_in(options.blobs));
-  const auto open = [&](const char* what) { return std::ranges::count(options.pilot, what) > 0; };
-  const double cpu_before = process_cpu_seconds();
-  Learned learned;
-  if (open("learn") || open("guide")) {
-    learned = learn(*scene, plan.film, lessons(plan), options.threads);
-  }
-  std::vector<Aim> aims;
-  if (open("learn")) aims = aims_around(learned.worth_aiming_at);
-  if (!aims.empty()) aim_at(aims, options, message, scene);
-  std::string learned_light;
-  if (open("guide")) {
-    learned_light = LearnedLight::packed(learned.arrivals);
-    scene->lights.set_learned(LearnedLight(LearnedLight::unpacked(learned_light)));
-  }
-  const PilotResult found = run_pilot(*scene, {.film = plan.film,
-                                               .samples = plan.range_ends.back(),
-                                               .direction = open("direction"),
-                                               .aim = open("aim") || !aims.empty(),
-                                               .sharing = open("sharing"),
-                                               .ratio = open("ratio"),
-                                               .guide = !scene->lights.learned().empty(),
-                                               .hint = open("hint"),
-                                               .lessons = learned.rays > 0 ? lessons(plan) : 0.0,
-                                               .threads = options.threads});
-  std::string tried;
-  for (const PilotFigures& figures : found.tried) {
-    tried += (tried.empty() ? "" : ", ") + figures_json(figures);
-  }
-  std::ofstream file(options.output);
-  file.precision(6);
-  file << "{\"forward_photons\": "
-       << (found.choice.direction != Direction::kAdjoint ? "true" : "false")
-       << ", \"aimed\": " << found.choice.aimed
-       << ", \"hinted\": " << (found.choice.hinted ? "true" : "false")
-       << ", \"aims\": " << aims_json(found.choice.aimed > 0.0f ? aims : std::vector<Aim>{})
-       << ", \"learned_light\": \"" << (found.choice.guided ? hex(learned_light) : "") << '"'
-       << ", \"sharing\": " << found.choice.sharing
-       << ", \"forward_ratio\": " << found.choice.forward_ratio
-       << ", \"gain\": " << found.choice.gain
-       << ", \"finds_more\": " << (found.choice.finds_more ? "true" : "false")
-       << ", \"photons\": " << found.photons + learned.photons
-       << ", \"rays\": " << found.rays + learned.rays
-       << ", \"cpu_seconds\": " << process_cpu_seconds() - cpu_before << ", \"tried\": [" << tried
-       << "]}\n";
-  finish(file, options.output);
-}
-
 // What surfaces are like, as float32, row by row: see PixelLayers.
 void run_layers(const Options& options, const v1::CompiledScene& message,
                 const v1::RangeSchedule& schedule) {
@@ -435,7 +266,10 @@ void run(const Options& options) {
   if (!options.job.empty()) return run_job(options);
   const auto message = read_message<v1::CompiledScene>(options.scene);
   const auto schedule = read_message<v1::RangeSchedule>(options.schedule);
-  if (!options.pilot.empty()) return run_pilot(options, message, schedule);
+  if (!options.pilot.empty()) {
+    return run_pilot_command({options.pilot, options.blobs, options.output, options.threads},
+                             message, schedule);
+  }
   if (options.layer_samples != 0) return run_layers(options, message, schedule);
   if (!options.learned_at.empty()) return run_learned_at(options, message, schedule);
   if (options.seeds != 0) return run_seeds(options, message, schedule);
@@ -506,7 +340,7 @@ int main(int argc, char** argv) {
          "important "
          "directions beside forward ones), sharing")
       ->delimiter(',')
-      ->check(CLI::IsMember({"direction", "aim", "learn", "ratio", "guide", "hint", "sharing"}))
+      ->check(CLI::IsMember(nocturne::kPilotChooses))
       ->excludes(job);
   app.add_option("--layers", options.layer_samples,
                  "Instead of an image, what the surfaces in it are like, from this many samples of "

@@ -1,0 +1,133 @@
+#include "pilot_command.h"
+
+#include <algorithm>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <string_view>
+
+#include "trace_files.h"
+#include "tracer/aims_around.h"
+#include "tracer/learn.h"
+#include "tracer/pilot.h"
+
+namespace nocturne {
+namespace {
+
+std::string figures_json(const PilotFigures& figures) {
+  static constexpr const char* kNames[] = {"adjoint", "adjoint_of_both", "forward", "guide",
+                                           "sharing"};
+  std::ostringstream json;
+  json.precision(6);
+  json << "{\"photons\": \"" << kNames[figures.photons] << "\", \"sharing\": " << figures.sharing
+       << ", \"aimed\": " << figures.aimed
+       << ", \"hinted\": " << (figures.hinted ? "true" : "false")
+       << ", \"guided\": " << (figures.guided ? "true" : "false") << ", \"mean\": " << figures.mean
+       << ", \"mean_error\": " << figures.mean_error
+       << ", \"relative_mse\": " << figures.relative_mse << ", \"cost\": " << figures.cost << '}';
+  return json.str();
+}
+
+std::string aims_json(const std::vector<Aim>& aims) {
+  std::ostringstream json;
+  json.precision(17);
+  for (const Aim& aim : aims) {
+    json << (&aim == aims.data() ? "" : ", ") << "{\"centre\": [" << aim.centre.x << ", "
+         << aim.centre.y << ", " << aim.centre.z << "], \"radius\": " << aim.radius
+         << ", \"weight\": " << aim.weight << '}';
+  }
+  return '[' + json.str() + ']';
+}
+
+std::string hex(std::string_view bytes) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string text;
+  for (const char byte : bytes) {
+    const auto value = static_cast<unsigned char>(byte);
+    text += {kDigits[value >> 4], kDigits[value & 15]};
+  }
+  return text;
+}
+
+// Part of a render's samples from which aims are learned, and light to guide photons by: at least
+// so many, and at most as many as are enough to find what a thousandth of the photons is worth.
+constexpr double kLearnedFrom = 0.005, kMinLearnedFrom = 1e4, kMaxLearnedFrom = 3e5;
+// Part of the photons that are then aimed at most; the others leave as luminaires emit.
+constexpr double kAimed = 0.9;
+
+double lessons(const FilmPlan& plan) {
+  const double samples =
+      1.0 * plan.film.width * plan.film.height * static_cast<double>(plan.range_ends.back());
+  return std::clamp(kLearnedFrom * samples, kMinLearnedFrom, kMaxLearnedFrom);
+}
+
+// Has the scene loaded again, as with important shapes that a person declared.
+void aim_at(const std::vector<Aim>& aims, const PilotCommand& command, v1::CompiledScene& message,
+            std::shared_ptr<Scene>& scene) {
+  for (const Aim& aim : aims) {
+    v1::ImportantShape& shape = *message.add_important_shapes();
+    v1::Sphere& sphere = *shape.mutable_sphere();
+    sphere.mutable_centre()->set_x(static_cast<double>(aim.centre.x));
+    sphere.mutable_centre()->set_y(static_cast<double>(aim.centre.y));
+    sphere.mutable_centre()->set_z(static_cast<double>(aim.centre.z));
+    sphere.set_radius(static_cast<double>(aim.radius));
+    shape.set_weight(aim.weight);
+  }
+  message.mutable_tracing()->set_aimed_emission(kAimed);
+  scene = load_scene(message, blobs_in(command.blobs));
+}
+
+}  // namespace
+
+void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,
+                       const v1::RangeSchedule& schedule) {
+  const FilmPlan plan = checked_schedule(schedule);
+  auto scene = load_scene(message, blobs_in(command.blobs));
+  const auto open = [&](const char* what) { return std::ranges::count(command.open, what) > 0; };
+  const double cpu_before = process_cpu_seconds(), photons = lessons(plan);
+  Learned learned;
+  if (open("learn") || open("guide")) {
+    learned = learn(*scene, plan.film, photons, command.threads);
+  }
+  std::vector<Aim> aims;
+  if (open("learn")) aims = aims_around(learned.worth_aiming_at);
+  if (!aims.empty()) aim_at(aims, command, message, scene);
+  std::string learned_light;
+  if (open("guide")) {
+    learned_light = LearnedLight::packed(learned.arrivals);
+    scene->lights.set_learned(LearnedLight(LearnedLight::unpacked(learned_light)));
+  }
+  const PilotResult found = run_pilot(*scene, {.film = plan.film,
+                                               .samples = plan.range_ends.back(),
+                                               .direction = open("direction"),
+                                               .aim = open("aim") || !aims.empty(),
+                                               .sharing = open("sharing"),
+                                               .ratio = open("ratio"),
+                                               .guide = !scene->lights.learned().empty(),
+                                               .hint = open("hint"),
+                                               .lessons = learned.rays > 0 ? photons : 0.0,
+                                               .threads = command.threads});
+  std::string tried;
+  for (const PilotFigures& figures : found.tried) {
+    tried += (tried.empty() ? "" : ", ") + figures_json(figures);
+  }
+  std::ofstream file(command.output);
+  file.precision(6);
+  file << "{\"forward_photons\": "
+       << (found.choice.direction != Direction::kAdjoint ? "true" : "false")
+       << ", \"aimed\": " << found.choice.aimed
+       << ", \"hinted\": " << (found.choice.hinted ? "true" : "false")
+       << ", \"aims\": " << aims_json(found.choice.aimed > 0.0f ? aims : std::vector<Aim>{})
+       << ", \"learned_light\": \"" << (found.choice.guided ? hex(learned_light) : "") << '"'
+       << ", \"sharing\": " << found.choice.sharing
+       << ", \"forward_ratio\": " << found.choice.forward_ratio
+       << ", \"gain\": " << found.choice.gain
+       << ", \"finds_more\": " << (found.choice.finds_more ? "true" : "false")
+       << ", \"photons\": " << found.photons + learned.photons
+       << ", \"rays\": " << found.rays + learned.rays
+       << ", \"cpu_seconds\": " << process_cpu_seconds() - cpu_before << ", \"tried\": [" << tried
+       << "]}\n";
+  finish(file, command.output);
+}
+
+}  // namespace nocturne
