@@ -243,8 +243,11 @@ def test_important_directions_may_be_left_to_photons_from_the_luminaires(
     assert compiled(declared, blobs, LARGE)[1].weight_important == 0.175
 
     trace = Asked(monkeypatch, forward=True)
-    _, tracing = compiled({**declared, "tracing": {"mixture": {"important": 1}}}, blobs, LARGE)
-    assert "hint" not in trace.asked[0][0]
+    told = {"mixture": {"important": 1}, "aimed_emission": 0.123456789}
+    _, tracing = compiled({**declared, "tracing": told}, blobs, LARGE)
+    assert not {"hint", "aim"} & set(trace.asked[0][0])
+    # The pilot tells six digits.
+    assert tracing.aimed_emission == 0.123456789
     assert tracing.weight_important > 0.5
 
 

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <memory>
 #include <sstream>
-#include <string_view>
 
+#include "digest/sha256.h"
 #include "trace_files.h"
 #include "tracer/aims_around.h"
 #include "tracer/learn.h"
@@ -37,16 +37,6 @@ std::string aims_json(const std::vector<Aim>& aims) {
          << ", \"weight\": " << aim.weight << '}';
   }
   return '[' + json.str() + ']';
-}
-
-std::string hex(std::string_view bytes) {
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string text;
-  for (const char byte : bytes) {
-    const auto value = static_cast<unsigned char>(byte);
-    text += {kDigits[value >> 4], kDigits[value & 15]};
-  }
-  return text;
 }
 
 // Part of a render's samples from which aims are learned, and light to guide photons by: at least
@@ -118,7 +108,7 @@ void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,
        << ", \"aimed\": " << found.choice.aimed
        << ", \"hinted\": " << (found.choice.hinted ? "true" : "false")
        << ", \"aims\": " << aims_json(found.choice.aimed > 0.0f ? aims : std::vector<Aim>{})
-       << ", \"learned_light\": \"" << (found.choice.guided ? hex(learned_light) : "") << '"'
+       << ", \"learned_light\": \"" << (found.choice.guided ? to_hex(learned_light) : "") << '"'
        << ", \"sharing\": " << found.choice.sharing
        << ", \"forward_ratio\": " << found.choice.forward_ratio
        << ", \"gain\": " << found.choice.gain

@@ -20,6 +20,7 @@ from nocturne_scene.compile.origin import frame_of
 from nocturne_scene.compile.output import CompiledOutput
 from nocturne_scene.compile.sensors import compile_sensor
 from nocturne_scene.compile.shapes import Shapes
+from nocturne_scene.compile.sky import has_sky
 from nocturne_scene.compile.surfaces import Surfaces
 from nocturne_scene.compile.textures import Textures
 from nocturne_scene.compile.tracing import compile_tracing
@@ -160,7 +161,7 @@ def _check_light(workspace: Workspace, message: scene_pb2.CompiledScene) -> None
     glows = any(medium.HasField("temperature") for medium in message.media)
     if workspace.problems or message.luminaires or glows:
         return
-    if not message.HasField("environment") and not message.distant_discs:
+    if not has_sky(message):
         workspace.problems.append(
             Problem("$.surfaces", "no luminaire emits visible light, so the image would be black")
         )

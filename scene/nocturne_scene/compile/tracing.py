@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from nocturne.v1 import scene_pb2
 
+from nocturne_scene.compile.sky import has_sky
 from nocturne_scene.compile.ways import DIRECTIONS, Ways
 from nocturne_scene.compile.workspace import Workspace
 from nocturne_scene.document.tracing import Mixture, Tracing
@@ -40,7 +41,7 @@ def compile_tracing(
     tracing = workspace.document.tracing
     there = {
         "luminaires": bool(scene.luminaires),
-        "environment": scene.HasField("environment") or bool(scene.distant_discs),
+        "environment": has_sky(scene),
         # What was learned is for photons from luminaires alone.
         "important": bool(scene.important_shapes) and ways.hinted and not ways.aims,
     }

@@ -14,6 +14,7 @@ from typing import Any
 
 from nocturne.v1 import scene_pb2
 
+from nocturne_scene.compile.sky import has_sky
 from nocturne_scene.compile.trace_program import run_trace
 from nocturne_scene.document.checks import CAMERAS, MET_BY_PHOTONS
 from nocturne_scene.document.model import SceneDocument
@@ -136,8 +137,7 @@ def open_ways(
 
 def _may_lose_hints(mixture: Mixture, scene: scene_pb2.CompiledScene) -> bool:
     """Important directions have a weight that nobody gave, and something else can take it."""
-    others = bool(scene.luminaires) or scene.HasField("environment") or bool(scene.distant_discs)
-    return mixture.is_open and bool(scene.important_shapes) and others
+    return mixture.is_open and bool(scene.important_shapes) and (bool(scene.luminaires) or has_sky(scene))
 
 
 def _forward(document: SceneDocument, scene: scene_pb2.CompiledScene, film: Film) -> str | None:
@@ -172,7 +172,7 @@ def choose(scene: scene_pb2.CompiledScene, blobs: Path, film: Film, ways: OpenWa
     better = Ways(
         asked.direction if found["forward_photons"] else default.direction,
         int(found["sharing"]) if "sharing" in ways.names else asked.sharing,
-        found["aimed"],
+        _aimed(found, ways),
         learned,
         bytes.fromhex(found["learned_light"]),
         _ratio(found, ways),
@@ -186,6 +186,14 @@ def _ratio(found: Mapping[str, Any], ways: OpenWays) -> float:
         return ways.default.forward_ratio
     ratio: float = found["forward_ratio"] if "ratio" in ways.names else ways.asked.forward_ratio
     return ratio
+
+
+def _aimed(found: Mapping[str, Any], ways: OpenWays) -> float:
+    part: float = found["aimed"]
+    if "aim" in ways.names or "learn" in ways.names:
+        return part
+    # The pilot has rounded what the document says.
+    return ways.asked.aimed_emission if part else 0.0
 
 
 def _aim(found: Mapping[str, Any]) -> scene_pb2.ImportantShape:

@@ -137,10 +137,13 @@ class Pilot {
     PilotFigures adjoint = figures_of(PilotFigures::kAdjoint, 1, all, shown);
     PilotFigures others{.photons = PilotFigures::kAdjointOfBoth};
     if (both) others = figures_of(PilotFigures::kAdjointOfBoth, 1, rest, shown);
+    PilotFigures without{.photons = PilotFigures::kAdjointOfBoth};
+    if (hint) without = figures_of(PilotFigures::kAdjointOfBoth, 1, unhinted, shown);
+    without.hinted = false;
     const PilotFigures left_to_them = figures_of(PilotFigures::kAdjoint, 1, left, shown);
     result_.tried = {unguided};
     if (request_.guide) {
-      for (PilotFigures* each : {&adjoint, &others}) {
+      for (PilotFigures* each : {&adjoint, &others, &without}) {
         each->guided = true;
         each->cost *= kGuideCost;
       }
@@ -149,7 +152,10 @@ class Pilot {
       guided_ = adjoint;
     }
     if (both) result_.tried.push_back(others);
-    if (hint) others = better_of(others, unhinted, shown);
+    if (hint) {
+      result_.tried.push_back(without);
+      if (!hints_pay(others, without)) others = without;
+    }
     for (std::size_t i = 0; i < aims.size(); ++i) {
       PilotFigures found = figures_of(PilotFigures::kForward, 1, forward[i], shown);
       found.aimed = aims[i];
@@ -172,17 +178,6 @@ class Pilot {
       result_.choice = {before_.direction, 1, found.aimed, ratio, gain, finds_more};
       result_.choice.hinted = others.hinted;
     }
-  }
-
-  /// Adjoint photons beside forward ones with hints, or without.
-  PilotFigures better_of(const PilotFigures& hinted, const PilotImages& unhinted,
-                         const std::vector<double>& shown) {
-    PilotFigures found = figures_of(PilotFigures::kAdjointOfBoth, 1, unhinted, shown);
-    found.hinted = false;
-    found.guided = hinted.guided;
-    if (found.guided) found.cost *= kGuideCost;
-    result_.tried.push_back(found);
-    return hints_pay(hinted, found) ? hinted : found;
   }
 
   void choose_guide() {
