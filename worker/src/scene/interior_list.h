@@ -30,6 +30,8 @@ struct MediumInterface {
   bool index_matched = false;
   /// That fill it: indices into the scene's list.
   std::vector<std::uint32_t> media = {};
+  /// All of its boundaries are closed shapes: a photon that will meet nothing more is outside.
+  bool closed = false;
 };
 
 class InteriorList {
@@ -89,6 +91,17 @@ class InteriorList {
       for (; i < count_; ++i) body_[i] = body_[i + 1];
       return;
     }
+  }
+
+  /// What a photon is inside of that will meet nothing more. It may have been taken to be in a
+  /// closed body yet: one of some 2^20 that enter one at an edge is rounded to beyond the next face
+  /// and enters a second time.
+  InteriorList without_closed(std::span<const MediumInterface> medium_interfaces) const {
+    InteriorList open;
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (!medium_interfaces[body_[i]].closed) open.enter(body_[i]);
+    }
+    return open;
   }
 
  private:

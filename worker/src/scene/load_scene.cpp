@@ -225,6 +225,7 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
   auto materials = load_materials(context, kernels, loaded.shapes);
   auto medium_interfaces = load_medium_interfaces(context);
   const InteriorList everywhere = load_unbounded(context);
+  set_closed(loaded.shapes, materials, everywhere, medium_interfaces);
   return checked([&] {
     Geometry geometry(std::move(loaded.shapes), loaded.groups, std::move(loaded.instances), stop);
     auto luminaires = load_luminaires(context, geometry, materials);

@@ -6,6 +6,7 @@
 #include "scene/load_kernels.h"
 #include "scene/load_mesh.h"
 #include "scene/load_textures.h"
+#include "surfaces/closed.h"
 
 namespace nocturne {
 namespace {
@@ -166,6 +167,18 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
     materials.push_back(material);
   }
   return materials;
+}
+
+void set_closed(const std::vector<Shape>& shapes, const std::vector<SurfaceMaterial>& materials,
+                const InteriorList& everywhere, std::vector<MediumInterface>& medium_interfaces) {
+  for (std::uint32_t i = 0; i < medium_interfaces.size(); ++i) {
+    medium_interfaces[i].closed = !everywhere.holds(i);
+  }
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const std::uint32_t body = materials[i].medium_interface;
+    if (body == SurfaceMaterial::kNone) continue;
+    medium_interfaces[body].closed = medium_interfaces[body].closed && is_closed(shapes[i]);
+  }
 }
 
 InteriorList bodies_around(Vec3 position, const std::optional<Hit>& on, const Geometry& geometry,

@@ -15,6 +15,13 @@ void intersect(Batch<N, Estimator, Media>& batch) {
   }
   batch.hits.resize(batch.groups.size());
   batch.scene.geometry.intersect(batch.timed_rays, batch.hits);
+  if (!batch.scene.medium_interfaces.empty()) {
+    for (std::size_t i = 0; i < batch.groups.size(); ++i) {
+      InteriorList& inside = batch.groups[i].inside;
+      if (batch.hits[i] || inside.empty()) continue;
+      inside = inside.without_closed(batch.scene.medium_interfaces);
+    }
+  }
   batch.encounters.assign(batch.groups.size(), {});
 }
 
