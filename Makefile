@@ -149,7 +149,7 @@ visit: build  ## The page in a browser, every view and every control by keyboard
 soak: build  ## Random faults for SOAK_SECONDS (default 600), and all that takes minutes (a quarter of an hour more)
 	pytest -m soak
 
-accuracy: build  ## C++ tests and images against known values with all cases, and four times the samples of `make test` (some ten minutes)
+accuracy: build  ## C++ tests and images against known values with all cases, and four times the samples of `make test` (ten minutes to half an hour)
 	NOCTURNE_ACCURACY=1 ctest --test-dir build/release --output-on-failure --no-tests=error
 	NOCTURNE_ACCURACY=1 pytest -m "not soak" $(PROCESSES) 4 tests/accuracy tests/scene/test_uncertainty.py tests/bench/test_stops.py
 

@@ -11,6 +11,7 @@
 #include <cstdint>
 
 #include "math/constants.h"
+#include "math/splitmix64.h"
 #include "sampling/owen.h"
 #include "sampling/philox.h"
 #include "sampling/sobol.h"
@@ -67,7 +68,7 @@ class PixelSequence {
       : kind_(kind),
         key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
         pixel_(pixel),
-        hash_(mix(mix(seed) + pixel)),
+        hash_(splitmix64(splitmix64(seed) + pixel)),
         joint_(joint) {}
 
   SequenceKind kind() const { return kind_; }
@@ -99,17 +100,9 @@ class PixelSequence {
   // Photons with more vertices are few, and so are those that branch twice.
   static constexpr std::uint32_t kRemembered = 8, kBranches = 2;
 
-  /// SplitMix64's finaliser (Steele, Lea and Flood, OOPSLA 2014).
-  static std::uint64_t mix(std::uint64_t x) {
-    x += 0x9E3779B97F4A7C15u;
-    x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
-    x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
-    return x ^ (x >> 31);
-  }
-
   /// The scrambles' words and the shuffle's are three in a row.
   std::uint64_t word(std::uint32_t set, std::uint32_t index) const {
-    return mix(hash_ + 3u * static_cast<std::uint64_t>(set) + index);
+    return splitmix64(hash_ + 3u * static_cast<std::uint64_t>(set) + index);
   }
 
   Randomisation make(std::uint32_t set) const {

@@ -8,14 +8,14 @@
 
 #include "math/functions.h"
 #include "math/ray.h"
+#include "math/splitmix64.h"
 #include "media/majorants.h"
 #include "sampling/sequence.h"
 #include "tracer/path_limits.h"
 
 namespace nocturne {
 
-/// A stream of uniform numbers for one flight in one medium. SplitMix64 (Steele, Lea and Flood,
-/// OOPSLA 2014).
+/// A stream of uniform numbers for one flight in one medium, of SplitMix64.
 class FlightNumbers {
  public:
   explicit FlightNumbers(std::uint64_t seed) : state_(seed) {}
@@ -26,11 +26,9 @@ class FlightNumbers {
   float first() { return first_ >= 0.0f ? first_ : (*this)(); }
 
   float operator()() {
-    state_ += 0x9E3779B97F4A7C15u;
-    std::uint64_t x = state_;
-    x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
-    x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
-    return to_unit(static_cast<std::uint32_t>((x ^ (x >> 31)) >> 32));
+    const std::uint64_t bits = splitmix64(state_);
+    state_ += kSplitMix64Step;
+    return to_unit(static_cast<std::uint32_t>(bits >> 32));
   }
 
  private:
