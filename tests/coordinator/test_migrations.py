@@ -3,8 +3,10 @@
 import shutil
 import sqlite3
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from pathlib import Path
+from threading import Barrier
 
 import pytest
 from nocturne_coordinator.errors import UnusableFolder
@@ -82,6 +84,20 @@ def test_an_older_one_gets_what_is_missing_and_keeps_its_rows(
     assert old.execute("SELECT name, colour FROM render").fetchall() == [("old", "grey; or so")]
     old.execute("UPDATE render SET name = 'new'")
     assert old.execute("SELECT colour, sequence FROM render").fetchall() == [("blue", 2)]
+
+
+def test_two_may_open_a_new_one_at_once(tmp_path: Path) -> None:
+    """As API and coordinator do: SQLite told one of six that the database was locked, and did not wait."""
+    both = Barrier(2, timeout=30.0)
+
+    def open_all() -> None:
+        for number in range(40):
+            both.wait()
+            Database(tmp_path / f"{number}.db").close()
+
+    with ThreadPoolExecutor(2) as executor:
+        for done in [executor.submit(open_all) for _ in range(2)]:
+            done.result()
 
 
 def test_a_newer_one_is_refused_in_a_sentence(old: sqlite3.Connection, migrations: Path) -> None:

@@ -2,6 +2,7 @@
 
 import sqlite3
 import threading
+import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,9 +11,10 @@ from typing import Any
 from nocturne_coordinator.errors import UnusableFolder
 from nocturne_coordinator.store.migrate import migrate
 
-# A tile is 32 KiB: with pages of 16 KiB it is two or three of them, not nine.
+# A tile is 75 KiB: with pages of 16 KiB it is five of them, not nineteen.
 _PAGE_BYTES = 16384
 _BUSY_MILLISECONDS = 30_000
+_AGAIN_SECONDS = 0.01
 
 
 class Database:
@@ -41,12 +43,27 @@ class Database:
         # First of all: the statements after it may meet another process that creates the file just now.
         self._connection.execute(f"PRAGMA busy_timeout = {_BUSY_MILLISECONDS}")
         self._connection.execute(f"PRAGMA page_size = {_PAGE_BYTES}")
-        self._connection.execute("PRAGMA journal_mode = WAL")
+        self._write_ahead()
         with self.transaction():
             migrate(self._connection, str(path))
         # After an upgrade that makes tables anew: dropping the old one must not delete the rows that refer to
         # it.
         self._connection.execute("PRAGMA foreign_keys = ON")
+
+    def _write_ahead(self) -> None:
+        """Changes the journal's mode. Where several do that with a new file at once, SQLite does not wait, as
+        each might wait for another."""
+        until = time.monotonic() + _BUSY_MILLISECONDS / 1000
+        while True:
+            try:
+                self._connection.execute("PRAGMA journal_mode = WAL")
+                return
+            except sqlite3.OperationalError as trouble:
+                # The lower byte: the rest says in what it was busy.
+                is_busy = trouble.sqlite_errorcode & 0xFF == sqlite3.SQLITE_BUSY
+                if not is_busy or time.monotonic() >= until:
+                    raise
+            time.sleep(_AGAIN_SECONDS)
 
     @contextmanager
     def transaction(self, durable: bool = True) -> Iterator[None]:
