@@ -38,6 +38,12 @@ TEST(Closed, MinusZeroIsZero) {
   EXPECT_TRUE(is_closed(box));
 }
 
+TEST(Closed, InsideOutItHasNoEnd) {
+  TriangleMesh box = kBox;
+  for (auto& triangle : box.triangles) std::swap(triangle[0], triangle[1]);
+  EXPECT_FALSE(is_closed(box));
+}
+
 TEST(Closed, EveryTriangleIsNeeded) {
   for (std::size_t i = 0; i < kBox.triangles.size(); ++i) {
     TriangleMesh box = kBox;

@@ -93,9 +93,8 @@ class InteriorList {
     }
   }
 
-  /// What a photon is inside of that will meet nothing more. It may have been taken to be in a
-  /// closed body yet: one of some 2^20 that enter one at an edge is rounded to beyond the next face
-  /// and enters a second time.
+  /// For a photon that will meet nothing more: it is outside of all closed bodies, though it may
+  /// count as in one. At an edge rounding can put it beyond the next face, and it enters twice.
   InteriorList without_closed(std::span<const MediumInterface> medium_interfaces) const {
     InteriorList open;
     for (std::size_t i = 0; i < count_; ++i) {

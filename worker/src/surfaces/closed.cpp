@@ -1,9 +1,9 @@
 #include "surfaces/closed.h"
 
 #include <bit>
-#include <cstddef>
 #include <cstdint>
 
+#include "math/double3.h"
 #include "math/splitmix64.h"
 
 namespace nocturne {
@@ -26,12 +26,16 @@ bool is_closed(const Shape& shape) {
   const auto* mesh = std::get_if<TriangleMesh>(&shape);
   if (mesh == nullptr) return true;
   std::uint64_t sum = 0;
+  double volume = 0.0;  // six times that, above 0 where normals point out
+  const Double3 origin(mesh->vertices.empty() ? Vec3{} : mesh->vertices[0]);
+  const auto from_origin = [&](std::uint32_t i) { return Double3(mesh->vertices[i]) - origin; };
   for (const auto& [a, b, c] : mesh->triangles) {
     const std::uint64_t at_a = hash_of(mesh->vertices[a]), at_b = hash_of(mesh->vertices[b]),
                         at_c = hash_of(mesh->vertices[c]);
     sum += directed(at_a, at_b) + directed(at_b, at_c) + directed(at_c, at_a);
+    volume += dot(from_origin(a), cross(from_origin(b), from_origin(c)));
   }
-  return sum == 0;
+  return sum == 0 && volume > 0.0;
 }
 
 }  // namespace nocturne
