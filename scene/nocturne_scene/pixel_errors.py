@@ -17,7 +17,9 @@ def covariance_of_means(products: Values, a: Values, b: Values, counts: Values |
     found /= n
     np.subtract(products, found, out=found)
     found /= n * (n - 1.0)
-    found[np.broadcast_to(counts < 2, found.shape)] = 0.0
+    below_two = counts < 2
+    if below_two.any():
+        found[np.broadcast_to(below_two, found.shape)] = 0.0
     return found
 
 

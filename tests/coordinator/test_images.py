@@ -243,6 +243,24 @@ def test_spread_of_even_noise_and_of_one_firefly() -> None:
     assert spoiled.worst_share == pytest.approx(1.0, abs=0.01)
 
 
+@pytest.mark.parametrize("kind", ["heavy", "mostly none", "where they are looked for", "equal"])
+def test_the_worst_pixels_of_a_large_film(kind: str) -> None:
+    """Those that sorting all of them finds, wherever they lie."""
+    numbers = np.random.default_rng(7).exponential(size=400 * 500) ** 3
+    if kind == "mostly none":
+        numbers[3000:] = 0.0
+    if kind == "where they are looked for":
+        numbers[:: numbers.size // 2**14] += 1000.0
+    if kind == "equal":
+        numbers[:] = 0.25
+    counts = np.full((400, 500), 4, dtype=np.uint32)
+    sums = np.zeros((400, 500, 4))
+    sums[..., :3] = 4.0
+    sums[..., 3] = 4.0 + 12.0 * numbers.reshape(counts.shape)
+    worst = np.sort(numbers)[-numbers.size // 100 :].sum() / numbers.sum()
+    assert estimate_error(sums, counts).worst_share == pytest.approx(worst, rel=1e-9)
+
+
 def test_the_error_is_unknown_below_two_samples_and_in_the_dark() -> None:
     counts = np.ones((4, 4), dtype=np.uint32)
     once = estimate_error(np.ones((4, 4, 4)), counts)

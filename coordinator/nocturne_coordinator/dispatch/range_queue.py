@@ -6,6 +6,9 @@ from heapq import heappush
 
 from nocturne_coordinator.limits import RANGES_AHEAD
 
+TOGETHER, TOGETHER_IN_FLOOD = 2, 8
+"""Ranges of a tile, after its first, that are given out one after the other."""
+
 
 @dataclass(slots=True)
 class FairShare:
@@ -53,13 +56,21 @@ class RangeQueue:
     need."""
     first: frozenset[int] = frozenset()
     """Tiles that somebody wants to see first; empty: all are alike."""
+    together: int = TOGETHER
+    """Of later ranges, how many of a tile come one after the other: short ones are then merged while the
+    tile's sums are at hand, and written once for all of them."""
 
     def make_ready(self, range_index: int, tile: int) -> None:
         """Every tile's first range goes before all others: there is always a whole frame."""
         may_wait = bool(self.first) and range_index > 0 and tile not in self.first
         forward = self.forward if self._is_forward(tile) else None
-        turn = _turn_of(forward.turns[range_index] if forward else range_index)
+        turn = self._turn_of(forward.turns[range_index] if forward else range_index)
         heappush(self.ready, (may_wait, turn, forward is None, tile, range_index))
+
+    def _turn_of(self, range_index: int) -> int:
+        """The first of those that come together, so that runs of any length go before each other as they
+        should."""
+        return 1 + (range_index - 1) // self.together * self.together if range_index else 0
 
     def ranges_of(self, tile: int) -> int:
         """How many a tile has, or forward photons."""
@@ -81,9 +92,3 @@ class RangeQueue:
         somewhere = elsewhere | {index for index, of in self.again if of == tile}
         open_ranges = range(self.completed[tile], min(comes, self.ranges_of(tile)))
         return [index for index in open_ranges if index not in somewhere]
-
-
-def _turn_of(range_index: int) -> int:
-    """After the first range of all tiles two of each tile come together: short ones are then merged while the
-    tile's sums are at hand, and written once for both."""
-    return (range_index + 1) // 2

@@ -12,7 +12,13 @@ from heapq import heappop, heappush
 from statistics import median
 from typing import NamedTuple
 
-from nocturne_coordinator.dispatch.range_queue import FairShare, ForwardRanges, RangeQueue
+from nocturne_coordinator.dispatch.range_queue import (
+    TOGETHER,
+    TOGETHER_IN_FLOOD,
+    FairShare,
+    ForwardRanges,
+    RangeQueue,
+)
 from nocturne_coordinator.limits import DEFAULT_PRIORITY
 
 MIN_OVERDUE = 60.0
@@ -28,6 +34,10 @@ well."""
 SLOW_FACTOR = 3.0
 
 _REMEMBERED_TIMES = 101
+
+_FLOOD = 50
+"""Results that come between two times that jobs are published: nearly as many as are read at once. The
+workers wait for the coordinator then, and no range takes longer than it takes to merge it."""
 
 
 class JobKey(NamedTuple):
@@ -62,6 +72,8 @@ class Scheduler:
         self._outstanding: dict[JobKey, Published] = {}
         self._held = 0
         self._times: deque[float] = deque(maxlen=_REMEMBERED_TIMES)
+        self._came = 0
+        """Results since jobs were last taken."""
 
     # --- events ---
 
@@ -139,6 +151,7 @@ class Scheduler:
     def received(self, key: JobKey, now: float) -> list[bytes]:
         """A job's result came and is usable; `completed` follows for what it completes. Gives copies to
         delete."""
+        self._came += 1
         published = self._outstanding.pop(key, None)
         if published is not None:
             self._times.append(now - published.at)
@@ -227,6 +240,10 @@ class Scheduler:
         Where there is no room, and most of what is in flight waits for earlier ranges, it is these, whatever
         the count: nothing else would ever make room.
         """
+        together = TOGETHER_IN_FLOOD if self._came >= _FLOOD else TOGETHER
+        self._came = 0
+        for queue in self._queues.values():
+            queue.together = together
         if count <= 0:
             return self._waited_for() if 2 * self._held > self.in_flight else []
         jobs: list[JobKey] = []

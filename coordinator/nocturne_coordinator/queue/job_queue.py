@@ -54,6 +54,8 @@ _TIMEOUT = 5.0
 # Results read at once: so many that their number costs little, and as many bytes, going by those before them.
 _FIRST_BATCH, _MAX_BATCH = 16, 256
 _BATCH_BYTES = 8 * 2**20
+_READ_BYTES = 2**18
+"""From the socket at once: results are some 80 kB; by 64 KiB, as is usual, reading takes a tenth longer."""
 
 # Entries named in one XDEL, jobs listed by one XRANGE.
 _CHUNK = 500
@@ -131,6 +133,7 @@ class JobQueue:
             socket_timeout=_TIMEOUT,
             socket_connect_timeout=_TIMEOUT,
             retry=Retry(NoBackoff(), 0),
+            socket_read_size=_READ_BYTES,
         )
         self._batch = _FIRST_BATCH
         self.guard: Guard | None = None
