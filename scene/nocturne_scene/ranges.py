@@ -298,8 +298,6 @@ class RangeList:
 
     def __init__(self, ends: Iterable[int]) -> None:
         self._ends = list(ends)
-        self._made: dict[int, SampleRange] = {}
-        """Those that were asked for: each is asked for some ten times while its result is taken in."""
         self._index_by_first = {first: index for index, first in enumerate([0, *self._ends[:-1]])}
 
     def __len__(self) -> int:
@@ -307,11 +305,7 @@ class RangeList:
 
     def __getitem__(self, index: int) -> SampleRange:
         """Range `index`, 0 <= index < len(self)."""
-        made = self._made.get(index)
-        if made is None:
-            made = SampleRange(index, self._ends[index - 1] if index else 0, self._ends[index])
-            self._made[index] = made
-        return made
+        return SampleRange(index, self._ends[index - 1] if index else 0, self._ends[index])
 
     def find(self, first: int, end: int) -> SampleRange | None:
         """The planned range [first, end), if there is one."""

@@ -10,6 +10,9 @@ from nocturne_scene.pixel_errors import variance_of_mean
 from nocturne_coordinator.dispatch.heavy_tails import unevenness
 from nocturne_coordinator.dispatch.merge import Counts, Sums
 
+_FEW = 2**14
+"""Pixels that tell where the largest of many begin."""
+
 
 @dataclass(frozen=True, slots=True)
 class ErrorEstimate:
@@ -38,10 +41,6 @@ class ErrorEstimate:
     """Of the pixel that has the fewest."""
     mean_samples: float = 0.0
     """Over pixels, harmonic: relative_error falls as one over its root. 0: unknown, or a pixel has none."""
-
-
-_FEW = 2**14
-"""Pixels that tell where the largest of many begin."""
 
 
 class Squares(NamedTuple):

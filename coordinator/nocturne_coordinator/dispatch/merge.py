@@ -23,7 +23,7 @@ Counts = npt.NDArray[np.uint32]
 """Shape (height, width): samples in a film's sums."""
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class RangeSums:
     """The checked partial result of one range of one tile."""
 

@@ -176,10 +176,11 @@ def check_sums(sums: TileSums, samples: int) -> None:
     of_pixels = sums.pixels.reshape(height * width, -1)
     of_blocks = sums.block_products.reshape(-1, PRODUCTS)
     pixels, blocks = len(of_pixels), len(of_blocks)
-    # One row for each sum of a pixel, with a column for each pixel, each block and the tile: each step of
-    # numpy's then does for all of them, in memory that lies together.
+    # One row for each quantity, Y, X, Z, YY, XX, ZZ, XY, XZ, YZ, with a column for each pixel, each block and
+    # the tile: each step of numpy's then does for all of them, in memory that lies together.
     table = np.empty((XYZ_SUMS, pixels + blocks + 1))
-    table[:, :pixels] = of_pixels[:, :XYZ_SUMS].T
+    table[0, :pixels], table[1, :pixels] = of_pixels[:, 1], of_pixels[:, 0]
+    table[2:, :pixels] = of_pixels[:, 2:XYZ_SUMS].T
     table[:3, pixels:] = 0.0
     table[3:, pixels:-1] = of_blocks.T
     table[3:, -1] = sums.tile_products[0]
@@ -192,20 +193,19 @@ def check_sums(sums: TileSums, samples: int) -> None:
     film = table[:, :pixels].reshape(-1, height, width)
     pixels_of_blocks = (_blocks_of(height) @ film @ _blocks_of(width).T).reshape(XYZ_SUMS, -1)
     table[:3, pixels:-1] = pixels_of_blocks[:3]
-    # Squares are those of Y, X, Z: the first two and the last two go with XY and XZ, the outer two with YZ.
-    # Pairs are compared by their squares, which takes no roots.
-    values, squares, mixed = table[:3], table[3:6], table[6:]
+    firsts, squares, mixed = table[:3, :-1], table[3:6], table[6:]
+    _check_products(firsts * firsts, squares[:, :-1], samples)
+    # Of YY, XX, ZZ the first two and the last two go with XY and XZ, the outer two with YZ. Their squares are
+    # compared, which takes no roots.
     bounds = np.empty_like(mixed)
     np.multiply(squares[:2], squares[1:], out=bounds[:2])
     np.multiply(squares[0], squares[2], out=bounds[2])
     _check_products(mixed * mixed, bounds, slack=2e-9, least=1e-300)
-    bounds[:2], bounds[2] = squares[1::-1], squares[2]
-    _check_products(values * values, bounds, samples)
     # Values are never negative: products of what n have together are at least the sum of their own.
     together = table[3:, pixels:]
     apart = np.empty_like(together)
     apart[:, :-1] = pixels_of_blocks[3:]
-    np.add.reduce(together[:, :-1], axis=1, out=apart[:, -1])
+    together[:, :-1].sum(axis=1, out=apart[:, -1])
     _check_products(apart, together)
     # And squares are at most n times that.
     many = np.full(blocks + 1, float(BLOCK**2))
