@@ -1,60 +1,57 @@
 #include "ray_recorder.h"
 
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "surfaces/geometry.h"
+
 namespace {
 
+using nocturne::Geometry;
+using nocturne::Hit;
+using nocturne::TimedRay;
+using nocturne::Ways;
 using nocturne::bench::RecordedRays;
 
 RecordedRays* recording = nullptr;
 
-void record(const int* valid, const RTCRay8& ray, std::vector<RecordedRays::Segment>& into) {
-  for (int i = 0; i < 8; ++i) {
-    if (valid[i] == 0) continue;
-    into.push_back(
-        {{{ray.org_x[i], ray.org_y[i], ray.org_z[i]}, {ray.dir_x[i], ray.dir_y[i], ray.dir_z[i]}},
-         ray.tfar[i]});
-  }
+void record(std::span<const TimedRay> rays, std::vector<RecordedRays::Segment>& into) {
+  for (const TimedRay& ray : rays) into.push_back({ray.ray, ray.end});
 }
 
 }  // namespace
 
-// The linker sends calls of rtcIntersect8 to __wrap_rtcIntersect8, and __real_rtcIntersect8 is
-// Embree's own (--wrap); so for rtcOccluded8. While nothing is recorded it costs the tracer a test
-// and a jump for a packet.
-extern "C" {
-void __real_rtcIntersect8(const int* valid, RTCScene tree, RTCIntersectContext* context,
-                          RTCRayHit8* query);
-void __real_rtcOccluded8(const int* valid, RTCScene tree, RTCIntersectContext* context,
-                         RTCRay8* query);
+// The linker sends calls of Geometry::intersect for many rays to the symbol that begins with
+// __wrap, and the one that begins with __real is the geometry's own (--wrap, CMakeLists.txt); so
+// for Geometry::occluded. While nothing is recorded it costs the tracer a test and a jump for a
+// batch.
+void own_intersect(const Geometry*, std::span<const TimedRay>,
+                   std::span<std::optional<Hit>>) asm("__real_" INTERSECT_SYMBOL);
+void intersect(const Geometry*, std::span<const TimedRay>,
+               std::span<std::optional<Hit>>) asm("__wrap_" INTERSECT_SYMBOL);
+void own_occluded(const Geometry*, std::span<const TimedRay>, std::span<std::uint8_t>,
+                  Ways) asm("__real_" OCCLUDED_SYMBOL);
+void occluded(const Geometry*, std::span<const TimedRay>, std::span<std::uint8_t>,
+              Ways) asm("__wrap_" OCCLUDED_SYMBOL);
 
-void __wrap_rtcIntersect8(const int* valid, RTCScene tree, RTCIntersectContext* context,
-                          RTCRayHit8* query) {
-  if (recording != nullptr) [[unlikely]] {
-    record(valid, query->ray, recording->nearest);
-    recording->tree = tree;
-  }
-  __real_rtcIntersect8(valid, tree, context, query);
-}
-
-void __wrap_rtcOccluded8(const int* valid, RTCScene tree, RTCIntersectContext* context,
-                         RTCRay8* query) {
+void intersect(const Geometry* geometry, std::span<const TimedRay> rays,
+               std::span<std::optional<Hit>> hits) {
   if (recording != nullptr) [[unlikely]]
-    record(valid, *query, recording->any);
-  __real_rtcOccluded8(valid, tree, context, query);
+    record(rays, recording->nearest);
+  own_intersect(geometry, rays, hits);
 }
+
+void occluded(const Geometry* geometry, std::span<const TimedRay> rays,
+              std::span<std::uint8_t> blocked, Ways ways) {
+  if (recording != nullptr) [[unlikely]]
+    record(rays, recording->any);
+  own_occluded(geometry, rays, blocked, ways);
 }
 
 namespace nocturne::bench {
 
 RayRecorder::RayRecorder(RecordedRays& into) { recording = &into; }
 RayRecorder::~RayRecorder() { recording = nullptr; }
-
-void intersect_directly(const int* valid, RTCScene tree, RTCIntersectContext* context,
-                        RTCRayHit8* query) {
-  __real_rtcIntersect8(valid, tree, context, query);
-}
-void occluded_directly(const int* valid, RTCScene tree, RTCIntersectContext* context,
-                       RTCRay8* query) {
-  __real_rtcOccluded8(valid, tree, context, query);
-}
 
 }  // namespace nocturne::bench

@@ -1,7 +1,5 @@
-// The rays that the tracer asks Embree for, exactly and in its order.
+// The rays that the tracer searches for, exactly and in its order.
 #pragma once
-
-#include <embree3/rtcore.h>
 
 #include <vector>
 
@@ -16,12 +14,9 @@ struct RecordedRays {
   };
   /// For the nearest hit; and for whether there is any.
   std::vector<Segment> nearest, any;
-  /// The tracer's own tree, so that whoever replays the rays searches the same one.
-  RTCScene tree = nullptr;
 };
 
-/// Keeps every ray of rtcIntersect8 and rtcOccluded8 while it lives; one at a time, one thread
-/// only.
+/// Keeps every ray of the searches for many rays while it lives; one at a time, one thread only.
 class RayRecorder {
  public:
   explicit RayRecorder(RecordedRays& into);
@@ -29,11 +24,5 @@ class RayRecorder {
   RayRecorder(const RayRecorder&) = delete;
   RayRecorder& operator=(const RayRecorder&) = delete;
 };
-
-/// Embree's own, past the recorder.
-void intersect_directly(const int* valid, RTCScene tree, RTCIntersectContext* context,
-                        RTCRayHit8* query);
-void occluded_directly(const int* valid, RTCScene tree, RTCIntersectContext* context,
-                       RTCRay8* query);
 
 }  // namespace nocturne::bench

@@ -36,10 +36,8 @@ const EmbreeSpheres::One& sphere_of(void* data, unsigned primitive) {
 }
 
 void sphere_bounds(const RTCBoundsFunctionArguments* arguments) {
-  const Sphere& s = *sphere_of(arguments->geometryUserPtr, arguments->primID).sphere;
-  const Double3 centre = centre_at_step(s, arguments->timeStep);
-  const Double3 half{s.radius, s.radius, s.radius};
-  *arguments->bounds_o = outward(centre - half, centre + half, 0.0);
+  const Sphere& sphere = *sphere_of(arguments->geometryUserPtr, arguments->primID).sphere;
+  *arguments->bounds_o = bounds_of(sphere, arguments->timeStep);
 }
 
 // A ray of a packet of n, as single rays are.
@@ -219,6 +217,12 @@ RTCGeometry user_geometry(RTCDevice device, const Data& data, std::size_t primit
 }
 
 }  // namespace
+
+RTCBounds bounds_of(const Sphere& sphere, std::size_t step) {
+  const Double3 centre = centre_at_step(sphere, step);
+  const Double3 half{sphere.radius, sphere.radius, sphere.radius};
+  return outward(centre - half, centre + half, 0.0);
+}
 
 RTCGeometry new_geometry(RTCDevice device, const EmbreeSpheres& spheres) {
   return user_geometry(device, spheres, spheres.all.size(),

@@ -41,6 +41,9 @@ struct EmbreeInstances {
   std::vector<One> all;
 };
 
+/// Of a sphere at a time step, rounded outwards.
+RTCBounds bounds_of(const Sphere& sphere, std::size_t step);
+
 /// A geometry, not yet committed, that refers to its argument for as long as it lives.
 RTCGeometry new_geometry(RTCDevice device, const EmbreeSpheres& spheres);
 RTCGeometry new_geometry(RTCDevice device, const EmbreeInstances& instances);

@@ -8,10 +8,6 @@
 namespace nocturne {
 namespace {
 
-// Bytes of triangles and corners beyond which they are asked for in advance: half of what a core of
-// today has of second-level cache.
-constexpr std::size_t kLarge = std::size_t{1} << 19;
-
 RTCGeometry geometry_of(RTCDevice device, TriangleMesh& mesh) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   const std::size_t count = mesh.vertex_count();
@@ -26,12 +22,6 @@ RTCGeometry geometry_of(RTCDevice device, TriangleMesh& mesh) {
                              mesh.triangles.data(), 0, sizeof(mesh.triangles[0]),
                              mesh.triangles.size());
   return geometry;
-}
-
-void attach(RTCScene to, unsigned id, RTCGeometry geometry) {
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometryByID(to, geometry, id);
-  rtcReleaseGeometry(geometry);
 }
 
 }  // namespace
@@ -56,7 +46,7 @@ EmbreeScene::EmbreeScene(std::vector<Shape> s, const std::vector<std::uint32_t>&
     throw std::invalid_argument("every shape needs a group");
   }
   for (Instance& instance : all) instances.emplace_back(std::move(instance));
-  device = new_device();
+  device_ = new_device();
   try {
     build(group_of_shape, stop);
   } catch (...) {
@@ -67,10 +57,15 @@ EmbreeScene::EmbreeScene(std::vector<Shape> s, const std::vector<std::uint32_t>&
 
 void EmbreeScene::build(const std::vector<std::uint32_t>& group_of_shape,
                         const std::stop_token& stop) {
-  scene = new_scene();
+  scene_ = new_scene();
+  std::vector<std::uint32_t> at_rest;
+  for (std::uint32_t i = 0; i < shapes.size(); ++i) {
+    if (group_of_shape[i] == 0 && Tree::can_hold(shapes[i])) at_rest.push_back(i);
+  }
+  if (!at_rest.empty()) tree = std::make_unique<Tree>(device_, shapes, at_rest, stop);
   std::map<std::pair<RTCScene, std::size_t>, EmbreeSpheres> spheres;  // by scene and time steps
   for (unsigned i = 0; i < shapes.size(); ++i) {
-    RTCScene to = scene;
+    RTCScene to = scene_;
     unsigned id = i;
     if (group_of_shape[i] != 0) {
       Group& group = groups[group_of_shape[i]];
@@ -80,7 +75,7 @@ void EmbreeScene::build(const std::vector<std::uint32_t>& group_of_shape,
       group.surfaces.push_back(i);
     }
     if (auto* mesh = std::get_if<TriangleMesh>(&shapes[i])) {
-      attach(to, id, geometry_of(device, *mesh));
+      attach(geometry_of(device_, *mesh), id, to, Tree::can_hold(shapes[i]));
     } else {
       const Sphere& sphere = std::get<Sphere>(shapes[i]);
       spheres[{to, sphere.later_centres.size()}].all.push_back({&sphere, id});
@@ -89,24 +84,31 @@ void EmbreeScene::build(const std::vector<std::uint32_t>& group_of_shape,
   // Under the number of their first.
   for (auto& [where, same] : spheres) {
     sphere_sets.push_back(std::move(same));
-    attach(where.first, sphere_sets.back().all.front().id,
-           new_geometry(device, sphere_sets.back()));
+    attach(new_geometry(device_, sphere_sets.back()), sphere_sets.back().all.front().id,
+           where.first, where.second == 0);
   }
-  std::size_t bytes = 0;
-  for (const Shape& shape : shapes) {
-    if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
-      bytes += mesh->vertices.size() * sizeof(Vec3) +
-               mesh->triangles.size() * sizeof(mesh->triangles[0]);
-    }
-  }
-  is_large = bytes > kLarge;
   for (auto& [number, group] : groups) commit(group.scene, stop);
   attach_instances();
-  commit(scene, stop);
+  if (rest != nullptr) commit(rest, stop);
+}
+
+RTCScene EmbreeScene::everything() const {
+  std::call_once(committed_, [&] { commit(scene_, {}); });
+  return scene_;
+}
+
+void EmbreeScene::attach(RTCGeometry geometry, unsigned id, RTCScene to, bool can_be_in_tree) {
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(to, geometry, id);
+  if (to == scene_ && !can_be_in_tree) {
+    if (rest == nullptr) rest = new_scene();
+    rtcAttachGeometryByID(rest, geometry, id);
+  }
+  rtcReleaseGeometry(geometry);
 }
 
 RTCScene EmbreeScene::new_scene() const {
-  RTCScene made = rtcNewScene(device);
+  RTCScene made = rtcNewScene(device_);
   // Watertight: a closed box must lose no photon through its edges. Filters: nearest_ahead,
   // crossings_near.
   rtcSetSceneFlags(made, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
@@ -120,7 +122,7 @@ void EmbreeScene::commit(RTCScene filled, std::stop_token stop) const {
   rtcSetSceneProgressMonitorFunction(filled, go_on, &stop);
   rtcCommitScene(filled);
   rtcSetSceneProgressMonitorFunction(filled, nullptr, nullptr);
-  if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE) {
+  if (const RTCError error = rtcGetDeviceError(device_); error != RTC_ERROR_NONE) {
     throw std::runtime_error("Embree can't build the scene: error " +
                              std::to_string(static_cast<int>(error)));
   }
@@ -137,14 +139,15 @@ void EmbreeScene::attach_instances() {
   auto id = static_cast<unsigned>(shapes.size());
   for (auto& [time_steps, same] : by_time_steps) {
     instance_sets.push_back(std::move(same));
-    attach(scene, id++, new_geometry(device, instance_sets.back()));
+    attach(new_geometry(device_, instance_sets.back()), id++, scene_, false);
   }
 }
 
 void EmbreeScene::release() {
-  if (scene != nullptr) rtcReleaseScene(scene);
+  if (scene_ != nullptr) rtcReleaseScene(scene_);
+  if (rest != nullptr) rtcReleaseScene(rest);
   for (auto& [number, group] : groups) rtcReleaseScene(group.scene);
-  rtcReleaseDevice(device);
+  rtcReleaseDevice(device_);
 }
 
 }  // namespace nocturne

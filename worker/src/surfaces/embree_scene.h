@@ -1,5 +1,5 @@
-// The scene's shapes as Embree holds them: what the searches of single rays, of packets and of
-// exact order have in common.
+// The scene's shapes as they are searched for: in a tree of our own what is at rest, in Embree's
+// all else; and all of them once more in Embree's for searches in exact order.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -8,6 +8,8 @@
 #include <limits>
 #include <list>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <stop_token>
 #include <variant>
 #include <vector>
@@ -19,6 +21,7 @@
 #include "surfaces/instance.h"
 #include "surfaces/locate.h"
 #include "surfaces/shapes.h"
+#include "surfaces/tree.h"
 
 namespace nocturne {
 
@@ -72,16 +75,25 @@ struct EmbreeScene {
   std::vector<const std::vector<std::uint32_t>*> instance_surfaces;  // by instance
   std::vector<CloseSurface> close;                                   // by surface
   float largest_reach = 0.0f;
-  bool is_large = false;
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
+  /// What is at rest and in no group; null where nothing is.
+  std::unique_ptr<Tree> tree;
+  /// All else; null where the tree holds everything.
+  RTCScene rest = nullptr;
+
+  /// For searches in exact order, built when it is first asked for.
+  RTCScene everything() const;
 
  private:
   void build(const std::vector<std::uint32_t>& group_of_shape, const std::stop_token& stop);
   RTCScene new_scene() const;
   void commit(RTCScene filled, std::stop_token stop) const;
+  void attach(RTCGeometry geometry, unsigned id, RTCScene to, bool can_be_in_tree);
   void attach_instances();
   void release();
+
+  RTCDevice device_ = nullptr;
+  RTCScene scene_ = nullptr;
+  mutable std::once_flag committed_;
 };
 
 /// A single ray, as Embree takes it.

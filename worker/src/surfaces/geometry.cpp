@@ -7,8 +7,33 @@
 #include "surfaces/embree_scene.h"
 #include "surfaces/exact_search.h"
 #include "surfaces/packets.h"
+#include "surfaces/tree_search.h"
 
 namespace nocturne {
+
+namespace {
+
+// Rays in some array of a function's own.
+constexpr std::size_t kSome = 64;
+
+// Nearest hits of rays that start at their origins.
+void search(const EmbreeScene& scene, std::span<const TimedRay> rays,
+            std::span<std::optional<Hit>> hits) {
+  for (std::optional<Hit>& hit : hits.first(rays.size())) hit.reset();
+  if (scene.tree != nullptr) intersect_tree(*scene.tree, scene.shapes, rays, hits);
+  if (scene.rest == nullptr) return;
+  std::array<TimedRay, kSome> nearer;
+  for (std::size_t first = 0; first < rays.size(); first += kSome) {
+    const std::size_t count = std::min(kSome, rays.size() - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      nearer[i] = rays[first + i];
+      if (hits[first + i]) nearer[i].end = hits[first + i]->distance;
+    }
+    intersect_packets(scene, std::span(nearer).first(count), hits.subspan(first, count));
+  }
+}
+
+}  // namespace
 
 Geometry::Geometry(std::vector<Shape> shapes) {
   std::vector<std::uint32_t> in_scene(shapes.size(), 0);
@@ -23,14 +48,24 @@ Geometry::~Geometry() = default;
 Geometry::Geometry(Geometry&&) noexcept = default;
 
 Geometry::Ball Geometry::bounds() const {
+  Vec3 low, high;
+  const auto add = [&](const RTCBounds& b) {
+    low = {std::min(low.x, b.lower_x), std::min(low.y, b.lower_y), std::min(low.z, b.lower_z)};
+    high = {std::max(high.x, b.upper_x), std::max(high.y, b.upper_y), std::max(high.z, b.upper_z)};
+  };
+  const EmbreeScene& all = *embree_;
   RTCLinearBounds box;
-  rtcGetSceneLinearBounds(embree_->scene, &box);
-  const Vec3 low{std::min(box.bounds0.lower_x, box.bounds1.lower_x),
-                 std::min(box.bounds0.lower_y, box.bounds1.lower_y),
-                 std::min(box.bounds0.lower_z, box.bounds1.lower_z)};
-  const Vec3 high{std::max(box.bounds0.upper_x, box.bounds1.upper_x),
-                  std::max(box.bounds0.upper_y, box.bounds1.upper_y),
-                  std::max(box.bounds0.upper_z, box.bounds1.upper_z)};
+  if (all.rest != nullptr) {
+    rtcGetSceneLinearBounds(all.rest, &box);
+    low = {box.bounds0.lower_x, box.bounds0.lower_y, box.bounds0.lower_z};
+    high = {box.bounds0.upper_x, box.bounds0.upper_y, box.bounds0.upper_z};
+    add(box.bounds1);
+  }
+  if (all.tree != nullptr) {
+    const Vec3 &a = all.tree->low, &b = all.tree->high;
+    if (all.rest == nullptr) low = a, high = b;
+    add({a.x, a.y, a.z, 0.0f, b.x, b.y, b.z, 0.0f});
+  }
   // A little more, so that nothing touches it.
   return {0.5f * (low + high), 0.5005f * length(high - low)};
 }
@@ -41,19 +76,20 @@ void Geometry::set_close(std::vector<CloseSurface> close) {
     embree_->largest_reach = std::max(embree_->largest_reach, each.reach);
   }
   embree_->close = std::move(close);
+  if (any_close()) embree_->everything();
 }
 const CloseSurface& Geometry::close(std::uint32_t surface) const { return embree_->close[surface]; }
 bool Geometry::any_close() const { return embree_->largest_reach > 0.0f; }
 
 void Geometry::intersect(std::span<const TimedRay> rays, std::span<std::optional<Hit>> hits) const {
-  if (!any_close()) return intersect_packets(*embree_, rays, hits);
+  if (!any_close()) return search(*embree_, rays, hits);
   // Those that depart exactly are searched for one by one, the others together.
-  std::array<TimedRay, kPacket> others;
-  std::array<std::size_t, kPacket> places;
-  std::array<std::optional<Hit>, kPacket> found;
+  std::array<TimedRay, kSome> others;
+  std::array<std::size_t, kSome> places;
+  std::array<std::optional<Hit>, kSome> found;
   std::size_t waiting = 0;
-  const auto search = [&] {
-    intersect_packets(*embree_, std::span(others).first(waiting), found);
+  const auto search_others = [&] {
+    search(*embree_, std::span(others).first(waiting), found);
     for (std::size_t i = 0; i < waiting; ++i) hits[places[i]] = found[i];
     waiting = 0;
   };
@@ -64,23 +100,23 @@ void Geometry::intersect(std::span<const TimedRay> rays, std::span<std::optional
     }
     others[waiting] = rays[i];
     places[waiting++] = i;
-    if (waiting == kPacket) search();
+    if (waiting == kSome) search_others();
   }
-  if (waiting > 0) search();
+  if (waiting > 0) search_others();
 }
 
 void Geometry::occluded(std::span<const TimedRay> rays, std::span<std::uint8_t> blocked,
                         Ways ways) const {
-  occluded_packets(*embree_, rays, blocked, ways);
+  std::fill_n(blocked.begin(), rays.size(), std::uint8_t{0});
+  if (embree_->tree != nullptr) occluded_tree(*embree_->tree, embree_->shapes, rays, blocked);
+  if (embree_->rest != nullptr) occluded_packets(*embree_, rays, blocked, ways);
 }
 
 std::optional<Hit> Geometry::intersect(const Ray& ray, float time) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  RTCRayHit query = embree_query(ray, time);
-  rtcIntersect1(embree_->scene, &context, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  return embree_->located(ray.origin, ray.direction, time, found_by(query));
+  const TimedRay one{ray, time};
+  std::optional<Hit> hit;
+  search(*embree_, std::span(&one, 1), std::span(&hit, 1));
+  return hit;
 }
 
 std::optional<Hit> Geometry::intersect(const Ray& ray, float time,

@@ -15,10 +15,10 @@ struct Found {
   float u, v, distance;
 };
 
-/// A triangle in the scene itself: the hot path. The point comes from the barycentric coordinates:
-/// its error depends on the triangle's coordinates, not on the ray's length.
-inline Hit locate(const TriangleMesh& mesh, const Found& found, float time) {
-  const Corners p = corners_at(mesh, mesh.vertices, found.primitive, time);
+/// A triangle in the scene itself, by its corners: the hot path. The point comes from the
+/// barycentric coordinates: its error depends on the triangle's coordinates, not on the ray's
+/// length.
+inline Hit locate(const Corners& p, const Found& found) {
   const Vec3 ab = p.b - p.a, ac = p.c - p.a;
   const Vec3 position = p.a + found.u * ab + found.v * ac;
   return {.position = position,
@@ -30,6 +30,10 @@ inline Hit locate(const TriangleMesh& mesh, const Found& found, float time) {
           .primitive = found.primitive,
           .u = found.u,
           .v = found.v};
+}
+
+inline Hit locate(const TriangleMesh& mesh, const Found& found, float time) {
+  return locate(corners_at(mesh, mesh.vertices, found.primitive, time), found);
 }
 
 /// A sphere in the scene itself. The line is the ray's.

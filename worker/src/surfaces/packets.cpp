@@ -65,30 +65,6 @@ void fill(Packet& packet, std::span<const TimedRay> rays, std::span<int> valid) 
   set(packet.flags, 0);
 }
 
-// The triangles of a packet's hits outside instances: f(mesh, number).
-template <class F>
-void for_each_triangle(const EmbreeScene& scene, const RTCHit8& hit, const F& f) {
-  for (std::size_t i = 0; i < kPacket; ++i) {
-    if (hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-    if (hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID) continue;
-    if (const auto* mesh = std::get_if<TriangleMesh>(&scene.shapes[hit.geomID[i]])) {
-      f(*mesh, hit.primID[i]);
-    }
-  }
-}
-void prefetch_triangles(const EmbreeScene& scene, const RTCHit8& hit) {
-  for_each_triangle(scene, hit, [](const TriangleMesh& mesh, std::uint32_t triangle) {
-    __builtin_prefetch(&mesh.triangles[triangle]);
-  });
-}
-void prefetch_corners(const EmbreeScene& scene, const RTCHit8& hit) {
-  for_each_triangle(scene, hit, [](const TriangleMesh& mesh, std::uint32_t triangle) {
-    for (const std::uint32_t corner : mesh.triangles[triangle]) {
-      __builtin_prefetch(&mesh.vertices[corner]);
-    }
-  });
-}
-
 }  // namespace
 
 void intersect_packets(const EmbreeScene& scene, std::span<const TimedRay> rays,
@@ -96,42 +72,22 @@ void intersect_packets(const EmbreeScene& scene, std::span<const TimedRay> rays,
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  // Large meshes lie in slow memory, which Embree does not touch for its own: corners are asked for
-  // a packet before they are needed, and who they are two packets before.
-  std::array<RTCRayHit8, 3> searched;
-  const std::size_t behind = scene.is_large ? 2 : 0;
-  const std::size_t packets = (rays.size() + kPacket - 1) / kPacket;
-  for (std::size_t step = 0; step < packets + behind; ++step) {
-    if (step < packets) {
-      const std::size_t first = step * kPacket;
-      const auto some = rays.subspan(first, std::min(kPacket, rays.size() - first));
-      alignas(32) std::array<int, kPacket> valid;
-      RTCRayHit8& query = searched[step % 3];
-      fill(query.ray, some, valid);
-      for (std::size_t i = 0; i < kPacket; ++i) {
-        query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-        query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-      }
-      rtcIntersect8(valid.data(), scene.scene, &context, &query);
-      if (scene.is_large) prefetch_triangles(scene, query.hit);
+  for (std::size_t first = 0; first < rays.size(); first += kPacket) {
+    const auto some = rays.subspan(first, std::min(kPacket, rays.size() - first));
+    alignas(32) std::array<int, kPacket> valid;
+    RTCRayHit8 query;
+    fill(query.ray, some, valid);
+    for (std::size_t i = 0; i < kPacket; ++i) {
+      query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+      query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     }
-    if (scene.is_large && step >= 1 && step <= packets) {
-      prefetch_corners(scene, searched[(step - 1) % 3].hit);
-    }
-    if (step < behind) continue;
-    const std::size_t first = (step - behind) * kPacket;
-    const RTCRayHit8& query = searched[(step - behind) % 3];
-    for (std::size_t i = first; i < std::min(first + kPacket, rays.size()); ++i) {
-      const std::size_t lane = i - first;
-      if (query.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) {
-        hits[i].reset();
-        continue;
-      }
-      hits[i].emplace(InPlace{[&] {
-        return scene.located(
-            rays[i].ray.origin, rays[i].ray.direction, rays[i].time,
-            {query.hit.geomID[lane], query.hit.instID[0][lane], query.hit.primID[lane],
-             query.hit.u[lane], query.hit.v[lane], query.ray.tfar[lane]});
+    rtcIntersect8(valid.data(), scene.rest, &context, &query);
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+      hits[first + i].emplace(InPlace{[&] {
+        return scene.located(some[i].ray.origin, some[i].ray.direction, some[i].time,
+                             {query.hit.geomID[i], query.hit.instID[0][i], query.hit.primID[i],
+                              query.hit.u[i], query.hit.v[i], query.ray.tfar[i]});
       }});
     }
   }
@@ -148,8 +104,10 @@ void occluded_packets(const EmbreeScene& scene, std::span<const TimedRay> rays,
     alignas(32) std::array<int, kPacket> valid;
     RTCRay8 query;
     fill(query, some, valid);
-    rtcOccluded8(valid.data(), scene.scene, &context, &query);
-    for (std::size_t i = 0; i < some.size(); ++i) blocked[first + i] = query.tfar[i] < 0.0f ? 1 : 0;
+    rtcOccluded8(valid.data(), scene.rest, &context, &query);
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      if (query.tfar[i] < 0.0f) blocked[first + i] = 1;
+    }
   }
 }
 

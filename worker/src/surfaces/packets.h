@@ -1,4 +1,5 @@
-// Searches for many rays, eight at a time; what is found for a ray does not depend on the others.
+// Searches by Embree for many rays, eight at a time; what is found for a ray does not depend on the
+// others.
 #pragma once
 
 #include <cstddef>
@@ -14,11 +15,12 @@ namespace nocturne {
 /// Rays in a packet.
 inline constexpr std::size_t kPacket = 8;
 
-/// Nearest hits of rays that start at their origins.
+/// Of rays that start at their origins: hits in `rest` that are nearer than the rays' ends. Where
+/// there are none, `hits` stays as it is.
 void intersect_packets(const EmbreeScene& scene, std::span<const TimedRay> rays,
                        std::span<std::optional<Hit>> hits);
 
-/// See Geometry::occluded.
+/// Sets to 1 what is blocked by `rest`; see Geometry::occluded.
 void occluded_packets(const EmbreeScene& scene, std::span<const TimedRay> rays,
                       std::span<std::uint8_t> blocked, Ways ways);
 

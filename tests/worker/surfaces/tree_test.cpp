@@ -1,0 +1,245 @@
+// The tree finds what a search of every triangle in double precision finds; no ray passes between
+// triangles that share corners; of surfaces that coincide the first is met.
+#include "surfaces/tree.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <random>
+#include <stop_token>
+#include <vector>
+
+#include "surfaces/embree_scene.h"
+#include "surfaces/geometry.h"
+#include "surfaces/sphere_intersection.h"
+#include "surfaces/test_shapes.h"
+#include "surfaces/tree_search.h"
+
+namespace nocturne {
+namespace {
+
+using test::any_direction;
+using test::any_numbers;
+using test::any_point;
+
+// Triangles in disorder, of all sizes, some long and thin, some without area; and balls.
+std::vector<Shape> disorder(std::uint32_t triangles, std::uint32_t balls, Vec3 centre) {
+  std::vector<Shape> shapes;
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i < triangles; ++i) {
+    const float size = std::exp2(-8.0f * any_numbers(i, 1)[0]);
+    const Vec3 a = any_point(i, 2);
+    const Vec3 b = a + size * any_point(i, 3);
+    const Vec3 c = i % 50 == 0 ? b : a + (i % 3 == 0 ? 0.02f : 1.0f) * size * any_point(i, 4);
+    for (const Vec3 p : {a, b, c}) mesh.vertices.push_back(centre + p);
+    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  for (std::uint32_t i = 0; i < balls; ++i) {
+    const Vec3 p = centre + any_point(i, 5);
+    shapes.emplace_back(Sphere{p.x, p.y, p.z, 0.1 * static_cast<double>(any_numbers(i, 6)[0])});
+  }
+  shapes.emplace_back(std::move(mesh));
+  return shapes;
+}
+
+struct Met {
+  std::uint32_t surface, primitive;
+  double distance;
+  // How far within the triangle, as a share of it: the least of its coordinates.
+  double within;
+};
+
+// By Moeller and Trumbore's formulas, "Fast, Minimum Storage Ray/Triangle Intersection" (1997).
+std::vector<Met> all_met(const std::vector<Shape>& shapes, const Ray& ray) {
+  std::vector<Met> met;
+  const Double3 o = ray.origin, d = ray.direction;
+  for (std::uint32_t s = 0; s < shapes.size(); ++s) {
+    if (const auto* sphere = std::get_if<Sphere>(&shapes[s])) {
+      const auto both = cross_sphere(centre_at_step(*sphere, 0), sphere->radius, o, d);
+      if (!both) continue;
+      for (const double t : {both->near, both->far}) met.push_back({s, 0, t, 1.0});
+      continue;
+    }
+    const auto& mesh = std::get<TriangleMesh>(shapes[s]);
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      const Double3 a = mesh.vertices[mesh.triangles[i][0]];
+      const Double3 ab = mesh.vertices[mesh.triangles[i][1]] - a;
+      const Double3 ac = mesh.vertices[mesh.triangles[i][2]] - a;
+      const Double3 p = cross(d, ac);
+      const double determinant = dot(ab, p);
+      if (determinant == 0.0) continue;
+      const Double3 from = o - a, q = cross(from, ab);
+      const double u = dot(from, p) / determinant, v = dot(d, q) / determinant;
+      const double within = std::min({u, v, 1.0 - u - v});
+      if (within < -1e-2) continue;
+      met.push_back({s, i, dot(ac, q) / determinant, within});
+    }
+  }
+  return met;
+}
+
+// What is nearest for certain, however numbers are rounded; empty where that can't be told.
+std::optional<std::optional<Met>> nearest(const std::vector<Met>& met, double tolerance) {
+  std::optional<Met> first;
+  for (const Met& m : met) {
+    if (std::fabs(m.distance) < tolerance) return std::nullopt;
+    if (m.distance > 0.0 && (!first || m.distance < first->distance)) first = m;
+  }
+  for (const Met& m : met) {
+    const bool before = m.distance > 0.0 && (!first || m.distance < first->distance + tolerance);
+    if (before && std::fabs(m.within) < 1e-2) return std::nullopt;
+    if (before && (m.surface != first->surface || m.primitive != first->primitive)) {
+      return std::nullopt;
+    }
+  }
+  return std::optional(first);
+}
+
+struct Device {
+  RTCDevice device = new_device();
+  ~Device() { rtcReleaseDevice(device); }
+};
+
+TEST(Tree, FindsWhatASearchOfAllTrianglesFinds) {
+  const Device device;
+  for (const float offset : {0.0f, 30.0f}) {
+    for (const std::uint32_t count : {1u, 7u, 2000u}) {
+      const auto shapes = disorder(count, count / 40, {offset, -offset, offset});
+      std::vector<std::uint32_t> all(shapes.size());
+      for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
+      const Tree tree(device.device, shapes, all, {});
+      std::vector<TimedRay> rays;
+      for (std::uint32_t i = 0; i < 3000; ++i) {
+        const Vec3 origin = Vec3{offset, -offset, offset} + 1.5f * any_point(i, 10);
+        Vec3 direction = any_direction(i, 11);
+        if (i % 10 == 0) direction = {0, i % 20 == 0 ? 1.0f : -1.0f, 0};  // in an axis
+        rays.push_back({{origin, direction}, 0.0f});
+      }
+      std::vector<std::optional<Hit>> hits(rays.size());
+      intersect_tree(tree, shapes, rays, hits);
+      std::size_t certain = 0, met = 0;
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        const auto truth = nearest(all_met(shapes, rays[i].ray), 1e-4);
+        if (!truth) continue;
+        ++certain;
+        ASSERT_EQ(hits[i].has_value(), truth->has_value()) << count << " ray " << i;
+        if (!hits[i]) continue;
+        ++met;
+        EXPECT_EQ(hits[i]->surface, (*truth)->surface);
+        EXPECT_EQ(hits[i]->primitive, (*truth)->primitive);
+        // Eight units in the last place of a coordinate, seen at a grazing angle.
+        EXPECT_NEAR(hits[i]->distance, (*truth)->distance, 2e-4);
+      }
+      EXPECT_GT(certain, rays.size() / 2) << count;
+      if (count == 2000) EXPECT_GT(met, rays.size() / 3);
+    }
+  }
+}
+
+// Aimed at corners and at edges of a closed mesh, from inside, near and far from the scene's
+// middle.
+TEST(Tree, NoRayPassesBetweenTriangles) {
+  for (const Vec3 centre : {Vec3{}, Vec3{100, 50, -70}}) {
+    TriangleMesh ball = test::lumpy_ball(60);
+    for (Vec3& v : ball.vertices) v = centre + v;
+    const Geometry geometry({ball});
+    std::vector<TimedRay> rays;
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> u(0.0f, 1.0f);
+    for (const auto& triangle : ball.triangles) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 a = ball.vertices[triangle[k]], b = ball.vertices[triangle[(k + 1) % 3]];
+        for (const Vec3 to : {a, a + u(random) * (b - a)}) {
+          const Vec3 from = centre + 0.3f * Vec3{u(random), u(random), u(random)};
+          rays.push_back({{from, normalized(to - from)}, 0.0f});
+        }
+      }
+    }
+    std::vector<std::optional<Hit>> hits(rays.size());
+    geometry.intersect(rays, hits);
+    std::size_t lost = 0;
+    for (const auto& hit : hits) lost += hit ? 0 : 1;
+    EXPECT_EQ(lost, 0u) << "of " << rays.size();
+  }
+}
+
+TEST(Tree, OfCoincidingSurfacesTheFirstIsMet) {
+  const TriangleMesh ball = test::lumpy_ball(20);
+  TriangleMesh backwards = ball;
+  std::ranges::reverse(backwards.triangles);
+  const Geometry alone({ball}), three({ball, backwards, ball});
+  std::vector<TimedRay> rays;
+  for (std::uint32_t i = 0; i < 5000; ++i) {
+    rays.push_back({{1.5f * any_point(i), any_direction(i, 1)}, 0.0f});
+  }
+  std::vector<std::optional<Hit>> hits(rays.size()), first(rays.size());
+  three.intersect(rays, hits);
+  alone.intersect(rays, first);
+  std::size_t met = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    ASSERT_EQ(hits[i].has_value(), first[i].has_value());
+    if (!hits[i]) continue;
+    ++met;
+    EXPECT_EQ(hits[i]->surface, 0u);
+    EXPECT_EQ(hits[i]->primitive, first[i]->primitive);
+    EXPECT_EQ(hits[i]->position, first[i]->position);
+  }
+  EXPECT_GT(met, 1000u);
+}
+
+// Boxes as bytes lie around what they hold, also where that is flat or far from the origin.
+TEST(Tree, BoxesHoldTheirTriangles) {
+  const Device device;
+  for (const float offset : {0.0f, 1000.0f}) {
+    const auto shapes = disorder(3000, 0, {offset, 0, 0});
+    const std::vector<std::uint32_t> all{0};
+    const Tree tree(device.device, shapes, all, {});
+    const auto visit = [&](const auto& self, Tree::Reference at) -> void {
+      const Tree::Node& node = tree.block(at).node;
+      for (std::size_t i = 0; i < Tree::kWidth; ++i) {
+        const Tree::Reference child = node.child[i];
+        if (child == Tree::reference(0, Tree::Kind::kTriangles)) continue;
+        if (Tree::kind(child) == Tree::Kind::kNode) {
+          self(self, child);
+          continue;
+        }
+        const Tree::Triangles& leaf = tree.block(child).triangles;
+        for (std::size_t t = 0; t < Tree::kWidth; ++t) {
+          const auto [a, b, c] = tree.corners(leaf, t);
+          for (const Vec3 p : {a, b, c}) {
+            const float of[3]{p.x, p.y, p.z};
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+              const auto plane = [&](std::size_t k) {
+                return static_cast<double>(node.base[axis]) +
+                       static_cast<double>(node.scale[axis]) * node.plane[k][i];
+              };
+              // The search looks a little before near planes and behind far ones.
+              const double pad = 1e-9 * std::fabs(static_cast<double>(offset)) + 1e-12;
+              EXPECT_LE(plane(axis), static_cast<double>(of[axis]) + pad);
+              EXPECT_GE(plane(3 + axis), static_cast<double>(of[axis]) - pad);
+            }
+          }
+        }
+      }
+    };
+    visit(visit, tree.root);
+    std::vector<Tree::Triangle> held = tree.triangles;
+    std::ranges::sort(held);
+    ASSERT_EQ(held.size(), 3000u);
+    for (std::uint32_t i = 0; i < held.size(); ++i) EXPECT_EQ(held[i], (Tree::Triangle{0, i}));
+  }
+}
+
+TEST(Tree, StopsWhenItIsTold) {
+  const Device device;
+  const auto shapes = disorder(20'000, 0, {});
+  const std::vector<std::uint32_t> all{0};
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_THROW(Tree(device.device, shapes, all, stop.get_token()), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace nocturne
