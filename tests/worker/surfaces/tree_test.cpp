@@ -15,7 +15,6 @@
 #include "surfaces/geometry.h"
 #include "surfaces/sphere_intersection.h"
 #include "surfaces/test_shapes.h"
-#include "surfaces/tree_search.h"
 
 namespace nocturne {
 namespace {
@@ -103,13 +102,10 @@ struct Device {
 };
 
 TEST(Tree, FindsWhatASearchOfAllTrianglesFinds) {
-  const Device device;
   for (const float offset : {0.0f, 30.0f}) {
     for (const std::uint32_t count : {1u, 7u, 2000u}) {
       const auto shapes = disorder(count, count / 40, {offset, -offset, offset});
-      std::vector<std::uint32_t> all(shapes.size());
-      for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
-      const Tree tree(device.device, shapes, all, {});
+      const Geometry geometry(shapes);
       std::vector<TimedRay> rays;
       for (std::uint32_t i = 0; i < 3000; ++i) {
         const Vec3 origin = Vec3{offset, -offset, offset} + 1.5f * any_point(i, 10);
@@ -118,7 +114,7 @@ TEST(Tree, FindsWhatASearchOfAllTrianglesFinds) {
         rays.push_back({{origin, direction}, 0.0f});
       }
       std::vector<std::optional<Hit>> hits(rays.size());
-      intersect_tree(tree, shapes, rays, hits);
+      geometry.intersect(rays, hits);
       std::size_t certain = 0, met = 0;
       for (std::size_t i = 0; i < rays.size(); ++i) {
         const auto truth = nearest(all_met(shapes, rays[i].ray), 1e-4);
@@ -195,7 +191,7 @@ TEST(Tree, BoxesHoldTheirTriangles) {
   for (const float offset : {0.0f, 1000.0f}) {
     const auto shapes = disorder(3000, 0, {offset, 0, 0});
     const std::vector<std::uint32_t> all{0};
-    const Tree tree(device.device, shapes, all, {});
+    const Tree tree(device.device, shapes, all, {}, {});
     const auto visit = [&](const auto& self, Tree::Reference at) -> void {
       const Tree::Node& node = tree.block(at).node;
       for (std::size_t i = 0; i < Tree::kWidth; ++i) {
@@ -238,7 +234,7 @@ TEST(Tree, StopsWhenItIsTold) {
   const std::vector<std::uint32_t> all{0};
   std::stop_source stop;
   stop.request_stop();
-  EXPECT_THROW(Tree(device.device, shapes, all, stop.get_token()), std::runtime_error);
+  EXPECT_THROW(Tree(device.device, shapes, all, {}, stop.get_token()), std::runtime_error);
 }
 
 }  // namespace

@@ -58,11 +58,6 @@ EmbreeScene::EmbreeScene(std::vector<Shape> s, const std::vector<std::uint32_t>&
 void EmbreeScene::build(const std::vector<std::uint32_t>& group_of_shape,
                         const std::stop_token& stop) {
   scene_ = new_scene();
-  std::vector<std::uint32_t> at_rest;
-  for (std::uint32_t i = 0; i < shapes.size(); ++i) {
-    if (group_of_shape[i] == 0 && Tree::can_hold(shapes[i])) at_rest.push_back(i);
-  }
-  if (!at_rest.empty()) tree = std::make_unique<Tree>(device_, shapes, at_rest, stop);
   std::map<std::pair<RTCScene, std::size_t>, EmbreeSpheres> spheres;  // by scene and time steps
   for (unsigned i = 0; i < shapes.size(); ++i) {
     RTCScene to = scene_;
@@ -90,6 +85,21 @@ void EmbreeScene::build(const std::vector<std::uint32_t>& group_of_shape,
   for (auto& [number, group] : groups) commit(group.scene, stop);
   attach_instances();
   if (rest != nullptr) commit(rest, stop);
+  build_tree(group_of_shape, stop);
+}
+
+void EmbreeScene::build_tree(const std::vector<std::uint32_t>& group_of_shape,
+                             const std::stop_token& stop) {
+  std::vector<std::uint32_t> surfaces;
+  for (std::uint32_t i = 0; i < shapes.size(); ++i) {
+    if (group_of_shape[i] == 0 && Tree::can_hold(shapes[i])) surfaces.push_back(i);
+  }
+  std::vector<Tree::InstanceBox> boxes;
+  for (const EmbreeInstances::One& one : instances_in_groups) {
+    if (Tree::can_hold(*one.instance)) boxes.push_back({one.index, bounds_of(one, 0)});
+  }
+  if (surfaces.empty() && boxes.empty()) return;
+  tree = std::make_unique<Tree>(device_, shapes, surfaces, boxes, stop);
 }
 
 RTCScene EmbreeScene::everything() const {
@@ -97,10 +107,10 @@ RTCScene EmbreeScene::everything() const {
   return scene_;
 }
 
-void EmbreeScene::attach(RTCGeometry geometry, unsigned id, RTCScene to, bool can_be_in_tree) {
+void EmbreeScene::attach(RTCGeometry geometry, unsigned id, RTCScene to, bool is_in_tree) {
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(to, geometry, id);
-  if (to == scene_ && !can_be_in_tree) {
+  if (to == scene_ && !is_in_tree) {
     if (rest == nullptr) rest = new_scene();
     rtcAttachGeometryByID(rest, geometry, id);
   }
@@ -134,12 +144,13 @@ void EmbreeScene::attach_instances() {
     const auto group = groups.find(instances[i].group());
     if (group == groups.end()) throw std::invalid_argument("an instance of an empty group");
     instance_surfaces.push_back(&group->second.surfaces);
-    by_time_steps[instances[i].time_steps()].all.push_back({&instances[i], group->second.scene, i});
+    instances_in_groups.push_back({&instances[i], group->second.scene, i});
+    by_time_steps[instances[i].time_steps()].all.push_back(instances_in_groups.back());
   }
   auto id = static_cast<unsigned>(shapes.size());
   for (auto& [time_steps, same] : by_time_steps) {
     instance_sets.push_back(std::move(same));
-    attach(new_geometry(device_, instance_sets.back()), id++, scene_, false);
+    attach(new_geometry(device_, instance_sets.back()), id++, scene_, time_steps == 1);
   }
 }
 

@@ -73,9 +73,10 @@ struct EmbreeScene {
   std::list<EmbreeInstances> instance_sets;
   std::map<std::uint32_t, Group> groups;
   std::vector<const std::vector<std::uint32_t>*> instance_surfaces;  // by instance
+  std::vector<EmbreeInstances::One> instances_in_groups;             // by instance
   std::vector<CloseSurface> close;                                   // by surface
   float largest_reach = 0.0f;
-  /// What is at rest and in no group; null where nothing is.
+  /// What is at rest: shapes in no group, and instances; null where nothing is.
   std::unique_ptr<Tree> tree;
   /// All else; null where the tree holds everything.
   RTCScene rest = nullptr;
@@ -87,8 +88,9 @@ struct EmbreeScene {
   void build(const std::vector<std::uint32_t>& group_of_shape, const std::stop_token& stop);
   RTCScene new_scene() const;
   void commit(RTCScene filled, std::stop_token stop) const;
-  void attach(RTCGeometry geometry, unsigned id, RTCScene to, bool can_be_in_tree);
+  void attach(RTCGeometry geometry, unsigned id, RTCScene to, bool is_in_tree);
   void attach_instances();
+  void build_tree(const std::vector<std::uint32_t>& group_of_shape, const std::stop_token& stop);
   void release();
 
   RTCDevice device_ = nullptr;
@@ -97,9 +99,8 @@ struct EmbreeScene {
 };
 
 /// A single ray, as Embree takes it.
-inline RTCRayHit embree_query(const Ray& ray, float time) {
-  RTCRayHit query;
-  RTCRay& r = query.ray;
+inline RTCRay embree_ray(const Ray& ray, float time, float end) {
+  RTCRay r;
   r.org_x = ray.origin.x;
   r.org_y = ray.origin.y;
   r.org_z = ray.origin.z;
@@ -107,11 +108,16 @@ inline RTCRayHit embree_query(const Ray& ray, float time) {
   r.dir_y = ray.direction.y;
   r.dir_z = ray.direction.z;
   r.tnear = 0.0f;
-  r.tfar = std::numeric_limits<float>::infinity();
+  r.tfar = end;
   r.time = time;
   r.mask = ~0u;
   r.id = 0;
   r.flags = 0;
+  return r;
+}
+inline RTCRayHit embree_query(const Ray& ray, float time) {
+  RTCRayHit query;
+  query.ray = embree_ray(ray, time, std::numeric_limits<float>::infinity());
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   return query;

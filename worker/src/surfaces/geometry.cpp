@@ -20,7 +20,7 @@ constexpr std::size_t kSome = 64;
 void search(const EmbreeScene& scene, std::span<const TimedRay> rays,
             std::span<std::optional<Hit>> hits) {
   for (std::optional<Hit>& hit : hits.first(rays.size())) hit.reset();
-  if (scene.tree != nullptr) intersect_tree(*scene.tree, scene.shapes, rays, hits);
+  if (scene.tree != nullptr) intersect_tree(scene, rays, hits);
   if (scene.rest == nullptr) return;
   std::array<TimedRay, kSome> nearer;
   for (std::size_t first = 0; first < rays.size(); first += kSome) {
@@ -108,7 +108,7 @@ void Geometry::intersect(std::span<const TimedRay> rays, std::span<std::optional
 void Geometry::occluded(std::span<const TimedRay> rays, std::span<std::uint8_t> blocked,
                         Ways ways) const {
   std::fill_n(blocked.begin(), rays.size(), std::uint8_t{0});
-  if (embree_->tree != nullptr) occluded_tree(*embree_->tree, embree_->shapes, rays, blocked);
+  if (embree_->tree != nullptr) occluded_tree(*embree_, rays, blocked);
   if (embree_->rest != nullptr) occluded_packets(*embree_, rays, blocked, ways);
 }
 

@@ -1,5 +1,6 @@
-// The scene's shapes in a bounding volume hierarchy. Embree does the search, and is known in this
-// folder alone: embree_scene builds, packets and exact_search ask.
+// The scene's shapes in bounding volume hierarchies: a tree of our own for what is at rest
+// (tree_search), Embree's for what moves (packets) and for exact order (exact_search). Embree is
+// known in this folder alone.
 #pragma once
 
 #include <cstdint>

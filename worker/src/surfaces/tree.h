@@ -11,6 +11,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "surfaces/instance.h"
 #include "surfaces/shapes.h"
 #include "surfaces/triangle_at.h"
 
@@ -23,7 +24,7 @@ struct Tree {
   static constexpr std::size_t kMaxDepth = 60;
 
   /// Number of a block, and what it is.
-  enum class Kind : std::uint32_t { kNode, kTriangles, kBall };
+  enum class Kind : std::uint32_t { kNode, kTriangles, kBall, kInstance };
   using Reference = std::uint32_t;
   static constexpr Reference reference(std::size_t block, Kind kind) {
     return static_cast<Reference>(block) << 2 | static_cast<Reference>(kind);
@@ -47,25 +48,32 @@ struct Tree {
     /// The first one's place in `triangles`.
     std::uint32_t first;
   };
-  struct Ball {
-    std::uint32_t surface;
+  /// Of a ball its surface, or the instance's number.
+  struct Alone {
+    std::uint32_t number;
   };
   union alignas(128) Block {
     Node node;
     Triangles triangles;
-    Ball ball;
+    Alone alone;
   };
   struct Triangle {
     std::uint32_t surface, number;
     auto operator<=>(const Triangle&) const = default;
   };
 
+  struct InstanceBox {
+    std::uint32_t instance;
+    RTCBounds box;
+  };
+
   /// Not what moves.
   static bool can_hold(const Shape& shape);
-  /// Of the shapes with these numbers. std::runtime_error where it can't be built, and soon after a
-  /// stop is requested.
+  static bool can_hold(const PlacedInstance& instance) { return instance.time_steps() == 1; }
+  /// Of the shapes with these numbers, and of instances; not of nothing. std::runtime_error where
+  /// it can't be built, and soon after a stop is requested.
   Tree(RTCDevice device, std::span<const Shape> shapes, std::span<const std::uint32_t> surfaces,
-       std::stop_token stop);
+       std::span<const InstanceBox> instances, std::stop_token stop);
 
   const Block& block(Reference to) const { return blocks[to >> 2]; }
   Corners corners(const Triangles& leaf, std::size_t i) const {
