@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <random>
 #include <stop_token>
@@ -159,6 +160,32 @@ TEST(Tree, NoRayPassesBetweenTriangles) {
     for (const auto& hit : hits) lost += hit ? 0 : 1;
     EXPECT_EQ(lost, 0u) << "of " << rays.size();
   }
+}
+
+// A disc as a fan of slivers: a ray that leaves it from as little off it as a hit says does not
+// meet it again.
+TEST(Tree, SliversAreMetOnTheirPlane) {
+  TriangleMesh fan;
+  fan.vertices.push_back({});
+  constexpr std::uint32_t kSegments = 1024;
+  for (std::uint32_t i = 0; i < kSegments; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kSegments;
+    fan.vertices.push_back(
+        {static_cast<float>(2.0 * std::cos(angle)), static_cast<float>(2.0 * std::sin(angle)), 0});
+    fan.triangles.push_back({0, i + 1, (i + 1) % kSegments + 1});
+  }
+  const Geometry geometry({fan});
+  std::size_t again = 0;
+  for (std::uint32_t i = 0; i < 20'000; ++i) {
+    Vec3 to = any_point(i);
+    to.z = 0.0f;
+    const Vec3 from = 2.0f * any_direction(i, 1);
+    const auto hit = geometry.intersect({from, normalized(to - from)}, 0.0f);
+    ASSERT_TRUE(hit);
+    const Vec3 direction = any_direction(i, 2);
+    again += geometry.intersect({leave_surface(*hit, direction), direction}, 0.0f) ? 1 : 0;
+  }
+  EXPECT_EQ(again, 0u);
 }
 
 TEST(Tree, OfCoincidingSurfacesTheFirstIsMet) {

@@ -8,6 +8,9 @@
 namespace nocturne {
 namespace {
 
+// Triangles and other shapes (docs/decisions/0108-own-tree-for-what-is-at-rest.md).
+constexpr std::size_t kSmall = 1000;
+
 RTCGeometry geometry_of(RTCDevice device, TriangleMesh& mesh) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   const std::size_t count = mesh.vertex_count();
@@ -98,6 +101,12 @@ void EmbreeScene::build_tree(const std::vector<std::uint32_t>& group_of_shape,
   for (const EmbreeInstances::One& one : instances_in_groups) {
     if (Tree::can_hold(*one.instance)) boxes.push_back({one.index, bounds_of(one, 0)});
   }
+  std::size_t count = boxes.size();
+  for (const Shape& shape : shapes) {
+    const auto* mesh = std::get_if<TriangleMesh>(&shape);
+    count += mesh != nullptr ? mesh->triangles.size() : 1;
+  }
+  is_small = count <= kSmall;
   if (surfaces.empty() && boxes.empty()) return;
   tree = std::make_unique<Tree>(device_, shapes, surfaces, boxes, stop);
 }

@@ -81,7 +81,10 @@ struct EmbreeScene {
   /// All else; null where the tree holds everything.
   RTCScene rest = nullptr;
 
-  /// For searches in exact order, built when it is first asked for.
+  /// So few shapes and triangles that packets of rays which lie together are faster in Embree.
+  bool is_small = false;
+
+  /// For searches in exact order and for packets, built when it is first asked for.
   RTCScene everything() const;
 
  private:

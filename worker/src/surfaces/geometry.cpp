@@ -108,8 +108,11 @@ void Geometry::intersect(std::span<const TimedRay> rays, std::span<std::optional
 void Geometry::occluded(std::span<const TimedRay> rays, std::span<std::uint8_t> blocked,
                         Ways ways) const {
   std::fill_n(blocked.begin(), rays.size(), std::uint8_t{0});
+  if (ways == Ways::kTogether && embree_->is_small) {
+    return occluded_packets(embree_->everything(), rays, blocked, ways);
+  }
   if (embree_->tree != nullptr) occluded_tree(*embree_, rays, blocked);
-  if (embree_->rest != nullptr) occluded_packets(*embree_, rays, blocked, ways);
+  if (embree_->rest != nullptr) occluded_packets(embree_->rest, rays, blocked, ways);
 }
 
 std::optional<Hit> Geometry::intersect(const Ray& ray, float time) const {

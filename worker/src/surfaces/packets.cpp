@@ -93,8 +93,8 @@ void intersect_packets(const EmbreeScene& scene, std::span<const TimedRay> rays,
   }
 }
 
-void occluded_packets(const EmbreeScene& scene, std::span<const TimedRay> rays,
-                      std::span<std::uint8_t> blocked, Ways ways) {
+void occluded_packets(RTCScene in, std::span<const TimedRay> rays, std::span<std::uint8_t> blocked,
+                      Ways ways) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = ways == Ways::kTogether ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
@@ -104,7 +104,7 @@ void occluded_packets(const EmbreeScene& scene, std::span<const TimedRay> rays,
     alignas(32) std::array<int, kPacket> valid;
     RTCRay8 query;
     fill(query, some, valid);
-    rtcOccluded8(valid.data(), scene.rest, &context, &query);
+    rtcOccluded8(valid.data(), in, &context, &query);
     for (std::size_t i = 0; i < some.size(); ++i) {
       if (query.tfar[i] < 0.0f) blocked[first + i] = 1;
     }

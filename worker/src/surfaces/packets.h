@@ -20,8 +20,8 @@ inline constexpr std::size_t kPacket = 8;
 void intersect_packets(const EmbreeScene& scene, std::span<const TimedRay> rays,
                        std::span<std::optional<Hit>> hits);
 
-/// Sets to 1 what is blocked by `rest`; see Geometry::occluded.
-void occluded_packets(const EmbreeScene& scene, std::span<const TimedRay> rays,
-                      std::span<std::uint8_t> blocked, Ways ways);
+/// Sets to 1 what is blocked by one of Embree's trees; see Geometry::occluded.
+void occluded_packets(RTCScene in, std::span<const TimedRay> rays, std::span<std::uint8_t> blocked,
+                      Ways ways);
 
 }  // namespace nocturne

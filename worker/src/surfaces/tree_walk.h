@@ -17,9 +17,10 @@ namespace nocturne::walking {
 
 // A node leaves up to eight children, and was itself taken away.
 inline constexpr std::size_t kStack = Tree::kMaxDepth * (Tree::kWidth - 1) + Tree::kWidth;
-// 16 units in the last place of how far a node's box reaches from the ray's origin: what sums and
-// products with boxes and corners err by, with room.
-inline constexpr float kPad = 0x1p-19f;
+// Eight rounding errors of how far a node's box reaches from the ray's origin: what sums and
+// products with boxes and corners err by, with room. Less than a hit's clearance, so that a ray
+// which leaves a plane is not within the flat boxes of its triangles.
+inline constexpr float kPad = 0x1p-21f;
 inline constexpr float kInfinite = std::numeric_limits<float>::infinity();
 inline constexpr std::uint32_t kNothing = ~0u;
 
@@ -204,7 +205,7 @@ template <bool kAny>
                                    _mm256_min_ps(to_plane(5, 2, 6), all_lanes(walk.nearest.end)));
   const Floats missed = _mm256_cmp_ps(begin, end, _CMP_NLE_UQ);
   const auto mask = static_cast<unsigned>(_mm256_movemask_ps(missed));
-  // The last three bits of where a child begins give its number: less than the pad.
+  // The last three bits of where a child begins give way to its number.
   Whole keys =
       _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(begin)),
                       _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
@@ -216,7 +217,8 @@ template <bool kAny>
   const Whole children = _mm256_loadu_si256(reinterpret_cast<const Whole*>(node.child));
   _mm256_storeu_si256(reinterpret_cast<Whole*>(walk.waiting.data() + walk.depth),
                       _mm256_permutevar8x32_epi32(children, keys));
-  _mm256_storeu_si256(reinterpret_cast<Whole*>(walk.begins.data() + walk.depth), keys);
+  _mm256_storeu_si256(reinterpret_cast<Whole*>(walk.begins.data() + walk.depth),
+                      _mm256_andnot_si256(_mm256_set1_epi32(7), keys));
   walk.depth +=
       static_cast<std::uint32_t>(Tree::kWidth) - static_cast<std::uint32_t>(std::popcount(mask));
 }
@@ -225,20 +227,23 @@ template <bool kAny>
 template <bool kAny>
 [[gnu::always_inline]] inline void cross(Walk& walk, const Tree& tree, Crossings& found) {
   const Tree::Triangles& leaf = tree.block(walk.at).triangles;
-  const auto from_start = [&](std::size_t i) {
-    return _mm256_sub_ps(_mm256_load_ps(leaf.coordinates[walk.axes[i]]), all_lanes(walk.start[i]));
+  const Whole corners[3] = {bytes_as_numbers(leaf.corner[0]), bytes_as_numbers(leaf.corner[1]),
+                            bytes_as_numbers(leaf.corner[2])};
+  // By corner and axis of the ray's frame: as they are, and from the ray's origin.
+  Floats at[3][3], from[3][3];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Floats all = _mm256_load_ps(leaf.coordinates[walk.axes[axis]]);
+    const Floats origin = all_lanes(walk.start[axis]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      at[k][axis] = _mm256_permutevar8x32_ps(all, corners[k]);
+      from[k][axis] = _mm256_sub_ps(at[k][axis], origin);
+    }
+  }
+  const auto sheared = [&](std::size_t k, std::size_t axis) {
+    return _mm256_fnmadd_ps(all_lanes(walk.shear[axis]), from[k][2], from[k][axis]);
   };
-  const Floats along = from_start(2);
-  const Floats x = _mm256_fnmadd_ps(all_lanes(walk.shear[0]), along, from_start(0));
-  const Floats y = _mm256_fnmadd_ps(all_lanes(walk.shear[1]), along, from_start(1));
-  const Floats z = _mm256_mul_ps(all_lanes(walk.shear[2]), along);
-  const Whole a = bytes_as_numbers(leaf.corner[0]), b = bytes_as_numbers(leaf.corner[1]),
-              c = bytes_as_numbers(leaf.corner[2]);
-  const auto of = [](Floats corners, Whole which) {
-    return _mm256_permutevar8x32_ps(corners, which);
-  };
-  const Floats ax = of(x, a), ay = of(y, a), bx = of(x, b), by = of(y, b), cx = of(x, c),
-               cy = of(y, c);
+  const Floats ax = sheared(0, 0), ay = sheared(0, 1), bx = sheared(1, 0), by = sheared(1, 1),
+               cx = sheared(2, 0), cy = sheared(2, 1);
   // Not fused: of p and q it is exactly minus that of q and p, and never of the wrong sign.
   const auto area = [](Floats px, Floats py, Floats qx, Floats qy) {
     return _mm256_sub_ps(_mm256_mul_ps(px, qy), _mm256_mul_ps(py, qx));
@@ -250,12 +255,24 @@ template <bool kAny>
       _mm256_or_ps(_mm256_cmp_ps(_mm256_min_ps(_mm256_min_ps(by_a, by_b), by_c), zero, _CMP_GE_OQ),
                    _mm256_cmp_ps(_mm256_max_ps(_mm256_max_ps(by_a, by_b), by_c), zero, _CMP_LE_OQ));
   const Floats whole = _mm256_div_ps(_mm256_set1_ps(1.0f), sum);
-  const Floats distance = _mm256_mul_ps(
-      whole, _mm256_fmadd_ps(by_a, of(z, a),
-                             _mm256_fmadd_ps(by_b, of(z, b), _mm256_mul_ps(by_c, of(z, c)))));
+  // To the plane, by its normal from the corners as they are: interpolated between corners, what is
+  // long and thin would be met far off its plane.
+  const auto edge = [&](std::size_t k, std::size_t axis) {
+    return _mm256_sub_ps(at[k][axis], at[0][axis]);
+  };
+  const Floats nx = area(edge(1, 1), edge(1, 2), edge(2, 1), edge(2, 2)),
+               ny = area(edge(1, 2), edge(1, 0), edge(2, 2), edge(2, 0)),
+               nz = area(edge(1, 0), edge(1, 1), edge(2, 0), edge(2, 1));
+  const Floats facing = _mm256_fmadd_ps(nx, all_lanes(walk.shear[0]),
+                                        _mm256_fmadd_ps(ny, all_lanes(walk.shear[1]), nz));
+  const Floats height = _mm256_fmadd_ps(
+      nx, from[0][0], _mm256_fmadd_ps(ny, from[0][1], _mm256_mul_ps(nz, from[0][2])));
+  const Floats distance = _mm256_mul_ps(_mm256_div_ps(height, facing), all_lanes(walk.shear[2]));
   Floats hit = _mm256_and_ps(inside, _mm256_cmp_ps(sum, zero, _CMP_NEQ_OQ));
   hit = _mm256_and_ps(hit, _mm256_cmp_ps(distance, zero, _CMP_GT_OQ));
-  hit = _mm256_and_ps(hit, _mm256_cmp_ps(distance, all_lanes(walk.nearest.end), _CMP_LE_OQ));
+  const Floats end =
+      _mm256_min_ps(all_lanes(walk.nearest.end), _mm256_set1_ps(std::numeric_limits<float>::max()));
+  hit = _mm256_and_ps(hit, _mm256_cmp_ps(distance, end, _CMP_LE_OQ));
   if constexpr (kAny) {
     end_if(walk, _mm256_movemask_ps(hit) != 0);
   } else {
