@@ -1,6 +1,6 @@
 // How much of the tracer's time is ray traversal: the tracer, and a bare Embree loop over the very
-// rays that the tracer traced, in turns on one thread. Prints JSON; the Python
-// part of the bench makes ratios of it.
+// rays that the tracer traced, in turns on one thread. Prints JSON; the Python part of the bench
+// makes ratios of it.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>

@@ -16,7 +16,8 @@ struct RecordedRays {
   std::vector<Segment> nearest, any;
 };
 
-/// Keeps every ray of the searches for many rays while it lives; one at a time, one thread only.
+/// Records the rays of searches for many, from its construction to its destruction; one at a time,
+/// one thread only.
 class RayRecorder {
  public:
   explicit RayRecorder(RecordedRays& into);

@@ -230,7 +230,7 @@ TEST(Tree, BoxesHoldTheirTriangles) {
         }
         const Tree::Triangles& leaf = tree.block(child).triangles;
         for (std::size_t t = 0; t < Tree::kWidth; ++t) {
-          const auto [a, b, c] = tree.corners(leaf, t);
+          const auto [a, b, c] = Tree::corners(leaf, t);
           for (const Vec3 p : {a, b, c}) {
             const float of[3]{p.x, p.y, p.z};
             for (std::size_t axis = 0; axis < 3; ++axis) {

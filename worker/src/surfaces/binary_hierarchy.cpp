@@ -101,6 +101,7 @@ void weigh(Binary& b, const Meshes& meshes) {
     }
   }
 }
+
 }  // namespace
 
 bool Meshes::fit(std::span<const Tree::Triangle> all) const {

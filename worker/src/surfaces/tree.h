@@ -76,7 +76,7 @@ struct Tree {
        std::span<const InstanceBox> instances, std::stop_token stop);
 
   const Block& block(Reference to) const { return blocks[to >> 2]; }
-  Corners corners(const Triangles& leaf, std::size_t i) const {
+  static Corners corners(const Triangles& leaf, std::size_t i) {
     const auto at = [&](std::size_t k) {
       const std::size_t c = leaf.corner[k][i];
       return Vec3{leaf.coordinates[0][c], leaf.coordinates[1][c], leaf.coordinates[2][c]};

@@ -36,15 +36,15 @@ class Search {
     Round now, then;
     for (Walk& walk : walks_) {
       if (next_ == rays_.size()) break;
-      start(walk, tree_, rays_[next_], static_cast<std::uint32_t>(next_));
-      ++next_;
+      start_next(walk);
       now.add(static_cast<std::uint8_t>(&walk - walks_.data()), walk.at);
     }
     while (!now.empty()) {
       then.count.fill(0);
       for (const std::uint8_t i : now.at(Tree::Kind::kNode)) enter<kAny>(walks_[i], tree_);
-      for (const std::uint8_t i : now.at(Tree::Kind::kTriangles))
+      for (const std::uint8_t i : now.at(Tree::Kind::kTriangles)) {
         cross<kAny>(walks_[i], tree_, crossings_[i]);
+      }
       for (const std::uint8_t i : now.at(Tree::Kind::kBall)) cross_ball(walks_[i]);
       for (const std::uint8_t i : now.at(Tree::Kind::kInstance)) enter_instance(walks_[i]);
       if constexpr (!kAny) {
@@ -75,6 +75,11 @@ class Search {
     }
     bool empty() const { return std::bit_cast<std::uint32_t>(count) == 0; }
   };
+
+  void start_next(Walk& walk) {
+    start(walk, tree_, rays_[next_], static_cast<std::uint32_t>(next_));
+    ++next_;
+  }
 
   void cross_ball(Walk& walk) {
     const std::uint32_t surface = tree_.block(walk.at).alone.number;
@@ -148,8 +153,7 @@ class Search {
     } else {
       f(walk.ray, walk);
       if (next_ == rays_.size()) return;
-      start(walk, tree_, rays_[next_], static_cast<std::uint32_t>(next_));
-      ++next_;
+      start_next(walk);
     }
     const auto* block = reinterpret_cast<const std::byte*>(&tree_.block(walk.at));
     __builtin_prefetch(block);
@@ -180,7 +184,7 @@ void intersect_tree(const EmbreeScene& scene, std::span<const TimedRay> rays,
       Found found{surface, Hit::kNoInstance, number, u, v, distance};
       switch (Tree::kind(what)) {
         case Tree::Kind::kTriangles:
-          return locate(tree.corners(block.triangles, triangle_of(what)), found);
+          return locate(Tree::corners(block.triangles, triangle_of(what)), found);
         case Tree::Kind::kInstance:
           found.instance = block.alone.number;
           found.surface = walk.in_group.surface;
