@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
+from nocturne_api.operations.images import Images
 from nocturne_coordinator.dispatch.error_estimate import Squares
 from nocturne_coordinator.dispatch.records import RenderCommit, TileRow, Totals
 from nocturne_coordinator.output.images import Provenance, write_image
@@ -149,9 +150,22 @@ async def test_a_cursor_that_was_not_given_out(
     assert answer.json()["problems"][0]["place"] == "query.since"
 
 
+@pytest.mark.parametrize("waits", [0.0, 0.3])
 async def test_the_stream_names_changed_tiles(
-    body: dict[str, Any], rest: httpx.AsyncClient, committer: Committer
+    waits: float,
+    body: dict[str, Any],
+    rest: httpx.AsyncClient,
+    committer: Committer,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    """Once for each change, also where the next one is committed before the tiles are asked for."""
+    asked = Images.changed_tiles
+
+    async def later(*arguments: Any) -> list[tuple[int, int]]:
+        await asyncio.sleep(waits)
+        return await asked(*arguments)
+
+    monkeypatch.setattr(Images, "changed_tiles", later)
     render_id = await _created(rest, body)
     other = await _created(rest, {**body, "request_id": "other"})
     named: list[list[list[int]]] = []

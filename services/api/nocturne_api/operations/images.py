@@ -55,13 +55,13 @@ class Images:
         render = await self._renders.get(render_id)
         return await self._tile_answers.get(render.id, since, render.sequence)
 
-    async def changed_tiles(self, render_id: str, since: int) -> list[tuple[int, int]]:
-        """First and last indices of the tiles with a revision above `since`."""
+    async def changed_tiles(self, render_id: str, since: int, last: int) -> list[tuple[int, int]]:
+        """First and last indices of the tiles whose latest revisions are above `since`, at most `last`."""
         CALLER.get().need("read")
         changes = await self._access.in_database(
             self._folder.tiles.changed, render_id, (since, MAX_RANGES), MAX_RANGES
         )
-        return runs([change.tile_index for change in changes])
+        return runs([change.tile_index for change in changes if change.revision <= last])
 
     async def _current_image(self, render_id: str) -> OpenFile:
         # One after the other: each holds all sums of a film.

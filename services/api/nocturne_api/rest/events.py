@@ -80,7 +80,9 @@ async def all_events(
             yield ServerSentEvent(event="render", data=state)
             if not render:
                 continue
-            tiles = await operations.images.changed_tiles(state.id, sequences.get(state.id, 0))
+            # Samples committed since this state was read come with the next.
+            since = sequences.get(state.id, 0)
+            tiles = await operations.images.changed_tiles(state.id, since, state.sequence)
             sequences[state.id] = state.sequence
             if tiles:
                 data = TilesEvent(render=state.id, revision=state.sequence, tiles=tiles)
