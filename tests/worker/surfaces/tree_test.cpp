@@ -130,7 +130,9 @@ TEST(Tree, FindsWhatASearchOfAllTrianglesFinds) {
         EXPECT_NEAR(hits[i]->distance, (*truth)->distance, 2e-4);
       }
       EXPECT_GT(certain, rays.size() / 2) << count;
-      if (count == 2000) EXPECT_GT(met, rays.size() / 3);
+      if (count == 2000) {
+        EXPECT_GT(met, rays.size() / 3);
+      }
     }
   }
 }
