@@ -3,8 +3,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include "textures/texture.h"
 
@@ -13,14 +15,29 @@ namespace nocturne {
 struct OpenedImage {
   /// Lives as long as the process.
   void* handle;
+  int channels;
+  /// Of half numbers, not of float.
+  bool half;
+  struct Level {
+    int width, height;
+  };
+  /// The finest first; each is half as wide and as high as the one before, rounded down.
+  std::vector<Level> levels;
   std::array<float, 3> mean;
 };
 
-/// As Texture's members of the same names; all throw TextureError.
+/// Texels of a level: columns from x on, rows from y on, the top row first.
+struct TexelRectangle {
+  int x, y, width, height;
+};
+
+/// All throw TextureError.
 struct ImageLibrary {
   OpenedImage (*open)(const std::filesystem::path& file, int channels);
-  void (*look_up)(void* handle, TextureWrap wrap, float u, float v, float width, int count,
-                  float* result);
+  /// All channels of a rectangle within a level, in the file's own numbers; rows begin `row_bytes`
+  /// apart. What is not finite, or beyond 1e38, is refused.
+  void (*read)(const OpenedImage& image, std::size_t level, const TexelRectangle& rectangle,
+               std::byte* texels, std::size_t row_bytes);
   void (*set_memory)(std::uint64_t bytes);
   std::uint64_t (*memory_used)();
 };

@@ -2,10 +2,13 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <string>
 
 #include "textures/image_library.h"
+#include "textures/texels.h"
 
 namespace nocturne {
 namespace {
@@ -13,6 +16,14 @@ namespace {
 std::mutex memory_mutex;
 std::uint64_t memory_bytes = kTextureMemoryBytes;
 bool is_loaded = false;
+
+// Most of it is for texels as they are looked up. What finds no room there is read out of the image
+// library's tiles, each time.
+void share_memory(const ImageLibrary& library) {
+  const std::uint64_t files = memory_bytes / 4;
+  library.set_memory(files);
+  Texels::set_memory(memory_bytes - files);
+}
 
 const ImageLibrary& load() {
   // Beside the program, which the program's run path says; never closed, as threads may look up.
@@ -23,8 +34,8 @@ const ImageLibrary& load() {
   }
   const ImageLibrary& loaded = *reinterpret_cast<decltype(&nocturne_image_library)>(entry)();
   const std::lock_guard lock(memory_mutex);
-  loaded.set_memory(memory_bytes);
   is_loaded = true;
+  share_memory(loaded);
   return loaded;
 }
 
@@ -33,33 +44,42 @@ const ImageLibrary& library() {
   return loaded;
 }
 
+// To where the picture is, so that no large number meets an integer.
+float wrapped(float x, TextureWrap wrap) {
+  if (!std::isfinite(x)) return 0.0f;
+  return wrap == TextureWrap::kClamp ? std::clamp(x, 0.0f, 1.0f) : x - std::floor(x);
+}
+
 }  // namespace
 
 Texture::Texture(const std::filesystem::path& file, int channels, TextureWrap wrap,
                  TextureFilter filter)
-    : look_up_(library().look_up), channels_(channels), wrap_(wrap), filter_(filter) {
-  const OpenedImage image = library().open(file, channels);
-  handle_ = image.handle;
-  mean_ = image.mean;
+    : texels_(std::make_shared<Texels>(library(), library().open(file, channels), wrap)),
+      channels_(channels),
+      wrap_(wrap),
+      filter_(filter) {}
+
+// Texels are counted from the top row down.
+template <int kChannels>
+std::array<float, kChannels> Texture::look_up(float u, float v, float width) const {
+  // Beyond one picture there is nothing coarser.
+  const float w = width > 0.0f ? std::min(width, 1.0f) : 0.0f;
+  return texels_->at<kChannels>(wrapped(u, wrap_), 1.0f - wrapped(v, wrap_), filtered(w));
 }
 
-float Texture::grey(float u, float v, float width) const {
-  float value;
-  look_up_(handle_, wrap_, u, v, filtered(width), 1, &value);
-  return value;
-}
+float Texture::grey(float u, float v, float width) const { return look_up<1>(u, v, width)[0]; }
 
 std::array<float, 3> Texture::rgb(float u, float v, float width) const {
-  std::array<float, 3> values;
-  look_up_(handle_, wrap_, u, v, filtered(width), 3, values.data());
-  return values;
+  return look_up<3>(u, v, width);
 }
+
+std::array<float, 3> Texture::mean() const { return texels_->mean(); }
 
 void set_texture_memory(std::uint64_t bytes) {
   const std::lock_guard lock(memory_mutex);
   memory_bytes = bytes;
-  if (is_loaded) library().set_memory(bytes);
+  if (is_loaded) share_memory(library());
 }
-std::uint64_t texture_memory_used() { return library().memory_used(); }
+std::uint64_t texture_memory_used() { return Texels::memory_used() + library().memory_used(); }
 
 }  // namespace nocturne

@@ -1,10 +1,11 @@
-// Image files looked up with filtering, out of a cache of tiles that all threads share.
+// Image files looked up with filtering, out of tiles in memory that all threads share.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <stdexcept>
 
 namespace nocturne {
@@ -18,6 +19,8 @@ class TextureError : public std::runtime_error {
 enum class TextureWrap { kRepeat, kClamp };
 /// What is looked up: the mean over a footprint, or the picture as it is.
 enum class TextureFilter { kFootprint, kSharp };
+
+class Texels;
 
 /// A handle, cheap to copy. A lookup is a pure function of its arguments: neither thread nor what
 /// the cache holds change a bit of it.
@@ -41,28 +44,23 @@ class Texture {
   std::array<float, 3> rgb(float u, float v, float width) const;
 
   /// Of the coarsest level; with one channel, three times the same.
-  std::array<float, 3> mean() const { return mean_; }
+  std::array<float, 3> mean() const;
 
  private:
-  using LookUp = void (*)(void* handle, TextureWrap wrap, float u, float v, float width, int count,
-                          float* result);
-
   float filtered(float width) const { return filter_ == TextureFilter::kFootprint ? width : 0.0f; }
+  template <int kChannels>
+  std::array<float, kChannels> look_up(float u, float v, float width) const;
 
-  // The image library's; live as long as the process.
-  LookUp look_up_;
-  void* handle_;
+  std::shared_ptr<const Texels> texels_;
   int channels_;
   TextureWrap wrap_;
   TextureFilter filter_;
-  std::array<float, 3> mean_;
 };
 
 /// Bound of the tiles held in memory, of all textures of the process.
 inline constexpr std::uint64_t kTextureMemoryBytes = std::uint64_t{256} << 20;
 
-/// Another bound, higher than what is held: OpenImageIO ends the program where a cache is more than
-/// ten times too large. Does not change what is looked up.
+/// Another bound. Does not change what is looked up; what is held already stays.
 void set_texture_memory(std::uint64_t bytes);
 /// Held now.
 std::uint64_t texture_memory_used();
