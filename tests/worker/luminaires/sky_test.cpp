@@ -77,6 +77,16 @@ TEST(Environment, MapSamplesMatchPdf) {
   expect_consistent(straight, {{}, {0, 0, 1}, true});
   expect_consistent(turned, {{}, {0, 0, 1}});
   expect_consistent(turned, {{}, x});
+
+  // In strips of four columns, the last one narrower; walls see some of them, around the back, too.
+  const auto banded = [](std::uint32_t r, std::uint32_t c) {
+    return c / 50 == 2 ? 40.0 : 1.0 + r + 0.02 * c;
+  };
+  const Environment wide(make_map(203, 6, banded));
+  for (const Vec3 n : {Vec3{0, 0, 1}, Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{-1, 0, 0},
+                       Vec3{0.6f, -0.8f, 0}, Vec3{-0.8f, 0.6f, 0}}) {
+    expect_consistent(wide, {{}, n});
+  }
 }
 
 // One bright texel among 131,072 at 1,000,000:1, in the row of the pole. A row i of R contributes

@@ -31,6 +31,11 @@ class Environment {
     return std::get<Spectrum>(radiance_)(wavelengths);
   }
 
+  /// That direction's radiance will be asked for.
+  void prefetch(Vec3 direction) const {
+    if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) map->prefetch(direction);
+  }
+
   /// Over all directions and visible wavelengths.
   double mean_radiance() const { return mean_; }
 

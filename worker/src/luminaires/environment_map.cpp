@@ -1,6 +1,7 @@
 #include "luminaires/environment_map.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -13,6 +14,9 @@ namespace nocturne {
 namespace {
 
 constexpr int kVisibleFirst = 380, kVisibleLast = 780;  // nm
+
+// Windows are whole strips: at least so many, and of at most so many columns.
+constexpr std::uint32_t kStrips = 32, kWidestStrip = 32;
 
 // The spectrum's mean in bands of 20 nm, so that no line in it goes unseen.
 struct Bands {
@@ -65,6 +69,16 @@ std::uint32_t bisect(std::uint32_t low, std::uint32_t high, std::uint64_t target
   return low;
 }
 
+// How many of these numbers, which do not decrease, are at most `target`; all are below 2^62.
+template <class At>
+std::uint32_t count_at_most(std::uint32_t count, std::uint64_t target, const At& at) {
+  std::uint32_t found = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    found += static_cast<std::int64_t>(at(i)) <= static_cast<std::int64_t>(target) ? 1 : 0;
+  }
+  return found;
+}
+
 // A uniform number, what lies left of it, and where it is in the cell that it fell into.
 struct Target {
   double exact;
@@ -85,6 +99,8 @@ EnvironmentMap::EnvironmentMap(std::uint32_t columns, std::uint32_t rows, std::v
                                Spectrum spectrum, Axes axes)
     : columns_(columns),
       rows_(rows),
+      strip_columns_(std::clamp(std::bit_floor(columns / kStrips), 1u, kWidestStrip)),
+      strips_((columns + strip_columns_ - 1) / strip_columns_),
       texels_(std::move(texels)),
       spectrum_(std::move(spectrum)),
       axes_(axes) {
@@ -110,17 +126,47 @@ void EnvironmentMap::sum_up(const std::vector<float>& means) {
   for (const float mean : means) total += mean;
   mean_radiance_ = total / static_cast<double>(means.size());
   const double scale = total > 0.0 ? 0x1p61 / total : 0.0;
-  sums_.assign(std::size_t{rows_ + 1} * (columns_ + 1), 0);
+  left_.reserve(std::size_t{rows_} * (columns_ + 1));
+  sums_.assign(std::size_t{rows_ + 1} * (strips_ + 1), 0);
+  sums_of_rows_.assign(1, 0);
   for (std::size_t row = 0; row < rows_; ++row) {
-    const std::uint64_t* above = &sums_[row * (columns_ + 1)];
-    std::uint64_t* below = &sums_[(row + 1) * (columns_ + 1)];
+    const std::uint64_t* above = &sums_[row * (strips_ + 1)];
+    std::uint64_t* below = &sums_[(row + 1) * (strips_ + 1)];
     std::uint64_t sum = 0;
     for (std::size_t column = 0; column < columns_; ++column) {
+      if (column % strip_columns_ == 0) {
+        below[column / strip_columns_] = above[column / strip_columns_] + sum;
+      }
+      left_.push_back(sum);
       const float mean = means[row * columns_ + column];
       if (mean > 0.0f) sum += std::max<std::uint64_t>(1, static_cast<std::uint64_t>(mean * scale));
-      below[column + 1] = above[column + 1] + sum;
     }
+    left_.push_back(sum);
+    below[strips_] = above[strips_] + sum;
+    sums_of_rows_.push_back(below[strips_]);
   }
+}
+
+// The row of the window that the number falls into.
+std::uint32_t EnvironmentMap::row_at(const Window& w, std::uint64_t target) const {
+  if (w.strips != strips_) {
+    const auto above = [&](std::uint32_t row) { return weight({w.row0, row, w.strip0, w.strips}); };
+    return bisect(w.row0, w.row1, target, above);
+  }
+  const std::uint64_t from_top = target + sums_of_rows_[w.row0];
+  return bisect(w.row0, w.row1, from_top, [&](std::uint32_t row) { return sums_of_rows_[row]; });
+}
+
+// The column of a row that the number falls into, counted from the left edge: its strip, then what
+// is in there. That waits for memory twice where bisection would at each step.
+std::uint32_t EnvironmentMap::column_at(std::uint32_t row, std::uint64_t target) const {
+  const std::uint64_t* above = &sums_[std::size_t{row} * (strips_ + 1)];
+  const std::uint64_t* below = above + strips_ + 1;
+  const auto left_of_strip = [&](std::uint32_t i) { return below[i] - above[i]; };
+  const std::uint32_t first = (count_at_most(strips_, target, left_of_strip) - 1) * strip_columns_;
+  const std::uint64_t* left = left_of(row) + first;
+  const std::uint32_t count = std::min(strip_columns_, columns_ - first);
+  return first + count_at_most(count, target, [&](std::uint32_t i) { return left[i]; }) - 1;
 }
 
 EnvironmentMap::TexelPoint EnvironmentMap::place_of(Vec3 in_map) const {
@@ -134,7 +180,7 @@ EnvironmentMap::TexelPoint EnvironmentMap::place_of(Vec3 in_map) const {
 // The hemisphere above a tilted plane reaches in z from -sin(tilt) to the pole. Only for a vertical
 // plane is it narrower than all around in azimuth, and half a turn then.
 EnvironmentMap::Window EnvironmentMap::window(const LightSamplingContext& from) const {
-  Window window{0, rows_, 0, columns_};
+  Window window{0, rows_, 0, strips_};
   if (from.both_sides) return window;
   const Vec3 n = to_map(from.normal);
   const float level = std::sqrt(n.x * n.x + n.y * n.y) + 1e-5f;
@@ -148,8 +194,14 @@ EnvironmentMap::Window EnvironmentMap::window(const LightSamplingContext& from) 
   if (std::fabs(n.z) <= 1e-6f && columns_ >= 8) {
     const float turn = math::atan2(n.y, n.x) * (0.5f * kInvPi) - 0.25f - 1e-5f;
     const float first = (turn - std::floor(turn)) * static_cast<float>(columns_);
-    window.column0 = std::min(static_cast<std::uint32_t>(first), columns_ - 1);
-    window.columns = columns_ / 2 + 3;  // whole ones, both rims and the margin
+    const std::uint32_t column0 = std::min(static_cast<std::uint32_t>(first), columns_ - 1);
+    // Whole ones, both rims and the margin.
+    const std::uint32_t last = column0 + columns_ / 2 + 2;
+    window.strip0 = column0 / strip_columns_;
+    const std::uint32_t last_strip =
+        last < columns_ ? last / strip_columns_ : strips_ + (last - columns_) / strip_columns_;
+    window.strips = std::min(last_strip + 1 - window.strip0, strips_);
+    if (window.strips == strips_) window.strip0 = 0;
   }
   return window;
 }
@@ -161,18 +213,23 @@ std::optional<Vec3> EnvironmentMap::sample(const LightSamplingContext& from, flo
   if (total == 0) return std::nullopt;
 
   const Target down(u1, total);
-  const auto above = [&](std::uint32_t row) { return weight({w.row0, row, w.column0, w.columns}); };
-  const std::uint32_t row = bisect(w.row0, w.row1, down.whole, above);
-  const std::uint64_t row_weight = weight({row, row + 1, w.column0, w.columns});
+  const std::uint32_t row = row_at(w, down.whole);
+  const std::uint64_t above = weight({w.row0, row, w.strip0, w.strips});
+  const std::uint64_t row_weight = weight({row, row + 1, w.strip0, w.strips});
 
+  // From the map's edge, around the back if need be.
   const Target across(u2, row_weight);
-  const auto left = [&](std::uint32_t n) { return weight({row, row + 1, w.column0, n}); };
-  const std::uint32_t column = bisect(0, w.columns, across.whole, left);
-  const std::uint64_t texel_weight = weight({row, row + 1, w.column0 + column, 1});
+  const std::uint64_t* left = left_of(row);
+  const std::uint64_t before = left[w.strip0 * strip_columns_], all = left[columns_];
+  const std::uint64_t around = across.whole + before >= all ? all : 0;
+  const std::uint32_t column = column_at(row, across.whole + before - around);
+  __builtin_prefetch(&texel({row, column}));
 
-  const double z = 1.0 - 2.0 * (row + down.inside(above(row), row_weight)) / rows_;
-  const double phi = 2.0 * std::numbers::pi *
-                     (w.column0 + column + across.inside(left(column), texel_weight)) / columns_;
+  const double z = 1.0 - 2.0 * (row + down.inside(above, row_weight)) / rows_;
+  const double phi =
+      2.0 * std::numbers::pi *
+      (column + across.inside(left[column] + around - before, left[column + 1] - left[column])) /
+      columns_;
   const double r = std::sqrt(std::max(0.0, (1.0 - z) * (1.0 + z)));
   const Vec3 direction = static_cast<float>(r * math::cos(phi)) * axes_.x +
                          static_cast<float>(r * math::sin(phi)) * axes_.y +
@@ -186,12 +243,13 @@ float EnvironmentMap::pdf(const LightSamplingContext& from, Vec3 direction) cons
   const Window w = window(from);
   const TexelPoint place = place_of(to_map(direction));
   if (place.row < w.row0 || place.row >= w.row1) return 0.0f;
-  const std::uint32_t turned = place.column + (place.column < w.column0 ? columns_ : 0);
-  if (turned - w.column0 >= w.columns) return 0.0f;
+  const std::uint32_t strip = place.column / strip_columns_;
+  const std::uint32_t turned = strip + (strip < w.strip0 ? strips_ : 0);
+  if (turned - w.strip0 >= w.strips) return 0.0f;
   const std::uint64_t total = weight(w);
   if (total == 0) return 0.0f;
-  const double share = static_cast<double>(weight({place.row, place.row + 1, place.column, 1})) /
-                       static_cast<double>(total);
+  const std::uint64_t* left = left_of(place.row) + place.column;
+  const double share = static_cast<double>(left[1] - left[0]) / static_cast<double>(total);
   return static_cast<float>(share * columns_ * rows_ * (0.25 * std::numbers::inv_pi));
 }
 

@@ -25,14 +25,24 @@ bool ends_here(const Scene& scene, const Group<N>& group, const Hit& hit) {
          !scene.materials[hit.surface].has_delta_lobe;
 }
 
+// What is far away is asked of memory so many groups before it is counted.
+inline constexpr std::size_t kAhead = 8;
+
 template <int N, class Estimator, bool Media>
 void count(Batch<N, Estimator, Media>& batch) {
   batch.contacts.clear();
+  const auto& environment = batch.scene.lights.environment();
   for (std::size_t i = 0; i < batch.groups.size(); ++i) {
     Group<N>& group = batch.groups[i];
     Encounter& met = batch.encounters[i];
     std::optional<Hit>& hit = batch.hits[i];
     const BatchSample<N>& sample = batch.sample_of(group);
+    if constexpr (Batch<N, Estimator, Media>::kAdjoint) {
+      const std::size_t ahead = i + kAhead;
+      if (environment && ahead < batch.groups.size() && !batch.hits[ahead]) {
+        environment->prefetch(batch.groups[ahead].ray.direction);
+      }
+    }
     if (hit) {
       const Contacts touching =
           contacts_of(batch.scene, group.ray, sample.time, group.departure, *hit);
