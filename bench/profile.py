@@ -11,6 +11,7 @@ from typing import Any
 
 from nocturne_client.local.programs import CHECKOUT
 
+from bench.peer.scenes import scenes
 from bench.programs import run, trace_to
 from bench.scenes import compile_document, example
 
@@ -29,9 +30,11 @@ SCENES: dict[str, tuple[int, dict[str, Any]]] = {
     "mixtures": (128, {}),
     "reflector": (128, _BOTH),
     "headlight": (48, _BOTH),
+    "spheres": (96, {}),
+    "room": (64, {"sharing": 16}),
 }
 """Film edge and what a pilot would choose, as none runs for so few samples. Together they have surfaces,
-media, glass and photons from both ends."""
+media, glass, textures, a picture of the sky, and photons from both ends."""
 
 _SAMPLES = 64
 # Of LLVM 19, as the compiler.
@@ -51,7 +54,10 @@ def main() -> None:
 
 def _count(scene: str, edge: int, tracing: dict[str, Any], folder: Path, counts: Path) -> None:
     options = {"sharing": 1, **tracing}
-    compiled = compile_document(example(scene, folder), folder, edge, _SAMPLES, options)
+    folder.mkdir()
+    others = scenes()
+    document = others[scene].write(folder) if scene in others else example(scene, folder)
+    compiled = compile_document(document, folder, edge, _SAMPLES, options)
     os.environ["LLVM_PROFILE_FILE"] = str(counts)
     trace_to(compiled, folder / "image.exr", 1, program=COUNTING)
 

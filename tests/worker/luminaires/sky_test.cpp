@@ -26,12 +26,17 @@ EnvironmentMap make_map(std::uint32_t columns, std::uint32_t rows, const Radianc
   return EnvironmentMap(columns, rows, std::move(texels), Spectrum(1.0f), axes);
 }
 
+std::optional<Vec3> direction_of(const std::optional<Environment::Drawn>& drawn) {
+  if (!drawn) return std::nullopt;
+  return drawn->direction;
+}
+
 // As LightDirections asks both.
 struct Sampled {
   const Environment& environment;
   std::optional<Vec3> sample(const LightSamplingContext& from, float choice, float u1,
                              float u2) const {
-    return environment.sample(from, choice, u1, u2);
+    return direction_of(environment.draw(from, choice, u1, u2));
   }
   float pdf(const LightSamplingContext& from, Vec3 w) const { return environment.pdf(from, w); }
 };
@@ -51,7 +56,7 @@ auto radiance_of(const Environment& e) {
 
 void expect_consistent(const Environment& environment, const LightSamplingContext& from) {
   test::expect_samples_match_pdf(
-      [&](const Uniform4& u) { return environment.sample(from, u[0], u[1], u[2]); },
+      [&](const Uniform4& u) { return direction_of(environment.draw(from, u[0], u[1], u[2])); },
       [&](Vec3 w) { return environment.pdf(from, w); });
 }
 
@@ -86,6 +91,30 @@ TEST(Environment, MapSamplesMatchPdf) {
   for (const Vec3 n : {Vec3{0, 0, 1}, Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{-1, 0, 0},
                        Vec3{0.6f, -0.8f, 0}, Vec3{-0.8f, 0.6f, 0}}) {
     expect_consistent(wide, {{}, n});
+  }
+}
+
+// Density and radiance come with a direction as its own place has them, but where rounding moves
+// it across a texel's edge.
+TEST(Environment, WhatIsDrawnIsWhatIsThere) {
+  const Environment map(make_map(
+      203, 64, [](std::uint32_t r, std::uint32_t c) { return 1.0 + (7 * r + 13 * c) % 11; })),
+      constant(Spectrum(0.7f));
+  const Spectral<1> nm(550.0f);
+  for (const Environment* e : {&map, &constant}) {
+    for (const Vec3 n : {Vec3{0, 0, 1}, Vec3{-1, 0, 0}, normalized({1, 1, 0.4f})}) {
+      int drawn = 0, others = 0;
+      for (std::uint32_t i = 0; i < 10'000; ++i) {
+        const auto u = test::numbers(i);
+        const auto it = e->draw({{}, n}, u[0], u[1], u[2]);
+        if (!it) continue;
+        ++drawn;
+        others += it->pdf != e->pdf({{}, n}, it->direction) ||
+                  e->radiance(*it, nm)[0] != e->radiance(it->direction, nm)[0];
+      }
+      EXPECT_GT(drawn, 4000);
+      EXPECT_LT(others, 10);
+    }
   }
 }
 
@@ -128,13 +157,13 @@ TEST(Environment, BlackIsNotSampled) {
   const Environment map(make_map(8, 4, [](auto, auto) { return 0.0; }));
   const Environment constant(Spectrum(0.0f));
   for (const Environment* e : {&map, &constant}) {
-    EXPECT_FALSE(e->sample(kUp, 0.5f, 0.5f, 0.5f));
+    EXPECT_FALSE(e->draw(kUp, 0.5f, 0.5f, 0.5f));
     EXPECT_EQ(e->pdf(kUp, {0, 0, 1}), 0.0f);
-    EXPECT_EQ(e->radiance({0, 0, 1}, Spectral<1>(550.0f))[0], 0.0f);
+    EXPECT_EQ(e->radiance(Vec3{0, 0, 1}, Spectral<1>(550.0f))[0], 0.0f);
   }
   // Black above, and lit below.
   const Environment lower(make_map(8, 4, [](auto r, auto) { return r == 3 ? 1.0 : 0.0; }));
-  EXPECT_FALSE(lower.sample(kUp, 0.5f, 0.5f, 0.5f));
+  EXPECT_FALSE(lower.draw(kUp, 0.5f, 0.5f, 0.5f));
 }
 
 // Every bit of the sums, however dark the texel: 1e-12 of the brightest is still drawn from.
@@ -153,7 +182,7 @@ TEST(Environment, LargestUnitNumbers) {
   for (const float u : {0.0f, kLast}) {
     for (const float v : {0.0f, kLast}) {
       const LightSamplingContext from{{}, {0, 0, 1}, true};
-      const auto w = environment.sample(from, u, u, v);
+      const auto w = direction_of(environment.draw(from, u, u, v));
       ASSERT_TRUE(w);
       EXPECT_TRUE(std::isfinite(w->x) && std::isfinite(w->y) && std::isfinite(w->z));
     }

@@ -15,6 +15,8 @@ namespace nocturne {
 
 class Environment {
  public:
+  using Drawn = EnvironmentMap::Drawn;
+
   /// W m-2 sr-1 nm-1.
   explicit Environment(Spectrum constant)
       : mean_(constant.mean()), radiance_(std::move(constant)) {}
@@ -31,6 +33,15 @@ class Environment {
     return std::get<Spectrum>(radiance_)(wavelengths);
   }
 
+  /// The same of what was drawn, without a look at where that is.
+  template <int N>
+  Spectral<N> radiance(const Drawn& drawn, const Spectral<N>& wavelengths) const {
+    if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) {
+      return map->radiance(drawn.texel, wavelengths);
+    }
+    return std::get<Spectrum>(radiance_)(wavelengths);
+  }
+
   /// That direction's radiance will be asked for.
   void prefetch(Vec3 direction) const {
     if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) map->prefetch(direction);
@@ -41,18 +52,18 @@ class Environment {
 
   /// A unit direction; the map in proportion to its radiance, a constant in proportion to the
   /// receiver's cosine. Three uniform numbers.
-  std::optional<Vec3> sample(const LightSamplingContext& from, float choice, float u1,
-                             float u2) const {
+  std::optional<Drawn> draw(const LightSamplingContext& from, float choice, float u1,
+                            float u2) const {
     if (!(mean_ > 0.0)) return std::nullopt;
-    if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) return map->sample(from, u1, u2);
+    if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) return map->draw(from, u1, u2);
     const bool behind = from.both_sides && choice < 0.5f;
     const Vec3 direction =
         Frame(behind ? -from.normal : from.normal).to_world(CosineHemisphere::sample(u1, u2));
     if (!from.sees(direction)) return std::nullopt;
-    return direction;
+    return Drawn{direction, pdf(from, direction), 0};
   }
 
-  /// Density of `sample`, 1/sr.
+  /// Density of `draw`, 1/sr.
   float pdf(const LightSamplingContext& from, Vec3 direction) const {
     if (!(mean_ > 0.0)) return 0.0f;
     if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) return map->pdf(from, direction);

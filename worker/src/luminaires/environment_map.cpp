@@ -206,8 +206,8 @@ EnvironmentMap::Window EnvironmentMap::window(const LightSamplingContext& from) 
   return window;
 }
 
-std::optional<Vec3> EnvironmentMap::sample(const LightSamplingContext& from, float u1,
-                                           float u2) const {
+std::optional<EnvironmentMap::Drawn> EnvironmentMap::draw(const LightSamplingContext& from,
+                                                          float u1, float u2) const {
   const Window w = window(from);
   const std::uint64_t total = weight(w);
   if (total == 0) return std::nullopt;
@@ -223,19 +223,24 @@ std::optional<Vec3> EnvironmentMap::sample(const LightSamplingContext& from, flo
   const std::uint64_t before = left[w.strip0 * strip_columns_], all = left[columns_];
   const std::uint64_t around = across.whole + before >= all ? all : 0;
   const std::uint32_t column = column_at(row, across.whole + before - around);
-  __builtin_prefetch(&texel({row, column}));
+  const std::uint32_t texel = number({row, column});
+  __builtin_prefetch(&texels_[texel]);
+  const std::uint64_t share = left[column + 1] - left[column];
 
   const double z = 1.0 - 2.0 * (row + down.inside(above, row_weight)) / rows_;
-  const double phi =
-      2.0 * std::numbers::pi *
-      (column + across.inside(left[column] + around - before, left[column + 1] - left[column])) /
-      columns_;
+  const double phi = 2.0 * std::numbers::pi *
+                     (column + across.inside(left[column] + around - before, share)) / columns_;
   const double r = std::sqrt(std::max(0.0, (1.0 - z) * (1.0 + z)));
   const Vec3 direction = static_cast<float>(r * math::cos(phi)) * axes_.x +
                          static_cast<float>(r * math::sin(phi)) * axes_.y +
                          static_cast<float>(z) * axes_.z;
   if (!from.sees(direction)) return std::nullopt;
-  return direction;
+  return Drawn{direction, density(share, total), texel};
+}
+
+float EnvironmentMap::density(std::uint64_t share, std::uint64_t total) const {
+  return static_cast<float>(static_cast<double>(share) / static_cast<double>(total) * columns_ *
+                            rows_ * (0.25 * std::numbers::inv_pi));
 }
 
 float EnvironmentMap::pdf(const LightSamplingContext& from, Vec3 direction) const {
@@ -249,8 +254,7 @@ float EnvironmentMap::pdf(const LightSamplingContext& from, Vec3 direction) cons
   const std::uint64_t total = weight(w);
   if (total == 0) return 0.0f;
   const std::uint64_t* left = left_of(place.row) + place.column;
-  const double share = static_cast<double>(left[1] - left[0]) / static_cast<double>(total);
-  return static_cast<float>(share * columns_ * rows_ * (0.25 * std::numbers::inv_pi));
+  return density(left[1] - left[0], total);
 }
 
 }  // namespace nocturne

@@ -44,7 +44,12 @@ class EnvironmentMap {
   /// W m-2 sr-1 nm-1, from the unit direction.
   template <int N>
   Spectral<N> radiance(Vec3 direction, const Spectral<N>& wavelengths) const {
-    const auto& [scale, c0, c1, c2] = texel(place_of(to_map(direction)));
+    return radiance(number(place_of(to_map(direction))), wavelengths);
+  }
+  /// The same all over this texel.
+  template <int N>
+  Spectral<N> radiance(std::uint32_t texel, const Spectral<N>& wavelengths) const {
+    const auto& [scale, c0, c1, c2] = texels_[texel];
     if (scale == 0.0f) return 0.0f;
     const SigmoidSpectrum shape{c0, c1, c2};
     return scale * (shape(wavelengths) * spectrum_(wavelengths));
@@ -53,18 +58,24 @@ class EnvironmentMap {
   /// Over all directions and visible wavelengths.
   double mean_radiance() const { return mean_radiance_; }
 
+  /// A direction, its density, 1/sr, and the texel that it is in.
+  struct Drawn {
+    Vec3 direction;
+    float pdf;
+    std::uint32_t texel;
+  };
   /// A unit direction that `from` sees. Empty where all that it sees is black, and where the drawn
-  /// one is below the horizon after all (the window is a rectangle of whole texels).
-  std::optional<Vec3> sample(const LightSamplingContext& from, float u1, float u2) const;
+  /// one is below the horizon after all (the window is a rectangle of whole strips).
+  std::optional<Drawn> draw(const LightSamplingContext& from, float u1, float u2) const;
 
   /// Asks memory for what `radiance` and `pdf` need: a map is larger than most caches.
   void prefetch(Vec3 direction) const {
     const TexelPoint place = place_of(to_map(direction));
-    __builtin_prefetch(&texel(place));
+    __builtin_prefetch(&texels_[number(place)]);
     __builtin_prefetch(left_of(place.row) + place.column);
   }
 
-  /// Density of `sample`, 1/sr.
+  /// Density of `draw`, 1/sr.
   float pdf(const LightSamplingContext& from, Vec3 direction) const;
 
  private:
@@ -79,9 +90,9 @@ class EnvironmentMap {
 
   Vec3 to_map(Vec3 v) const { return {dot(v, axes_.x), dot(v, axes_.y), dot(v, axes_.z)}; }
   TexelPoint place_of(Vec3 in_map) const;
-  const Texel& texel(TexelPoint at) const {
-    return texels_[std::size_t{at.row} * columns_ + at.column];
-  }
+  std::uint32_t number(TexelPoint at) const { return at.row * columns_ + at.column; }
+  // Of a texel with this share of what is drawn.
+  float density(std::uint64_t share, std::uint64_t total) const;
   Window window(const LightSamplingContext& from) const;
   void sum_up(const std::vector<float>& means);
   std::uint32_t row_at(const Window& w, std::uint64_t target) const;

@@ -53,9 +53,15 @@ void LightDirections::set_hints(bool kept) {
 
 std::optional<Vec3> LightDirections::sample(const LightSamplingContext& from, float choice,
                                             float u1, float u2) const {
-  if (from.learned == LearnedLight::kNone) return sample_declared(from, choice, u1, u2);
+  FromEnvironment drawn;
+  return sample(from, choice, u1, u2, drawn);
+}
+
+std::optional<Vec3> LightDirections::sample(const LightSamplingContext& from, float choice,
+                                            float u1, float u2, FromEnvironment& drawn) const {
+  if (from.learned == LearnedLight::kNone) return sample_declared(from, choice, u1, u2, drawn);
   if (choice >= kLearned) {
-    return sample_declared(from, stretched(choice, kLearned, 1.0f - kLearned), u1, u2);
+    return sample_declared(from, stretched(choice, kLearned, 1.0f - kLearned), u1, u2, drawn);
   }
   const Vec3 direction = learned_.sample(from.learned, stretched(choice, 0.0f, kLearned), u1, u2);
   if (!from.sees(direction)) return std::nullopt;
@@ -70,13 +76,14 @@ float LightDirections::pdf(const LightSamplingContext& from, Vec3 direction) con
 }
 
 std::optional<Vec3> LightDirections::sample_declared(const LightSamplingContext& from, float choice,
-                                                     float u1, float u2) const {
+                                                     float u1, float u2,
+                                                     FromEnvironment& drawn) const {
   if (choice < luminaires_share_) {
     return luminaires_.sample(from, stretched(choice, 0.0f, luminaires_share_), u1, u2);
   }
   const float before_important = luminaires_share_ + sky_share_;
   if (sky_share_ > 0.0f && (choice < before_important || !(important_share_ > 0.0f))) {
-    return sample_sky(from, stretched(choice, luminaires_share_, sky_share_), u1, u2);
+    return sample_sky(from, stretched(choice, luminaires_share_, sky_share_), u1, u2, drawn);
   }
   if (!(important_share_ > 0.0f)) return std::nullopt;
   return important_.sample(from, stretched(choice, before_important, important_share_), u1, u2);
@@ -95,6 +102,7 @@ bool LightDirections::sample_light(const LightSamplingContext& from, Vec3 normal
   light.pdf = 0.0f;
   light.distance = light.free_distance = std::numeric_limits<float>::infinity();
   light.luminaire = Emission::kNoLuminaire;
+  light.environment.reset();
   const auto take = [&](const LuminaireDirections::Nearest& nearest) {
     light.pdf = luminaires_share_ * nearest.pdf;
     if (!(nearest.distance < std::numeric_limits<float>::infinity())) return;
@@ -112,14 +120,16 @@ bool LightDirections::sample_light(const LightSamplingContext& from, Vec3 normal
     light.direction = drawn->direction;
     take(drawn->nearest);
   } else {
-    const auto direction = sample(from, choice, u1, u2);
+    const auto direction = sample(from, choice, u1, u2, light.environment);
     if (!direction) return false;
     light.direction = *direction;
     if (luminaires_share_ > 0.0f) {
       take(luminaires_.nearest(from, *direction, normal, clearance));
     }
   }
-  if (sky_share_ > 0.0f) light.pdf += sky_share_ * sky_pdf(from, light.direction);
+  if (sky_share_ > 0.0f) {
+    light.pdf += sky_share_ * sky_pdf(from, light.direction, light.environment);
+  }
   if (important_share_ > 0.0f)
     light.pdf += important_share_ * important_.pdf(from, light.direction);
   // Drawn at a rim and rounded off it.
@@ -131,13 +141,17 @@ float LightDirections::environment_irradiance() const {
 }
 
 std::optional<Vec3> LightDirections::sample_sky(const LightSamplingContext& from, float choice,
-                                                float u1, float u2) const {
+                                                float u1, float u2, FromEnvironment& drawn) const {
   const float around = environment_irradiance();
   float total = around;
   for (const DistantDisc& disc : discs_) total += disc.irradiance(from.normal, from.both_sides);
   if (!(total > 0.0f)) return std::nullopt;
   float left = choice * total;
-  if (left < around) return environment_->sample(from, stretched(left, 0.0f, around), u1, u2);
+  if (left < around) {
+    drawn = environment_->draw(from, stretched(left, 0.0f, around), u1, u2);
+    if (!drawn) return std::nullopt;
+    return drawn->direction;
+  }
   left -= around;
   for (const DistantDisc& disc : discs_) {
     const float irradiance = disc.irradiance(from.normal, from.both_sides);
@@ -151,11 +165,13 @@ std::optional<Vec3> LightDirections::sample_sky(const LightSamplingContext& from
   return std::nullopt;  // rounding, behind the last one
 }
 
-float LightDirections::sky_pdf(const LightSamplingContext& from, Vec3 direction) const {
+float LightDirections::sky_pdf(const LightSamplingContext& from, Vec3 direction,
+                               const FromEnvironment& drawn) const {
   if (!from.sees(direction)) return 0.0f;
   const float around = environment_irradiance();
   float total = around;
-  float sum = around > 0.0f ? around * environment_->pdf(from, direction) : 0.0f;
+  float sum = 0.0f;
+  if (around > 0.0f) sum = around * (drawn ? drawn->pdf : environment_->pdf(from, direction));
   for (const DistantDisc& disc : discs_) {
     const float irradiance = disc.irradiance(from.normal, from.both_sides);
     total += irradiance;

@@ -51,6 +51,8 @@ class LightDirections {
     float free_distance;
     std::uint32_t luminaire;
     Vec3 normal;
+    /// Where it was drawn from the environment.
+    std::optional<Environment::Drawn> environment;
   };
   /// A ray starts `clearance` (m) off its surface, along the unit normal or against it. False where
   /// the drawn way gives no direction.
@@ -72,13 +74,19 @@ class LightDirections {
   const LuminaireDirections& important() const { return important_; }
 
  private:
-  std::optional<Vec3> sample_sky(const LightSamplingContext& from, float choice, float u1,
-                                 float u2) const;
-  float sky_pdf(const LightSamplingContext& from, Vec3 direction) const;
+  // Also tell what was drawn from the environment, if anything was.
+  using FromEnvironment = std::optional<Environment::Drawn>;
+  std::optional<Vec3> sample(const LightSamplingContext& from, float choice, float u1, float u2,
+                             FromEnvironment& drawn) const;
+  std::optional<Vec3> sample_declared(const LightSamplingContext& from, float choice, float u1,
+                                      float u2, FromEnvironment& drawn) const;
+  std::optional<Vec3> sample_sky(const LightSamplingContext& from, float choice, float u1, float u2,
+                                 FromEnvironment& drawn) const;
+  // `drawn` where it is known to be that direction.
+  float sky_pdf(const LightSamplingContext& from, Vec3 direction,
+                const FromEnvironment& drawn = {}) const;
   float environment_irradiance() const;
 
-  std::optional<Vec3> sample_declared(const LightSamplingContext& from, float choice, float u1,
-                                      float u2) const;
   float declared_pdf(const LightSamplingContext& from, Vec3 direction) const;
 
   LightWeights weights_;  // 0 where there is nothing

@@ -133,19 +133,19 @@ class PhotonEmitter {
     const LightSamplingContext anywhere{bounds_.centre, {0, 0, 1}, true, 0.0f};
     Vec3 towards;
     float pdf;
+    Spectral<N> radiance;
     if (which < discs.size()) {
       towards = discs[which].sample(a[0], a[1]);
       pdf = discs[which].pdf(towards);
+      radiance = discs[which].radiance(towards, wavelengths_nm);
     } else {
-      const auto drawn = environment->sample(anywhere, a[3], a[0], a[1]);
+      const auto drawn = environment->draw(anywhere, a[3], a[0], a[1]);
       if (!drawn) return std::nullopt;
-      towards = *drawn;
-      pdf = environment->pdf(anywhere, towards);
+      towards = drawn->direction;
+      pdf = drawn->pdf;
+      radiance = environment->radiance(*drawn, wavelengths_nm);
     }
     if (!(pdf > 0.0f)) return std::nullopt;
-    const Spectral<N> radiance = which < discs.size()
-                                     ? discs[which].radiance(towards, wavelengths_nm)
-                                     : environment->radiance(towards, wavelengths_nm);
     const Vec3 disc = CosineHemisphere::sample(b[0], b[1]);  // x, y uniform on the unit disc
     const Frame frame(towards);
     const float r = bounds_.radius;

@@ -93,6 +93,17 @@ struct Scene {
   Spectral<N> distant_radiance(Vec3 direction, const Spectral<N>& wavelengths_nm) const {
     return distant_radiance(direction, wavelengths_nm, [](HiddenFrom) { return false; });
   }
+  /// Along what was drawn towards light.
+  template <int N>
+  Spectral<N> distant_radiance(const LightDirections::LightSample& light,
+                               const Spectral<N>& wavelengths_nm) const {
+    if (!light.environment) return distant_radiance(light.direction, wavelengths_nm);
+    Spectral<N> radiance = lights.environment()->radiance(*light.environment, wavelengths_nm);
+    for (const DistantDisc& disc : lights.discs()) {
+      radiance += disc.radiance(light.direction, wavelengths_nm);
+    }
+    return radiance;
+  }
   /// Without that for which `sees_past`, of a HiddenFrom, is true.
   template <int N, class SeesPast>
   Spectral<N> distant_radiance(Vec3 direction, const Spectral<N>& wavelengths_nm,

@@ -51,7 +51,7 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
   const Vec3 wi = vertex.to_local(light.direction);
   if (!may_send(kernel, dot(vertex.normal, light.direction), wi)) return;
   const Spectral<N> radiance = light.luminaire == Emission::kNoLuminaire
-                                   ? scene.distant_radiance(light.direction, sample.wavelengths)
+                                   ? scene.distant_radiance(light, sample.wavelengths)
                                    : scene.luminaires[light.luminaire].emitted(
                                          light.normal, -light.direction, {}, sample.wavelengths);
   if (!(largest(radiance) > 0.0f)) return;
