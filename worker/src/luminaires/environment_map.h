@@ -5,10 +5,10 @@
 //
 // Directions are drawn from a window of the map (rows and columns that the receiver can see), each
 // texel in proportion to its mean radiance over visible wavelengths, without any table per window:
-// a summed-area table of every so manieth column gives a window's sum from four entries and the
-// row, sums along each row the column. Sums are whole numbers of 64 bits, as differences of
-// floating-point sums would lose the dark texels of a map with a sun in it: a texel counts at least
-// 1, the map 2^61.
+// a summed-area table of every 32nd column, of more in small maps, gives a window's sum from four
+// entries and the row, sums along each row the column. Sums are whole numbers of 64 bits, as
+// differences of floating-point sums would lose the dark texels of a map with a sun in it: a texel
+// counts at least 1, the map 2^61.
 //
 // Memory: 24 bytes per texel and a quarter; 814 MB for 8192 x 4096.
 #pragma once
@@ -82,8 +82,7 @@ class EnvironmentMap {
   struct TexelPoint {
     std::uint32_t row, column;
   };
-  // Rows [row0, row1) and `strips` strips of kept columns from strip0 on, around the back if need
-  // be.
+  // Rows [row0, row1) and `strips` strips of columns from strip0 on, around the back if need be.
   struct Window {
     std::uint32_t row0, row1, strip0, strips;
   };

@@ -85,9 +85,8 @@ class LightDirections {
   // `drawn` where it is known to be that direction.
   float sky_pdf(const LightSamplingContext& from, Vec3 direction,
                 const FromEnvironment& drawn = {}) const;
-  float environment_irradiance() const;
-
   float declared_pdf(const LightSamplingContext& from, Vec3 direction) const;
+  float environment_irradiance() const;
 
   LightWeights weights_;  // 0 where there is nothing
   LuminaireDirections luminaires_, important_;

@@ -98,20 +98,23 @@ struct Scene {
   Spectral<N> distant_radiance(const LightDirections::LightSample& light,
                                const Spectral<N>& wavelengths_nm) const {
     if (!light.environment) return distant_radiance(light.direction, wavelengths_nm);
-    Spectral<N> radiance = lights.environment()->radiance(*light.environment, wavelengths_nm);
-    for (const DistantDisc& disc : lights.discs()) {
-      radiance += disc.radiance(light.direction, wavelengths_nm);
-    }
-    return radiance;
+    return with_discs(lights.environment()->radiance(*light.environment, wavelengths_nm),
+                      light.direction, wavelengths_nm, [](HiddenFrom) { return false; });
   }
   /// Without that for which `sees_past`, of a HiddenFrom, is true.
   template <int N, class SeesPast>
   Spectral<N> distant_radiance(Vec3 direction, const Spectral<N>& wavelengths_nm,
                                const SeesPast& sees_past) const {
     const auto& environment = lights.environment();
-    Spectral<N> radiance = environment && !sees_past(environment->hidden_from)
-                               ? environment->radiance(direction, wavelengths_nm)
-                               : Spectral<N>(0.0f);
+    return with_discs(environment && !sees_past(environment->hidden_from)
+                          ? environment->radiance(direction, wavelengths_nm)
+                          : Spectral<N>(0.0f),
+                      direction, wavelengths_nm, sees_past);
+  }
+  /// More of it, from discs.
+  template <int N, class SeesPast>
+  Spectral<N> with_discs(Spectral<N> radiance, Vec3 direction, const Spectral<N>& wavelengths_nm,
+                         const SeesPast& sees_past) const {
     for (const DistantDisc& disc : lights.discs()) {
       if (!sees_past(disc.hidden_from)) radiance += disc.radiance(direction, wavelengths_nm);
     }

@@ -3,9 +3,7 @@
 #include <immintrin.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <utility>
 
 namespace nocturne {
@@ -22,6 +20,12 @@ bool take_memory(std::uint64_t bytes) {
 
 float number(const float* texel) { return *texel; }
 float number(const std::uint16_t* texel) { return _cvtsh_ss(*texel); }
+
+// To where the picture is, so that no large number meets an integer.
+float wrapped(float x, TextureWrap wrap) {
+  if (!std::isfinite(x)) return 0.0f;
+  return wrap == TextureWrap::kClamp ? std::clamp(x, 0.0f, 1.0f) : x - std::floor(x);
+}
 
 float between(float a, float b, float part) { return a + part * (b - a); }
 
@@ -139,7 +143,11 @@ std::array<float, kChannels> Texels::interpolated(const Level& level, float s, f
 }
 
 template <int kChannels>
-std::array<float, kChannels> Texels::at(float s, float t, float width) const {
+std::array<float, kChannels> Texels::at(float u, float v, float footprint) const {
+  // Texels are counted from the top row down.
+  const float s = wrapped(u, wrap_), t = 1.0f - wrapped(v, wrap_);
+  // Beyond one picture there is nothing coarser.
+  const float width = footprint > 0.0f ? std::min(footprint, 1.0f) : 0.0f;
   // The finest level whose texels are as wide as the footprint: it, and the one before.
   const auto fits = [&](const Level& level) { return width * level.edge <= 1.0f; };
   if (fits(levels_.front())) return interpolated<kChannels>(levels_.front(), s, t);

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
-#include <span>
 #include <vector>
 
 #include "textures/image_library.h"
@@ -23,11 +22,11 @@ class Texels {
   Texels(const Texels&) = delete;
   Texels& operator=(const Texels&) = delete;
 
-  /// s from left to right and t from the top row down, within [0, 1]; `width` not negative. See
-  /// Texture.
+  /// As Texture::grey and Texture::rgb, with that many channels.
   template <int kChannels>
-  std::array<float, kChannels> at(float s, float t, float width) const;
+  std::array<float, kChannels> at(float u, float v, float footprint) const;
 
+  int channels() const { return image_.channels; }
   const std::array<float, 3>& mean() const { return image_.mean; }
 
   /// Of all images of the process; tiles that are there stay.
@@ -57,6 +56,7 @@ class Texels {
     alignas(float) std::array<std::byte, 2 * 2 * 3 * sizeof(float)> texels;
   };
 
+  // s from left to right and t from the top row down, within [0, 1].
   template <int kChannels>
   std::array<float, kChannels> interpolated(const Level& level, float s, float t) const;
   Square square(const Level& level, int x, int y, Room& room) const {

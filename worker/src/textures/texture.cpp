@@ -2,8 +2,6 @@
 
 #include <dlfcn.h>
 
-#include <algorithm>
-#include <cmath>
 #include <mutex>
 #include <string>
 
@@ -44,33 +42,21 @@ const ImageLibrary& library() {
   return loaded;
 }
 
-// To where the picture is, so that no large number meets an integer.
-float wrapped(float x, TextureWrap wrap) {
-  if (!std::isfinite(x)) return 0.0f;
-  return wrap == TextureWrap::kClamp ? std::clamp(x, 0.0f, 1.0f) : x - std::floor(x);
-}
-
 }  // namespace
 
 Texture::Texture(const std::filesystem::path& file, int channels, TextureWrap wrap,
                  TextureFilter filter)
     : texels_(std::make_shared<Texels>(library(), library().open(file, channels), wrap)),
-      channels_(channels),
-      wrap_(wrap),
       filter_(filter) {}
 
-// Texels are counted from the top row down.
-template <int kChannels>
-std::array<float, kChannels> Texture::look_up(float u, float v, float width) const {
-  // Beyond one picture there is nothing coarser.
-  const float w = width > 0.0f ? std::min(width, 1.0f) : 0.0f;
-  return texels_->at<kChannels>(wrapped(u, wrap_), 1.0f - wrapped(v, wrap_), filtered(w));
+int Texture::channels() const { return texels_->channels(); }
+
+float Texture::grey(float u, float v, float width) const {
+  return texels_->at<1>(u, v, filtered(width))[0];
 }
 
-float Texture::grey(float u, float v, float width) const { return look_up<1>(u, v, width)[0]; }
-
 std::array<float, 3> Texture::rgb(float u, float v, float width) const {
-  return look_up<3>(u, v, width);
+  return texels_->at<3>(u, v, filtered(width));
 }
 
 std::array<float, 3> Texture::mean() const { return texels_->mean(); }

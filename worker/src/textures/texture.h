@@ -32,7 +32,7 @@ class Texture {
   Texture(const std::filesystem::path& file, int channels, TextureWrap wrap,
           TextureFilter filter = TextureFilter::kFootprint);
 
-  int channels() const { return channels_; }
+  int channels() const;
 
   /// u from left to right and v from the bottom row up, 0 and 1 at the picture's edges; what is not
   /// finite counts as 0. Bilinear within a level, linear between the two levels whose texels are
@@ -48,12 +48,8 @@ class Texture {
 
  private:
   float filtered(float width) const { return filter_ == TextureFilter::kFootprint ? width : 0.0f; }
-  template <int kChannels>
-  std::array<float, kChannels> look_up(float u, float v, float width) const;
 
   std::shared_ptr<const Texels> texels_;
-  int channels_;
-  TextureWrap wrap_;
   TextureFilter filter_;
 };
 
