@@ -89,6 +89,34 @@ TEST_P(Truths, SquareOverPlane) {
   expect_all_pixels(trace(builder, 1024), 1024, kResponseIntegral * 0.5 * 10.0 * form_factor);
 }
 
+// Seen from the corner below it: a differential element parallel to a rectangle a x b at height h,
+// X = a/h, Y = b/h (Howell, configuration B-3).
+double corner_form_factor(double x, double y) {
+  const double rx = std::sqrt(1 + x * x), ry = std::sqrt(1 + y * y);
+  return (x / rx * std::atan(y / rx) + y / ry * std::atan(x / ry)) / (2.0 * std::numbers::pi);
+}
+
+// The same square beside a perfect mirror (n = 0), which shows another one, 2 to 4 away. Its light
+// reaches the floor by photons from the kernel alone where those that are sent towards lamps ask
+// only for a free way: a lamp behind the mirror, which is sent to as well, takes nothing from them.
+TEST_P(Truths, SquareBesideMirror) {
+  if (GetParam().kernel == 0.0) GTEST_SKIP() << "mirrors are drawn from the kernel";
+  test::SceneBuilder builder;
+  builder.add_quad(0.0f, 10.0f, {-1, 2, -1}, {2, 0, 0}, {0, 0, 2});
+  builder.add_quad(0.5f, 0.0f, {-50, 0, -50}, {0, 0, 100}, {100, 0, 0});
+  builder.add_quad(0.0f, 0.0f, {-1.5f, 0, -20}, {0, 20, 0}, {0, 0, 40});
+  auto& mirror = *builder.message.mutable_kernels(2)->mutable_conductor();
+  mirror.set_n(builder.add_spectrum(0.0f));
+  mirror.set_k(builder.add_spectrum(2.0f));
+  mirror.mutable_roughness()->mutable_alpha_u()->set_constant(0.0);
+  mirror.mutable_roughness()->mutable_alpha_v()->set_constant(0.0);
+  builder.look({4, 1, 0}, {0, 0, 0}, 1e-3);
+  builder.add_quad(0.0f, 10.0f, {-4, 2, -1}, {2, 0, 0}, {0, 0, 2});
+  const double form_factor = 4.0 * corner_form_factor(0.5, 0.5) +
+                             2.0 * (corner_form_factor(2.0, 0.5) - corner_form_factor(1.0, 0.5));
+  expect_all_pixels(trace(builder, 1024), 1024, kResponseIntegral * 0.5 * 10.0 * form_factor);
+}
+
 // A lamp seen directly shows its radiance; its back side is dark.
 TEST_P(Truths, LampSeenDirectly) {
   test::SceneBuilder front;

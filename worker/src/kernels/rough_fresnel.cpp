@@ -1,6 +1,7 @@
 #include "kernels/rough_fresnel.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -21,10 +22,23 @@ constexpr int kNormals = 12;
 
 std::size_t place(std::size_t ratio, std::size_t alpha) { return ratio * kAlphas + alpha; }
 
-double average(double cosine, float alpha, double ratio) {
-  return mean_over_visible_normals(cosine, alpha, kNormals, [&](Vec3 wo, Vec3 h) {
-    return fresnel_dielectric(static_cast<double>(std::clamp(dot(wo, h), 0.0f, 1.0f)), ratio);
+// Of each ratio; the facets are the same for all of them.
+std::array<double, kRatios> ratios() {
+  std::array<double, kRatios> each;
+  for (std::size_t r = 0; r < kRatios; ++r) {
+    each[r] = math::exp2(static_cast<double>(r) / kRatiosPerOctave - 1.0);
+  }
+  return each;
+}
+std::array<double, kRatios> averages(double cosine, float alpha,
+                                     const std::array<double, kRatios>& of) {
+  std::array<double, kRatios> sums{};
+  for_each_visible_normal(cosine, alpha, kNormals, [&](Vec3 wo, Vec3 h) {
+    const auto to_facet = static_cast<double>(std::clamp(dot(wo, h), 0.0f, 1.0f));
+    for (std::size_t r = 0; r < kRatios; ++r) sums[r] += fresnel_dielectric(to_facet, of[r]);
   });
+  for (double& sum : sums) sum /= kNormals * kNormals;
+  return sums;
 }
 
 struct TableCell {
@@ -51,18 +65,20 @@ const RoughFresnel& RoughFresnel::instance() {
 
 RoughFresnel::RoughFresnel()
     : difference_(kRatios * kAlphas * kCosines), mean_difference_(kRatios * kAlphas) {
-  for (std::size_t r = 0; r < kRatios; ++r) {
-    const double ratio = math::exp2(static_cast<double>(r) / kRatiosPerOctave - 1.0);
-    for (std::size_t a = 1; a < kAlphas; ++a) {
-      const float root_alpha = static_cast<float>(a) / static_cast<float>(kAlphas - 1);
-      const float alpha = root_alpha * root_alpha;
-      float* row = &difference_[place(r, a) * kCosines];
-      for (std::size_t c = 0; c < kCosines; ++c) {
-        const double root = static_cast<double>(c) / static_cast<double>(kCosines - 1);
-        const double cosine = std::max(1e-6, root * root);
-        row[c] =
-            static_cast<float>(average(cosine, alpha, ratio) - fresnel_dielectric(cosine, ratio));
+  const std::array<double, kRatios> ratio = ratios();
+  for (std::size_t a = 1; a < kAlphas; ++a) {
+    const float root_alpha = static_cast<float>(a) / static_cast<float>(kAlphas - 1);
+    for (std::size_t c = 0; c < kCosines; ++c) {
+      const double root = static_cast<double>(c) / static_cast<double>(kCosines - 1);
+      const double cosine = std::max(1e-6, root * root);
+      const auto rough = averages(cosine, root_alpha * root_alpha, ratio);
+      for (std::size_t r = 0; r < kRatios; ++r) {
+        difference_[place(r, a) * kCosines + c] =
+            static_cast<float>(rough[r] - fresnel_dielectric(cosine, ratio[r]));
       }
+    }
+    for (std::size_t r = 0; r < kRatios; ++r) {
+      const float* row = &difference_[place(r, a) * kCosines];
       mean_difference_[place(r, a)] = static_cast<float>(cosine_weighted_mean({row, kCosines}));
     }
   }

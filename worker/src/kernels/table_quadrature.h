@@ -9,22 +9,28 @@
 
 namespace nocturne {
 
-/// Mean of f(wo, normal) over the facets' normals that `wo`, at a cosine to the surface's normal,
-/// sees: midpoints, count x count over half a circle, for `wo` lies in the plane y = 0.
+/// f(wo, normal) for count x count of the facets' normals that `wo`, at a cosine to the surface's
+/// normal, sees: midpoints over half a circle, for `wo` lies in the plane y = 0.
 template <class F>
-double mean_over_visible_normals(double cosine, float alpha, int count, const F& f) {
+void for_each_visible_normal(double cosine, float alpha, int count, const F& f) {
   const Ggx ggx{alpha, alpha};
   const Vec3 wo{static_cast<float>(std::sqrt((1.0 - cosine) * (1.0 + cosine))), 0.0f,
                 static_cast<float>(cosine)};
   const auto midpoint = [&](int i) {
     return (static_cast<float>(i) + 0.5f) / static_cast<float>(count);
   };
-  double sum = 0.0;
   for (int i = 0; i < count; ++i) {
     for (int j = 0; j < count; ++j) {
-      sum += f(wo, ggx.sample_visible(wo, midpoint(i), 0.5f * midpoint(j)));
+      f(wo, ggx.sample_visible(wo, midpoint(i), 0.5f * midpoint(j)));
     }
   }
+}
+
+/// Mean of f over these.
+template <class F>
+double mean_over_visible_normals(double cosine, float alpha, int count, const F& f) {
+  double sum = 0.0;
+  for_each_visible_normal(cosine, alpha, count, [&](Vec3 wo, Vec3 h) { sum += f(wo, h); });
   return sum / (count * count);
 }
 

@@ -21,6 +21,7 @@ constexpr std::uint32_t kStrips = 32, kWidestStrip = 32;
 // The spectrum's mean in bands of 20 nm, so that no line in it goes unseen.
 struct Bands {
   static constexpr int kCount = 20, kWidth = (kVisibleLast - kVisibleFirst) / kCount;
+  static constexpr int kTogether = 4;
   std::array<float, kCount> mean;
 
   explicit Bands(const Spectrum& spectrum) {
@@ -35,9 +36,16 @@ struct Bands {
     if (texel.scale == 0.0f) return 0.0f;
     const SigmoidSpectrum shape{texel.c0, texel.c1, texel.c2};
     float sum = 0.0f;
-    for (int i = 0; i < kCount; ++i) {
-      const auto centre = static_cast<float>(kVisibleFirst + i * kWidth) + 0.5f * kWidth;
-      sum += shape(centre) * mean[static_cast<std::size_t>(i)];
+    for (int first = 0; first < kCount; first += kTogether) {
+      Spectral<kTogether> centres;
+      for (int k = 0; k < kTogether; ++k) {
+        centres[static_cast<std::size_t>(k)] =
+            static_cast<float>(kVisibleFirst + (first + k) * kWidth) + 0.5f * kWidth;
+      }
+      const Spectral<kTogether> shapes = shape(centres);
+      for (int k = 0; k < kTogether; ++k) {
+        sum += shapes[static_cast<std::size_t>(k)] * mean[static_cast<std::size_t>(first + k)];
+      }
     }
     return texel.scale * sum / kCount;
   }
@@ -69,29 +77,16 @@ std::uint32_t bisect(std::uint32_t low, std::uint32_t high, std::uint64_t target
   return low;
 }
 
-// How many of these numbers, which do not decrease, are at most `target`; all are below 2^62.
-template <class At>
-std::uint32_t count_at_most(std::uint32_t count, std::uint64_t target, const At& at) {
-  std::uint32_t found = 0;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    found += static_cast<std::int64_t>(at(i)) <= static_cast<std::int64_t>(target) ? 1 : 0;
-  }
-  return found;
+EnvironmentMap::Target target_of(float u, std::uint64_t total) {
+  const double exact = u * static_cast<double>(total);
+  return {exact, std::min(static_cast<std::uint64_t>(exact), total - 1)};
 }
 
-// A uniform number, what lies left of it, and where it is in the cell that it fell into.
-struct Target {
-  double exact;
-  std::uint64_t whole;
-
-  Target(float u, std::uint64_t total)
-      : exact(u * static_cast<double>(total)),
-        whole(std::min(static_cast<std::uint64_t>(exact), total - 1)) {}
-
-  double inside(std::uint64_t before, std::uint64_t cell) const {
-    return std::clamp((exact - static_cast<double>(before)) / static_cast<double>(cell), 0.0, 1.0);
-  }
-};
+// Where it is in the cell that it fell into.
+double inside(const EnvironmentMap::Target& target, std::uint64_t before, std::uint64_t cell) {
+  return std::clamp((target.exact - static_cast<double>(before)) / static_cast<double>(cell), 0.0,
+                    1.0);
+}
 
 }  // namespace
 
@@ -103,7 +98,9 @@ EnvironmentMap::EnvironmentMap(std::uint32_t columns, std::uint32_t rows, std::v
       strips_((columns + strip_columns_ - 1) / strip_columns_),
       texels_(std::move(texels)),
       spectrum_(std::move(spectrum)),
-      axes_(axes) {
+      axes_(axes),
+      guide_of_columns_(columns),
+      guide_of_rows_(rows) {
   if (columns == 0 || rows == 0 || columns > kMaxColumns || rows > kMaxRows) {
     throw std::invalid_argument("the environment map has no texels, or more than 8192 x 4096");
   }
@@ -142,9 +139,11 @@ void EnvironmentMap::sum_up(const std::vector<float>& means) {
       if (mean > 0.0f) sum += std::max<std::uint64_t>(1, static_cast<std::uint64_t>(mean * scale));
     }
     left_.push_back(sum);
+    guide_of_columns_.add(left_of(static_cast<std::uint32_t>(row)));
     below[strips_] = above[strips_] + sum;
     sums_of_rows_.push_back(below[strips_]);
   }
+  guide_of_rows_.add(sums_of_rows_.data());
 }
 
 // The row of the window that the number falls into.
@@ -154,22 +153,12 @@ std::uint32_t EnvironmentMap::row_at(const Window& w, std::uint64_t target) cons
     return bisect(w.row0, w.row1, target, above);
   }
   const std::uint64_t from_top = target + sums_of_rows_[w.row0];
-  return bisect(w.row0, w.row1, from_top, [&](std::uint32_t row) { return sums_of_rows_[row]; });
+  return SumGuide::find(guide_of_rows_.range(0, sums_of_rows_[rows_], from_top),
+                        sums_of_rows_.data(), from_top);
 }
 
-// The column of a row that the number falls into, counted from the left edge: its strip, then what
-// is in there. That waits for memory twice where bisection would at each step.
-std::uint32_t EnvironmentMap::column_at(std::uint32_t row, std::uint64_t target) const {
-  const std::uint64_t* above = &sums_[std::size_t{row} * (strips_ + 1)];
-  const std::uint64_t* below = above + strips_ + 1;
-  const auto left_of_strip = [&](std::uint32_t i) { return below[i] - above[i]; };
-  const std::uint32_t first = (count_at_most(strips_, target, left_of_strip) - 1) * strip_columns_;
-  const std::uint64_t* left = left_of(row) + first;
-  const std::uint32_t count = std::min(strip_columns_, columns_ - first);
-  return first + count_at_most(count, target, [&](std::uint32_t i) { return left[i]; }) - 1;
-}
-
-EnvironmentMap::TexelPoint EnvironmentMap::place_of(Vec3 in_map) const {
+EnvironmentMap::Place EnvironmentMap::place_of(Vec3 direction) const {
+  const Vec3 in_map = to_map(direction);
   const float row = 0.5f * (1.0f - in_map.z) * static_cast<float>(rows_);
   const float turn = math::atan2(in_map.y, in_map.x) * (0.5f * kInvPi);
   const float column = (turn < 0.0f ? turn + 1.0f : turn) * static_cast<float>(columns_);
@@ -206,36 +195,48 @@ EnvironmentMap::Window EnvironmentMap::window(const LightSamplingContext& from) 
   return window;
 }
 
-std::optional<EnvironmentMap::Drawn> EnvironmentMap::draw(const LightSamplingContext& from,
-                                                          float u1, float u2) const {
+EnvironmentMap::Draft EnvironmentMap::begin(const LightSamplingContext& from, float u1,
+                                            float u2) const {
+  Draft draft{};
   const Window w = window(from);
-  const std::uint64_t total = weight(w);
-  if (total == 0) return std::nullopt;
-
-  const Target down(u1, total);
-  const std::uint32_t row = row_at(w, down.whole);
-  const std::uint64_t above = weight({w.row0, row, w.strip0, w.strips});
-  const std::uint64_t row_weight = weight({row, row + 1, w.strip0, w.strips});
+  draft.total = weight(w);
+  if (draft.total == 0) return draft;
+  const Target down = target_of(u1, draft.total);
+  draft.row = row_at(w, down.whole);
+  const std::uint64_t above = weight({w.row0, draft.row, w.strip0, w.strips});
+  const std::uint64_t row_weight = weight({draft.row, draft.row + 1, w.strip0, w.strips});
+  draft.z = 1.0 - 2.0 * (draft.row + inside(down, above, row_weight)) / rows_;
 
   // From the map's edge, around the back if need be.
-  const Target across(u2, row_weight);
-  const std::uint64_t* left = left_of(row);
-  const std::uint64_t before = left[w.strip0 * strip_columns_], all = left[columns_];
-  const std::uint64_t around = across.whole + before >= all ? all : 0;
-  const std::uint32_t column = column_at(row, across.whole + before - around);
-  const std::uint32_t texel = number({row, column});
+  draft.across = target_of(u2, row_weight);
+  const std::uint64_t* left = left_of(draft.row);
+  draft.before = w.strip0 == 0 ? 0 : left[w.strip0 * strip_columns_];
+  const std::uint64_t all = sums_of_rows_[draft.row + 1] - sums_of_rows_[draft.row];
+  draft.around = draft.across.whole + draft.before >= all ? all : 0;
+  const std::uint64_t from_edge = draft.across.whole + draft.before - draft.around;
+  draft.columns = guide_of_columns_.range(draft.row, all, from_edge);
+  __builtin_prefetch(left + draft.columns.first + draft.columns.count / 2);
+  return draft;
+}
+
+std::optional<EnvironmentMap::Drawn> EnvironmentMap::finish(const LightSamplingContext& from,
+                                                            const Draft& draft) const {
+  if (draft.total == 0) return std::nullopt;
+  const std::uint64_t* left = left_of(draft.row);
+  const std::uint32_t column =
+      SumGuide::find(draft.columns, left, draft.across.whole + draft.before - draft.around);
+  const std::uint32_t texel = number({draft.row, column});
   __builtin_prefetch(&texels_[texel]);
   const std::uint64_t share = left[column + 1] - left[column];
 
-  const double z = 1.0 - 2.0 * (row + down.inside(above, row_weight)) / rows_;
-  const double phi = 2.0 * std::numbers::pi *
-                     (column + across.inside(left[column] + around - before, share)) / columns_;
-  const double r = std::sqrt(std::max(0.0, (1.0 - z) * (1.0 + z)));
+  const double in_texel = inside(draft.across, left[column] + draft.around - draft.before, share);
+  const double phi = 2.0 * std::numbers::pi * (column + in_texel) / columns_;
+  const double r = std::sqrt(std::max(0.0, (1.0 - draft.z) * (1.0 + draft.z)));
   const Vec3 direction = static_cast<float>(r * math::cos(phi)) * axes_.x +
                          static_cast<float>(r * math::sin(phi)) * axes_.y +
-                         static_cast<float>(z) * axes_.z;
+                         static_cast<float>(draft.z) * axes_.z;
   if (!from.sees(direction)) return std::nullopt;
-  return Drawn{direction, density(share, total), texel};
+  return Drawn{direction, density(share, draft.total), texel};
 }
 
 float EnvironmentMap::density(std::uint64_t share, std::uint64_t total) const {
@@ -243,10 +244,9 @@ float EnvironmentMap::density(std::uint64_t share, std::uint64_t total) const {
                             rows_ * (0.25 * std::numbers::inv_pi));
 }
 
-float EnvironmentMap::pdf(const LightSamplingContext& from, Vec3 direction) const {
+float EnvironmentMap::pdf(const LightSamplingContext& from, Vec3 direction, Place place) const {
   if (!from.sees(direction)) return 0.0f;
   const Window w = window(from);
-  const TexelPoint place = place_of(to_map(direction));
   if (place.row < w.row0 || place.row >= w.row1) return 0.0f;
   const std::uint32_t strip = place.column / strip_columns_;
   const std::uint32_t turned = strip + (strip < w.strip0 ? strips_ : 0);

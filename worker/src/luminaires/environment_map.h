@@ -6,11 +6,11 @@
 // Directions are drawn from a window of the map (rows and columns that the receiver can see), each
 // texel in proportion to its mean radiance over visible wavelengths, without any table per window:
 // a summed-area table of every 32nd column, of more in small maps, gives a window's sum from four
-// entries and the row, sums along each row the column. Sums are whole numbers of 64 bits, as
-// differences of floating-point sums would lose the dark texels of a map with a sun in it: a texel
-// counts at least 1, the map 2^61.
+// entries and the row, sums along each row the column; both are looked for where a guide says. Sums
+// are whole numbers of 64 bits, as differences of floating-point sums would lose the dark texels of
+// a map with a sun in it: a texel counts at least 1, the map 2^61.
 //
-// Memory: 24 bytes per texel and a quarter; 814 MB for 8192 x 4096.
+// Memory: 24 bytes per texel and three quarters; 831 MB for 8192 x 4096.
 #pragma once
 
 #include <array>
@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "luminaires/light_sampling_context.h"
+#include "luminaires/sum_guide.h"
 #include "spectrum/sigmoid.h"
 #include "spectrum/spectrum.h"
 
@@ -41,12 +42,22 @@ class EnvironmentMap {
   EnvironmentMap(std::uint32_t columns, std::uint32_t rows, std::vector<Texel> texels,
                  Spectrum spectrum, Axes axes);
 
-  /// W m-2 sr-1 nm-1, from the unit direction.
-  template <int N>
-  Spectral<N> radiance(Vec3 direction, const Spectral<N>& wavelengths) const {
-    return radiance(number(place_of(to_map(direction))), wavelengths);
+  struct Place {
+    std::uint32_t row, column;
+  };
+  /// What is in the unit direction.
+  Place place_of(Vec3 direction) const;
+  /// The same, whose radiance and density will be asked for: memory is asked for them now, as a map
+  /// is larger than most caches.
+  Place expect(Vec3 direction) const {
+    const Place place = place_of(direction);
+    __builtin_prefetch(&texels_[number(place)]);
+    __builtin_prefetch(left_of(place.row) + place.column);
+    return place;
   }
-  /// The same all over this texel.
+  std::uint32_t number(Place at) const { return at.row * columns_ + at.column; }
+
+  /// W m-2 sr-1 nm-1, the same all over this texel.
   template <int N>
   Spectral<N> radiance(std::uint32_t texel, const Spectral<N>& wavelengths) const {
     const auto& [scale, c0, c1, c2] = texels_[texel];
@@ -66,36 +77,42 @@ class EnvironmentMap {
   };
   /// A unit direction that `from` sees. Empty where all that it sees is black, and where the drawn
   /// one is below the horizon after all (the window is a rectangle of whole strips).
-  std::optional<Drawn> draw(const LightSamplingContext& from, float u1, float u2) const;
-
-  /// Asks memory for what `radiance` and `pdf` need: a map is larger than most caches.
-  void prefetch(Vec3 direction) const {
-    const TexelPoint place = place_of(to_map(direction));
-    __builtin_prefetch(&texels_[number(place)]);
-    __builtin_prefetch(left_of(place.row) + place.column);
+  std::optional<Drawn> draw(const LightSamplingContext& from, float u1, float u2) const {
+    return finish(from, begin(from, u1, u2));
   }
 
-  /// Density of `draw`, 1/sr.
-  float pdf(const LightSamplingContext& from, Vec3 direction) const;
+  /// A uniform number in whole sums, and what lies left of it.
+  struct Target {
+    double exact;
+    std::uint64_t whole;
+  };
+  /// Half of a draw, up to where memory must be waited for.
+  struct Draft {
+    std::uint64_t total;  // of the window; 0: nothing there
+    double z;
+    std::uint32_t row;
+    Target across;
+    std::uint64_t before, around;  // that the row's sums differ by
+    SumGuide::Range columns;
+  };
+  Draft begin(const LightSamplingContext& from, float u1, float u2) const;
+  std::optional<Drawn> finish(const LightSamplingContext& from, const Draft& draft) const;
+
+  /// Density of `draw`, 1/sr, for a direction in this place.
+  float pdf(const LightSamplingContext& from, Vec3 direction, Place place) const;
 
  private:
-  struct TexelPoint {
-    std::uint32_t row, column;
-  };
   // Rows [row0, row1) and `strips` strips of columns from strip0 on, around the back if need be.
   struct Window {
     std::uint32_t row0, row1, strip0, strips;
   };
 
   Vec3 to_map(Vec3 v) const { return {dot(v, axes_.x), dot(v, axes_.y), dot(v, axes_.z)}; }
-  TexelPoint place_of(Vec3 in_map) const;
-  std::uint32_t number(TexelPoint at) const { return at.row * columns_ + at.column; }
   // Of a texel with this share of what is drawn.
   float density(std::uint64_t share, std::uint64_t total) const;
   Window window(const LightSamplingContext& from) const;
   void sum_up(const std::vector<float>& means);
   std::uint32_t row_at(const Window& w, std::uint64_t target) const;
-  std::uint32_t column_at(std::uint32_t row, std::uint64_t target) const;
 
   // The sum of all texels above `row` and left of `strip`, which may be beyond the right edge.
   std::uint64_t corner(std::uint32_t row, std::uint32_t strip) const {
@@ -122,6 +139,7 @@ class EnvironmentMap {
   std::vector<std::uint64_t> left_;          // rows x (columns + 1)
   std::vector<std::uint64_t> sums_;          // (rows + 1) x (strips + 1)
   std::vector<std::uint64_t> sums_of_rows_;  // rows + 1: all above
+  SumGuide guide_of_columns_, guide_of_rows_;
 };
 
 }  // namespace nocturne

@@ -68,8 +68,9 @@ std::optional<Vec3> LightDirections::sample(const LightSamplingContext& from, fl
   return direction;
 }
 
-float LightDirections::pdf(const LightSamplingContext& from, Vec3 direction) const {
-  const float declared = declared_pdf(from, direction);
+float LightDirections::pdf(const LightSamplingContext& from, Vec3 direction,
+                           const SkyPlace& place) const {
+  const float declared = declared_pdf(from, direction, place);
   if (from.learned == LearnedLight::kNone) return declared;
   const float learned = from.sees(direction) ? learned_.pdf(from.learned, direction) : 0.0f;
   return kLearned * learned + (1.0f - kLearned) * declared;
@@ -89,16 +90,30 @@ std::optional<Vec3> LightDirections::sample_declared(const LightSamplingContext&
   return important_.sample(from, stretched(choice, before_important, important_share_), u1, u2);
 }
 
-float LightDirections::declared_pdf(const LightSamplingContext& from, Vec3 direction) const {
+float LightDirections::declared_pdf(const LightSamplingContext& from, Vec3 direction,
+                                    const SkyPlace& place) const {
   float sum = 0.0f;
   if (luminaires_share_ > 0.0f) sum += luminaires_share_ * luminaires_.pdf(from, direction);
-  if (sky_share_ > 0.0f) sum += sky_share_ * sky_pdf(from, direction);
+  if (sky_share_ > 0.0f) sum += sky_share_ * sky_pdf(from, direction, place);
   if (important_share_ > 0.0f) sum += important_share_ * important_.pdf(from, direction);
   return sum;
 }
 
+std::optional<Environment::Draft> LightDirections::begin_light(const LightSamplingContext& from,
+                                                               float choice, float u1,
+                                                               float u2) const {
+  if (!environment_ || choice < luminaires_share_ || choice >= luminaires_share_ + sky_share_) {
+    return std::nullopt;
+  }
+  const float left = stretched(choice, luminaires_share_, sky_share_) * sky_irradiance(from);
+  if (!(left < environment_irradiance())) return std::nullopt;
+  return environment_->begin(from, u1, u2);
+}
+
 bool LightDirections::sample_light(const LightSamplingContext& from, Vec3 normal, float clearance,
-                                   float choice, float u1, float u2, LightSample& light) const {
+                                   float choice, float u1, float u2,
+                                   const std::optional<Environment::Draft>& begun,
+                                   LightSample& light) const {
   light.pdf = 0.0f;
   light.distance = light.free_distance = std::numeric_limits<float>::infinity();
   light.luminaire = Emission::kNoLuminaire;
@@ -120,7 +135,8 @@ bool LightDirections::sample_light(const LightSamplingContext& from, Vec3 normal
     light.direction = drawn->direction;
     take(drawn->nearest);
   } else {
-    const auto direction = sample(from, choice, u1, u2, light.environment);
+    const auto direction = begun ? finished(from, *begun, light.environment)
+                                 : sample(from, choice, u1, u2, light.environment);
     if (!direction) return false;
     light.direction = *direction;
     if (luminaires_share_ > 0.0f) {
@@ -128,7 +144,7 @@ bool LightDirections::sample_light(const LightSamplingContext& from, Vec3 normal
     }
   }
   if (sky_share_ > 0.0f) {
-    light.pdf += sky_share_ * sky_pdf(from, light.direction, light.environment);
+    light.pdf += sky_share_ * sky_pdf(from, light.direction, {}, light.environment);
   }
   if (important_share_ > 0.0f)
     light.pdf += important_share_ * important_.pdf(from, light.direction);
@@ -140,17 +156,27 @@ float LightDirections::environment_irradiance() const {
   return environment_ ? kPi * static_cast<float>(environment_->mean_radiance()) : 0.0f;
 }
 
+float LightDirections::sky_irradiance(const LightSamplingContext& from) const {
+  float total = environment_irradiance();
+  for (const DistantDisc& disc : discs_) total += disc.irradiance(from.normal, from.both_sides);
+  return total;
+}
+
+std::optional<Vec3> LightDirections::finished(const LightSamplingContext& from,
+                                              const Environment::Draft& begun,
+                                              FromEnvironment& drawn) const {
+  drawn = environment_->finish(from, begun);
+  return drawn ? std::optional(drawn->direction) : std::nullopt;
+}
+
 std::optional<Vec3> LightDirections::sample_sky(const LightSamplingContext& from, float choice,
                                                 float u1, float u2, FromEnvironment& drawn) const {
-  const float around = environment_irradiance();
-  float total = around;
-  for (const DistantDisc& disc : discs_) total += disc.irradiance(from.normal, from.both_sides);
+  const float around = environment_irradiance(), total = sky_irradiance(from);
   if (!(total > 0.0f)) return std::nullopt;
   float left = choice * total;
   if (left < around) {
     drawn = environment_->draw(from, stretched(left, 0.0f, around), u1, u2);
-    if (!drawn) return std::nullopt;
-    return drawn->direction;
+    return drawn ? std::optional(drawn->direction) : std::nullopt;
   }
   left -= around;
   for (const DistantDisc& disc : discs_) {
@@ -166,12 +192,17 @@ std::optional<Vec3> LightDirections::sample_sky(const LightSamplingContext& from
 }
 
 float LightDirections::sky_pdf(const LightSamplingContext& from, Vec3 direction,
-                               const FromEnvironment& drawn) const {
+                               const SkyPlace& place, const FromEnvironment& drawn) const {
   if (!from.sees(direction)) return 0.0f;
   const float around = environment_irradiance();
   float total = around;
   float sum = 0.0f;
-  if (around > 0.0f) sum = around * (drawn ? drawn->pdf : environment_->pdf(from, direction));
+  if (around > 0.0f) {
+    sum = drawn   ? drawn->pdf
+          : place ? environment_->pdf(from, direction, *place)
+                  : environment_->pdf(from, direction);
+    sum *= around;
+  }
   for (const DistantDisc& disc : discs_) {
     const float irradiance = disc.irradiance(from.normal, from.both_sides);
     total += irradiance;

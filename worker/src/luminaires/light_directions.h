@@ -37,8 +37,11 @@ class LightDirections {
   std::optional<Vec3> sample(const LightSamplingContext& from, float choice, float u1,
                              float u2) const;
 
+  /// Where in the environment a direction is, for those who know.
+  using SkyPlace = std::optional<Environment::Place>;
+
   /// Density of `sample`, 1/sr; finite, not negative.
-  float pdf(const LightSamplingContext& from, Vec3 direction) const;
+  float pdf(const LightSamplingContext& from, Vec3 direction, const SkyPlace& place = {}) const;
 
   /// A direction drawn towards light, and what may be seen there.
   struct LightSample {
@@ -54,10 +57,14 @@ class LightDirections {
     /// Where it was drawn from the environment.
     std::optional<Environment::Drawn> environment;
   };
+  /// Of the same numbers as sample_light; what it will look up is asked of memory.
+  std::optional<Environment::Draft> begin_light(const LightSamplingContext& from, float choice,
+                                                float u1, float u2) const;
   /// A ray starts `clearance` (m) off its surface, along the unit normal or against it. False where
-  /// the drawn way gives no direction.
+  /// the drawn way gives no direction. Where nothing was learned.
   bool sample_light(const LightSamplingContext& from, Vec3 normal, float clearance, float choice,
-                    float u1, float u2, LightSample& light) const;
+                    float u1, float u2, const std::optional<Environment::Draft>& begun,
+                    LightSample& light) const;
 
   /// Important shapes keep their weight, or leave it to the others.
   void set_hints(bool kept);
@@ -82,11 +89,15 @@ class LightDirections {
                                       float u2, FromEnvironment& drawn) const;
   std::optional<Vec3> sample_sky(const LightSamplingContext& from, float choice, float u1, float u2,
                                  FromEnvironment& drawn) const;
+  std::optional<Vec3> finished(const LightSamplingContext& from, const Environment::Draft& begun,
+                               FromEnvironment& drawn) const;
   // `drawn` where it is known to be that direction.
-  float sky_pdf(const LightSamplingContext& from, Vec3 direction,
+  float sky_pdf(const LightSamplingContext& from, Vec3 direction, const SkyPlace& place,
                 const FromEnvironment& drawn = {}) const;
-  float declared_pdf(const LightSamplingContext& from, Vec3 direction) const;
+  float declared_pdf(const LightSamplingContext& from, Vec3 direction, const SkyPlace& place) const;
   float environment_irradiance() const;
+  // And that of discs.
+  float sky_irradiance(const LightSamplingContext& from) const;
 
   LightWeights weights_;  // 0 where there is nothing
   LuminaireDirections luminaires_, important_;

@@ -193,13 +193,18 @@ void set_close(Geometry& geometry, const std::vector<std::uint32_t>& groups, Vec
   geometry.set_close(std::move(close));
 }
 
+// Unscattered. What only mirrors it does not.
+bool lets_light_through(const SurfaceMaterial& material) {
+  return material.has_delta_lobe && material.may_pass;
+}
+
 bool occlusion_decides(const TracingOptions& options, const std::vector<SurfaceMaterial>& materials,
                        const std::vector<MediumInterface>& medium_interfaces,
                        const LightDirections& lights, const std::vector<Luminaire>& luminaires,
                        const std::vector<std::uint32_t>& groups) {
   return options.estimator == Estimator::kTwoPhotons && options.direction == Direction::kAdjoint &&
          medium_interfaces.empty() && lights.important().empty() &&
-         std::ranges::none_of(materials, &SurfaceMaterial::has_delta_lobe) &&
+         std::ranges::none_of(materials, lets_light_through) &&
          std::ranges::none_of(materials, &SurfaceMaterial::close) &&
          std::ranges::none_of(luminaires, [&](const Luminaire& luminaire) {
            return luminaire.textured() || groups[luminaire.surface] != 0;
@@ -263,10 +268,10 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
     const float near_sensor = kNearSensor * geometry.bounds().radius;
     const auto all_in_fog = find_all_in_fog(geometry, sensor_start(message.sensor()), everywhere,
                                             medium_interfaces, media);
-    const bool occlusion = media.empty() && occlusion_decides(options, materials, medium_interfaces,
-                                                              lights, luminaires, loaded.groups);
     LearnedLight learned(LearnedLight::unpacked(message.learned_light()));
-    require(learned.empty() || !occlusion, "learned light where nothing gathers any");
+    const bool occlusion =
+        media.empty() && learned.empty() &&
+        occlusion_decides(options, materials, medium_interfaces, lights, luminaires, loaded.groups);
     lights.set_learned(std::move(learned));
     return std::shared_ptr<Scene>(new Scene{
         std::move(geometry), std::move(materials), std::move(kernels), std::move(medium_interfaces),

@@ -62,7 +62,8 @@ struct Scene {
   InteriorList sensor_inside;
   std::vector<InteriorList> luminaires_inside;
   /// Nothing between a vertex and a light can let light through, and all luminaires are elements of
-  /// `lights`: a photon towards lights needs to know only whether its way is free.
+  /// `lights`: a photon towards lights needs to know only whether its way is free. What mirrors
+  /// bring is left to photons from kernels.
   bool occlusion_decides = false;
   /// Holds all that photons can end at, where fog without end hides what is beyond it.
   std::optional<Geometry::Ball> all_in_fog;
@@ -101,15 +102,19 @@ struct Scene {
     return with_discs(lights.environment()->radiance(*light.environment, wavelengths_nm),
                       light.direction, wavelengths_nm, [](HiddenFrom) { return false; });
   }
-  /// Without that for which `sees_past`, of a HiddenFrom, is true.
+  /// Without that for which `sees_past`, of a HiddenFrom, is true; its place in the environment for
+  /// those who know.
   template <int N, class SeesPast>
   Spectral<N> distant_radiance(Vec3 direction, const Spectral<N>& wavelengths_nm,
-                               const SeesPast& sees_past) const {
+                               const SeesPast& sees_past,
+                               const LightDirections::SkyPlace& place = {}) const {
     const auto& environment = lights.environment();
-    return with_discs(environment && !sees_past(environment->hidden_from)
-                          ? environment->radiance(direction, wavelengths_nm)
-                          : Spectral<N>(0.0f),
-                      direction, wavelengths_nm, sees_past);
+    Spectral<N> around = 0.0f;
+    if (environment && !sees_past(environment->hidden_from)) {
+      around = place ? environment->radiance(*place, wavelengths_nm)
+                     : environment->radiance(direction, wavelengths_nm);
+    }
+    return with_discs(around, direction, wavelengths_nm, sees_past);
   }
   /// More of it, from discs.
   template <int N, class SeesPast>

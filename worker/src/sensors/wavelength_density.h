@@ -1,8 +1,7 @@
-// A density over wavelength, linear between knots, and draws from it.
+// A density over wavelength, nearly linear between knots, and draws from it.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -10,9 +9,11 @@
 
 namespace nocturne {
 
-/// Zero outside the knots. The cell between two knots is found in the cumulative density through a
-/// guide table (Chen and Asau, 1974), the place inside by inverting its parabola, so that a
-/// stratified u gives stratified wavelengths.
+/// The unit interval in equal slices, whose number is a power of two; each belongs to a piece of
+/// the wavelengths, over which the density is even, so that a stratified u gives stratified
+/// wavelengths and a draw takes one look and no division. Pieces follow what is asked for: none has
+/// a knot inside, unless it is worth less than a slice and as even as that; zero where that is
+/// zero.
 class WavelengthDensity {
  public:
   template <int N>
@@ -29,53 +30,40 @@ class WavelengthDensity {
   /// Each u in [0, 1).
   template <int N>
   Draw<N> sample(const Spectral<N>& u) const {
-    Spectral<N> nm, width, before, share, low;
+    Draw<N> draw;
     for (std::size_t k = 0; k < N; ++k) {
-      const std::size_t i = cell_of(u[k]);
-      const Cell& cell = cells_[i];
-      nm[k] = cell.nm;
-      width[k] = cells_[i + 1].nm - cell.nm;
-      before[k] = cell.before;
-      share[k] = cells_[i + 1].before - cell.before;
-      low[k] = cell.low;
+      const auto slice = static_cast<std::uint32_t>(static_cast<std::int32_t>(u[k] * count_));
+      const Piece& piece = pieces_[place(slice)];
+      // Exact: the slices are a power of two.
+      const float inside = u[k] - static_cast<float>(slice) * inverse_count_;
+      draw.nm[k] = piece.knot + (piece.offset + inside * piece.inverse_density);
+      draw.inverse_density[k] = piece.inverse_density;
     }
-    using Lanes = typename Spectral<N>::Lanes;
-    // Where the density falls to zero, half of the last bit away from it.
-    constexpr float kMin = 0x1p-25f, kMax = 1.0f - 0x1p-24f;
-    const Lanes one = Spectral<N>(1.0f).lanes;
-    Lanes v = (u.lanes - before.lanes) / share.lanes;
-    v = v < kMin ? kMin * one : v;
-    v = v > kMax ? kMax * one : v;
-    const Lanes high = 2.0f - low.lanes;  // over the cell's mean
-    const Lanes here =
-        sqrt(Spectral<N>((1.0f - v) * low.lanes * low.lanes + v * high * high)).lanes;
-    Lanes t = 2.0f * v / (low.lanes + here);
-    t = t > one ? one : t;
-    return {Spectral<N>(nm.lanes + t * width.lanes),
-            Spectral<N>(width.lanes / (share.lanes * here))};
+    return draw;
   }
 
   /// Of sample, 1/nm.
   float pdf(float nm) const;
 
  private:
-  struct Cell {
-    float nm;      // where it begins
-    float before;  // what lies below
-    float low;     // density at the beginning over the cell's mean, in [0, 2]
+  // Begins at knot + offset, nm: lines may be narrower than what a float can tell there.
+  struct Piece {
+    float knot, offset, inverse_density, unused;
   };
+  static constexpr std::uint32_t kTogether = 4;
 
-  std::size_t cell_of(float u) const {
-    const auto slices = static_cast<float>(guide_.size());
-    const auto slice = static_cast<std::uint32_t>(static_cast<std::int32_t>(u * slices));
-    std::size_t i = guide_[std::min<std::size_t>(slice, guide_.size() - 1)];
-    while (cells_[i + 1].before <= u) ++i;
-    while (cells_[i].before > u) --i;  // where u * slices was rounded up
-    return i;
+  // Slices that differ by a quarter, as those of a group do, lie side by side.
+  std::size_t place(std::uint32_t slice) const {
+    return kTogether * (slice & (quarter_ - 1)) + (slice >> shift_);
+  }
+  double begin(std::uint32_t slice) const {
+    const Piece& piece = pieces_[place(slice)];
+    return static_cast<double>(piece.knot) + static_cast<double>(piece.offset);
   }
 
-  std::vector<Cell> cells_;           // and one more, where the last one ends
-  std::vector<std::uint32_t> guide_;  // first cell that a slice of u can fall into
+  float count_ = 0.0f, inverse_count_ = 0.0f;
+  std::uint32_t quarter_ = 0, shift_ = 0;
+  std::vector<Piece> pieces_;
 };
 
 }  // namespace nocturne

@@ -70,7 +70,9 @@ void draw_from_kernel(Batch& batch, Group<N>& group, const Vertex<N>& vertex, co
                       const KernelNumbers& numbers, float survival, bool shared) {
   for_each_draw(batch, group, vertex, kernel, numbers, [&](Group<N>& on, const Draw<N>& draw) {
     if (draw.delta) {
-      // Towards lights nothing was drawn from this part: an earlier MIS state goes on.
+      // Towards lights nothing was drawn from this part: an earlier MIS state goes on, unless
+      // photons that were sent there end at mirrors.
+      if (batch.scene.occlusion_decides) on.mis.technique = MisTechnique::kNone;
       on.shares = false;
       on.weight *= (1.0f / survival) * draw.factor;
       return;

@@ -75,6 +75,8 @@ void ask_for_lights(Batch& batch, const Chunk<N, Bound>& chunk,
                     std::span<const std::uint32_t> which) {
   std::array<std::optional<PhotonSequence>, kChunk> sequences;
   std::array<Uniform4, kChunk> numbers;
+  std::array<LightSamplingContext, kChunk> contexts;
+  std::array<std::optional<Environment::Draft>, kChunk> begun;
   std::array<LightDirections::LightSample, kChunk> lights;
   std::array<bool, kChunk> drawn;
   for (std::size_t k = 0; k < which.size(); ++k) {
@@ -83,13 +85,18 @@ void ask_for_lights(Batch& batch, const Chunk<N, Bound>& chunk,
   PhotonSequence::next_of_each(
       which.size(), [&](std::size_t k) -> PhotonSequence& { return *sequences[k]; },
       numbers.data());
+  const LightDirections& lights_of_scene = batch.scene.lights;
   for (std::size_t k = 0; k < which.size(); ++k) {
     const std::size_t i = which[k];
-    const Vertex<N>& vertex = *chunk.vertices[i];
     const Uniform4& u = numbers[k];
-    drawn[k] = batch.scene.lights.sample_light(
-        light_context(batch, *chunk.groups[i], vertex, *chunk.kernels[i]), vertex.hit.normal,
-        vertex.hit.clearance, u[2], u[0], u[1], lights[k]);
+    contexts[k] = light_context(batch, *chunk.groups[i], *chunk.vertices[i], *chunk.kernels[i]);
+    begun[k] = lights_of_scene.begin_light(contexts[k], u[2], u[0], u[1]);
+  }
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    const Hit& hit = chunk.vertices[which[k]]->hit;
+    const Uniform4& u = numbers[k];
+    drawn[k] = lights_of_scene.sample_light(contexts[k], hit.normal, hit.clearance, u[2], u[0],
+                                            u[1], begun[k], lights[k]);
   }
   for (std::size_t k = 0; k < which.size(); ++k) {
     const std::size_t i = which[k];
