@@ -77,15 +77,18 @@ std::uint32_t bisect(std::uint32_t low, std::uint32_t high, std::uint64_t target
   return low;
 }
 
+// Sums are far below 2^63, where signed numbers take one instruction.
+double number_of(std::uint64_t sum) { return static_cast<double>(static_cast<std::int64_t>(sum)); }
+
 EnvironmentMap::Target target_of(float u, std::uint64_t total) {
-  const double exact = u * static_cast<double>(total);
-  return {exact, std::min(static_cast<std::uint64_t>(exact), total - 1)};
+  const double exact = u * number_of(total);
+  const auto whole = static_cast<std::uint64_t>(static_cast<std::int64_t>(exact));
+  return {exact, std::min(whole, total - 1)};
 }
 
 // Where it is in the cell that it fell into.
 double inside(const EnvironmentMap::Target& target, std::uint64_t before, std::uint64_t cell) {
-  return std::clamp((target.exact - static_cast<double>(before)) / static_cast<double>(cell), 0.0,
-                    1.0);
+  return std::clamp((target.exact - number_of(before)) / number_of(cell), 0.0, 1.0);
 }
 
 }  // namespace
@@ -99,6 +102,9 @@ EnvironmentMap::EnvironmentMap(std::uint32_t columns, std::uint32_t rows, std::v
       texels_(std::move(texels)),
       spectrum_(std::move(spectrum)),
       axes_(axes),
+      row_height_(2.0 / rows),
+      column_width_(2.0 * std::numbers::pi / columns),
+      texels_per_steradian_(0.25 * std::numbers::inv_pi * columns * rows),
       guide_of_columns_(columns),
       guide_of_rows_(rows) {
   if (columns == 0 || rows == 0 || columns > kMaxColumns || rows > kMaxRows) {
@@ -205,7 +211,7 @@ EnvironmentMap::Draft EnvironmentMap::begin(const LightSamplingContext& from, fl
   draft.row = row_at(w, down.whole);
   const std::uint64_t above = weight({w.row0, draft.row, w.strip0, w.strips});
   const std::uint64_t row_weight = weight({draft.row, draft.row + 1, w.strip0, w.strips});
-  draft.z = 1.0 - 2.0 * (draft.row + inside(down, above, row_weight)) / rows_;
+  draft.z = 1.0 - row_height_ * (draft.row + inside(down, above, row_weight));
 
   // From the map's edge, around the back if need be.
   draft.across = target_of(u2, row_weight);
@@ -230,18 +236,17 @@ std::optional<EnvironmentMap::Drawn> EnvironmentMap::finish(const LightSamplingC
   const std::uint64_t share = left[column + 1] - left[column];
 
   const double in_texel = inside(draft.across, left[column] + draft.around - draft.before, share);
-  const double phi = 2.0 * std::numbers::pi * (column + in_texel) / columns_;
+  const auto phi = static_cast<float>(column_width_ * (column + in_texel));
   const double r = std::sqrt(std::max(0.0, (1.0 - draft.z) * (1.0 + draft.z)));
-  const Vec3 direction = static_cast<float>(r * math::cos(phi)) * axes_.x +
-                         static_cast<float>(r * math::sin(phi)) * axes_.y +
+  const Vec3 direction = static_cast<float>(r) * math::cos(phi) * axes_.x +
+                         static_cast<float>(r) * math::sin(phi) * axes_.y +
                          static_cast<float>(draft.z) * axes_.z;
   if (!from.sees(direction)) return std::nullopt;
   return Drawn{direction, density(share, draft.total), texel};
 }
 
 float EnvironmentMap::density(std::uint64_t share, std::uint64_t total) const {
-  return static_cast<float>(static_cast<double>(share) / static_cast<double>(total) * columns_ *
-                            rows_ * (0.25 * std::numbers::inv_pi));
+  return static_cast<float>(number_of(share) / number_of(total) * texels_per_steradian_);
 }
 
 float EnvironmentMap::pdf(const LightSamplingContext& from, Vec3 direction, Place place) const {

@@ -135,6 +135,7 @@ class EnvironmentMap {
   std::vector<Texel> texels_;
   Spectrum spectrum_;
   Axes axes_;
+  double row_height_, column_width_, texels_per_steradian_;  // of z, radians
   double mean_radiance_ = 0.0;
   std::vector<std::uint64_t> left_;          // rows x (columns + 1)
   std::vector<std::uint64_t> sums_;          // (rows + 1) x (strips + 1)

@@ -16,7 +16,7 @@ class SumGuide {
  public:
   /// Rows have `cells` cells, at most 2^16, and so one sum more.
   explicit SumGuide(std::uint32_t cells)
-      : cells_(cells), bits_(static_cast<std::uint32_t>(std::bit_width(cells / 4))) {}
+      : cells_(cells), bits_(static_cast<std::uint32_t>(std::bit_width(cells / 16))) {}
 
   /// The next row.
   void add(const std::uint64_t* sums) {
