@@ -338,6 +338,34 @@ TEST(WavelengthDensity, WeightsAreNearlyEven) {
             1.01);
 }
 
+// What has no other noise converges by how smoothly the density goes on: a thousand regular draws
+// find an integral to a hundred-thousandth. Densities that are even in each slice miss it by thirty
+// times as much.
+TEST(WavelengthDensity, IsSmoothWhereCurvesAre) {
+  std::vector<float> knots, values;
+  for (int i = 0; i <= 400; ++i) {
+    knots.push_back(380.0f + static_cast<float>(i));
+    values.push_back(static_cast<float>(std::exp(-std::pow((i - 170) / 50.0, 2))));
+  }
+  const auto value = [&](double nm) {
+    const double x = std::min(nm - 380.0, 399.999);
+    const auto cell = static_cast<std::size_t>(x);
+    const double t = x - static_cast<double>(cell);
+    return (values[cell] + t * static_cast<double>(values[cell + 1] - values[cell])) *
+           (1.0 + 0.5 * std::cos(nm / 40.0));
+  };
+  constexpr int kPoints = 4'000'000, kDraws = 1000;
+  double truth = 0.0, found = 0.0;
+  for (int i = 0; i < kPoints; ++i)
+    truth += 400.0 / kPoints * value(380.0 + 400.0 * (i + 0.5) / kPoints);
+  const WavelengthDensity density(knots, values);
+  for (int i = 0; i < kDraws; ++i) {
+    const auto draw = density.sample(Spectral<1>((static_cast<float>(i) + 0.5f) / kDraws));
+    found += static_cast<double>(draw.inverse_density[0]) * value(draw.nm[0]) / kDraws;
+  }
+  EXPECT_NEAR(found / truth, 1.0, 1e-5);
+}
+
 // Straight pieces are inverted to within a slice, also where they begin or end at zero.
 TEST(WavelengthDensity, Wedges) {
   const WavelengthDensity density({0.0f, 1.0f, 3.0f}, {0.0f, 2.0f, 0.0f});

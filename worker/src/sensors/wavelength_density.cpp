@@ -1,31 +1,36 @@
 #include "sensors/wavelength_density.h"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
-#include <functional>
+#include <limits>
+#include <optional>
 #include <stdexcept>
 
 namespace nocturne {
 namespace {
 
-// At least so many slices in all, and for each part; what two of them are worth is little.
-constexpr std::uint32_t kSlices = 2048, kSlicesOfPart = 8;
-constexpr double kLittle = 2.0 / kSlices;
+// Between two knots, where there is anything.
+struct ExactCell {
+  std::uint32_t number;
+  double knot, width, before, share, low;
 
-// What lies between two knots, or, where that is little, more.
-struct Part {
-  float knot;
-  double width, area, highest;
-  // Density at the beginning over the mean: linear, if this is one cell.
-  double low;
+  struct Point {
+    double offset, inverse_density;  // nm; from the knot
+  };
+  Point at(double u) const {
+    const double v = std::clamp((u - before) / share, 0.0, 1.0), high = 2.0 - low;
+    const double here = std::sqrt((1.0 - v) * low * low + v * high * high);
+    return {v > 0.0 ? width * std::min(1.0, 2.0 * v / (low + here)) : 0.0,
+            here > 0.0 ? width / (share * here) : std::numeric_limits<double>::infinity()};
+  }
 };
 
-std::vector<Part> cells_of(const std::vector<float>& knots, const std::vector<float>& density) {
+std::vector<ExactCell> cells_of(const std::vector<float>& knots,
+                                const std::vector<float>& density) {
   if (knots.size() < 2 || density.size() != knots.size()) {
     throw std::invalid_argument("a wavelength density needs two knots, and a value at each");
   }
-  std::vector<Part> cells;
+  std::vector<ExactCell> cells;
+  double sum = 0.0;
   for (std::size_t i = 0; i < knots.size(); ++i) {
     if (!std::isfinite(knots[i]) || !std::isfinite(density[i]) || !(density[i] >= 0.0f)) {
       throw std::invalid_argument("a wavelength density that is negative or not finite");
@@ -34,105 +39,113 @@ std::vector<Part> cells_of(const std::vector<float>& knots, const std::vector<fl
     const double width = static_cast<double>(knots[i]) - knots[i - 1];
     if (width < 0.0) throw std::invalid_argument("a wavelength density whose knots go back");
     const double both = static_cast<double>(density[i - 1]) + density[i];
-    if (width > 0.0 && both > 0.0) {
-      cells.push_back({knots[i - 1], width, 0.5 * width * both,
-                       std::max(density[i - 1], density[i]), 2.0 * density[i - 1] / both});
-    }
+    const double area = 0.5 * width * both;
+    if (!(area > 0.0)) continue;
+    cells.push_back({static_cast<std::uint32_t>(i - 1), knots[i - 1], width, sum, area,
+                     2.0 * density[i - 1] / both});
+    sum += area;
   }
   if (cells.empty()) throw std::invalid_argument("a wavelength density that is zero everywhere");
+  for (ExactCell& cell : cells) {
+    cell.before /= sum;
+    cell.share /= sum;
+  }
   return cells;
 }
 
-double area_of(const std::vector<Part>& parts) {
-  double sum = 0.0;
-  for (const Part& part : parts) sum += part.area;
-  return sum;
+// The one that a u above 0 ends in, or 0 begins in.
+std::size_t cell_at(const std::vector<ExactCell>& cells, double u) {
+  const auto after = std::ranges::lower_bound(cells, u, {}, &ExactCell::before);
+  return after == cells.begin() ? 0 : static_cast<std::size_t>(after - cells.begin()) - 1;
 }
 
-// Neighbours that together are at most `little`, were their density everywhere what it is at most,
-// become one.
-std::vector<Part> together(const std::vector<Part>& cells, double little) {
-  std::vector<Part> parts;
-  for (const Part& cell : cells) {
-    if (!parts.empty()) {
-      Part& last = parts.back();
-      const double width = last.width + cell.width;
-      const double highest = std::max(last.highest, cell.highest);
-      // No gap between them.
-      const bool touch = static_cast<double>(last.knot) + last.width == cell.knot;
-      if (touch && highest * width <= little) {
-        last = {last.knot, width, last.area + cell.area, highest, 1.0};
-        continue;
-      }
-    }
-    parts.push_back(cell);
+struct Parabola {
+  double knot, offset, slope, bend;
+};
+
+// Of the slice [begin, begin + width) of the unit interval; nothing where the density goes another
+// way.
+std::optional<Parabola> parabola(const std::vector<ExactCell>& cells, double begin, double width) {
+  constexpr int kLooks = 8;
+  const auto exact = [&](double u) { return cells[cell_at(cells, u)].at(u).inverse_density; };
+  const ExactCell& last = cells[cell_at(cells, begin + width)];
+  // What ends exactly at a knot goes on behind it.
+  std::size_t first_cell = cell_at(cells, begin);
+  if (first_cell + 1 < cells.size() && cells[first_cell + 1].before <= begin) ++first_cell;
+  const ExactCell& first = cells[first_cell];
+  const auto from = first.at(begin), to = last.at(begin + width);
+  const double mean = (last.knot - first.knot + to.offset - from.offset) / width;
+  const double bend = 0.5 * (to.inverse_density - from.inverse_density);
+  const auto agrees = [&](double is, double asked) {
+    return std::fabs(is - asked) <= WavelengthDensity::kSmooth * asked;
+  };
+  if (!agrees(mean - bend, from.inverse_density) || !agrees(mean + bend, to.inverse_density)) {
+    return std::nullopt;
   }
-  return parts;
-}
-
-// One for each part, the others by area, those that are left where most is missing.
-std::vector<std::uint32_t> slices_of(const std::vector<Part>& parts, std::uint32_t count) {
-  const double total = area_of(parts);
-  std::vector<std::uint32_t> slices, order;
-  std::vector<double> missing;
-  std::uint32_t left = count;
-  for (const Part& part : parts) {
-    const double share = part.area / total;
-    const double others = static_cast<double>(count) - static_cast<double>(parts.size());
-    slices.push_back(1 + static_cast<std::uint32_t>(share * others));
-    missing.push_back(share * count - slices.back());
-    order.push_back(static_cast<std::uint32_t>(order.size()));
-    left -= slices.back();
+  for (int i = 0; i < kLooks; ++i) {
+    const double x = (i + 0.5) / kLooks;
+    if (!agrees(mean + (2.0 * x - 1.0) * bend, exact(begin + x * width))) return std::nullopt;
   }
-  std::ranges::stable_sort(order, std::greater(), [&](std::uint32_t p) { return missing[p]; });
-  for (std::uint32_t i = 0; i < left; ++i) ++slices[order[i]];
-  return slices;
-}
-
-// Where a share of a part's area lies to the left, over its width; half of the last bit away from
-// where a density of zero ends.
-double place_of(double share, double low) {
-  const double high = 2.0 - low;
-  const double here = std::sqrt((1.0 - share) * low * low + share * high * high);
-  return share > 0.0 ? std::min(1.0, 2.0 * share / (low + here)) : 0.0;
+  return Parabola{first.knot, from.offset, mean - bend, bend / width};
 }
 
 }  // namespace
 
 WavelengthDensity::WavelengthDensity(const std::vector<float>& knots,
                                      const std::vector<float>& density) {
-  const std::vector<Part> cells = cells_of(knots, density);
-  const std::vector<Part> parts = together(cells, kLittle * area_of(cells));
-  const std::uint32_t count =
-      std::bit_ceil(std::max(kSlices, kSlicesOfPart * static_cast<std::uint32_t>(parts.size())));
-  count_ = static_cast<float>(count);
-  inverse_count_ = 1.0f / count_;
-  quarter_ = count / kTogether;
-  shift_ = static_cast<std::uint32_t>(std::bit_width(quarter_)) - 1;
-  pieces_.resize(count);
-  const std::vector<std::uint32_t> slices = slices_of(parts, count);
-  std::uint32_t slice = 0;
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const auto at = [&](std::uint32_t i) {
-      return parts[p].width * place_of(static_cast<double>(i) / slices[p], parts[p].low);
-    };
-    for (std::uint32_t i = 0; i < slices[p]; ++i) {
-      pieces_[place(slice++)] = {parts[p].knot, static_cast<float>(at(i)),
-                                 static_cast<float>((at(i + 1) - at(i)) * count), 0.0f};
-    }
+  const std::vector<ExactCell> cells = cells_of(knots, density);
+  double before = 0.0;
+  for (std::size_t i = 0, next = 0; i < knots.size(); ++i) {
+    const bool there = next < cells.size() && cells[next].number == i;
+    cells_.push_back(
+        {knots[i], static_cast<float>(before), there ? static_cast<float>(cells[next].low) : 1.0f});
+    if (!there) continue;
+    before = cells[next].before + cells[next].share;
+    ++next;
+  }
+  // Behind the last cell that has anything.
+  for (std::size_t i = cells.back().number + 1; i < cells_.size(); ++i) cells_[i].before = 1.0f;
+
+  slices_.resize(kSlices);
+  for (std::uint32_t slice = 0; slice < kSlices; ++slice) {
+    const double begin = static_cast<double>(slice) / kSlices;
+    const auto found = parabola(cells, begin, 1.0 / kSlices);
+    slices_[place(slice)] =
+        found ? Slice{static_cast<float>(found->knot), static_cast<float>(found->offset),
+                      static_cast<float>(found->slope), static_cast<float>(found->bend)}
+              : Slice::steep(cells[cell_at(cells, begin)].number);
   }
 }
 
+WavelengthDensity::Inverted WavelengthDensity::invert(float u, std::uint32_t cell) const {
+  while (cells_[cell + 1].before <= u) ++cell;
+  const Cell& here = cells_[cell];
+  const float width = cells_[cell + 1].nm - here.nm, share = cells_[cell + 1].before - here.before;
+  // Where the density falls to zero, half of the last bit away from it.
+  const float v = std::clamp((u - here.before) / share, 0x1p-25f, 1.0f - 0x1p-24f);
+  const float high = 2.0f - here.low;  // over the cell's mean
+  const float root = std::sqrt((1.0f - v) * here.low * here.low + v * high * high);
+  const float t = std::min(1.0f, 2.0f * v / (here.low + root));
+  return {here.nm + t * width, width / (share * root)};
+}
+
 float WavelengthDensity::pdf(float nm) const {
-  std::uint32_t low = 0, high = kTogether * quarter_;
-  while (high - low > 1) {
-    const std::uint32_t middle = low + (high - low) / 2;
-    (begin(middle) <= static_cast<double>(nm) ? low : high) = middle;
+  if (!(nm >= cells_.front().nm && nm < cells_.back().nm)) return 0.0f;
+  const auto after = std::upper_bound(cells_.begin(), cells_.end(), nm,
+                                      [](float at, const Cell& cell) { return at < cell.nm; });
+  const Cell& cell = *(after - 1);
+  const float width = after->nm - cell.nm, share = after->before - cell.before;
+  const float t = (nm - cell.nm) / width;
+  const float below = cell.before + share * t * (cell.low + t * (1.0f - cell.low));
+  const auto number = std::min(static_cast<std::uint32_t>(below * kSlices), kSlices - 1);
+  const Slice& slice = slices_[place(number)];
+  if (slice.slope == 0.0f || share == 0.0f) {
+    return share / width * (cell.low + t * 2.0f * (1.0f - cell.low));
   }
-  const float width = pieces_[place(low)].inverse_density;
-  const double inside = static_cast<double>(nm) - begin(low);
-  return inside >= 0.0 && inside < static_cast<double>(width * inverse_count_) ? 1.0f / width
-                                                                               : 0.0f;
+  const double x = std::max(0.0, static_cast<double>(nm) - static_cast<double>(slice.knot) -
+                                     static_cast<double>(slice.offset));
+  const double slope = slice.slope, bend = slice.bend;
+  return static_cast<float>(1.0 / std::sqrt(slope * slope + 4.0 * bend * x));
 }
 
 }  // namespace nocturne

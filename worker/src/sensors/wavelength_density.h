@@ -1,6 +1,8 @@
-// A density over wavelength, nearly linear between knots, and draws from it.
+// A density over wavelength, linear between knots, and draws from it.
 #pragma once
 
+#include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -9,11 +11,11 @@
 
 namespace nocturne {
 
-/// The unit interval in equal slices, whose number is a power of two; each belongs to a piece of
-/// the wavelengths, over which the density is even, so that a stratified u gives stratified
-/// wavelengths and a draw takes one look and no division. Pieces follow what is asked for: none has
-/// a knot inside, unless it is worth less than a slice and as even as that; zero where that is
-/// zero.
+/// Zero outside the knots. A stratified u gives stratified wavelengths. The unit interval has equal
+/// slices, whose number is a power of two; over most of them the wavelength is a parabola, as near
+/// to what belongs to the density as kSmooth, and a draw takes one look, no root and no division.
+/// In the others, where the density rises steeply, as at narrow lines and far off the responses'
+/// peaks, the place inside is found by inverting the density's own sum.
 class WavelengthDensity {
  public:
   template <int N>
@@ -21,6 +23,9 @@ class WavelengthDensity {
     Spectral<N> nm;
     Spectral<N> inverse_density;  // nm
   };
+  /// Relative. An image without noise converges by how smoothly the density goes on, so this is
+  /// what weights may jump by where slices meet.
+  static constexpr double kSmooth = 1e-3;
 
   /// Knots in nm, not decreasing, and the density at each, of any size. Throws
   /// std::invalid_argument where they differ in number, are not finite, negative, out of order, or
@@ -32,12 +37,19 @@ class WavelengthDensity {
   Draw<N> sample(const Spectral<N>& u) const {
     Draw<N> draw;
     for (std::size_t k = 0; k < N; ++k) {
-      const auto slice = static_cast<std::uint32_t>(static_cast<std::int32_t>(u[k] * count_));
-      const Piece& piece = pieces_[place(slice)];
+      const auto number = static_cast<std::uint32_t>(static_cast<std::int32_t>(u[k] * kSlices));
+      const Slice& slice = slices_[place(number)];
+      if (slice.slope == 0.0f) [[unlikely]] {
+        const auto [nm, inverse_density] = invert(u[k], slice.steep_cell());
+        draw.nm[k] = nm;
+        draw.inverse_density[k] = inverse_density;
+        continue;
+      }
       // Exact: the slices are a power of two.
-      const float inside = u[k] - static_cast<float>(slice) * inverse_count_;
-      draw.nm[k] = piece.knot + (piece.offset + inside * piece.inverse_density);
-      draw.inverse_density[k] = piece.inverse_density;
+      const float inside = u[k] - static_cast<float>(number) * (1.0f / kSlices);
+      const float bend = slice.bend * inside;
+      draw.nm[k] = slice.knot + (slice.offset + inside * (slice.slope + bend));
+      draw.inverse_density[k] = slice.slope + 2.0f * bend;
     }
     return draw;
   }
@@ -46,24 +58,34 @@ class WavelengthDensity {
   float pdf(float nm) const;
 
  private:
-  // Begins at knot + offset, nm: lines may be narrower than what a float can tell there.
-  struct Piece {
-    float knot, offset, inverse_density, unused;
+  struct Cell {
+    float nm;      // where it begins
+    float before;  // what lies below
+    float low;     // density at the beginning over the cell's mean, in [0, 2]
   };
-  static constexpr std::uint32_t kTogether = 4;
+  struct Slice {
+    // Begins at knot + offset, nm: lines may be narrower than what a float can tell there.
+    float knot, offset;
+    // One over the density is slope + 2 bend x, nm; x of [0, 1 / kSlices). A slope of 0: steep.
+    float slope, bend;
+
+    static Slice steep(std::uint32_t cell) { return {std::bit_cast<float>(cell), 0, 0, 0}; }
+    std::uint32_t steep_cell() const { return std::bit_cast<std::uint32_t>(knot); }
+  };
+  struct Inverted {
+    float nm, inverse_density;
+  };
+  static constexpr std::uint32_t kSlices = 2048, kTogether = 4;
 
   // Slices that differ by a quarter, as those of a group do, lie side by side.
-  std::size_t place(std::uint32_t slice) const {
-    return kTogether * (slice & (quarter_ - 1)) + (slice >> shift_);
+  static std::size_t place(std::uint32_t slice) {
+    return kTogether * (slice % (kSlices / kTogether)) + slice / (kSlices / kTogether);
   }
-  double begin(std::uint32_t slice) const {
-    const Piece& piece = pieces_[place(slice)];
-    return static_cast<double>(piece.knot) + static_cast<double>(piece.offset);
-  }
+  // Of a u that falls into this cell or a later one.
+  Inverted invert(float u, std::uint32_t cell) const;
 
-  float count_ = 0.0f, inverse_count_ = 0.0f;
-  std::uint32_t quarter_ = 0, shift_ = 0;
-  std::vector<Piece> pieces_;
+  std::vector<Cell> cells_;  // and one more, where the last one ends
+  std::vector<Slice> slices_;
 };
 
 }  // namespace nocturne
