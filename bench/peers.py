@@ -6,7 +6,7 @@ import sys
 import tempfile
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from bench.errors import true_relmse
@@ -93,7 +93,7 @@ def _scene(scene: Scene, size: _Size, installed: Installed) -> Figures:
             mitsuba(installed, folder / "scene.json", folder / "mitsuba", film, _THREADS)
         )
         contenders |= {sampler: theirs[sampler] for sampler in PEERS}
-        return _compare(contenders, size) | {"way": way}
+        return _compare(contenders, replace(size, rounds=scene.rounds * size.rounds)) | {"way": way}
 
 
 def _ours(document: Document, folder: Path, film: FilmSize, size: _Size) -> tuple[Ours, str]:

@@ -26,6 +26,8 @@ class Scene:
     """Gives the document; files that it names go into the folder."""
     width: int
     height: int
+    rounds: int = 1
+    """So many times as many frames are measured: more where rare bright samples decide about the error."""
 
 
 def scenes() -> dict[str, Scene]:
@@ -33,7 +35,7 @@ def scenes() -> dict[str, Scene]:
     return {
         "cornell": Scene(lambda _: cornell(), 128, 128),
         "chart": Scene(lambda _: chart(), 96, 64),
-        "spheres": Scene(spheres, 128, 96),
+        "spheres": Scene(spheres, 128, 96, rounds=4),
         "room": Scene(room, 160, 120),
         "planes": Scene(planes, 128, 96),
     }
