@@ -10,7 +10,7 @@
 // are whole numbers of 64 bits, as differences of floating-point sums would lose the dark texels of
 // a map with a sun in it: a texel counts at least 1, the map 2^61.
 //
-// Memory: 24 bytes per texel and three quarters; 831 MB for 8192 x 4096.
+// Memory: 24 bytes per texel and a half; 822 MB for 8192 x 4096.
 #pragma once
 
 #include <array>
