@@ -139,6 +139,27 @@ TEST(Sobol, JointSetsIntegrateAFunctionOfBothBetterThanOthers) {
   EXPECT_LT(error({{0, 1, 2}, 3}), 0.3 * error({}));
 }
 
+// A pixel that has a dimension of another, as those of a block have its wavelengths, is still
+// spread evenly: a function of that and of its own numbers gains.
+TEST(Sobol, PixelsThatAreShuffledAlikeCanHaveEachOthersNumbers) {
+  const auto error = [](const JointSets& joint) {
+    double squares = 0.0;
+    for (std::uint32_t pixel = 0; pixel < 64; ++pixel) {
+      double sum = 0.0;
+      for (std::uint32_t sample = 0; sample < 1024; ++sample) {
+        PixelSequence own(SequenceKind::kSobol, 1, pixel, joint);
+        PixelSequence of_block(SequenceKind::kSobol, 1, pixel | (1u << 31), joint);
+        const Uniform4 u = PhotonSequence(own, sample).next();
+        const Uniform4 v = PhotonSequence(of_block, sample).next();
+        sum += (u[0] - 0.5) * (v[2] - 0.5) + (u[1] - 0.5) * (v[2] - 0.5);
+      }
+      squares += sum / 1024.0 * (sum / 1024.0);
+    }
+    return std::sqrt(squares / 64.0);
+  };
+  EXPECT_LT(error({.sets = {0, 1}, .count = 2, .alike = true}), 0.3 * error({{0, 1}, 2}));
+}
+
 // Over many pixels every single sample is uniform and two sets are uncorrelated: no bias, whatever
 // the sample index.
 TEST(Sequence, IsUniformAndUncorrelatedOverPixels) {

@@ -50,6 +50,9 @@ inline Uniform4 to_unit(__m128i fractions) {
 struct JointSets {
   std::array<std::uint32_t, kSobolTableCount> sets{};
   std::uint32_t count = 0;
+  /// The index is shuffled alike for all pixels: one may have a dimension of another and is spread
+  /// evenly with it.
+  bool alike = false;
 };
 
 /// What the photons of one pixel share. Not safe between threads: it remembers the scrambles of its
@@ -69,7 +72,9 @@ class PixelSequence {
         key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
         pixel_(pixel),
         hash_(splitmix64(splitmix64(seed) + pixel)),
-        joint_(joint) {}
+        joint_(joint),
+        joint_shuffle_(joint.alike ? static_cast<std::uint32_t>(splitmix64(~seed))
+                                   : static_cast<std::uint32_t>(word(joint.sets[0], 2))) {}
 
   SequenceKind kind() const { return kind_; }
 
@@ -110,7 +115,7 @@ class PixelSequence {
         _mm_set_epi64x(static_cast<long long>(word(set, 1)), static_cast<long long>(word(set, 0)));
     for (std::uint32_t table = 0; table < joint_.count; ++table) {
       if (joint_.sets[table] == set) {
-        return {scrambles, static_cast<std::uint32_t>(word(joint_.sets[0], 2)), table};
+        return {scrambles, joint_shuffle_, table};
       }
     }
     return {scrambles, static_cast<std::uint32_t>(word(set, 2)), 0};
@@ -122,6 +127,7 @@ class PixelSequence {
   std::uint32_t known_ = 0;
   std::uint64_t hash_;
   JointSets joint_;
+  std::uint32_t joint_shuffle_;
   std::array<Randomisation, kBranches * kRemembered> remembered_;
 };
 

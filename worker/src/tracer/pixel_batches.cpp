@@ -10,8 +10,9 @@
 namespace nocturne {
 namespace {
 
-/// Films are smaller.
-constexpr std::uint32_t kOfBlock = 1u << 31;
+/// Whose numbers: a pixel's, or a block's by its first pixel; of these, those that its pixels have
+/// in place of their own. Films are smaller.
+constexpr std::uint32_t kOfBlock = 1u << 31, kInPlaceOfOwn = 1u << 30;
 
 }  // namespace
 
@@ -50,10 +51,10 @@ void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums
         leader = at.y * film_.width + at.x;
       }
       PhotonSequence of_block(sequence_of(leader | kOfBlock), number_in_block(at.sample, place));
+      skip_pixel_numbers(scene_, of_block);
       if (at.leads) {
-        common = next_pixel_numbers(scene_, of_block);
-      } else {
-        skip_pixel_numbers(scene_, of_block);
+        PhotonSequence in_place(sequence_of(leader | kOfBlock | kInPlaceOfOwn), at.sample);
+        common = next_pixel_numbers(scene_, in_place);
       }
       numbers.time = common.time;
       batch_.sharing.sequences.push_back(of_block);
@@ -93,8 +94,8 @@ PixelSequence& PixelBatches<N, Media>::sequence_of(std::uint32_t pixel) {
   latest_ = end;
   pixels_.push_back(pixel);
   const std::uint32_t before = sets_of_pixel(scene_);
-  const JointSets joint =
-      (pixel & kOfBlock) != 0 ? joint_sets_of_block(before) : joint_sets_of_pixel(before);
+  const bool on_its_way = (pixel & (kOfBlock | kInPlaceOfOwn)) == kOfBlock;
+  const JointSets joint = on_its_way ? joint_sets_of_block(before) : joint_sets_of_pixel(before);
   return sequences_.emplace_back(scene_.options.sequence, scene_.options.seed, pixel, joint);
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tracer/batch.h"
+#include "tracer/power_heuristic.h"
 
 namespace nocturne {
 
@@ -89,8 +90,7 @@ class RadianceEstimator {
     return rounded;
   }
 
-  // With the MIS weight of the technique that met it (balance heuristic, Veach and Guibas, SIGGRAPH
-  // 1995).
+  // With the MIS weight of the technique that met it.
   void add_light(const Group<N>& group, const Spectral<N>& light,
                  const LightDirections::SkyPlace& place = {}) {
     if (brought_by(group.ends) != Transport::kAdjoint) return;
@@ -103,8 +103,9 @@ class RadianceEstimator {
       const bool by_kernel = group.mis.technique == MisTechnique::kKernel;
       // Drawn at a rim and rounded off it. The photon from the kernel has the whole weight there.
       if (!by_kernel && !(towards > 0.0f)) return;
-      const Spectral<N>& by_density = group.mis.kernel_pdf;
-      found *= (by_kernel ? by_density : Spectral<N>(1.0f)) / (by_density + towards);
+      const Spectral<N>& kernel = group.mis.kernel_pdf;
+      const Spectral<N> lights(towards);
+      found *= by_kernel ? power_share(kernel, lights) : power_share(lights, kernel) / lights;
     }
     add(group.tally, found, meets_direct_light(group));
   }

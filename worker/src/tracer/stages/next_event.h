@@ -5,6 +5,7 @@
 
 #include <span>
 
+#include "tracer/power_heuristic.h"
 #include "tracer/stages/directions.h"
 #include "tracer/stages/vertices.h"
 
@@ -58,7 +59,8 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
   const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, wi);
   Spectral<N> found = group.weight * there.value * radiance;
   if (!(largest(found) > 0.0f)) return;
-  found = found / (survival * there.pdf + light.pdf);
+  const Spectral<N> lights(light.pdf);
+  found *= power_share(lights, survival * there.pdf) / lights;
   ShadowRay<N>& shadow = batch.shadow_rays.emplace_back();
   shadow.way.ray.origin = leave_surface(vertex.hit, light.direction);
   shadow.way.ray.direction = light.direction;
