@@ -123,7 +123,7 @@ def open_ways(
         if tracing.aimed_emission is None and scene.important_shapes:
             names.append("aim")
             aimed = _AIMED
-        elif tracing.aimed_emission is None and scene.luminaires:
+        elif tracing.aimed_emission is None and (scene.luminaires or has_sky(scene)):
             names.append("learn")
         asked = replace(asked, direction=with_forward, aimed_emission=aimed)
     if asked.direction == "both" and "direction" in names and _may_lose_hints(tracing.mixture, scene):

@@ -28,7 +28,7 @@ struct TwoLamps {
       emitter.add_triangle(i, luminaires.back(), {{{{0, 0, 0}, {2.0f * edge, 0, 0}, {0, 1, 0}}}},
                            {Hit::kNoInstance, 0});
     }
-    emitter.finish({}, {}, geometry.bounds());
+    emitter.finish(lights, geometry.bounds());
   }
 
   std::optional<Emitted<1>> emit(float coarse, float fine) const {
@@ -77,8 +77,8 @@ TEST(PhotonEmitter, ASphereInAnInstanceEmitsAsTheEllipsoidThatItIs) {
   luminaires.emplace_back(0u, Colour(Spectrum(1.0f)), false, LambertianProfile{});
   PhotonEmitter emitter;
   emitter.add_sphere(0, luminaires[0], Sphere{0.5, 0.0, 0.25, 1.0}, geometry, 0);
-  emitter.finish({}, {}, geometry.bounds());
   const LightDirections lights({}, {}, {}, {}, {});
+  emitter.finish(lights, geometry.bounds());
   constexpr int kSteps = 512;
   double flux = 0.0, of_the_middle = 0.0;
   for (int i = 0; i < kSteps * kSteps; ++i) {

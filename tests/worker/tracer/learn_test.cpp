@@ -75,6 +75,21 @@ TEST(Learn, FindsTheBallThatMakesTheCaustic) {
   EXPECT_GT(learned.rays, 0u);
 }
 
+// Of the Sun, whose photons fall on all of the scene.
+TEST(Learn, FindsTheBallInDistantLight) {
+  test::SceneBuilder builder = test::floor_and_lamp(true);
+  builder.message.clear_luminaires();
+  auto& disc = *builder.message.add_distant_discs();
+  test::SceneBuilder::set(*disc.mutable_direction(), {0, 1, 0});
+  disc.set_half_angle(0.005);
+  disc.set_radiance(builder.add_spectrum(1e4f));
+  const Learned learned = learn(*builder.load(), {64, 48}, 1 << 15, 2);
+  const std::vector<Aim> aims = aims_around(learned.worth_aiming_at);
+  ASSERT_EQ(aims.size(), 1u);
+  EXPECT_LT(length(aims[0].centre - Vec3{0, -0.3f, -0.5f}), 0.5f);
+  EXPECT_LT(aims[0].radius, 0.6f);
+}
+
 TEST(Learn, FindsWhereTheBallGathersLight) {
   const auto scene = test::floor_and_lamp(true).load();
   const std::vector<LearnedLight::Arrival> arrivals = learn(*scene, {64, 48}, 1 << 15, 2).arrivals;

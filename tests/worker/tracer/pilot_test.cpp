@@ -24,40 +24,47 @@ const PilotFigures kNone{.photons = PilotFigures::kAdjointOfBoth};
 
 TEST(PilotOfBoth, WhereItHasLessErrorForTheSameCost) {
   const PilotFigures adjoint = figures(10, 1, 4.0);
-  EXPECT_EQ(forward_pays(adjoint, kNone, adjoint, figures(10, 0.1, 1.0, 2.0)),
+  EXPECT_EQ(forward_pays({adjoint, adjoint, kNone, adjoint}, figures(10, 0.1, 1.0, 2.0)),
             ForwardPays::kLessError);
-  EXPECT_EQ(forward_pays(adjoint, kNone, adjoint, figures(10, 0.1, 1.0, 4.0)), ForwardPays::kNot);
+  EXPECT_EQ(forward_pays({adjoint, adjoint, kNone, adjoint}, figures(10, 0.1, 1.0, 4.0)),
+            ForwardPays::kNot);
   // The rest's error and cost count, too.
-  EXPECT_EQ(forward_pays(adjoint, figures(5, 0.1, 3.0), figures(5, 1, 1), figures(5, 0.1, 0.1)),
+  EXPECT_EQ(forward_pays({adjoint, adjoint, figures(5, 0.1, 3.0), figures(5, 1, 1)},
+                         figures(5, 0.1, 0.1)),
             ForwardPays::kNot);
 }
 
 TEST(PilotOfBoth, NotWhereItHasFoundNothingOrHardlyAnything) {
   const PilotFigures adjoint = figures(10, 5, 400.0);
-  EXPECT_EQ(forward_pays(adjoint, kNone, adjoint, figures(0, 0, 0)), ForwardPays::kNot);
-  EXPECT_EQ(forward_pays(adjoint, kNone, adjoint, figures(10, 4, 0.01)), ForwardPays::kNot);
+  EXPECT_EQ(forward_pays({adjoint, adjoint, kNone, adjoint}, figures(0, 0, 0)), ForwardPays::kNot);
+  EXPECT_EQ(forward_pays({adjoint, adjoint, kNone, adjoint}, figures(10, 4, 0.01)),
+            ForwardPays::kNot);
 }
 
 // A way that misses light has little noise.
 TEST(PilotOfBoth, NotWhereItMissesWhatTheOtherFinds) {
   EXPECT_EQ(
-      forward_pays(figures(10, 0.1, 4.0), kNone, figures(10, 0.1, 4.0), figures(5, 0.1, 0.01)),
+      forward_pays({figures(10, 0.1, 4.0), figures(10, 0.1, 4.0), kNone, figures(10, 0.1, 4.0)},
+                   figures(5, 0.1, 0.01)),
       ForwardPays::kNot);
 }
 
 TEST(PilotOfBoth, WhereTheOtherMissesWhatItFinds) {
   EXPECT_EQ(
-      forward_pays(figures(5, 0.1, 0.01), kNone, figures(5, 0.1, 0.01), figures(10, 0.1, 4.0)),
+      forward_pays({figures(5, 0.1, 0.01), figures(5, 0.1, 0.01), kNone, figures(5, 0.1, 0.01)},
+                   figures(10, 0.1, 4.0)),
       ForwardPays::kFindsMore);
 }
 
 TEST(PilotOfBoth, WhereTheOtherHasFoundNothingAtAllOfWhatAFewFound) {
   const PilotFigures adjoint = figures(10, 0.1, 0.1), nothing = figures(0, 0, 0);
-  EXPECT_EQ(forward_pays(adjoint, adjoint, nothing, figures(1, 0.4, 500.0)),
+  EXPECT_EQ(forward_pays({adjoint, adjoint, adjoint, nothing}, figures(1, 0.4, 500.0)),
             ForwardPays::kFindsMore);
-  EXPECT_EQ(forward_pays(adjoint, adjoint, nothing, figures(1, 0.7, 500.0)), ForwardPays::kNot);
-  EXPECT_EQ(forward_pays(adjoint, adjoint, figures(0.1, 0.1, 1.0), figures(1, 0.4, 500.0)),
+  EXPECT_EQ(forward_pays({adjoint, adjoint, adjoint, nothing}, figures(1, 0.7, 500.0)),
             ForwardPays::kNot);
+  EXPECT_EQ(
+      forward_pays({adjoint, adjoint, adjoint, figures(0.1, 0.1, 1.0)}, figures(1, 0.4, 500.0)),
+      ForwardPays::kNot);
 }
 
 // Costs and errors of two that share the time: the best parts are as the roots of error over cost.
@@ -79,8 +86,35 @@ TEST(PilotOfBoth, GivesEachKindAsManyPhotonsAsPay) {
 TEST(PilotOfBoth, MayBeWorthItByTheirRatioAlone) {
   const PilotFigures adjoint = figures(10, 1, 4.0), rest = figures(5, 0.1, 0.01),
                      left = figures(5, 1, 4.0), forward = figures(5, 0.1, 2.0);
-  EXPECT_EQ(forward_pays(adjoint, rest, left, forward), ForwardPays::kNot);
-  EXPECT_EQ(forward_pays(adjoint, rest, left, forward, 4.0), ForwardPays::kLessError);
+  EXPECT_EQ(forward_pays({adjoint, adjoint, rest, left}, forward), ForwardPays::kNot);
+  EXPECT_EQ(forward_pays({adjoint, adjoint, rest, left}, forward, 4.0), ForwardPays::kLessError);
+}
+
+TEST(PilotOfBoth, TakesThePartOfAimedPhotonsThatIsBest) {
+  const AdjointFigures adjoint{figures(10, 1, 4.0), figures(10, 1, 4.0), figures(5, 0.1, 0.5),
+                               figures(5, 1, 3.5)};
+  const std::vector<PilotFigures> of_aims{figures(5, 0.1, 0.5), figures(5, 0.1, 0.1),
+                                          figures(5, 0.1, 9.0)};
+  const auto choose = [&](double worth_it) {
+    return choose_forward_photons(
+        adjoint, of_aims, [](const auto&, const auto&) { return 1.0; }, worth_it);
+  };
+  EXPECT_EQ(choose(kWorthIt).forward, &of_aims[1]);
+  EXPECT_DOUBLE_EQ(choose(kWorthIt).gain, 4.0 / (0.6 * 2.0));
+  EXPECT_FALSE(choose(kWorthIt).finds_more);
+  // What is gained is told even where none pay.
+  EXPECT_EQ(choose(4.0).forward, nullptr);
+  EXPECT_DOUBLE_EQ(choose(4.0).most_gain, 4.0 / (0.6 * 2.0));
+}
+
+TEST(PilotOfBoth, GuidesWhereThatFindsMoreOrHasMuchLessError) {
+  EXPECT_TRUE(guide_pays(figures(5, 0.1, 1.0), figures(6, 0.1, 9.0)));
+  EXPECT_FALSE(guide_finds_more(figures(5, 1, 1.0), figures(6, 1, 9.0)));
+  EXPECT_TRUE(guide_pays(figures(5, 1, 9.0), figures(5, 1, 1.0)));
+  // A pool whose lamp the others hardly ever meet; and one that the guided ones met once.
+  EXPECT_TRUE(guide_finds_more(figures(311, 83, 411.0), figures(32617, 13649, 1e8)));
+  EXPECT_FALSE(guide_finds_more(figures(311, 83, 411.0), figures(32617, 32000, 1e8)));
+  EXPECT_FALSE(guide_pays(figures(5, 1, 1.1), figures(5, 1, 1.0)));
 }
 
 TEST(PilotOfBoth, SendsAdjointPhotonsTowardsImportantShapesWhereTheyPay) {

@@ -89,6 +89,7 @@ class Elements {
   ElementPoint point_at(std::size_t i, const LightSamplingContext& from, Vec3 direction,
                         float distance) const;
   std::uint32_t luminaire(std::size_t i) const { return entries_[i].luminaire; }
+  bool is_ball_at_rest(std::size_t i) const { return entries_[i].kind == Kind::kBall; }
 
  private:
   enum class Kind : std::uint8_t { kPatch, kBall, kMovingPatch, kMovingBall };

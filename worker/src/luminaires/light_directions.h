@@ -33,6 +33,9 @@ class LightDirections {
   /// Nothing to point at, or no weight on it.
   bool empty() const { return !(luminaires_share_ + sky_share_ + important_share_ > 0.0f); }
 
+  /// Whether `sample` may draw directions to important shapes.
+  bool points_at_important() const { return important_share_ > 0.0f; }
+
   /// A unit direction from there; three uniform numbers. Empty where the drawn way gives none.
   std::optional<Vec3> sample(const LightSamplingContext& from, float choice, float u1,
                              float u2) const;

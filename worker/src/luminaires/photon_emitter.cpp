@@ -67,15 +67,14 @@ void PhotonEmitter::add_sphere(std::uint32_t luminaire, const Luminaire& what, c
   add({luminaire, static_cast<float>(area), {}, sphere, {instance, 0}}, what);
 }
 
-void PhotonEmitter::finish(std::span<const DistantDisc> discs,
-                           const std::optional<Environment>& environment, Geometry::Ball bounds) {
-  bounds_ = bounds;
+void PhotonEmitter::finish(const LightDirections& lights, Geometry::Ball bounds) {
+  distant_start_ = DistantStart(lights.important().elements(), bounds);
   const double disc_area = std::numbers::pi * bounds.radius * bounds.radius;
-  for (const DistantDisc& disc : discs) {
+  for (const DistantDisc& disc : lights.discs()) {
     fluxes_.push_back(disc_area * disc.irradiance(disc.direction(), false));
   }
-  if (environment) {
-    fluxes_.push_back(disc_area * 4.0 * std::numbers::pi * environment->mean_radiance());
+  if (lights.environment()) {
+    fluxes_.push_back(disc_area * 4.0 * std::numbers::pi * lights.environment()->mean_radiance());
   }
   double total = 0.0;
   for (const double flux : fluxes_) total += flux;

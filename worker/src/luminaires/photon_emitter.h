@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "luminaires/distant_disc.h"
+#include "luminaires/distant_start.h"
 #include "luminaires/environment.h"
 #include "luminaires/light_directions.h"
 #include "luminaires/luminaire.h"
@@ -47,11 +48,10 @@ class PhotonEmitter {
                   const Geometry& geometry, std::uint32_t instance = Hit::kNoInstance);
   /// After the last element. `bounds` holds the scene: distant light is emitted from a disc of its
   /// size, outside it.
-  void finish(std::span<const DistantDisc> discs, const std::optional<Environment>& environment,
-              Geometry::Ball bounds);
+  void finish(const LightDirections& lights, Geometry::Ball bounds);
 
-  /// Time in [0, 1]; eight uniform numbers. Of the photons from surfaces the part `aimed`, in
-  /// [0, 1), is drawn towards the important shapes of `lights`, and all carry what that changes.
+  /// Time in [0, 1]; eight uniform numbers. The part `aimed` of the photons, in [0, 1), is
+  /// drawn towards the important shapes of `lights`, and all carry what that changes.
   /// Empty where nothing is emitted from the drawn place.
   template <int N>
   std::optional<Emitted<N>> emit(std::span<const Luminaire> luminaires,
@@ -61,7 +61,7 @@ class PhotonEmitter {
     if (cumulative_.empty()) return std::nullopt;
     const auto [chosen, probability, rest] = choose(a[2], a[3]);
     if (chosen >= elements_.size()) {
-      return emit_distant<N>(chosen - elements_.size(), lights.discs(), lights.environment(),
+      return emit_distant<N>(chosen - elements_.size(), lights.discs(), lights.environment(), aimed,
                              wavelengths_nm, {a[0], a[1], a[2], rest}, b, probability);
     }
     const Element& element = elements_[chosen];
@@ -127,10 +127,10 @@ class PhotonEmitter {
 
   template <int N>
   std::optional<Emitted<N>> emit_distant(std::size_t which, std::span<const DistantDisc> discs,
-                                         const std::optional<Environment>& environment,
+                                         const std::optional<Environment>& environment, float aimed,
                                          const Spectral<N>& wavelengths_nm, const Uniform4& a,
                                          const Uniform4& b, float probability) const {
-    const LightSamplingContext anywhere{bounds_.centre, {0, 0, 1}, true, 0.0f};
+    const LightSamplingContext anywhere{distant_start_.bounds().centre, {0, 0, 1}, true, 0.0f};
     Vec3 towards;
     float pdf;
     Spectral<N> radiance;
@@ -146,21 +146,17 @@ class PhotonEmitter {
       radiance = environment->radiance(*drawn, wavelengths_nm);
     }
     if (!(pdf > 0.0f)) return std::nullopt;
-    const Vec3 disc = CosineHemisphere::sample(b[0], b[1]);  // x, y uniform on the unit disc
-    const Frame frame(towards);
-    const float r = bounds_.radius;
-    const Vec3 origin =
-        bounds_.centre + r * (towards + disc.x * frame.tangent + disc.y * frame.bitangent);
-    return Emitted<N>{{origin, -towards},
+    const DistantStart::Start start = distant_start_.sample(towards, aimed, b);
+    return Emitted<N>{{start.origin, -towards},
                       {},
-                      (kPi * r * r / (pdf * probability)) * radiance,
+                      (1.0f / (start.pdf * pdf * probability)) * radiance,
                       Emitted<N>::kDistant};
   }
 
   std::vector<Element> elements_;
   std::vector<double> fluxes_;      // only while building
   std::vector<double> cumulative_;  // elements, discs, environment
-  Geometry::Ball bounds_{};
+  DistantStart distant_start_;
 };
 
 }  // namespace nocturne

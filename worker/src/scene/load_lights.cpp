@@ -306,7 +306,7 @@ PhotonEmitter load_emitter(const std::vector<Luminaire>& luminaires, const Light
       }
     });
   }
-  emitter.finish(lights.discs(), lights.environment(), geometry.bounds());
+  emitter.finish(lights, geometry.bounds());
   return emitter;
 }
 

@@ -202,8 +202,8 @@ bool occlusion_decides(const TracingOptions& options, const std::vector<SurfaceM
                        const std::vector<MediumInterface>& medium_interfaces,
                        const LightDirections& lights, const std::vector<Luminaire>& luminaires,
                        const std::vector<std::uint32_t>& groups) {
-  return options.estimator == Estimator::kTwoPhotons && options.direction == Direction::kAdjoint &&
-         medium_interfaces.empty() && lights.important().empty() &&
+  return options.estimator == Estimator::kTwoPhotons && options.direction != Direction::kForward &&
+         medium_interfaces.empty() && !lights.points_at_important() &&
          std::ranges::none_of(materials, lets_light_through) &&
          std::ranges::none_of(materials, &SurfaceMaterial::close) &&
          std::ranges::none_of(luminaires, [&](const Luminaire& luminaire) {

@@ -2,6 +2,9 @@
 // (docs/decisions/0062-ways-are-chosen-by-a-pilot.md).
 #pragma once
 
+#include <functional>
+#include <vector>
+
 #include "tracer/pilot_figures.h"
 
 namespace nocturne {
@@ -19,15 +22,46 @@ double best_forward_ratio(const PilotFigures& adjoint, const PilotFigures& forwa
 /// Error times cost of both kinds together.
 double product_of_both(const PilotFigures& adjoint, const PilotFigures& forward, double ratio);
 
+/// How many times less error for the same time both kinds together have than photons from the
+/// sensor `alone`.
+double gain_of_both(const PilotFigures& alone, const PilotFigures& rest,
+                    const PilotFigures& forward, double ratio);
+
 /// What is better about forward photons.
 enum class ForwardPays { kNot, kLessError, kFindsMore };
 
-/// Whether photons start at luminaires. `adjoint` are photons from the sensor that bring all light,
-/// `rest` those that leave to `forward` ones what these bring (all zero where these bring all), and
-/// `left` is what they leave: the difference of `adjoint` and `rest` with the same numbers.
-/// `ratio`: of forward photons to those of `rest`.
-ForwardPays forward_pays(const PilotFigures& adjoint, const PilotFigures& rest,
-                         const PilotFigures& left, const PilotFigures& forward, double ratio = 1.0);
+/// Photons from the sensor beside which forward ones are judged.
+struct AdjointFigures {
+  /// Those that bring all light, not guided; and as they were when directions were compared.
+  PilotFigures alone, all;
+  /// Those that leave to forward ones what these bring (all zero where these bring all), and what
+  /// they leave: the difference to `all` with the same numbers.
+  PilotFigures rest, left;
+};
+
+/// Whether photons start at luminaires. `ratio`: of forward photons to those of `rest`.
+ForwardPays forward_pays(const AdjointFigures& adjoint, const PilotFigures& forward,
+                         double ratio = 1.0, double worth_it = kWorthIt);
+
+/// Of forward photons by parts of them that are aimed.
+struct ForwardChoice {
+  /// None where none pay.
+  const PilotFigures* forward = nullptr;
+  double ratio = 1.0, gain = 0.0;
+  bool finds_more = false;
+  /// By any of them, whether or not they pay.
+  double most_gain = 0.0;
+};
+ForwardChoice choose_forward_photons(
+    const AdjointFigures& adjoint, const std::vector<PilotFigures>& of_aims,
+    const std::function<double(const PilotFigures& rest, const PilotFigures& forward)>& ratio_of,
+    double worth_it);
+
+/// Whether guided photons find light that others miss. Where a way to it is too narrow for chance,
+/// those are too dark, and look good.
+bool guide_finds_more(const PilotFigures& unguided, const PilotFigures& guided);
+/// Or have so much less error that these are left for them.
+bool guide_pays(const PilotFigures& unguided, const PilotFigures& guided);
 
 /// Whether photons from the sensor that leave to forward ones what these bring are sent towards
 /// important shapes, by what they did `with` these and `without`.

@@ -48,7 +48,6 @@ Learned learn_chunk(const Scene& scene, Film film, std::uint64_t first, std::uin
       PixelSequence numbers = photon_numbers(scene, photon);
       PhotonSequence sequence(numbers, sample_of_photon(photon));
       const PhotonStart<N> from = start_photon<N>(scene, sequence);
-      if (!from.from_surface) continue;
       const auto place = first_place(scene, film, from.start);
       if (place) found.worth_aiming_at.push_back(*place);
     }

@@ -27,8 +27,6 @@ struct PhotonStart {
   WavelengthSamples<N> wavelengths;
   /// With flux 0 where none is emitted.
   Start<N> start;
-  /// Left a luminaire on a surface, rather than a distant one.
-  bool from_surface = false;
 };
 
 /// From the first numbers of its sequence.
@@ -51,8 +49,8 @@ PhotonStart<N> start_photon(const Scene& scene, PhotonSequence& sequence) {
   start.departure = emitted->departure;
   start.time = time;
   start.flux = emitted->flux;
-  photon.from_surface = emitted->luminaire != Emitted<N>::kDistant;
-  if (photon.from_surface) start.inside = scene.luminaires_inside[emitted->luminaire];
+  const bool distant = emitted->luminaire == Emitted<N>::kDistant;
+  if (!distant) start.inside = scene.luminaires_inside[emitted->luminaire];
   return photon;
 }
 

@@ -1,3 +1,6 @@
+// The order of what a pilot asks, in one long file, as each choice goes on from the figures of
+// those before: direction, guide, sharing. What the figures mean is decided in forward_pays and
+// sharing_pays.
 #include "tracer/pilot.h"
 
 #include <algorithm>
@@ -31,6 +34,12 @@ constexpr std::size_t kParts = 5;
 /// Part of the render's samples that a pilot takes with its lessons, the most samples without
 /// these, and the most rays.
 constexpr double kPart = 0.024, kMaxSamples = 1.5e6, kMaxRays = 12e6;
+/// A closer look at both directions, where a small film left that open, takes this part of it.
+constexpr double kSecondLook = 6.0;
+constexpr std::uint32_t kPatch = 4;  // edge of its squares, pixels
+constexpr double kFewPatches = 8.0;
+/// Then less is enough: the light in question comes in bright samples, of which few were met.
+constexpr double kWorthItCloser = 1.1;
 /// What is enough to tell directions apart is taken even if that is a larger part of a render,
 /// as long as its rays are a matter of a second.
 constexpr double kEnoughSamples = 50e3, kEnoughRays = 0.5e6;
@@ -103,12 +112,21 @@ class Pilot {
       if (request_.aim && fewer < aims.front()) aims.push_back(fewer);
     }
     const bool both = before_.direction == Direction::kBoth, hint = request_.hint && both;
-    // Whatever is better once adjoint photons are guided: whether they are is asked then.
-    scene_.options.guide = request_.guide;
     const auto ways = static_cast<double>((request_.guide ? 3 : 2) + (hint ? 1 : 0) + aims.size());
     const Film film = trials_.reduced(budget_ / 2 / (ways * Trials::kImages * kSamples));
     const auto square = whole(film, kSamples);
-    const PilotImages all = trials_.images(Direction::kAdjoint, 1, film, square);
+    const PilotImages plain = trials_.images(Direction::kAdjoint, 1, film, square);
+    PilotImages led = plain;
+    if (request_.guide) {
+      scene_.options.guide = true;
+      led = trials_.images(Direction::kAdjoint, 1, film, square);
+    }
+    const std::vector<double> first_look = shown_by({&plain}, {&led});
+    // The better ones of these leave to forward photons what those bring.
+    guided_first_ = request_.guide && guide_pays(adjoint_figures(plain, false, first_look),
+                                                 adjoint_figures(led, true, first_look));
+    scene_.options.guide = guided_first_;
+    const PilotImages& all = guided_first_ ? led : plain;
     PilotImages rest, unhinted, left = all;
     if (both) {
       rest = trials_.images(Direction::kBoth, 1, film, square);
@@ -128,56 +146,79 @@ class Pilot {
       forward.push_back(trials_.images(before_.direction, 1, film, square, Trials::kImages, true));
     }
     scene_.options.guide = false;
-    const PilotImages plain =
-        request_.guide ? trials_.images(Direction::kAdjoint, 1, film, square) : all;
     const PilotImages& best = *std::ranges::min_element(
         forward, {}, [](const PilotImages& each) { return mean_and_error(each)[1]; });
     const std::vector<double> shown = shown_by({&all}, {&rest, &best});
-    const PilotFigures unguided = figures_of(PilotFigures::kAdjoint, 1, plain, shown);
-    PilotFigures adjoint = figures_of(PilotFigures::kAdjoint, 1, all, shown);
-    PilotFigures others{.photons = PilotFigures::kAdjointOfBoth};
-    if (both) others = figures_of(PilotFigures::kAdjointOfBoth, 1, rest, shown);
-    PilotFigures without{.photons = PilotFigures::kAdjointOfBoth};
-    if (hint) without = figures_of(PilotFigures::kAdjointOfBoth, 1, unhinted, shown);
+    unguided_ = adjoint_figures(plain, false, shown);
+    guided_ = adjoint_figures(led, true, shown);
+    const PilotFigures& adjoint = guided_first_ ? guided_ : unguided_;
+    PilotFigures others{.photons = PilotFigures::kAdjointOfBoth}, without = others;
+    if (both) others = adjoint_figures(rest, guided_first_, shown, others.photons);
+    if (hint) without = adjoint_figures(unhinted, guided_first_, shown, without.photons);
     without.hinted = false;
     const PilotFigures left_to_them = figures_of(PilotFigures::kAdjoint, 1, left, shown);
-    result_.tried = {unguided};
-    if (request_.guide) {
-      for (PilotFigures* each : {&adjoint, &others, &without}) {
-        each->guided = true;
-        each->cost *= kGuideCost;
-      }
-      result_.tried.push_back(adjoint);
-      unguided_ = unguided;
-      guided_ = adjoint;
-    }
+    result_.tried = {unguided_};
+    if (request_.guide) result_.tried.push_back(guided_);
     if (both) result_.tried.push_back(others);
     if (hint) {
       result_.tried.push_back(without);
       if (!hints_pay(others, without)) others = without;
     }
+    std::vector<PilotFigures> of_aims;
     for (std::size_t i = 0; i < aims.size(); ++i) {
-      PilotFigures found = figures_of(PilotFigures::kForward, 1, forward[i], shown);
+      PilotFigures& found =
+          of_aims.emplace_back(figures_of(PilotFigures::kForward, 1, forward[i], shown));
       found.aimed = aims[i];
       found.cost *= kForwardCost;
       result_.tried.push_back(found);
-      const double ratio = ratio_with(others, found);
-      const ForwardPays pays = forward_pays(adjoint, others, left_to_them, found, ratio);
-      const double gain =
-          unguided.relative_mse * unguided.cost / product_of_both(others, found, ratio);
-      const bool better =
-          result_.choice.direction == Direction::kAdjoint || gain > result_.choice.gain;
-      if (pays == ForwardPays::kNot || !better) continue;
-      adjoint_ = others;
-      forward_ = found;
-      // Photons that are not guided may miss light that the others have in common.
-      const double apart =
-          kApart * math::hypot(unguided.mean_error, others.mean_error, found.mean_error);
-      const bool finds_more =
-          pays == ForwardPays::kFindsMore || others.mean + found.mean - unguided.mean > apart;
-      result_.choice = {before_.direction, 1, found.aimed, ratio, gain, finds_more};
-      result_.choice.hinted = others.hinted;
     }
+    AdjointFigures beside{unguided_, adjoint, others, left_to_them};
+    const double gain = choose_forward(beside, of_aims, kWorthIt);
+    if (both && result_.choice.direction == Direction::kAdjoint && gain * kWorthIt > 1.0) {
+      look_closer(beside);
+      choose_forward(beside, of_aims, kWorthItCloser);
+    }
+  }
+
+  /// What differs within the large pixels of a small film hides what is gained in small ones.
+  void look_closer(AdjointFigures& adjoint) {
+    scene_.options.guide = guided_first_;
+    scene_.lights.set_hints(adjoint.rest.hinted);
+    const double pixels = budget_ / kSecondLook / (kSharingImages * kMaxSharingSamples);
+    const auto squares = trials_.some_squares(std::max(kFewPatches, pixels / (kPatch * kPatch)),
+                                              kPatch, kMaxSharingSamples);
+    const PilotImages rest =
+        trials_.images(Direction::kBoth, 1, request_.film, squares, kSharingImages);
+    scene_.options.guide = false;
+    adjoint.rest.relative_mse =
+        adjoint_figures(rest, false, shown_by({&rest}, {&rest})).relative_mse;
+    adjoint.all.relative_mse = adjoint.rest.relative_mse + adjoint.left.relative_mse;
+    adjoint.alone = adjoint.all;
+  }
+
+  /// The best forward photons, if they pay. Gives how much is gained at most.
+  double choose_forward(const AdjointFigures& adjoint, const std::vector<PilotFigures>& of_aims,
+                        double worth_it) {
+    const auto ratio = [this](const auto& rest, const auto& found) {
+      return ratio_with(rest, found);
+    };
+    const ForwardChoice found = choose_forward_photons(adjoint, of_aims, ratio, worth_it);
+    if (found.forward == nullptr) return found.most_gain;
+    adjoint_ = adjoint.rest;
+    forward_ = *found.forward;
+    result_.choice = {before_.direction, 1,          forward_.aimed,
+                      found.ratio,       found.gain, found.finds_more};
+    result_.choice.hinted = adjoint_.hinted;
+    return found.most_gain;
+  }
+
+  static PilotFigures adjoint_figures(const PilotImages& images, bool guided,
+                                      const std::vector<double>& shown,
+                                      PilotFigures::Photons photons = PilotFigures::kAdjoint) {
+    PilotFigures found = figures_of(photons, 1, images, shown);
+    found.guided = guided;
+    if (guided) found.cost *= kGuideCost;
+    return found;
   }
 
   void choose_guide() {
@@ -191,10 +232,8 @@ class Pilot {
     const PilotImages with = trials_.images(result_.choice.direction, 1, film, square);
     scene_.options.guide = false;
     const std::vector<double> shown = shown_by({&without}, {&with});
-    const PilotFigures before = figures_of(PilotFigures::kGuide, 1, without, shown);
-    PilotFigures found = figures_of(PilotFigures::kGuide, 1, with, shown);
-    found.guided = true;
-    found.cost *= kGuideCost;
+    const auto before = adjoint_figures(without, false, shown, PilotFigures::kGuide);
+    const auto found = adjoint_figures(with, true, shown, PilotFigures::kGuide);
     result_.tried.insert(result_.tried.end(), {before, found});
     choose_guide(before, found);
   }
@@ -204,7 +243,7 @@ class Pilot {
     if (!(before.relative_mse > 0.0 && found.relative_mse > 0.0)) return;
     const double less = found.relative_mse / before.relative_mse;
     // Both directions were compared by photons that are guided.
-    const bool compared = request_.direction && result_.choice.direction != Direction::kAdjoint;
+    const bool compared = guided_first_ && result_.choice.direction != Direction::kAdjoint;
     PilotFigures unguided = adjoint_, guided = adjoint_;
     (compared ? unguided.relative_mse : guided.relative_mse) *= compared ? 1.0 / less : less;
     unguided.cost = before.cost;
@@ -212,10 +251,7 @@ class Pilot {
     const double ratio = ratio_with(guided, forward_), other_ratio = ratio_with(unguided, forward_);
     const double gain =
         product_of_both(unguided, forward_, other_ratio) / product_of_both(guided, forward_, ratio);
-    // Where a way to the light is too narrow for chance, photons that are not guided are too dark,
-    // and look good.
-    const double apart = kApart * math::hypot(before.mean_error, found.mean_error);
-    const bool finds_more = found.mean - before.mean > apart;
+    const bool finds_more = guide_finds_more(before, found);
     result_.choice.guided = finds_more || gain > kWorthIt;
     scene_.options.guide = result_.choice.guided;
     adjoint_ = result_.choice.guided ? guided : unguided;
@@ -328,7 +364,8 @@ class Pilot {
   /// Of forward photons, where they take part, and of the adjoint ones beside them.
   PilotFigures forward_{.photons = PilotFigures::kForward};
   PilotFigures adjoint_{.photons = PilotFigures::kAdjoint, .relative_mse = 1.0};
-  /// Adjoint photons alone, where they may be guided.
+  /// Adjoint photons alone, where they may be guided; whether they were for comparing directions.
+  bool guided_first_ = false;
   PilotFigures unguided_{.photons = PilotFigures::kAdjoint};
   PilotFigures guided_{.photons = PilotFigures::kAdjoint};
   const double budget_;

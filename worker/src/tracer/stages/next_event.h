@@ -21,6 +21,14 @@ bool may_see_lights(const Batch& batch, const Group<N>& group, const Vertex<N>& 
          vertex.learned != LearnedLight::kNone;
 }
 
+/// With both directions, whether a path from a light to this vertex is an adjoint photon's
+/// (path_partition.h).
+template <class Batch, int N>
+bool brings_light(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex) {
+  return !batch.both || !batch.scene.specular_like[vertex.kernel] ||
+         brings_what_is_gathered(batch, group, vertex);
+}
+
 /// A photon towards lights, through whatever lets it pass.
 template <class Batch, int N, class Kernel>
 void estimate_next_event(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
@@ -117,7 +125,8 @@ void estimate_next_events(Batch& batch, const Chunk<N, Bound>& chunk) {
     const Group<N>& group = *chunk.groups[i];
     const bool too_deep =
         batch.scene.occlusion_decides && group.depth - group.passes > batch.options.max_depth;
-    count += chunk.two_photons[i] && !too_deep ? 1 : 0;
+    count +=
+        chunk.two_photons[i] && !too_deep && brings_light(batch, group, *chunk.vertices[i]) ? 1 : 0;
   }
   if (batch.scene.occlusion_decides)
     return ask_for_lights(batch, chunk, std::span(which).first(count));

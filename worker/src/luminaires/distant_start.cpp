@@ -1,0 +1,88 @@
+#include "luminaires/distant_start.h"
+
+#include <algorithm>
+
+#include "math/constants.h"
+#include "math/frame.h"
+#include "pdfs/directions.h"
+
+namespace nocturne {
+namespace {
+
+/// Each is looked at for each photon.
+constexpr std::size_t kMostAims = 64;
+
+struct Box {
+  Vec3 low, high;
+
+  Geometry::Ball around() const { return {0.5f * (low + high), 0.5f * length(high - low)}; }
+};
+
+Vec3 lower(Vec3 a, Vec3 b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
+
+Box all_of(const Elements& elements) {
+  Box box{elements.bounds(0).low, elements.bounds(0).high};
+  for (std::size_t i = 1; i < elements.size(); ++i) {
+    box.low = lower(box.low, elements.bounds(i).low);
+    box.high = -lower(-box.high, -elements.bounds(i).high);
+  }
+  return box;
+}
+
+float area(const Geometry::Ball& ball) { return kPi * ball.radius * ball.radius; }
+
+}  // namespace
+
+DistantStart::DistantStart(const Elements& important, Geometry::Ball bounds) : bounds_(bounds) {
+  const std::size_t count = important.size();
+  if (count == 0) return;
+  if (count > kMostAims) {
+    aims_.push_back({all_of(important).around(), 1.0f});
+    return;
+  }
+  const double total = important.total_weight();
+  for (std::size_t i = 0; i < count; ++i) {
+    const ElementBounds& element = important.bounds(i);
+    Geometry::Ball ball = Box{element.low, element.high}.around();
+    if (important.is_ball_at_rest(i)) ball.radius = 0.5f * (element.high.x - element.low.x);
+    aims_.push_back({ball, static_cast<float>(element.weight / total)});
+  }
+}
+
+DistantStart::Start DistantStart::sample(Vec3 towards, float aimed, const Uniform4& u) const {
+  const Frame frame(towards);
+  const Vec3 disc = CosineHemisphere::sample(u[0], u[1]);  // x, y uniform on the unit disc
+  const Vec3 on_disc = disc.x * frame.tangent + disc.y * frame.bitangent;
+  const auto from = [&](Vec3 from_middle, float pdf) {
+    return Start{bounds_.centre + bounds_.radius * towards + from_middle, pdf};
+  };
+  if (aims_.empty() || !(aimed > 0.0f)) return from(bounds_.radius * on_disc, 1.0f / area(bounds_));
+  const auto middle_of = [&](const Aim& aim) {
+    const Vec3 away = aim.ball.centre - bounds_.centre;
+    return away - dot(away, towards) * towards;
+  };
+  std::size_t chosen = aims_.size();  // none
+  Vec3 from_middle = bounds_.radius * on_disc;
+  if (u[2] < aimed) {
+    chosen = 0;
+    for (float rest = u[3]; chosen + 1 < aims_.size() && rest >= aims_[chosen].part; ++chosen) {
+      rest -= aims_[chosen].part;
+    }
+    from_middle = middle_of(aims_[chosen]) + aims_[chosen].ball.radius * on_disc;
+  }
+  const auto within = [](Vec3 offset, float radius) {
+    return dot(offset, offset) <= radius * radius;
+  };
+  const bool anywhere = chosen == aims_.size() || within(from_middle, bounds_.radius);
+  float pdf = anywhere ? (1.0f - aimed) / area(bounds_) : 0.0f;
+  for (std::size_t i = 0; i < aims_.size(); ++i) {
+    const Aim& aim = aims_[i];
+    // What was drawn at a rim may be rounded off it.
+    if (i == chosen || within(from_middle - middle_of(aim), aim.ball.radius)) {
+      pdf += aimed * aim.part / area(aim.ball);
+    }
+  }
+  return from(from_middle, pdf);
+}
+
+}  // namespace nocturne
