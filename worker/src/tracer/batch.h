@@ -92,6 +92,8 @@ struct Batch {
       : scene(traced),
         options(traced.options),
         both(traced.options.direction == Direction::kBoth),
+        occlusion_decides(traced.occlusion_decides &&
+                          (traced.lights.learned().empty() || !traced.options.guide)),
         estimator(counts),
         limits(std::move(stop)) {}
 
@@ -122,6 +124,8 @@ struct Batch {
   const Scene& scene;
   const TracingOptions& options;
   const bool both;
+  /// Whether a way to a light is free is all that is asked. Guided photons pass mirrors.
+  const bool occlusion_decides;
   Estimator& estimator;
   PathLimits limits;
 

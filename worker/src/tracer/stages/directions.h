@@ -72,7 +72,7 @@ void draw_from_kernel(Batch& batch, Group<N>& group, const Vertex<N>& vertex, co
     if (draw.delta) {
       // Towards lights nothing was drawn from this part: an earlier MIS state goes on, unless
       // photons that were sent there end at mirrors.
-      if (batch.scene.occlusion_decides) on.mis.technique = MisTechnique::kNone;
+      if (batch.occlusion_decides) on.mis.technique = MisTechnique::kNone;
       on.shares = false;
       on.weight *= (1.0f / survival) * draw.factor;
       return;

@@ -124,12 +124,11 @@ void estimate_next_events(Batch& batch, const Chunk<N, Bound>& chunk) {
     which[count] = i;
     const Group<N>& group = *chunk.groups[i];
     const bool too_deep =
-        batch.scene.occlusion_decides && group.depth - group.passes > batch.options.max_depth;
+        batch.occlusion_decides && group.depth - group.passes > batch.options.max_depth;
     count +=
         chunk.two_photons[i] && !too_deep && brings_light(batch, group, *chunk.vertices[i]) ? 1 : 0;
   }
-  if (batch.scene.occlusion_decides)
-    return ask_for_lights(batch, chunk, std::span(which).first(count));
+  if (batch.occlusion_decides) return ask_for_lights(batch, chunk, std::span(which).first(count));
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = which[k];
     estimate_next_event(batch, *chunk.groups[i], *chunk.vertices[i], *chunk.kernels[i],
