@@ -32,9 +32,10 @@ SCENES: dict[str, tuple[int, dict[str, Any]]] = {
     "headlight": (48, _BOTH),
     "spheres": (96, {}),
     "room": (64, {"sharing": 16}),
+    "bumpy_spheres": (128, {}),
 }
 """Film edge and what a pilot would choose, as none runs for so few samples. Together they have surfaces,
-media, glass, textures, a picture of the sky, and photons from both ends."""
+media, glass, textures, a picture of the sky, a million triangles, and photons from both ends."""
 
 _SAMPLES = 64
 # Of LLVM 19, as the compiler.

@@ -130,7 +130,7 @@ void print_list(const char* name, const std::vector<double>& values) {
 
 void run(const Options& options) {
   const auto scene = load(options);
-  const RecordedRays recorded = record(*scene, options);  // warms caches up, too
+  const RecordedRays recorded = record(*scene, options);
   Counts counts{};
   std::uint64_t hits = 0;
   std::vector<double> bare_s, tracer_s;
@@ -140,6 +140,7 @@ void run(const Options& options) {
                          std::vector<std::uint32_t>(shapes.size(), 0), {}, {});
   const auto bare = [&] { hits = trace_bare(recorded, tree.everything()); };
   const auto tracer = [&] { counts = trace(*scene, options); };
+  bare();  // As memory that is new costs time; recording was the tracer's turn.
   for (unsigned round = 0; round < options.rounds; ++round) {
     // Neighbours in time share the machine's mood; alternating order cancels a drift.
     if (round % 2 == 0) bare_s.push_back(cpu_seconds_of(bare));

@@ -250,7 +250,7 @@ TEST(Tree, BoxesHoldTheirTriangles) {
       }
     };
     visit(visit, tree.root);
-    std::vector<Tree::Triangle> held = tree.triangles;
+    auto held = tree.triangles;
     std::ranges::sort(held);
     ASSERT_EQ(held.size(), 3000u);
     for (std::uint32_t i = 0; i < held.size(); ++i) EXPECT_EQ(held[i], (Tree::Triangle{0, i}));

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "support/caustic_scene.h"
 #include "tracer/forward_pays.h"
+#include "tracer/learn.h"
 #include "tracer/sharing_pays.h"
 
 namespace nocturne {
@@ -96,8 +98,7 @@ TEST(PilotOfBoth, TakesThePartOfAimedPhotonsThatIsBest) {
   const std::vector<PilotFigures> of_aims{figures(5, 0.1, 0.5), figures(5, 0.1, 0.1),
                                           figures(5, 0.1, 9.0)};
   const auto choose = [&](double worth_it) {
-    return choose_forward_photons(
-        adjoint, of_aims, [](const auto&, const auto&) { return 1.0; }, worth_it);
+    return choose_forward_photons(adjoint, of_aims, 1.0, worth_it);
   };
   EXPECT_EQ(choose(kWorthIt).forward, &of_aims[1]);
   EXPECT_DOUBLE_EQ(choose(kWorthIt).gain, 4.0 / (0.6 * 2.0));
@@ -195,6 +196,39 @@ TEST(Pilot, StartsPhotonsAtTheLampForACaustic) {
     // Photons from the camera hardly ever get through the glass to so small a lamp.
     EXPECT_TRUE(found.choice.finds_more || found.choice.gain > 5.0);
   }
+}
+
+// Photons that are not guided only ask whether the way to the lamp is free, of directions that what
+// was learned has no part in; guided ones that asked so looked a fifth too bright.
+TEST(Pilot, ComparesGuidedPhotonsThatFindTheSameLight) {
+  test::SceneBuilder builder = test::floor_and_lamp(false);
+  builder.message.mutable_tracing()->set_direction(v1::DIRECTION_BOTH);
+  builder.message.clear_luminaires();
+  // So large that photons from the kernel count as much as those that are sent to it.
+  builder.add_quad(0.0f, 10.0f, {-2, 2, -2}, {4, 0, 0}, {0, 0, 4});
+  builder.add_quad(0.5f, 0.0f, {-2, -1, -2}, {4, 0, 0}, {0, 4, 0});
+  const int last = builder.message.kernels_size() - 1;
+  auto& mirror = *builder.message.mutable_kernels(last)->mutable_conductor();
+  mirror.set_n(builder.add_spectrum(0.0f));
+  mirror.set_k(builder.add_spectrum(5.0f));
+  mirror.mutable_roughness()->mutable_alpha_u()->set_constant(0.0);
+  mirror.mutable_roughness()->mutable_alpha_v()->set_constant(0.0);
+  const auto scene = builder.load();
+  ASSERT_TRUE(scene->occlusion_decides);
+  const Learned learned = learn(*scene, {64, 48}, 1 << 18, 2);
+  ASSERT_GT(learned.arrivals.size(), 1000u);
+  scene->lights.set_learned(LearnedLight(learned.arrivals));
+  const PilotResult found = run_pilot(*scene, {.film = {64, 48},
+                                               .samples = 16384,
+                                               .direction = true,
+                                               .aim = false,
+                                               .sharing = false,
+                                               .guide = true,
+                                               .threads = 2});
+  ASSERT_GE(found.tried.size(), 2u);
+  const PilotFigures &alone = found.tried[0], &guided = found.tried[1];
+  ASSERT_TRUE(guided.guided);
+  EXPECT_NEAR(guided.mean, alone.mean, 4.0 * std::hypot(alone.mean_error, guided.mean_error));
 }
 
 void add_important_ball(test::SceneBuilder& builder, Vec3 centre, double radius) {

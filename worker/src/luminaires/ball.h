@@ -50,7 +50,11 @@ struct Ball {
     const double cx = view.y * d.z - view.z * d.y, cy = view.z * d.x - view.x * d.z,
                  cz = view.x * d.y - view.y * d.x;
     const double across2 = cx * cx + cy * cy + cz * cz;
-    if (!(along > 0.0) || across2 > view.sin2 * (along * along + across2)) return {};
+    if (!(along > 0.0)) return {};
+    // Most miss it by far, and need no cone: (a + b)^2 is at most 2 a^2 + 2 b^2.
+    constexpr double kRim2 = kDirectionRounding * kDirectionRounding;
+    if (across2 > 2.1 * (sphere.radius * sphere.radius + kRim2 * view.distance2)) return {};
+    if (across2 > view.sin2 * (along * along + across2)) return {};
     return {view.pdf(), distance_to(position, d)};
   }
 

@@ -36,10 +36,12 @@ class LightTree {
     std::uint32_t element;
     /// The uniform number, stretched to be used again.
     float choice;
+    float probability;
   };
   /// Empty where no element can be seen.
   std::optional<Chosen> choose(const LightSamplingContext& from, float choice) const {
     Below at = root_;
+    float probability = 1.0f;
     while (!at.is_element) {
       const Children& children = children_[at.index];
       const Pair shares = importance(children, from);
@@ -48,9 +50,10 @@ class LightTree {
       const bool go_left = choice < p;
       choice = go_left ? choice / p : (choice - p) / (1.0f - p);
       choice = std::min(choice, kOneMinusEpsilon);
+      probability *= go_left ? p : 1.0f - p;
       at = children.below[go_left ? 0 : 1];
     }
-    return Chosen{at.index, choice};
+    return Chosen{at.index, choice, probability};
   }
 
   /// The probability that `choose` gives this element.
@@ -144,9 +147,9 @@ class LightTree {
     const Pair distance2 = x * x + y * y + z * z;
     // The ball around the box: from inside anything may be in any direction.
     const auto outside = distance2 > c.radius2 * 1.0001f;
-    const Pair sin2 = c.radius2 / distance2;
+    const Pair inverse2 = 1.0f / distance2, inverse = root(inverse2);
+    const Pair sin2 = c.radius2 * inverse2;
     const Pair sin_ball = root(sin2), cos_ball = root(1.0f - sin2);
-    const Pair inverse = 1.0f / root(distance2);
 
     Pair cos_here = inverse * (from.normal.x * x + from.normal.y * y + from.normal.z * z);
     if (from.both_sides) cos_here = absolute(cos_here);
@@ -165,7 +168,7 @@ class LightTree {
     const Pair emitter = cos_less(from_cone, sine(from_cone), cos_ball, sin_ball);
     const Pair least = {kRounding, kRounding}, nearest2 = {1e-30f, 1e-30f};
     const Pair falloff = emission(maximum(emitter, least), c.cosine_power);
-    const Pair far = c.weight * maximum(receiver, least) * falloff / distance2;
+    const Pair far = c.weight * maximum(receiver, least) * falloff * inverse2;
     const auto unseen = (receiver < -kRounding) | (emitter < -kRounding);
     const Pair seen = unseen ? none : far;
     // Never zero: an element may be a point for float.

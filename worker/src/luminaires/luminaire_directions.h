@@ -8,7 +8,9 @@
 #include <limits>
 #include <optional>
 #include <utility>
+#include <vector>
 
+#include "luminaires/apart.h"
 #include "luminaires/elements.h"
 #include "luminaires/light_sampling_context.h"
 #include "luminaires/light_tree.h"
@@ -20,7 +22,11 @@ class LuminaireDirections {
   /// Luminaires: kIrradiance. Important shapes, whose weights are the user's: kWeight.
   explicit LuminaireDirections(Elements elements,
                                LightTree::Choice choice = LightTree::Choice::kIrradiance)
-      : elements_(std::move(elements)), tree_(elements_, choice) {}
+      : elements_(std::move(elements)),
+        tree_(elements_, choice),
+        apart_up_to_(elements_.size() <= kMaxTestedOneByOne
+                         ? apart_up_to(elements_)
+                         : std::vector<float>(elements_.size(), -1.0f)) {}
 
   bool empty() const { return elements_.size() == 0; }
 
@@ -82,14 +88,22 @@ class LuminaireDirections {
     if (!chosen) return std::nullopt;
     const auto drawn = elements_.draw(chosen->element, from, u1, u2);
     if (!drawn || !from.sees(drawn->direction)) return std::nullopt;
-    // Rounded to float, a direction towards one element may be one to its neighbour: where there
-    // are several, what it finds is looked up.
-    if (elements_.size() > 1) {
+    if (!(drawn->distance <= apart_up_to_[chosen->element])) {
       return Drawn{drawn->direction, nearest(from, drawn->direction, normal, clearance)};
     }
-    Drawn found{drawn->direction, {.pdf = drawn->pdf}};
+    Drawn found{drawn->direction, {.pdf = chosen->probability * drawn->pdf}};
     const Vec3 step = step_off_surface(normal, clearance, drawn->direction);
     take(found.nearest, chosen->element, drawn->distance, drawn->direction, step, drawn->point);
+    for (std::size_t i = 0; i < elements_.size(); ++i) {
+      if (i == chosen->element) continue;
+      const OnHalfLine there = elements_.along(i, from, drawn->direction);
+      if (!(there.pdf > 0.0f)) continue;
+      found.nearest.pdf += there.pdf * tree_.probability(from, static_cast<std::uint32_t>(i));
+      if (there.distance < found.nearest.distance) {
+        take(found.nearest, i, there.distance, drawn->direction, step,
+             elements_.point_at(i, from, drawn->direction, there.distance));
+      }
+    }
     return found;
   }
 
@@ -132,6 +146,7 @@ class LuminaireDirections {
 
   Elements elements_;
   LightTree tree_;
+  std::vector<float> apart_up_to_;
 };
 
 }  // namespace nocturne

@@ -269,9 +269,8 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
     const auto all_in_fog = find_all_in_fog(geometry, sensor_start(message.sensor()), everywhere,
                                             medium_interfaces, media);
     LearnedLight learned(LearnedLight::unpacked(message.learned_light()));
-    const bool occlusion =
-        media.empty() && learned.empty() &&
-        occlusion_decides(options, materials, medium_interfaces, lights, luminaires, loaded.groups);
+    const bool occlusion = media.empty() && occlusion_decides(options, materials, medium_interfaces,
+                                                              lights, luminaires, loaded.groups);
     lights.set_learned(std::move(learned));
     return std::shared_ptr<Scene>(new Scene{
         std::move(geometry), std::move(materials), std::move(kernels), std::move(medium_interfaces),

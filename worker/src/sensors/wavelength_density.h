@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "spectrum/rows.h"
 #include "spectrum/spectral.h"
 
 namespace nocturne {
@@ -35,22 +36,26 @@ class WavelengthDensity {
   /// Each u in [0, 1).
   template <int N>
   Draw<N> sample(const Spectral<N>& u) const {
-    Draw<N> draw;
+    using Lanes = typename Spectral<N>::Lanes;
+    const auto number = __builtin_convertvector(u.lanes * kSlices, typename Spectral<N>::Integers);
+    std::array<Row, N> slices;
     for (std::size_t k = 0; k < N; ++k) {
-      const auto number = static_cast<std::uint32_t>(static_cast<std::int32_t>(u[k] * kSlices));
-      const Slice& slice = slices_[place(number)];
-      if (slice.slope == 0.0f) [[unlikely]] {
-        const auto [nm, inverse_density] = invert(u[k], slice.steep_cell());
+      slices[k] = std::bit_cast<Row>(slices_[place(static_cast<std::uint32_t>(number[k]))]);
+    }
+    const Spectral<N> knot = column(slices, 0), offset = column(slices, 1);
+    const Spectral<N> slope = column(slices, 2), bend = column(slices, 3);
+    // Exact: the slices are a power of two.
+    const Spectral<N> inside(u.lanes - __builtin_convertvector(number, Lanes) * (1.0f / kSlices));
+    const Spectral<N> bent = bend * inside;
+    Draw<N> draw{knot + (offset + inside * (slope + bent)), slope + 2.0f * bent};
+    bool steep = false;
+    for (std::size_t k = 0; k < N; ++k) steep |= slope[k] == 0.0f;
+    for (std::size_t k = 0; steep && k < N; ++k) [[unlikely]] {
+        if (slope[k] != 0.0f) continue;
+        const auto [nm, inverse_density] = invert(u[k], std::bit_cast<std::uint32_t>(knot[k]));
         draw.nm[k] = nm;
         draw.inverse_density[k] = inverse_density;
-        continue;
       }
-      // Exact: the slices are a power of two.
-      const float inside = u[k] - static_cast<float>(number) * (1.0f / kSlices);
-      const float bend = slice.bend * inside;
-      draw.nm[k] = slice.knot + (slice.offset + inside * (slice.slope + bend));
-      draw.inverse_density[k] = slice.slope + 2.0f * bend;
-    }
     return draw;
   }
 
@@ -70,7 +75,6 @@ class WavelengthDensity {
     float slope, bend;
 
     static Slice steep(std::uint32_t cell) { return {std::bit_cast<float>(cell), 0, 0, 0}; }
-    std::uint32_t steep_cell() const { return std::bit_cast<std::uint32_t>(knot); }
   };
   struct Inverted {
     float nm, inverse_density;

@@ -101,7 +101,7 @@ WavelengthSampler::WavelengthSampler(const ResponseCurves& curves, const Density
       inverse_step_(1.0f / curves.step_nm),
       further_(curves.further) {
   for (std::size_t i = 0; i < curves.y.size(); ++i) {
-    xyz_.push_back({curves.x[i], curves.y[i], curves.z[i], 0.0f});
+    xyz_.push_back(Row{curves.x[i], curves.y[i], curves.z[i], 0.0f});
   }
   for (std::size_t i = 0; i < further_.size(); ++i) {
     parts_.push_back(curves.part(i));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sensors/wavelength_density.h"
+#include "spectrum/rows.h"
 #include "spectrum/spectral.h"
 
 namespace nocturne {
@@ -59,21 +60,21 @@ class WavelengthSampler {
   template <int N>
   WavelengthSamples<N> sample(float u) const {
     Spectral<N> shifted;
-    for (std::size_t k = 0; k < N; ++k) shifted[k] = u + static_cast<float>(k) / N;
+    for (std::size_t k = 0; k < N; ++k) shifted.lanes[k] = u + static_cast<float>(k) / N;
     shifted.lanes = shifted.lanes >= 1.0f ? shifted.lanes - 1.0f : shifted.lanes;
     const auto drawn = density_.sample(shifted);
     WavelengthSamples<N> samples;
     samples.nm = drawn.nm;
     samples.inverse_density = drawn.inverse_density;
     samples.position = inverse_step_ * (drawn.nm + -first_nm_);
+    std::array<Row, N> weights;
     for (std::size_t k = 0; k < N; ++k) {
       const std::size_t cell = cell_at(samples.position[k]);
       const float t = samples.position[k] - static_cast<float>(cell);
-      const auto& low = xyz_[cell];
-      const auto& high = xyz_[cell + 1];
-      for (std::size_t c = 0; c < 3; ++c) {
-        samples.weight[c][k] = drawn.inverse_density[k] * (low[c] + t * (high[c] - low[c]));
-      }
+      weights[k] = xyz_[cell] + t * (xyz_[cell + 1] - xyz_[cell]);
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      samples.weight[c] = drawn.inverse_density * column(weights, c);
     }
     return samples;
   }
@@ -107,7 +108,7 @@ class WavelengthSampler {
 
   WavelengthDensity density_;
   float first_nm_, inverse_step_;
-  std::vector<std::array<float, 4>> xyz_;  // side by side; the fourth fills the row
+  std::vector<Row> xyz_;  // side by side; the fourth fills the row
   std::vector<std::vector<float>> further_;
   std::vector<LightPart> parts_;
   bool tells_parts_ = false;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "surfaces/instance.h"
+#include "surfaces/large_pages.h"
 #include "surfaces/shapes.h"
 #include "surfaces/triangle_at.h"
 
@@ -84,8 +85,8 @@ struct Tree {
     return {at(0), at(1), at(2)};
   }
 
-  std::vector<Block> blocks;
-  std::vector<Triangle> triangles;
+  std::vector<Block, LargePages<Block>> blocks;
+  std::vector<Triangle, LargePages<Triangle>> triangles;
   Reference root = 0;
   /// Of everything.
   Vec3 low, high;

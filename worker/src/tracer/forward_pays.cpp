@@ -20,6 +20,13 @@ constexpr double kHardlyFound = 8.0, kFoundAgain = 2.0;
 /// Standard errors by which photons must find more to keep their hints, which somebody gave.
 constexpr double kHintsFindMore = 2.0;
 
+/// How many times less error for the same time both kinds together have than photons from the
+/// sensor `alone`.
+double gain_of_both(const PilotFigures& alone, const PilotFigures& rest,
+                    const PilotFigures& forward, double ratio) {
+  return alone.relative_mse * alone.cost / product_of_both(rest, forward, ratio);
+}
+
 }  // namespace
 
 double product_of_both(const PilotFigures& adjoint, const PilotFigures& forward, double ratio) {
@@ -40,11 +47,6 @@ double best_forward_ratio(const PilotFigures& adjoint, const PilotFigures& forwa
     }
   }
   return best;
-}
-
-double gain_of_both(const PilotFigures& alone, const PilotFigures& rest,
-                    const PilotFigures& forward, double ratio) {
-  return alone.relative_mse * alone.cost / product_of_both(rest, forward, ratio);
 }
 
 bool guide_finds_more(const PilotFigures& unguided, const PilotFigures& guided) {
@@ -83,14 +85,14 @@ ForwardPays forward_pays(const AdjointFigures& adjoint, const PilotFigures& forw
              : ForwardPays::kNot;
 }
 
-ForwardChoice choose_forward_photons(
-    const AdjointFigures& adjoint, const std::vector<PilotFigures>& of_aims,
-    const std::function<double(const PilotFigures&, const PilotFigures&)>& ratio_of,
-    double worth_it) {
+ForwardChoice choose_forward_photons(const AdjointFigures& adjoint,
+                                     const std::vector<PilotFigures>& of_aims,
+                                     std::optional<double> given_ratio, double worth_it) {
   const auto& [alone, all, rest, left] = adjoint;
   ForwardChoice choice;
   for (const PilotFigures& found : of_aims) {
-    const double ratio = ratio_of(rest, found), gain = gain_of_both(alone, rest, found, ratio);
+    const double ratio = given_ratio ? *given_ratio : best_forward_ratio(rest, found);
+    const double gain = gain_of_both(alone, rest, found, ratio);
     choice.most_gain = std::max(choice.most_gain, gain);
     const ForwardPays pays = forward_pays(adjoint, found, ratio, worth_it);
     if (pays == ForwardPays::kNot || (choice.forward != nullptr && gain <= choice.gain)) continue;

@@ -2,7 +2,7 @@
 // (docs/decisions/0062-ways-are-chosen-by-a-pilot.md).
 #pragma once
 
-#include <functional>
+#include <optional>
 #include <vector>
 
 #include "tracer/pilot_figures.h"
@@ -21,11 +21,6 @@ double best_forward_ratio(const PilotFigures& adjoint, const PilotFigures& forwa
 
 /// Error times cost of both kinds together.
 double product_of_both(const PilotFigures& adjoint, const PilotFigures& forward, double ratio);
-
-/// How many times less error for the same time both kinds together have than photons from the
-/// sensor `alone`.
-double gain_of_both(const PilotFigures& alone, const PilotFigures& rest,
-                    const PilotFigures& forward, double ratio);
 
 /// What is better about forward photons.
 enum class ForwardPays { kNot, kLessError, kFindsMore };
@@ -52,10 +47,10 @@ struct ForwardChoice {
   /// By any of them, whether or not they pay.
   double most_gain = 0.0;
 };
-ForwardChoice choose_forward_photons(
-    const AdjointFigures& adjoint, const std::vector<PilotFigures>& of_aims,
-    const std::function<double(const PilotFigures& rest, const PilotFigures& forward)>& ratio_of,
-    double worth_it);
+/// `ratio` where it is given, else each with its best.
+ForwardChoice choose_forward_photons(const AdjointFigures& adjoint,
+                                     const std::vector<PilotFigures>& of_aims,
+                                     std::optional<double> ratio, double worth_it);
 
 /// Whether guided photons find light that others miss. Where a way to it is too narrow for chance,
 /// those are too dark, and look good.

@@ -172,11 +172,11 @@ class Pilot {
       found.cost *= kForwardCost;
       result_.tried.push_back(found);
     }
-    AdjointFigures beside{unguided_, adjoint, others, left_to_them};
-    const double gain = choose_forward(beside, of_aims, kWorthIt);
+    AdjointFigures of_adjoint{unguided_, adjoint, others, left_to_them};
+    const double gain = choose_forward(of_adjoint, of_aims, kWorthIt);
     if (both && result_.choice.direction == Direction::kAdjoint && gain * kWorthIt > 1.0) {
-      look_closer(beside);
-      choose_forward(beside, of_aims, kWorthItCloser);
+      look_closer(of_adjoint);
+      choose_forward(of_adjoint, of_aims, kWorthItCloser);
     }
   }
 
@@ -199,10 +199,7 @@ class Pilot {
   /// The best forward photons, if they pay. Gives how much is gained at most.
   double choose_forward(const AdjointFigures& adjoint, const std::vector<PilotFigures>& of_aims,
                         double worth_it) {
-    const auto ratio = [this](const auto& rest, const auto& found) {
-      return ratio_with(rest, found);
-    };
-    const ForwardChoice found = choose_forward_photons(adjoint, of_aims, ratio, worth_it);
+    const ForwardChoice found = choose_forward_photons(adjoint, of_aims, given_ratio(), worth_it);
     if (found.forward == nullptr) return found.most_gain;
     adjoint_ = adjoint.rest;
     forward_ = *found.forward;
@@ -292,8 +289,13 @@ class Pilot {
   }
 
   double ratio_with(const PilotFigures& adjoint, const PilotFigures& forward) const {
+    const std::optional<double> given = given_ratio();
+    return given ? *given : best_forward_ratio(adjoint, forward);
+  }
+  std::optional<double> given_ratio() const {
     if (before_.direction != Direction::kBoth) return 1.0;
-    return request_.ratio ? best_forward_ratio(adjoint, forward) : before_.forward_ratio;
+    if (!request_.ratio) return before_.forward_ratio;
+    return std::nullopt;
   }
 
   /// By parts of the film, when more squares of it are added to the images of pixels alone and of
