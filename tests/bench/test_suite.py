@@ -158,6 +158,14 @@ def test_page_compares_with_the_best() -> None:
     assert "Mitsuba y is not there: no discs." in text
 
 
+def test_times_shorter_than_any_measured_are_equal() -> None:
+    """A line through images that are as good as exact says nothing of how long 1 % takes."""
+    ways = {"two photons": _way(-1.0, 1e-6), "kernel only": _way(-1.0, 1e-3)}
+    text = page.speed(_figures(ways))
+    assert "| two photons | less than 0.5 | 1 |" in text
+    assert "| kernel only | less than 0.5 | 1 |" in text
+
+
 def test_page_says_what_is_missed_and_by_how_much() -> None:
     text = page.speed(_figures({"two photons": _way(-1.0), "Mitsuba x": _way(-1.0, 0.5)}))
     assert "| cornell | 2 (two photons) | 2 | 0.07 | at most 1 | **missed by 2** |" in text
