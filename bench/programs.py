@@ -32,6 +32,7 @@ class Traced:
     y_stderr: Channel
     """The one that the image tells, with what one more find would bring."""
     photons: int
+    rays: int
     tracing_cpu_s: float
     """Without loading the scene and writing the image."""
     process_cpu_s: float
@@ -56,7 +57,8 @@ def trace(
         said: dict[str, Any] = json.loads(statistics.read_text())
         xyz, y_error = read_image(image)
         told = read_channels(image, ["Y.stderr"])[..., 0]
-    return Traced(xyz, y_error, told, said["photons"], said["cpu_seconds"], cpu_s, wall_s)
+    counts = said["photons"], said["rays"]
+    return Traced(xyz, y_error, told, *counts, said["cpu_seconds"], cpu_s, wall_s)
 
 
 def trace_to(

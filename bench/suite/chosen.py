@@ -20,8 +20,8 @@ What that is worth on the scenes of [speed.md](speed.md): relMSE of the default 
 times there, over that of photons from the sensor with each pixel alone, and over that of the best way that
 we measured, which a person would have to know. What the pilot takes is left out. Of few images: a factor of
 1.3 may be chance, and more where single photons decide, as those of the glossy spheres' mirrored Sun. Errors
-below 0.01 % (relMSE 1e-8, nearer than references are known) count as equal. *Without the worst*: relMSE x time
-over that alone, without the worst 0.1 % of the pixels, at least one.
+below 0.01 % (relMSE 1e-8, nearer than references are known) count as equal. *Without the worst*: relMSE x
+time over that alone, without the worst 0.1 % of the pixels, at least one.
 
 | scene | chosen | over alone | without the worst | over the best (which) |
 | --- | --- | --- | --- | --- |

@@ -229,7 +229,7 @@ def test_diagnosis_counts_renders() -> None:
 
 def test_plain_tracer_must_give_the_same_image() -> None:
     image = np.ones((2, 2, 3))
-    full = Traced(image, image[..., 1], image[..., 1], 7, 1.0, 1.0, 1.0)
+    full = Traced(image, image[..., 1], image[..., 1], 7, 21, 1.0, 1.0, 1.0)
     _same(full, replace(full, tracing_cpu_s=2.0))
     with pytest.raises(NocturneClientError, match="another image"):
         _same(full, replace(full, xyz=1.0000001 * image))

@@ -23,9 +23,10 @@ constexpr std::uint32_t kSamples = 16;
 /// The same for sharing, whose worth depends on how many samples are stratified together: as many
 /// as leave so many squares of the film, in images that pixels alone can be judged by.
 constexpr std::uint32_t kSharingImages = 2, kMaxSharingSamples = 64;
-constexpr double kEnoughSquares = 4.0;
-/// Edges of these squares, pixels; smaller ones are spread better where the pilot has few samples.
-constexpr std::uint32_t kSquare = 16, kSmallSquare = 8;
+constexpr double kEnoughSquares = 16.0;
+/// Edge of these squares, pixels: a film's few corners of much noise are one of many small ones,
+/// and one of few large ones (docs/decisions/0115).
+constexpr std::uint32_t kSquare = 8;
 /// What sharing has to gain where fewer pixels than this are looked at: a few that lie well do not
 /// tell 1.25 from a loss, and rooms, where sharing matters, gain 3 to 9 (docs/decisions/0062).
 constexpr double kFewPixels = kEnoughSquares * kSquare * kSquare;
@@ -44,8 +45,9 @@ constexpr double kWorthItCloser = 1.1;
 /// as long as its rays are a matter of a second.
 constexpr double kEnoughSamples = 50e3, kEnoughRays = 0.5e6;
 /// Of an occlusion query between neighbours, and of a forward photon's ray with its connection to
-/// the camera and its place on the film, in rays of adjoint photons: measured, docs/decisions/0062.
-constexpr double kQueryCost = 0.7, kForwardCost = 1.5;
+/// the camera and its place on the film, in rays of adjoint photons: measured, docs/decisions/0115
+/// and 0062.
+constexpr double kQueryCost = 0.5, kForwardCost = 1.5;
 /// Of a guided sample over that of one that is not: looking up and asking cells of learned light,
 /// measured, docs/decisions/0104. Part of the direction's budget that comparing these takes.
 constexpr double kGuideCost = 1.1, kGuidePart = 0.5;
@@ -263,16 +265,14 @@ class Pilot {
     const double budget = std::min(result_.tried.empty() ? budget_ : budget_ / 2, kMaxSamples / 2);
     const double all = budget / (2 * kSharingImages);
     const double enough = std::min<double>(kEnoughSquares, trials_.squares_of_film(kSquare));
-    std::uint32_t samples = kSamples, edge = kSmallSquare;
+    std::uint32_t samples = kSamples;
     // Not 32: the grid of blocks stands still so long, and then sharing seems to lose nothing where
     // light is direct; at 64 samples it loses a factor of three (colour chart).
-    if (kMaxSharingSamples * kSquare * kSquare * enough <= all) {
-      samples = kMaxSharingSamples;
-      edge = kSquare;
-    }
-    const double wanted = std::max(1.0, std::floor(all / samples / (edge * edge)));
-    const auto film = trials_.some_squares(wanted, edge, samples);
-    const double pixels = static_cast<double>(film.size()) * edge * edge;
+    constexpr double kPixels = kSquare * kSquare;
+    if (kMaxSharingSamples * kPixels * enough <= all) samples = kMaxSharingSamples;
+    const double wanted = std::max(1.0, std::floor(all / samples / kPixels));
+    const auto film = trials_.some_squares(wanted, kSquare, samples);
+    const double pixels = static_cast<double>(film.size()) * kPixels;
     const double worth_it = pixels < kFewPixels ? kWorthItByFew : kWorthIt;
     const auto first = film.begin() + static_cast<std::ptrdiff_t>(std::min(kParts, film.size()));
     PilotImages alone, shared;
