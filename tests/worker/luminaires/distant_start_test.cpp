@@ -72,7 +72,9 @@ TEST(DistantStart, DrawsPlacesByTheirDensity) {
       const auto [x, y] = across(frame, drawn.origin);
       const double claimed = static_cast<double>(drawn.pdf), truth = density(frame, x, y);
       // But for those at a rim; a radius is half of a box of floats.
-      if (i < 1000) EXPECT_NEAR(claimed, truth, 1e-4 * truth);
+      if (i < 1000) {
+        EXPECT_NEAR(claimed, truth, 1e-4 * truth);
+      }
       const auto column = static_cast<int>((x + kHalf) / kCell),
                  row = static_cast<int>((y + kHalf) / kCell);
       ++observed.at(static_cast<std::size_t>(row * kCells + column));
