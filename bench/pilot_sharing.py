@@ -14,7 +14,7 @@ from bench.errors import true_relmse
 from bench.peer.agreement import Reference
 from bench.peer.contenders import FilmSize, Ours
 from bench.peer.scenes import Scene, scenes
-from bench.programs import Channel, Traced
+from bench.programs import Traced
 from bench.report import Figures, Row, significant
 from bench.scenes import Document, compile_film
 
@@ -45,10 +45,9 @@ def run(quick: bool) -> Figures:
 def rows(figures: Figures) -> list[Row]:
     """One for each scene. Between the aims' bounds rare bright samples decide what sharing is worth."""
     table = []
-    for name, found in figures.items():
-        if not isinstance(found, dict):
-            continue
-        sizes = ", ".join(str(samples) for samples in _RENDERS)
+    sizes = ", ".join(str(samples) for samples in _RENDERS)
+    for name in scenes():
+        found = figures[name]
         chosen = ", ".join(f"{part:.3g}" for part in found["chosen"])
         said = f"{chosen}; efficiency {found['efficiency']:.3g}"
         said += f", a query costs {found['query']:.2g} rays" if found["query"] is not None else ""
@@ -98,13 +97,10 @@ def _changed(document: Document, more: dict[str, Any]) -> Document:
 
 
 def _product(frames: list[Traced], reference: Reference) -> float:
-    relmse = statistics.fmean(true_relmse(_y(frame), reference.y, reference.error) for frame in frames)
+    relmse = statistics.fmean(
+        true_relmse(frame.xyz[..., 1], reference.y, reference.error) for frame in frames
+    )
     return relmse * _cpu_s(frames)
-
-
-def _y(frame: Traced) -> Channel:
-    luminance: Channel = frame.xyz[..., 1]
-    return luminance
 
 
 def _cpu_s(frames: list[Traced]) -> float:

@@ -199,8 +199,9 @@ def references() -> Figures:
 
 def _rows(ways: Figures, shortest: float) -> list[str]:
     """Times below the shortest that was measured are told as such, and as equal."""
-    times = [way["seconds_to_1_percent"] for way in ways.values() if "seconds_to_1_percent" in way]
-    best_time = max(min(times, default=shortest), shortest)
+    times = [
+        max(way["seconds_to_1_percent"], shortest) for way in ways.values() if "seconds_to_1_percent" in way
+    ]
     lines = []
     for name, way in ways.items():
         if "error" not in way:
@@ -211,7 +212,7 @@ def _rows(ways: Figures, shortest: float) -> list[str]:
         time = "does not converge |"
         if seconds is not None:
             told = f"{seconds:.3g}" if seconds > shortest else f"less than {shortest:g}"
-            time = f"{told} | {max(seconds, shortest) / best_time:.3g}"
+            time = f"{told} | {max(seconds, shortest) / min(times):.3g}"
         trimmed = last["trimmed"] / last["relmse"] if last["relmse"] > 0.0 else 1.0
         lost = f"; {100 * last['not_finite']:.2g} % of the pixels not finite" if last["not_finite"] else ""
         errors = f"{way['exponent']:g} | {way['error']:.2g} | {trimmed:.2g} | {last['z']:.1f}{lost}"

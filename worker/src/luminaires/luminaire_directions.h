@@ -67,10 +67,7 @@ class LuminaireDirections {
     const Vec3 step = step_off_surface(normal, clearance, direction);
     Nearest nearest;
     for_each_on(from, direction, [&](float pdf, float distance, std::size_t element) {
-      nearest.pdf += pdf;
-      if (!(distance < nearest.distance)) return;
-      take(nearest, element, distance, direction, step,
-           elements().point_at(element, from, direction, distance));
+      add(nearest, from, direction, step, pdf, distance, element);
     });
     return nearest;
   }
@@ -96,13 +93,9 @@ class LuminaireDirections {
     take(found.nearest, chosen->element, drawn->distance, drawn->direction, step, drawn->point);
     for (std::size_t i = 0; i < elements_.size(); ++i) {
       if (i == chosen->element) continue;
-      const OnHalfLine there = elements_.along(i, from, drawn->direction);
-      if (!(there.pdf > 0.0f)) continue;
-      found.nearest.pdf += there.pdf * tree_.probability(from, static_cast<std::uint32_t>(i));
-      if (there.distance < found.nearest.distance) {
-        take(found.nearest, i, there.distance, drawn->direction, step,
-             elements_.point_at(i, from, drawn->direction, there.distance));
-      }
+      visit_on(from, drawn->direction, i, [&](float pdf, float distance, std::size_t element) {
+        add(found.nearest, from, drawn->direction, step, pdf, distance, element);
+      });
     }
     return found;
   }
@@ -124,15 +117,30 @@ class LuminaireDirections {
     nearest.point = point;
   }
 
-  // f(density, distance, element) for all on the half-line, hidden ones too.
+  // One more element on the half-line.
+  void add(Nearest& nearest, const LightSamplingContext& from, Vec3 direction, Vec3 step, float pdf,
+           float distance, std::size_t element) const {
+    nearest.pdf += pdf;
+    if (!(distance < nearest.distance)) return;
+    take(nearest, element, distance, direction, step,
+         elements_.point_at(element, from, direction, distance));
+  }
+
+  // f(density, distance, element) where the element is on the half-line.
+  template <class F>
+  void visit_on(const LightSamplingContext& from, Vec3 direction, std::size_t element,
+                const F& f) const {
+    const OnHalfLine there = elements_.along(element, from, direction);
+    if (!(there.pdf > 0.0f)) return;
+    f(there.pdf * tree_.probability(from, static_cast<std::uint32_t>(element)), there.distance,
+      element);
+  }
+
+  // The same for all, hidden ones too.
   template <class F>
   void for_each_on(const LightSamplingContext& from, Vec3 direction, const F& f) const {
     if (!from.sees(direction)) return;
-    const auto visit = [&](std::size_t i) {
-      const OnHalfLine there = elements_.along(i, from, direction);
-      if (!(there.pdf > 0.0f)) return;
-      f(there.pdf * tree_.probability(from, static_cast<std::uint32_t>(i)), there.distance, i);
-    };
+    const auto visit = [&](std::size_t i) { visit_on(from, direction, i, f); };
     if (elements_.size() <= kMaxTestedOneByOne) {
       for (std::size_t i = 0; i < elements_.size(); ++i) visit(i);
     } else {

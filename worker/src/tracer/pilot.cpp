@@ -177,13 +177,13 @@ class Pilot {
     AdjointFigures of_adjoint{unguided_, adjoint, others, left_to_them};
     const double gain = choose_forward(of_adjoint, of_aims, kWorthIt);
     if (both && result_.choice.direction == Direction::kAdjoint && gain * kWorthIt > 1.0) {
-      look_closer(of_adjoint);
+      second_look(of_adjoint);
       choose_forward(of_adjoint, of_aims, kWorthItCloser);
     }
   }
 
   /// What differs within the large pixels of a small film hides what is gained in small ones.
-  void look_closer(AdjointFigures& adjoint) {
+  void second_look(AdjointFigures& adjoint) {
     scene_.options.guide = guided_first_;
     scene_.lights.set_hints(adjoint.rest.hinted);
     const double pixels = budget_ / kSecondLook / (kSharingImages * kMaxSharingSamples);
