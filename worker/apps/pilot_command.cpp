@@ -8,6 +8,7 @@
 #include "digest/sha256.h"
 #include "trace_files.h"
 #include "tracer/aims_around.h"
+#include "tracer/gatherers.h"
 #include "tracer/learn.h"
 #include "tracer/pilot.h"
 
@@ -81,6 +82,12 @@ void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,
   }
   std::vector<Aim> aims;
   if (open("learn")) aims = aims_around(learned.worth_aiming_at);
+  if (open("learn") && aims.empty() && scene->options.direction == Direction::kBoth) {
+    // A ball of glass on a wide ground is met too rarely to be learned.
+    aims = aims_around(places_on_gatherers(*scene, [&](std::uint32_t surface) {
+      return message.surfaces(static_cast<int>(surface)).group();
+    }));
+  }
   if (!aims.empty()) aim_at(aims, command, message, scene);
   std::string learned_light;
   if (open("guide")) {
@@ -111,7 +118,7 @@ void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,
        << ", \"learned_light\": \"" << (found.choice.guided ? to_hex(learned_light) : "") << '"'
        << ", \"sharing\": " << found.choice.sharing
        << ", \"forward_ratio\": " << found.choice.forward_ratio
-       << ", \"gain\": " << found.choice.gain
+       << ", \"gain\": " << found.choice.gain << ", \"unmet\": " << found.unmet
        << ", \"finds_more\": " << (found.choice.finds_more ? "true" : "false")
        << ", \"photons\": " << found.photons + learned.photons
        << ", \"rays\": " << found.rays + learned.rays

@@ -38,6 +38,9 @@ GUIDED = "guided by what was learned"
 
 _EXACT_BELOW = 10
 
+_TOLD_ABOVE = 0.01
+"""Part of the mean that may be missing and is told: twice the error that most renders are asked for."""
+
 DIRECTIONS = {
     "adjoint": scene_pb2.DIRECTION_ADJOINT,
     "forward": scene_pb2.DIRECTION_FORWARD,
@@ -178,7 +181,7 @@ def choose(scene: scene_pb2.CompiledScene, blobs: Path, film: Film, ways: OpenWa
         _ratio(found, ways),
         found["hinted"],
     )
-    return better, _sentence(better, default, found)
+    return better, _sentence(better, default, found) + _unmet(found["unmet"])
 
 
 def _ratio(found: Mapping[str, Any], ways: OpenWays) -> float:
@@ -208,6 +211,15 @@ def _run(
     words = ["--pilot", ",".join(chosen)]
     found: dict[str, Any] = json.loads(run_trace(program, scene, blobs, film, words, MAX_SECONDS))
     return found
+
+
+def _unmet(part: float) -> str:
+    if part < _TOLD_ABOVE:
+        return ""
+    return (
+        "; it met too few photons that mirrors and glass gather to compare, so that up to "
+        f"{part:.0%} of the mean may be missing: `\"direction\": \"both\"` would find it"
+    )
 
 
 def _sentence(ways: Ways, default: Ways, found: dict[str, Any]) -> str:

@@ -11,6 +11,7 @@
 
 #include "support/caustic_scene.h"
 #include "tracer/aims_around.h"
+#include "tracer/gatherers.h"
 
 namespace nocturne {
 namespace {
@@ -140,6 +141,28 @@ TEST(Learn, AsksNothingWhereNoMirrorOrGlassGathersLight) {
   EXPECT_TRUE(learned.worth_aiming_at.empty());
   EXPECT_TRUE(learned.arrivals.empty());
   EXPECT_EQ(learned.rays, 0u);
+}
+
+std::vector<Aim> aims_at_gatherers(const Scene& scene) {
+  return aims_around(places_on_gatherers(scene, [](std::uint32_t) { return 0u; }));
+}
+
+// One photon of some hundreds that leave for a floor of 40 m meets a ball of 1 m.
+TEST(Gatherers, AreABallOfGlassOnAWideFloor) {
+  test::SceneBuilder builder = test::floor_and_lamp(true);
+  builder.add_quad(0.5f, 0.0f, {-20, -1.1f, -20}, {0, 0, 40}, {40, 0, 0});
+  const std::vector<Aim> aims = aims_at_gatherers(*builder.load());
+  ASSERT_EQ(aims.size(), 1u);
+  EXPECT_LT(length(aims[0].centre - Vec3{0, -0.3f, -0.5f}), 0.05f);
+  EXPECT_GT(aims[0].radius, 0.499f);
+  EXPECT_LT(aims[0].radius, 0.6f);
+}
+
+TEST(Gatherers, AreNotWhatIsDiffuseNorWhatIsAsWideAsTheScene) {
+  EXPECT_TRUE(aims_at_gatherers(*test::floor_and_lamp(false).load()).empty());
+  test::SceneBuilder builder = test::floor_and_lamp(false);
+  test::add_glass_ball(builder, {0, 0, 0}, 40.0);
+  EXPECT_TRUE(aims_at_gatherers(*builder.load()).empty());
 }
 
 }  // namespace

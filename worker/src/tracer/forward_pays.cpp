@@ -85,6 +85,14 @@ ForwardPays forward_pays(const AdjointFigures& adjoint, const PilotFigures& forw
              : ForwardPays::kNot;
 }
 
+double may_be_unmet(const AdjointFigures& adjoint, const PilotFigures& forward) {
+  constexpr double kStandardErrors = 2.0;
+  const bool certain = forward.mean_error <= kCertain * forward.mean;
+  if (certain || !(forward.mean > 0.0 && adjoint.alone.mean > 0.0)) return 0.0;
+  const double most = forward.mean + kStandardErrors * forward.mean_error;
+  return std::max(0.0, most - adjoint.left.mean) / adjoint.alone.mean;
+}
+
 ForwardChoice choose_forward_photons(const AdjointFigures& adjoint,
                                      const std::vector<PilotFigures>& of_aims,
                                      std::optional<double> given_ratio, double worth_it) {

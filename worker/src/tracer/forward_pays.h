@@ -52,6 +52,11 @@ ForwardChoice choose_forward_photons(const AdjointFigures& adjoint,
                                      const std::vector<PilotFigures>& of_aims,
                                      std::optional<double> ratio, double worth_it);
 
+/// How much more light `forward` photons may bring than those from the sensor met of the same kind,
+/// at most (two standard errors), in parts of the mean; 0 where forward ones are certain enough to
+/// be compared, or found nothing.
+double may_be_unmet(const AdjointFigures& adjoint, const PilotFigures& forward);
+
 /// Whether guided photons find light that others miss. Where a way to it is too narrow for chance,
 /// those are too dark, and look good.
 bool guide_finds_more(const PilotFigures& unguided, const PilotFigures& guided);

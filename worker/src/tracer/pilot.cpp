@@ -180,6 +180,10 @@ class Pilot {
       second_look(of_adjoint);
       choose_forward(of_adjoint, of_aims, kWorthItCloser);
     }
+    if (both && result_.choice.direction == Direction::kAdjoint) {
+      result_.unmet = may_be_unmet(
+          of_adjoint, *std::ranges::min_element(of_aims, {}, &PilotFigures::mean_error));
+    }
   }
 
   /// What differs within the large pixels of a small film hides what is gained in small ones.

@@ -49,6 +49,9 @@ struct PilotResult {
   PilotChoice choice;
   std::vector<PilotFigures> tried;
   std::uint64_t photons, rays;
+  /// Where photons from the sensor alone were chosen: how much more light forward photons may bring
+  /// than these met of the same kind, at most (two standard errors), in parts of the mean.
+  double unmet = 0.0;
 };
 
 /// The same choice on every machine and for any number of threads: costs are counted, not timed.
