@@ -218,7 +218,7 @@ def _unmet(part: float) -> str:
         return ""
     return (
         "; it met too few photons that mirrors and glass gather to compare, so that up to "
-        f"{part:.0%} of the mean may be missing: `\"direction\": \"both\"` would find it"
+        f'{part:.0%} of the mean may be missing: `"direction": "both"` would find it'
     )
 
 
