@@ -110,6 +110,8 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
     message.distant_discs.extend(lights.distant_discs())
     message.important_shapes.extend(lights.important_shapes())
     _check_light(workspace, message)
+    if has_sky(message) and message.unbounded_interiors:
+        _refuse_distant_photons(workspace)
     if workspace.problems:
         raise InputError(islice(workspace.problems, bounds.PROBLEMS))
     put_wavelength_density(workspace, message)
@@ -144,6 +146,15 @@ def _put_tracing(
         message.format = FORMAT_WITH_RATIO
     if message.learned_light:
         message.format = FORMAT_WITH_GUIDE
+
+
+def _refuse_distant_photons(workspace: Workspace) -> None:
+    """Photons of the Sun and the sky start on a ball around the scene, and would not know what media weaken
+    or scatter on their way there."""
+    workspace.photons_can_start = False
+    if workspace.document.tracing.direction in ("forward", "both"):
+        told = 'photons of distant light can\'t start in unbounded media; expected "adjoint"'
+        workspace.problems.append(Problem("$.tracing.direction", told))
 
 
 def _all_surfaces(workspace: Workspace, instances: Instances) -> Iterator[tuple[Surface, int, str]]:

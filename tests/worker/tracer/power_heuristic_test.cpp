@@ -20,6 +20,13 @@ TEST(PowerHeuristic, GoesByTheSquaresOfDensities) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_FLOAT_EQ(share[i], 0.9f);
 }
 
+// As in a lane that parted from the others at a facet which sends it nowhere.
+TEST(PowerHeuristic, WhatCouldNotHaveComeHasNoShare) {
+  for (const float other : {0.0f, 1e-30f, 2.0f}) {
+    EXPECT_EQ(power_share(Spectral<1>(0.0f), Spectral<1>(other))[0], 0.0f);
+  }
+}
+
 TEST(PowerHeuristic, WhatNoOtherCanBringHasTheWholeShare) {
   EXPECT_EQ(power_share(Spectral<1>(0.25f), Spectral<1>(0.0f))[0], 1.0f);
 }

@@ -49,8 +49,9 @@ void PhotonEmitter::add(Element element, const Luminaire& what) {
 
 void PhotonEmitter::add_triangle(std::uint32_t luminaire, const Luminaire& what,
                                  std::vector<std::array<Vec3, 3>> corners, Triangle triangle) {
-  const auto& first = corners.front();
-  const float area = 0.5f * length(cross(first[1] - first[0], first[2] - first[0]));
+  // At its largest, so that what grows is not left to a few photons of large weight.
+  float area = 0.0f;
+  for (const auto& [a, b, c] : corners) area = std::max(area, 0.5f * length(cross(b - a, c - a)));
   Element element{luminaire, area, {}, {}, triangle};
   for (const auto& moment : corners) {
     element.corners.insert(element.corners.end(), moment.begin(), moment.end());
@@ -62,7 +63,12 @@ void PhotonEmitter::add_sphere(std::uint32_t luminaire, const Luminaire& what, c
                                const Geometry& geometry, std::uint32_t instance) {
   double area = 4.0 * std::numbers::pi * sphere.radius * sphere.radius;
   if (instance != Hit::kNoInstance) {
-    area *= mean_area_factor(geometry.instances()[instance].placement(0.0f));
+    const PlacedInstance& placed = geometry.instances()[instance];
+    double largest = 0.0;
+    for (std::size_t step = 0; step < placed.time_steps(); ++step) {
+      largest = std::max(largest, mean_area_factor(placed.placement_at_step(step)));
+    }
+    area *= largest;
   }
   add({luminaire, static_cast<float>(area), {}, sphere, {instance, 0}}, what);
 }

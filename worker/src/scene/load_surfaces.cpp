@@ -156,7 +156,8 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
         std::holds_alternative<NullKernel>(kernels[material.front_kernel]) &&
         std::holds_alternative<NullKernel>(kernels[material.back_kernel]);
     material.has_delta_lobe = has_delta_lobe(kernels, material.front_kernel) ||
-                              has_delta_lobe(kernels, material.back_kernel);
+                              has_delta_lobe(kernels, material.back_kernel) ||
+                              surface.has_interior();
     material.may_pass =
         may_pass(kernels, material.front_kernel) || may_pass(kernels, material.back_kernel);
     const auto* mesh = std::get_if<TriangleMesh>(&shapes[materials.size()]);

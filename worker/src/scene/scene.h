@@ -30,7 +30,8 @@ struct SurfaceMaterial {
   std::uint32_t luminaire = kNone;
   std::uint32_t medium_interface = kNone;
   std::uint32_t bump_map = kNone;
-  /// One of its kernels has a delta lobe: photons may pass or be mirrored.
+  /// One of its kernels has a delta lobe, or it bounds a body and may be no boundary at all,
+  /// between equal indices or within a body of higher priority: photons may pass or be mirrored.
   bool has_delta_lobe = false;
   /// Photons may go through.
   bool may_pass = false;

@@ -256,13 +256,32 @@ template <bool kAny>
                    _mm256_cmp_ps(_mm256_max_ps(_mm256_max_ps(by_a, by_b), by_c), zero, _CMP_LE_OQ));
   const Floats whole = _mm256_div_ps(_mm256_set1_ps(1.0f), sum);
   // To the plane, by its normal from the corners as they are: interpolated between corners, what is
-  // long and thin would be met far off its plane.
-  const auto edge = [&](std::size_t k, std::size_t axis) {
-    return _mm256_sub_ps(at[k][axis], at[0][axis]);
+  // long and thin would be met far off its plane. One of the two edges is the shortest, whose
+  // rounding is small beside the triangle's width, and the products are subtracted without loss
+  // (Kahan; Jeannerod, Louvet and Muller, Math. Comp. 82, 2013): by two long edges a needle's plane
+  // is turned so far that rays meet the needle that they leave, from behind.
+  Floats first[3], second[3];
+  Floats to_third = zero, from_second = zero;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    first[axis] = _mm256_sub_ps(at[1][axis], at[0][axis]);
+    const Floats third = _mm256_sub_ps(at[2][axis], at[0][axis]),
+                 other = _mm256_sub_ps(at[2][axis], at[1][axis]);
+    to_third = _mm256_fmadd_ps(third, third, to_third);
+    from_second = _mm256_fmadd_ps(other, other, from_second);
+  }
+  const Floats other_is_shorter = _mm256_cmp_ps(from_second, to_third, _CMP_LT_OQ);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Floats base = _mm256_blendv_ps(at[0][axis], at[1][axis], other_is_shorter);
+    second[axis] = _mm256_sub_ps(at[2][axis], base);
+  }
+  const auto without_loss = [](Floats px, Floats py, Floats qx, Floats qy) {
+    const Floats product = _mm256_mul_ps(py, qx);
+    const Floats rounding = _mm256_fnmadd_ps(py, qx, product);
+    return _mm256_add_ps(_mm256_fmsub_ps(px, qy, product), rounding);
   };
-  const Floats nx = area(edge(1, 1), edge(1, 2), edge(2, 1), edge(2, 2)),
-               ny = area(edge(1, 2), edge(1, 0), edge(2, 2), edge(2, 0)),
-               nz = area(edge(1, 0), edge(1, 1), edge(2, 0), edge(2, 1));
+  const Floats nx = without_loss(first[1], first[2], second[1], second[2]),
+               ny = without_loss(first[2], first[0], second[2], second[0]),
+               nz = without_loss(first[0], first[1], second[0], second[1]);
   const Floats facing = _mm256_fmadd_ps(nx, all_lanes(walk.shear[0]),
                                         _mm256_fmadd_ps(ny, all_lanes(walk.shear[1]), nz));
   const Floats height = _mm256_fmadd_ps(

@@ -24,6 +24,8 @@ struct FirstVertex {
   std::uint32_t kernel;
   Shading<N> shading;
   float survival;
+  /// What each photon carried there, weakened by media on its way.
+  Spectral<N> weight;
   /// Of photons in both directions: what starts here may be a forward photon's.
   bool diffuse_like;
 };

@@ -26,7 +26,7 @@ bool offer_first(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const K
       batch.both && !batch.scene.specular_like[vertex.kernel] && !near_camera(batch, group, vertex);
   batch.sharing.firsts[group.sample].emplace(
       FirstVertex<N>{vertex.hit, vertex.frame, vertex.normal, vertex.wo, vertex.kernel,
-                     vertex.shading, survival, diffuse_like});
+                     vertex.shading, survival, group.weight, diffuse_like});
   return true;
 }
 

@@ -54,7 +54,7 @@ bool meet(const FirstVertex<N>& first, const Kernel& kernel, const Seen& seen, s
   const Vec3 wi{seen.x[i], seen.y[i], seen.z[i]};
   if (!(by_area > 0.0f) || !may_send(kernel, seen.cosine[i], wi)) return false;
   const Evaluation<N> there = evaluate<N>(kernel, first.wo, wi);
-  meeting.value = by_area * there.value;
+  meeting.value = by_area * first.weight * there.value;
   // A photon that would carry nothing there ends.
   meeting.density = only((first.survival * by_area) * there.pdf, alive(meeting.value));
   return largest(meeting.density) > 0.0f;

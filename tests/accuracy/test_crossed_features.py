@@ -1,0 +1,124 @@
+"""Where two features meet: what changes nothing must change nothing, and both directions agree.
+
+Each scene is traced with eight seeds; the mean is compared by Student's t with the errors that these tell.
+False alarms: 0.001 for each case. Seeds are fixed.
+"""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from nocturne_client.errors import NocturneClientError
+from nocturne_client.local.compiled import compile_to
+from scipy import stats
+
+from tests.accuracy.meters import GREY
+from tests.accuracy.scenes import BLACK, box, diffuse, film, quad, sphere, surface
+from tests.accuracy.tracing import IN_FULL, Document, part_of, run_seeds, write
+
+pytestmark = pytest.mark.system
+
+_SEEDS = 8
+
+
+def _means(document: Document, folder: Path, **tracing: object) -> list[float]:
+    folder.mkdir()
+    plain = {"sequence": "independent", "sharing": 1, "guide": "none", "direction": "adjoint"}
+    compiled = compile_to(
+        write(document | {"tracing": plain | tracing}, folder), folder, 16, 16, part_of(512)
+    )
+    return [float(image.y.mean()) for image, _ in run_seeds(compiled, folder, _SEEDS)]
+
+
+def _differ(one: list[float], other: list[float]) -> bool:
+    return bool(stats.ttest_ind(one, other, equal_var=False).pvalue < 0.001)
+
+
+def _lit_floor(*between: Document) -> Document:
+    camera = {"type": "pinhole", "position": [0, 1.2, -1.5], "look_at": [0, 0, 0]}
+    floor = surface(quad([-2, 0, -2], [0, 0, 4], [4, 0, 0]), diffuse(0.8))
+    lamp = surface(quad([-0.15, 2.0, -0.15], [0.3, 0, 0], [0, 0, 0.3]), BLACK, 10.0)
+    sensor = camera | {"vertical_field_of_view_degrees": 25}
+    return {"nocturne": 1, "sensor": sensor, "surfaces": [floor, lamp, *between]}
+
+
+def _ball(index: float, roughness: float) -> Document:
+    glass = {"type": "dielectric", "index": index, "roughness": roughness}
+    return surface(sphere([0, 0.5, 0], 0.35), glass)
+
+
+@pytest.mark.parametrize("roughness", [0.02, 0.2])
+def test_a_rough_ball_of_equal_index_is_not_there(roughness: float, tmp_path: Path) -> None:
+    """Light sent towards the lamp goes on where the boundary is none: 0.35 of the right value before."""
+    without = _means(_lit_floor(), tmp_path / "without")
+    assert not _differ(without, _means(_lit_floor(_ball(1.0, roughness)), tmp_path / "ball"))
+
+
+def test_a_rough_body_of_lower_priority_within_another_is_not_seen(tmp_path: Path) -> None:
+    """0.07 of the right value before."""
+    tank = surface(box([-3, -3, -3], [3, 3, 3]), {"type": "dielectric", "index": 1.33, "priority": 1})
+    unseen = {"type": "dielectric", "index": 1.5, "roughness": 0.3, "priority": 0}
+    within = surface(box([-0.4, 0.5, -0.4], [0.4, 0.9, 0.4]), unseen)
+    without = _means(_lit_floor(tank), tmp_path / "without")
+    assert not _differ(without, _means(_lit_floor(tank, within), tmp_path / "within"))
+
+
+def test_a_lamp_that_grows_sends_photons_by_its_largest_size(tmp_path: Path) -> None:
+    """From a thousandth of its size; 0.03 of the right value before, by half a million photons."""
+    growing = surface(quad([-0.5, 0, -0.5], [1, 0, 0], [0, 0, 1]), BLACK, 10.0)
+    growing["motion"] = {"placements": [{"scale": s, "translate": [0, 1.5, 0]} for s in (0.001, 1.0)]}
+    constant = surface(quad([1.4, 1.5, -0.1], [0.2, 0, 0], [0, 0, 0.2]), BLACK, 10.0)
+    document = {"nocturne": 1, "sensor": film([0, 0, 0], [0, 1, 0], 0.3), "surfaces": [growing, constant]}
+    adjoint = _means(document, tmp_path / "adjoint")
+    forward = _means(document, tmp_path / "forward", direction="forward", photons_together=1)
+    assert np.std(forward) < 0.1 * np.mean(forward)
+    assert not _differ(adjoint, forward)
+
+
+@pytest.mark.parametrize("direction", ["forward", "both"])
+def test_photons_of_the_sun_do_not_ignore_fog_without_bounds(direction: str, tmp_path: Path) -> None:
+    """A Sun through e^-1 of haze read 2.7 times too much."""
+    document = _lit_floor() | {"media": {"haze": {"absorption": 0.1}}, "unbounded_media": ["haze"]}
+    if direction == "forward":
+        document["sensor"] = film([0, 0.01, 0], [0, 1, 0], 0.3)
+    document["distant"] = [{"direction": [0, 1, 0], "irradiance": 1.0}]
+    document["tracing"] = {"direction": direction}
+    with pytest.raises(NocturneClientError) as raised:
+        compile_to(write(document, tmp_path), tmp_path, 8, 8, 16)
+    assert [problem.place for problem in raised.value.problems] == ["$.tracing.direction"]
+
+
+def _needles(count: int) -> str:
+    """A closed double cone as PLY: tips at z = 1 and -1, a ring of radius 1 between them."""
+    turns = [2 * math.pi * i / count for i in range(count)]
+    corners = [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0), *((math.cos(t), math.sin(t), 0.0) for t in turns)]
+    faces = []
+    for i in range(count):
+        one, other = 2 + i, 2 + (i + 1) % count
+        faces += [(0, one, other), (1, other, one)]
+    head = f"ply\nformat ascii 1.0\nelement vertex {len(corners)}\n"
+    head += "".join(f"property float {axis}\n" for axis in "xyz")
+    head += f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    points = "".join(f"{x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in corners)
+    return head + points + "".join(f"3 {a} {b} {c}\n" for a, b, c in faces)
+
+
+@pytest.mark.parametrize("way", ["at rest", "instance", "moving"] if IN_FULL else ["at rest"])
+def test_a_furnace_of_needles_loses_nothing(way: str, tmp_path: Path) -> None:
+    """Albedo and emission one half, so that radiance is 1 everywhere; 0.994 at rest before."""
+    cone = surface({"type": "mesh", "asset": "needles.ply"}, diffuse(0.5), 0.5, two_sided=True)
+    if way == "moving":
+        cone["motion"] = {"translate": [0.01, 0, 0]}
+    document: Document = {"nocturne": 1, "surfaces": [] if way == "instance" else [cone]}
+    document["sensor"] = {"type": "panorama", "position": [0.1, 0.05, 0.02], "look_at": [1, 0.05, 0.02]}
+    document["sensor"] |= {"up": [0, 0, 1], **GREY}
+    if way == "instance":
+        document |= {"groups": {"cone": [cone]}, "instances": [{"group": "cone"}]}
+    (tmp_path / "needles.ply").write_text(_needles(1000))
+    compiled = compile_to(write(document, tmp_path), tmp_path, 16, 8, part_of(512))
+    means = [
+        float(image.further["grey"].mean()) / 470.0 for image, _ in run_seeds(compiled, tmp_path, _SEEDS)
+    ]
+    # What lies beyond half a thousandth would be seen by a person's furnace, too.
+    assert stats.ttest_1samp(means, 1.0).pvalue > 0.001 or abs(np.mean(means) - 1.0) < 5e-4
