@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from nocturne_client.local.compiled import compile_to
+from nocturne_scene.compile.ways import unmet_light
 from nocturne_scene.formats.import_scene import import_scene
 from nocturne_scene.formats.reading.options import ImportOptions
 
@@ -16,3 +17,8 @@ def test_a_ball_of_glass_on_a_wide_floor_is_found_by_what_may_gather_light(tmp_p
     document = import_scene(GLASS_BALL, tmp_path / "scene", ImportOptions()).document
     compiled = compile_to(document, tmp_path, 320, 320, 128)
     assert compiled.way.startswith("photons from both directions"), compiled.way
+
+
+def test_light_that_a_pilot_hardly_met_is_told() -> None:
+    assert (unmet_light(0.0), unmet_light(0.009)) == ("", "")
+    assert "up to 2% of the mean may be missing" in unmet_light(0.024)

@@ -39,7 +39,6 @@ class Asked:
         aims: Sequence[dict[str, Any]] = (),
         learned_light: bytes = b"",
         hinted: bool = True,
-        unmet: float = 0.0,
     ) -> None:
         self.asked: list[tuple[list[str], scene_pb2.Tracing]] = []
         answer = {
@@ -50,7 +49,7 @@ class Asked:
             "finds_more": False,
             "aimed": 0.9 if forward else 0.0,
             "hinted": hinted,
-            "unmet": unmet,
+            "unmet": 0.0,
             "aims": list(aims),
             "learned_light": learned_light.hex(),
             "photons": 123456,
@@ -93,15 +92,6 @@ def test_no_gain_is_told_that_is_none(
         "photons from both directions: less error than by photons from the sensor once these are guided, "
         "by a pilot of 123,456 photons"
     )
-
-
-@pytest.mark.parametrize(("unmet", "told"), [(0.0, False), (0.009, False), (0.024, True)])
-def test_light_that_a_pilot_hardly_met_is_told(
-    document: dict[str, Any], blobs: BlobStore, monkeypatch: pytest.MonkeyPatch, unmet: float, told: bool
-) -> None:
-    Asked(monkeypatch, unmet=unmet)
-    output, _ = compiled(document, blobs, LARGE)
-    assert ("up to 2% of the mean may be missing" in output.way) == told
 
 
 @pytest.mark.parametrize(

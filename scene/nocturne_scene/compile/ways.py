@@ -181,7 +181,7 @@ def choose(scene: scene_pb2.CompiledScene, blobs: Path, film: Film, ways: OpenWa
         _ratio(found, ways),
         found["hinted"],
     )
-    return better, _sentence(better, default, found) + _unmet(found["unmet"])
+    return better, _sentence(better, default, found) + unmet_light(found["unmet"])
 
 
 def _ratio(found: Mapping[str, Any], ways: OpenWays) -> float:
@@ -213,7 +213,8 @@ def _run(
     return found
 
 
-def _unmet(part: float) -> str:
+def unmet_light(part: float) -> str:
+    """What to say where so large a part of the mean may be missing; nothing where it is small."""
     if part < _TOLD_ABOVE:
         return ""
     return (
