@@ -120,5 +120,4 @@ def test_a_furnace_of_needles_loses_nothing(way: str, tmp_path: Path) -> None:
     means = [
         float(image.further["grey"].mean()) / 470.0 for image, _ in run_seeds(compiled, tmp_path, _SEEDS)
     ]
-    # What lies beyond half a thousandth would be seen by a person's furnace, too.
-    assert stats.ttest_1samp(means, 1.0).pvalue > 0.001 or abs(np.mean(means) - 1.0) < 5e-4
+    assert stats.ttest_1samp(means, 1.0).pvalue > 0.001
