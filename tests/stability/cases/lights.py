@@ -71,12 +71,12 @@ def _film_in_the_sun() -> Case:
     document["distant"] = [_disc(0.533, [0, 0, 1])]
     return Case(
         "film in the sun",
-        "a film looks everywhere: one of its photons in 46000 meets the sun",
+        "of the photons that leave a film by cosine one in 46000 meets the sun",
         document,
         1.0,
         "irradiance as given",
         samples=512,
-        remedy="forward photons, or a camera that looks at a white floor",
+        remedy=_AIM,
     )
 
 
@@ -86,13 +86,13 @@ def _film_under_a_lamp() -> Case:
     squares = 1.0 + at[:, None] ** 2 + at[None, :] ** 2
     return Case(
         "film under a lamp of 1 mm",
-        "a film looks everywhere: one of its photons in a million meets the lamp",
+        "of the photons that leave a film by cosine one in a million meets the lamp",
         lit(film([0, 0, 0], [0, 0, 1], 0.5), [surface(sphere([0, 0, 1], 1e-3), radiance=1e6 / pi)], sky=None),
         float((squares**-2).mean()),
         "inverse squares and two cosines: mean of (1 + x^2 + y^2)^-2 over the film",
         allowed=1e-4,
         samples=512,
-        remedy="forward photons, or a camera that looks at a white floor",
+        remedy=_AIM,
     )
 
 

@@ -28,7 +28,7 @@ class Plane {
     const Vec3 w = CosineHemisphere::sample(u, v);
     const Vec3 direction = w.x * pose.right + w.y * pose.up + w.z * pose.forward;
     const Vec3 point = rectangle_.point(pose, film, x, y) + stand_off(pose, film) * pose.forward;
-    return {{point, normalized(direction)}, kPi, 0.0f, rectangle_.pixel(film)};
+    return {{point, normalized(direction)}, kPi, 0.0f, rectangle_.pixel(film), pose.forward};
   }
 
   /// A photon that flies `distance` (metres, may be infinite) from `origin`, if that takes it

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "math/ray.h"
 
@@ -17,6 +18,9 @@ struct SensorSample {
   /// metres.
   float spread;
   float width;
+  /// Of a film whose directions are drawn by the cosine with it, unit length: photons towards
+  /// lights start there, too.
+  std::optional<Vec3> normal = {};
 };
 
 /// Where a forward photon is counted: the sum over photons of flux x weight is what the pixel

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "luminaires/light_directions.h"
 #include "math/ray.h"
@@ -46,6 +47,8 @@ struct Start {
   float time = 0.0f;
   /// Footprint, for the sharpness of textures: width at the start, m, and growth per metre.
   float width = 0.0f, spread = 0.0f;
+  /// Of the film that it starts from by the cosine; see SensorSample.
+  std::optional<Vec3> film_normal = {};
   /// Of forward photons, W/nm.
   Spectral<N> flux = 1.0f;
 };

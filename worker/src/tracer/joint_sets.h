@@ -16,10 +16,10 @@ constexpr std::uint32_t set_of_light(std::uint32_t before, std::uint32_t vertex)
 }
 
 /// Where in the pixel and on the lens, in `before` sets, and which point of a light lights the
-/// first vertex. Alike for all pixels, as those of a block have the wavelengths and the time of
-/// one.
-constexpr JointSets joint_sets_of_pixel(std::uint32_t before) {
-  const std::uint32_t light = set_of_light(before, 1);
+/// first vertex, or the film itself. Alike for all pixels, as those of a block have the wavelengths
+/// and the time of one.
+constexpr JointSets joint_sets_of_pixel(std::uint32_t before, bool lights_film) {
+  const std::uint32_t light = set_of_light(before, lights_film ? 0 : 1);
   return before == 1 ? JointSets{{0, light}, 2, true} : JointSets{{0, 1, light}, 3, true};
 }
 

@@ -41,6 +41,7 @@ PixelSample<N> sample_pixel(const Scene& scene, Film film, std::uint32_t x, std:
   sample.start.time = u.time;
   sample.start.width = from.width;
   sample.start.spread = from.spread;
+  sample.start.film_normal = from.normal;
   return sample;
 }
 

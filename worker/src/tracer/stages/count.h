@@ -21,10 +21,10 @@ void arrive(Batch& batch, Group<N>& group, const Hit& hit) {
 }
 
 /// Most photons that went towards lights end without another look at the surface.
-template <int N>
-bool ends_here(const Scene& scene, const Group<N>& group, const Hit& hit) {
+template <class Batch, int N>
+bool ends_here(const Batch& batch, const Group<N>& group, const Hit& hit) {
   return group.mis.technique == MisTechnique::kLights &&
-         !scene.materials[hit.surface].has_delta_lobe;
+         (batch.occlusion_decides || !batch.scene.materials[hit.surface].has_delta_lobe);
 }
 
 // What is far away is asked of memory so many groups before it is counted.
@@ -61,7 +61,7 @@ void count(Batch<N, Estimator, Media>& batch) {
     }
     expect(i + kAhead);
     if (hit) arrive(batch, group, *hit);
-    met.ended = !hit || ends_here(batch.scene, group, *hit);
+    met.ended = !hit || ends_here(batch, group, *hit);
   }
 }
 

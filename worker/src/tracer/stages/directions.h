@@ -117,6 +117,7 @@ void draw_from_mixture(Batch& batch, Group<N>& group, const Vertex<N>& vertex, c
     const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, draw.wi);
     const Spectral<N> pdf = survival * (weights.kernel * there.pdf + others);
     on.weight *= ratio(there.value, pdf);
+    on.mis.technique = MisTechnique::kNone;
   };
   if (part < weights.kernel) return for_each_draw(batch, group, vertex, kernel, numbers, weigh);
   Draw<N> draw;
@@ -146,6 +147,7 @@ void split(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel&
     const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, draw.wi);
     const float by_lights = lights.pdf(here, vertex.to_world(draw.wi));
     const float by_uniform = uniform ? uniform_pdf(kernel, draw.wi) : 0.0f;
+    on.mis.technique = MisTechnique::kNone;
     // value / p times p^2 over the sum of squares.
     on.weight *= each(
         [&](float v, float k) {

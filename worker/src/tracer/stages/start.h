@@ -1,9 +1,37 @@
 // Stage: samples begin.
 #pragma once
 
+#include "pdfs/directions.h"
 #include "tracer/batch.h"
 
 namespace nocturne {
+
+/// A film is a vertex whose kernel is the cosine: the photon that starts by it shares what lights
+/// bring with another, which starts towards them.
+template <int N, class Estimator, bool Media>
+void start_towards_lights(Batch<N, Estimator, Media>& batch, Vec3 film_normal) {
+  const LightDirections& lights = batch.scene.lights;
+  if (lights.empty()) return;
+  Group<N>& by_cosine = batch.groups.back();
+  const LightSamplingContext here{.position = by_cosine.ray.origin,
+                                  .normal = film_normal,
+                                  .time = batch.sample_of(by_cosine).time};
+  const auto density = [&](Vec3 direction) {
+    return std::max(0.0f, dot(film_normal, direction)) / kPi;
+  };
+  by_cosine.mis = {MisTechnique::kKernel, here, by_cosine.ray.direction,
+                   density(by_cosine.ray.direction)};
+  PhotonSequence sequence = by_cosine.sequence.branch(1);
+  const Uniform4 u = sequence.next();
+  const auto direction = lights.sample(here, u[2], u[0], u[1]);
+  if (!direction || !(density(*direction) > 0.0f)) return;
+  Group<N> photon = by_cosine;
+  photon.sequence = sequence;
+  photon.ray.direction = *direction;
+  photon.weight *= Spectral<N>(density(*direction));
+  photon.mis = {MisTechnique::kLights, here, *direction, density(*direction)};
+  batch.groups.push_back(photon);
+}
 
 /// Adds one sample, a group of photons, to a batch. Samples are numbered in the order in which they
 /// are added.
@@ -24,6 +52,9 @@ void start(Batch<N, Estimator, Media>& batch, const Start<N>& from,
   group.sample = group.tally = number;
   group.width = from.width;
   group.inside = from.inside;
+  if constexpr (Batch<N, Estimator, Media>::kAdjoint) {
+    if (from.film_normal) start_towards_lights(batch, *from.film_normal);
+  }
 }
 
 }  // namespace nocturne
