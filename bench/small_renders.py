@@ -5,6 +5,7 @@ its pilot takes; sums over seeds, each with a pilot of its own. Beside it what t
 are told of the render alone: nothing where the default is to trace each pixel alone.
 """
 
+import math
 import re
 import statistics
 import tempfile
@@ -68,8 +69,8 @@ def rows(figures: Figures) -> list[Row]:
 
 def _gain_told(way: str) -> float:
     """By a sentence of a compiled scene."""
-    found = re.search(r": ([0-9.]+) times less time", way)
-    return float(found.group(1)) if found else 1.0
+    found = re.search(r": ([0-9.]+) to ([0-9.]+) times less time", way)
+    return math.sqrt(float(found.group(1)) * float(found.group(2))) if found else 1.0
 
 
 def _scene(document: Callable[[Path], Document], totals: tuple[int, ...], seeds: int) -> list[Figures]:

@@ -36,6 +36,8 @@ class Asked:
         sharing: int = 1,
         ratio: float = 1.0,
         gain: float = 7.5,
+        gain_error: float = 0.1,
+        fault: str = "",
         aims: Sequence[dict[str, Any]] = (),
         learned_light: bytes = b"",
         hinted: bool = True,
@@ -46,6 +48,9 @@ class Asked:
             "sharing": sharing,
             "forward_ratio": ratio,
             "gain": gain,
+            "gain_error": gain_error,
+            "fault": fault,
+            "differs_by": 0.38 if fault else 0.0,
             "finds_more": False,
             "aimed": 0.9 if forward else 0.0,
             "hinted": hinted,
@@ -79,8 +84,26 @@ def test_what_is_left_open_is_asked_for_once(
     assert (tracing.direction, tracing.sharing) == (scene_pb2.DIRECTION_BOTH, 16)
     assert output.way == tracing.way
     assert output.way.startswith(
-        "photons from both directions, shared by blocks of 16 pixels: 7.5 times less time"
+        "photons from both directions, shared by blocks of 16 pixels: 6.2 to 9.1 times less time"
     )
+
+
+def test_a_gain_that_is_hardly_known_is_not_told(
+    document: dict[str, Any], blobs: BlobStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Asked(monkeypatch, forward=True, gain=166.0, gain_error=1.5)
+    output, _ = compiled(document, blobs, LARGE)
+    assert output.way.startswith("photons from both directions: less time to the same error than")
+
+
+def test_a_way_that_brings_other_light_is_told_as_a_fault(
+    document: dict[str, Any], blobs: BlobStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Asked(monkeypatch, fault="shared")
+    output, tracing = compiled(document, blobs, LARGE)
+    assert tracing.sharing == 1
+    assert "pixels that share brought 38% more light than others" in output.way
+    assert "a fault of the program" in output.way
 
 
 def test_no_gain_is_told_that_is_none(
@@ -133,6 +156,18 @@ def test_nothing_is_asked_for_a_small_image_or_an_unknown_film(
         assert (tracing.direction, tracing.sharing) == (scene_pb2.DIRECTION_ADJOINT, 1)
         assert output.way == ""
     assert trace.asked == []
+
+
+def test_of_a_small_image_with_glass_is_asked_whether_light_is_missed(
+    document: dict[str, Any], blobs: BlobStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trace = Asked(monkeypatch, forward=True)
+    document["kernels"]["white"] = {"type": "dielectric", "index": 1.5}
+    compiled(document, blobs, SMALL)
+    assert [chosen for chosen, _ in trace.asked] == [["direction", "ratio", "learn"]]
+    # One sample tells no error that could be too small.
+    compiled(document, blobs, Film(64, 64, 1))
+    assert len(trace.asked) == 1
 
 
 @pytest.mark.parametrize(
@@ -233,7 +268,7 @@ def test_important_directions_may_be_left_to_photons_from_the_luminaires(
     declared = {**document, "important_directions": [ball]}
     trace = Asked(monkeypatch, forward=True, hinted=False)
     output, tracing = compiled(declared, blobs, LARGE)
-    assert "directions, those from the sensor not sent to important directions: 7.5 times" in output.way
+    assert "directions, those from the sensor not sent to important directions: 6.2 to" in output.way
     [(chosen, asked)] = trace.asked
     assert chosen == ["direction", "ratio", "aim", "hint", "guide", "sharing"]
     assert (asked.weight_important, asked.weight_luminaires) == (0.175, 0.175)

@@ -29,6 +29,21 @@ std::string figures_json(const PilotFigures& figures) {
   return json.str();
 }
 
+/// In place of an error that is not known: JSON has no infinity.
+constexpr double kUnknown = 1e9;
+
+const char* fault_name(PilotResult::Fault fault) {
+  switch (fault) {
+    case PilotResult::Fault::kGuided:
+      return "guided";
+    case PilotResult::Fault::kShared:
+      return "shared";
+    case PilotResult::Fault::kNone:
+      break;
+  }
+  return "";
+}
+
 std::string aims_json(const std::vector<Aim>& aims) {
   std::ostringstream json;
   json.precision(17);
@@ -118,7 +133,10 @@ void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,
        << ", \"learned_light\": \"" << (found.choice.guided ? to_hex(learned_light) : "") << '"'
        << ", \"sharing\": " << found.choice.sharing
        << ", \"forward_ratio\": " << found.choice.forward_ratio
-       << ", \"gain\": " << found.choice.gain << ", \"unmet\": " << found.unmet
+       << ", \"gain\": " << found.choice.gain
+       << ", \"gain_error\": " << std::min(found.choice.gain_error, kUnknown)
+       << ", \"unmet\": " << found.unmet << ", \"fault\": \"" << fault_name(found.fault)
+       << "\", \"differs_by\": " << found.differs_by
        << ", \"finds_more\": " << (found.choice.finds_more ? "true" : "false")
        << ", \"photons\": " << found.photons + learned.photons
        << ", \"rays\": " << found.rays + learned.rays

@@ -27,7 +27,7 @@ from nocturne_scene.compile.tracing import compile_tracing
 from nocturne_scene.compile.unseen import met_surfaces
 from nocturne_scene.compile.warnings import warnings_of
 from nocturne_scene.compile.wavelengths import put_wavelength_density
-from nocturne_scene.compile.ways import WORTH_A_PILOT, choose, given_ways, open_ways
+from nocturne_scene.compile.ways import choose, given_ways, open_ways
 from nocturne_scene.compile.workspace import Workspace
 from nocturne_scene.document import bounds
 from nocturne_scene.document.model import SceneDocument
@@ -130,7 +130,7 @@ def _put_tracing(
     workspace: Workspace, message: scene_pb2.CompiledScene, film: Film | None, *, scatters: bool
 ) -> None:
     ways, said = given_ways(workspace.document), ""
-    if film is not None and film.all_samples >= WORTH_A_PILOT:
+    if film is not None:
         start = workspace.photons_can_start
         left_open = open_ways(workspace.document, message, film, photons_can_start=start)
         if left_open.names:

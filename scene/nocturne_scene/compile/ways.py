@@ -6,6 +6,7 @@ image, is a function of scene, film and samples.
 """
 
 import json
+import math
 import subprocess
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -23,9 +24,11 @@ from nocturne_scene.errors import InputError
 from nocturne_scene.film import Film
 from nocturne_scene.programs import find_program
 from nocturne_scene.scene_ranges import schedule_of
+from nocturne_scene.uncertainty import CONFIDENCE
 
 WORTH_A_PILOT = 2**18
-"""Samples of a whole film: five times what a pilot takes at least."""
+"""Samples of a whole film: five times what a pilot takes at least. With fewer it is asked only whether light
+is missed, where surfaces may gather it: an error of such an image may be small, too."""
 
 MAX_SECONDS = 120.0
 """After which a pilot is given up."""
@@ -36,7 +39,8 @@ _AIMED = 0.9
 GUIDED = "guided by what was learned"
 """In the words for a way of which that is true."""
 
-_EXACT_BELOW = 10
+_WELL_KNOWN = 0.35
+"""Standard error of a gain's logarithm, up to which it is told: its 95 % interval is from half to twice."""
 
 _TOLD_ABOVE = 0.01
 """Part of the mean that may be missing and is told: twice the error that most renders are asked for."""
@@ -113,6 +117,9 @@ def open_ways(
 ) -> OpenWays:
     """What a pilot is to choose. `photons_can_start`: at all luminaires."""
     tracing, default = document.tracing, given_ways(document)
+    small = film.all_samples < WORTH_A_PILOT
+    if small and not (film.samples > 1 and may_gather(scene)):
+        return OpenWays([], default, default)
     names, asked = [], default
     may_forward = tracing.direction == "auto" and photons_can_start
     with_forward = _forward(document, scene, film) if may_forward else None
@@ -129,6 +136,8 @@ def open_ways(
         elif tracing.aimed_emission is None and (scene.luminaires or has_sky(scene)):
             names.append("learn")
         asked = replace(asked, direction=with_forward, aimed_emission=aimed)
+    if small:
+        return OpenWays(names, default, asked)
     if asked.direction == "both" and "direction" in names and _may_lose_hints(tracing.mixture, scene):
         names.append("hint")
     if tracing.guide == "auto" and asked.direction == "both":
@@ -136,6 +145,15 @@ def open_ways(
     if tracing.sharing == "auto" and tracing.estimator == "two_photons" and asked.direction != "forward":
         names.append("sharing")
     return OpenWays(names, default, asked)
+
+
+_GATHER = {"conductor", "dielectric", "thin_pane", "coated_diffuse", "principled"}
+"""Kernels that mirror or refract, or may."""
+
+
+def may_gather(scene: scene_pb2.CompiledScene) -> bool:
+    """Whether surfaces may gather light, so that photons from the sensor meet little of it, or none."""
+    return any(kernel.WhichOneof("model") in _GATHER for kernel in scene.kernels)
 
 
 def _may_lose_hints(mixture: Mixture, scene: scene_pb2.CompiledScene) -> bool:
@@ -169,19 +187,20 @@ def choose(scene: scene_pb2.CompiledScene, blobs: Path, film: Film, ways: OpenWa
         return default, f"{default.named()}: nothing was compared, as nocturne-trace is missing here"
     try:
         found = _run(program, scene, blobs, film, ways.names)
-    except (OSError, subprocess.SubprocessError, ValueError):
+        learned = tuple(_aim(each) for each in found["aims"])
+        better = Ways(
+            asked.direction if found["forward_photons"] else default.direction,
+            int(found["sharing"]) if "sharing" in ways.names else asked.sharing,
+            _aimed(found, ways),
+            learned,
+            bytes.fromhex(found["learned_light"]),
+            _ratio(found, ways),
+            found["hinted"],
+        )
+        words = _sentence(better, default, found) + unmet_light(found["unmet"])
+        return better, words + fault(found["fault"], found["differs_by"])
+    except (OSError, subprocess.SubprocessError, ValueError, KeyError):
         return default, f"{default.named()}: nothing was compared, as the pilot failed"
-    learned = tuple(_aim(each) for each in found["aims"])
-    better = Ways(
-        asked.direction if found["forward_photons"] else default.direction,
-        int(found["sharing"]) if "sharing" in ways.names else asked.sharing,
-        _aimed(found, ways),
-        learned,
-        bytes.fromhex(found["learned_light"]),
-        _ratio(found, ways),
-        found["hinted"],
-    )
-    return better, _sentence(better, default, found) + unmet_light(found["unmet"])
 
 
 def _ratio(found: Mapping[str, Any], ways: OpenWays) -> float:
@@ -223,6 +242,18 @@ def unmet_light(part: float) -> str:
     )
 
 
+def fault(which: str, differs_by: float) -> str:
+    """What to say where a way's mean differs from another's beyond their errors; nothing where none does."""
+    what = {"guided": "photons that are guided", "shared": "pixels that share"}.get(which)
+    if what is None:
+        return ""
+    return (
+        f"; {what} brought {abs(differs_by):.0%} {'more' if differs_by > 0 else 'less'} light than others in "
+        "the pilot, beyond their errors, and were not chosen: this is a fault of the program, please report "
+        "the scene"
+    )
+
+
 def _sentence(ways: Ways, default: Ways, found: dict[str, Any]) -> str:
     tried = f"by a pilot of {found['photons']:,} photons"
     if ways == default:
@@ -233,5 +264,13 @@ def _sentence(ways: Ways, default: Ways, found: dict[str, Any]) -> str:
     if gain <= 1.0:
         # Guided photons showed the noise of light that the default had not met.
         return f"{ways.named()}: less error than by {default.named()} once these are guided, {tried}"
-    times = f"{gain:.0f}" if gain >= _EXACT_BELOW else f"{gain:.1f}"
-    return f"{ways.named()}: {times} times less time to the same error than by {default.named()}, {tried}"
+    times = _times(gain, found["gain_error"])
+    return f"{ways.named()}: {times}less time to the same error than by {default.named()}, {tried}"
+
+
+def _times(gain: float, error: float) -> str:
+    """`error`: standard error of the gain's logarithm. Nothing where the gain is hardly known."""
+    if error > _WELL_KNOWN:
+        return ""
+    low, high = gain * math.exp(-CONFIDENCE * error), gain * math.exp(CONFIDENCE * error)
+    return f"{low:.2g} to {high:.2g} times "

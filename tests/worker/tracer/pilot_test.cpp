@@ -9,17 +9,86 @@
 #include "support/caustic_scene.h"
 #include "tracer/forward_pays.h"
 #include "tracer/learn.h"
+#include "tracer/rare_light.h"
 #include "tracer/sharing_pays.h"
 
 namespace nocturne {
 namespace {
 
 PilotFigures figures(double mean, double mean_error, double relative_mse, double cost = 1.0) {
-  return {.photons = PilotFigures::kAdjoint,
-          .mean = mean,
-          .mean_error = mean_error,
-          .relative_mse = relative_mse,
-          .cost = cost};
+  PilotFigures made{.photons = PilotFigures::kAdjoint,
+                    .mean = mean,
+                    .mean_error = mean_error,
+                    .relative_mse = relative_mse,
+                    .cost = cost};
+  made.of_groups.fill(relative_mse / PilotFigures::kGroups);
+  return made;
+}
+
+/// With all of its error in one group of pixels.
+PilotFigures by_one_pixel(PilotFigures figures) {
+  figures.of_groups.fill(1e-3 * figures.relative_mse);
+  figures.of_groups[3] = figures.relative_mse;
+  return figures;
+}
+
+TEST(PilotFigures, TellHowUncertainARatioIs) {
+  GroupErrors even{}, uneven{};
+  even.fill(1.0);
+  for (std::size_t i = 0; i < uneven.size(); ++i) uneven[i] = i % 2 == 0 ? 0.9 : 1.1;
+  EXPECT_EQ(error_of_log_ratio(even, even), 0.0);
+  // Of a mean of 16 numbers that are 0.9 or 1.1: their standard deviation with 15 degrees of
+  // freedom, over 4.
+  EXPECT_NEAR(error_of_log_ratio(uneven, even), std::sqrt(0.01 * 16 / 15) / 4, 1e-4);
+  const PilotFigures one = by_one_pixel(figures(1, 1, 1));
+  EXPECT_GT(error_of_log_ratio(one.of_groups, even), 3.0);
+  GroupErrors alone{};
+  alone[0] = 1.0;
+  EXPECT_EQ(error_of_log_ratio(alone, even), std::numeric_limits<double>::infinity());
+}
+
+TEST(PilotOfGuides, LeavesToChanceWhatFewPixelsSay) {
+  const PilotFigures before = figures(1, 0.1, 4.0), better = figures(1, 0.1, 1.0);
+  EXPECT_TRUE(guide_pays(before, better));
+  EXPECT_FALSE(guide_pays(by_one_pixel(before), better));
+  // What one group of 16 has does not hide a gain of a hundred.
+  EXPECT_TRUE(guide_pays(figures(1, 0.1, 400.0), better));
+}
+
+TEST(PilotOfGuides, NeverTakesWhatLosesLight) {
+  EXPECT_TRUE(guide_loses_light(figures(1.0, 0.01, 4.0), figures(0.9, 0.01, 1.0)));
+  EXPECT_FALSE(guide_pays(figures(1.0, 0.01, 4.0), figures(0.9, 0.01, 1.0)));
+  EXPECT_FALSE(guide_loses_light(figures(1.0, 0.01, 4.0), figures(0.99, 0.01, 1.0)));
+}
+
+TEST(PilotOfSharing, TellsThatMeansDiffer) {
+  const std::vector<double> alone{1, 2, 1, 2, 1, 2, 1, 2};
+  std::vector<double> shared = alone, noisy = alone;
+  for (std::size_t i = 0; i < alone.size(); ++i) {
+    shared[i] *= 1.4;
+    noisy[i] += i == 0 ? 4.8 : 0.0;
+  }
+  EXPECT_NEAR(means_differ(alone, shared), 0.4, 1e-12);
+  EXPECT_EQ(means_differ(alone, alone), 0.0);
+  // The same light more in one square alone is chance.
+  EXPECT_EQ(means_differ(alone, noisy), 0.0);
+  EXPECT_EQ(means_differ({alone.begin(), 5}, {shared.begin(), 5}), 0.0);
+}
+
+TEST(PilotOfRareLight, IsBroughtWhereOthersMissIt) {
+  EXPECT_TRUE(must_be_brought({{2.0, 0.1}, {0.0, 0.0}}, 365.0));
+  EXPECT_TRUE(must_be_brought({{2.0, 0.8}, {0.0, 0.0}}, 365.0));
+  EXPECT_FALSE(must_be_brought({{2.0, 1.2}, {0.0, 0.0}}, 365.0));
+  EXPECT_FALSE(must_be_brought({{2.0, 0.1}, {1.9, 0.1}}, 365.0));
+  EXPECT_FALSE(must_be_brought({{2.0, 0.1}, {0.0, 0.0}}, 1e5));
+  EXPECT_FALSE(must_be_brought({{0.0, 0.0}, {0.0, 0.0}}, 365.0));
+}
+
+TEST(PilotOfRareLight, TellsWhatMayBeMissing) {
+  EXPECT_DOUBLE_EQ(may_be_missing({{2.0, 1.2}, {0.0, 0.0}}, 100.0), 0.044);
+  EXPECT_DOUBLE_EQ(may_be_missing({{2.0, 0.1}, {1.0, 0.2}}, 100.0), 0.012);
+  EXPECT_EQ(may_be_missing({{2.0, 0.1}, {1.9, 0.1}}, 100.0), 0.0);
+  EXPECT_EQ(may_be_missing({{0.0, 0.0}, {0.0, 0.0}}, 100.0), 0.0);
 }
 
 const PilotFigures kNone{.photons = PilotFigures::kAdjointOfBoth};

@@ -30,6 +30,8 @@ struct Emitted {
   Spectral<N> flux;
   /// Index of the luminaire, or kDistant.
   std::uint32_t luminaire;
+  /// Of the luminaire there, W m-2 sr-1 nm-1.
+  Spectral<N> radiance;
 };
 
 class PhotonEmitter {
@@ -77,10 +79,9 @@ class PhotonEmitter {
     // Radiance x cosine over the density of the direction x 1/area x 1/sides.
     const float scale = leaving->cosine_over_pdf * area * sides / probability;
     const DepartingRay leaves = geometry.depart(from, direction, time);
-    return Emitted<N>{
-        leaves.ray, leaves.departure,
-        scale * luminaire.emitted(from.normal, direction, SurfacePoint{}, wavelengths_nm),
-        element.luminaire};
+    const Spectral<N> radiance =
+        luminaire.emitted(from.normal, direction, SurfacePoint{}, wavelengths_nm);
+    return Emitted<N>{leaves.ray, leaves.departure, scale * radiance, element.luminaire, radiance};
   }
 
  private:
@@ -150,7 +151,8 @@ class PhotonEmitter {
     return Emitted<N>{{start.origin, -towards},
                       {},
                       (1.0f / (start.pdf * pdf * probability)) * radiance,
-                      Emitted<N>::kDistant};
+                      Emitted<N>::kDistant,
+                      radiance};
   }
 
   std::vector<Element> elements_;

@@ -72,6 +72,9 @@ struct TracingOptions {
   std::uint64_t seed;
   /// Photons towards lights go where light was learned to come from, too.
   bool guide = true;
+  /// Light of luminaires with a lower radiance does not count, W m-2 sr-1 nm-1: a pilot looks for
+  /// what is bright and rare alone.
+  float least_radiance = 0.0f;
 };
 
 }  // namespace nocturne

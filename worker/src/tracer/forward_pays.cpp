@@ -11,9 +11,6 @@ namespace {
 /// least, and how many times better another ratio than 1 must be.
 constexpr double kLeastRatio = 1.0 / 16, kMostRatio = 64.0, kLeastTime = 1.0 / 16,
                  kRatioPays = 1.05;
-/// Forward photons whose mean is less certain have hardly found the sensor yet; where adjoint ones
-/// have found nothing at all of the same light, few are enough.
-constexpr double kCertain = 0.2, kSeen = 0.5;
 /// Guided photons that found so many times as much light, in most of the four images: one bright
 /// sample is a standard error from zero, of two images 1.7, of three 3.
 constexpr double kHardlyFound = 8.0, kFoundAgain = 2.0;
@@ -56,15 +53,26 @@ bool guide_finds_more(const PilotFigures& unguided, const PilotFigures& guided) 
          (found_again && guided.mean > kHardlyFound * unguided.mean);
 }
 
+bool guide_loses_light(const PilotFigures& unguided, const PilotFigures& guided) {
+  return unguided.mean - guided.mean > kApart * math::hypot(unguided.mean_error, guided.mean_error);
+}
+
+bool is_gain(double gain, double error, double worth_it) {
+  return gain > worth_it && math::log(gain) > error;
+}
+
 bool guide_pays(const PilotFigures& unguided, const PilotFigures& guided) {
+  const double gain = unguided.relative_mse * unguided.cost / (guided.relative_mse * guided.cost);
   return guide_finds_more(unguided, guided) ||
-         unguided.relative_mse * unguided.cost > kWorthIt * guided.relative_mse * guided.cost;
+         (!guide_loses_light(unguided, guided) &&
+          is_gain(gain, error_of_log_ratio(unguided.of_groups, guided.of_groups)));
 }
 
 bool hints_pay(const PilotFigures& with, const PilotFigures& without) {
   const double apart = kHintsFindMore * math::hypot(with.mean_error, without.mean_error);
+  const double gain = with.relative_mse * with.cost / (without.relative_mse * without.cost);
   return with.mean - without.mean > apart ||
-         with.relative_mse * with.cost <= without.relative_mse * without.cost;
+         !is_gain(gain, error_of_log_ratio(with.of_groups, without.of_groups), 1.0);
 }
 
 ForwardPays forward_pays(const AdjointFigures& adjoint, const PilotFigures& forward, double ratio,

@@ -13,6 +13,9 @@ namespace nocturne {
 constexpr double kWorthIt = 1.25;
 /// Standard errors between two means that are told apart; of four images, so few are not enough.
 constexpr double kApart = 5.0;
+/// Forward photons whose mean is less certain have hardly found the sensor yet; where adjoint ones
+/// have found nothing at all of the same light, few are enough.
+constexpr double kCertain = 0.2, kSeen = 0.5;
 
 /// A power of two: how many forward photons for each adjoint one give the least error for the same
 /// time. Each kind keeps a sixteenth of the time at least, so that one whose error the pilot has
@@ -21,6 +24,10 @@ double best_forward_ratio(const PilotFigures& adjoint, const PilotFigures& forwa
 
 /// Error times cost of both kinds together.
 double product_of_both(const PilotFigures& adjoint, const PilotFigures& forward, double ratio);
+
+/// Whether a gain is one whose logarithm has such a standard error: worth it, and above 1 by its
+/// error. What is left to chance stays as it is.
+bool is_gain(double gain, double error, double worth_it = kWorthIt);
 
 /// What is better about forward photons.
 enum class ForwardPays { kNot, kLessError, kFindsMore };
@@ -60,6 +67,8 @@ double may_be_unmet(const AdjointFigures& adjoint, const PilotFigures& forward);
 /// Whether guided photons find light that others miss. Where a way to it is too narrow for chance,
 /// those are too dark, and look good.
 bool guide_finds_more(const PilotFigures& unguided, const PilotFigures& guided);
+/// Or find less, which no light explains.
+bool guide_loses_light(const PilotFigures& unguided, const PilotFigures& guided);
 /// Or have so much less error that these are left for them.
 bool guide_pays(const PilotFigures& unguided, const PilotFigures& guided);
 

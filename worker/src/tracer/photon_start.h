@@ -41,7 +41,7 @@ PhotonStart<N> start_photon(const Scene& scene, PhotonSequence& sequence) {
   const auto emitted =
       scene.emitter.emit(scene.luminaires, scene.lights, scene.geometry,
                          scene.options.aimed_emission, time, start.wavelengths, first, second);
-  if (!emitted) {
+  if (!emitted || largest(emitted->radiance) < scene.options.least_radiance) {
     start.flux = 0.0f;
     return photon;
   }

@@ -12,6 +12,7 @@
 
 #include "math/functions.h"
 #include "tracer/forward_pays.h"
+#include "tracer/rare_light.h"
 #include "tracer/sharing_pays.h"
 #include "tracer/trials.h"
 
@@ -99,6 +100,7 @@ class Pilot {
     const PilotImages probe =
         trials_.images(Direction::kAdjoint, 1, small, whole(small, kSamples), 1);
     const double rays = std::max(1.0, rays_of(probe) / (pixels_of(small) * kSamples));
+    mean_of_probe_ = mean_and_error(probe)[0];
     const double part = kPart * pixels_of(request_.film) * request_.samples;
     const double all = std::max(part, std::min(kEnoughSamples, kEnoughRays / rays));
     return std::min(std::clamp(all - request_.lessons, 0.0, kMaxSamples), kMaxRays / rays);
@@ -137,10 +139,7 @@ class Pilot {
         unhinted = trials_.images(Direction::kBoth, 1, film, square);
         scene_.lights.set_hints(true);
       }
-      for (std::uint32_t i = 0; i < Trials::kImages; ++i) {
-        std::vector<double>& sums = left.images[i][0].sums;
-        for (std::size_t s = 0; s < sums.size(); ++s) sums[s] -= rest.images[i][0].sums[s];
-      }
+      subtract(left, rest);
     }
     std::vector<PilotImages> forward;
     for (const float aimed : aims) {
@@ -180,10 +179,30 @@ class Pilot {
       second_look(of_adjoint);
       choose_forward(of_adjoint, of_aims, kWorthItCloser);
     }
-    if (both && result_.choice.direction == Direction::kAdjoint) {
-      result_.unmet = may_be_unmet(
-          of_adjoint, *std::ranges::min_element(of_aims, {}, &PilotFigures::mean_error));
+    if (result_.choice.direction == Direction::kAdjoint) {
+      const PilotFigures& surest =
+          *std::ranges::min_element(of_aims, {}, &PilotFigures::mean_error);
+      if (both) result_.unmet = may_be_unmet(of_adjoint, surest);
+      look_for_rare_light(film, of_adjoint, surest);
     }
+  }
+
+  /// What is rare hides in the noise of other light: it is looked for alone.
+  void look_for_rare_light(Film film, const AdjointFigures& adjoint, const PilotFigures& forward) {
+    scene_.options.aimed_emission = forward.aimed;
+    scene_.options.guide = guided_first_;
+    const auto light =
+        find_rare_light(scene_, trials_, before_.direction, film, kSamples,
+                        rare_radiance(mean_of_probe_, pixels_of(request_.film) * request_.samples));
+    scene_.options.guide = false;
+    if (!light) return;
+    result_.unmet = std::max(result_.unmet, may_be_missing(*light, adjoint.alone.mean));
+    if (!must_be_brought(*light, adjoint.alone.mean)) return;
+    result_.unmet = 0.0;
+    take(adjoint, {.forward = &forward,
+                   .ratio = ratio_with(adjoint.rest, forward),
+                   .gain = 1.0,
+                   .finds_more = true});
   }
 
   /// What differs within the large pixels of a small film hides what is gained in small ones.
@@ -196,9 +215,11 @@ class Pilot {
     const PilotImages rest =
         trials_.images(Direction::kBoth, 1, request_.film, squares, kSharingImages);
     scene_.options.guide = false;
-    adjoint.rest.relative_mse =
-        adjoint_figures(rest, false, shown_by({&rest}, {&rest})).relative_mse;
+    const PilotFigures closer = adjoint_figures(rest, false, shown_by({&rest}, {&rest}));
+    adjoint.rest.relative_mse = closer.relative_mse;
+    adjoint.rest.of_groups = closer.of_groups;
     adjoint.all.relative_mse = adjoint.rest.relative_mse + adjoint.left.relative_mse;
+    adjoint.all.of_groups = of_both(adjoint.rest, adjoint.left, 1.0);
     adjoint.alone = adjoint.all;
   }
 
@@ -206,13 +227,23 @@ class Pilot {
   double choose_forward(const AdjointFigures& adjoint, const std::vector<PilotFigures>& of_aims,
                         double worth_it) {
     const ForwardChoice found = choose_forward_photons(adjoint, of_aims, given_ratio(), worth_it);
-    if (found.forward == nullptr) return found.most_gain;
+    if (found.forward != nullptr) take(adjoint, found);
+    return found.most_gain;
+  }
+
+  void take(const AdjointFigures& adjoint, const ForwardChoice& found) {
     adjoint_ = adjoint.rest;
     forward_ = *found.forward;
-    result_.choice = {before_.direction, 1,          forward_.aimed,
-                      found.ratio,       found.gain, found.finds_more};
-    result_.choice.hinted = adjoint_.hinted;
-    return found.most_gain;
+    const double error =
+        error_of_log_ratio(adjoint.alone.of_groups, of_both(adjoint_, forward_, found.ratio));
+    result_.choice = {.direction = before_.direction,
+                      .sharing = 1,
+                      .aimed = forward_.aimed,
+                      .forward_ratio = found.ratio,
+                      .gain = found.gain,
+                      .finds_more = found.finds_more,
+                      .gain_error = error,
+                      .hinted = adjoint_.hinted};
   }
 
   static PilotFigures adjoint_figures(const PilotImages& images, bool guided,
@@ -254,13 +285,22 @@ class Pilot {
     const double ratio = ratio_with(guided, forward_), other_ratio = ratio_with(unguided, forward_);
     const double gain =
         product_of_both(unguided, forward_, other_ratio) / product_of_both(guided, forward_, ratio);
+    if (guide_loses_light(before, found)) {
+      result_.fault = PilotResult::Fault::kGuided;
+      result_.differs_by = found.mean / before.mean - 1.0;
+      return;
+    }
     const bool finds_more = guide_finds_more(before, found);
-    result_.choice.guided = finds_more || gain > kWorthIt;
+    const double error = error_of_log_ratio(before.of_groups, found.of_groups);
+    result_.choice.guided = finds_more || is_gain(gain, error);
     scene_.options.guide = result_.choice.guided;
     adjoint_ = result_.choice.guided ? guided : unguided;
     result_.choice.forward_ratio = result_.choice.guided ? ratio : other_ratio;
     if (!result_.choice.guided) return;
-    if (!compared) result_.choice.gain *= gain;
+    if (!compared) {
+      result_.choice.gain *= gain;
+      result_.choice.gain_error = math::hypot(result_.choice.gain_error, error);
+    }
     result_.choice.finds_more = result_.choice.finds_more || finds_more;
   }
 
@@ -285,11 +325,18 @@ class Pilot {
     if (first != film.end() && !votes_are_plain(gains, worth_it)) {
       std::tie(gains, ratio) = gains_of_sharing({first, film.end()}, alone, shared);
     }
+    const double error = error_of_median(gains);
     const std::optional<double> gain = sharing_pays(std::move(gains), worth_it);
     if (!gain) return;
+    if (const double differ = means_differ(alone_in_squares_, shared_in_squares_); differ != 0.0) {
+      result_.fault = PilotResult::Fault::kShared;
+      result_.differs_by = differ;
+      return;
+    }
     result_.choice.sharing = 16;
     result_.choice.forward_ratio = ratio;
     result_.choice.gain *= *gain;
+    result_.choice.gain_error = math::hypot(result_.choice.gain_error, error);
   }
 
   double ratio_with(const PilotFigures& adjoint, const PilotFigures& forward) const {
@@ -321,6 +368,8 @@ class Pilot {
     const PilotFigures one = figures_of(PilotFigures::kSharing, 1, alone, shown);
     PilotFigures sixteen = figures_of(PilotFigures::kSharing, 16, shared, shown);
     sixteen.cost = one.cost + kQueryCost * (sixteen.cost - one.cost);
+    alone_in_squares_ = one.means_of_squares;
+    shared_in_squares_ = sixteen.means_of_squares;
     std::erase_if(result_.tried, [](const PilotFigures& before) {
       return before.photons == PilotFigures::kSharing;
     });
@@ -374,6 +423,10 @@ class Pilot {
   bool guided_first_ = false;
   PilotFigures unguided_{.photons = PilotFigures::kAdjoint};
   PilotFigures guided_{.photons = PilotFigures::kAdjoint};
+  /// Mean Y of squares, where sharing was tried.
+  std::vector<double> alone_in_squares_, shared_in_squares_;
+  /// Y, cd/m2.
+  double mean_of_probe_ = 0.0;
   const double budget_;
 };
 

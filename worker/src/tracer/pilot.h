@@ -41,6 +41,8 @@ struct PilotChoice {
   double gain;
   /// These missed light that the way finds, so that `gain` says nothing.
   bool finds_more;
+  /// Standard error of the logarithm of `gain`.
+  double gain_error = 0.0;
   bool guided = false;
   bool hinted = true;
 };
@@ -52,6 +54,10 @@ struct PilotResult {
   /// Where photons from the sensor alone were chosen: how much more light forward photons may bring
   /// than these met of the same kind, at most (two standard errors), in parts of the mean.
   double unmet = 0.0;
+  /// A way whose mean differs from that of others beyond their errors: a fault, so that it was not
+  /// chosen. By how much, in parts of the mean.
+  enum class Fault { kNone, kGuided, kShared } fault = Fault::kNone;
+  double differs_by = 0.0;
 };
 
 /// The same choice on every machine and for any number of threads: costs are counted, not timed.

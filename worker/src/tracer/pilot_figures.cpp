@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <utility>
+
+#include "math/functions.h"
 
 namespace nocturne {
 namespace {
@@ -40,6 +44,40 @@ std::array<double, 2> mean_and_error(const PilotImages& images) {
   for (const double each : means) mean += each / count;
   for (const double each : means) squares += (each - mean) * (each - mean);
   return {mean, std::sqrt(squares / (count - 1.0) / count)};
+}
+
+void subtract(PilotImages& from, const PilotImages& others) {
+  for (std::size_t i = 0; i < from.images.size(); ++i) {
+    for (std::size_t square = 0; square < from.images[i].size(); ++square) {
+      std::vector<double>& sums = from.images[i][square].sums;
+      const std::vector<double>& others_sums = others.images[i][square].sums;
+      for (std::size_t s = 0; s < sums.size(); ++s) sums[s] -= others_sums[s];
+    }
+  }
+}
+
+GroupErrors of_both(const PilotFigures& adjoint, const PilotFigures& forward, double ratio) {
+  GroupErrors both{};
+  for (std::size_t i = 0; i < both.size(); ++i) {
+    both[i] = adjoint.of_groups[i] + forward.of_groups[i] / ratio;
+  }
+  return both;
+}
+
+double error_of_log_ratio(const GroupErrors& one, const GroupErrors& other) {
+  const double all = std::accumulate(one.begin(), one.end(), 0.0),
+               all_of_other = std::accumulate(other.begin(), other.end(), 0.0);
+  constexpr auto kCount = static_cast<double>(PilotFigures::kGroups);
+  GroupErrors logarithms{};
+  double mean = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    const double left = all - one[i], left_of_other = all_of_other - other[i];
+    if (!(left > 0.0 && left_of_other > 0.0)) return std::numeric_limits<double>::infinity();
+    logarithms[i] = math::log(left / left_of_other);
+    mean += logarithms[i] / kCount;
+  }
+  for (const double each : logarithms) squares += (each - mean) * (each - mean);
+  return std::sqrt((kCount - 1.0) / kCount * squares);
 }
 
 double rays_of(const PilotImages& images) {
@@ -133,16 +171,23 @@ PilotFigures figures_of(PilotFigures::Photons photons, std::uint32_t sharing,
   PilotFigures found{.photons = photons, .sharing = sharing, .mean = mean, .mean_error = error};
   std::size_t pixel = 0;
   for (const TileSums& square : images.images.front()) {
-    const std::size_t end = pixel + std::size_t{square.width} * square.height;
-    double errors = 0.0;
+    const std::size_t begin = pixel, end = pixel + std::size_t{square.width} * square.height;
+    double errors = 0.0, total = 0.0;
     for (; pixel < end; ++pixel) {
       const double variance =
           std::max(0.0, squares[pixel] - sums[pixel] * sums[pixel] / count) / (count - 1.0);
       const double scale = shown[pixel] * shown[pixel] + 0.01 * all * all;
-      if (scale > 0.0) errors += images.samples * variance / scale;
+      total += sums[pixel] / count;
+      if (!(scale > 0.0)) continue;
+      const double of_pixel = images.samples * variance / scale;
+      errors += of_pixel;
+      // Neighbours are in different groups.
+      const std::size_t x = (pixel - begin) % square.width, y = (pixel - begin) / square.width;
+      found.of_groups[(x + 5 * y) % PilotFigures::kGroups] += of_pixel / pixels;
     }
     found.relative_mse += errors / pixels;
     found.of_squares.push_back(errors / (square.width * square.height));
+    found.means_of_squares.push_back(total / (square.width * square.height));
   }
   found.cost = rays_of(images) / (pixels * count * images.samples);
   return found;

@@ -33,8 +33,11 @@ struct PilotFigures {
   double mean = 0.0, mean_error = 0.0;
   /// Relative MSE of Y (docs/explanation/units-and-errors.md) of one sample of each pixel.
   double relative_mse = 0.0;
-  /// The same over the pixels of each square.
-  std::vector<double> of_squares = {};
+  /// The same over the pixels of each square; and the mean Y of each.
+  std::vector<double> of_squares = {}, means_of_squares = {};
+  /// What each group of pixels has of it: the sum is relative_mse.
+  static constexpr std::size_t kGroups = 16;
+  std::array<double, kGroups> of_groups = {};
   /// Of a sample, in rays of the usual cost.
   double cost = 0.0;
 };
@@ -48,6 +51,17 @@ std::vector<double> shown_by(const std::vector<const PilotImages*>& one,
 std::array<double, 2> mean_and_error(const PilotImages& images);
 
 double rays_of(const PilotImages& images);
+
+/// Of each image another, of the same squares.
+void subtract(PilotImages& from, const PilotImages& others);
+
+using GroupErrors = std::array<double, PilotFigures::kGroups>;
+/// Of both kinds of photons together, for each from the sensor `ratio` forward ones.
+GroupErrors of_both(const PilotFigures& adjoint, const PilotFigures& forward, double ratio);
+/// Standard error of log(sum of one / sum of other), by leaving out one group of pixels after the
+/// other (the jackknife; Efron and Tibshirani, "An Introduction to the Bootstrap", 1993, equation
+/// 11.5). Large where few pixels decide. Infinite where either is zero without one of the groups.
+double error_of_log_ratio(const GroupErrors& one, const GroupErrors& other);
 
 /// Of images whose pixels show `shown`.
 PilotFigures figures_of(PilotFigures::Photons photons, std::uint32_t sharing,

@@ -1,7 +1,12 @@
 #include "tracer/sharing_pays.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
+#include <numbers>
+
+#include "math/functions.h"
 
 namespace nocturne {
 namespace {
@@ -9,6 +14,12 @@ namespace {
 /// Votes are plain where all parts but one gain so many times more than they have to, or so many
 /// times less: somebody waits for the pilot, and one part of five does not move the median.
 constexpr double kPlain = 1.25;
+
+/// Standard errors of a mean, squares of which its error must be made, and part of it that counts.
+constexpr double kApart = 5.0, kDiffers = 0.01;
+constexpr std::size_t kFewest = 6;
+
+double square(double x) { return x * x; }
 
 bool lose_together(std::span<const double> gains) {
   double inverses = 0.0;
@@ -24,6 +35,31 @@ std::optional<double> sharing_pays(std::vector<double> gains, double worth_it) {
   const auto middle = gains.begin() + static_cast<std::ptrdiff_t>((gains.size() - 1) / 2);
   std::ranges::nth_element(gains, middle);
   return *middle > worth_it ? std::optional(*middle) : std::nullopt;
+}
+
+double error_of_median(std::span<const double> gains) {
+  const auto count = static_cast<double>(gains.size());
+  if (gains.size() < 2) return std::numeric_limits<double>::infinity();
+  double mean = 0.0, squares = 0.0;
+  for (const double gain : gains) mean += math::log(gain) / count;
+  for (const double gain : gains) squares += square(math::log(gain) - mean);
+  // Of normal numbers a median has sqrt(pi / 2) times the error of the mean.
+  return std::sqrt(std::numbers::pi / 2.0 * squares / (count - 1.0) / count);
+}
+
+double means_differ(std::span<const double> alone, std::span<const double> shared) {
+  const std::size_t squares = std::min(alone.size(), shared.size());
+  if (squares < kFewest) return 0.0;
+  const auto count = static_cast<double>(squares);
+  double mean = 0.0, more = 0.0, spread = 0.0;
+  for (std::size_t i = 0; i < squares; ++i) {
+    mean += alone[i] / count;
+    more += (shared[i] - alone[i]) / count;
+  }
+  for (std::size_t i = 0; i < squares; ++i) spread += square(shared[i] - alone[i] - more);
+  const double error = std::sqrt(spread / (count - 1.0) / count);
+  const bool differ = std::fabs(more) > std::max(kApart * error, kDiffers * mean);
+  return differ && mean > 0.0 ? more / mean : 0.0;
 }
 
 bool votes_are_plain(std::span<const double> gains, double worth_it) {

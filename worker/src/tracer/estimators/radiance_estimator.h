@@ -56,6 +56,7 @@ class RadianceEstimator {
 
   /// No photon towards lights could have counted it.
   void glows(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
+    if (scene_.options.least_radiance > 0.0f) return;
     add(group.tally,
         group.weight * scene_.medium(hit.surface).source(hit.position, sample.wavelengths),
         meets_direct_light(group));
@@ -94,6 +95,7 @@ class RadianceEstimator {
   void add_light(const Group<N>& group, const Spectral<N>& light,
                  const LightDirections::SkyPlace& place = {}) {
     if (brought_by(group.ends) != Transport::kAdjoint) return;
+    if (largest(light) < scene_.options.least_radiance) return;
     Spectral<N> found = group.weight * light;
     if (group.mis.technique != MisTechnique::kNone && largest(found) > 0.0f) {
       // Mirrors and glass may have turned it.

@@ -63,7 +63,7 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
                                    ? scene.distant_radiance(light, sample.wavelengths)
                                    : scene.luminaires[light.luminaire].emitted(
                                          light.normal, -light.direction, {}, sample.wavelengths);
-  if (!(largest(radiance) > 0.0f)) return;
+  if (!(largest(radiance) > 0.0f) || largest(radiance) < scene.options.least_radiance) return;
   const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, wi);
   Spectral<N> found = group.weight * there.value * radiance;
   if (!(largest(found) > 0.0f)) return;

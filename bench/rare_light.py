@@ -1,0 +1,117 @@
+"""Whether images tell how wrong they are where light is rare: forty scenes of small bright lights and of
+things that gather their light, by the defaults.
+
+Of each image's squares of 8 x 8 pixels, how many hold the truth in their 95 % interval. The truth is a longer
+image by photons from both directions, of which those from the luminaires bring what is gathered.
+"""
+
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from nocturne_scene.compare.images import read_picture
+from nocturne_scene.uncertainty import read_region
+
+from bench.peer.contenders import FilmSize, Ours
+from bench.programs import Channel, trace_to
+from bench.rare_scenes import rare_scenes
+from bench.report import Figures, Row, significant
+from bench.scenes import Document, compile_film
+from bench.suite.references import THREADS
+
+_FILM, _SQUARE = FilmSize(64, 48), 8
+_CONFIDENCE = 1.96
+_AIM = 0.93
+_SEED, _TRUTHS = 1000, 8
+
+
+def run(quick: bool) -> Figures:
+    """Of each scene and number of samples, the part of squares that hold the truth. BENCH=full has longer
+    truths."""
+    full = os.environ.get("BENCH") == "full"
+    counts = (16,) if quick else (16, 64, 256, 1024)
+    truth = 64 if quick else 2048 if full else 512
+    scenes = rare_scenes()
+    chosen = dict(list(scenes.items())[::10]) if quick else scenes
+    return {
+        "truth_samples": truth * _TRUTHS,
+        "scenes": {name: _scene(scene, counts, truth) for name, scene in chosen.items()},
+    }
+
+
+def rows(figures: Figures) -> list[Row]:
+    """For each number of samples how many scenes hold; those that don't by name."""
+    scenes = figures["scenes"]
+    table = []
+    for samples in next(iter(scenes.values())):
+        wrong = [
+            f"{name} ({found[samples]['held']:.0%})"
+            for name, found in scenes.items()
+            if found[samples]["held"] < _AIM and not found[samples]["told"]
+        ]
+        table.append(
+            Row(
+                f"rare light, {samples} samples: scenes of {len(scenes)} in which {_AIM:.0%} of squares hold "
+                "the truth, or what is missing is told" + (f"; not: {', '.join(wrong)}" if wrong else ""),
+                str(len(scenes) - len(wrong)),
+                f"all {len(scenes)}",
+            )
+        )
+    return table
+
+
+def _scene(scene: Document, counts: tuple[int, ...], truth_samples: int) -> Figures:
+    with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder:
+        place = Path(folder)
+        by_both = {**scene, "tracing": {"direction": "both", "sharing": 1}}
+        long = Ours(
+            compile_film(by_both, place, *_size(), truth_samples * _TRUTHS, place / "truth"), _FILM, THREADS
+        )
+        truths = np.array([_means(long.traced(truth_samples, _SEED + 1 + i).xyz) for i in range(_TRUTHS)])
+        truth, truth_error = truths.mean(axis=0), truths.std(axis=0, ddof=1) / len(truths) ** 0.5
+        found: Figures = {}
+        for samples in counts:
+            compiled = compile_film(scene, place, *_size(), samples, place / str(samples))
+            image = place / "image.exr"
+            trace_to(compiled, image, THREADS, [])
+            means, errors = _readings(image)
+            held = np.abs(means - truth) <= np.sqrt(errors**2 + (_CONFIDENCE * truth_error) ** 2)
+            found[str(samples)] = {
+                "held": round(float(held.mean()), 4),
+                "mean": significant(float(means.mean() / truth.mean())),
+                "told": "may be missing" in compiled.way,
+                "way": compiled.way.partition(":")[0],
+            }
+        return found
+
+
+def _size() -> tuple[int, int]:
+    return _FILM.width, _FILM.height
+
+
+def _squares() -> Iterator[tuple[slice, slice]]:
+    for y in range(0, _FILM.height, _SQUARE):
+        for x in range(0, _FILM.width, _SQUARE):
+            yield slice(y, y + _SQUARE), slice(x, x + _SQUARE)
+
+
+def _means(xyz: Channel) -> Channel:
+    return np.array([xyz[square][..., 1].mean() for square in _squares()])
+
+
+def _readings(image: Path) -> tuple[Channel, Channel]:
+    """Of squares: means of Y, and half of their 95 % intervals, as a person reads them."""
+    moments = read_picture(image).moments
+    if moments is None:
+        raise ValueError(f"{image} tells no errors")
+    means, errors = [], []
+    for square in _squares():
+        chosen = np.zeros(moments.samples.shape, dtype=np.bool_)
+        chosen[square] = True
+        reading = read_region(moments, chosen)
+        if reading is not None:
+            means.append(reading.mean[1])
+            errors.append(reading.coverage_factor * reading.error[1])
+    return np.array(means), np.array(errors)

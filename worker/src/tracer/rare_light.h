@@ -1,0 +1,40 @@
+// Light of few and bright luminaires that mirrors and glass gather: photons from the sensor meet it
+// by finds so rare that an image which misses it looks certain.
+#pragma once
+
+#include <optional>
+
+#include "tracer/trials.h"
+
+namespace nocturne {
+
+/// A mean over the film, Y, and its standard error.
+struct MeanLight {
+  double mean = 0.0, error = 0.0;
+};
+
+/// What photons from both ends met of it. That of the luminaires is what they would bring; that of
+/// the sensor is the same light, where these have to bring it.
+struct RareLight {
+  MeanLight by_forward, by_adjoint;
+};
+
+/// Whether forward photons bring so much of it that others did not meet: a part of the image's mean
+/// that counts.
+bool must_be_brought(const RareLight& light, double mean);
+
+/// How much of it may be missing at most (two standard errors) where photons from the sensor bring
+/// it, in parts of the image's mean; 0 where both are as certain that they agree.
+double may_be_missing(const RareLight& light, double mean);
+
+/// Radiance from which light is rare in an image of so many samples in all whose mean is Y (cd/m2),
+/// W m-2 sr-1 nm-1: one sample that finds it is 1e-4 of the mean, so that a hundredth of the light
+/// rests on a hundred finds.
+float rare_radiance(double mean, double samples);
+
+/// Of the scene as its options say. `direction`: how photons from luminaires take part. Empty where
+/// nothing shines so brightly.
+std::optional<RareLight> find_rare_light(Scene& scene, Trials& trials, Direction direction,
+                                         Film film, std::uint32_t samples, float radiance);
+
+}  // namespace nocturne
