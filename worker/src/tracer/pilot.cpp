@@ -327,7 +327,8 @@ class Pilot {
     }
     const double error = error_of_median(gains);
     const std::optional<double> gain = sharing_pays(std::move(gains), worth_it);
-    if (!gain) return;
+    // One part of the film alone says nothing of how it is elsewhere.
+    if (!gain || !is_gain(*gain, error)) return;
     if (const double differ = means_differ(alone_in_squares_, shared_in_squares_); differ != 0.0) {
       result_.fault = PilotResult::Fault::kShared;
       result_.differs_by = differ;
