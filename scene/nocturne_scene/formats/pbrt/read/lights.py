@@ -25,10 +25,13 @@ def add_light(context: Context, kind: str, parameters: Parameters) -> None:
     parameters.finish()
 
 
-def _scale(parameters: Parameters, angle: float) -> float:
-    """cd of white: `scale`, times `power` (lm, of white) over the solid angle that it goes into."""
-    scale, power = float(parameters.number("scale", 1.0)), float(parameters.number("power", 0.0))
-    return scale * power / angle if power > 0 else scale
+def _scale(parameters: Parameters, amount: str, of_one: float) -> float:
+    """What a light of 1 is multiplied with: `scale`, times the wanted amount over that of the light of 1.
+
+    `amount`: of `illuminance` (lx) or `power` (lm, of white); pbrt ignores one that is not positive.
+    """
+    scale, wanted = float(parameters.number("scale", 1.0)), float(parameters.number(amount, 0.0))
+    return scale * wanted / of_one if wanted > 0 else scale
 
 
 def _infinite(context: Context, parameters: Parameters) -> None:
@@ -40,25 +43,31 @@ def _infinite(context: Context, parameters: Parameters) -> None:
     if picture is not None:
         context.writer.document["environment"] = _sky(context, parameters, picture)
         return
-    illuminance = parameters.number("illuminance", None)
-    scale = float(parameters.number("scale", 1.0))
     # Of an even sky E = pi L.
-    luminance = scale if illuminance is None else float(illuminance) / np.pi
+    luminance = _scale(parameters, "illuminance", np.pi)
     context.writer.document["environment"] = {"radiance": spectra.light(context, parameters, "L", luminance)}
 
 
 def _sky(context: Context, parameters: Parameters, picture: str) -> Json:
     """The environment of a picture in an equal-area square."""
-    for name in ("illuminance", "portal"):
-        if parameters.take(name) is not None:
-            context.findings.lost(parameters.place, f'no equal of "{name}" for a sky\'s picture')
+    if parameters.take("portal") is not None:
+        context.findings.lost(parameters.place, 'no equal of "portal" for a sky\'s picture')
     try:
         file = context.file(picture, parameters.place)
-        pixels = squares.latitudes(read_whole(file))
+        square = read_whole(file)
+        pixels = squares.latitudes(square)
         with opened(file) as source:
             narrow = source.spec().format.basetype == oiio.HALF
     except UnusableImageError as error:
         raise InputError.at(parameters.place, str(error)) from None
+    measured = squares.illuminance(square)
+    if not measured > 0:
+        parameters.take("illuminance")
+    elif parameters.has("illuminance"):
+        context.findings.note(
+            parameters.place,
+            'pbrt-v4 counts half of each pixel\'s solid angle, so the sky gives twice its "illuminance"',
+        )
     axes = context.to_world()[:3, :3]
     size = np.linalg.norm(axes, axis=0)
     if not np.allclose(axes.T @ axes, np.diag(size**2), atol=1e-6 * size.max() ** 2):
@@ -68,7 +77,7 @@ def _sky(context: Context, parameters: Parameters, picture: str) -> Json:
         pixels = pixels[:, ::-1]
     return {
         "asset": context.writer.picture("sky", pixels, narrow=narrow),
-        "luminance": float(parameters.number("scale", 1.0)),
+        "luminance": _scale(parameters, "illuminance", measured),
         "up": axes[:, 2].tolist(),
         "forward": axes[:, 0].tolist(),
     }
@@ -89,20 +98,19 @@ def _distant(context: Context, parameters: Parameters) -> None:
     start, end = _ends(context, parameters)
     if not np.linalg.norm(end - start) > 0:
         raise InputError.at(parameters.place, '"from" and "to" are the same point')
-    scale = float(parameters.number("scale", 1.0))
-    illuminance = parameters.number("illuminance", None)
+    scale = _scale(parameters, "illuminance", 1.0)
     degrees = context.options.light_degrees
     context.findings.note(
         parameters.place,
         f"light from one direction became a disc of {degrees:g} degrees and the same irradiance",
     )
-    irradiance = spectra.light(context, parameters, "L", scale if illuminance is None else float(illuminance))
+    irradiance = spectra.light(context, parameters, "L", scale)
     context.writer.add("distant", lamps.far((start - end).tolist(), degrees, irradiance))
 
 
 def _point(context: Context, parameters: Parameters) -> None:
     position = np.asarray(context.to_world() @ [*(parameters.numbers("from", 3) or [0.0, 0.0, 0.0]), 1.0])[:3]
-    intensity = spectra.light(context, parameters, "I", _scale(parameters, 4 * np.pi))
+    intensity = spectra.light(context, parameters, "I", _scale(parameters, "power", 4 * np.pi))
 
     def add() -> None:
         radius = context.light_radius(position)
@@ -123,7 +131,7 @@ def _spot(context: Context, parameters: Parameters) -> None:
     degrees = np.unique(np.concatenate([[0.0, 180.0, min(180.0, cone + 1e-3)], np.linspace(edge, cone, 65)]))
     # A smooth step of the cosine, whose mean is a half.
     cosine, low, high = np.cos(np.radians(degrees)), np.cos(np.radians(cone)), np.cos(np.radians(edge))
-    intensity = spectra.light(context, parameters, "I", _scale(parameters, np.pi * (2 - low - high)))
+    intensity = spectra.light(context, parameters, "I", _scale(parameters, "power", np.pi * (2 - low - high)))
     t = np.clip((cosine - low) / max(high - low, 1e-9), 0.0, 1.0)
     part = t * t * (3 - 2 * t)
 

@@ -127,6 +127,10 @@ class Parameters:
         """A parameter; None without it."""
         return self._named.pop(name, None)
 
+    def has(self, name: str) -> bool:
+        """Whether a parameter is there and not taken yet."""
+        return name in self._named
+
     def number(self, name: str, default: _T) -> float | _T:
         """A number."""
         found = self.take(name)

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from nocturne_scene.formats.reading.colours import LUMINANCE
 from nocturne_scene.textures.environment_maps import UnusableImageError
 
 Array = NDArray[np.float64]
@@ -49,6 +50,19 @@ def place(directions: Array) -> tuple[Array, Array]:
     a = radius - b
     a, b = np.where(z < 0, 1 - b, a), np.where(z < 0, 1 - a, b)
     return (np.copysign(a, x) + 1) / 2, (np.copysign(b, y) + 1) / 2
+
+
+def illuminance(pixels: NDArray[np.float32]) -> float:
+    """lx of what faces +z under a square picture whose white has 1 cd/m2, as pbrt-v4 counts it.
+
+    It takes 2 pi over the pixels' number for a pixel's solid angle (Light::Create in lights.cpp), half of
+    what it is: a sky of that "illuminance" gives twice as much.
+    """
+    rows, columns = pixels.shape[:2]
+    u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
+    cosine = np.maximum(direction(u, v)[..., 2], 0.0)
+    luminance = pixels.astype(np.float64) @ np.array(LUMINANCE)
+    return float(2 * np.pi / (rows * columns) * np.sum(cosine * luminance))
 
 
 def latitudes(pixels: NDArray[np.float32]) -> Array:
