@@ -20,7 +20,7 @@ SPHERE = '<shape type="sphere"/>'
 
 def imported(tmp_path: Path, body: str, **options: Any) -> tuple[dict[str, Any], Imported]:
     folder = tmp_path / "in"
-    folder.mkdir(exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
     lit = any(f'type="{kind}"' in body for kind in ("constant", "envmap"))
     light = "" if lit else '<emitter type="constant"/>'
     (folder / "a.xml").write_text(f'<scene version="3.0.0">{SENSOR}{body}{light}</scene>')

@@ -1,11 +1,13 @@
 """Files that a scene names: found only inside one folder, and never larger than expected."""
 
+import io
 import os
 from collections.abc import Iterable
 from pathlib import Path
 
 from nocturne_scene.document import bounds
 from nocturne_scene.errors import InputError
+from nocturne_scene.formats.reading.texts import text_of
 
 # Bytes of a file that is read as text. Geometry and pictures have bounds of their own.
 TEXT_BYTES = 64 * 2**20
@@ -70,3 +72,11 @@ def read_bytes(file: Path, most: int, shown: str) -> bytes:
     if len(content) > most:
         raise InputError.at(shown, f"has more than {most:,} bytes")
     return content
+
+
+def read_text(file: Path, shown: str) -> str:
+    """Return a file's text, whose lines end in LF. Raises InputError where it is too long or no text."""
+    try:
+        return text_of(io.BytesIO(read_bytes(file, TEXT_BYTES, shown))).read()
+    except UnicodeError as error:
+        raise InputError.at(shown, f"is no text: {error}") from None

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import tempfile
 import weakref
 from array import array
@@ -12,12 +13,16 @@ from typing import Any
 from xml.parsers.expat import ExpatError, ParserCreate, XMLParserType
 
 from nocturne_scene.errors import InputError
+from nocturne_scene.formats.reading.texts import text_of
 
 # How deep elements may nest.
 _MAX_DEPTH = 64
 # Of a file, which is read in pieces: a million shapes have some 300 MB.
 _MAX_BYTES = 2**30
 _PIECE_BYTES = 2**20
+# A declaration of what is neither UTF-8 nor UTF-16.
+_OTHER_ENCODING = re.compile(rb"""\s*<\?xml[^>]*\sencoding\s*=\s*["'](?!utf-?8|utf-?16)""", re.IGNORECASE)
+_HEAD_BYTES = 256
 
 
 @dataclass
@@ -138,9 +143,13 @@ def parse_xml(file: Path, shown: str, part: Part) -> None:
         with file.open("rb") as opened:
             if os.fstat(opened.fileno()).st_size > _MAX_BYTES:
                 raise InputError.at(shown, f"has more than {_MAX_BYTES:,} bytes")
-            while piece := opened.read(_PIECE_BYTES):
+            other = _OTHER_ENCODING.match(opened.read(_HEAD_BYTES))
+            opened.seek(0)
+            # Text that says nothing of its encoding is read as Mitsuba does, whatever bytes are in it.
+            source = opened if other else text_of(opened)
+            while piece := source.read(_PIECE_BYTES):
                 parser.Parse(piece, False)
-        parser.Parse(b"", True)
+            parser.Parse(b"", True)
     except OSError as error:
         raise InputError.at(shown, f"can't be read: {error.strerror}") from None
     except ExpatError as error:

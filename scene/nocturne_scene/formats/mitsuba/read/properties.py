@@ -251,6 +251,8 @@ def _whole(text: str, place: str) -> int:
 
 
 def _switch(text: str, place: str) -> bool:
-    if text not in ("true", "false"):
+    """In letters of either case, as Mitsuba reads it: Python writes True."""
+    word = text.strip().lower()
+    if word not in ("true", "false"):
         raise InputError.at(place, f'expected true or false, found "{text[:40]}"')
-    return text == "true"
+    return word == "true"

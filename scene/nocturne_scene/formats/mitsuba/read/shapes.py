@@ -21,7 +21,7 @@ from nocturne_scene.formats.mitsuba.read.units import white
 from nocturne_scene.formats.reading import shapes, transforms, tubes
 from nocturne_scene.formats.reading.baking import LOOKUP, bake
 from nocturne_scene.formats.reading.crowds import Crowds, Placed
-from nocturne_scene.formats.reading.scene_files import TEXT_BYTES, read_bytes
+from nocturne_scene.formats.reading.scene_files import read_bytes, read_text
 from nocturne_scene.formats.reading.scene_writer import Json
 from nocturne_scene.formats.reading.transforms import IDENTITY, Matrix
 from nocturne_scene.limits import MAX_ASSET_BYTES
@@ -184,9 +184,8 @@ def _curves(context: Context, properties: Properties, to_world: Matrix, material
     """Control points and radii, a line for each; empty lines between curves."""
     file = _file(properties, context)
     shown = context.tree.files.shown(file)
-    text = read_bytes(file, TEXT_BYTES, shown).decode("utf-8", "replace")
     curves: list[list[list[float]]] = [[]]
-    for number, line in enumerate(text.split("\n")):
+    for number, line in enumerate(read_text(file, shown).split("\n")):
         if line.strip():
             curves[-1].append(numbers(line, f"{shown}:{number + 1}", 4))
         elif curves[-1]:

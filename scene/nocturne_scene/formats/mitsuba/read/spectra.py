@@ -8,7 +8,7 @@ from nocturne_scene.formats.mitsuba.read.context import Context
 from nocturne_scene.formats.mitsuba.read.elements import Element
 from nocturne_scene.formats.mitsuba.read.properties import numbers
 from nocturne_scene.formats.reading import colours
-from nocturne_scene.formats.reading.scene_files import TEXT_BYTES, read_bytes
+from nocturne_scene.formats.reading.scene_files import read_text
 from nocturne_scene.formats.reading.scene_writer import Json
 
 
@@ -68,7 +68,7 @@ def table_file(context: Context, element: Element, name: str) -> Json:
     file = context.tree.file(element, name)
     shown = context.tree.files.shown(file)
     knots = []
-    for number, line in enumerate(read_bytes(file, TEXT_BYTES, shown).decode("utf-8", "replace").split("\n")):
+    for number, line in enumerate(read_text(file, shown).split("\n")):
         words = line.partition("#")[0]
         if words.strip():
             knots.append(numbers(words, f"{shown}:{number + 1}", 2))

@@ -14,6 +14,8 @@ _T = TypeVar("_T")
 _NUMBERS = ("float", "integer", "rgb", "blackbody", "normal", "normal3")
 _VECTORS = ("point", "point2", "point3", "vector", "vector2", "vector3")
 _WORDS = ("string", "texture", "bool", "spectrum")
+# In letters of either case, as programs in Python write them.
+_SWITCHES = ("true", "false")
 
 
 @dataclass(frozen=True)
@@ -91,8 +93,7 @@ class Stream:
         found = []
         while self.ahead is not None and self.ahead.kind == "string":
             declared = self.take(place)
-            kind, _, name = declared.text.strip().partition(" ")
-            name = name.strip()
+            kind, name = [*declared.text.split(), "", ""][:2]
             if not name or kind not in (*_NUMBERS, *_VECTORS, *_WORDS):
                 raise InputError.at(declared.place, f'expected "type name", found "{declared.text[:60]}"')
             found.append(Parameter(kind, name, self._values(kind, declared.place), declared.place))
@@ -109,7 +110,7 @@ class Stream:
         if kind not in _WORDS or is_table:
             return [value for token in listed for value in _numbers(token)]
         for token in listed:
-            if token.kind != "string" and not (kind == "bool" and token.text in ("true", "false")):
+            if token.kind != "string" and not (kind == "bool" and token.text.lower() in _SWITCHES):
                 raise InputError.at(token.place, f'expected a string in quotes, found "{token.text[:40]}"')
         return [token.text for token in listed]
 
@@ -150,9 +151,9 @@ class Parameters:
         found = self.take(name)
         if found is None:
             return default
-        if found.word() not in ("true", "false"):
+        if found.word().lower() not in _SWITCHES:
             raise InputError.at(found.place, f'"{name}" is true or false')
-        return found.word() == "true"
+        return found.word().lower() == "true"
 
     def numbers(self, name: str, *counts: int) -> list[float] | None:
         """A list of numbers; None without it."""

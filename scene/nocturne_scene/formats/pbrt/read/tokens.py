@@ -10,6 +10,7 @@ from pathlib import Path
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.reading.scene_files import TEXT_BYTES, read_bytes
+from nocturne_scene.formats.reading.texts import text_of
 
 # Bytes of a compressed file once it is not.
 _MAX_BYTES = 4 * TEXT_BYTES
@@ -20,9 +21,12 @@ _MAX_LINE = TEXT_BYTES
 
 _NUMBER = r"[-+.0-9][-+.0-9eE]*"
 _TOKEN = re.compile(
-    rf'\s+|#[^\n]*|"(?P<string>[^"\n]*)"|(?P<open>\[)|(?P<close>\])'
+    rf'\s+|#[^\n]*|"(?P<string>(?:[^"\\\n]|\\[^\n])*)"|(?P<open>\[)|(?P<close>\])'
     rf'|(?P<numbers>{_NUMBER}(?:[ \t]+{_NUMBER}){{2,999}}(?=[\s\]#]|$))|(?P<word>[^\s"\[\]#]+)'
 )
+
+# In strings. A backslash before anything else is one of a path of Windows, though an escape in pbrt.
+_ESCAPED = re.compile(r"\\([\\\"'])")
 
 
 @dataclass(frozen=True)
@@ -39,17 +43,17 @@ def read_lines(file: Path, shown: str) -> Iterator[str]:
     try:
         if file.suffix == ".gz":
             content = decompressed(read_bytes(file, TEXT_BYTES, shown), _MAX_BYTES, shown)
-            yield from io.StringIO(content.decode("utf-8"))
+            yield from text_of(io.BytesIO(content))
             return
-        with file.open(encoding="utf-8") as opened:
+        with text_of(file.open("rb")) as opened:
             if os.fstat(opened.fileno()).st_size > _MAX_FILE_BYTES:
                 raise InputError.at(shown, f"has more than {_MAX_FILE_BYTES:,} bytes")
             while line := opened.readline(_MAX_LINE + 1):
                 if len(line) > _MAX_LINE:
                     raise InputError.at(shown, f"has a line of more than {_MAX_LINE:,} characters")
                 yield line
-    except UnicodeDecodeError as error:
-        raise InputError.at(shown, f"is not UTF-8: {error.reason}") from None
+    except UnicodeError as error:
+        raise InputError.at(shown, f"is no text: {error}") from None
     except OSError as error:
         raise InputError.at(shown, f"can't be read: {error.strerror}") from None
 
@@ -80,5 +84,7 @@ def tokens(lines: Iterable[str], shown: str) -> Iterator[Token]:
             if match is None:
                 raise InputError.at(place, f'unexpected "{line[at : at + 20].strip()}"')
             if match.lastgroup is not None:
-                yield Token(match.lastgroup, match[match.lastgroup], place)
+                text = match[match.lastgroup]
+                is_escaped = match.lastgroup == "string" and "\\" in text
+                yield Token(match.lastgroup, _ESCAPED.sub(r"\1", text) if is_escaped else text, place)
             at = match.end()
