@@ -27,6 +27,8 @@ _LARGEST = {5120: 127.0, 5121: 255.0, 5122: 32767.0, 5123: 65535.0}
 
 # Numbers of one accessor: the triangles of the largest mesh.
 _MAX_NUMBERS = 2**29
+# Of one that takes no bytes in the file; half a GiB.
+_MAX_ZEROS = 2**26
 
 
 @dataclass
@@ -73,10 +75,11 @@ class Container:
                 raise InputError.at(self.at(place), "has another size than its compressed values")
         elif "bufferView" in accessor:
             values = self._rows(accessor, component, count, width, place)
-        elif "sparse" in accessor:
-            values = np.zeros((count, width))
+        elif count * width > _MAX_ZEROS:
+            raise InputError.at(self.at(place), f"{count} zeros are too many")
         else:
-            raise InputError.at(self.at(place), "has no values: they are compressed, or missing")
+            # glTF 2.0, section 3.6.2.3: an accessor without a buffer view is zeros, but for its sparse part.
+            values = np.zeros((count, width))
         if "sparse" in accessor:
             values = self._replaced(values, accessor["sparse"], component, place)
         if accessor.get("normalized") and component in _LARGEST:
