@@ -10,6 +10,7 @@ import numpy as np
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.gltf.read.container import Container, floats, number, unused_extensions, value
 from nocturne_scene.formats.gltf.read.coordinates import Frame, frame_of
+from nocturne_scene.formats.gltf.read.emission import emission, opacity, unlit
 from nocturne_scene.formats.gltf.read.pictures import Pictures, Pixels
 from nocturne_scene.formats.gltf.read.workflows import (
     Workflow,
@@ -102,16 +103,23 @@ class Materials:
             rest["normal_map"] = self.pictures.whole(use, entry["normalTexture"], "linear", place)
         if "occlusionTexture" in entry:
             self.findings.note(shown, "the occlusion texture is left out: light finds out what is in its way")
+        shown_part = opacity(self.container, entry, workflow, place)
         if is_lit(entry):
             opaque = self._opaque(workflow, extensions, frame, place)
             kernel = self._transmitting(opaque, workflow, extensions, frame, place)
-            luminaire = self._emission(entry, extensions, frame, place)
+            radiance = emission(self.pictures, entry, workflow, shown_part, frame, place)
+            is_two_sided = value(entry, "doubleSided", False)
         else:
             kernel = {"type": "lambertian", "reflectance": 0.0}
-            luminaire = self._unlit(workflow, place)
-        if luminaire is not None:
-            rest["luminaire"] = luminaire
-        kernel = self._masked(kernel, entry, workflow, place)
+            radiance = unlit(self.pictures, workflow, shown_part, place)
+            is_two_sided = True
+        if radiance is not None:
+            rest["luminaire"] = {"radiance": radiance} | ({"two_sided": True} if is_two_sided else {})
+        if not isinstance(shown_part, float):
+            part = self.pictures.baked(workflow.base_use, shown_part, "opacity")
+            kernel = {"type": "mask", "kernel": kernel, "opacity": part}
+        elif shown_part != 1.0:
+            kernel = {"type": "mask", "kernel": kernel, "opacity": shown_part}
         return self.writer.name("kernels", name, kernel), rest
 
     def _workflow(
@@ -131,19 +139,6 @@ class Materials:
             if tint.ndim == 3:
                 found.base_use = {"texture": dict(LOOKUP)}
         return found
-
-    def _unlit(self, workflow: Workflow, place: str) -> Json:
-        """Light of the base colour, 1 cd/m2 where that is white."""
-        self.findings.note(
-            self.container.at(place),
-            "a material that no light falls on became one that emits its colour, in cd/m2",
-        )
-        white = colours.light([1.0, 1.0, 1.0], 1.0)
-        if workflow.base.ndim == 1:
-            radiance = colours.light(workflow.base[:3].tolist(), 1.0)
-        else:
-            radiance = {**self._base(workflow, place), "spectrum": white}
-        return {"radiance": radiance, "two_sided": True}
 
     def _index(self, extensions: Json, place: str) -> float:
         ior = number(self.container, value(extensions, "KHR_materials_ior", {}), "ior", 1.5, place)
@@ -338,29 +333,3 @@ class Materials:
         values = rgb_spectra.spectra_of(rgb_spectra.rgb_to_coefficients(np.array(colour)), at)
         coefficients = -np.log(np.maximum(values, 1e-6)) / float(distance)
         return {"absorption": {"table": np.stack([at, coefficients], 1).tolist()}}
-
-    def _masked(self, kernel: Json, entry: Json, workflow: Workflow, place: str) -> Json:
-        mode = value(entry, "alphaMode", "OPAQUE")
-        if mode == "OPAQUE":
-            return kernel
-        cutoff = number(self.container, entry, "alphaCutoff", 0.5, place)
-        alpha = workflow.base[..., 3:4]
-        shown = alpha if mode == "BLEND" else (alpha >= cutoff).astype(float)
-        if np.all(shown == shown.flat[0]):
-            opacity: Json = float(shown.flat[0])
-        else:
-            opacity = self.pictures.baked(workflow.base_use, shown, "opacity")
-        return kernel if opacity == 1.0 else {"type": "mask", "kernel": kernel, "opacity": opacity}
-
-    def _emission(self, entry: Json, extensions: Json, frame: Frame, place: str) -> Json | None:
-        factor = floats(self.container, entry, "emissiveFactor", [0.0] * 3, place)
-        strength = value(extensions, "KHR_materials_emissive_strength", {})
-        luminance = number(self.container, strength, "emissiveStrength", 1.0, place)
-        if not max(factor) > 0:
-            return None
-        radiance = colours.light(factor, luminance)
-        if "emissiveTexture" in entry:
-            use = self.pictures.use(entry["emissiveTexture"], frame, place)
-            shown = self.pictures.whole(use, entry["emissiveTexture"], "sRGB", place)
-            radiance = {**shown, "spectrum": radiance}
-        return {"radiance": radiance}

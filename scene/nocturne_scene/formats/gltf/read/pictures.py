@@ -57,7 +57,10 @@ class Pictures:
         return {**use, "texture": {**use["texture"], "asset": asset, "encoding": encoding}}
 
     def pixels(self, reference: Json, place: str) -> Pixels:
-        """Pixels as stored, in [0, 1], at least three channels; mirrored ones with their mirror images."""
+        """Pixels as stored, in [0, 1]: red, green, blue, and alpha where there is one.
+
+        Mirrored ones with their mirror images.
+        """
         texture, index = self._texture(reference, place)
         if index not in self._pixels:
             content, end = self.container.image(index, place)
@@ -119,4 +122,5 @@ class Pictures:
         if read is None:
             raise InputError.at(self.container.at(place), "the image can't be read")
         pixels = np.atleast_3d(np.asarray(read, dtype=np.float64))
-        return pixels if pixels.shape[2] >= 3 else np.repeat(pixels[..., :1], 3, axis=2)
+        # Of one or two channels the first is grey.
+        return pixels[..., :4] if pixels.shape[2] >= 3 else pixels[..., [0, 0, 0, 1][: 2 + pixels.shape[2]]]

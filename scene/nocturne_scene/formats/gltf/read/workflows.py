@@ -80,7 +80,7 @@ def specular_glossiness(
         if pixels.shape[2] == 4:
             glossy = glossy * pixels[..., 3:4]
         if diffuse.ndim == 3:
-            diffuse = _resized(diffuse, pixels.shape[0], pixels.shape[1])
+            diffuse = resized(diffuse, pixels.shape[0], pixels.shape[1])
     elif diffuse.ndim == 3:
         specular = np.broadcast_to(specular, (*diffuse.shape[:2], 3))
     if diffuse.ndim < specular.ndim:
@@ -117,7 +117,7 @@ def _linear(pixels: Pixels) -> Pixels:
     return np.concatenate([decoded(pixels[..., :3]).astype(np.float64), alpha], axis=2)
 
 
-def _resized(pixels: Pixels, rows: int, columns: int) -> Pixels:
+def resized(pixels: Pixels, rows: int, columns: int) -> Pixels:
     """The nearest pixels of another number of rows and columns."""
     row = (np.arange(rows) * pixels.shape[0]) // rows
     column = (np.arange(columns) * pixels.shape[1]) // columns
