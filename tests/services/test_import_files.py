@@ -46,10 +46,32 @@ def test_an_archive_is_sent_alone(tmp_path: Path) -> None:
     assert list(files_of_import(tmp_path / "a.zip")) == ["a.zip"]
 
 
-def test_links_are_not_followed(tmp_path: Path) -> None:
-    written(tmp_path, {"a.xml": b'"link" "id_rsa.png"', "id_rsa": b"secret"})
-    (tmp_path / "link").symlink_to(tmp_path / "id_rsa")
-    assert list(files_of_import(tmp_path / "a.xml")) == ["a.xml"]
+def test_links_out_of_the_folder_are_not_followed(tmp_path: Path) -> None:
+    written(
+        tmp_path, {"room/a.xml": b'"link" "id_rsa.png" "b.png"', "id_rsa": b"secret", "secret/b.png": b""}
+    )
+    (tmp_path / "room" / "link").symlink_to(tmp_path / "id_rsa")
+    (tmp_path / "room" / "parts").symlink_to(tmp_path / "secret")
+    assert list(files_of_import(tmp_path / "room" / "a.xml")) == ["a.xml"]
+
+
+def test_links_within_the_folder_are_files_of_it(tmp_path: Path) -> None:
+    """https://github.com/aws-deadline/deadline-cloud-for-cinema-4d/issues/383: pictures by a link."""
+    content = b'"inner.png" "tex/deep.png"'
+    written(tmp_path, {"a.pbrt": content, "real.png": b"p", "textures/deep.png": b"q"} | OTHERS)
+    (tmp_path / "inner.png").symlink_to("real.png")
+    (tmp_path / "tex").symlink_to("textures")
+    (tmp_path / "textures" / "up").symlink_to(tmp_path)
+    (tmp_path / "broken.png").symlink_to("nowhere.png")
+    found = files_of_import(tmp_path / "a.pbrt")
+    assert list(found) == ["a.pbrt", "inner.png", "tex/deep.png", "textures/deep.png"]
+    assert found["inner.png"][1].read_bytes() == b"p"
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16"])
+def test_names_in_text_of_other_systems(encoding: str, tmp_path: Path) -> None:
+    written(tmp_path, {"a.pbrt": '"string filename" "Möbel.png"'.encode(encoding), "Möbel.png": b"p"})
+    assert list(files_of_import(tmp_path / "a.pbrt")) == ["Möbel.png", "a.pbrt"]
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,12 @@
 """Which files belong to a scene of another renderer: itself, and those beside it that it names."""
 
+import codecs
 import gzip
 import html
 import re
 import zlib
 from collections import defaultdict
+from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
 from urllib.parse import unquote
@@ -33,8 +35,8 @@ def files_of_import(scene: Path) -> dict[str, tuple[str, Path]]:
     """What is uploaded for an import: SHA-256 and file by the path below the scene's folder.
 
     A .glb or .zip file alone; with others the files of their folder and of those below whose names stand in
-    quotes in the scene, or in a file of scenes that is named there. Nothing else leaves the machine. Raises
-    NocturneClientError for what can't be read, and for too many.
+    quotes in the scene, or in a file of scenes that is named there, and links to files of the folder. Nothing
+    else leaves the machine. Raises NocturneClientError for what can't be read, and for too many.
     """
     try:
         if scene.name.lower().endswith(_ALONE):
@@ -55,15 +57,34 @@ def files_of_import(scene: Path) -> dict[str, tuple[str, Path]]:
 def _by_name(folder: Path) -> dict[str, list[Path]]:
     """The folder's files, and those below, by the last part of their paths."""
     files: defaultdict[str, list[Path]] = defaultdict(list)
-    for count, file in enumerate(folder.rglob("*")):
+    for count, file in enumerate(_below(folder, folder.resolve(), ())):
         if count == _MAX_LOOKED_AT:
             raise NocturneClientError(
                 f"{folder}: holds more than {_MAX_LOOKED_AT} files; put the scene and the files that it "
                 "names into a folder of their own, or into a .zip"
             )
-        if file.is_file() and not file.is_symlink():
+        if file.is_file():
             files[file.name].append(file)
     return files
+
+
+def _below(folder: Path, root: Path, above: tuple[Path, ...]) -> Iterator[Path]:
+    """What is in a folder and in those below; links only where they lead to something else below `root`.
+
+    `above`: the folders around it, without links.
+    """
+    above = (*above, folder.resolve())
+    try:
+        entries = list(folder.iterdir())
+    except PermissionError:
+        # What can't be read is no part of the scene, unless it is named.
+        return
+    for entry in entries:
+        if entry.is_symlink() and not entry.resolve().is_relative_to(root):
+            continue
+        yield entry
+        if entry.is_dir() and entry.resolve() not in above:
+            yield from _below(entry, root, above)
 
 
 def _named_from(scene: Path, files: dict[str, list[Path]]) -> list[Path]:
@@ -86,9 +107,14 @@ def _names_in(text: Path) -> set[str]:
         raise NocturneClientError(f"{text}: can't be unpacked: {error}") from error
     if len(content) > _MAX_TEXT_BYTES:
         raise NocturneClientError(f"{text}: has more than {_MAX_TEXT_BYTES // 2**30} GiB of text")
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        content = content.decode("utf-16", "replace").encode()
     names: set[str] = set()
     for match in chain.from_iterable(quoted.finditer(content) for quoted in _QUOTED):
-        quoted = match[0].decode("utf-8", "replace")
+        try:
+            quoted = match[0].decode()
+        except UnicodeDecodeError:
+            quoted = match[0].decode("latin-1")
         for each in (quoted, unquote(quoted), html.unescape(quoted)):
             names.add(re.split(r"[/\\]", each)[-1])
     return names
