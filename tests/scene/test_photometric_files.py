@@ -33,6 +33,63 @@ def test_the_ballast_lamp_factor_of_old_files() -> None:
         assert found.candela[0, 0] == pytest.approx(300)
 
 
+# https://github.com/dlippok/photometric-viewer/issues/127 and
+# https://github.com/PixarAnimationStudios/OpenUSD/issues/2758 and /3182: first lines of files that are about.
+@pytest.mark.parametrize(
+    ("head", "third_counts"),
+    [
+        ("IESNA: LM-63-2002", False),
+        ("iesna:lm-63-2002", False),
+        ("  IESNA : LM-63-2002 ", False),
+        ("IESNA:LM-63-1995", False),
+        # ANSI/IES LM-63-19, whose third number says how the file was made.
+        ("IES:LM-63-2019", False),
+        ("IES: LM-63-19", False),
+        ("IESNA91", True),
+        ("IESNA:LM-63-1991", True),
+        ("IESNA 86", True),
+        ("IESNA LIGHTING FIXTURE", True),
+        ("A lamp", True),
+        ("\n\nIESNA:LM-63-2002", False),
+    ],
+)
+def test_first_lines(head: str, third_counts: bool) -> None:
+    found = photometric_files.read(file("0", "100 70 0", head=head, tail="0.5 3 42"))
+    assert found.candela[0, 0] == pytest.approx(300 if third_counts else 100)
+
+
+@pytest.mark.parametrize(
+    "tilt", ["tilt=none", "TILT = NONE", "Tilt=None", "  TILT=NONE", "TILT=include\n1 1 0 1"]
+)
+def test_tilt_in_letters_of_either_case(tilt: str) -> None:
+    data = file("0", "100 70 0").replace(b"TILT=NONE", tilt.encode())
+    assert photometric_files.read(data).candela[0, 0] == 200
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r", "\t\r\n", "\n\n"])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1", "utf-16"])
+def test_text_of_other_systems(encoding: str, end: str) -> None:
+    """https://github.com/IfcOpenShell/IfcOpenShell/issues/4256: with a byte order mark the version was not
+    seen.
+    """
+    text = file("0", "100\t70\t0", tail="0.5 3 42").decode().replace("Nobody", "Bü…ro")
+    if encoding == "latin-1":
+        # Of Windows, where 0x85 is no end of a line.
+        data = text.replace("\n", end).encode("cp1252")
+        expected = "Bü\x85ro"
+    else:
+        data, expected = text.replace("\n", end).encode(encoding), "Bü…ro"
+    found = photometric_files.read(data)
+    assert found.candela[0, 0] == 100
+    assert found.keywords["MANUFAC"].split("\n")[0] == expected
+
+
+def test_eulumdat_is_told() -> None:
+    head = ["Somebody", "1", "1", "1", "0", "3", "30.0", "report", "lamp"]
+    with pytest.raises(BadPhotometryError, match="the file is EULUMDAT"):
+        photometric_files.read("\r\n".join([*head, *["0"] * 40]).encode())
+
+
 @pytest.mark.parametrize(
     ("horizontal", "rows", "at_30", "at_210", "at_330"),
     [

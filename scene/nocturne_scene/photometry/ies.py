@@ -1,17 +1,21 @@
-"""Photometric files: ANSI/IESNA LM-63 of 1986, 1991, 1995 and 2002, type C, read and written.
+"""Photometric files: ANSI/IESNA LM-63 of 1986, 1991, 1995, 2002 and 2019, type C, read and written.
 
-Numbers follow in the order of LM-63-2002, section 5; words may be split over lines anywhere. Luminous
-intensity is in cd over a vertical angle from straight down (the axis, 0 to 180 degrees) and a horizontal
-angle about it.
+Letters of first lines and of TILT= count in either case, with or without blanks between their parts, as
+programs write them. Numbers follow in the order of LM-63-2002, section 5; words may be split over lines
+anywhere. Luminous intensity is in cd over a vertical angle from straight down (the axis, 0 to 180 degrees)
+and a horizontal angle about it.
 """
 
+import io
 import math
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from nocturne_scene.spectra.published import Floats
+from nocturne_scene.texts import text_of
 
 # A file with 1 degree in both directions has 181 x 361 values of some 8 bytes.
 MAX_BYTES = 16 * 2**20
@@ -27,8 +31,11 @@ _LARGEST = 1e18
 # Degrees. Files round their angles to hundredths.
 _ANGLE_ERROR = 0.01
 
-# The first line since 1991; before, there was none.
-_VERSIONS = ("IESNA91", "IESNA:LM-63-1995", "IESNA:LM-63-2002")
+# The first line since 1991; before, there was none, and some programs write one all the same.
+_VERSIONS = ("IESNA91", "IESNA:LM-63-1995", "IESNA:LM-63-2002", "IES:LM-63-2019")
+_VERSION = re.compile(r"IES(?:NA)?:?(?:LM-?63-?)?((?:19|20)?\d\d)")
+_YEARS = {"86": 1986, "91": 1991, "95": 1995, "02": 2002, "19": 2019}
+_TILT = re.compile(r"TILT\s*=\s*(.*)", re.IGNORECASE)
 
 
 class BadPhotometryError(Exception):
@@ -62,12 +69,17 @@ def read(data: bytes) -> Photometry:
     """Read a file; raises BadPhotometryError. Quadrants and halves are mirrored to all directions."""
     if len(data) > MAX_BYTES:
         raise BadPhotometryError(1, f"the file has {len(data)} bytes; at most {MAX_BYTES} are accepted")
-    lines = data.decode("latin-1").splitlines()
+    try:
+        lines = [line.rstrip("\n") for line in text_of(io.BytesIO(data))] or [""]
+    except UnicodeError as error:
+        raise BadPhotometryError(1, f"the file is no text: {error}") from None
+    first = next((index for index, line in enumerate(lines) if line.strip()), 0)
+    year = _year(lines[first], first + 1)
     keywords, tilt_line = _head(lines)
     words = _Words(lines, tilt_line + 1)
     _tilt(lines[tilt_line], tilt_line + 1, words)
-    # Since 1995 that number is kept for future use.
-    return _body(words, keywords, has_ballast_lamp_factor=lines[0].strip() not in _VERSIONS[1:])
+    # That number is kept for future use since 1995, and says how the file was made since 2019.
+    return _body(words, keywords, has_ballast_lamp_factor=year < 1995)
 
 
 def write(photometry: Photometry) -> bytes:
@@ -119,6 +131,19 @@ def _sine_weights(theta: Floats) -> Floats:
     return weights
 
 
+def _year(text: str, line: int) -> int:
+    """The standard that a file's first line names; 1986 without one."""
+    first = "".join(text.split()).upper()
+    named = _VERSION.fullmatch(first)
+    if named is None and not re.match(r"IES(NA)?:?(LM-?63|\d)", first):
+        return 1986
+    digits = "" if named is None else named[1]
+    if digits[-2:] not in _YEARS or int(digits) not in (_YEARS[digits[-2:]], int(digits[-2:])):
+        expected = ", ".join(_VERSIONS)
+        raise BadPhotometryError(line, f'unknown version "{text.strip()[:40]}"; expected one of {expected}')
+    return _YEARS[digits[-2:]]
+
+
 def _head(lines: list[str]) -> tuple[dict[str, str], int]:
     """Return keywords, and the index of the line TILT=."""
     keywords: dict[str, str] = {}
@@ -127,20 +152,27 @@ def _head(lines: list[str]) -> tuple[dict[str, str], int]:
         text = line.strip()
         if len(line) > _MAX_LINE or index > _MAX_KEYWORDS:
             raise BadPhotometryError(index + 1, "no TILT= so far; is this a photometric file?")
-        if text.startswith("TILT="):
+        if _TILT.match(text):
             return keywords, index
         if text.startswith("[") and "]" in text:
             key, _, value = text[1:].partition("]")
-            if key.strip() == "MORE" and last:
+            if key.strip().upper() == "MORE" and last:
                 keywords[last] += "\n" + value.strip()
             elif key.strip():
                 last = key.strip()
                 keywords[last] = value.strip()
-        elif index == 0 and text.startswith("IES") and text not in _VERSIONS:
-            raise BadPhotometryError(
-                1, f'unknown version "{text[:40]}"; expected one of {", ".join(_VERSIONS)}'
-            )
+    if _is_eulumdat(lines):
+        raise BadPhotometryError(1, "the file is EULUMDAT (.ldt); convert it to IES LM-63 (.ies)")
     raise BadPhotometryError(max(1, len(lines)), "there is no line TILT=")
+
+
+def _is_eulumdat(lines: list[str]) -> bool:
+    """Whether lines 2 to 6 say type, symmetry, planes, angle between them, and angles, as in EULUMDAT."""
+    try:
+        kind, symmetry, planes, step, angles = (float(line.replace(",", ".")) for line in lines[1:6])
+    except ValueError:
+        return False
+    return kind in (0, 1, 2, 3) and symmetry in range(5) and planes >= 1 and step >= 0 and angles >= 1
 
 
 class _Words:
@@ -183,10 +215,11 @@ def _tilt(text: str, line: int, words: _Words) -> None:
     """Read past the lamp's tilt table. It is for lamps that are turned with the luminaire, which ours are
     not.
     """
-    kind = text.strip()[len("TILT=") :].strip()
-    if kind == "NONE":
+    named = _TILT.match(text.strip())
+    kind = "" if named is None else named[1].strip()
+    if kind.upper() == "NONE":
         return
-    if kind != "INCLUDE":
+    if kind.upper() != "INCLUDE":
         raise BadPhotometryError(
             line, f'TILT={kind[:40]} refers to another file; expected "NONE" or "INCLUDE"'
         )

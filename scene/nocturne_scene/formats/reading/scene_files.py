@@ -7,7 +7,7 @@ from pathlib import Path
 
 from nocturne_scene.document import bounds
 from nocturne_scene.errors import InputError
-from nocturne_scene.formats.reading.texts import text_of
+from nocturne_scene.texts import text_of
 
 # Bytes of a file that is read as text. Geometry and pictures have bounds of their own.
 TEXT_BYTES = 64 * 2**20

@@ -13,7 +13,7 @@ from typing import Any
 from xml.parsers.expat import ExpatError, ParserCreate, XMLParserType
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.formats.reading.texts import text_of
+from nocturne_scene.texts import text_of
 
 # How deep elements may nest.
 _MAX_DEPTH = 64

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.reading.scene_files import TEXT_BYTES, read_bytes
-from nocturne_scene.formats.reading.texts import text_of
+from nocturne_scene.texts import text_of
 
 # Bytes of a compressed file once it is not.
 _MAX_BYTES = 4 * TEXT_BYTES
