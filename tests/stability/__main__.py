@@ -13,6 +13,7 @@ from tests.stability.case import Case
 from tests.stability.cases import GROUPS
 from tests.stability.measure import measure
 from tests.stability.page import Matrix, as_json, from_json, page
+from tests.stability.rare_light import rare_light
 from tests.stability.verdict import Verdict
 
 _PAGE = CHECKOUT / "docs" / "explanation" / "stability.md"
@@ -29,7 +30,7 @@ def main() -> int:
     arguments = parser.parse_args()
     asked = arguments.cases
     if arguments.page:
-        _PAGE.write_text(page(from_json(_MATRIX.read_text())))
+        _PAGE.write_text(page(from_json(_MATRIX.read_text()), rare_light()))
         return 0
     matrix: Matrix = from_json(_MATRIX.read_text()) if asked else {}
     with tempfile.TemporaryDirectory(prefix="nocturne-stability-") as folder:
@@ -37,7 +38,7 @@ def main() -> int:
             if not asked or any(part in case.name for part in asked):
                 matrix[case.name] = _row(case, Path(folder))
                 sys.stderr.write(f"{case.name}: {_short(matrix[case.name])}\n")
-    _PAGE.write_text(page(matrix))
+    _PAGE.write_text(page(matrix, rare_light()))
     _MATRIX.write_text(as_json(matrix, processor()))
     return 0
 

@@ -84,8 +84,44 @@ def _plain(verdict: Verdict) -> dict[str, Any]:
     return found | {"cpu_s": round(verdict.cpu_s, 2)}
 
 
-def page(matrix: Matrix) -> str:
-    """For people."""
+_RARE = """
+## Rare light
+
+Forty scenes of small bright lights and of things that gather their light
+([method](method.md#light-that-was-not-met)), each by the default alone: of an image's squares of 8 x 8
+pixels, how many hold the truth in their 95 % interval. The truth is a longer image by photons from both
+directions, {samples:,} samples of each pixel. **Bold**: fewer than 93 %. *Told*: the image says that light
+may be missing. Made by `python -m bench rare_light`.
+
+| scene | {counts} |
+| --- |{rules}
+"""
+
+
+def _rare_light(figures: dict[str, Any]) -> str:
+    scenes = figures["scenes"]
+    counts = list(next(iter(scenes.values())))
+    lines = [
+        _RARE.format(
+            samples=figures["truth_samples"],
+            counts=" | ".join(f"{count} samples" for count in counts),
+            rules=" --- |" * len(counts),
+        ).rstrip()
+    ]
+    for name, found in scenes.items():
+        cells = []
+        for count in counts:
+            held = f"{found[count]['held']:.0%}"
+            cells.append(
+                (f"**{held}**" if found[count]["held"] < 0.93 else held)
+                + (", told" if found[count]["told"] else "")
+            )
+        lines.append(f"| {name} | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
+def page(matrix: Matrix, rare_light: dict[str, Any] | None = None) -> str:
+    """For people. `rare_light`: what the bench of that name found."""
     cells = [verdict for row in matrix.values() for verdict in row.values()]
     done = [verdict for verdict in cells if verdict.word is not Word.NOT_APPLICABLE]
     counts = {word: sum(verdict.word is word for verdict in done) for word in Word}
@@ -108,7 +144,7 @@ def page(matrix: Matrix) -> str:
         for case in here:
             told = f"{case.stress}. Truth: {case.source}.{_advice(matrix[case.name], case.remedy)}"
             lines.append(f"- **{case.name}**: {told}")
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines) + "\n" + (_rare_light(rare_light) if rare_light else "")
 
 
 def _applies(row: dict[str, Verdict], method: str) -> bool:
