@@ -193,7 +193,7 @@ def _try_placements(file: Path, content: bytes) -> None:
 
 
 READERS: dict[str, Callable[[Path], list[Seed]]] = {
-    "mitsuba": lambda _: _words("scene.xml"),
+    "mitsuba": lambda _: [*_words("scene.xml"), *_words("old.xml")],
     "pbrt": lambda _: _words("scene.pbrt"),
     "gltf": lambda _: _words("scene.gltf"),
     "gltf-binary": lambda _: [

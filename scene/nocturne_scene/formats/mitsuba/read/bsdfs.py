@@ -10,12 +10,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.formats.mitsuba.read import spectra, textures
+from nocturne_scene.formats.mitsuba.read import lobes, spectra, textures
 from nocturne_scene.formats.mitsuba.read.context import Context
 from nocturne_scene.formats.mitsuba.read.elements import Element
+from nocturne_scene.formats.mitsuba.read.number_lists import numbers
 from nocturne_scene.formats.mitsuba.read.principled import principled
-from nocturne_scene.formats.mitsuba.read.properties import Properties, numbers
-from nocturne_scene.formats.reading import metals
+from nocturne_scene.formats.mitsuba.read.properties import Properties
+from nocturne_scene.formats.reading import colours, metals
 from nocturne_scene.formats.reading.coats import Coat, base_under, rough_coat, smooth_coat
 from nocturne_scene.formats.reading.scene_writer import Json
 
@@ -207,7 +208,15 @@ def _rough_conductor(context: Context, properties: Properties) -> Bsdf:
 
 def _scaled_down(context: Context, properties: Properties, kernel: Json) -> Json:
     """`specular_reflectance`: the rest is black."""
-    factor = textures.number(context, properties, "specular_reflectance", 1.0)
+    factor = textures.colour(context, properties, "specular_reflectance", 1.0)
+    if isinstance(factor, dict) and "texture" not in factor:
+        own = metals.colour_under(kernel["index"], 1.0)
+        at = colours.knots(own, factor)
+        colour = colours.table(at, colours.values_of(own, at) * colours.values_of(factor, at))
+        context.findings.note(
+            properties.place, "a metal times a colour became one of that colour at normal incidence"
+        )
+        return kernel | {"index": metals.of_colour(colour)}
     return kernel if factor == 1.0 else {"type": "blend", "first": BLACK, "second": kernel, "weight": factor}
 
 
@@ -256,6 +265,37 @@ def _polarising_plastic(context: Context, properties: Properties) -> Bsdf:
     roughness = _roughness(context, properties)
     context.findings.note(properties.place, "polarisation is left out")
     return Bsdf(front_only(_coated(context, properties, index, coat) | roughness))
+
+
+def _coating(context: Context, properties: Properties) -> Bsdf:
+    """A layer over another material: what comes back from that goes out, or is lost.
+
+    Source: bsdfs/coating.cpp and bsdfs/roughcoating.cpp of Mitsuba 0.6.
+    """
+    index = _relative_index(context, properties)
+    rough = properties.element.type == "roughcoating"
+    roughness = _roughness(context, properties) if rough else {}
+    if not properties.has("sigma_a"):
+        properties.ignore("thickness")
+    _scales(context, properties, "specular_reflectance")
+    [inside] = _inside(context, properties, 1, 1)
+    base = front_of(inside.kernel)
+    if base["type"] != "lambertian":
+        context.findings.lost(
+            properties.place, f'no equal of a coating over "{base["type"]}", only over diffuse; left out'
+        )
+        return inside
+    reflectance = base["reflectance"]
+    # Ours is T(wi) T(wo) R' / (pi n^2 (1 - R' E)), theirs T(wi) T(wo) R / (pi n^2).
+    coat = Coat(smooth_coat(index).inside, 0.0)
+    if isinstance(reflectance, dict) and "texture" in reflectance:
+        reflectance = textures.changed(
+            context, reflectance, lambda pixels: coat.changed(pixels, linear=True), properties.place
+        )
+    else:
+        reflectance = base_under(coat, reflectance, linear=True)
+    kernel = {"type": "coated_diffuse", "index": index, "reflectance": reflectance, **roughness}
+    return Bsdf(front_only(kernel), inside.normal_or_bump)
 
 
 def _principled(context: Context, properties: Properties) -> Bsdf:
@@ -362,4 +402,10 @@ _BSDFS: dict[str, Callable[[Context, Properties], Bsdf]] = {
     "polarizer": _polarizer,
     "normalmap": _normal_map,
     "bumpmap": _bump_map,
+    # Of Mitsuba 0.x alone.
+    "coating": _coating,
+    "roughcoating": _coating,
+    "phong": lambda context, properties: Bsdf(front_only(lobes.phong(context, properties))),
+    "ward": lambda context, properties: Bsdf(front_only(lobes.ward(context, properties))),
+    "difftrans": lambda context, properties: Bsdf(lobes.leaf(context, properties)),
 }

@@ -37,7 +37,7 @@ def _hide_emitters(document: Json) -> None:
 
 def import_mitsuba(file: Path, writer: SceneWriter, findings: Findings, options: ImportOptions) -> None:
     """Read a scene into a writer. Raises InputError."""
-    tree = SceneTree(SceneFiles(options.root or file.parent), file.resolve(), options.parameters)
+    tree = SceneTree(SceneFiles(options.root or file.parent), file.resolve(), options.parameters, findings)
     context = Context(tree, writer, findings, options)
     for element in tree.other_elements(*_PARTS, *_REFERRED):
         findings.lost(element.place, f"no equal of <{element.tag}>")

@@ -15,7 +15,9 @@ from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read import spectra
 from nocturne_scene.formats.mitsuba.read.context import Context
 from nocturne_scene.formats.mitsuba.read.elements import Element
-from nocturne_scene.formats.mitsuba.read.properties import Properties, numbers, vector
+from nocturne_scene.formats.mitsuba.read.number_lists import numbers
+from nocturne_scene.formats.mitsuba.read.properties import Properties, vector
+from nocturne_scene.formats.reading import colours
 from nocturne_scene.formats.reading.scene_writer import Json
 from nocturne_scene.textures.environment_maps import UnusableImageError, check_size, opened
 from nocturne_scene.textures.image_files import MAX_EDGE, MAX_PIXELS, decoded
@@ -133,11 +135,33 @@ def _raw_constant(context: Context, element: Element) -> Json:
     return {"texture": context.writer.name("textures", "constant", {"asset": asset, "encoding": "linear"})}
 
 
+def _scale(context: Context, element: Element) -> Json:
+    """Of Mitsuba 0.x alone: another texture or a value, times a factor (textures/scale.cpp of 0.6)."""
+    properties = context.properties(element)
+    nested = properties.take_all("texture")
+    inside = nested[0] if nested else properties.take("value")
+    factor = spectra.rgb(found) if (found := properties.take("scale")) is not None else [1.0] * 3
+    properties.finish()
+    if inside is None:
+        raise InputError.at(element.place, "a scale needs a texture inside")
+    if inside.tag != "texture":
+        return colours.reflectance(np.multiply(spectra.rgb(inside), factor).tolist())
+    use = texture(context, inside)
+    if use is None or factor == [1.0] * 3:
+        return use
+    if isinstance(use, float):
+        return colours.reflectance([use * each for each in factor])
+    if len(set(factor)) == 1:
+        factor = factor[:1]
+    return changed(context, use, lambda pixels: pixels * np.array(factor), element.place)
+
+
 _TEXTURES: dict[str, Callable[[Context, Element], Json]] = {
     "bitmap": _bitmap,
     "checkerboard": _checkerboard,
     "mesh_attribute": _mesh_attribute,
     "rawconstant": _raw_constant,
+    "scale": _scale,
 }
 
 

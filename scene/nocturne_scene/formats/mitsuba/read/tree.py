@@ -6,6 +6,8 @@ from pathlib import Path
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read.elements import Element, Packed, parse_xml
+from nocturne_scene.formats.mitsuba.read.upgrade import NEW, Version, upgrade, version_of
+from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.scene_files import SceneFiles
 
 # Elements of a scene, included files each time they are, and those of them that stay in memory; and how deep
@@ -13,6 +15,9 @@ from nocturne_scene.formats.reading.scene_files import SceneFiles
 _MAX_ELEMENTS = 20_000_000
 _MAX_KEPT = 1_000_000
 _MAX_INCLUDES = 16
+
+# Parameters of a plugin.
+_VALUES = ("boolean", "float", "integer", "string")
 
 _PARAMETER = re.compile(r"\$(\w+)")
 _Opened = tuple[Path, ...]
@@ -25,9 +30,16 @@ class SceneTree:
     Only what others may refer to stays in memory.
     """
 
-    def __init__(self, files: SceneFiles, file: Path, parameters: Mapping[str, str]) -> None:
-        """Read `file` and all that it includes; `parameters` replace its defaults. Raises InputError."""
+    def __init__(
+        self, files: SceneFiles, file: Path, parameters: Mapping[str, str], findings: Findings
+    ) -> None:
+        """Read `file` and all that it includes; `parameters` replace its defaults. Raises InputError.
+
+        Files of Mitsuba 0.x are upgraded; `findings` are told what was read in another way.
+        """
         self.files = files
+        self._findings = findings
+        self._versions: dict[Path, Version] = {}
         self.folders = [file.parent]
         self._parameters = dict(parameters)
         self._by_id: dict[str, Element | int] = {}
@@ -35,6 +47,7 @@ class SceneTree:
         self._elements: list[Element | int] = []
         self._count = 0
         self._kept = 0
+        self._numbered = 0
         self._read(file, (), self._elements)
 
     def elements(self, tag: str) -> Iterator[Element]:
@@ -82,9 +95,11 @@ class SceneTree:
         if len(opened) >= _MAX_INCLUDES:
             raise InputError.at(shown, f"files are included more than {_MAX_INCLUDES} deep")
         inside = (*opened, file)
+        around_file = self._versions[opened[-1]] if opened else NEW
 
         def part(element: Element, around: list[Element]) -> bool:
-            _check_version(around[0] if around else element)
+            if file not in self._versions:
+                self._versions[file] = version_of(around[0] if around else element, around_file)
             is_root = not around and element.tag != "scene"
             if is_root or (len(around) == 1 and around[0].tag == "scene"):
                 self._take(element, inside, into)
@@ -107,6 +122,10 @@ class SceneTree:
             return
         kept, names = self._kept, len(self._by_id)
         for each in self._expanded([element], opened):
+            if each.tag in _VALUES and self._versions[opened[-1]] < NEW:
+                # Mitsuba 0.x warns of values of a whole scene, and reads none.
+                self._findings.note(each.place, f'"{each.name}" is of no plugin; left out')
+                continue
             # What is inside of a shape and has a name may be referred to.
             own = 1 if each.id else 0
             if each.tag != "shape" or each.type == "shapegroup" or len(self._by_id) > names + own:
@@ -141,10 +160,23 @@ class SceneTree:
                     self._remember(element.need("as"), target, element.place)
                 case _:
                     element.children = list(self._expanded(element.children, opened))
-                    element.number = self._count
+                    upgrade(element, self._versions[opened[-1]], self._findings, self._target)
+                    self._number(element)
                     if element.id and element.tag != "ref":
                         self._remember(element.id, element, element.place)
                     yield element
+
+    def _target(self, reference: Element) -> Element:
+        """What a reference refers to, or itself where that is not known yet."""
+        return self.resolve(reference) if reference.attributes.get("id") in self._by_id else reference
+
+    def _number(self, element: Element) -> None:
+        """Number an element, and those inside that came by an upgrade."""
+        for child in element.children:
+            if child.number < 0:
+                self._number(child)
+        element.number = self._numbered
+        self._numbered += 1
 
     def _counted(self, element: Element) -> None:
         self._count += 1
@@ -192,12 +224,6 @@ class SceneTree:
             return self._parameters[match[1]]
 
         return _PARAMETER.sub(found, value)
-
-
-def _check_version(root: Element) -> None:
-    version = root.attributes.get("version", "")
-    if version.startswith("0.") and root.tag == "scene":
-        raise InputError.at(root.place, f"version {version} is of Mitsuba 0.x; expected 2.0 or later")
 
 
 def _is_member(element: Element, around: Element) -> bool:

@@ -1,0 +1,121 @@
+"""Colours and transformations of Mitsuba 0.x in the words of Mitsuba 3.
+
+Source, where none is named: endElement in src/librender/scenehandler.cpp of Mitsuba 0.6.
+"""
+
+import math
+import re
+
+from nocturne_scene.errors import InputError
+from nocturne_scene.formats.mitsuba.read.elements import Element
+from nocturne_scene.formats.mitsuba.read.number_lists import numbers
+from nocturne_scene.formats.reading import colours
+
+_PLANCK = 6.62607015e-34
+_LIGHT = 299792458.0
+_BOLTZMANN = 1.380649e-23
+_LETTERS = re.compile(r"(?<=[a-z])([A-Z]+)")
+
+
+def snake_case(name: str) -> str:
+    """toWorld as to_world, intIOR as int_ior: camel_to_underscore_case in parser.cpp of Mitsuba 3."""
+    return _LETTERS.sub(lambda match: "_" + match[1].lower(), name)
+
+
+def made(tag: str, place: str, *children: Element, **attributes: str) -> Element:
+    """A new element at the place of an old one."""
+    return Element(tag, attributes, place, list(children))
+
+
+def said(tag: str, name: str, value: object, place: str) -> Element:
+    """A new parameter."""
+    return made(tag, place, name=name, value=str(value))
+
+
+def upgrade_colour(element: Element, *, emitted: bool) -> None:
+    """Change a colour or spectrum in place. Raises InputError for what is none."""
+    intent = element.attributes.pop("intent", "illuminant" if emitted else "reflectance").lower()
+    match element.tag:
+        case "rgb" | "srgb":
+            _upgrade_rgb(element)
+        case "blackbody":
+            _upgrade_blackbody(element)
+        case "spectrum" if "value" in element.attributes and ":" not in element.attributes["value"]:
+            _upgrade_numbers(element, emitted=intent == "illuminant")
+
+
+def _upgrade_rgb(element: Element) -> None:
+    """Hexadecimal numbers of an <rgb> are linear; an <srgb> is encoded whatever its form."""
+    text = element.need("value").strip()
+    if text.startswith("#") and len(text) == 7:
+        try:
+            values = [int(text[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+        except ValueError:
+            raise InputError.at(element.place, f'expected six hexadecimal digits, found "{text}"') from None
+    elif element.tag == "srgb":
+        values = numbers(text, element.place)
+    else:
+        return
+    if element.tag == "srgb":
+        values = colours.decode_srgb(values)
+    element.tag = "rgb"
+    element.attributes["value"] = " ".join(map(str, values))
+
+
+def _upgrade_numbers(element: Element, *, emitted: bool) -> None:
+    """One number is grey, as light D65 (getD65); three are linear sRGB, of which 0.x's colours consist."""
+    values = numbers(element.attributes["value"], element.place)
+    if len(values) == 3:
+        element.tag = "rgb"
+    elif len(values) == 1 and emitted:
+        del element.attributes["value"]
+        element.attributes["type"] = "d65"
+        element.children = [said("float", "scale", values[0], element.place)]
+    elif len(values) != 1:
+        raise InputError.at(
+            element.place, f"expected 1 or 3 numbers, or nm:value pairs, found {len(values)} numbers"
+        )
+
+
+def _upgrade_blackbody(element: Element) -> None:
+    """In W m-2 sr-1 nm-1, as Mitsuba 3 has it; one that is scaled becomes a table."""
+    text = element.attributes.pop("temperature", "").strip().removesuffix("K").removesuffix("k")
+    kelvin = numbers(text, element.place, 1)[0]
+    scale = numbers(
+        element.attributes.pop("scale", element.attributes.pop("multiplier", "1")), element.place, 1
+    )[0]
+    if not kelvin > 0:
+        raise InputError.at(element.place, f"a temperature is positive, found {kelvin:g}")
+    element.tag = "spectrum"
+    if scale == 1:
+        element.attributes["type"] = "blackbody"
+        element.children = [said("float", "temperature", kelvin, element.place)]
+        return
+    element.attributes["value"] = " ".join(
+        f"{nm}:{scale * _planck(nm * 1e-9, kelvin)!r}" for nm in range(360, 831, 5)
+    )
+
+
+def _planck(metres: float, kelvin: float) -> float:
+    """Radiance of a black body, W m-2 sr-1 nm-1; M. Planck, Annalen der Physik 309, 1901."""
+    power = min(_PLANCK * _LIGHT / (metres * _BOLTZMANN * kelvin), 700.0)
+    return 2e-9 * _PLANCK * _LIGHT**2 / metres**5 / math.expm1(power)
+
+
+def upgrade_steps(element: Element) -> None:
+    """Change the steps of a transformation in place."""
+    steps: list[Element] = []
+    for step in element.children:
+        if step.tag.lower() == "lookat":
+            step.tag = "lookat"
+        if "ox" in step.attributes and step.tag == "lookat":
+            # data/schema/upgrade_0.3.0.xsl.
+            steps.append(made("scale", step.place, x="-1"))
+            taken = {axis: step.attributes.pop(axis, "0") for axis in _OLD_LOOK_AT}
+            for name, first in (("origin", "o"), ("target", "t"), ("up", "u")):
+                step.attributes[name] = " ".join(taken[first + axis] for axis in "xyz")
+        steps.append(step)
+    element.children = steps
+
+
+_OLD_LOOK_AT = [first + axis for first in "otu" for axis in "xyz"]
