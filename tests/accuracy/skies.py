@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
-from nocturne_scene.textures.environment_maps import equal_area_rows, opened, turned
+from nocturne_scene.textures.environment_maps import equal_area_rows, turned
+from nocturne_scene.textures.pictures import opened
 
 from tests.accuracy.agreement import Values
 

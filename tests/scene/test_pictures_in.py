@@ -10,9 +10,9 @@ import pytest
 from nocturne_scene.compile import merl
 from nocturne_scene.spectra import published
 from nocturne_scene.spectra import rgb as rgb_spectra
-from nocturne_scene.textures import environment_maps
+from nocturne_scene.textures import environment_maps, pictures
 from nocturne_scene.textures import image_files as image_textures
-from nocturne_scene.textures.environment_maps import UnusableImageError
+from nocturne_scene.textures.pictures import UnusableImageError
 from numpy.typing import NDArray
 
 Pixels = NDArray[np.float32]
@@ -136,7 +136,7 @@ def test_a_huge_promise_is_refused_before_it_is_read(tmp_path: Path) -> None:
         image_textures.convert(file, 3, "linear")
     for width, height in ((16000, 16000), (20000, 1), (1, 20000)):
         with pytest.raises(UnusableImageError, match=f"{width} x {height}"):
-            environment_maps.check_size(oiio.ImageSpec(width, height, 3, oiio.FLOAT), 2**25, 16384)
+            pictures.check_size(oiio.ImageSpec(width, height, 3, oiio.FLOAT), 2**25, 16384)
 
 
 def test_decoding() -> None:

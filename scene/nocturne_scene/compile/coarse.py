@@ -17,7 +17,7 @@ from nocturne_scene.document.shapes import DIGEST_PREFIX, AssetMesh, InlineMesh,
 from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.meshes.headers import UnusableMeshError
 from nocturne_scene.meshes.triangles import unit_normals
-from nocturne_scene.textures import environment_maps
+from nocturne_scene.textures import environment_maps, pictures
 
 _ROUNDING = 2.0**-24
 """Part of a coordinate that a float may be off by."""
@@ -136,7 +136,7 @@ def _poles(workspace: Workspace) -> Iterator[str]:
         if not isinstance(change, float):
             change = environment_maps.polar_change(workspace.blobs.path(asset))
             workspace.note_found(about, change)
-    except (Unusable, environment_maps.UnusableImageError):
+    except (Unusable, pictures.UnusableImageError):
         return  # Told as an error of the scene.
     if change > _POLE:
         yield (

@@ -13,12 +13,12 @@ from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.luminaires import EnvironmentMap, StandardSky
 from nocturne_scene.spectra import rgb as rgb_spectra
 from nocturne_scene.spectra import tables as spectra
-from nocturne_scene.textures import environment_maps, standard_skies
+from nocturne_scene.textures import environment_maps, pictures, standard_skies
 
 _SKY_ROWS, _SKY_COLUMNS = 256, 512
 """Texels of a standard sky, which has no detail finer than some degrees: 0.3 msr each."""
 
-_CONVERSION = 1
+_CONVERSION = 2
 """Number of how pictures become texels; raised with every change of that, since texels are kept."""
 
 
@@ -82,7 +82,7 @@ def _texels(workspace: Workspace, asset: str, *, points: bool) -> tuple[bytes, i
     texels = io.BytesIO()
     try:
         columns, rows = environment_maps.convert(workspace.blobs.path(asset), texels, points=points)
-    except environment_maps.UnusableImageError as error:
+    except pictures.UnusableImageError as error:
         raise Unusable(str(error), ".asset") from None
     blob = workspace.keep(texels.getvalue())
     workspace.note_made(about, blob, [columns, rows])

@@ -18,7 +18,7 @@ from nocturne_scene.document.textures import TextureUse
 from nocturne_scene.errors import NocturneError
 from nocturne_scene.film import Film
 from nocturne_scene.meshes.headers import UnusableMeshError
-from nocturne_scene.textures.environment_maps import UnusableImageError, opened
+from nocturne_scene.textures.pictures import UnusableImageError, opened
 
 _TOO_FINE = 8.0
 """Texels along a pixel's edge: the three finest levels of the texture are never looked at."""

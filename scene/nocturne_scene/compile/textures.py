@@ -21,9 +21,9 @@ from nocturne_scene.document.textures import (
 from nocturne_scene.spectra import rgb as rgb_spectra
 from nocturne_scene.spectra import tables as spectra
 from nocturne_scene.textures import image_files as image_textures
-from nocturne_scene.textures.environment_maps import UnusableImageError, opened
+from nocturne_scene.textures.pictures import UnusableImageError, opened
 
-_CONVERSION = 2
+_CONVERSION = 3
 """Number of how pictures become texture files; raised with every change of that, since these are kept."""
 
 _ENCODINGS: dict[str, image_textures.Encoding] = {"sRGB": "srgb", "linear": "linear"}

@@ -156,8 +156,8 @@ class EnvironmentMap(Node):
     """
 
     asset: AssetReference = Field(
-        description="A Radiance HDR or OpenEXR image, linear sRGB: a path relative to the document, or "
-        "`sha256:` and its digest."
+        description="A Radiance HDR or OpenEXR image, linear sRGB unless it says otherwise: a path relative "
+        "to the document, or `sha256:` and its digest."
     )
     luminance: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] = Field(
         default=1.0,

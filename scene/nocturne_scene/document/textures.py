@@ -25,7 +25,9 @@ Encoding = Literal["sRGB", "linear"]
 class Texture(Node):
     """An image that varies a value over a surface. Any format that OpenImageIO reads, such as PNG or EXR.
 
-    u goes from the image's left edge (0) to its right (1), v from its bottom edge up to its top.
+    u goes from the image's left edge (0) to its right (1), v from its bottom edge up to its top. What
+    Radiance HDR and OpenEXR files say of themselves counts: order of lines, exposure, windows, channels (R,
+    G, B; X, Y, Z; Y) and primaries.
     """
 
     asset: AssetReference = Field(

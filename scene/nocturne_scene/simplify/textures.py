@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from nocturne_scene.library_words import said_by
 from nocturne_scene.simplify.simplification import Document, Find, Simplification, objects
-from nocturne_scene.textures.environment_maps import UnusableImageError, check_size, opened
 from nocturne_scene.textures.image_files import MAX_EDGE, MAX_PIXELS, decoded
+from nocturne_scene.textures.pictures import UnusableImageError, check_size, opened
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,6 @@ and over the sphere, is kept; a pixel at the pole is narrow there and fills a pa
 """
 
 from collections.abc import Iterator
-from contextlib import contextmanager
 from itertools import islice
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -24,6 +23,7 @@ from numpy.typing import NDArray
 from nocturne_scene.library_words import said_by
 from nocturne_scene.spectra.published import Floats
 from nocturne_scene.spectra.rgb import emission_of_pixels
+from nocturne_scene.textures.pictures import UnusableImageError, check_size, opened
 
 # Pixels: 8192 x 4096; the texels then fill 512 MiB.
 MAX_PIXELS = 2**25
@@ -41,10 +41,6 @@ _FINE_PIXELS = 2**21
 _TOGETHER = 16
 
 _Pixels = NDArray[np.float32]
-
-
-class UnusableImageError(Exception):
-    """The file can't be used as a picture; the message says why."""
 
 
 def convert(source: Path, target: BinaryIO, *, points: bool = False) -> tuple[int, int]:
@@ -167,32 +163,6 @@ def read_whole(source: Path) -> _Pixels:
         spec = picture.spec()
         _check_shape(spec)
         return np.stack(list(_rows(picture, spec)))
-
-
-@contextmanager
-def opened(source: Path) -> Iterator[Any]:
-    """Open a picture, its header read and nothing more; colours are not multiplied by opacity."""
-    config = oiio.ImageSpec()
-    config.attribute("oiio:UnassociatedAlpha", 1)
-    picture = oiio.ImageInput.open(str(source), config)
-    if picture is None:
-        raise UnusableImageError(f"no picture that OpenImageIO can read: {said_by(oiio.geterror)}")
-    try:
-        yield picture
-    finally:
-        picture.close()
-
-
-def check_size(spec: Any, pixels: int, edge: int) -> None:
-    """Raise UnusableImageError where a header promises more than allowed."""
-    if spec.depth > 1 or not (0 < spec.width <= edge and 0 < spec.height <= edge):
-        raise UnusableImageError(
-            f"{spec.width} x {spec.height} x {spec.depth} pixels; at most {edge} on an edge"
-        )
-    if spec.width * spec.height > pixels:
-        raise UnusableImageError(f"{spec.width} x {spec.height} pixels; at most {pixels} are accepted")
-    if not 1 <= spec.nchannels <= 64:
-        raise UnusableImageError(f"{spec.nchannels} channels; expected 1 to 64")
 
 
 def _check_shape(spec: Any) -> None:

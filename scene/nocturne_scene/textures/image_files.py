@@ -12,7 +12,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 
 from nocturne_scene.library_words import said_by
-from nocturne_scene.textures.environment_maps import UnusableImageError, check_size, opened
+from nocturne_scene.textures.pictures import UnusableImageError, check_size, opened
 
 # Pixels; as float32 in three channels 768 MiB while it is made.
 MAX_PIXELS = 2**26

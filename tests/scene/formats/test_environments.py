@@ -69,7 +69,7 @@ def test_the_picture_is_seen_by_what_faces_the_camera(tmp_path: Path) -> None:
 
 
 def test_a_picture_of_ones_own(tmp_path: Path) -> None:
-    write_exr(tmp_path / "own.exr", np.ones((4, 8, 3)))
+    write_exr(tmp_path / "own.exr", np.ones((4, 8, 3)), "RGB")
     document, found = imported(tmp_path, light=str(tmp_path / "own.exr"))
     asset = found.document.parent / document["environment"]["asset"]
     assert asset.read_bytes() == (tmp_path / "own.exr").read_bytes()

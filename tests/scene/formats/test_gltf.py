@@ -100,7 +100,7 @@ def test_brushed_surfaces_are_rougher_along_the_brush(tmp_path: Path) -> None:
 
 def test_a_brush_by_a_texture_has_its_direction_and_strength(tmp_path: Path) -> None:
     (tmp_path / "in").mkdir()
-    write_exr(tmp_path / "in" / "t.exr", np.array([[[1.0, 0.5, 1.0], [0.5, 1.0, 0.0]]]))
+    write_exr(tmp_path / "in" / "t.exr", np.array([[[1.0, 0.5, 1.0], [0.5, 1.0, 0.0]]]), "RGB")
     brush = {"anisotropyStrength": 1.0, "anisotropyTexture": {"index": 0}}
     scene = tree() | {"images": [{"uri": "t.exr"}], "textures": [{"source": 0}]}
     scene["materials"] = [
@@ -150,7 +150,7 @@ def test_metal_and_plastic_are_one_kernel(tmp_path: Path) -> None:
 
 def test_a_clear_coat_is_the_kernels(tmp_path: Path) -> None:
     (tmp_path / "in").mkdir()
-    write_exr(tmp_path / "in" / "t.exr", np.array([[[0.2, 0.5, 0.9], [1.0, 0.0, 0.5]]]))
+    write_exr(tmp_path / "in" / "t.exr", np.array([[[0.2, 0.5, 0.9], [1.0, 0.0, 0.5]]]), "RGB")
     scene = tree()
     coat = {
         "clearcoatFactor": 0.8,
@@ -176,7 +176,7 @@ def test_a_clear_coat_is_the_kernels(tmp_path: Path) -> None:
 
 def test_a_textured_base_is_multiplied_texel_by_texel(tmp_path: Path) -> None:
     (tmp_path / "in").mkdir()
-    write_exr(tmp_path / "in" / "t.exr", np.array([[[0.2, 0.5, 0.9], [1.0, 0.0, 0.5]]]))
+    write_exr(tmp_path / "in" / "t.exr", np.array([[[0.2, 0.5, 0.9], [1.0, 0.0, 0.5]]]), "RGB")
     scene = tree()
     pbr = {"baseColorTexture": {"index": 0}, "baseColorFactor": [1, 1, 0.5, 1], "metallicFactor": 0}
     scene |= {"images": [{"uri": "t.exr"}], "textures": [{"source": 0}]}

@@ -22,7 +22,7 @@ from tests.scene.formats.test_gltf_shapes import Model
 def textured(tmp_path: Path, reference: dict[str, Any], sampler: dict[str, Any]) -> tuple[Any, Any, Path]:
     """The use of a base colour's texture, the mesh's coordinates, and the texture's file."""
     picture = np.arange(24, dtype=float).reshape(2, 4, 3) / 24
-    write_exr(tmp_path / "t.exr", picture)
+    write_exr(tmp_path / "t.exr", picture, "RGB")
     scene = tree() | {"images": [{"uri": "t.exr"}], "samplers": [sampler]}
     scene["textures"] = [{"source": 0, "sampler": 0}]
     scene["materials"] = [{"normalTexture": {"index": 0, **reference}}]
@@ -72,7 +72,7 @@ def test_a_second_set_of_coordinates_is_the_meshs(tmp_path: Path) -> None:
     second = np.array([[0, 0], [0.5, 0], [0, 0.5], [0.5, 0.5]])
     uv = {"TEXCOORD_0": model.array(np.zeros((4, 2))), "TEXCOORD_1": model.array(second)}
     model.mesh([0, 1, 2, 1, 3, 2], attributes=uv)
-    write_exr(tmp_path / "t.exr", np.ones((2, 2, 3)) * 0.5)
+    write_exr(tmp_path / "t.exr", np.ones((2, 2, 3)) * 0.5, "RGB")
     model.tree |= {"images": [{"uri": "t.exr"}], "textures": [{"source": 0}]}
     model.tree["materials"] = [{"normalTexture": {"index": 0, "texCoord": 1}}]
     found = model.triangles(tmp_path).coordinates
@@ -83,7 +83,7 @@ def test_a_second_set_of_coordinates_is_the_meshs(tmp_path: Path) -> None:
 def test_sets_of_coordinates_on_one_material_have_no_equal(tmp_path: Path) -> None:
     model = Model()
     model.mesh([0, 1, 2])
-    write_exr(tmp_path / "t.exr", np.ones((2, 2, 3)) * 0.5)
+    write_exr(tmp_path / "t.exr", np.ones((2, 2, 3)) * 0.5, "RGB")
     model.tree |= {"images": [{"uri": "t.exr"}], "textures": [{"source": 0}]}
     pbr = {"baseColorTexture": {"index": 0}}
     model.tree["materials"] = [{"normalTexture": {"index": 0, "texCoord": 1}, "pbrMetallicRoughness": pbr}]

@@ -252,7 +252,7 @@ def test_plastic_that_polarises_loses_what_the_coat_sends_back(tmp_path: Path) -
 
 def test_a_textured_base_saturates_no_more_than_an_even_one(tmp_path: Path) -> None:
     (tmp_path / "in").mkdir()
-    write_exr(tmp_path / "in" / "t.exr", np.array([[[0.2, 0.5, 0.9], [1.0, 0.0, 0.5]]]))
+    write_exr(tmp_path / "in" / "t.exr", np.array([[[0.2, 0.5, 0.9], [1.0, 0.0, 0.5]]]), "RGB")
     texture = (
         '<texture name="diffuse_reflectance" type="bitmap"><string name="filename" value="t.exr"/></texture>'
     )

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
-from nocturne_scene.textures.environment_maps import UnusableImageError, read_whole
+from nocturne_scene.textures.environment_maps import read_whole
+from nocturne_scene.textures.pictures import UnusableImageError
 
 NAMES = ("sky", "studio")
 

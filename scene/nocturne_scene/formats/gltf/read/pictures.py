@@ -13,8 +13,8 @@ from nocturne_scene.formats.gltf.read.container import Container, unused_extensi
 from nocturne_scene.formats.gltf.read.coordinates import Frame, relative_map
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
-from nocturne_scene.textures.environment_maps import UnusableImageError, check_size, opened
 from nocturne_scene.textures.image_files import MAX_EDGE, MAX_PIXELS
+from nocturne_scene.textures.pictures import UnusableImageError, check_size, opened
 
 Pixels = NDArray[np.float64]
 

@@ -17,8 +17,8 @@ from nocturne_scene.formats.mitsuba.read.units import white
 from nocturne_scene.formats.reading import colours, lamps
 from nocturne_scene.formats.reading.beams import Array, beam, looked_up
 from nocturne_scene.formats.reading.scene_writer import FilmSettings, Json
-from nocturne_scene.textures.environment_maps import UnusableImageError, check_size, opened
 from nocturne_scene.textures.image_files import decoded
+from nocturne_scene.textures.pictures import UnusableImageError, check_size, opened
 
 _MAX_PIXELS = 2**23
 

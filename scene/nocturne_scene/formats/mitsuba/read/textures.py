@@ -19,8 +19,8 @@ from nocturne_scene.formats.mitsuba.read.number_lists import numbers
 from nocturne_scene.formats.mitsuba.read.properties import Properties, vector
 from nocturne_scene.formats.reading import colours
 from nocturne_scene.formats.reading.scene_writer import Json
-from nocturne_scene.textures.environment_maps import UnusableImageError, check_size, opened
 from nocturne_scene.textures.image_files import MAX_EDGE, MAX_PIXELS, decoded
+from nocturne_scene.textures.pictures import UnusableImageError, check_size, opened
 
 Pixels = NDArray[np.float64]
 

@@ -11,7 +11,8 @@ from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.parameters import Parameters
 from nocturne_scene.formats.reading import lamps, transforms
 from nocturne_scene.formats.reading.scene_writer import Json
-from nocturne_scene.textures.environment_maps import UnusableImageError, opened, read_whole
+from nocturne_scene.textures.environment_maps import read_whole
+from nocturne_scene.textures.pictures import UnusableImageError, opened
 
 
 def add_light(context: Context, kind: str, parameters: Parameters) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nocturne_scene.formats.reading.colours import LUMINANCE
-from nocturne_scene.textures.environment_maps import UnusableImageError
+from nocturne_scene.textures.pictures import UnusableImageError
 
 Array = NDArray[np.float64]
 
