@@ -78,6 +78,33 @@ def test_frames_go_evenly_from_the_first_to_the_last(tmp_path: Path) -> None:
     assert {member.changes["tracing.seed"] for member in members} == {7}
 
 
+@pytest.mark.parametrize("frames", ["5-5", "0-0"])
+def test_one_frame_has_the_first_value(tmp_path: Path, frames: str) -> None:
+    """https://github.com/AcademySoftwareFoundation/OpenCue/issues/1129: one frame is a render, too."""
+    [member] = members_of(tmp_path / "room.json", {"sensor.position[0]": "0..1"}, frames, [])
+    assert member.changes == {"sensor.position[0]": 0.0}
+    assert member.name == frames[0]
+
+
+def test_names_of_variants_are_short(tmp_path: Path) -> None:
+    """Of a part of a scene its name or type, with a number where several have the same."""
+    sensors = '{"type":"panorama","position":[0,0,0]},{"type":"pinhole"},{"type":"pinhole","name":"door"}'
+    more = '{"type":"pinhole","look_at":[1,0,0]}'
+    members = members_of(tmp_path / "room.json", {}, "", [f"sensor={sensors},{more}"])
+    assert [member.name for member in members] == [
+        "sensor=panorama",
+        "sensor=pinhole 2",
+        "sensor=door",
+        "sensor=pinhole 4",
+    ]
+    look_at = members_of(tmp_path / "room.json", {}, "", ["sensor.look_at=[0, 0, 0],[1.5, 0, 0]"])
+    assert [member.name for member in look_at] == ["look_at=[0,0,0]", "look_at=[1.5,0,0]"]
+    flags = members_of(tmp_path / "room.json", {}, "", [f"a.two_sided=true,{'x' * 100}"])
+    assert [member.name for member in flags] == ["two_sided=true", f"two_sided={'x' * 39}\u2026"]
+    numbered = members_of(tmp_path / "room.json", {}, "", [f"a.b=[{'1,' * 50}1],[{'1,' * 50}2]"])
+    assert len({member.name for member in numbered}) == 2
+
+
 def test_variants_are_all_that_can_be(tmp_path: Path) -> None:
     varied = ["tracing.seed=1,2", "surfaces[0].kernel.reflectance=0.2,white"]
     members = members_of(tmp_path / "room.json", {}, "", varied)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from nocturne_client.changes import parse_change
 from nocturne_client.errors import NocturneClientError
@@ -17,6 +17,9 @@ _FROM_TO = re.compile(rf"({_NUMBER})\.\.({_NUMBER})")
 
 MAX_MEMBERS = 10_000
 
+# Characters of a value in a render's name.
+_MAX_SHOWN = 40
+
 
 @dataclass(frozen=True)
 class Member:
@@ -26,6 +29,14 @@ class Member:
     name: str
     """What tells it from the others; empty where there are none."""
     changes: Mapping[str, Any] = field(default_factory=dict)
+
+
+class _Variant(NamedTuple):
+    """One value of a place that is varied, and what it is called."""
+
+    place: str
+    value: Any
+    shown: str
 
 
 def members_of(scene: Path, changes: Mapping[str, Any], frames: str, varied: Sequence[str]) -> list[Member]:
@@ -47,7 +58,8 @@ def members_of(scene: Path, changes: Mapping[str, Any], frames: str, varied: Seq
         Member(
             each,
             " ".join(_words(each if len(scenes) > 1 else None, variant, frames and f"{number:0{digits}}")),
-            _in_frame(changes, number, numbers) | dict(variant),
+            (_in_frame(changes, number, numbers) if frames else dict(changes))
+            | {one.place: one.value for one in variant},
         )
         for each, variant, number in found
     ]
@@ -73,19 +85,31 @@ def _numbers(frames: str) -> list[int]:
     return list(range(int(match[1]), int(match[2]) + 1))
 
 
-def _values(text: str) -> list[tuple[str, Any]]:
+def _values(text: str) -> list[_Variant]:
     """`place=1,2` or `place=[0,0],[1,1]`; what is no JSON is words between commas."""
     place, _, values = text.partition("=")
     try:
-        return [(parse_change(text)[0], value) for value in json.loads(f"[{values}]")]
+        found = [(parse_change(text)[0], value) for value in json.loads(f"[{values}]")]
     except ValueError:
-        return [parse_change(f"{place}={value.strip()}") for value in values.split(",")]
+        found = [parse_change(f"{place}={value.strip()}") for value in values.split(",")]
+    shown = [_shown(value) for _, value in found]
+    return [
+        _Variant(at, value, f"{word} {number}" if shown.count(word) > 1 else word)
+        for number, ((at, value), word) in enumerate(zip(found, shown, strict=True), 1)
+    ]
+
+
+def _shown(value: Any) -> str:
+    """A value in a render's name: of a part of a scene its name or its type, of much the beginning."""
+    if isinstance(value, dict):
+        value = next((value[key] for key in ("name", "type") if isinstance(value.get(key), str)), value)
+    text = value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
+    return text if len(text) <= _MAX_SHOWN else f"{text[: _MAX_SHOWN - 1]}\u2026"
 
 
 def _in_frame(changes: Mapping[str, Any], number: int, numbers: Sequence[int]) -> dict[str, Any]:
-    if len(numbers) == 1:
-        return dict(changes)
-    part = (number - numbers[0]) / (numbers[-1] - numbers[0])
+    # Of one frame that is the first value.
+    part = (number - numbers[0]) / max(numbers[-1] - numbers[0], 1)
     return {place: _between(value, part) for place, value in changes.items()}
 
 
@@ -97,10 +121,10 @@ def _between(value: Any, part: float) -> Any:
     return start + part * (end - start)
 
 
-def _words(scene: Path | None, variant: Sequence[tuple[str, Any]], frame: str) -> Iterator[str]:
+def _words(scene: Path | None, variant: Sequence[_Variant], frame: str) -> Iterator[str]:
     if scene is not None:
         yield scene.stem
-    for place, value in variant:
-        yield f"{place.rpartition('.')[2]}={value}"
+    for one in variant:
+        yield f"{one.place.rpartition('.')[2]}={one.shown}"
     if frame:
         yield frame
