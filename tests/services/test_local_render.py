@@ -16,6 +16,7 @@ from nocturne_client.local.local_stop import LocalStop
 from nocturne_client.local.render import LocalRender, render_scene
 from typer.testing import CliRunner
 
+from tests.pictures import read_pixels
 from tests.scene.formats.mitsuba_import import SENSOR
 
 ROOT = Path(__file__).parents[2]
@@ -96,6 +97,57 @@ def test_statistics_are_written(scene: Path) -> None:
     assert found["rays"] > 0
 
 
+def test_the_name_says_which_picture_it_is(scene: Path) -> None:
+    """An EXR, and a PNG whose grey is what a preview shows; of an even image, middle grey of 18 %."""
+    images = [scene.with_name(name) for name in ("a.exr", "b.PNG", "c.exr")]
+    film = ["--width", "8", "--height", "8", "--samples", "1024", "--threads", "2"]
+    asked = [word for image in images for word in ("-o", str(image))]
+    result = CliRunner().invoke(app, ["render", str(scene), *asked, *film])
+    assert result.exit_code == 0, result.output
+    assert result.stdout.split() == [str(image) for image in images]
+    assert images[0].read_bytes() == images[2].read_bytes()
+    assert images[1].read_bytes().startswith(b"\x89PNG")
+    assert set(channels(images[0])) >= {"X", "Y", "Z"}
+    pixels = read_pixels(images[1])
+    assert pixels.shape == (8, 8, 3)
+    assert 0.3 < pixels.mean() < 0.6
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("image.txt", "expected a name that ends in .exr or .png"),
+        ("image", "expected a name that ends in .exr or .png"),
+        ("no/such/image.exr", "no such folder"),
+        ("folder", "is a folder"),
+        ("/proc/image.exr", "can't be written"),
+    ],
+)
+@pytest.mark.parametrize("option", ["-o", "--statistics"])
+def test_what_can_not_be_written_is_refused_before_tracing(
+    scene: Path, name: str, said: str, option: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if option == "--statistics" and "expected" in said:
+        pytest.skip("statistics may have any name")
+    monkeypatch.setattr("nocturne_client.local.render.compile_to", None)
+    (scene.parent / "folder").mkdir()
+    outputs = {"-o": str(scene.with_name("image.exr")), option: str(scene.parent / name)}
+    words = [word for pair in outputs.items() for word in pair]
+    result = CliRunner().invoke(app, ["render", str(scene), *words])
+    assert isinstance(result.exception, NocturneClientError)
+    assert said in str(result.exception)
+
+
+def test_an_image_that_can_not_be_written_in_the_end_is_kept(scene: Path) -> None:
+    """/dev/full takes nothing."""
+    with pytest.raises(NocturneClientError, match="No space left on device; the image is kept as") as caught:
+        render_scene(LocalRender(scene, [Path("/dev/full")], 8, 8, 4, 1))
+    kept = Path(str(caught.value).rpartition(" ")[2])
+    assert set(channels(kept)) >= {"X", "Y", "Z"}
+    kept.unlink()
+    kept.parent.rmdir()
+
+
 def test_no_light_is_told(scene: Path) -> None:
     dark = {**LAMP, "sensor": {**LAMP["sensor"], "normal": [0, -1, 0]}}
     scene.write_text(json.dumps(dark))
@@ -158,6 +210,6 @@ def test_what_fails_between_ranges_ends_the_render(
         raise ValueError("sums that nobody can read")
 
     monkeypatch.setattr(LocalStop, "is_met", fail)
-    asked = LocalRender(scene, tmp_path / "a.exr", 16, 16, 64, 1, stop={"relative_error": 0.1})
+    asked = LocalRender(scene, [tmp_path / "a.exr"], 16, 16, 64, 1, stop={"relative_error": 0.1})
     with pytest.raises(ValueError, match="nobody can read"):
         render_scene(asked)

@@ -40,7 +40,7 @@ def render(document: Scene, folder: Path, *layers: str) -> dict[str, Any]:
     """Channels of the image, and the names of objects."""
     (folder / "scene.json").write_text(json.dumps(document))
     output = folder / f"{'-'.join(layers)}.exr"
-    render_scene(LocalRender(folder / "scene.json", output, EDGE, EDGE, 8, 2, layers=layers))
+    render_scene(LocalRender(folder / "scene.json", [output], EDGE, EDGE, 8, 2, layers=layers))
     with OpenEXR.File(str(output), separate_channels=True) as file:
         names = {"objects": json.loads(file.header().get(OBJECTS, "[]"))}
         return {name: channel.pixels for name, channel in file.channels().items()} | names

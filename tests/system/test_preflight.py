@@ -111,7 +111,7 @@ def test_what_is_taken_is_as_bright(preflight_found: tuple[dict[str, Any], Path]
     kept = {name for surface in taken["surfaces"] for name in surface.get("interior", {}).get("media", [])}
     assert "smoke" in kept
     assert ("haze" in kept) == ('without medium "haze"' not in found["chosen"]["without"])
-    render_scene(LocalRender(folder / "taken.json", tmp_path / "image.exr", 32, 32, 64, 2))
+    render_scene(LocalRender(folder / "taken.json", [tmp_path / "image.exr"], 32, 32, 64, 2))
     image = Image.read(tmp_path / "image.exr")
     error = float(np.sqrt(np.sum(image.y_error.astype(float) ** 2))) / image.y.size
     expected = 100 * math.exp(-THICK - THIN)

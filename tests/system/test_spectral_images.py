@@ -52,7 +52,7 @@ EVEN = [[360.0, 1.0], [830.0, 1.0]]
 def rendered(document: dict[str, Any], bands: str, folder: Path) -> Path:
     scene, image = folder / "scene.json", folder / "image.exr"
     scene.write_text(json.dumps(document))
-    render_scene(LocalRender(scene, image, 4, 4, 4096, 2, changes=parse_bands(bands)))
+    render_scene(LocalRender(scene, [image], 4, 4, 4096, 2, changes=parse_bands(bands)))
     return image
 
 

@@ -3,8 +3,6 @@
 One file, though long: a list of short methods, each a call.
 """
 
-import os
-import tempfile
 import time
 import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -42,6 +40,7 @@ from nocturne_client.models import (
     Worker,
     WorkOfWorker,
 )
+from nocturne_client.outputs import check_output, written
 from nocturne_client.scene_files import SceneOnDisk, digest, read_scene
 from nocturne_client.transport import RETRY_DELAYS_S, Transport
 
@@ -383,11 +382,12 @@ class Client:
 
     def download(self, render_id: str, kind: ImageKind, path: Path) -> Path:
         """Writes the image ("exr") or the preview ("png") as it is now, or the "scene" document; `path` is
-        whole or untouched.
+        whole or untouched. A link stays one, and so does a device.
 
         "denoised_exr", "denoised_png": a picture without noise, to look at; "difference": where that leaves
         the true image by more than its error bar.
         """
+        check_output(path)
         self._transport.retrying(
             lambda: self._download_once(f"/v1/renders/{_part(render_id)}/{_PATHS[kind]}", path)
         )
@@ -450,8 +450,8 @@ class Client:
 
     def _download_once(self, address: str, path: Path) -> None:
         try:
-            with self._transport.stream("GET", address) as response:
-                _write_atomically(path, response.iter_bytes(_PIECE_BYTES))
+            with self._transport.stream("GET", address) as response, written(path) as file:
+                file.writelines(response.iter_bytes(_PIECE_BYTES))
         except OSError as error:
             raise NocturneClientError(f"{path}: {error.strerror}") from error
 
@@ -480,17 +480,3 @@ def _pieces(path: Path, progress: UploadProgress | None) -> Iterator[bytes]:
             sent += len(piece)
             if progress is not None:
                 progress(path, sent, size)
-
-
-def _write_atomically(path: Path, pieces: Iterator[bytes]) -> None:
-    # Not by nocturne_scene.replacing: the client is installed without the scene language.
-    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    temporary = Path(name)
-    try:
-        with os.fdopen(descriptor, "wb") as file:
-            for piece in pieces:
-                file.write(piece)
-        temporary.chmod(0o644)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)

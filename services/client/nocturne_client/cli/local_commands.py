@@ -118,7 +118,10 @@ def up(
 
 def render(
     scene: AnyScenePath,
-    output: Annotated[Path, typer.Option("--output", "-o", metavar="OUT.exr", help="Where the image goes.")],
+    output: Annotated[
+        list[Path],
+        typer.Option("--output", "-o", metavar="OUT.exr|.png", help="Where the image goes; may be repeated."),
+    ],
     width: FilmWidth = None,
     height: FilmHeight = None,
     samples: Samples = 256,
@@ -141,6 +144,7 @@ def render(
     """
     from nocturne_client.local.importing import imported_or_same
     from nocturne_client.local.render import LocalRender, render_scene
+    from nocturne_client.outputs import is_standard_output
 
     stop = Stops(error, duration=duration).asked()
     threads = threads or len(os.sched_getaffinity(0))
@@ -151,7 +155,9 @@ def render(
             document, output, *edges, samples, threads, seed, statistics, stop, names, changes
         )
         render_scene(asked)
-    typer.echo(output)
+    for path in output:
+        if not is_standard_output(path):
+            typer.echo(path)
 
 
 def ies(

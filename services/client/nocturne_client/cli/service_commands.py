@@ -25,6 +25,7 @@ from nocturne_client.cli.top import show_top
 from nocturne_client.cli.watching import about, follow, graphics_wanted
 from nocturne_client.client import Client, ImageKind
 from nocturne_client.errors import NocturneClientError
+from nocturne_client.outputs import check_output
 from nocturne_client.readings import parse_region, sentence
 
 if TYPE_CHECKING:
@@ -268,6 +269,8 @@ def replay(
     as_json: AsJson = False,
 ) -> None:
     """Trace a render once more with the samples that each of its tiles has: the image has the same bits."""
+    if exr is not None:
+        check_output(exr)
     with Client(url) as client:
         again = client.replay(render_id)
         if exr is None:

@@ -1,15 +1,19 @@
 """`nocturne render`: one scene on this machine, without a service."""
 
 import re
+import shutil
 import subprocess
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any
 
+import numpy as np
 from nocturne.v1 import job_pb2
+from nocturne_coordinator.output.images import FINAL_COMPRESSION, write_preview
+from nocturne_scene.compare.images import read_picture
 from rich.progress import Progress
 
 from nocturne_client.cli.output import ERRORS
@@ -19,6 +23,7 @@ from nocturne_client.local.image_error import image_error
 from nocturne_client.local.local_stop import LocalStop
 from nocturne_client.local.programs import need_program
 from nocturne_client.local.rewriting import add_layers, note_doubt
+from nocturne_client.outputs import check_output, written
 
 _PERCENT = re.compile(r"\s*([0-9.]+) %")
 
@@ -28,7 +33,8 @@ class LocalRender:
     """What is to be rendered, and how."""
 
     scene: Path
-    output: Path
+    outputs: Sequence[Path]
+    """Names that end in .exr or .png, or devices, which get the EXR."""
     width: int
     height: int
     samples: int
@@ -46,14 +52,17 @@ class LocalRender:
 
 
 def render_scene(asked: LocalRender) -> None:
-    """Compiles and traces a scene into an EXR, with a progress bar; says its error at the end.
+    """Compiles and traces a scene into images, with a progress bar; says its error at the end.
 
-    Raises NocturneClientError.
+    Raises NocturneClientError, before anything is traced where an output can't be written.
     """
     program = need_program("nocturne-trace")
-    for path in filter(None, (asked.output, asked.statistics)):
-        if not path.absolute().parent.is_dir():
-            raise NocturneClientError(f"{path.absolute().parent}: no such folder")
+    for path in asked.outputs:
+        check_output(path)
+        if path.suffix.lower() not in _WRITERS and (path.is_file() or not path.exists()):
+            raise NocturneClientError(f"{path}: expected a name that ends in {' or '.join(_WRITERS)}")
+    if asked.statistics is not None:
+        check_output(asked.statistics)
     with tempfile.TemporaryDirectory(prefix="nocturne-") as folder:
         film = asked.width, asked.height, asked.samples
         compiled = compile_to(asked.scene, Path(folder), *film, asked.seed, asked.layers, asked.changes)
@@ -61,7 +70,8 @@ def render_scene(asked: LocalRender) -> None:
             ERRORS.print(f"warning: {warning}", markup=False, soft_wrap=True)
         if compiled.way:
             ERRORS.print(f"traced by {compiled.way}", markup=False, soft_wrap=True)
-        command = [str(program), *_arguments(compiled, asked)]
+        image = Path(folder) / "image.exr"
+        command = [str(program), *_arguments(compiled, asked, image)]
         if asked.stop:
             sums = Path(folder) / "sums"
             schedule = job_pb2.RangeSchedule.FromString(compiled.schedule.read_bytes())
@@ -70,20 +80,49 @@ def render_scene(asked: LocalRender) -> None:
         else:
             _trace(command, asked.scene.name)
         if compiled.layers:
-            add_layers(asked.output, compiled.layers)
-    error = image_error(asked.output)
-    if error.doubt:
-        note_doubt(asked.output, error.doubt)
+            add_layers(image, compiled.layers)
+        error = image_error(image)
+        if error.doubt:
+            note_doubt(image, error.doubt)
+        for path in asked.outputs:
+            _write(image, path)
     said = str(error)
     if wanted := asked.stop.get("relative_error"):
         said += f" {wanted:.3%} was asked for."
     ERRORS.print(said, markup=False, soft_wrap=True)
 
 
-def _arguments(compiled: CompiledFolder, asked: LocalRender) -> list[str]:
+def _write(image: Path, output: Path) -> None:
+    """Writes an EXR as what the name of an output asks for. Raises NocturneClientError, and keeps the EXR."""
+    made = _WRITERS.get(output.suffix.lower(), _as_it_is)(image)
+    try:
+        with written(output) as target, made.open("rb") as source:
+            shutil.copyfileobj(source, target)
+    except OSError as error:
+        kept = Path(tempfile.mkdtemp(prefix="nocturne-image-")) / image.name
+        shutil.copyfile(image, kept)
+        raise NocturneClientError(f"{output}: {error.strerror}; the image is kept as {kept}") from error
+
+
+def _as_it_is(image: Path) -> Path:
+    return image
+
+
+def _as_png(image: Path) -> Path:
+    """A PNG beside an EXR, exposed as the service's previews are."""
+    xyz = read_picture(image).xyz
+    png = image.with_suffix(".png")
+    write_preview(png, xyz, np.ones(xyz.shape[:2], dtype=np.uint32), FINAL_COMPRESSION)
+    return png
+
+
+_WRITERS: Mapping[str, Callable[[Path], Path]] = {".exr": _as_it_is, ".png": _as_png}
+
+
+def _arguments(compiled: CompiledFolder, asked: LocalRender, image: Path) -> list[str]:
     files = [str(compiled.scene), "--schedule", str(compiled.schedule), "--blobs", str(compiled.blobs)]
     statistics = ["--statistics", str(asked.statistics)] if asked.statistics else []
-    return [*files, "-o", str(asked.output), "--threads", str(asked.threads), *statistics]
+    return [*files, "-o", str(image), "--threads", str(asked.threads), *statistics]
 
 
 def _trace(command: list[str], name: str, stop: LocalStop | None = None, sums: Path | None = None) -> None:
