@@ -123,7 +123,9 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
         message.rgb_table.CopyFrom(textures.rgb_table)
     workspace.report_unused()
     workspace.warnings.extend(warnings_of(workspace, shapes, film))
-    return message, kernels.scatters() or media.scatters()
+    # Photons leave a film in directions that are chosen, too.
+    from_film = workspace.document.sensor.type == "irradiance_meter"
+    return message, from_film or kernels.scatters() or media.scatters()
 
 
 def _put_tracing(

@@ -82,14 +82,17 @@ def _film_in_the_sun() -> Case:
 
 def _film_under_a_lamp() -> Case:
     """Of radius 1 mm, 1 m above."""
-    at = (np.arange(200) + 0.5) / 200 * 0.25
+    # So small that its pixels are alike: by their scatter a fault is seen.
+    at = (np.arange(200) + 0.5) / 200 * 0.01
     squares = 1.0 + at[:, None] ** 2 + at[None, :] ** 2
     return Case(
         "film under a lamp of 1 mm",
         "of the photons that leave a film by cosine one in a million meets the lamp",
-        lit(film([0, 0, 0], [0, 0, 1], 0.5), [surface(sphere([0, 0, 1], 1e-3), radiance=1e6 / pi)], sky=None),
-        float((squares**-2).mean()),
-        "inverse squares and two cosines: mean of (1 + x^2 + y^2)^-2 over the film",
+        lit(
+            film([0, 0, 0], [0, 0, 1], 0.02), [surface(sphere([0, 0, 1], 1e-3), radiance=1e6 / pi)], sky=None
+        ),
+        float((squares**-1.5).mean()),
+        "inverse square and the film's cosine: mean of (1 + x^2 + y^2)^-1.5 over the film",
         allowed=1e-4,
         samples=512,
         remedy=_AIM,
