@@ -44,7 +44,8 @@ class Context:
     outer: Matrix = field(default_factory=lambda: IDENTITY)
     """Mirrors the scene where its camera shows it as a mirror would in a right-handed world."""
     coordinate_systems: dict[str, Matrix] = field(default_factory=dict)
-    textures: dict[str, Json] = field(default_factory=dict)
+    textures: dict[tuple[str, str], Json] = field(default_factory=dict)
+    """By kind and name."""
     materials: dict[str, tuple[str, Json]] = field(default_factory=dict)
     """Kernel's name and normal_or_bump."""
     media: dict[str, list[str]] = field(default_factory=dict)

@@ -33,11 +33,11 @@ def _normal_or_bump(context: Context, parameters: Parameters) -> Json:
         normal_or_bump["normal_map"] = {"texture": {"asset": asset, "encoding": "linear"}}
     heights = parameters.take("displacement")
     if heights is not None:
-        found = spectra.texture(context, heights) if heights.type == "texture" else {}
+        found = spectra.texture(context, heights, "float") if heights.type == "texture" else {}
         # One height everywhere changes nothing.
         if isinstance(found, dict) and "texture" in found:
             found = dict(found)
-            height = found.pop("spectrum", 1.0)
+            height = found.pop("gain", 1.0)
             normal_or_bump["bump_map"] = found | {"height": height}
     return normal_or_bump
 

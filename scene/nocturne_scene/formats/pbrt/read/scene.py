@@ -73,7 +73,6 @@ def _named_material(reader: Reader, stream: Stream, place: str) -> None:
 def _texture(reader: Reader, stream: Stream, place: str) -> None:
     name, kind = stream.string(place), stream.string(place)
     plugin, parameters = reader.plugin("texture", stream, place)
-    reader.context.textures[name] = 0.5
     with reader.context.findings.leaving_out():
         spectra.add_texture(reader.context, name, kind, plugin, parameters)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.formats.pbrt.read import spectra
+from nocturne_scene.formats.pbrt.read import area_lights
 from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.media import interior
 from nocturne_scene.formats.pbrt.read.parameters import Parameters
@@ -41,18 +41,23 @@ def add_surface(
         return
     state = context.state
     kernel = state.material
-    opacity = spectra.scalar(context, parameters, "alpha", 1.0)
-    if opacity != 1.0:
-        kernel = {"type": "mask", "kernel": kernel, "opacity": opacity}
-    found: Json = {"kernel": kernel, **state.normal_or_bump}
+    opacity = area_lights.opacity(context, parameters)
     named = (
         context.writer.document.get("kernels", {}).get(state.material)
         if isinstance(state.material, str)
         else None
     )
+    luminaire = area_lights.luminaire(context, named or state.material, opacity)
+    if opacity == 0.0 and luminaire is not None:
+        kernel = {"type": "null"}
+    elif opacity != 1.0:
+        kernel = {"type": "mask", "kernel": kernel, "opacity": opacity}
+    found: Json = {"kernel": kernel}
+    if kernel != {"type": "null"}:
+        found |= state.normal_or_bump
     interior(context, parameters.place, found, kernel if named is None or isinstance(kernel, dict) else named)
-    if state.area_light is not None:
-        found["luminaire"] = area_light(context)
+    if luminaire is not None:
+        found["luminaire"] = luminaire
     textured = any(word in json.dumps([found, named]) for word in ('"texture"', '"roughness_u"'))
     if kind == "curve" and gathers:
         curve = _curve(context, parameters)
@@ -68,26 +73,6 @@ def gathered(context: Context) -> Iterator[Json]:
     """The surfaces of curves, one for all that look the same."""
     for looks, curves in context.curves.items():
         yield {**json.loads(looks), "shape": _tubes(context, curves)}
-
-
-def area_light(context: Context) -> Json:
-    """The luminaire of an `AreaLightSource`."""
-    if context.state.area_light is None:
-        raise ValueError("there is no area light")
-    kind, given, place = context.state.area_light
-    parameters = context.parameters("area light", place, given)
-    if kind != "diffuse":
-        context.findings.lost(place, f'no equal of the area light "{kind}"; there is diffuse')
-    if parameters.take("filename") is not None:
-        context.findings.lost(place, 'no equal of an area light\'s "filename"')
-    if parameters.take("power") is not None:
-        context.findings.lost(
-            place, 'no equal of an area light\'s "power": each triangle has all of it in pbrt'
-        )
-    radiance = spectra.light(context, parameters, "L", float(parameters.number("scale", 1.0)))
-    two_sided = parameters.switch("twosided", False)
-    parameters.finish()
-    return {"radiance": radiance} | ({"two_sided": True} if two_sided else {})
 
 
 def _oriented(context: Context, mesh: Triangles, textured: bool) -> Triangles:

@@ -3,14 +3,17 @@
 import math
 
 from nocturne_scene.errors import InputError
+from nocturne_scene.formats.pbrt.read import pictures
 from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.parameters import Parameter, Parameters
 from nocturne_scene.formats.pbrt.read.tokens import read_lines
 from nocturne_scene.formats.reading import colours, metals
 from nocturne_scene.formats.reading.scene_writer import Json
+from nocturne_scene.textures.pictures import UnusableImageError
 
 # Glasses and metals of pbrt's that are ours too, by the name of the spectrum.
 GLASSES = {"glass-BK7": "N-BK7", "glass-F11": "N-SF11", "glass-SF11": "N-SF11"}
+_KINDS = ("float", "spectrum")
 METALS = {f"metal-{name}-eta": name for name in ("Ag", "Al", "Au", "Cu")}
 
 
@@ -20,7 +23,7 @@ def reflectance(context: Context, parameters: Parameters, name: str, default: Js
     if found is None:
         return default
     if found.type == "texture":
-        return texture(context, found)
+        return texture(context, found, "spectrum")
     if found.type == "float":
         return found.numbers(1)[0]
     if found.type == "rgb":
@@ -36,7 +39,7 @@ def scalar(context: Context, parameters: Parameters, name: str, default: Json) -
     found = parameters.take(name)
     if found is None:
         return default
-    return texture(context, found) if found.type == "texture" else found.numbers(1)[0]
+    return texture(context, found, "float") if found.type == "texture" else found.numbers(1)[0]
 
 
 def spectrum(context: Context, found: Parameter) -> Json:
@@ -110,22 +113,27 @@ def light(context: Context, parameters: Parameters, name: str, luminance: float)
     return spectrum(context, found) | {"outside": "zero", "luminance": luminance}
 
 
-def texture(context: Context, found: Parameter) -> Json:
-    """A texture by its name."""
-    if found.word() not in context.textures:
-        known = ", ".join(sorted(context.textures)[:20]) or "none"
-        raise InputError.at(found.place, f'no texture "{found.word()[:80]}"; known: {known}')
-    return context.textures[found.word()]
+def texture(context: Context, found: Parameter, kind: str) -> Json:
+    """A texture by its name, of "float" or "spectrum", which have names of their own."""
+    name = found.word()
+    for each in (kind, *_KINDS):
+        if (each, name) in context.textures:
+            return context.textures[each, name]
+    known = ", ".join(sorted({known for _, known in context.textures})[:20]) or "none"
+    raise InputError.at(found.place, f'no texture "{name[:80]}"; known: {known}')
 
 
 def add_texture(context: Context, name: str, kind: str, plugin: str, parameters: Parameters) -> None:
     """A `Texture` directive."""
+    if kind not in _KINDS:
+        raise InputError.at(parameters.place, f'a texture is of "float" or "spectrum", found "{kind[:40]}"')
+    context.textures[kind, name] = 0.5
     value: Json = 0.5
     match plugin:
         case "constant":
             value = reflectance(context, parameters, "value", 1.0)
         case "imagemap":
-            value = _image(context, parameters)
+            value = _image(context, parameters, kind)
         case "checkerboard":
             value = _board(context, parameters)
         case "scale":
@@ -135,39 +143,36 @@ def add_texture(context: Context, name: str, kind: str, plugin: str, parameters:
                 parameters.place,
                 f'no equal of the texture "{plugin}"; there are constant, imagemap, checkerboard, scale',
             )
-            return context.textures.update({name: value})
-    if kind not in ("float", "spectrum"):
-        raise InputError.at(parameters.place, f'a texture is of "float" or "spectrum", found "{kind[:40]}"')
+            return
     parameters.finish()
-    context.textures[name] = value
-    return None
+    if kind == "float" and isinstance(value, dict) and "spectrum" in value:
+        # A number has a gain where a colour has a spectrum.
+        value = {**value, "gain": value["spectrum"] * value.get("gain", 1.0)}
+        del value["spectrum"]
+    context.textures[kind, name] = value
 
 
-def _image(context: Context, parameters: Parameters) -> Json:
+def _image(context: Context, parameters: Parameters, kind: str) -> Json:
     name = parameters.word("filename", None)
     if name is None:
         raise InputError.at(parameters.place, 'an imagemap needs "filename"')
     file = context.file(name, parameters.place)
-    texture: Json = {"asset": context.writer.copy(file)}
-    match parameters.word("encoding", "sRGB"):
-        case "linear":
-            texture["encoding"] = "linear"
-        case "sRGB":
-            pass
-        case other:
-            context.findings.lost(parameters.place, f'no equal of the encoding "{other}"; taken as sRGB')
+    encoding = parameters.word("encoding", "sRGB")
     wrap = parameters.word("wrap", "repeat")
+    factor = float(parameters.number("scale", 1.0))
+    try:
+        look = pictures.Look(kind, encoding, parameters.switch("invert", False), factor)
+        texture: Json = pictures.texture(context.writer, file, look)
+    except UnusableImageError as error:
+        raise InputError.at(parameters.place, str(error)) from None
     if wrap not in ("repeat", "clamp"):
         context.findings.lost(parameters.place, f'no equal of the wrap mode "{wrap}"; taken as repeat')
     elif wrap == "clamp":
         texture["wrap"] = "clamp"
     _only_uv(context, parameters)
-    if parameters.switch("invert", False):
-        context.findings.lost(parameters.place, "no equal of an inverted image")
     parameters.ignore("filter", "maxanisotropy")
     use: Json = {"texture": context.writer.name("textures", file.stem, texture), **_mapping(parameters, 1.0)}
-    factor = parameters.number("scale", 1.0)
-    return use if factor == 1.0 else use | {"spectrum": factor}
+    return use if look.factor_left == 1.0 else use | {"spectrum": look.factor_left}
 
 
 def _board(context: Context, parameters: Parameters) -> Json:
