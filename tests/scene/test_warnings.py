@@ -232,3 +232,76 @@ def test_a_map_that_is_bright_at_a_pole_is_told(
         found = [each for each in warnings(document, blobs) if "at a pole" in each]
         assert len(found) == told
     assert f"{1 - 1.875 / (1 + math.cos(math.pi / 16)):.2%}" in found[0]
+
+
+# --- light behind flat lamps ---
+
+BOTH_WAYS = b"""IESNA:LM-63-2002
+TILT=NONE
+1 -1 1 4 1 1 2 0 0 0
+1 1 0
+0 89.999 90.001 180
+0
+100 100 50 50
+"""
+LAMPS: dict[str, dict[str, Any]] = {
+    "quad": {"type": "quad", "corner": [0, 0, 0], "edge_u": [0.1, 0, 0], "edge_v": [0, 0, 0.1]},
+    "disc": {"type": "disc", "centre": [0, 0, 0], "normal": [0, -1, 0], "radius": 0.1},
+    "mesh": {
+        "type": "mesh",
+        "vertices": [[0, 0, 0], [0.1, 0, 0], [0, 0, 0.1], [0.1, 0, 0.1]],
+        "triangles": [[0, 1, 2], [1, 3, 2]],
+    },
+    "ball": {"type": "sphere", "centre": [0, 0, 0], "radius": 0.1},
+}
+
+
+def lamp(
+    document: dict[str, Any], blobs: BlobStore, shape: dict[str, Any], content: bytes = BOTH_WAYS, **more: Any
+) -> list[str]:
+    profile = {"asset": f"sha256:{blobs.put(content)}", **more.pop("profile", {})}
+    luminaire = {"radiance": {"illuminant": "A", "luminance": 1}, "profile": profile, **more}
+    document["surfaces"].append({"shape": shape, "kernel": {"type": "null"}, "luminaire": luminaire})
+    return warnings(document, blobs)
+
+
+@pytest.mark.parametrize("kind", ["quad", "disc", "mesh"])
+def test_light_that_a_flat_lamp_blocks_is_told(document: dict[str, Any], blobs: BlobStore, kind: str) -> None:
+    """https://github.com/LuxCoreRender/LuxCore/issues/94: of 100 cd down and 50 cd up the latter are lost,
+    2 pi 50 lm, or of 1000 lm a third.
+    """
+    [told] = lamp(document, blobs, LAMPS[kind])
+    place = f"$.surfaces[{len(document['surfaces']) - 1}].luminaire.profile"
+    assert told.startswith(f"{place}: of the file's 942.5 lm, 314.2 lm go to the back of the surface")
+    document["surfaces"].pop()
+    [told] = lamp(document, blobs, LAMPS[kind], profile={"lumens": 1000})
+    assert "of the file's 1000 lm, 333.3 lm go to the back" in told
+
+
+def test_light_to_one_side_by_the_file_is_told_where_the_lamp_faces_the_other(
+    document: dict[str, Any], blobs: BlobStore
+) -> None:
+    down = BOTH_WAYS.replace(b"100 100 50 50", b"100 100 0 0")
+    assert lamp(document, blobs, LAMPS["disc"], down) == []
+    document["surfaces"].pop()
+    [told] = lamp(document, blobs, {**LAMPS["disc"], "normal": [0, 1, 0]}, down)
+    assert "of the file's 628.3 lm, 628.3 lm go to the back" in told
+
+
+def test_light_to_one_side_about_the_axis_is_told(document: dict[str, Any], blobs: BlobStore) -> None:
+    """All of the light within 90 degrees of horizontal angle 0, on a lamp that faces angle 180 of it."""
+    aside = BOTH_WAYS.replace(b" 4 1 1 2 ", b" 2 4 1 2 ").replace(
+        b"0 89.999 90.001 180\n0\n", b"0 180\n0 89.999 90.001 180\n"
+    )
+    aside = aside.replace(b"100 100 50 50", b"1 1 1 1 0 0 0 0")
+    wall = {**LAMPS["disc"], "normal": [1, 0, 0]}
+    assert lamp(document, blobs, wall, aside, profile={"zero": [1, 0, 0]}) == []
+    document["surfaces"].pop()
+    [told] = lamp(document, blobs, wall, aside, profile={"zero": [-1, 0, 0]})
+    assert "lm go to the back" in told
+
+
+def test_lamps_that_emit_to_both_sides_lose_nothing(document: dict[str, Any], blobs: BlobStore) -> None:
+    assert lamp(document, blobs, LAMPS["ball"]) == []
+    document["surfaces"].pop()
+    assert lamp(document, blobs, LAMPS["quad"], two_sided=True) == []

@@ -7,7 +7,7 @@ import numpy as np
 from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile.environment import compile_map, compile_sky
-from nocturne_scene.compile.photometry import compile_profile
+from nocturne_scene.compile.photometry import compile_profile, flux_behind
 from nocturne_scene.compile.placement import placement_of
 from nocturne_scene.compile.sensors import unit, vector
 from nocturne_scene.compile.shapes import Shapes, put_shape
@@ -30,6 +30,9 @@ from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.document.textures import ColourTexture
 from nocturne_scene.spectra import published, sun
 from nocturne_scene.spectra import tables as spectra
+
+_LOST = 1e-3
+"""Part of a photometric file's light that may go to the back of a lamp without being told."""
 
 
 class Lights:
@@ -60,6 +63,7 @@ class Lights:
             message.radiance.CopyFrom(colour)
             message.hidden_from = self._hidden_from(luminaire.hidden_from)
             self._put_profile(message, surface, luminaire)
+            self._tell_of_lost_light(message, surface, place)
             return message
         return None
 
@@ -122,6 +126,21 @@ class Lights:
                 message.intensity.CopyFrom(compile_profile(self._workspace, profile))
                 message.intensity.axis.CopyFrom(vector(axis))
                 message.intensity.zero.CopyFrom(vector(zero))
+
+    def _tell_of_lost_light(self, message: scene_pb2.Luminaire, surface: Surface, place: str) -> None:
+        """Warn of a file's light on the side of a flat lamp that does not emit."""
+        if not message.HasField("intensity") or message.two_sided or isinstance(surface.shape, Sphere):
+            return
+        mesh = self._shapes.triangles(surface.shape)
+        a, b, c = (placement_of(surface).points(mesh.vertices[mesh.indices[:, i]]) for i in range(3))
+        normal = np.cross(b - a, c - a).sum(axis=0)
+        lost, total = flux_behind(message.intensity, normal)
+        if lost > _LOST * total:
+            self._workspace.warnings.append(
+                f"{place}.luminaire.profile: of the file's {total:.4g} lm, {lost:.4g} lm go to the back of "
+                "the surface, which does not emit, and are lost; turn its normal or the profile's axis, or "
+                "set two_sided"
+            )
 
     def environment(self) -> scene_pb2.Environment | None:
         """Return the environment; None if there is none, or if it is black."""

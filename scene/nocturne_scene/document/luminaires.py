@@ -24,7 +24,8 @@ class PhotometricProfile(Node):
     """The intensity that a photometric file (IES LM-63, type C) gives, spread over the surface's area.
 
     Of the luminaire's `radiance` only the spectrum's shape counts then: the candelas are the file's. The
-    surface's shape is a quad, a disc, a flat mesh or a sphere.
+    surface's shape is a quad, a disc, a flat mesh or a sphere. What the file says of the directions behind a
+    flat one is lost without `two_sided`, and a warning says how much that is.
     """
 
     asset: AssetReference = Field(
