@@ -22,6 +22,7 @@ CHANNELS: dict[str, tuple[str, ...]] = {
     "position": ("P.X", "P.Y", "P.Z"),
     "object": ("id.object",),
     "material": ("id.material",),
+    "emission": ("emission.part",),
 }
 """By the name of a layer, in the order of PixelLayers in worker/src/tracer/layers.h; spelled as Nuke, Blender
 and tev group them."""
@@ -53,7 +54,7 @@ def known_layers(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def write_layers(path: Path, names: Sequence[str], values: Values, objects: str) -> None:
-    """Writes those layers of pixels of shape (height, width, 12). Raises OSError."""
+    """Writes those layers of pixels of shape (height, width, 13). Raises OSError."""
     every = [channel for channels in CHANNELS.values() for channel in channels]
     wanted = [channel for name in names for channel in CHANNELS[name]]
     spec = oiio.ImageSpec(values.shape[1], values.shape[0], len(wanted), oiio.FLOAT)

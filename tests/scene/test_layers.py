@@ -8,7 +8,7 @@ import pytest
 from nocturne_scene.errors import InputError
 from nocturne_scene.layers import CHANNELS, OBJECTS, known_layers, read_layers, write_layers
 
-VALUES = np.arange(2 * 3 * 12, dtype=np.float32).reshape(2, 3, 12)
+VALUES = np.arange(2 * 3 * 13, dtype=np.float32).reshape(2, 3, 13)
 
 
 def test_what_is_written_comes_back(tmp_path: Path) -> None:

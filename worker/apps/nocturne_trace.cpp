@@ -344,7 +344,8 @@ int main(int argc, char** argv) {
       ->excludes(job);
   app.add_option("--layers", options.layer_samples,
                  "Instead of an image, what the surfaces in it are like, from this many samples of "
-                 "each pixel: albedo, normal, depth, position, object and material as float32")
+                 "each pixel: albedo, normal, depth, position, object, material and emission as "
+                 "float32")
       ->check(CLI::Range(1, 1024))
       ->excludes(job);
   app.add_option("--learned-at", options.learned_at,

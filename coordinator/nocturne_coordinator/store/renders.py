@@ -103,7 +103,7 @@ class Renders:
                 new.schedule.quantity,
                 json.dumps(new.warnings),
                 new.way,
-                json.dumps(new.layers),
+                json.dumps(new.all_layers),
                 new.layers_sha256,
                 new.in_group,
                 new.after_group,
@@ -119,7 +119,7 @@ class Renders:
         further = len(new.schedule.further_responses)
         # Forward photons in ranges of their own have sums, too, and both together.
         sums = 8 * numbers_in(new.width, new.height, further) * (3 if new.schedule.photon_range_ends else 1)
-        layers = 2 * layers_bytes(new.width, new.height, new.layers)
+        layers = 2 * layers_bytes(new.width, new.height, new.all_layers)
         image = 4 * new.width * new.height * (_EXR_CHANNELS + 2 * further)
         files = (self._blob_here(sha256) for sha256 in new.files)
         here = sum(file.stat().st_size for file in files if file is not None)

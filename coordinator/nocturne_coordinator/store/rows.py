@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from nocturne.v1 import job_pb2
+from nocturne_scene.layers import known_layers
 from nocturne_scene.ranges import PHOTON_BUNDLE
 
 from nocturne_coordinator.dispatch.records import RenderState
@@ -35,7 +36,9 @@ class NewRender:
     """How it is traced and why; empty where no pilot chose."""
     layers: tuple[str, ...] = ()
     layers_sha256: str = ""
-    """Layers that are wanted, and the blob that holds them."""
+    """Layers that were asked for, and the blob that holds all of the render's."""
+    usual_layers: tuple[str, ...] = ()
+    """Layers that it has without being asked for them, which are no part of the request."""
     in_group: str = ""
     after_group: str = ""
     """What it was submitted with, and what has to end before it begins; see store/groups.py."""
@@ -43,6 +46,11 @@ class NewRender:
     """Words to sort renders by; see store/tags.py."""
     files: tuple[str, ...] = ()
     """Digests of the compiled scene's files, which must be there when the render is made."""
+
+    @property
+    def all_layers(self) -> tuple[str, ...]:
+        """Each once."""
+        return known_layers((*self.layers, *self.usual_layers))
 
 
 @dataclass(frozen=True, slots=True)

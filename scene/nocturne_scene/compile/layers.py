@@ -14,9 +14,12 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile.trace_program import run_trace
 from nocturne_scene.compile.workspace import Workspace
+from nocturne_scene.document.model import SceneDocument, all_surfaces
+from nocturne_scene.document.sensors import Panorama
 from nocturne_scene.errors import InputError
 from nocturne_scene.film import Film
 from nocturne_scene.layers import CHANNELS, write_layers
+from nocturne_scene.photometry.glare import MAX_PIXELS
 from nocturne_scene.programs import find_program
 
 MAX_SECONDS = 300.0
@@ -31,6 +34,17 @@ _VALUES = sum(len(channels) for channels in CHANNELS.values())
 _POSITION = slice(7, 10)
 _DEPTH, _NOWHERE = 6, 1e10
 """PixelLayers::kNoDepth."""
+
+
+def usual_layers(document: SceneDocument, film: Film) -> tuple[str, ...]:
+    """Layers that are made without being asked for, where they can be: by `emission` glare ratings know the
+    luminaires in a panorama."""
+    wanted = (
+        isinstance(document.sensor, Panorama)
+        and film.width * film.height <= MAX_PIXELS
+        and any(surface.luminaire is not None for _, surface in all_surfaces(document))
+    )
+    return ("emission",) if wanted and find_program("nocturne-trace") is not None else ()
 
 
 def check_can_make(names: Sequence[str]) -> None:

@@ -139,7 +139,8 @@ class Client:
         Film in pixels, at most `samples` per pixel. `stop`: what else ends it, whichever comes first, of
         relative_error, tile_relative_error, wall_seconds, cpu_seconds, until ("07:00 Europe/Berlin").
         `changes` of the document: values by their places, such as `sensor.position[0]`.
-        `layers`: what the EXR is to tell of surfaces, of albedo, normal, depth, position, object, material.
+        `layers`: what the EXR is to tell of surfaces, of albedo, normal, depth, position, object, material,
+        emission.
         Renders with the same `group` are one; `after`: a group that has to end before this render begins.
         `tags`: words to sort renders by. Submitting again with the same `request_id` gives the same render.
         `name`: else the document's own, else the file's; `member`, what tells it from others, comes after it.

@@ -140,7 +140,7 @@ class Render:
     guided: bool
     """Whether photons from the sensor are sent to where light was learned to come from."""
     layers: list[str]
-    """Layers that its EXR has beside the image."""
+    """Layers that its EXR has beside the image: those asked for, and emission of a panorama."""
     group: str
     """What it was submitted with; empty: alone."""
     after: str

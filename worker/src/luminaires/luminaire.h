@@ -76,6 +76,16 @@ class Luminaire {
     return profile(std::fabs(cosine), away) * radiance;
   }
 
+  /// Whether anything is emitted from there towards `away`, at whichever wavelengths; as of
+  /// `emitted`.
+  bool emits(Vec3 normal, Vec3 away, const SurfacePoint& point) const {
+    const float cosine = dot(normal, away);
+    if (cosine <= 0.0f && !two_sided_) return false;
+    if (radiance_.dark(point)) return false;
+    return std::holds_alternative<LambertianProfile>(profile_) ||
+           profile(std::fabs(cosine), away) > 0.0f;
+  }
+
   /// What directions towards this luminaire go by.
   Emission emission() const {
     const float mean = radiance_.mean();

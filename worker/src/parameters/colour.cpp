@@ -1,5 +1,6 @@
 #include "parameters/colour.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace nocturne {
@@ -22,6 +23,12 @@ Colour::Colour(Spectrum spectrum, const TextureUse& use, std::shared_ptr<const R
   if (coloured && !rgb) throw std::invalid_argument("a texture in colour without an RGB table");
   varying_ =
       std::make_shared<const Varying>(Varying{use, coloured ? std::move(rgb) : nullptr, most});
+}
+
+bool Colour::dark(const SurfacePoint& point) const {
+  if (!varying_) return false;
+  const TextureUse& use = varying_->use;
+  return varying_->rgb ? std::ranges::max(use.rgb(point)) <= 0.0f : use.grey(point) <= 0.0f;
 }
 
 float Colour::mean() const {

@@ -29,6 +29,9 @@ class Colour {
 
   bool textured() const { return varying_ != nullptr; }
 
+  /// Whether the texture makes it 0 at all wavelengths there.
+  bool dark(const SurfacePoint& point) const;
+
   /// Mean over wavelengths and surface, for choices that may not depend on the photon's wavelength.
   float mean() const;
 

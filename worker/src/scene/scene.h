@@ -82,12 +82,11 @@ struct Scene {
   template <int N>
   Spectral<N> emitted(const Luminaire& luminaire, const Hit& hit, Vec3 direction, float time,
                       const Spectral<N>& wavelengths_nm) const {
-    SurfacePoint point;
-    if (luminaire.textured()) {
-      const SurfaceDetail detail = geometry.detail(hit, time);
-      point = {detail.u, detail.v, 0.0f};
-    }
-    return luminaire.emitted(hit.normal, direction, point, wavelengths_nm);
+    return luminaire.emitted(hit.normal, direction, point_of(luminaire, hit, time), wavelengths_nm);
+  }
+  /// Whether there is any, at whichever wavelengths.
+  bool emits(const Luminaire& luminaire, const Hit& hit, Vec3 direction, float time) const {
+    return luminaire.emits(hit.normal, direction, point_of(luminaire, hit, time));
   }
 
   /// Radiance that arrives from outside all surfaces, from `direction`.
@@ -131,6 +130,16 @@ struct Scene {
     const std::uint32_t luminaire = materials[surface].luminaire;
     return luminaire == SurfaceMaterial::kNone ? HiddenFrom::kNobody
                                                : luminaires[luminaire].hidden_from;
+  }
+
+  /// Where a hit is on a luminaire's texture.
+  SurfacePoint point_of(const Luminaire& luminaire, const Hit& hit, float time) const {
+    SurfacePoint point;
+    if (luminaire.textured()) {
+      const SurfaceDetail detail = geometry.detail(hit, time);
+      point = {detail.u, detail.v, 0.0f};
+    }
+    return point;
   }
 
   std::uint32_t surface_of(std::size_t medium) const {

@@ -68,12 +68,20 @@ class Look {
     return std::nullopt;
   }
 
+  /// Whether `find` met light of a luminaire.
+  bool met_light() const { return met_light_; }
+
  private:
-  std::optional<Seen> look_at(const Hit& hit, const KernelNumbers& numbers) const {
+  std::optional<Seen> look_at(const Hit& hit, const KernelNumbers& numbers) {
     if (sees_past(group_, scene_.hidden_from(hit.surface))) return std::nullopt;
     const auto vertex = make_vertex(scene_, hit, Contacts(), group_, start_.wavelengths,
                                     start_.time, Transport::kAdjoint);
     if (!vertex) return std::nullopt;
+    const std::uint32_t luminaire = scene_.materials[hit.surface].luminaire;
+    if (luminaire != SurfaceMaterial::kNone &&
+        scene_.emits(scene_.luminaires[luminaire], hit, -group_.ray.direction, start_.time)) {
+      met_light_ = true;
+    }
     return visit_bound(
         scene_.kernels, vertex->kernel, vertex->shading,
         [&](const auto& kernel) -> std::optional<Seen> {
@@ -86,6 +94,7 @@ class Look {
   const Scene& scene_;
   const Start<kWavelengths>& start_;
   Group<kWavelengths> group_;
+  bool met_light_ = false;
 };
 
 /// Layers of single pixels.
@@ -141,13 +150,15 @@ class LayerTracer {
 
   void add_sample(const PixelSample<kWavelengths>& sample, const PhotonSequence& sequence,
                   PixelLayers& layers) const {
-    const auto seen = Look(scene_, sample.start, sequence).find([](PhotonSequence& next) {
+    Look look(scene_, sample.start, sequence);
+    const auto seen = look.find([](PhotonSequence& next) {
       const Uniform4 u = next.next();
       return KernelNumbers{u[3], u[0], u[1]};
     });
+    const float part = 1.0f / static_cast<float>(samples_);
+    if (look.met_light()) layers.emission += part;
     if (!seen) return;
     const Weights weights = rgb_weights(sample.wavelengths);
-    const float part = 1.0f / static_cast<float>(samples_);
     const std::array<float, 3> normal{seen->normal.x, seen->normal.y, seen->normal.z};
     for (std::size_t c = 0; c < 3; ++c) {
       if (white_[c] > 0.0f) layers.albedo[c] += sum(weights[c] * seen->albedo) / white_[c];

@@ -10,8 +10,8 @@
 
 namespace nocturne {
 
-/// A pixel's numbers, in the order in which files hold them. Albedo and normal are means over
-/// samples, with 0 where there is no surface; all others are of the middle of pixel, lens and
+/// A pixel's numbers, in the order in which files hold them. Albedo, normal and emission are means
+/// over samples, with 0 where there is no surface; all others are of the middle of pixel, lens and
 /// shutter.
 struct PixelLayers {
   /// Linear sRGB, as white light of equal energy shows it.
@@ -25,11 +25,14 @@ struct PixelLayers {
   float object = 0.0f;
   /// Index of the kernel + 1.
   float material = 0.0f;
+  /// The part of the samples that meet a luminaire's light: on the first surface that is seen, or
+  /// on one before it that lets them straight through.
+  float emission = 0.0f;
 
   /// What Blender writes where there is nothing, too.
   static constexpr float kNoDepth = 1e10f;
 };
-inline constexpr std::size_t kLayerValues = 12;
+inline constexpr std::size_t kLayerValues = 13;
 static_assert(sizeof(PixelLayers) == kLayerValues * sizeof(float));
 
 /// Row by row; the same for any number of threads. Sees past what lets rays straight through, as

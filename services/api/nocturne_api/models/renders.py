@@ -151,7 +151,9 @@ class Render(Answer):
     guided: bool = Field(
         description="Whether photons from the sensor are sent to where light was learned to come from."
     )
-    layers: list[str] = Field(description="Layers that its EXR has beside the image.")
+    layers: list[str] = Field(
+        description="Layers that its EXR has beside the image: those asked for, and emission of a panorama."
+    )
     group: str = Field(description="What it was submitted with; empty: alone.")
     after: str = Field(description="The group that has to end before it begins; empty: none.")
     tags: list[str] = Field(description="Words to sort renders by.")
@@ -328,7 +330,7 @@ class CreateRenderRequest(RequestBody):
     layers: list[str] = Field(
         default_factory=list,
         description="What the EXR is to tell of the surfaces in the image: albedo, normal, depth, position, "
-        "object, material.",
+        "object, material, emission. Panoramas of scenes with luminaires have the last one always.",
     )
     group: str = Field(
         default="",

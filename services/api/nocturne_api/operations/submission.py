@@ -16,7 +16,7 @@ from nocturne_coordinator.store.removal import blobs_of_scene
 from nocturne_coordinator.store.renders import check_priority
 from nocturne_coordinator.store.rows import NewRender
 from nocturne_coordinator.store.tags import checked_tags
-from nocturne_scene.compile.layers import check_can_make
+from nocturne_scene.compile.layers import check_can_make, usual_layers
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, Problem
@@ -63,11 +63,7 @@ def compiled(
     the owner may have no more renders. Can take seconds of processor time.
     """
     found = _Problems()
-    found.add(request_id_problems(request.request_id))
-    for field_name in ("name", "group", "after"):
-        found.add(_name_problems(getattr(request, field_name), f"$.{field_name}"))
-    if request.group and request.group == request.after:
-        found.add([Problem("$.after", "is the render's own group, which would never begin")])
+    found.add(_text_problems(request))
     film = (request.width, request.height, request.samples)
     schedule = found.collect(lambda: make_schedule(*film))
     document = found.collect(lambda: check_document(request.scene))
@@ -109,6 +105,7 @@ def compiled(
         warnings=scene.warnings,
         way=scene.way,
         layers=layers,
+        usual_layers=usual_layers(document, Film(*film)),
         in_group=request.group,
         after_group=request.after,
         tags=tags,
@@ -146,6 +143,14 @@ def checked_stop(asked: Mapping[str, Any], before: StopConditions) -> StopCondit
         stop = stop_conditions(others, datetime.now(UTC))
         return replace(stop, until=before.until, until_text=before.until_text)
     return stop_conditions(asked, datetime.now(UTC))
+
+
+def _text_problems(request: CreateRequest) -> Iterator[Problem]:
+    yield from request_id_problems(request.request_id)
+    for field_name in ("name", "group", "after"):
+        yield from _name_problems(getattr(request, field_name), f"$.{field_name}")
+    if request.group and request.group == request.after:
+        yield Problem("$.after", "is the render's own group, which would never begin")
 
 
 def request_id_problems(request_id: str) -> Iterator[Problem]:

@@ -12,8 +12,8 @@ LayerNames = Annotated[
     typer.Option(
         "--layers",
         metavar="NAME,...",
-        help="What the EXR is to tell of surfaces: albedo, normal, depth, position, object, material or all; "
-        "and of light: direct, indirect.",
+        help="What the EXR is to tell of surfaces: albedo, normal, depth, position, object, material, "
+        "emission or all; and of light: direct, indirect.",
     ),
 ]
 BandEdges = Annotated[
@@ -32,7 +32,7 @@ Settings = Annotated[
 ]
 _OF_LIGHT = ("direct", "indirect")
 """Channels of the sensor, both or none; the others are layers, which a pass of its own makes."""
-_ALL = ("albedo", "normal", "depth", "position", "object", "material")
+_ALL = ("albedo", "normal", "depth", "position", "object", "material", "emission")
 
 
 def layer_names(text: str) -> tuple[str, ...]:

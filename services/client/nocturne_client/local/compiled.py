@@ -7,6 +7,7 @@ from typing import Any
 
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import compile_layers, compile_scene
+from nocturne_scene.compile.layers import usual_layers
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, NocturneError
 from nocturne_scene.film import Film
@@ -36,7 +37,7 @@ class CompiledFolder:
     way: str = ""
     """How it is traced and why, where a pilot chose."""
     layers: Path | None = None
-    """What goes beside the image, where any layers were asked for."""
+    """What goes beside the image, where it has any layers."""
 
 
 def compile_to(
@@ -46,13 +47,13 @@ def compile_to(
     height: int,
     samples: int,
     seed: int | None = None,
-    layers: Sequence[str] = (),
+    layers: Sequence[str] | None = None,
     changes: Mapping[str, Any] | None = None,
 ) -> CompiledFolder:
     """Writes scene.pb, schedule.pb and blobs/ into `folder`. Raises NocturneClientError with all problems.
 
-    `seed` instead of the scene's own. `layers`: see `nocturne_scene.layers`. `changes`: see
-    `nocturne_client.changes`.
+    `seed` instead of the scene's own. `layers`: see `nocturne_scene.layers`; beside these, those that are
+    made without being asked for; None: none at all. `changes`: see `nocturne_client.changes`.
     """
     on_disk = read_scene(scene)
     made = {**(changes or {}), **({} if seed is None else {"tracing.seed": seed})}
@@ -63,7 +64,8 @@ def compile_to(
         document = check_document(on_disk.document)
         blobs = BlobStore(folder / "blobs")
         store_files(on_disk, blobs)
-        film, names = Film(width, height, samples), known_layers(layers)
+        film = Film(width, height, samples)
+        names = () if layers is None else known_layers((*layers, *usual_layers(document, film)))
         output = compile_scene(document, blobs, film)
         sha256 = output.scene_sha256
         schedule = schedule_for_scene(blobs, sha256, width, height, samples)

@@ -46,7 +46,7 @@ class LocalRender:
     stop: Mapping[str, Any] = field(default_factory=dict)
     """Of the service's conditions, relative_error and wall_seconds."""
     layers: Sequence[str] = ()
-    """Names of layers; see nocturne_scene.layers."""
+    """Names of layers beside those that are made without being asked for; see nocturne_scene.layers."""
     changes: Mapping[str, Any] = field(default_factory=dict)
     """Of the scene document; see nocturne_client.changes."""
 

@@ -46,7 +46,7 @@ const moreFields: Field[] = [
   { name: "varied", label: "Variants, one place a line", value: "", hint: "tracing.seed=1,2,3", lines: true },
 ];
 
-const layers = ["albedo", "normal", "depth", "position", "object", "material"];
+const layers = ["albedo", "normal", "depth", "position", "object", "material", "emission"];
 /** Channels of the sensor, both or none; layers are made by a pass of their own. */
 const ofLight = ["direct", "indirect"];
 
