@@ -263,7 +263,9 @@ def test_the_glare_of_a_fisheye_file(tmp_path: Path) -> None:
     path = image(tmp_path, np.full((2, 64, 64, 3), 500.0))
     told = json.loads(run("glare", str(path), "--projection", "equidistant", "--json"))
     assert told["vertical_illuminance"] == pytest.approx(np.pi * 500, rel=0.02)
-    assert "nothing glares" in run("glare", str(path), "--projection", "equidistant")
+    told = run("glare", str(path), "--projection", "equidistant")
+    assert "unified glare rating not known" in told
+    assert "note: UGR is not known: nothing has 2000 cd/m2 or more" in told
     with pytest.raises(NocturneClientError) as refused:
         glare_of_file(path, "cube", 180.0, (0.0, 0.0, None))
     assert "expected panorama" in str(refused.value.problems[0])

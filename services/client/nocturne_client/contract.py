@@ -349,7 +349,7 @@ class Glare:
     """How much an eye is disturbed by what a panorama shows."""
 
     ugr: float | None
-    """Unified glare rating, CIE 117; null where nothing glares."""
+    """Unified glare rating, CIE 117; null where it is not known: `notes` say why."""
     ugr_error: float | None
     """Standard error; null where it is not known."""
     dgp: float | None
@@ -361,11 +361,13 @@ class Glare:
     vertical_illuminance_error: float | None
     """Standard error; null where it is not known."""
     background_luminance: float
-    """cd/m2."""
+    """Of UGR, cd/m2."""
     sources: list[GlareSource]
-    """Those that count most first."""
+    """Of UGR; those that count most first."""
+    dgp_sources: list[GlareSource]
+    """Of DGP; those that count most first."""
     notes: list[str]
-    """What is outside of the range for which a formula was made."""
+    """What is outside of the range for which a formula was made, and what else makes a rating uncertain."""
 
 
 @dataclass(frozen=True)

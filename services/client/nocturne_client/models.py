@@ -6,6 +6,7 @@ from nocturne_client import contract
 from nocturne_client.contract import (
     Explanation,
     Glare,
+    GlareSource,
     Group,
     ImportedScene,
     Isolines,
@@ -30,6 +31,7 @@ from nocturne_client.contract import (
 __all__ = [
     "Explanation",
     "Glare",
+    "GlareSource",
     "Group",
     "ImportedScene",
     "Isolines",

@@ -32,8 +32,8 @@ test("a narrow logarithmic scale has numbers between powers of ten", () => {
 test("a rating says what it is not for", () => {
   const glare: Glare = {
     ugr: 19.26, ugr_error: 0.04, dgp: 0.31, dgp_error: null, vertical_illuminance: 1234.6, vertical_illuminance_error: 2,
-    background_luminance: 60, sources: [], notes: ["DGP is for others"],
+    background_luminance: 60, sources: [], dgp_sources: [], notes: ["DGP is for others"],
   };
   assert.equal(glareText(glare), "Glare for who looks at the middle: UGR 19.3 ± 0.040, DGP 0.310, 1235 lx at the eye. (DGP is for others)");
-  assert.match(glareText({ ...glare, ugr: null, dgp: null, notes: [] }), /nothing glares \(UGR\), 1235 lx at the eye\.$/);
+  assert.match(glareText({ ...glare, ugr: null, dgp: null, notes: [] }), /UGR is not known, 1235 lx at the eye\.$/);
 });

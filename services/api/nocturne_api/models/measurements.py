@@ -196,7 +196,9 @@ class GlareSource(Answer):
 class Glare(Answer):
     """How much an eye is disturbed by what a panorama shows."""
 
-    ugr: float | None = Field(description="Unified glare rating, CIE 117; null where nothing glares.")
+    ugr: float | None = Field(
+        description="Unified glare rating, CIE 117; null where it is not known: `notes` say why."
+    )
     ugr_error: float | None = Field(description=_ERROR)
     dgp: float | None = Field(
         description="Daylight glare probability, Wienold and Christoffersen 2006; null in the dark."
@@ -204,15 +206,20 @@ class Glare(Answer):
     dgp_error: float | None = Field(description=_ERROR)
     vertical_illuminance: float = Field(description="At the eye, lx.")
     vertical_illuminance_error: float | None = Field(description=_ERROR)
-    background_luminance: float = Field(description="cd/m2.")
-    sources: list[GlareSource] = Field(description="Those that count most first.")
-    notes: list[str] = Field(description="What is outside of the range for which a formula was made.")
+    background_luminance: float = Field(description="Of UGR, cd/m2.")
+    sources: list[GlareSource] = Field(description="Of UGR; those that count most first.")
+    dgp_sources: list[GlareSource] = Field(description="Of DGP; those that count most first.")
+    notes: list[str] = Field(
+        description="What is outside of the range for which a formula was made, and what else makes a rating "
+        "uncertain."
+    )
 
     @classmethod
     def of(cls, found: glare.Glare) -> Self:
         """The public side of a glare rating."""
-        numbers = {
-            name: _known(getattr(found, name)) for name in cls.model_fields.keys() - {"sources", "notes"}
-        }
-        sources = [GlareSource.model_validate(each) for each in found.sources]
-        return cls.model_validate({**numbers, "sources": sources, "notes": [*found.notes]})
+        lists = {
+            name: [GlareSource.model_validate(each) for each in getattr(found, name)]
+            for name in ("sources", "dgp_sources")
+        } | {"notes": [*found.notes]}
+        numbers = {name: _known(getattr(found, name)) for name in cls.model_fields.keys() - lists.keys()}
+        return cls.model_validate({**numbers, **lists})

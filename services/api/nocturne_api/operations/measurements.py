@@ -4,11 +4,15 @@ import asyncio
 import math
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from nocturne.v1 import scene_pb2
 from nocturne_coordinator.dispatch.region import Region
+from nocturne_coordinator.output.previews import layers_of
 from nocturne_scene.errors import InputError, NotFound
+from nocturne_scene.layers import CHANNELS
+from nocturne_scene.layers import Values as LayerValues
 from nocturne_scene.photometry import glare, isolines, measuring
 from nocturne_scene.photometry.outlines import Outline
 from nocturne_scene.quantities import quantity_named
@@ -133,9 +137,16 @@ class Measurements:
         image = _Whole(render.width, render.height)
         async for part in self._parts(render, Region(0, 0, render.width, render.height)):
             image.add(part)
-        quantity = quantity_named(render.quantity)
-        found = await asyncio.to_thread(glare.glare_of, image.moments(), quantity, "panorama", view)
-        return models.Glare.of(found)
+        quantity, emission = quantity_named(render.quantity), await self._emission(render.id)
+        rate = partial(glare.glare_of, image.moments(), quantity, "panorama", view, emission=emission)
+        return models.Glare.of(await asyncio.to_thread(rate))
+
+    async def _emission(self, render_id: str) -> LayerValues | None:
+        """The layer of that name; None where the render has none, or none yet."""
+        folder = self._access.folder
+        row = await self._access.in_database(folder.renders.get, render_id)
+        layers = await asyncio.to_thread(layers_of, folder, row.layers_sha256)
+        return layers.channels.get(*CHANNELS["emission"])
 
     def _sensor_model(self, render: Render) -> "scene_pb2.SensorModel.ValueType":
         path = self._access.folder.blobs.path(render.scene_sha256)

@@ -63,8 +63,12 @@ async def get_glare(
     azimuth: Annotated[float, Query(description="Degrees to the right of the panorama's middle.")] = 0.0,
     elevation: Annotated[float, Query(description="Degrees above the horizon.")] = 0.0,
     threshold: Annotated[
-        float, Query(description="cd/m2 from which a pixel is part of a source.")
-    ] = DEFAULT_THRESHOLD,
+        float | None,
+        Query(
+            description="cd/m2 from which a pixel is part of a source. Without it, UGR's sources are the "
+            f"luminaires in sight, and DGP's pixels of {DEFAULT_THRESHOLD:g} cd/m2 and more."
+        ),
+    ] = None,
 ) -> Glare:
     """Unified glare rating and daylight glare probability of an eye that looks at a panorama."""
     return await operations.measurements.glare(render_id, View(azimuth, elevation, threshold))

@@ -1,6 +1,7 @@
 """Commands that measure images: of a render of the service, or an EXR file on this machine."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
@@ -12,7 +13,7 @@ from rich.table import Column, Table
 from nocturne_client.cli.output import CONSOLE, ERRORS, AsJson, Url, print_json
 from nocturne_client.client import Client
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.models import Glare, Measurement, Measurements, Outline
+from nocturne_client.models import Glare, GlareSource, Measurement, Measurements, Outline
 from nocturne_client.readings import CONFIDENCE, interval, parse_region, rounded
 
 Target = Annotated[
@@ -94,7 +95,11 @@ def glare(
     azimuth: Annotated[float, typer.Option("--azimuth", help="Degrees to the right of the middle.")] = 0.0,
     elevation: Annotated[float, typer.Option("--elevation", help="Degrees above the middle.")] = 0.0,
     threshold: Annotated[
-        float | None, typer.Option("--threshold", help="cd/m2 of what glares; default 2000.")
+        float | None,
+        typer.Option(
+            "--threshold",
+            help="cd/m2 of what glares; default: luminaires in UGR, where the image tells them, and 2000.",
+        ),
     ] = None,
     projection: Annotated[
         str,
@@ -184,18 +189,26 @@ def _name(outline: Outline) -> str:
 
 
 def _print_glare(found: Glare) -> None:
-    ugr = "nothing glares" if found.ugr is None else interval(found.ugr, found.ugr_error, ".1f")
+    ugr = "not known" if found.ugr is None else interval(found.ugr, found.ugr_error, ".1f")
     dgp = "-" if found.dgp is None else interval(found.dgp, found.dgp_error, ".3f")
     illuminance = interval(found.vertical_illuminance, found.vertical_illuminance_error, ".4g")
     CONSOLE.print(f"unified glare rating {ugr}, daylight glare probability {dgp} (95 %)")
     CONSOLE.print(f"at the eye {illuminance} lx, background {found.background_luminance:.4g} cd/m2")
-    if found.sources:
-        columns = ("source", "cd/m2", "sr", "position index", "azimuth", "elevation")
-        table = Table(*columns, box=None, pad_edge=False)
-        for number, each in enumerate(found.sources, 1):
-            where = f"{each.azimuth_degrees:.1f}", f"{each.elevation_degrees:.1f}"
-            light = f"{each.luminance:.4g}", f"{each.solid_angle:.3g}", f"{each.position_index:.2f}"
-            table.add_row(f"{number}", *light, *where)
-        CONSOLE.print(table)
+    if found.dgp_sources == found.sources:
+        _print_sources("source", found.sources)
+    else:
+        _print_sources("source of UGR", found.sources)
+        _print_sources("source of DGP", found.dgp_sources)
     for note in found.notes:
         ERRORS.print(f"note: {note}", markup=False, soft_wrap=True)
+
+
+def _print_sources(name: str, sources: Sequence[GlareSource]) -> None:
+    if not sources:
+        return
+    table = Table(name, "cd/m2", "sr", "position index", "azimuth", "elevation", box=None, pad_edge=False)
+    for number, each in enumerate(sources, 1):
+        where = f"{each.azimuth_degrees:.1f}", f"{each.elevation_degrees:.1f}"
+        light = f"{each.luminance:.4g}", f"{each.solid_angle:.3g}", f"{each.position_index:.2f}"
+        table.add_row(f"{number}", *light, *where)
+    CONSOLE.print(table)

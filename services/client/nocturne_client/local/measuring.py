@@ -9,8 +9,10 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne_scene.compare.images import Picture, read_picture
 from nocturne_scene.errors import InputError
+from nocturne_scene.layers import CHANNELS, Values
 from nocturne_scene.photometry import glare, measuring
 from nocturne_scene.photometry.directions import Projection
+from nocturne_scene.photometry.glare_sources import GlareSource
 from nocturne_scene.photometry.outlines import Kind, Outline
 from nocturne_scene.quantities import LUMINANCE, Quantity, quantity_named
 from nocturne_scene.tile_sums import PRODUCTS, blocks_in
@@ -56,27 +58,18 @@ def measure_file(
 def glare_of_file(
     image: Path, projection: str, field_degrees: float, view: tuple[float, float, float | None]
 ) -> contract.Glare:
-    """`view`: azimuth and elevation in degrees, and the luminance of what glares. NocturneClientError."""
-    azimuth, elevation, threshold = view
-    eye = glare.View(azimuth, elevation, glare.DEFAULT_THRESHOLD if threshold is None else threshold)
+    """`view`: azimuth and elevation in degrees, and the luminance of what glares, if it is to go by that.
+    Raises NocturneClientError."""
+    eye = glare.View(*view)
     try:
         moments = _moments(read_picture(image))
         quantity = _quantity(image)
         # Of other programs' images nothing is known; who asks for glare says that they are luminance.
         seen = quantity if quantity.name else LUMINANCE
-        found = glare.glare_of(moments, seen, cast("Projection", projection), eye, field_degrees)
+        emission = _channel(image, *CHANNELS["emission"])
+        found = glare.glare_of(moments, seen, cast("Projection", projection), eye, field_degrees, emission)
     except InputError as error:
         raise _refused(error) from error
-    sources = [
-        contract.GlareSource(
-            each.luminance,
-            each.solid_angle,
-            each.position_index,
-            each.azimuth_degrees,
-            each.elevation_degrees,
-        )
-        for each in found.sources
-    ]
     return contract.Glare(
         ugr=_known(found.ugr),
         ugr_error=_known(found.ugr_error),
@@ -85,9 +78,30 @@ def glare_of_file(
         vertical_illuminance=found.vertical_illuminance,
         vertical_illuminance_error=_known(found.vertical_illuminance_error),
         background_luminance=found.background_luminance,
-        sources=sources,
+        sources=_sources(found.sources),
+        dgp_sources=_sources(found.dgp_sources),
         notes=[*found.notes],
     )
+
+
+def _sources(found: Sequence[GlareSource]) -> list[contract.GlareSource]:
+    return [
+        contract.GlareSource(
+            each.luminance,
+            each.solid_angle,
+            each.position_index,
+            each.azimuth_degrees,
+            each.elevation_degrees,
+        )
+        for each in found
+    ]
+
+
+def _channel(image: Path, name: str) -> Values | None:
+    """None where a file that can be read has none of that name."""
+    picture = oiio.ImageBuf(str(image))
+    names = [*picture.spec().channelnames]
+    return np.asarray(picture.get_pixels(oiio.FLOAT))[..., names.index(name)] if name in names else None
 
 
 def _quantity(image: Path) -> Quantity:

@@ -3,7 +3,7 @@ import { formatValue } from "../format.ts";
 import type { Glare } from "../service/types.ts";
 
 export function glareText({ ugr, ugr_error: ugrError, dgp, dgp_error: dgpError, vertical_illuminance: lux, notes }: Glare): string {
-  const rating = ugr === null ? "nothing glares (UGR)" : `UGR ${withError(ugr.toFixed(1), ugrError)}`;
+  const rating = ugr === null ? "UGR is not known" : `UGR ${withError(ugr.toFixed(1), ugrError)}`;
   const probability = dgp === null ? "" : `, DGP ${withError(dgp.toFixed(3), dgpError)}`;
   const limits = notes.length > 0 ? ` (${notes.join("; ")})` : "";
   return `Glare for who looks at the middle: ${rating}${probability}, ${formatValue(lux, 4)} lx at the eye.${limits}`;
