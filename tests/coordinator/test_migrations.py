@@ -86,6 +86,23 @@ def test_an_older_one_gets_what_is_missing_and_keeps_its_rows(
     assert old.execute("SELECT colour, sequence FROM render").fetchall() == [("blue", 2)]
 
 
+def test_the_sensors_of_older_renders_are_known(old: sqlite3.Connection) -> None:
+    old.execute("ALTER TABLE render DROP COLUMN sensor")
+    old.execute("PRAGMA user_version = 14")
+    columns = [row[1] for row in old.execute("PRAGMA table_info(render)")]
+    others = ", ".join(
+        name for name in columns if name not in ("number", "id", "request_id", "scene_document")
+    )
+    for number, document in enumerate(['{"sensor": {"type": "panorama"}}', "no document"]):
+        old.execute(
+            f"INSERT INTO render (id, request_id, scene_document, {others}) "  # noqa: S608
+            f"SELECT ?, ?, ?, {others} FROM render WHERE id = 'r-old'",
+            (f"r-{number}", f"{number}", document),
+        )
+    upgrade(old, MIGRATIONS)
+    assert old.execute("SELECT sensor FROM render ORDER BY id").fetchall() == [("panorama",), ("",), ("",)]
+
+
 def test_two_may_open_a_new_one_at_once(tmp_path: Path) -> None:
     """As API and coordinator do: SQLite told one of six that the database was locked, and did not wait."""
     both = Barrier(2, timeout=30.0)

@@ -55,7 +55,7 @@ async def test_the_luminaires_of_a_panorama_are_known(
     rest: httpx.AsyncClient, folder: DataFolder, body: dict[str, Any]
 ) -> None:
     made = (await rest.post("/v1/renders", json=body)).json()
-    assert made["layers"] == ["emission"]
+    assert (made["layers"], made["sensor"]) == (["emission"], "panorama")
     await until(lambda: bool(folder.renders.get(made["id"]).layers_sha256))
     commit(folder, made["id"], 500.0)
     address = f"/v1/renders/{made['id']}/glare"

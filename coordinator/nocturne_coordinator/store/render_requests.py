@@ -154,6 +154,7 @@ class RenderRequests:
                 floating_point_profile=original.floating_point_profile,
                 warnings=original.warnings,
                 way=original.way,
+                sensor=original.sensor,
                 layers=original.layers,
                 layers_sha256=original.layers_sha256,
                 tags=original.tags,

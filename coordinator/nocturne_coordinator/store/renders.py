@@ -77,9 +77,9 @@ class Renders:
             """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
                    photons_per_sample, scene_sha256, engine, created, ranges_planned, schedule,
                    scene_document, stop, priority, owner, tiles, floating_point_profile, quantity,
-                   warnings, way, layers, layers_sha256, in_group, after_group, tags, stored_bytes)
+                   warnings, way, sensor, layers, layers_sha256, in_group, after_group, tags, stored_bytes)
                VALUES (?, ?, ?, ?, 'QUEUED', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?,
-                   ?, ?, ?, ?)""",
+                   ?, ?, ?, ?, ?)""",
             (
                 render_id,
                 new.request_id,
@@ -103,6 +103,7 @@ class Renders:
                 new.schedule.quantity,
                 json.dumps(new.warnings),
                 new.way,
+                new.sensor,
                 json.dumps(new.all_layers),
                 new.layers_sha256,
                 new.in_group,

@@ -34,6 +34,8 @@ class NewRender:
     """What of the scene can hardly be meant, with its place."""
     way: str = ""
     """How it is traced and why; empty where no pilot chose."""
+    sensor: str = ""
+    """Its type in the scene document."""
     layers: tuple[str, ...] = ()
     layers_sha256: str = ""
     """Layers that were asked for, and the blob that holds all of the render's."""
@@ -85,6 +87,8 @@ class RenderRow:
     """What of the scene can hardly be meant, with its place."""
     way: str
     """How it is traced and why; empty where no pilot chose."""
+    sensor: str
+    """Its type in the scene document."""
     layers: tuple[str, ...]
     layers_sha256: str
     """See NewRender."""

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { ticks } from "../../../services/web/src/image/colour_maps.ts";
-import { glareText } from "../../../services/web/src/measure/glare_text.ts";
+import { glareText, hasGlare } from "../../../services/web/src/measure/glare_text.ts";
 import { isWhole, parsePoints, pointsText } from "../../../services/web/src/measure/outlines.ts";
 import type { Glare, Measurements } from "../../../services/web/src/service/types.ts";
 
@@ -36,4 +36,11 @@ test("a rating says what it is not for", () => {
   };
   assert.equal(glareText(glare), "Glare for who looks at the middle: UGR 19.3 ± 0.040, DGP 0.310, 1235 lx at the eye. (DGP is for others)");
   assert.match(glareText({ ...glare, ugr: null, dgp: null, notes: [] }), /UGR is not known, 1235 lx at the eye\.$/);
+});
+
+test("glare is asked for of panoramas alone, of which the service rates it", () => {
+  const film = { width: 384, height: 192 };
+  assert.ok(hasGlare({ ...film, sensor: "panorama" }));
+  for (const sensor of ["irradiance_meter", "intensity_meter", "pinhole", ""]) assert.ok(!hasGlare({ ...film, sensor }), sensor);
+  assert.ok(!hasGlare({ width: 4096, height: 2048, sensor: "panorama" }));
 });

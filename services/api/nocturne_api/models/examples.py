@@ -93,6 +93,7 @@ RENDER: dict[str, Any] = {
         "$.surfaces[2].shape: bounds a body, and is open: 4 edges belong to one face only; light that passes "
         "there is taken to be inside"
     ],
+    "sensor": "pinhole",
     "guided": False,
     "layers": ["albedo", "normal"],
     "group": "film",

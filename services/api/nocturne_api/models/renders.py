@@ -148,6 +148,9 @@ class Render(Answer):
         description="How it is traced and why, in words: what a pilot chose. Empty: the scene left nothing "
         "open, or the render is too small for a pilot."
     )
+    sensor: str = Field(
+        description='Type of the scene\'s sensor, such as "panorama", of which glare can be rated.'
+    )
     guided: bool = Field(
         description="Whether photons from the sensor are sent to where light was learned to come from."
     )

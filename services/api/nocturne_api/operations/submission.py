@@ -104,6 +104,7 @@ def compiled(
         owner=owner,
         warnings=scene.warnings,
         way=scene.way,
+        sensor=document.sensor.type,
         layers=layers,
         usual_layers=usual_layers(document, Film(*film)),
         in_group=request.group,

@@ -1,6 +1,14 @@
 /** A glare rating as text. Pure. */
 import { formatValue } from "../format.ts";
-import type { Glare } from "../service/types.ts";
+import type { Glare, Render } from "../service/types.ts";
+
+/** The most pixels of which the service rates glare. */
+const mostPixels = 2 ** 22;
+
+/** Whether the service rates glare of such a render; of others it refuses to. */
+export function hasGlare({ sensor, width, height }: Pick<Render, "sensor" | "width" | "height">): boolean {
+  return sensor === "panorama" && width * height <= mostPixels;
+}
 
 export function glareText({ ugr, ugr_error: ugrError, dgp, dgp_error: dgpError, vertical_illuminance: lux, notes }: Glare): string {
   const rating = ugr === null ? "UGR is not known" : `UGR ${withError(ugr.toFixed(1), ugrError)}`;

@@ -5,7 +5,7 @@ import { hasImage, type Measurements, type Outline, type Render } from "../servi
 import type { RenderImage } from "../viewer/render_image.ts";
 import { MeasureChart } from "./charts.ts";
 import { isolineControls, outlineForm } from "./forms.ts";
-import { glareText } from "./glare_text.ts";
+import { glareText, hasGlare } from "./glare_text.ts";
 import { isWhole } from "./outlines.ts";
 import { quantityText, tableOf } from "./table.ts";
 
@@ -33,9 +33,6 @@ export class MeasurePanel {
   #timer = 0;
   /** Large images take seconds: one question at a time. */
   #isAsking = false;
-  /** Only panoramas have it: others are asked once. */
-  #asksGlare = true;
-
   constructor(id: string, image: RenderImage) {
     this.#id = id;
     this.#image = image;
@@ -92,13 +89,11 @@ export class MeasurePanel {
     this.#image.overlay.outlines = this.#kept;
     this.#image.overlay.isolines = levels && (await getIsolines(this.#id, levels));
     this.#image.viewer?.repaint();
-    if (this.#asksGlare) await this.#askGlare();
-  }
-
-  async #askGlare(): Promise<void> {
-    const told = await getGlare(this.#id).catch(() => undefined);
-    this.#asksGlare = told !== undefined;
-    setText(this.#glare, told ? glareText(told) : "");
+    if (hasGlare(render)) {
+      // Until every pixel has samples there is none.
+      const told = await getGlare(this.#id).catch(() => undefined);
+      setText(this.#glare, told ? glareText(told) : "");
+    }
   }
 
   async #keep(outlines: readonly Outline[]): Promise<void> {
