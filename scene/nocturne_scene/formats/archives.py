@@ -15,6 +15,10 @@ MAX_BYTES = 4 * 2**30
 
 _PIECE_BYTES = 2**20
 
+# Of a file in which names of others are looked for, and how many are told.
+_TEXT_BYTES = 16 * 2**20
+_TOLD = 8
+
 
 def unpack(archive: Path, folder: Path) -> list[str]:
     """Write the files of an archive below a folder; return their paths in it. Raises InputError."""
@@ -45,17 +49,45 @@ def check_path(name: str, place: str) -> None:
         raise InputError.at(place, f'"{name[:100]}" is no path below its folder')
 
 
-def scene_among(names: Iterable[str], ends: Iterable[str], place: str) -> str:
-    """Return the scene: the file nearest to the top that ends in one of `ends`, "scene" first."""
+def scene_among(names: Iterable[str], ends: Iterable[str], place: str, folder: Path) -> str:
+    """Return the scene: the file nearest to the top that ends in one of `ends`, "scene" first.
+
+    Of several, all in `folder`, it is the one that no other one names. Raises InputError where that leaves
+    several, or there is none.
+    """
     found = [name for name in names if name.lower().endswith(tuple(ends))]
     if not found:
         raise InputError.at(place, f"holds no scene; expected a file that ends in {', '.join(ends)}")
 
-    def order(name: str) -> tuple[int, bool, str]:
+    def order(name: str) -> tuple[int, bool]:
         path = PurePosixPath(name)
-        return len(path.parts), not path.name.lower().startswith("scene."), name
+        return len(path.parts), not path.name.lower().startswith("scene.")
 
-    return min(found, key=order)
+    first = min(map(order, found))
+    likely = sorted(name for name in found if order(name) == first)
+    if len(likely) > 1:
+        texts = {name: _beginning(folder / name) for name in likely}
+        parts = {
+            name
+            for name in likely
+            if any(PurePosixPath(name).name.encode() in text for of, text in texts.items() if of != name)
+        }
+        likely = [name for name in likely if name not in parts] or likely
+    if len(likely) > 1:
+        listed = ", ".join(likely[:_TOLD]) + (
+            f" and {len(likely) - _TOLD} more" if len(likely) > _TOLD else ""
+        )
+        raise InputError.at(
+            place,
+            f"holds several scenes, {listed}; give one of them by itself, or call it "
+            f"scene{PurePosixPath(likely[0]).suffix}",
+        )
+    return likely[0]
+
+
+def _beginning(file: Path) -> bytes:
+    with file.open("rb") as opened:
+        return opened.read(_TEXT_BYTES)
 
 
 def _write(opened: zipfile.ZipFile, member: zipfile.ZipInfo, file: Path, most_bytes: int, place: str) -> int:

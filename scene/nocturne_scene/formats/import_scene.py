@@ -81,7 +81,7 @@ def import_scene(file: Path, folder: Path, options: ImportOptions) -> Imported:
     if file.name.lower().endswith(archives.END):
         with tempfile.TemporaryDirectory(prefix="nocturne-import-") as unpacked:
             names = archives.unpack(file, Path(unpacked))
-            name = archives.scene_among(names, FORMATS, str(file))
+            name = archives.scene_among(names, FORMATS, str(file), Path(unpacked))
             return import_scene(Path(unpacked) / name, folder, replace(options, root=Path(unpacked)))
     importer = next((found for end, found in FORMATS.items() if file.name.lower().endswith(end)), None)
     if importer is None:

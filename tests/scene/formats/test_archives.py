@@ -30,11 +30,29 @@ def test_a_scene_in_an_archive_is_imported(tmp_path: Path) -> None:
     assert json.loads(found.document.read_text())["name"] == "b"
 
 
-def test_the_scene_is_the_file_nearest_to_the_top() -> None:
+def among(folder: Path, files: dict[str, str]) -> str:
+    for name, content in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(content)
+    return archives.scene_among(files, FORMATS, "$", folder)
+
+
+def test_the_scene_is_the_file_nearest_to_the_top(tmp_path: Path) -> None:
     names = ["x/a.xml", "x/scene.xml", "x/y/z.gltf", "readme.md"]
-    assert archives.scene_among(names, FORMATS, "$") == "x/scene.xml"
+    assert among(tmp_path, dict.fromkeys(names, "")) == "x/scene.xml"
     with pytest.raises(InputError, match="holds no scene"):
-        archives.scene_among(["readme.md"], FORMATS, "$")
+        among(tmp_path, {"readme.md": ""})
+
+
+def test_of_several_scenes_it_is_the_one_that_names_the_others(tmp_path: Path) -> None:
+    files = {"floor.pbrt": "", "lamps.pbrt": "", "room.pbrt": 'Include "floor.pbrt" Include "lamps.pbrt"'}
+    assert among(tmp_path, files) == "room.pbrt"
+
+
+@pytest.mark.parametrize("names", [["a.xml", "b.xml"], ["x/b.pbrt", "x/a.gltf"], ["scene.xml", "scene.glb"]])
+def test_several_scenes_are_not_taken_by_the_alphabet(tmp_path: Path, names: list[str]) -> None:
+    with pytest.raises(InputError, match=f"several scenes, {', '.join(sorted(names))}; give one of them"):
+        among(tmp_path, dict.fromkeys(names, ""))
 
 
 @pytest.mark.parametrize("name", ["../a.xml", "/etc/a.xml", "x/../../a.xml", "x\\..\\a.xml"])

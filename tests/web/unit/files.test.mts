@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { isOfOtherRenderer, sceneOf } from "../../../services/web/src/submit/import_scene.ts";
-import { documentPath, partsWithPaths, readScene, resolved } from "../../../services/web/src/submit/scene_files.ts";
+import { documentPaths, partsWithPaths, readScene, resolved } from "../../../services/web/src/submit/scene_files.ts";
 import { readZip } from "../../../services/web/src/submit/zip.ts";
 import type { SceneDocument } from "../../../services/web/src/service/types.ts";
 import { archive } from "./files.ts";
@@ -47,8 +47,18 @@ test("what is missing is told with its place", async () => {
 });
 
 test("the document nearest to the top, scene.json first", () => {
-  assert.equal(documentPath(["deep/a/scene.json", "top/notes.json", "top/scene.json"]), "top/scene.json");
-  assert.equal(documentPath(["readme.md"]), undefined);
+  assert.deepEqual(documentPaths(["deep/a/scene.json", "top/notes.json", "top/scene.json"]), ["top/scene.json"]);
+  assert.deepEqual(documentPaths(["b.json", "a.json", "deep/c.json"]), ["a.json", "b.json"]);
+  assert.deepEqual(documentPaths(["readme.md"]), []);
+});
+
+test("several documents are not taken by the alphabet", async () => {
+  const of = (files: Record<string, string>): Map<string, Blob> => new Map(Object.entries(files).map(([path, text]) => [path, new Blob([text])]));
+  const scene = '{"nocturne": 1}';
+  await assert.rejects(readScene(of({ "b.json": scene, "a.json": scene })), /several scene documents: a\.json, b\.json/);
+  assert.equal((await readScene(of({ "b.json": scene, "a.json": "[[400, 0.5]]", "c.json": "{}" }))).path, "b.json");
+  assert.equal((await readScene(of({ "b.json": scene, "scene.json": scene }))).path, "scene.json");
+  await assert.rejects(readScene(of({ "a.json": "{}", "b.json": "{}" })), /None of a\.json, b\.json/);
 });
 
 test("paths stay inside, names of responses are not files", () => {

@@ -50,7 +50,7 @@ def _imported(job: dict[str, Any], folder: Path) -> dict[str, Any]:
     root, out = folder / "files", folder / "scene"
     root.mkdir()
     _bring(job["files"], BlobStore(Path(job["blobs"]), _objects(job["objects"])), root)
-    name = job["scene"] or archives.scene_among(job["files"], ENDS, "$.files")
+    name = job["scene"] or archives.scene_among(job["files"], ENDS, "$.files", root)
     if name not in job["files"]:
         raise InputError.at("$.scene", f'"{name[:100]}" is not among the files')
     light = job["light"]

@@ -14,22 +14,41 @@ export interface Scene {
 const digestPrefix = "sha256:";
 const mostDocumentBytes = 8 * 2 ** 20;
 
-/** Where the scene document is: the JSON file nearest to the top, `scene.json` first. Undefined where there is none. */
-export function documentPath(paths: Iterable<string>): string | undefined {
+/** Where the scene document may be: the JSON files nearest to the top, or of these `scene.json` alone. */
+export function documentPaths(paths: Iterable<string>): string[] {
   const depth = (path: string): number => path.split("/").length;
-  const isScene = (path: string): boolean => path.endsWith("scene.json");
-  return [...paths]
-    .filter((path) => path.toLowerCase().endsWith(".json"))
-    .sort((a, b) => depth(a) - depth(b) || Number(isScene(b)) - Number(isScene(a)) || a.localeCompare(b))[0];
+  const found = [...paths].filter((path) => path.toLowerCase().endsWith(".json"));
+  const first = Math.min(...found.map(depth));
+  const nearest = found.filter((path) => depth(path) === first).sort((a, b) => a.localeCompare(b));
+  const named = nearest.filter((path) => path.slice(path.lastIndexOf("/") + 1) === "scene.json");
+  return named.length > 0 ? named : nearest;
+}
+
+/** Of several JSON files the one that says it is a scene; throws Error where that is said by none, or by more. */
+async function documentAmong(files: ReadonlyMap<string, Blob>): Promise<{ path: string; document: SceneDocument }> {
+  const found: { path: string; document: SceneDocument }[] = [];
+  let wrong: unknown = new Error("There is no scene document, a JSON file, among these files.");
+  const paths = documentPaths(files.keys());
+  for (const path of paths) {
+    try {
+      const blob = files.get(path);
+      if (!blob || blob.size > mostDocumentBytes) throw new Error(`${path}: a scene document has at most 8 MiB; put meshes into files beside it.`);
+      found.push({ path, document: parse(path, await blob.text()) });
+    } catch (error) {
+      wrong = error;
+    }
+  }
+  const scenes = found.filter(({ document }) => "nocturne" in document);
+  const [only, another] = scenes.length > 0 || found.length > 1 ? scenes : found;
+  if (another) throw new Error(`There are several scene documents: ${scenes.map(({ path }) => path).join(", ")}. Take one of them, or call it scene.json.`);
+  if (only) return only;
+  throw found.length > 1 ? new Error(`None of ${paths.join(", ")} is a scene document: they have no "nocturne".`) : wrong;
 }
 
 /** Throws Error, fit to be shown, where there is no document; what it refers to and is not there becomes a problem. */
 export async function readScene(files: ReadonlyMap<string, Blob>): Promise<Scene> {
-  const path = documentPath(files.keys());
-  const blob = path === undefined ? undefined : files.get(path);
-  if (path === undefined || !blob) throw new Error("There is no scene document, a JSON file, among these files.");
-  if (blob.size > mostDocumentBytes) throw new Error(`${path}: a scene document has at most 8 MiB; put meshes into files beside it.`);
-  const scene: Scene = { document: parse(path, await blob.text()), path, files: new Map(), problems: [] };
+  const { path, document } = await documentAmong(files);
+  const scene: Scene = { document, path, files: new Map(), problems: [] };
   const folder = path.slice(0, path.lastIndexOf("/") + 1);
   for (const { place, part } of partsWithPaths(scene.document)) {
     const file = files.get(resolved(folder, part.asset));
