@@ -12,6 +12,7 @@ from trimesh.resolvers import Resolver
 from nocturne_scene.document.fields import MeshFormat
 from nocturne_scene.library_words import without_paths
 from nocturne_scene.meshes.headers import UnusableMeshError, check_counts, check_header
+from nocturne_scene.meshes.plain_text import plain_text
 from nocturne_scene.meshes.triangles import Triangles, check_indices, merge
 
 # The loaders tell of ignored materials and other matters that are no concern of whoever sent the file.
@@ -24,7 +25,7 @@ def load_mesh(path: Path, file_format: MeshFormat, *, normals: bool = False) -> 
     Texture coordinates are there if all parts of the file have them. `normals`: also those of the
     vertices, the file's or else the mean of the adjoining triangles'. Raises UnusableMeshError.
     """
-    with path.open("rb") as file:
+    with path.open("rb") as opened, plain_text(opened, file_format) as file:
         check_header(file, file_format)
         scene = _load(file, file_format)
     return _merged(scene, normals)
@@ -39,7 +40,7 @@ def load_ply_columns(path: Path, element: str, names: tuple[str, ...]) -> NDArra
 
     `element` is "vertex" or "face". Raises UnusableMeshError.
     """
-    with path.open("rb") as file:
+    with path.open("rb") as opened, plain_text(opened, "ply") as file:
         check_header(file, "ply")
         [part] = _load(file, "ply").geometry.values()
     return _ply_columns(part, element, names)

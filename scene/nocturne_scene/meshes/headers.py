@@ -199,17 +199,32 @@ def _check_gltf_tree(tree: dict[str, Any], size: int) -> None:
                 f'buffer {index} is in another file ("{str(uri)[:80]}"); expected embedded buffers, '
                 f"or a GLB file"
             )
-    counts = [
-        _accessor_count(index, accessor, size) for index, accessor in enumerate(_objects(tree, "accessors"))
-    ]
+    accessors = _objects(tree, "accessors")
+    counts = [_accessor_count(index, accessor, size) for index, accessor in enumerate(accessors)]
     _check_tree_of_nodes(tree)
     try:
+        _refuse_sparse(tree, accessors)
         vertices, corners = _flattened_counts(tree, counts)
     except (KeyError, IndexError, TypeError, AttributeError):
         raise UnusableMeshError(
             "not a glTF file: a node, mesh or primitive refers to something that does not exist"
         ) from None
     check_counts(vertices, corners // 3)
+
+
+def _refuse_sparse(tree: dict[str, Any], accessors: list[dict[str, Any]]) -> None:
+    """The loader leaves out what sparse accessors replace."""
+    for mesh in _objects(tree, "meshes"):
+        for primitive in mesh["primitives"]:
+            used = [
+                *primitive["attributes"].values(),
+                *([primitive["indices"]] if "indices" in primitive else []),
+            ]
+            if sparse := [index for index in used if "sparse" in accessors[index]]:
+                raise UnusableMeshError(
+                    f"accessor {sparse[0]} is sparse, which a mesh's file can't be; import it as a scene "
+                    "(nocturne import), or save it without sparse accessors"
+                )
 
 
 def _accessor_count(index: int, accessor: dict[str, Any], size: int) -> int:
