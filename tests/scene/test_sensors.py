@@ -155,7 +155,9 @@ def test_a_wrong_sensor_is_told(
 def test_forward_is_for_sensors_with_a_size(document: dict[str, Any], compiled: Compile) -> None:
     document["tracing"] = {"direction": "forward"}
     for sensor in SENSORS[4:]:
-        assert compiled(document | {"sensor": sensor}).tracing.direction == scene_pb2.DIRECTION_FORWARD
+        # Its sphere holds all of the scene.
+        wide = {"lamp_radius": 100.0} if sensor["type"] == "intensity_meter" else {}
+        assert compiled(document | {"sensor": sensor | wide}).tracing.direction == scene_pb2.DIRECTION_FORWARD
     with pytest.raises(
         InputError, match=r"\$\.tracing\.direction: .*a pinhole has no size; expected \"adjoint\""
     ):

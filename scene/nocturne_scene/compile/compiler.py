@@ -13,6 +13,7 @@ from nocturne_scene.compile.atmosphere import atmosphere_surfaces
 from nocturne_scene.compile.grids import Grids
 from nocturne_scene.compile.instances import Instances
 from nocturne_scene.compile.kernels import Kernels
+from nocturne_scene.compile.lamp_alone import check_lamp_alone
 from nocturne_scene.compile.layers import check_can_make, make_layers
 from nocturne_scene.compile.lights import Lights
 from nocturne_scene.compile.media import Media
@@ -110,8 +111,14 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
     message.distant_discs.extend(lights.distant_discs())
     message.important_shapes.extend(lights.important_shapes())
     _check_light(workspace, message)
+    check_lamp_alone(workspace, shapes, message)
     if has_sky(message) and message.unbounded_interiors:
         _refuse_distant_photons(workspace)
+    tracing = workspace.document.tracing
+    if message.media and tracing.direction == "forward" and tracing.photons_together == 4:
+        # What a meter counts on the way must not depend on where photons part behind it.
+        told = "photons from luminaires travel alone through media; expected 1, or auto"
+        workspace.problems.append(Problem("$.tracing.photons_together", told))
     if workspace.problems:
         raise InputError(islice(workspace.problems, bounds.PROBLEMS))
     put_wavelength_density(workspace, message)

@@ -219,8 +219,9 @@ class IntensityMeter(_AnySensor):
     """The luminous intensity of a lamp in all directions, far away from it: Y is in cd.
 
     Columns are equal steps of the horizontal angle from 0 to 360 degrees, rows equal steps of the vertical
-    angle from `axis` (0) to its opposite (180). The lamp is all that is inside a sphere; light from outside
-    passes by. `nocturne ies` writes the image as a photometric file, which a luminaire's profile can be.
+    angle from `axis` (0) to its opposite (180). The lamp is all that is inside a sphere; what is outside
+    counts where it is seen through the sphere, with a warning. `nocturne ies` writes the image as a
+    photometric file, which a luminaire's profile can be.
     """
 
     type: Literal["intensity_meter"]
