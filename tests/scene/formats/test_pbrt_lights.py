@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
+from nocturne_scene.errors import InputError
 from nocturne_scene.formats.import_scene import import_scene
 from nocturne_scene.formats.reading.options import ImportOptions
 
@@ -62,3 +63,35 @@ def test_power_is_scaled(tmp_path: Path, kind: str) -> None:
 
     assert candela('"float power" 200 "float scale" 3') == pytest.approx(3 * candela('"float power" 200'))
     assert candela('"float power" -1 "float scale" 3') == pytest.approx(3 * candela('"float scale" 1'))
+
+
+# Radiance of an area light is power / (pi x area of each of its parts x sides), times scale.
+@pytest.mark.parametrize(
+    ("shape", "area"),
+    [
+        ('"sphere" "float radius" 0.5', np.pi),
+        ('"disk" "float radius" 2', 4 * np.pi),
+        ('"cylinder" "float radius" 0.5 "float zmin" 0 "float zmax" 3', 3 * np.pi),
+        ('"bilinearmesh" "point3 P" [0 0 0  2 0 0  0 3 0  2 3 0]', 6.0),
+        ('"trianglemesh" "point3 P" [0 0 0  2 0 0  0 3 0]', 3.0),
+        # Each triangle has all of the power.
+        ('"trianglemesh" "point3 P" [0 0 0 2 0 0 0 3 0 2 3 0] "integer indices" [0 1 2 1 3 2]', 3.0),
+    ],
+)
+def test_an_area_lights_power(tmp_path: Path, shape: str, area: float) -> None:
+    def luminance(given: str) -> float:
+        name = "".join(letter for letter in given if letter.isalnum())
+        light = f'"infinite" AreaLightSource "diffuse" {given} Shape {shape} ReverseOrientation'
+        [lamp, *_] = imported(tmp_path / name, light)["surfaces"]
+        return float(lamp["luminaire"]["radiance"]["luminance"])
+
+    assert luminance('"float power" 100') == pytest.approx(100 / (np.pi * area), rel=1e-5)
+    both = '"float power" 100 "bool twosided" true "float scale" 3'
+    assert luminance(both) == pytest.approx(3 * 100 / (2 * np.pi * area), rel=1e-5)
+    assert luminance('"float power" -1 "float scale" 3') == 3
+
+
+def test_power_of_parts_of_several_sizes_is_told(tmp_path: Path) -> None:
+    mesh = '"trianglemesh" "point3 P" [0 0 0 2 0 0 0 3 0 5 3 0] "integer indices" [0 1 2 1 3 2]'
+    with pytest.raises(InputError, match='"power" on parts of several sizes'):
+        imported(tmp_path, f'"infinite" AreaLightSource "diffuse" "float power" 9 Shape {mesh}')

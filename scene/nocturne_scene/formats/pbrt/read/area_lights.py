@@ -1,10 +1,26 @@
 """Area lights of pbrt's, on shapes that may have holes."""
 
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
 from nocturne_scene.formats.pbrt.read import spectra
 from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.parameters import Parameters
 from nocturne_scene.formats.reading import colours, lamps
+from nocturne_scene.formats.reading.crowds import Placed
 from nocturne_scene.formats.reading.scene_writer import Json
+from nocturne_scene.formats.reading.transforms import Matrix
+from nocturne_scene.meshes.files import load_mesh
+from nocturne_scene.meshes.triangles import Triangles
+
+Areas = NDArray[np.float64]
+
+# Of quadrics of radius 1, and of height 1.
+_UNITS = {"sphere": 4 * np.pi, "disk": np.pi, "cylinder": 2 * np.pi}
+# By which areas may differ: meshes are written in single precision.
+_ALIKE = 1e-3
 
 
 def opacity(context: Context, parameters: Parameters) -> Json:
@@ -13,19 +29,25 @@ def opacity(context: Context, parameters: Parameters) -> Json:
     return min(max(float(found), 0.0), 1.0) if isinstance(found, float | int) else found
 
 
-def luminaire(context: Context, kernel: Json, opacity: Json) -> Json | None:
-    """What a shape of a kernel and an opacity has of the `AreaLightSource` of now; None without one.
-
-    What is cut out does not shine. A shape of which nothing is there lights all the same, and no ray meets
-    it: DiffuseAreaLight in lights.cpp of pbrt-v4.
-    """
+def shines(context: Context, kernel: Json) -> bool:
+    """Whether a shape of a kernel has the `AreaLightSource` of now."""
     if context.state.area_light is None:
-        return None
+        return False
     if kernel == {"type": "null"}:
         place = context.state.area_light[2]
         context.findings.note(place, 'no light on shapes of an "interface" material, as in pbrt')
-        return None
-    found = _whole(context)
+        return False
+    return True
+
+
+def luminaire(context: Context, opacity: Json, kind: str, shape: Json | Placed) -> Json:
+    """What a shape of an opacity has of the `AreaLightSource` of now.
+
+    What is cut out does not
+    shine. A shape of which nothing is there lights all the same, and no ray meets it: DiffuseAreaLight in
+    lights.cpp of pbrt-v4.
+    """
+    found = _whole(context, kind, shape)
     if opacity == 0.0:
         return found | {"hidden_from": lamps.UNSEEN}
     if isinstance(opacity, float):
@@ -35,7 +57,28 @@ def luminaire(context: Context, kernel: Json, opacity: Json) -> Json | None:
     return found | {"radiance": {**use, "grey": True, "spectrum": spectrum}}
 
 
-def _whole(context: Context) -> Json:
+def _parts(kind: str, shape: Json | Placed, folder: Path) -> Areas | None:
+    """Areas, m2, of what is one light each to pbrt: triangles of a mesh, bilinear patches, whole quadrics."""
+    if isinstance(shape, Placed):
+        if shape.base.mesh is None:
+            return np.array([4 * np.pi * np.linalg.norm(shape.matrix[:3, 0]) ** 2])
+        mesh = shape.base.mesh
+        of_now, of_unit = (_areas(mesh, matrix).sum() for matrix in (shape.matrix, np.eye(4)))
+        # Its triangles have a little less than what they stand for.
+        return np.array([_UNITS[kind] * of_now / of_unit])
+    if kind == "curve" or shape is None:
+        return None
+    found = _areas(load_mesh(folder / shape["asset"], "ply"), np.eye(4))
+    # Of each patch the first triangle stands in the first half.
+    return found.reshape(2, -1).sum(axis=0) if kind == "bilinearmesh" else found
+
+
+def _areas(mesh: Triangles, matrix: Matrix) -> Areas:
+    a, b, c = (mesh.vertices[mesh.indices[:, corner]] @ matrix[:3, :3].T for corner in range(3))
+    return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
+
+
+def _whole(context: Context, kind_of_shape: str, shape: Json | Placed) -> Json:
     if context.state.area_light is None:
         raise ValueError("there is no area light")
     kind, given, place = context.state.area_light
@@ -44,11 +87,17 @@ def _whole(context: Context) -> Json:
         context.findings.lost(place, f'no equal of the area light "{kind}"; there is diffuse')
     if parameters.take("filename") is not None:
         context.findings.lost(place, 'no equal of an area light\'s "filename"')
-    if parameters.take("power") is not None:
-        context.findings.lost(
-            place, 'no equal of an area light\'s "power": each triangle has all of it in pbrt'
-        )
-    radiance = spectra.light(context, parameters, "L", float(parameters.number("scale", 1.0)))
+    luminance = float(parameters.number("scale", 1.0))
     two_sided = parameters.switch("twosided", False)
+    power = float(parameters.number("power", 0.0))
+    areas = _parts(kind_of_shape, shape, context.writer.folder) if power > 0 else None
+    if power > 0 and (areas is None or areas.min() < (1 - _ALIKE) * areas.max()):
+        context.findings.lost(
+            place,
+            'no equal of an area light\'s "power" on parts of several sizes: each has all of it in pbrt',
+        )
+    elif power > 0 and areas is not None:
+        luminance *= power / (np.pi * float(areas.mean()) * (2 if two_sided else 1))
+    radiance = spectra.light(context, parameters, "L", luminance)
     parameters.finish()
     return {"radiance": radiance} | ({"two_sided": True} if two_sided else {})

@@ -47,8 +47,8 @@ def add_surface(
         if isinstance(state.material, str)
         else None
     )
-    luminaire = area_lights.luminaire(context, named or state.material, opacity)
-    if opacity == 0.0 and luminaire is not None:
+    shines = area_lights.shines(context, named or state.material)
+    if opacity == 0.0 and shines:
         kernel = {"type": "null"}
     elif opacity != 1.0:
         kernel = {"type": "mask", "kernel": kernel, "opacity": opacity}
@@ -56,16 +56,18 @@ def add_surface(
     if kernel != {"type": "null"}:
         found |= state.normal_or_bump
     interior(context, parameters.place, found, kernel if named is None or isinstance(kernel, dict) else named)
-    if luminaire is not None:
-        found["luminaire"] = luminaire
     textured = any(word in json.dumps([found, named]) for word in ('"texture"', '"roughness_u"'))
     if kind == "curve" and gathers:
+        if shines:
+            found["luminaire"] = area_lights.luminaire(context, opacity, kind, None)
         curve = _curve(context, parameters)
         context.curves.setdefault(json.dumps(found), []).append(curve)
         parameters.finish()
         return
     shape = _SHAPES[kind](context, parameters, textured)
     parameters.finish()
+    if shines:
+        found["luminaire"] = area_lights.luminaire(context, opacity, kind, shape)
     crowds.add(found, shape)
 
 
