@@ -84,12 +84,6 @@ def test_text_of_other_systems(encoding: str, end: str) -> None:
     assert found.keywords["MANUFAC"].split("\n")[0] == expected
 
 
-def test_eulumdat_is_told() -> None:
-    head = ["Somebody", "1", "1", "1", "0", "3", "30.0", "report", "lamp"]
-    with pytest.raises(BadPhotometryError, match="the file is EULUMDAT"):
-        photometric_files.read("\r\n".join([*head, *["0"] * 40]).encode())
-
-
 @pytest.mark.parametrize(
     ("horizontal", "rows", "at_30", "at_210", "at_330"),
     [

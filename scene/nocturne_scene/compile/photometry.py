@@ -7,6 +7,7 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.luminaires import PhotometricProfile
+from nocturne_scene.photometry import files
 from nocturne_scene.photometry import ies as photometric_files
 from nocturne_scene.spectra.published import Floats
 
@@ -22,7 +23,7 @@ def compile_profile(workspace: Workspace, profile: PhotometricProfile) -> scene_
     """
     digest = workspace.asset(profile.asset, ".profile.asset")
     try:
-        photometry = photometric_files.read(workspace.read(digest, photometric_files.MAX_BYTES))
+        photometry = files.read(workspace.read(digest, photometric_files.MAX_BYTES))
     except photometric_files.BadPhotometryError as error:
         raise Unusable(str(error), ".profile.asset") from None
     if profile.lumens is not None:

@@ -21,7 +21,7 @@ class CosineProfile(Node):
 
 
 class PhotometricProfile(Node):
-    """The intensity that a photometric file (IES LM-63, type C) gives, spread over the surface's area.
+    """The intensity that a photometric file gives, IES LM-63 (type C) or EULUMDAT, spread over the surface.
 
     Of the luminaire's `radiance` only the spectrum's shape counts then: the candelas are the file's. The
     surface's shape is a quad, a disc, a flat mesh or a sphere. What the file says of the directions behind a
@@ -39,8 +39,8 @@ class PhotometricProfile(Node):
     )
     zero: Vector = Field(
         default=(1.0, 0.0, 0.0),
-        description="Direction of horizontal angle 0; what of it is along the axis is left out. Angles "
-        "increase counter-clockwise for someone who looks along `axis`, such as down on a lamp.",
+        description="Direction of horizontal angle 0, plane C0; what of it is along the axis is left out. "
+        "Angles increase counter-clockwise for someone who looks along `axis`, such as down on a lamp.",
     )
 
     @model_validator(mode="after")

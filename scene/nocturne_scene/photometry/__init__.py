@@ -1,1 +1,1 @@
-"""Photometric files of lamps (IES LM-63), read and written."""
+"""Photometric files of lamps: IES LM-63, read and written, and EULUMDAT, read."""

@@ -65,14 +65,24 @@ class Photometry:
     keywords: Mapping[str, str] = field(default_factory=dict)
 
 
-def read(data: bytes) -> Photometry:
-    """Read a file; raises BadPhotometryError. Quadrants and halves are mirrored to all directions."""
+def lines_of(data: bytes) -> list[str]:
+    """The lines of a file, one at least. Raises BadPhotometryError."""
     if len(data) > MAX_BYTES:
         raise BadPhotometryError(1, f"the file has {len(data)} bytes; at most {MAX_BYTES} are accepted")
     try:
-        lines = [line.rstrip("\n") for line in text_of(io.BytesIO(data))] or [""]
+        return [line.rstrip("\n") for line in text_of(io.BytesIO(data))] or [""]
     except UnicodeError as error:
         raise BadPhotometryError(1, f"the file is no text: {error}") from None
+
+
+def is_lm_63(lines: list[str]) -> bool:
+    """Whether there is a line TILT=, which all of them have."""
+    return any(_TILT.match(line.strip()) for line in lines)
+
+
+def read(data: bytes) -> Photometry:
+    """Read a file; raises BadPhotometryError. Quadrants and halves are mirrored to all directions."""
+    lines = lines_of(data)
     first = next((index for index, line in enumerate(lines) if line.strip()), 0)
     year = _year(lines[first], first + 1)
     keywords, tilt_line = _head(lines)
@@ -161,18 +171,7 @@ def _head(lines: list[str]) -> tuple[dict[str, str], int]:
             elif key.strip():
                 last = key.strip()
                 keywords[last] = value.strip()
-    if _is_eulumdat(lines):
-        raise BadPhotometryError(1, "the file is EULUMDAT (.ldt); convert it to IES LM-63 (.ies)")
     raise BadPhotometryError(max(1, len(lines)), "there is no line TILT=")
-
-
-def _is_eulumdat(lines: list[str]) -> bool:
-    """Whether lines 2 to 6 say type, symmetry, planes, angle between them, and angles, as in EULUMDAT."""
-    try:
-        kind, symmetry, planes, step, angles = (float(line.replace(",", ".")) for line in lines[1:6])
-    except ValueError:
-        return False
-    return kind in (0, 1, 2, 3) and symmetry in range(5) and planes >= 1 and step >= 0 and angles >= 1
 
 
 class _Words:
@@ -255,7 +254,7 @@ def _body(words: _Words, keywords: dict[str, str], *, has_ballast_lamp_factor: b
     )
     if np.any(candela < 0) or not np.all(candela <= _LARGEST):
         raise BadPhotometryError(words.line, "a candela value is negative or too large")
-    horizontal, candela = _all_around(words.line, horizontal, candela)
+    horizontal, candela = all_around(words.line, horizontal, candela)
     total = None if lumens < 0 else lamps * lumens
     return Photometry(vertical, horizontal, candela, total, (width, length, height), watts, keywords)
 
@@ -275,7 +274,7 @@ def _angles(words: _Words, count: int, what: str, largest: float) -> Floats:
     return angles
 
 
-def _all_around(line: int, horizontal: Floats, candela: Floats) -> tuple[Floats, Floats]:
+def all_around(line: int, horizontal: Floats, candela: Floats) -> tuple[Floats, Floats]:
     """Mirror a quadrant or a half, so that horizontal angles reach from 0 to 360 degrees."""
     first, last = horizontal[0], horizontal[-1]
     if len(horizontal) == 1:
