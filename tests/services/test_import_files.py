@@ -68,6 +68,12 @@ def test_links_within_the_folder_are_files_of_it(tmp_path: Path) -> None:
     assert found["inner.png"][1].read_bytes() == b"p"
 
 
+def test_names_in_capitals(tmp_path: Path) -> None:
+    """As Windows finds them."""
+    written(tmp_path, {"a.pbrt": b'"Textures\\Wood.PNG"', "textures/wood.png": b"p"} | OTHERS)
+    assert list(files_of_import(tmp_path / "a.pbrt")) == ["a.pbrt", "textures/wood.png"]
+
+
 @pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16"])
 def test_names_in_text_of_other_systems(encoding: str, tmp_path: Path) -> None:
     written(tmp_path, {"a.pbrt": '"string filename" "Möbel.png"'.encode(encoding), "Möbel.png": b"p"})

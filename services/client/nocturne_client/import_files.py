@@ -55,7 +55,7 @@ def files_of_import(scene: Path) -> dict[str, tuple[str, Path]]:
 
 
 def _by_name(folder: Path) -> dict[str, list[Path]]:
-    """The folder's files, and those below, by the last part of their paths."""
+    """The folder's files, and those below, by the last part of their paths, in whichever letters."""
     files: defaultdict[str, list[Path]] = defaultdict(list)
     for count, file in enumerate(_below(folder, folder.resolve(), ())):
         if count == _MAX_LOOKED_AT:
@@ -64,7 +64,7 @@ def _by_name(folder: Path) -> dict[str, list[Path]]:
                 "names into a folder of their own, or into a .zip"
             )
         if file.is_file():
-            files[file.name].append(file)
+            files[file.name.casefold()].append(file)
     return files
 
 
@@ -92,7 +92,7 @@ def _named_from(scene: Path, files: dict[str, list[Path]]) -> list[Path]:
     found, left = {scene}, [scene]
     while left:
         for name in _names_in(left.pop()):
-            new = [file for file in files.get(name, ()) if file not in found]
+            new = [file for file in files.get(name.casefold(), ()) if file not in found]
             found.update(new)
             left += [file for file in new if file.name.lower().endswith(_TEXTS)]
     return sorted(found)

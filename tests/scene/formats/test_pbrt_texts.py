@@ -61,6 +61,23 @@ def test_names_with_letters_beyond_ascii(tmp_path: Path, encoding: str) -> None:
     assert [surface["shape"]["radius"] for surface in document["surfaces"]] == [2, 3]
 
 
+def test_names_in_capitals(tmp_path: Path) -> None:
+    """As Windows finds them; the same letters first."""
+    (tmp_path / "in" / "Parts").mkdir(parents=True)
+    (tmp_path / "in" / "Parts" / "new.PBRT").write_text('Shape "sphere" "float radius" 3\n')
+    (tmp_path / "in" / "same.pbrt").write_text('Shape "sphere" "float radius" 4\n')
+    (tmp_path / "in" / "Same.pbrt").write_text('Shape "sphere" "float radius" 5\n')
+    body = 'Include "parts\\NEW.pbrt"\nInclude "same.pbrt"\nInclude "parts/../Same.pbrt"\n'
+    document = imported(tmp_path, (SCENE + body).encode())
+    assert [surface["shape"]["radius"] for surface in document["surfaces"]] == [2, 3, 4, 5]
+
+
+def test_names_in_capitals_stay_below_the_root(tmp_path: Path) -> None:
+    (tmp_path / "b.pbrt").write_text("")
+    with pytest.raises(InputError, match="leads out of"):
+        imported(tmp_path, (SCENE + 'Include "../B.pbrt"').encode())
+
+
 def test_quotes_and_backslashes_in_strings(tmp_path: Path) -> None:
     """pbrt's escapes; a single backslash is one of a path of Windows."""
     (tmp_path / "in" / "parts").mkdir(parents=True)

@@ -2,7 +2,7 @@
 
 import io
 import os
-from collections.abc import Iterable
+from collections.abc import Sequence
 from pathlib import Path
 
 from nocturne_scene.document import bounds
@@ -19,8 +19,8 @@ class SceneFiles:
     def __init__(self, root: Path) -> None:
         self.root = root.resolve()
 
-    def find(self, name: str, folders: Iterable[Path], place: str) -> Path:
-        """Return the first of folder / name that is a file.
+    def find(self, name: str, folders: Sequence[Path], place: str) -> Path:
+        """Return the first of folder / name that is a file, or that is one but for capitals, as on Windows.
 
         Raises InputError: `name` is absolute, leads out of the root, or is nowhere.
         """
@@ -36,6 +36,11 @@ class SceneFiles:
                 outside = True
             elif found.is_file():
                 return found
+        for folder in folders:
+            for other in _in_other_letters(folder, name):
+                found = other.resolve()
+                if found.is_relative_to(self.root) and found.is_file():
+                    return found
         if outside:
             raise InputError.at(
                 place,
@@ -59,6 +64,23 @@ class SceneFiles:
     def shown(self, file: Path) -> str:
         """A file's name in messages, relative to the root."""
         return str(file.relative_to(self.root)) if file.is_relative_to(self.root) else file.name
+
+
+def _in_other_letters(folder: Path, name: str) -> list[Path]:
+    """What has the parts of a name in capitals or small letters, in the order of the names."""
+    found = [folder]
+    for part in Path(name).parts:
+        if part == "..":
+            found = [each / part for each in found]
+            continue
+        found = [
+            entry
+            for each in found
+            if each.is_dir()
+            for entry in sorted(each.iterdir())
+            if entry.name.casefold() == part.casefold()
+        ]
+    return found
 
 
 def read_bytes(file: Path, most: int, shown: str) -> bytes:
