@@ -141,3 +141,14 @@ def test_pictures_of_grey_alone_have_no_holes(tmp_path: Path, kind: Any) -> None
     material = {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, "alphaMode": "BLEND"}
     kernel, _, _ = imported(tmp_path, material, picture)
     assert kernel["type"] != "mask"
+
+
+@pytest.mark.parametrize("place", ["file", "scene"])
+def test_light_of_unknown_extensions_is_told(tmp_path: Path, place: str) -> None:
+    """Such as EXT_lights_image_based, which a file uses and does not require."""
+    model = Model()
+    model.mesh([0, 1, 2])
+    at = model.tree if place == "file" else model.tree["scenes"][0]
+    at["extensions"] = {"EXT_lights_image_based": {"light": 0}}
+    with pytest.raises(InputError, match="EXT_lights_image_based; its light is left out"):
+        model.imported(tmp_path)

@@ -297,6 +297,9 @@ def import_gltf(file: Path, writer: SceneWriter, findings: Findings, options: Im
     poses = poses_at(container, findings, options.time)
     reader = _Reader(container, writer, findings, options, materials, poses)
     scene = container.item("scenes", value(tree, "scene", 0), "the file")
+    for name in {**value(tree, "extensions", {}), **value(scene, "extensions", {})}:
+        if "light" in name.lower() and name not in _KNOWN:
+            findings.lost(container.shown, f"no equal of the extension {name[:80]}; its light is left out")
     for index in value(scene, "nodes", []):
         reader.node(index, transforms.IDENTITY, ())
     reader.add_meshes()
