@@ -42,7 +42,7 @@ def refuse(tmp_path: Path, name: str, content: str | bytes, said: str) -> None:
         (b'<?xml version="1.0" encoding="utf-8"?><scene x="\xff\xfe"/>', "no sensor"),
         ('<scene version="3.0.0">' + "<shape>" * 100 + "</shape>" * 100 + "</scene>", "nested more than 64"),
         ('<scene version="3.0.0"><include filename="a.xml"/></scene>', "includes itself"),
-        ('<scene version="0.6.0"></scene>', "Mitsuba 0.x"),
+        ('<scene version="old"></scene>', "expected a version"),
         ('<scene version="3.0.0"><include filename="../b.xml"/></scene>', "leads out of"),
         ('<scene version="3.0.0"><include filename="/etc/passwd"/></scene>', "absolute path"),
         ('<scene version="3.0.0"><include filename="C:\\\\a.xml"/></scene>', "absolute path"),
