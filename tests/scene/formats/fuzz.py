@@ -194,7 +194,7 @@ def _try_placements(file: Path, content: bytes) -> None:
 
 READERS: dict[str, Callable[[Path], list[Seed]]] = {
     "mitsuba": lambda _: [*_words("scene.xml"), *_words("old.xml")],
-    "pbrt": lambda _: _words("scene.pbrt"),
+    "pbrt": lambda _: [*_words("scene.pbrt"), *_words("old.pbrt")],
     "gltf": lambda _: _words("scene.gltf"),
     "gltf-binary": lambda _: [
         _glb(),

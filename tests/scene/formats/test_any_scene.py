@@ -80,14 +80,14 @@ def try_import(name: str, contents: dict[str, bytes], *, allow_missing: bool) ->
         assert sorted(path.name for path in Path(kept).iterdir()) == expected
 
 
-@pytest.mark.parametrize("name", ["scene.xml", "old.xml", "scene.pbrt", "scene.gltf"])
+@pytest.mark.parametrize("name", ["scene.xml", "old.xml", "scene.pbrt", "old.pbrt", "scene.gltf"])
 def test_the_corpus_is_imported_whole(name: str, tmp_path: Path) -> None:
     """What is changed would not be worth much if importers gave up at its first line."""
     found = import_scene(CORPUS / name, tmp_path / "out", ImportOptions())
     assert found.missing == []
 
 
-@pytest.mark.parametrize("name", ["scene.xml", "old.xml", "scene.pbrt", "scene.gltf"])
+@pytest.mark.parametrize("name", ["scene.xml", "old.xml", "scene.pbrt", "old.pbrt", "scene.gltf"])
 def test_any_words(name: str) -> None:
     content = (CORPUS / name).read_bytes()
 

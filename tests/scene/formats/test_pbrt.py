@@ -332,11 +332,6 @@ def test_a_coloured_metal_reflects_its_colour(tmp_path: Path) -> None:
     assert k[:, 1] ** 2 / (4 + k[:, 1] ** 2) == pytest.approx(colour)
 
 
-def test_files_of_former_versions_are_named_as_such(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="pbrt --upgrade"):
-        imported(tmp_path, 'Shape "sphere"\nWorldEnd')
-
-
 def test_textured_leaves_are_as_they_are(tmp_path: Path) -> None:
     texture = 'Texture "t" "spectrum" "checkerboard"\n'
     both = '"texture reflectance" "t" "texture transmittance" "t"'

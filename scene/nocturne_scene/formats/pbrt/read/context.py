@@ -59,6 +59,8 @@ class Context:
     extent: Extent = field(default_factory=Extent)
     crowds: Crowds = field(init=False)
     """Shapes and instances of the scene."""
+    is_old: bool = False
+    """Whether something was met that only pbrt-v3 has."""
     later: list[Callable[[], None]] = field(default_factory=list)
     """What waits for the size of the scene."""
 

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from numpy.typing import NDArray
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.pbrt.read import spectra, squares
@@ -55,13 +56,15 @@ def _sky(context: Context, parameters: Parameters, picture: str) -> Json:
         context.findings.lost(parameters.place, 'no equal of "portal" for a sky\'s picture')
     try:
         file = context.file(picture, parameters.place)
-        square = read_whole(file)
-        pixels = squares.latitudes(square)
+        shown = read_whole(file)
+        is_v3 = parameters.word("mapping", "equalarea") == "equirectangular"
+        pixels = (_from_azimuth_pi if is_v3 else squares.latitudes)(shown)
         with opened(file) as source:
             narrow = source.spec().format.basetype == oiio.HALF
     except UnusableImageError as error:
         raise InputError.at(parameters.place, str(error)) from None
-    measured = squares.illuminance(square)
+    # pbrt-v3 has no illuminance.
+    measured = 0.0 if is_v3 else squares.illuminance(shown)
     if not measured > 0:
         parameters.take("illuminance")
     elif parameters.has("illuminance"):
@@ -82,6 +85,14 @@ def _sky(context: Context, parameters: Parameters, picture: str) -> Json:
         "up": axes[:, 2].tolist(),
         "forward": axes[:, 0].tolist(),
     }
+
+
+def _from_azimuth_pi(pixels: NDArray[np.float32]) -> squares.Array:
+    """Rows from azimuth pi to -pi, as `squares.latitudes` has them, of pbrt-v3's from 0 to 2 pi.
+
+    Source: InfiniteAreaLight::Le in src/lights/infinite.cpp of pbrt-v3.
+    """
+    return np.roll(pixels[:, ::-1], pixels.shape[1] // 2, axis=1).astype(np.float64)
 
 
 def _ends(context: Context, parameters: Parameters) -> tuple[np.ndarray, np.ndarray]:

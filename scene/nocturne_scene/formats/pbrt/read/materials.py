@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.formats.pbrt.read import spectra
+from nocturne_scene.formats.pbrt.read import old_materials, spectra
 from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.parameters import Parameter, Parameters
 from nocturne_scene.formats.reading import colours, metals
@@ -229,4 +229,12 @@ _MATERIALS: dict[str, Callable[[Context, Parameters], Json]] = {
     "": _interface,
     "none": _interface,
     "mix": _mix,
+    # Of pbrt-v3 alone.
+    "plastic": old_materials.plastic,
+    "substrate": old_materials.substrate,
+    "uber": old_materials.uber,
+    "mirror": old_materials.mirror,
+    "translucent": old_materials.translucent,
+    "disney": old_materials.disney,
+    "kdsubsurface": old_materials.opaque,
 }

@@ -27,6 +27,14 @@ def _end(reader: Reader, stream: Stream, place: str) -> None:
     reader.context.state = reader.saved.pop()
 
 
+def _end_transform(reader: Reader, stream: Stream, place: str) -> None:
+    """In pbrt-v3 all but the transformation stays (src/core/api.cpp); in pbrt-v4 it is an AttributeEnd."""
+    now = reader.context.state
+    _end(reader, stream, place)
+    if reader.context.is_old:
+        reader.context.state = replace(now, transform=reader.context.state.transform)
+
+
 def _begin_object(reader: Reader, stream: Stream, place: str) -> None:
     name = stream.string(place)
     if reader.recording is not None or name in reader.objects:
@@ -79,7 +87,7 @@ DIRECTIVES: dict[str, Directive] = {
     "AttributeBegin": _begin,
     "AttributeEnd": _end,
     "TransformBegin": _begin,
-    "TransformEnd": _end,
+    "TransformEnd": _end_transform,
     "ObjectBegin": _begin_object,
     "ObjectEnd": _end_object,
     "ObjectInstance": _instance,

@@ -12,6 +12,8 @@ from nocturne_scene.formats.reading.findings import Findings
 _T = TypeVar("_T")
 
 _NUMBERS = ("float", "integer", "rgb", "blackbody", "normal", "normal3")
+# Of pbrt-v3 alone.
+_OLD = ("color", "xyz")
 _VECTORS = ("point", "point2", "point3", "vector", "vector2", "vector3")
 _WORDS = ("string", "texture", "bool", "spectrum")
 # In letters of either case, as programs in Python write them.
@@ -94,7 +96,7 @@ class Stream:
         while self.ahead is not None and self.ahead.kind == "string":
             declared = self.take(place)
             kind, name = [*declared.text.split(), "", ""][:2]
-            if not name or kind not in (*_NUMBERS, *_VECTORS, *_WORDS):
+            if not name or kind not in (*_NUMBERS, *_OLD, *_VECTORS, *_WORDS):
                 raise InputError.at(declared.place, f'expected "type name", found "{declared.text[:60]}"')
             found.append(Parameter(kind, name, self._values(kind, declared.place), declared.place))
         return found

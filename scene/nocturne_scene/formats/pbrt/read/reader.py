@@ -8,11 +8,12 @@ from nocturne_scene.errors import InputError
 from nocturne_scene.formats.pbrt.read.context import Context, State
 from nocturne_scene.formats.pbrt.read.parameters import Parameter, Parameters, Stream
 from nocturne_scene.formats.pbrt.read.tokens import read_lines, tokens
+from nocturne_scene.formats.pbrt.read.upgrade import upgrade
 from nocturne_scene.formats.reading.findings import TooLarge
 from nocturne_scene.formats.reading.transforms import Matrix
 
 # Directives of former versions.
-_OLD = ("WorldEnd", "SurfaceIntegrator", "VolumeIntegrator", "Renderer", "Volume")
+_OLD = ("Volume", "SearchPath")
 _MAX_INCLUDES = 16
 # Directives of a scene, those of included files each time.
 _MAX_DIRECTIVES = 20_000_000
@@ -41,6 +42,7 @@ class Reader:
     groups: dict[str, str] = field(default_factory=dict)
     recording: str | None = None
     in_world: bool = False
+    ended: bool = False
     count: int = 0
     recorded: int = 0
 
@@ -52,7 +54,7 @@ class Reader:
         if len(opened) >= _MAX_INCLUDES:
             raise InputError.at(shown, f"files are included more than {_MAX_INCLUDES} deep")
         stream = Stream(tokens(read_lines(file, shown), shown))
-        while stream.ahead is not None:
+        while stream.ahead is not None and not self.ended:
             token = stream.take(shown)
             self.count += 1
             if self.count > _MAX_DIRECTIVES:
@@ -60,7 +62,7 @@ class Reader:
             if token.kind != "word" or (
                 token.text not in self.directives and token.text not in ("Include", "Import")
             ):
-                old = " of pbrt-v4: the file is of pbrt-v3 or before; `pbrt --upgrade` rewrites it"
+                old = " of pbrt-v4 or pbrt-v3: the file is of pbrt-v2 or before"
                 hint = old if token.text in _OLD else ""
                 raise InputError.at(token.place, f'no directive "{token.text[:40]}"{hint}')
             if token.text in ("Include", "Import"):
@@ -84,6 +86,7 @@ class Reader:
         """A plugin's name and its parameters, the defaults of `Attribute` first."""
         kind = stream.string(place)
         given = [*self.context.state.defaults.get(target, []), *stream.parameters(place)]
+        kind, given = upgrade(self.context, target, kind, given, place)
         return kind, self.context.parameters(f"{target} {kind}".strip(), place, given)
 
 

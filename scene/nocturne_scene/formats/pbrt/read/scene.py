@@ -10,6 +10,7 @@ from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.parameters import Parameters, Stream
 from nocturne_scene.formats.pbrt.read.reader import Directive, Reader, RecordedShape
 from nocturne_scene.formats.pbrt.read.shapes import add_surface, gathered
+from nocturne_scene.formats.pbrt.read.upgrade import upgrade
 from nocturne_scene.formats.reading import transforms
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.options import ImportOptions
@@ -29,6 +30,7 @@ def _shape(reader: Reader, stream: Stream, place: str) -> None:
     context = reader.context
     kind = stream.string(place)
     given = [*context.state.defaults.get("shape", []), *stream.parameters(place)]
+    kind, given = upgrade(context, "shape", kind, given, place)
     if not reader.in_world:
         raise InputError.at(place, "a shape before the world begins")
     if reader.recording is not None:
@@ -56,8 +58,11 @@ def _material(reader: Reader, stream: Stream, place: str) -> None:
 
 def _make_material(reader: Reader, stream: Stream, place: str) -> None:
     name = stream.string(place)
-    parameters = reader.context.parameters(f"material {name}", place, stream.parameters(place))
-    kind = parameters.word("type", "")
+    given = stream.parameters(place)
+    kind = next((str(each.values[0]) for each in given if each.name == "type" and each.values), "")
+    kind, given = upgrade(reader.context, "material", kind, given, place)
+    parameters = reader.context.parameters(f"material {name}", place, given)
+    parameters.ignore("type")
     kernel, normal_or_bump = _kernel(reader, kind, parameters)
     reader.context.materials[name] = (reader.context.writer.name("kernels", name, kernel), normal_or_bump)
 
@@ -66,13 +71,19 @@ def _named_material(reader: Reader, stream: Stream, place: str) -> None:
     name = stream.string(place)
     if name not in reader.context.materials:
         known = ", ".join(sorted(reader.context.materials)[:20]) or "none"
-        raise InputError.at(place, f'no material "{name[:80]}"; known: {known}')
+        message = f'no material "{name[:80]}"; known: {known}'
+        if reader.context.is_old:
+            # pbrt-v3 says so and keeps the one of before: src/core/api.cpp.
+            reader.context.findings.lost(place, message)
+            return
+        raise InputError.at(place, message)
     reader.context.state.material, reader.context.state.normal_or_bump = reader.context.materials[name]
 
 
 def _texture(reader: Reader, stream: Stream, place: str) -> None:
     name, kind = stream.string(place), stream.string(place)
     plugin, parameters = reader.plugin("texture", stream, place)
+    kind = "spectrum" if kind == "color" else kind  # pbrt-v3's word
     with reader.context.findings.leaving_out():
         spectra.add_texture(reader.context, name, kind, plugin, parameters)
 
@@ -86,12 +97,14 @@ def _light(reader: Reader, stream: Stream, place: str) -> None:
 def _area_light(reader: Reader, stream: Stream, place: str) -> None:
     kind = stream.string(place)
     given = [*reader.context.state.defaults.get("light", []), *stream.parameters(place)]
+    kind, given = upgrade(reader.context, "area light", kind, given, place)
     reader.context.state.area_light = (kind, given, place)
 
 
 def _make_medium(reader: Reader, stream: Stream, place: str) -> None:
     name = stream.string(place)
-    parameters = reader.context.parameters(f"medium {name}", place, stream.parameters(place))
+    _, given = upgrade(reader.context, "medium", "", stream.parameters(place), place)
+    parameters = reader.context.parameters(f"medium {name}", place, given)
     with reader.context.findings.leaving_out():
         media.add_medium(reader.context, name, parameters)
 
@@ -139,6 +152,14 @@ def _setting(target: str, add: Callable[[Context, str, Parameters], None]) -> Di
     return directive
 
 
+def _end_world(reader: Reader, stream: Stream, place: str) -> None:
+    """What follows is another image of pbrt-v3's."""
+    reader.context.is_old = True
+    reader.ended = True
+    if stream.ahead is not None:
+        reader.context.findings.lost(stream.ahead.place, "no equal of what follows the end of the world")
+
+
 def _nothing(context: Context, kind: str, parameters: Parameters) -> None:
     """What speeds pbrt up changes no image."""
 
@@ -153,10 +174,14 @@ _DIRECTIVES: dict[str, Directive] = {
     "Sampler": _setting("sampler", camera.add_sampler),
     "Integrator": _setting("integrator", camera.add_integrator),
     "PixelFilter": _setting("filter", camera.add_filter),
+    "SurfaceIntegrator": _setting("integrator", camera.add_integrator),  # pbrt-v2's word
+    "VolumeIntegrator": _setting("integrator", _nothing),
+    "Renderer": _setting("renderer", _nothing),
     "Accelerator": _setting("accelerator", _nothing),
     "Option": _option,
     "ColorSpace": _colour_space,
     "WorldBegin": _begin_world,
+    "WorldEnd": _end_world,
     "Attribute": _attribute,
     "Shape": _shape,
     "Material": _material,
