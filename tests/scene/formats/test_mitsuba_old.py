@@ -1,4 +1,7 @@
-"""Scenes of Mitsuba 0.x: the same documents as of scenes that say the same in the words of Mitsuba 3."""
+"""Scenes of Mitsuba 0.x: the same documents as of scenes that say the same in the words of Mitsuba 3.
+
+One file, though long: a short test for each plugin or word.
+"""
 
 import json
 import math
@@ -299,6 +302,16 @@ def test_a_coating_loses_what_it_sends_back(tmp_path: Path) -> None:
     assert base / (1 - base * smooth_coat(1.7).inside) == pytest.approx(0.6)
 
 
+def test_glass_that_lets_nothing_through(tmp_path: Path) -> None:
+    """It reflects by Fresnel's equations, over black."""
+    kernel = old_kernel(
+        tmp_path,
+        '<bsdf type="dielectric"><float name="intIOR" value="1.5"/><float name="extIOR" value="1"/>'
+        '<rgb name="specularTransmittance" value="0, 0, 0"/></bsdf>',
+    )
+    assert kernel == {"type": "coated_diffuse", "index": 1.5, "reflectance": 0.0}
+
+
 def test_a_coloured_metal_has_its_colour_at_normal_incidence(tmp_path: Path) -> None:
     kernel = old_kernel(
         tmp_path,
@@ -308,6 +321,42 @@ def test_a_coloured_metal_has_its_colour_at_normal_incidence(tmp_path: Path) -> 
     assert kernel["index"]["n"] == 1.0
     k = dict(kernel["index"]["k"]["table"])
     assert k[450] ** 2 / (4 + k[450] ** 2) < 0.25 < 0.6 < k[640] ** 2 / (4 + k[640] ** 2) < 0.85
+
+
+def test_the_sun_stands_where_the_hour_says(tmp_path: Path) -> None:
+    """In Tokyo, the default, on July 10: at noon 90 - 35.69 + 22.2 degrees high, to the south (+z)."""
+    document, _ = old(
+        tmp_path,
+        f'{SPHERE}<emitter type="sun"><float name="hour" value="11.77"/>'
+        '<float name="sunRadiusScale" value="4"/></emitter>',
+        light="studio",
+    )
+    [disc] = document["distant"]
+    x, y, z = disc["direction"]
+    assert np.degrees(np.arcsin(y)) == pytest.approx(76.5, abs=0.2)
+    assert (abs(x) < 0.02, z > 0.2) == (True, True)
+    assert disc["angular_diameter_degrees"] == pytest.approx(4 * 0.5358)
+
+
+def test_a_sky_lights_the_ground_as_in_0_6(tmp_path: Path) -> None:
+    """16,778 lx with the Sun 45 degrees high and a turbidity of 3: by the program of 0.6, 2026-11-29."""
+    document, found = old(
+        tmp_path,
+        f'{SPHERE}<emitter type="sky"><vector name="sunDirection" x="1" y="1" z="0"/>'
+        '<float name="scale" value="2"/></emitter>',
+    )
+    sky = document["environment"]
+    assert (sky["up"], sky["forward"]) == ([0, 1, 0], [0, 0, 1])
+    pixels = np.asarray(oiio.ImageBuf(str(found.document.parent / sky["asset"])).get_pixels())
+    rows = len(pixels)
+    zenith = (np.arange(rows) + 0.5) * np.pi / rows
+    luminance = sky["luminance"] * pixels @ np.array([0.2126, 0.7152, 0.0722])
+    weights = np.maximum(np.cos(zenith), 0) * np.sin(zenith) * (np.pi / rows) ** 2
+    assert float(luminance.sum(axis=1) @ weights) == pytest.approx(2 * 16_778, rel=0.015)
+    # Brightest around the Sun, in the east: a quarter of the picture to the right of north.
+    row, column = np.unravel_index(np.argmax(luminance), luminance.shape)
+    assert [row / rows, column / rows] == pytest.approx([0.25, 0.5], abs=0.02)
+    assert not luminance[rows // 2 :].any()
 
 
 @pytest.mark.parametrize(

@@ -149,7 +149,14 @@ def _roughness(context: Context, properties: Properties) -> Json:
 
 
 def _dielectric(context: Context, properties: Properties) -> Bsdf:
-    _scales(context, properties, "specular_reflectance", "specular_transmittance")
+    _scales(context, properties, "specular_reflectance")
+    passing = textures.colour(context, properties, "specular_transmittance", 1.0)
+    if passing == 0.0:
+        # What goes in is lost, as under a coat over black.
+        index = _relative_index(context, properties)
+        return Bsdf({"type": "coated_diffuse", "index": index, "reflectance": 0.0})
+    if passing != 1.0:
+        context.findings.lost(properties.place, 'no equal of "specular_transmittance" other than 0 and 1')
     return Bsdf({"type": "dielectric", "index": _relative_index(context, properties)})
 
 

@@ -10,6 +10,7 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read import spectra, textures
 from nocturne_scene.formats.mitsuba.read.context import Context
+from nocturne_scene.formats.mitsuba.read.daylight import add_daylight
 from nocturne_scene.formats.mitsuba.read.elements import Element
 from nocturne_scene.formats.mitsuba.read.properties import Properties
 from nocturne_scene.formats.mitsuba.read.sensors import vertical_field
@@ -239,6 +240,13 @@ def _sky(context: Context, file: Path) -> str:
     return context.writer.picture("sky", pixels if is_linear else decoded(pixels), narrow=True)
 
 
+def _daylight(context: Context, properties: Properties) -> None:
+    """What an upgrade makes of the emitters sky, sun and sunsky of Mitsuba 0.x."""
+    environment = add_daylight(context, properties)
+    if environment is not None:
+        _set_environment(context, properties, environment)
+
+
 _EMITTERS: dict[str, Callable[[Context, Properties], None]] = {
     "constant": _constant,
     "envmap": _envmap,
@@ -246,4 +254,5 @@ _EMITTERS: dict[str, Callable[[Context, Properties], None]] = {
     "projector": _projector,
     "spot": _spot,
     "directional": _directional,
+    "daylight": _daylight,
 }

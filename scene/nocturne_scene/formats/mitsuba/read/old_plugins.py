@@ -92,6 +92,12 @@ def _envmap(old: Old) -> None:
         old.note(f"environment maps of gamma {gamma:g} are decoded as their files say")
 
 
+def _daylight(old: Old) -> None:
+    """emitters/sky.cpp, sun.cpp, sunsky.cpp: Mitsuba 3's of the same names have other axes."""
+    old.add("string", "parts", old.element.type)
+    old.element.attributes["type"] = "daylight"
+
+
 def _medium(old: Old) -> None:
     """medium/materials.h: coefficients of scattering and absorption, or those of Mitsuba 3."""
     if old.element.type == "heterogeneous":
@@ -141,6 +147,9 @@ RULES: dict[tuple[str, str], Callable[[Old], None]] = {
     ("shape", ""): _shape,
     ("subsurface", ""): _subsurface,
     ("emitter", "envmap"): _envmap,
+    ("emitter", "sky"): _daylight,
+    ("emitter", "sun"): _daylight,
+    ("emitter", "sunsky"): _daylight,
     ("medium", ""): _medium,
     ("volume", "gridvolume"): _grid,
     ("phase", "mixturephase"): _mixture_of_phases,
