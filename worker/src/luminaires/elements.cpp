@@ -41,6 +41,7 @@ ElementBounds empty_bounds(const Emission& emission) {
 }
 
 Vec3 between(Vec3 a, Vec3 b, float t) { return a + t * (b - a); }
+Double3 between(Double3 a, Double3 b, float t) { return a + double{t} * (b - a); }
 
 }  // namespace
 
@@ -65,9 +66,10 @@ void Elements::add_patch(std::span<const std::array<Vec3, 3>> corners, bool tria
       check(v);
       extend(bounds, v);
     }
-    states.push_back(Patch::make(c[0], c[1] - c[0], c[2] - c[0], triangle, emission.two_sided));
+    states.push_back(Patch::make(c[0], Double3(c[1]) - Double3(c[0]), Double3(c[2]) - Double3(c[0]),
+                                 triangle, emission.two_sided));
     const Patch& patch = states.back();
-    if (!triangle) extend(bounds, c[1] + patch.edge_v);
+    if (!triangle) extend(bounds, (Double3(c[1]) + patch.edge_v).rounded());
     area = patch.has_area() ? patch.area() : 0.0f;
     if (area > largest_area) {
       largest_area = area;

@@ -25,7 +25,7 @@ struct NearView {
 
   static NearView make(const Patch& p, Vec3 position) {
     const auto towards = [&](double u, double v) {
-      const auto coordinate = [&](float c, float eu, float ev, float from) {
+      const auto coordinate = [&](float c, double eu, double ev, float from) {
         return c + u * eu + v * ev - from;
       };
       return normalized(DVec3{coordinate(p.corner.x, p.edge_u.x, p.edge_v.x, position.x),
@@ -45,17 +45,18 @@ struct NearView {
 
 }  // namespace
 
-Patch Patch::make(Vec3 corner, Vec3 edge_u, Vec3 edge_v, bool triangle, bool two_sided) {
-  const Vec3 n = cross(edge_u, edge_v);
-  const float n2 = dot(n, n);
-  Patch p{corner, edge_u, edge_v, n, {}, {}, {}, {}, 0.0f, -1.0f, triangle, two_sided};
-  p.centre = corner + (triangle ? 1.0f / 3.0f : 0.5f) * (edge_u + edge_v);
-  const float inverse = 1.0f / n2;
-  if (!(n2 > 0.0f) || !std::isfinite(inverse)) return p;  // no area
+Patch Patch::make(Vec3 corner, Double3 edge_u, Double3 edge_v, bool triangle, bool two_sided) {
+  const Double3 n = cross(edge_u, edge_v);
+  Patch p{corner, edge_u, edge_v, n, {}, {}, n.rounded(), {}, {}, 0.0f, -1.0f, triangle, two_sided};
+  p.centre = (Double3(corner) + (triangle ? 1.0 / 3.0 : 0.5) * (edge_u + edge_v)).rounded();
+  const float n2 = dot(p.normal, p.normal);
+  if (!(n2 > 0.0f) || !std::isfinite(1.0f / n2)) return p;  // no area
+  const double inverse = 1.0 / dot(n, n);
   p.dual_u = inverse * cross(edge_v, n);
   p.dual_v = inverse * cross(n, edge_u);
-  p.unit_normal = normalized(n);
-  p.longest_edge = std::max({max_abs(edge_u), max_abs(edge_v), max_abs(edge_v - edge_u)});
+  p.unit_normal = (std::sqrt(inverse) * n).rounded();
+  p.longest_edge =
+      static_cast<float>(std::max({max_abs(edge_u), max_abs(edge_v), max_abs(edge_v - edge_u)}));
   p.near2 = kNearAreas * p.area();
   return p;
 }
@@ -69,7 +70,8 @@ std::optional<ElementSample> Patch::draw_near(Vec3 position, float u1, float u2)
                               : target / view.first_angle;
   const DVec3 d = (second_one ? view.second : view.first).sample(u, u2);
   const Vec3 direction{static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z)};
-  float distance = dot(corner - position, normal) / dot(direction, normal);
+  auto distance = static_cast<float>(dot(Double3(corner) - Double3(position), across) /
+                                     dot(Double3(direction), across));
   if (!(distance > 0.0f)) distance = std::numeric_limits<float>::infinity();
   return ElementSample{direction, static_cast<float>(1.0 / view.total), distance,
                        meet(position + distance * direction, distance)};

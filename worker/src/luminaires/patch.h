@@ -8,23 +8,27 @@
 #include <optional>
 
 #include "luminaires/on_half_line.h"
-#include "math/vec3.h"
+#include "math/double3.h"
 #include "surfaces/hit.h"
 
 namespace nocturne {
 
 struct Patch {
-  // corner + u edge_u + v edge_v; u, v in [0, 1], for a triangle also u + v <= 1.
-  Vec3 corner, edge_u, edge_v;
-  Vec3 normal;          // edge_u x edge_v: the side that emits
-  Vec3 dual_u, dual_v;  // u = q . dual_u for q in the plane, from the corner
+  // corner + u edge_u + v edge_v; u, v in [0, 1], for a triangle also u + v <= 1. In double
+  // precision what a needle's width is small beside: else its plane is turned off its corners, and
+  // neighbours overlap.
+  Vec3 corner;
+  Double3 edge_u, edge_v;
+  Double3 across;          // edge_u x edge_v: the side that emits
+  Double3 dual_u, dual_v;  // u = q . dual_u for q in the plane, from the corner
+  Vec3 normal;             // the same as across
   Vec3 centre;
   Vec3 unit_normal;
   float longest_edge;
   float near2;  // square of the distance up to which solid angle is used; < 0: no area
   bool triangle, two_sided;
 
-  static Patch make(Vec3 corner, Vec3 edge_u, Vec3 edge_v, bool triangle, bool two_sided);
+  static Patch make(Vec3 corner, Double3 edge_u, Double3 edge_v, bool triangle, bool two_sided);
 
   bool has_area() const { return near2 > 0.0f; }
   float area() const { return (triangle ? 0.5f : 1.0f) * length(normal); }
@@ -44,7 +48,7 @@ struct Patch {
       u = 1.0f - root;
       v = u2 * root;
     }
-    const Vec3 point = corner + u * edge_u + v * edge_v;
+    const Vec3 point = (Double3(corner) + u * edge_u + v * edge_v).rounded();
     const Vec3 to = point - position;
     const float distance = length(to);
     const Vec3 direction = (1.0f / distance) * to;
@@ -67,16 +71,11 @@ struct Patch {
     if (!two_sided && towards >= 0.0f) return {};
     // In double precision: from afar float would leave gaps between the triangles of a small lamp,
     // and a direction drawn into one would have no density.
-    const double tx = double{corner.x} - position.x, ty = double{corner.y} - position.y,
-                 tz = double{corner.z} - position.z;
-    const auto product = [](double x, double y, double z, Vec3 b) {
-      return x * b.x + y * b.y + z * b.z;
-    };
-    const double t = product(tx, ty, tz, normal) /
-                     product(double{direction.x}, direction.y, direction.z, normal);
+    const Double3 to_corner = Double3(corner) - Double3(position), along(direction);
+    const double t = dot(to_corner, across) / dot(along, across);
     if (!(t > 0.0) || std::isinf(t)) return {};  // behind, or parallel (NaN and infinity)
-    const double qx = t * direction.x - tx, qy = t * direction.y - ty, qz = t * direction.z - tz;
-    const double u = product(qx, qy, qz, dual_u), v = product(qx, qy, qz, dual_v);
+    const Double3 q = t * along - to_corner;
+    const double u = dot(q, dual_u), v = dot(q, dual_v);
     if (!(u >= 0.0 && v >= 0.0) || (triangle ? u + v > 1.0 : (u > 1.0 || v > 1.0))) return {};
     const auto distance = static_cast<float>(t);
     const Vec3 to_centre = centre - position;

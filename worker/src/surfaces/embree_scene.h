@@ -54,7 +54,9 @@ struct EmbreeScene {
                     direction, found, time);
     }
     const Shape& shape = shapes[found.surface];
-    if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) return locate(*mesh, found, time);
+    if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
+      return locate(*mesh, origin, direction, found, time);
+    }
     return locate(std::get<Sphere>(shape), origin, direction, found, time);
   }
 

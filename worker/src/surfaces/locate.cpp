@@ -1,5 +1,8 @@
 #include "surfaces/locate.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "surfaces/octahedron.h"
 #include "surfaces/sphere_intersection.h"
 
@@ -28,16 +31,21 @@ Hit in_scene(const Placement& placement, Double3 position, Double3 normal, doubl
           .v = found.v};
 }
 
-Hit locate_in_group(const TriangleMesh& mesh, const Placement& placement, const Found& found,
-                    float time) {
+Hit locate_in_group(const TriangleMesh& mesh, const Placement& placement, Double3 origin,
+                    Double3 direction, Found found, float time) {
   const Corners corners = corners_at(mesh, mesh.vertices, found.primitive, time);
   const Double3 a = corners.a;
   const Double3 ab = Double3(corners.b) - a, ac = Double3(corners.c) - a;
+  const Double3 n = cross(ab, ac);
+  const double twice_the_area = length(n), edge = std::fmax(max_abs(ab), max_abs(ac));
+  if (is_needle(edge, twice_the_area)) {
+    find_again(a, ab, ac, n, placement.point_to_group(origin), placement.inverse * direction,
+               found);
+  }
   const Double3 position =
       a + static_cast<double>(found.u) * ab + static_cast<double>(found.v) * ac;
-  const Double3 n = cross(ab, ac);
-  const double reach = max_abs(position) + std::fmax(max_abs(ab), max_abs(ac));
-  return in_scene(placement, position, (1.0 / length(n)) * n, kClearanceUnits * reach, found);
+  return in_scene(placement, position, (1.0 / twice_the_area) * n,
+                  kClearanceUnits * (max_abs(position) + edge), found);
 }
 
 Hit locate_in_group(const Sphere& sphere, const Placement& placement, Double3 origin,
@@ -56,6 +64,18 @@ Hit locate_in_group(const Sphere& sphere, const Placement& placement, Double3 or
 }
 
 }  // namespace
+
+void find_again(Double3 a, Double3 ab, Double3 ac, Double3 across, Double3 origin,
+                Double3 direction, Found& found) {
+  const Double3 from_a = origin - a;
+  const Double3 q = from_a - (dot(across, from_a) / dot(across, direction)) * direction;
+  const double inverse = 1.0 / dot(across, across);
+  const double u = inverse * dot(cross(q, ac), across), v = inverse * dot(cross(ab, q), across);
+  if (!std::isfinite(u) || !std::isfinite(v)) return;  // along its plane
+  // Where that is a little beside it, the nearest that is on it.
+  found.u = static_cast<float>(std::clamp(u, 0.0, 1.0));
+  found.v = static_cast<float>(std::clamp(v, 0.0, 1.0 - double{found.u}));
+}
 
 Hit locate(const Sphere& sphere, Double3 origin, Double3 direction, const Found& found,
            float time) {
@@ -77,7 +97,7 @@ Hit locate(const Sphere& sphere, Double3 origin, Double3 direction, const Found&
 Hit locate(const Shape& shape, const Placement& placement, Double3 origin, Double3 direction,
            const Found& found, float time) {
   if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
-    return locate_in_group(*mesh, placement, found, time);
+    return locate_in_group(*mesh, placement, origin, direction, found, time);
   }
   return locate_in_group(std::get<Sphere>(shape), placement, origin, direction, found, time);
 }

@@ -1,7 +1,7 @@
 // From what a search found to the hit: position, normal and clearance.
 #pragma once
 
-#include "math/ray.h"
+#include "math/double3.h"
 #include "surfaces/hit.h"
 #include "surfaces/instance.h"
 #include "surfaces/shapes.h"
@@ -15,25 +15,44 @@ struct Found {
   float u, v, distance;
 };
 
+/// Whether a search's barycentric coordinates may be of no use: what they are off by along the
+/// longest edge grows with that over the triangle's width. `across` is the length of the product of
+/// two edges, the longer of which is `edge` m long.
+inline bool is_needle(double edge, double across) {
+  constexpr double kLongest = 32.0;  // widths: more than a mesh of a ball has at its poles
+  return edge * edge > kLongest * across;
+}
+
+/// Those of the point where the line crosses the plane of a needle, by its first corner, the edges
+/// from there and their product.
+void find_again(Double3 a, Double3 ab, Double3 ac, Double3 across, Double3 origin,
+                Double3 direction, Found& found);
+
 /// A triangle in the scene itself, by its corners: the hot path. The point comes from the
 /// barycentric coordinates: its error depends on the triangle's coordinates, not on the ray's
-/// length.
-inline Hit locate(const Corners& p, const Found& found) {
-  const Vec3 ab = p.b - p.a, ac = p.c - p.a;
-  const Vec3 position = p.a + found.u * ab + found.v * ac;
+/// length. The line is the ray's.
+inline Hit locate(const Corners& p, Double3 origin, Double3 direction, Found found) {
+  const Double3 ab = Double3(p.b) - Double3(p.a), ac = Double3(p.c) - Double3(p.a);
+  const Double3 n = cross(ab, ac);
+  const double twice_the_area = length(n), edge = std::fmax(max_abs(ab), max_abs(ac));
+  if (is_needle(edge, twice_the_area)) [[unlikely]] {
+    find_again(p.a, ab, ac, n, origin, direction, found);
+  }
+  const Vec3 position = (Double3(p.a) + double{found.u} * ab + double{found.v} * ac).rounded();
   return {.position = position,
-          .normal = normalized(cross(ab, ac)),
+          .normal = ((1.0 / twice_the_area) * n).rounded(),
           .surface = found.surface,
           .distance = found.distance,
-          .clearance = kClearanceUnits * (max_abs(position) + std::max(max_abs(ab), max_abs(ac))),
+          .clearance = kClearanceUnits * (max_abs(position) + static_cast<float>(edge)),
           .instance = Hit::kNoInstance,
           .primitive = found.primitive,
           .u = found.u,
           .v = found.v};
 }
 
-inline Hit locate(const TriangleMesh& mesh, const Found& found, float time) {
-  return locate(corners_at(mesh, mesh.vertices, found.primitive, time), found);
+inline Hit locate(const TriangleMesh& mesh, Double3 origin, Double3 direction, const Found& found,
+                  float time) {
+  return locate(corners_at(mesh, mesh.vertices, found.primitive, time), origin, direction, found);
 }
 
 /// A sphere in the scene itself. The line is the ray's.

@@ -184,7 +184,8 @@ void intersect_tree(const EmbreeScene& scene, std::span<const TimedRay> rays,
       Found found{surface, Hit::kNoInstance, number, u, v, distance};
       switch (Tree::kind(what)) {
         case Tree::Kind::kTriangles:
-          return locate(Tree::corners(block.triangles, triangle_of(what)), found);
+          return locate(Tree::corners(block.triangles, triangle_of(what)), ray.origin,
+                        ray.direction, found);
         case Tree::Kind::kInstance:
           found.instance = block.alone.number;
           found.surface = walk.in_group.surface;
