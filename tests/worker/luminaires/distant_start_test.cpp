@@ -60,14 +60,14 @@ double density(const Frame& frame, double x, double y) {
 }
 
 TEST(DistantStart, DrawsPlacesByTheirDensity) {
-  const DistantStart start(elements(kAims), kScene);
+  const DistantStart start(elements(kAims));
   constexpr int kCells = 40, kParts = 20;
   constexpr double kHalf = 7.0, kCell = 2.0 * kHalf / kCells;
   for (const Vec3 towards : {Vec3{0, 0, 1}, normalized({-1, 2, 0.5f})}) {
     const Frame frame(towards);
     std::vector<double> observed(kCells * kCells), expected(kCells * kCells);
     for (std::uint32_t i = 0; i < kDraws; ++i) {
-      const auto drawn = start.sample(towards, kAimed, numbers(i));
+      const auto drawn = start.sample(towards, kScene, kAimed, numbers(i));
       EXPECT_NEAR(dot(drawn.origin - kScene.centre, towards), kScene.radius, 1e-5f);
       const auto [x, y] = across(frame, drawn.origin);
       const double claimed = static_cast<double>(drawn.pdf), truth = density(frame, x, y);
@@ -94,12 +94,12 @@ TEST(DistantStart, DrawsPlacesByTheirDensity) {
 // of the scene's disc alone, which would weigh ten thousand times as much.
 TEST(DistantStart, NoDrawFallsOffTheRimOfASmallBall) {
   const std::vector<Aim> one{{{4, -1, 2}, 1e-4f, 1.0f}};
-  const DistantStart start(elements(one), kScene);
+  const DistantStart start(elements(one));
   const float least = kAimed / (kPi * 1e-8f);
   for (std::uint32_t i = 0; i < 10'000; ++i) {
     Uniform4 u = numbers(i);
     u[2] *= kAimed;
-    EXPECT_GT(start.sample(normalized({1, 1, 1}), kAimed, u).pdf, 0.9f * least);
+    EXPECT_GT(start.sample(normalized({1, 1, 1}), kScene, kAimed, u).pdf, 0.9f * least);
   }
 }
 
@@ -107,18 +107,18 @@ TEST(DistantStart, ManyAimsAreOneBall) {
   std::vector<Aim> many;
   for (int i = 0; i < 65; ++i)
     many.push_back({{1.0f + 0.01f * static_cast<float>(i), 2, 3}, 0.1f, 1.0f});
-  const DistantStart start(elements(many), kScene);
+  const DistantStart start(elements(many));
   Uniform4 aimed = numbers(0);
   aimed[2] = 0.0f;
   const float half = 0.5f * length(Vec3{0.84f, 0.2f, 0.2f});
-  EXPECT_NEAR(start.sample({0, 0, 1}, kAimed, aimed).pdf,
+  EXPECT_NEAR(start.sample({0, 0, 1}, kScene, kAimed, aimed).pdf,
               (1.0f - kAimed) / (kPi * 25.0f) + kAimed / (kPi * half * half), 1e-3f);
 }
 
 TEST(DistantStart, WithoutAimsAllOfTheDiscIsAlike) {
-  const DistantStart start(elements({}), kScene);
+  const DistantStart start(elements({}));
   for (std::uint32_t i = 0; i < 100; ++i) {
-    EXPECT_FLOAT_EQ(start.sample({0, 1, 0}, kAimed, numbers(i)).pdf, 1.0f / (kPi * 25.0f));
+    EXPECT_FLOAT_EQ(start.sample({0, 1, 0}, kScene, kAimed, numbers(i)).pdf, 1.0f / (kPi * 25.0f));
   }
 }
 

@@ -32,7 +32,7 @@ struct TwoLamps {
   }
 
   std::optional<Emitted<1>> emit(float coarse, float fine) const {
-    return emitter.emit<1>(luminaires, lights, geometry, 0.0f, 0.0f, 550.0f,
+    return emitter.emit<1>(luminaires, lights, geometry, geometry.bounds(), 0.0f, 0.0f, 550.0f,
                            {0.3f, 0.4f, coarse, fine}, {0.2f, 0.6f, 0.5f, 0.5f});
   }
 };
@@ -84,8 +84,9 @@ TEST(PhotonEmitter, ASphereInAnInstanceEmitsAsTheEllipsoidThatItIs) {
   for (int i = 0; i < kSteps * kSteps; ++i) {
     const float u = (static_cast<float>(i % kSteps) + 0.5f) / kSteps;
     const float v = (static_cast<float>(i / kSteps) + 0.5f) / kSteps;
-    const auto emitted = emitter.emit<1>(luminaires, lights, geometry, 0.0f, 0.0f, 550.0f,
-                                         {u, v, 0.3f, 0.7f}, {0.2f, 0.6f, 0.5f, 0.5f});
+    const auto emitted =
+        emitter.emit<1>(luminaires, lights, geometry, geometry.bounds(), 0.0f, 0.0f, 550.0f,
+                        {u, v, 0.3f, 0.7f}, {0.2f, 0.6f, 0.5f, 0.5f});
     ASSERT_TRUE(emitted);
     const Double3 p = Double3(emitted->ray.origin) - centre;
     ASSERT_NEAR(p.x * p.x / 4.0 + p.y * p.y + p.z * p.z, 1.0, 1e-4);

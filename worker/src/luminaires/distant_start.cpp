@@ -33,7 +33,7 @@ float area(const Geometry::Ball& ball) { return kPi * ball.radius * ball.radius;
 
 }  // namespace
 
-DistantStart::DistantStart(const Elements& important, Geometry::Ball bounds) : bounds_(bounds) {
+DistantStart::DistantStart(const Elements& important) {
   const std::size_t count = important.size();
   if (count == 0) return;
   if (count > kMostAims) {
@@ -49,20 +49,21 @@ DistantStart::DistantStart(const Elements& important, Geometry::Ball bounds) : b
   }
 }
 
-DistantStart::Start DistantStart::sample(Vec3 towards, float aimed, const Uniform4& u) const {
+DistantStart::Start DistantStart::sample(Vec3 towards, const Geometry::Ball& lit, float aimed,
+                                         const Uniform4& u) const {
   const Frame frame(towards);
   const Vec3 disc = CosineHemisphere::sample(u[0], u[1]);  // x, y uniform on the unit disc
   const Vec3 on_disc = disc.x * frame.tangent + disc.y * frame.bitangent;
   const auto from = [&](Vec3 from_middle, float pdf) {
-    return Start{bounds_.centre + bounds_.radius * towards + from_middle, pdf};
+    return Start{lit.centre + lit.radius * towards + from_middle, pdf};
   };
-  if (aims_.empty() || !(aimed > 0.0f)) return from(bounds_.radius * on_disc, 1.0f / area(bounds_));
+  if (aims_.empty() || !(aimed > 0.0f)) return from(lit.radius * on_disc, 1.0f / area(lit));
   const auto middle_of = [&](const Aim& aim) {
-    const Vec3 away = aim.ball.centre - bounds_.centre;
+    const Vec3 away = aim.ball.centre - lit.centre;
     return away - dot(away, towards) * towards;
   };
   std::size_t chosen = aims_.size();  // none
-  Vec3 from_middle = bounds_.radius * on_disc;
+  Vec3 from_middle = lit.radius * on_disc;
   if (u[2] < aimed) {
     chosen = 0;
     for (float rest = u[3]; chosen + 1 < aims_.size() && rest >= aims_[chosen].part; ++chosen) {
@@ -73,8 +74,8 @@ DistantStart::Start DistantStart::sample(Vec3 towards, float aimed, const Unifor
   const auto within = [](Vec3 offset, float radius) {
     return dot(offset, offset) <= radius * radius;
   };
-  const bool anywhere = chosen == aims_.size() || within(from_middle, bounds_.radius);
-  float pdf = anywhere ? (1.0f - aimed) / area(bounds_) : 0.0f;
+  const bool anywhere = chosen == aims_.size() || within(from_middle, lit.radius);
+  float pdf = anywhere ? (1.0f - aimed) / area(lit) : 0.0f;
   for (std::size_t i = 0; i < aims_.size(); ++i) {
     const Aim& aim = aims_[i];
     // What was drawn at a rim may be rounded off it.

@@ -16,19 +16,17 @@ namespace nocturne {
 class DistantStart {
  public:
   DistantStart() = default;
-  /// `bounds` holds the scene. Balls are put around the important shapes, one around all of many.
-  DistantStart(const Elements& important, Geometry::Ball bounds);
+  /// Balls are put around the important shapes, one around all of many.
+  explicit DistantStart(const Elements& important);
 
   struct Start {
     Vec3 origin;
     /// Of the place across the direction, 1/m2.
     float pdf;
   };
-  /// Of a photon that comes from `towards` (unit, away from the scene). The part `aimed`, in
-  /// [0, 1), flies towards a ball, where there are any.
-  Start sample(Vec3 towards, float aimed, const Uniform4& u) const;
-
-  const Geometry::Ball& bounds() const { return bounds_; }
+  /// Of a photon that comes from `towards` (unit, away from the scene). `lit` holds all that it is
+  /// to reach. The part `aimed`, in [0, 1), flies towards a ball, where there are any.
+  Start sample(Vec3 towards, const Geometry::Ball& lit, float aimed, const Uniform4& u) const;
 
  private:
   struct Aim {
@@ -36,7 +34,6 @@ class DistantStart {
     float part;
   };
 
-  Geometry::Ball bounds_{};
   std::vector<Aim> aims_;  // parts add up to one
 };
 

@@ -51,7 +51,10 @@ void PhotonEmitter::add_triangle(std::uint32_t luminaire, const Luminaire& what,
                                  std::vector<std::array<Vec3, 3>> corners, Triangle triangle) {
   // At its largest, so that what grows is not left to a few photons of large weight.
   float area = 0.0f;
-  for (const auto& [a, b, c] : corners) area = std::max(area, 0.5f * length(cross(b - a, c - a)));
+  for (const auto& [a, b, c] : corners) {
+    const double twice = length(cross(Double3(b) - Double3(a), Double3(c) - Double3(a)));
+    area = std::max(area, static_cast<float>(0.5 * twice));
+  }
   Element element{luminaire, area, {}, {}, triangle};
   for (const auto& moment : corners) {
     element.corners.insert(element.corners.end(), moment.begin(), moment.end());
@@ -74,7 +77,7 @@ void PhotonEmitter::add_sphere(std::uint32_t luminaire, const Luminaire& what, c
 }
 
 void PhotonEmitter::finish(const LightDirections& lights, Geometry::Ball bounds) {
-  distant_start_ = DistantStart(lights.important().elements(), bounds);
+  distant_start_ = DistantStart(lights.important().elements());
   const double disc_area = std::numbers::pi * bounds.radius * bounds.radius;
   for (const DistantDisc& disc : lights.discs()) {
     fluxes_.push_back(disc_area * disc.irradiance(disc.direction(), false));
@@ -159,18 +162,19 @@ PhotonEmitter::EmissionPoint PhotonEmitter::point_on(const Element& element,
   hit.instance = element.triangle.instance;
   hit.primitive = element.triangle.primitive;
   const Vec3 corner = corner_at(element.corners, 0, time);
-  const Vec3 edge_u = corner_at(element.corners, 1, time) - corner;
-  const Vec3 edge_v = corner_at(element.corners, 2, time) - corner;
+  const Double3 edge_u = Double3(corner_at(element.corners, 1, time)) - Double3(corner);
+  const Double3 edge_v = Double3(corner_at(element.corners, 2, time)) - Double3(corner);
   const float root = std::sqrt(u);
   hit.u = 1.0f - root;
   hit.v = v * root;
-  hit.position = corner + hit.u * edge_u + hit.v * edge_v;
-  const Vec3 across = cross(edge_u, edge_v);
-  const float twice_the_area = length(across);
-  hit.normal = (1.0f / twice_the_area) * across;
+  hit.position = (Double3(corner) + hit.u * edge_u + hit.v * edge_v).rounded();
+  const Double3 across = cross(edge_u, edge_v);
+  const double twice_the_area = length(across);
+  hit.normal = ((1.0 / twice_the_area) * across).rounded();
   hit.clearance =
-      kClearanceUnits * (max_abs(hit.position) + std::max(max_abs(edge_u), max_abs(edge_v)));
-  return {hit, 0.5f * twice_the_area};
+      kClearanceUnits *
+      (max_abs(hit.position) + static_cast<float>(std::max(max_abs(edge_u), max_abs(edge_v))));
+  return {hit, static_cast<float>(0.5 * twice_the_area)};
 }
 
 }  // namespace nocturne

@@ -32,6 +32,8 @@ struct Emitted {
   std::uint32_t luminaire;
   /// Of the luminaire there, W m-2 sr-1 nm-1.
   Spectral<N> radiance;
+  /// The point of a luminaire, as if it had been hit.
+  Hit from{};
 };
 
 class PhotonEmitter {
@@ -48,23 +50,24 @@ class PhotonEmitter {
   /// group; there it may be an ellipsoid.
   void add_sphere(std::uint32_t luminaire, const Luminaire& what, const Sphere& sphere,
                   const Geometry& geometry, std::uint32_t instance = Hit::kNoInstance);
-  /// After the last element. `bounds` holds the scene: distant light is emitted from a disc of its
-  /// size, outside it.
+  /// After the last element. `bounds` is about as large as what distant light is emitted towards.
   void finish(const LightDirections& lights, Geometry::Ball bounds);
 
   /// Time in [0, 1]; eight uniform numbers. The part `aimed` of the photons, in [0, 1), is
-  /// drawn towards the important shapes of `lights`, and all carry what that changes.
+  /// drawn towards the important shapes of `lights`, and all carry what that changes. `lit` holds
+  /// all that photons are to reach: distant light is emitted from a disc of its size, outside it.
   /// Empty where nothing is emitted from the drawn place.
   template <int N>
   std::optional<Emitted<N>> emit(std::span<const Luminaire> luminaires,
                                  const LightDirections& lights, const Geometry& geometry,
-                                 float aimed, float time, const Spectral<N>& wavelengths_nm,
-                                 const Uniform4& a, const Uniform4& b) const {
+                                 const Geometry::Ball& lit, float aimed, float time,
+                                 const Spectral<N>& wavelengths_nm, const Uniform4& a,
+                                 const Uniform4& b) const {
     if (cumulative_.empty()) return std::nullopt;
     const auto [chosen, probability, rest] = choose(a[2], a[3]);
     if (chosen >= elements_.size()) {
-      return emit_distant<N>(chosen - elements_.size(), lights.discs(), lights.environment(), aimed,
-                             wavelengths_nm, {a[0], a[1], a[2], rest}, b, probability);
+      return emit_distant<N>(chosen - elements_.size(), lights.discs(), lights.environment(), lit,
+                             aimed, wavelengths_nm, {a[0], a[1], a[2], rest}, b, probability);
     }
     const Element& element = elements_[chosen];
     const Luminaire& luminaire = luminaires[element.luminaire];
@@ -81,7 +84,8 @@ class PhotonEmitter {
     const DepartingRay leaves = geometry.depart(from, direction, time);
     const Spectral<N> radiance =
         luminaire.emitted(from.normal, direction, SurfacePoint{}, wavelengths_nm);
-    return Emitted<N>{leaves.ray, leaves.departure, scale * radiance, element.luminaire, radiance};
+    return Emitted<N>{leaves.ray,        leaves.departure, scale * radiance,
+                      element.luminaire, radiance,         from};
   }
 
  private:
@@ -128,10 +132,11 @@ class PhotonEmitter {
 
   template <int N>
   std::optional<Emitted<N>> emit_distant(std::size_t which, std::span<const DistantDisc> discs,
-                                         const std::optional<Environment>& environment, float aimed,
+                                         const std::optional<Environment>& environment,
+                                         const Geometry::Ball& lit, float aimed,
                                          const Spectral<N>& wavelengths_nm, const Uniform4& a,
                                          const Uniform4& b, float probability) const {
-    const LightSamplingContext anywhere{distant_start_.bounds().centre, {0, 0, 1}, true, 0.0f};
+    const LightSamplingContext anywhere{lit.centre, {0, 0, 1}, true, 0.0f};
     Vec3 towards;
     float pdf;
     Spectral<N> radiance;
@@ -147,7 +152,7 @@ class PhotonEmitter {
       radiance = environment->radiance(*drawn, wavelengths_nm);
     }
     if (!(pdf > 0.0f)) return std::nullopt;
-    const DistantStart::Start start = distant_start_.sample(towards, aimed, b);
+    const DistantStart::Start start = distant_start_.sample(towards, lit, aimed, b);
     return Emitted<N>{{start.origin, -towards},
                       {},
                       (1.0f / (start.pdf * pdf * probability)) * radiance,

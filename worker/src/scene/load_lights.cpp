@@ -9,7 +9,8 @@
 #include "scene/load_mesh.h"
 #include "scene/load_surfaces.h"
 #include "scene/load_textures.h"
-#include "surfaces/octahedron.h"
+#include "scene/places.h"
+#include "scene/sensor_extents.h"
 #include "surfaces/sphere_intersection.h"
 #include "surfaces/triangle_at.h"
 
@@ -18,23 +19,6 @@ namespace {
 
 // Of a texture: finite.
 constexpr float kMaxRadiance = std::numeric_limits<float>::max();
-
-// Where a surface stands: once in the scene, or in each instance of its group.
-template <class Use>
-void for_each_place(const Geometry& geometry, std::uint32_t group, const Use& use) {
-  if (group == 0) {
-    use(nullptr);
-    return;
-  }
-  for (const PlacedInstance& instance : geometry.instances()) {
-    if (instance.group() == group) use(&instance);
-  }
-}
-
-std::uint32_t index_of(const Geometry& geometry, const PlacedInstance* instance) {
-  return instance == nullptr ? Hit::kNoInstance
-                             : static_cast<std::uint32_t>(instance - geometry.instances().data());
-}
 
 // Steps of the shape or of the instance, whichever are more: directions drawn towards it need not
 // follow a motion that is the product of two to the last digit.
@@ -47,12 +31,6 @@ std::size_t time_steps(const Shape& shape, const PlacedInstance* instance) {
 
 float time_of(std::size_t step, std::size_t steps) {
   return steps == 1 ? 0.0f : static_cast<float>(step) / static_cast<float>(steps - 1);
-}
-
-Vec3 placed(const PlacedInstance* instance, float time, Vec3 p) {
-  if (instance == nullptr) return p;
-  const Double3 q = instance->placement(time).point_to_scene(Double3(p.x, p.y, p.z));
-  return {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z)};
 }
 
 // All vertices at each time step, in the scene.
@@ -199,38 +177,6 @@ std::optional<Environment> load_environment(const LoadContext& context) {
   return environment;
 }
 
-// A point of a surface at the first time, as if it had been hit.
-Hit a_point_on(const Shape& shape, const PlacedInstance* instance, std::uint32_t surface,
-               const Geometry& geometry) {
-  constexpr float kU = 0.3f, kV = 0.3f;
-  Vec3 point, normal;
-  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
-    const auto& t = mesh->triangles.front();
-    const Vec3 a = placed(instance, 0.0f, mesh->vertices[t[0]]);
-    const Vec3 b = placed(instance, 0.0f, mesh->vertices[t[1]]);
-    const Vec3 c = placed(instance, 0.0f, mesh->vertices[t[2]]);
-    normal = normalized(cross(b - a, c - a));
-    point = a + kU * (b - a) + kV * (c - a);
-  } else {
-    const auto& s = std::get<Sphere>(shape);
-    const Double3 out = fold(kU, kV);
-    const Double3 at = Double3{s.x, s.y, s.z} + s.radius * out;
-    const auto placement =
-        instance == nullptr ? std::nullopt : std::optional(instance->placement(0.0f));
-    point = (placement ? placement->point_to_scene(at) : at).rounded();
-    normal = normalized((placement ? placement->normal_to_scene(out) : out).rounded());
-  }
-  return {.position = point,
-          .normal = normal,
-          .surface = surface,
-          .distance = 0.0f,
-          .clearance = 1e-5f * std::max(max_abs(point), 1e-3f),
-          .instance = index_of(geometry, instance),
-          .primitive = 0,
-          .u = kU,
-          .v = kV};
-}
-
 std::vector<DistantDisc> load_discs(const LoadContext& context) {
   std::vector<DistantDisc> discs;
   for (const auto& disc : context.message.distant_discs()) {
@@ -285,7 +231,8 @@ LightDirections load_light_directions(const LoadContext& context,
 }
 
 PhotonEmitter load_emitter(const std::vector<Luminaire>& luminaires, const LightDirections& lights,
-                           const Geometry& geometry, const std::vector<std::uint32_t>& groups) {
+                           const Geometry& geometry, const std::vector<std::uint32_t>& groups,
+                           const Sensor& sensor) {
   PhotonEmitter emitter;
   for (std::uint32_t i = 0; i < luminaires.size(); ++i) {
     const Luminaire& luminaire = luminaires[i];
@@ -306,27 +253,8 @@ PhotonEmitter load_emitter(const std::vector<Luminaire>& luminaires, const Light
       }
     });
   }
-  emitter.finish(lights, geometry.bounds());
+  emitter.finish(lights, ball_with_film(geometry.bounds(), sensor, {1, 1}));
   return emitter;
-}
-
-std::vector<InteriorList> load_luminaires_inside(
-    const std::vector<Luminaire>& luminaires, const Geometry& geometry,
-    const std::vector<std::uint32_t>& groups, const std::vector<SurfaceMaterial>& materials,
-    const std::vector<MediumInterface>& medium_interfaces, const InteriorList& everywhere) {
-  std::vector<InteriorList> inside;
-  for (const Luminaire& luminaire : luminaires) {
-    const Shape& shape = geometry.shapes()[luminaire.surface];
-    InteriorList list;
-    bool first = true;
-    for_each_place(geometry, groups[luminaire.surface], [&](const PlacedInstance* instance) {
-      if (!std::exchange(first, false)) return;
-      list = bodies_around({}, a_point_on(shape, instance, luminaire.surface, geometry), geometry,
-                           materials, medium_interfaces, everywhere);
-    });
-    inside.push_back(list);
-  }
-  return inside;
 }
 
 }  // namespace nocturne

@@ -20,12 +20,7 @@ LightDirections load_light_directions(const LoadContext& context,
                                       const std::vector<std::uint32_t>& groups);
 
 PhotonEmitter load_emitter(const std::vector<Luminaire>& luminaires, const LightDirections& lights,
-                           const Geometry& geometry, const std::vector<std::uint32_t>& groups);
-
-/// A point just outside each luminaire, where its photons start.
-std::vector<InteriorList> load_luminaires_inside(
-    const std::vector<Luminaire>& luminaires, const Geometry& geometry,
-    const std::vector<std::uint32_t>& groups, const std::vector<SurfaceMaterial>& materials,
-    const std::vector<MediumInterface>& medium_interfaces, const InteriorList& everywhere);
+                           const Geometry& geometry, const std::vector<std::uint32_t>& groups,
+                           const Sensor& sensor);
 
 }  // namespace nocturne

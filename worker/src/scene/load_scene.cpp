@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "digest/sha256.h"
+#include "scene/bodies_around.h"
 #include "scene/contacts.h"
 #include "scene/load_context.h"
 #include "scene/load_kernels.h"
@@ -13,6 +14,7 @@
 #include "scene/load_sensor.h"
 #include "scene/load_surfaces.h"
 #include "scene/load_textures.h"
+#include "scene/sensor_extents.h"
 
 namespace nocturne {
 namespace {
@@ -243,10 +245,11 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
     auto lights = load_light_directions(context, luminaires, geometry, loaded.groups);
     const TracingOptions options = load_tracing(message.tracing(), lights.empty());
     auto sensor = load_sensor(message.sensor());
-    const InteriorList sensor_inside = bodies_around(sensor_start(message.sensor()), {}, geometry,
-                                                     materials, medium_interfaces, everywhere);
+    const Bodies bodies{geometry, materials, medium_interfaces, everywhere};
+    const SensorSurroundings sensor_around =
+        sensor_surroundings(bodies, loaded.groups, sensor, sensor_start(message.sensor()));
     PhotonEmitter emitter;
-    std::vector<InteriorList> luminaires_inside;
+    std::vector<LuminaireSurroundings> luminaires_around;
     if (options.direction == Direction::kForward) {
       require(sensor.splats_segments() || sensor.receives_escapes(),
               "forward photons need a plane or an intensity sensor");
@@ -256,9 +259,8 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
       require(sensor.is_camera(), "photons in both directions need a camera");
     }
     if (options.direction != Direction::kAdjoint) {
-      emitter = load_emitter(luminaires, lights, geometry, loaded.groups);
-      luminaires_inside = load_luminaires_inside(luminaires, geometry, loaded.groups, materials,
-                                                 medium_interfaces, everywhere);
+      emitter = load_emitter(luminaires, lights, geometry, loaded.groups, sensor);
+      luminaires_around = luminaire_surroundings(bodies, loaded.groups, luminaires);
     }
     auto specular_like = load_specular_like(message, kernels.size());
     bool has_mirrors = std::ranges::find(specular_like, true) != specular_like.end();
@@ -272,12 +274,26 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
     const bool occlusion = media.empty() && occlusion_decides(options, materials, medium_interfaces,
                                                               lights, luminaires, loaded.groups);
     lights.set_learned(std::move(learned));
-    return std::shared_ptr<Scene>(new Scene{
-        std::move(geometry), std::move(materials), std::move(kernels), std::move(medium_interfaces),
-        std::move(media), load_bump_maps(context), std::move(luminaires), std::move(lights),
-        std::move(emitter), std::move(sensor), load_wavelengths(message.sensor()), options,
-        sensor_inside, std::move(luminaires_inside), occlusion, all_in_fog,
-        std::move(specular_like), has_mirrors, near_sensor});
+    return std::shared_ptr<Scene>(new Scene{std::move(geometry),
+                                            std::move(materials),
+                                            std::move(kernels),
+                                            std::move(medium_interfaces),
+                                            std::move(media),
+                                            load_bump_maps(context),
+                                            std::move(luminaires),
+                                            std::move(lights),
+                                            std::move(emitter),
+                                            std::move(sensor),
+                                            load_wavelengths(message.sensor()),
+                                            options,
+                                            everywhere,
+                                            sensor_around,
+                                            std::move(luminaires_around),
+                                            occlusion,
+                                            all_in_fog,
+                                            std::move(specular_like),
+                                            has_mirrors,
+                                            near_sensor});
   });
 }
 

@@ -1,8 +1,5 @@
 #include "scene/load_surfaces.h"
 
-#include <algorithm>
-
-#include "scene/contacts.h"
 #include "scene/load_kernels.h"
 #include "scene/load_mesh.h"
 #include "scene/load_textures.h"
@@ -180,42 +177,6 @@ void set_closed(const std::vector<Shape>& shapes, const std::vector<SurfaceMater
     if (body == SurfaceMaterial::kNone) continue;
     medium_interfaces[body].closed = medium_interfaces[body].closed && is_closed(shapes[i]);
   }
-}
-
-InteriorList bodies_around(Vec3 position, const std::optional<Hit>& on, const Geometry& geometry,
-                           const std::vector<SurfaceMaterial>& materials,
-                           const std::vector<MediumInterface>& medium_interfaces,
-                           const InteriorList& everywhere) {
-  constexpr int kMaxSurfaces = 10'000;
-  // No axis, no diagonal: few scenes have edges there.
-  Vec3 direction = normalized(Vec3{0.5317f, 0.7621f, 0.3694f});
-  if (on && dot(on->normal, direction) < 0.0f) direction = -direction;
-  DepartingRay from{{position, direction}, {}};
-  if (on) from = geometry.depart(*on, direction, 0.0f);
-  std::vector<std::uint32_t> entered, left;
-  const auto cross = [&](const Crossing& crossing) {
-    if (crossing.entering) {
-      entered.push_back(crossing.body);
-    } else if (const auto found = std::ranges::find(entered, crossing.body);
-               found != entered.end()) {
-      entered.erase(found);
-    } else {
-      left.push_back(crossing.body);
-    }
-  };
-  for (int i = 0; i < kMaxSurfaces; ++i) {
-    auto hit = geometry.intersect(from.ray, 0.0f, from.departure);
-    if (!hit) break;
-    const Contacts contacts =
-        contacts_of(geometry, materials, medium_interfaces, from.ray, 0.0f, from.departure, *hit);
-    from = geometry.depart(*hit, direction, 0.0f);
-    std::ranges::for_each(contacts, cross);
-    const std::uint32_t body = materials[hit->surface].medium_interface;
-    if (body != SurfaceMaterial::kNone) cross({body, dot(hit->normal, direction) < 0.0f});
-  }
-  InteriorList inside = everywhere;
-  std::ranges::for_each(left.rbegin(), left.rend(), [&](std::uint32_t b) { inside.enter(b); });
-  return inside;
 }
 
 }  // namespace nocturne

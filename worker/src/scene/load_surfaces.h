@@ -37,11 +37,4 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
 void set_closed(const std::vector<Shape>& shapes, const std::vector<SurfaceMaterial>& materials,
                 const InteriorList& everywhere, std::vector<MediumInterface>& medium_interfaces);
 
-/// The bodies around a point: those that are everywhere, and those that a straight line from it
-/// leaves. Where the point is on a surface, `on` is its hit, and the side is that of the normal.
-InteriorList bodies_around(Vec3 position, const std::optional<Hit>& on, const Geometry& geometry,
-                           const std::vector<SurfaceMaterial>& materials,
-                           const std::vector<MediumInterface>& medium_interfaces,
-                           const InteriorList& everywhere);
-
 }  // namespace nocturne

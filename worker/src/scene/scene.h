@@ -44,6 +44,17 @@ struct SurfaceMaterial {
   bool needs_detail = false;
 };
 
+/// The bodies that samples of a sensor start inside of (bodies_around.h); `differ`: not all may.
+struct SensorSurroundings {
+  InteriorList inside;
+  bool differ = false;
+};
+/// The same of photons from the two sides of a luminaire, by its normal.
+struct LuminaireSurroundings {
+  InteriorList in_front, behind;
+  bool differ = false;
+};
+
 struct Scene {
   Geometry geometry;
   /// By surface; then by medium, as a hit on a medium is one on a surface of its own.
@@ -59,9 +70,10 @@ struct Scene {
   Sensor sensor;
   WavelengthSampler wavelengths;
   TracingOptions options;
-  /// Bodies that the sensor, and each luminaire, stands in.
-  InteriorList sensor_inside;
-  std::vector<InteriorList> luminaires_inside;
+  /// Bodies that are around all else, the sensor, and each luminaire.
+  InteriorList everywhere;
+  SensorSurroundings sensor_around;
+  std::vector<LuminaireSurroundings> luminaires_around;
   /// Nothing between a vertex and a light can let light through, and all luminaires are elements of
   /// `lights`: a photon towards lights needs to know only whether its way is free. What mirrors
   /// bring is left to photons from kernels.

@@ -52,6 +52,8 @@ class Aperture {
     return {outwards * (a.x + v * (b.x - a.x)), outwards * (a.y + v * (b.y - a.y))};
   }
 
+  float radius() const { return radius_; }
+
  private:
   float radius_;
   std::vector<Point> corners_;  // the first one again at the end

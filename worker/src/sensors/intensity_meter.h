@@ -59,6 +59,14 @@ class IntensityMeter {
             std::numeric_limits<float>::infinity()};
   }
 
+  Vec3 extent(const Pose&, Film) const {
+    // The root of kStart^2 + 1.
+    const float farthest = 1.416f * radius_;
+    return {farthest, farthest, farthest};
+  }
+  /// Samples start outside of this sphere, m.
+  float radius() const { return radius_; }
+
  private:
   static constexpr float kStart = 1.0f + 0x1p-10f;
 

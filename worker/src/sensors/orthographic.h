@@ -22,6 +22,11 @@ class FilmRectangle {
   /// Edge of a pixel, metres.
   float pixel(Film film) const { return height_ / static_cast<float>(film.height); }
 
+  /// Half sizes along right and up, m.
+  Vec3 extent(Film film) const {
+    return {0.5f * pixel(film) * static_cast<float>(film.width), 0.5f * height_, 0.0f};
+  }
+
   Vec3 point(const Pose& pose, Film film, float x, float y) const {
     const float scale = pixel(film);
     const float horizontal = (x - 0.5f * static_cast<float>(film.width)) * scale;
@@ -54,6 +59,8 @@ class Orthographic {
     if (!index) return std::nullopt;
     return CameraConnection{-pose.forward, distance, *index, 1.0f / (pixel * pixel)};
   }
+
+  Vec3 extent(const Pose&, Film film) const { return rectangle_.extent(film); }
 
  private:
   FilmRectangle rectangle_;

@@ -28,6 +28,8 @@ struct Panorama {
     return {{pose.position, normalized(direction)}, 1.0f, static_cast<float>(spread), 0.0f};
   }
 
+  Vec3 extent(const Pose&, Film) const { return {0.0f, 0.0f, 0.0f}; }
+
   /// Where the film sees a direction of any length.
   FilmPoint film_point(const Pose& pose, Film film, Vec3 direction) const {
     const Angles angles = angles_of(pose, direction);

@@ -67,6 +67,8 @@ class Pinhole {
                             distance / (depth * depth * depth * scale * scale)};
   }
 
+  Vec3 extent(const Pose&, Film) const { return {0.0f, 0.0f, 0.0f}; }
+
   /// Edge of a pixel at distance 1.
   float pixel(Film film) const { return 2.0f * tan_half_height_ / static_cast<float>(film.height); }
 
@@ -104,6 +106,8 @@ class ThinLens {
     const float depth = dot(seen, pose.forward);
     return film_.way_by(pose, film, seen, lens + (focus_distance_ / depth) * seen);
   }
+
+  Vec3 extent(const Pose&, Film) const { return {aperture_.radius(), aperture_.radius(), 0.0f}; }
 
  private:
   Pinhole film_;

@@ -48,6 +48,10 @@ class Plane {
     return SplatWeight{*index, 1.0f / (pixel * pixel), height / approach};
   }
 
+  Vec3 extent(const Pose& pose, Film film) const {
+    return rectangle_.extent(film) + Vec3{0.0f, 0.0f, stand_off(pose, film)};
+  }
+
  private:
   // Four times what leave_surface needs.
   float stand_off(const Pose& pose, Film film) const {

@@ -1,6 +1,7 @@
 // Where a sensor stands and looks, at rest or over the shutter.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "math/vec3.h"
@@ -24,6 +25,7 @@ class Motion {
   bool moves() const { return poses_.size() > 1; }
 
   const Pose& start() const { return poses_.front(); }
+  std::size_t steps() const { return poses_.size(); }
 
   /// time in [0, 1].
   Pose at(float time) const { return moves() ? between(time) : start(); }

@@ -39,6 +39,8 @@ class RadianceMeter {
     return {{point, normalized(direction)}, 1.0f, 0.0f, 0.0f};
   }
 
+  Vec3 extent(const Pose&, Film) const { return {radius_, radius_, 0.0f}; }
+
  private:
   float radius_;
   float sine_;

@@ -101,6 +101,18 @@ class Sensor {
 
   /// Of the middle of the sensor, when the shutter opens.
   Vec3 place() const { return motion_.start().position; }
+  const Motion& motion() const { return motion_; }
+
+  /// Half sizes along the pose's right, up and forward of the box around its position that samples
+  /// start in, m.
+  Vec3 extent(const Pose& pose, Film film) const {
+    return std::visit([&](const auto& model) { return model.extent(pose, film); }, model_);
+  }
+  /// Around the pose's position nothing starts nearer than this, m.
+  float hollow() const {
+    const IntensityMeter* meter = std::get_if<IntensityMeter>(&model_);
+    return meter == nullptr ? 0.0f : meter->radius();
+  }
 
   /// Metres, to the middle of the sensor.
   float distance_from(Vec3 place, float time) const {

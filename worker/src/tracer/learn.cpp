@@ -5,6 +5,7 @@
 #include <optional>
 #include <type_traits>
 
+#include "scene/sensor_extents.h"
 #include "tracer/by_threads.h"
 #include "tracer/estimators/arrival_estimator.h"
 #include "tracer/estimators/sensor_estimator.h"
@@ -38,6 +39,7 @@ Learned learn_chunk(const Scene& scene, Film film, std::uint64_t first, std::uin
   Learned found;
   TileSums counts{0, 0, 0};
   PhotonBatches<N, Estimator, Media> photons(scene, film, {});
+  const Geometry::Ball lit = ball_with_film(scene, film);
   for (std::uint64_t begin = first; begin < end; begin += kBatchGroups) {
     photons.trace(begin, std::min<std::uint64_t>(kBatchGroups, end - begin), counts);
     std::optional<std::uint32_t> latest;
@@ -47,7 +49,7 @@ Learned learn_chunk(const Scene& scene, Film film, std::uint64_t first, std::uin
       const std::uint64_t photon = begin + splat.sample;
       PixelSequence numbers = photon_numbers(scene, photon);
       PhotonSequence sequence(numbers, sample_of_photon(photon));
-      const PhotonStart<N> from = start_photon<N>(scene, sequence);
+      const PhotonStart<N> from = start_photon<N>(scene, lit, sequence);
       const auto place = first_place(scene, film, from.start);
       if (place) found.worth_aiming_at.push_back(*place);
     }

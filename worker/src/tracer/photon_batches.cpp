@@ -1,5 +1,6 @@
 #include "tracer/photon_batches.h"
 
+#include "scene/sensor_extents.h"
 #include "tracer/estimators/arrival_estimator.h"
 #include "tracer/estimators/camera_estimator.h"
 #include "tracer/estimators/sensor_estimator.h"
@@ -13,6 +14,7 @@ template <int N, class Estimator, bool Media>
 PhotonBatches<N, Estimator, Media>::PhotonBatches(const Scene& scene, Film film,
                                                   const std::stop_token& stop)
     : scene_(scene),
+      lit_(ball_with_film(scene, film)),
       scale_(1.0 / (film.width * film.height)),
       estimator_(scene, film),
       batch_(scene, estimator_, stop) {
@@ -31,7 +33,7 @@ void PhotonBatches<N, Estimator, Media>::trace(std::uint64_t first, std::size_t 
       numbers_.push_back(photon_numbers(scene_, photon));
     }
     PhotonSequence sequence(numbers_.back(), sample_of_photon(photon));
-    const PhotonStart<N> from = start_photon<N>(scene_, sequence);
+    const PhotonStart<N> from = start_photon<N>(scene_, lit_, sequence);
     wavelengths_.push_back(from.wavelengths);
     start(batch_, from.start, sequence);
   }

@@ -29,6 +29,8 @@ class PhotonBatches {
 
  private:
   const Scene& scene_;
+  /// Holds all that photons are to reach.
+  const Geometry::Ball lit_;
   /// One over the photons of a sample.
   const double scale_;
   Estimator estimator_;

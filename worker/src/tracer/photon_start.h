@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "scene/bodies_around.h"
 #include "scene/scene.h"
 #include "tracer/group.h"
 #include "tracer/joint_sets.h"
@@ -29,9 +30,11 @@ struct PhotonStart {
   Start<N> start;
 };
 
-/// From the first numbers of its sequence.
+/// From the first numbers of its sequence. `lit` holds all that photons are to reach
+/// (sensor_extents.h).
 template <int N>
-PhotonStart<N> start_photon(const Scene& scene, PhotonSequence& sequence) {
+PhotonStart<N> start_photon(const Scene& scene, const Geometry::Ball& lit,
+                            PhotonSequence& sequence) {
   const Uniform4 u = sequence.next();
   const float time = u[3];
   PhotonStart<N> photon{.wavelengths = scene.wavelengths.template sample<N>(u[2]), .start = {}};
@@ -39,7 +42,7 @@ PhotonStart<N> start_photon(const Scene& scene, PhotonSequence& sequence) {
   start.wavelengths = photon.wavelengths.nm;
   const Uniform4 first = sequence.next(), second = sequence.next();
   const auto emitted =
-      scene.emitter.emit(scene.luminaires, scene.lights, scene.geometry,
+      scene.emitter.emit(scene.luminaires, scene.lights, scene.geometry, lit,
                          scene.options.aimed_emission, time, start.wavelengths, first, second);
   if (!emitted || largest(emitted->radiance) < scene.options.least_radiance) {
     start.flux = 0.0f;
@@ -50,7 +53,10 @@ PhotonStart<N> start_photon(const Scene& scene, PhotonSequence& sequence) {
   start.time = time;
   start.flux = emitted->flux;
   const bool distant = emitted->luminaire == Emitted<N>::kDistant;
-  if (!distant) start.inside = scene.luminaires_inside[emitted->luminaire];
+  if (!distant) {
+    start.inside =
+        bodies_at_luminaire(scene, emitted->luminaire, emitted->from, emitted->ray.direction, time);
+  }
   return photon;
 }
 

@@ -1,6 +1,7 @@
 // A sample of a pixel where it starts: on the sensor.
 #pragma once
 
+#include "scene/bodies_around.h"
 #include "scene/scene.h"
 #include "tracer/group.h"
 
@@ -37,7 +38,7 @@ PixelSample<N> sample_pixel(const Scene& scene, Film film, std::uint32_t x, std:
   PixelSample<N> sample{wavelengths, from.weight, {}};
   sample.start.ray = from.ray;
   sample.start.wavelengths = sample.wavelengths.nm;
-  sample.start.inside = scene.sensor_inside;
+  sample.start.inside = bodies_at_sensor(scene, film, from.ray.origin, u.time);
   sample.start.time = u.time;
   sample.start.width = from.width;
   sample.start.spread = from.spread;
