@@ -89,6 +89,22 @@ def test_photons_of_the_sun_do_not_ignore_fog_without_bounds(direction: str, tmp
     assert [problem.place for problem in raised.value.problems] == ["$.tracing.direction"]
 
 
+def test_a_wide_ground_leaves_caustics_to_photons_from_the_lamp(tmp_path: Path) -> None:
+    """On a ground of 4 km all was near the camera, and both directions were photons from there."""
+    ground = surface(quad([-2000, 0, -2000], [0, 0, 4000], [4000, 0, 0]), diffuse(0.8))
+    document = _lit_floor() | {"important_directions": [{"shape": sphere([0, 0.4, 0], 0.3)}]}
+    lamp = surface(sphere([0.3, 2, 0], 0.03), BLACK, 1000.0)
+    document["surfaces"] = [
+        ground,
+        lamp,
+        surface(sphere([0, 0.4, 0], 0.3), {"type": "dielectric", "index": 1.5}),
+    ]
+    mixture = {"kernel": 0.5, "luminaires": 0.5}
+    adjoint = _means(document, tmp_path / "adjoint", mixture=mixture)
+    both = _means(document, tmp_path / "both", mixture=mixture, direction="both", aimed_emission=0.9)
+    assert np.std(both) < 0.6 * np.std(adjoint)
+
+
 def _needles(count: int) -> str:
     """A closed double cone as PLY: tips at z = 1 and -1, a ring of radius 1 between them."""
     turns = [2 * math.pi * i / count for i in range(count)]

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 
+#include "support/caustic_scene.h"
 #include "support/scene_builder.h"
 
 namespace nocturne {
@@ -36,6 +37,15 @@ struct Damage {
   const char* says;
   std::function<void(v1::CompiledScene&)> apply;
 };
+
+// What is near a camera does not depend on how far the ground reaches.
+TEST(LoadScene, WhatIsNearACameraIsMeasuredByWhatItSees) {
+  for (const float half : {3.0f, 3000.0f}) {
+    test::SceneBuilder builder = test::floor_and_lamp(true);
+    builder.add_quad(0.5f, 0.0f, {-half, -1.001f, -half}, {0, 0, 2 * half}, {2 * half, 0, 0});
+    EXPECT_NEAR(builder.load()->near_sensor, 0.2f, 0.05f) << half;
+  }
+}
 
 // What a worker gets comes over a network: every number is checked before it is used.
 v1::Interior& add_body(v1::CompiledScene& message) {

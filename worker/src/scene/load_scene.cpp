@@ -151,8 +151,9 @@ Vec3 sensor_start(const v1::Sensor& s) {
                         vector(s.forward(), "the sensor's forward");
 }
 
-// Of the scene's radius. Photons from luminaires that are spread near a camera count by one over
-// the square of their distance, which in fog has no variance.
+// Of the distance to what the camera sees, or of the scene's radius if that is less. Photons from
+// luminaires that are spread near a camera count by one over the square of their distance, which in
+// fog has no variance.
 constexpr float kNearSensor = 0.05f;
 
 bool fills_space_evenly(const Medium& medium) {
@@ -267,7 +268,10 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
     for (std::uint32_t i = 0; i < kernels.size(); ++i) {
       has_mirrors = has_mirrors || may_turn_sharply(kernels, i);
     }
-    const float near_sensor = kNearSensor * geometry.bounds().radius;
+    const float near_sensor = options.direction == Direction::kBoth
+                                  ? kNearSensor * std::min(geometry.bounds().radius,
+                                                           median_view(sensor, geometry, materials))
+                                  : 0.0f;
     const auto all_in_fog = find_all_in_fog(geometry, sensor_start(message.sensor()), everywhere,
                                             medium_interfaces, media);
     LearnedLight learned(LearnedLight::unpacked(message.learned_light()));

@@ -99,4 +99,34 @@ Geometry::Ball ball_with_film(const Geometry::Ball& geometry, const Sensor& sens
   return ball;
 }
 
+float median_view(const Sensor& sensor, const Geometry& geometry,
+                  std::span<const SurfaceMaterial> materials) {
+  constexpr std::uint32_t kEdge = 16;
+  constexpr int kMaxPassed = 100;
+  const Film film{kEdge, kEdge};
+  std::vector<float> distances;
+  for (std::uint32_t i = 0; i < kEdge * kEdge; ++i) {
+    const float time = static_cast<float>(i) / (kEdge * kEdge);
+    Ray ray = sensor
+                  .sample(film, static_cast<float>(i % kEdge) + 0.5f,
+                          static_cast<float>(i / kEdge) + 0.5f, 0.5f, 0.5f, time)
+                  .ray;
+    float distance = 0.0f;
+    for (int passed = 0; passed < kMaxPassed; ++passed) {
+      const auto hit = geometry.intersect(ray, time);
+      if (!hit) break;
+      distance += hit->distance;
+      if (!materials[hit->surface].may_pass && !materials[hit->surface].index_matched_only) {
+        distances.push_back(distance);
+        break;
+      }
+      ray.origin = leave_surface(*hit, ray.direction);
+    }
+  }
+  if (distances.empty()) return Box::kInfinite;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
 }  // namespace nocturne

@@ -19,4 +19,9 @@ inline Geometry::Ball ball_with_film(const Scene& scene, Film film) {
   return ball_with_film(scene.geometry.bounds(), scene.sensor, film);
 }
 
+/// Median distance to what a sensor sees through all that light passes, m; infinite where that is
+/// nothing.
+float median_view(const Sensor& sensor, const Geometry& geometry,
+                  std::span<const SurfaceMaterial> materials);
+
 }  // namespace nocturne
