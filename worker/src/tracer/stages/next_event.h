@@ -46,7 +46,8 @@ void estimate_next_event(Batch& batch, const Group<N>& group, const Vertex<N>& v
     photon.tally = tally_from(batch, group, wi);
     const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, wi);
     photon.weight *= there.value;
-    photon.mis = {MisTechnique::kLights, here, *direction, survival * there.pdf};
+    photon.mis = {MisTechnique::kLights, here, *direction, survival * there.pdf,
+                  worth_outside(batch, photon)};
   });
 }
 
@@ -136,10 +137,15 @@ void estimate_next_events(Batch& batch, const Chunk<N, Bound>& chunk) {
   }
 }
 
-/// Of a photon that was sent to lights, where it meets a surface that has a delta lobe.
-template <int N, class Kernel>
-float survival_of_passing(const Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel) {
-  return std::min(1.0f, largest(only(kernel.albedo(vertex.wo), alive(group.weight))));
+/// Of a photon that was sent to lights, where it meets a surface that has a delta lobe: by what it
+/// has lost since. One that is totally reflected within glass again and again ends when its medium
+/// has absorbed or scattered most of it.
+template <class Batch, int N, class Kernel>
+float survival_of_passing(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
+                          const Kernel& kernel) {
+  const Spectral<N> albedo = only(kernel.albedo(vertex.wo), alive(group.weight));
+  const float left = largest(albedo * group.weight * square_of_index(batch, group));
+  return std::min({1.0f, largest(albedo), left / group.mis.worth});
 }
 
 template <class Batch, int N, class Kernel>

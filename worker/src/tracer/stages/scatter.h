@@ -8,17 +8,6 @@
 
 namespace nocturne {
 
-/// Inside a body radiance is n^2 times what it is outside, and the photon's weight as much less: it
-/// is worth what it will be outside.
-template <class Batch, int N>
-Spectral<N> square_of_index(const Batch& batch, const Group<N>& group) {
-  const std::uint32_t body = group.inside.current(batch.scene.medium_interfaces);
-  if (body == InteriorList::kOutside) return 1.0f;
-  const Spectral<N> n =
-      batch.scene.medium_interfaces[body].index(batch.sample_of(group).wavelengths);
-  return n * n;
-}
-
 /// In fog without end that absorbs little, photons would wander for ever. From a distance r one
 /// flight meets a ball of radius R with (R / r)^2, and a long walk with R / r. At the latter its
 /// expected length were endless still, as a walk to r takes r^2 flights.
@@ -83,7 +72,7 @@ void prepare(Batch& batch, Chunk<N, Bound>& chunk) {
       if (group.shares) offer_second(batch, group, vertex, kernel);
       group.shares = false;
     }
-    chunk.survival[i] = passes_on ? survival_of_passing(group, vertex, kernel)
+    chunk.survival[i] = passes_on ? survival_of_passing(batch, group, vertex, kernel)
                                   : survival_at(batch, group, vertex, kernel);
     sequences[i] = &group.sequence;
     if constexpr (Batch::kAdjoint) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pdfs/directions.h"
-#include "tracer/batch.h"
+#include "tracer/stages/travel.h"
 
 namespace nocturne {
 
@@ -29,7 +29,8 @@ void start_towards_lights(Batch<N, Estimator, Media>& batch, Vec3 film_normal) {
   photon.sequence = sequence;
   photon.ray.direction = *direction;
   photon.weight *= Spectral<N>(density(*direction));
-  photon.mis = {MisTechnique::kLights, here, *direction, density(*direction)};
+  photon.mis = {MisTechnique::kLights, here, *direction, density(*direction),
+                worth_outside(batch, photon)};
   batch.groups.push_back(photon);
 }
 

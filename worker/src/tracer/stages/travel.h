@@ -19,6 +19,23 @@ float way_to(const Group<N>& group, const Hit& hit) {
   return std::max(0.0f, hit.distance + dot(group.step, hit.normal) / cosine);
 }
 
+/// Inside a body radiance is n^2 times what it is outside, and the photon's weight as much less: it
+/// is worth what it will be outside.
+template <class Batch, int N>
+Spectral<N> square_of_index(const Batch& batch, const Group<N>& group) {
+  const std::uint32_t body = group.inside.current(batch.scene.medium_interfaces);
+  if (body == InteriorList::kOutside) return 1.0f;
+  const Spectral<N> n =
+      batch.scene.medium_interfaces[body].index(batch.sample_of(group).wavelengths);
+  return n * n;
+}
+
+/// The largest weight of a group, as it will be outside of all bodies.
+template <class Batch, int N>
+float worth_outside(const Batch& batch, const Group<N>& group) {
+  return largest(group.weight * square_of_index(batch, group));
+}
+
 /// What the bodies around it leave of a group.
 template <int N, class Batch>
 void absorb(const Batch& batch, Group<N>& group, float way) {
