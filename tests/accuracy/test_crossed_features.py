@@ -105,6 +105,18 @@ def test_a_wide_ground_leaves_caustics_to_photons_from_the_lamp(tmp_path: Path) 
     assert np.std(both) < 0.6 * np.std(adjoint)
 
 
+@pytest.mark.parametrize("direction", ["forward", "both"])
+def test_photons_of_the_sun_do_not_start_around_the_planet(direction: str, tmp_path: Path) -> None:
+    """None of them met a film of 0.3 m, which read 0."""
+    document = _lit_floor() | {"atmosphere": {}, "distant": [{"direction": [0, 1, 0], "sun": True}]}
+    if direction == "forward":
+        document["sensor"] = film([0, 0.01, 0], [0, 1, 0], 0.3)
+    document["tracing"] = {"direction": direction}
+    with pytest.raises(NocturneClientError) as raised:
+        compile_to(write(document, tmp_path), tmp_path, 8, 8, 16)
+    assert [problem.place for problem in raised.value.problems] == ["$.tracing.direction"]
+
+
 def _needles(count: int) -> str:
     """A closed double cone as PLY: tips at z = 1 and -1, a ring of radius 1 between them."""
     turns = [2 * math.pi * i / count for i in range(count)]

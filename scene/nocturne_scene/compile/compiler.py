@@ -31,6 +31,7 @@ from nocturne_scene.compile.wavelengths import put_wavelength_density
 from nocturne_scene.compile.ways import choose, given_ways, open_ways
 from nocturne_scene.compile.workspace import Workspace
 from nocturne_scene.document import bounds
+from nocturne_scene.document.checks import MET_BY_PHOTONS
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.document.problems import path
 from nocturne_scene.document.surfaces import Surface
@@ -114,6 +115,8 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
     check_lamp_alone(workspace, shapes, message)
     if has_sky(message) and message.unbounded_interiors:
         _refuse_distant_photons(workspace)
+    if has_sky(message) and workspace.document.atmosphere is not None:
+        _refuse_lost_photons(workspace, message)
     tracing = workspace.document.tracing
     if message.media and tracing.direction == "forward" and tracing.photons_together == 4:
         # What a meter counts on the way must not depend on where photons part behind it.
@@ -163,6 +166,20 @@ def _refuse_distant_photons(workspace: Workspace) -> None:
     workspace.photons_can_start = False
     if workspace.document.tracing.direction in ("forward", "both"):
         told = 'photons of distant light can\'t start in unbounded media; expected "adjoint"'
+        workspace.problems.append(Problem("$.tracing.direction", told))
+
+
+def _refuse_lost_photons(workspace: Workspace, message: scene_pb2.CompiledScene) -> None:
+    """Photons of the Sun and the sky start on a disc as large as the planet: none would meet a film, nor what
+    makes a caustic, unless they are aimed at it."""
+    tracing = workspace.document.tracing
+    forward_only = workspace.document.sensor.type in MET_BY_PHOTONS
+    if forward_only:
+        workspace.photons_can_start = False
+    aimed = bool(tracing.aimed_emission) and bool(message.important_shapes)
+    if tracing.direction == "forward" or (tracing.direction == "both" and not aimed):
+        choices = '"adjoint"' if forward_only else '"adjoint", or "aimed_emission" and important directions'
+        told = f"photons of distant light would start all around the atmosphere's planet; expected {choices}"
         workspace.problems.append(Problem("$.tracing.direction", told))
 
 

@@ -47,6 +47,17 @@ TEST(LoadScene, WhatIsNearACameraIsMeasuredByWhatItSees) {
   }
 }
 
+// Their photons would start in media that they know nothing of.
+TEST(LoadScene, RefusesPhotonsOfDistantLightInUnboundedMedia) {
+  test::SceneBuilder builder = test::floor_and_lamp(true);
+  builder.add_unbounded({});
+  EXPECT_NO_THROW(builder.load());
+  builder.message.mutable_environment()->set_constant(add_spectrum(builder.message, 1.0f));
+  EXPECT_THROW(builder.load(), SceneError);
+  builder.message.mutable_tracing()->set_direction(v1::DIRECTION_ADJOINT);
+  EXPECT_NO_THROW(builder.load());
+}
+
 // What a worker gets comes over a network: every number is checked before it is used.
 v1::Interior& add_body(v1::CompiledScene& message) {
   auto& interior = *message.add_interiors();

@@ -260,6 +260,9 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
       require(sensor.is_camera(), "photons in both directions need a camera");
     }
     if (options.direction != Direction::kAdjoint) {
+      const bool distant = lights.environment() || !lights.discs().empty();
+      require(!distant || everywhere.empty(),
+              "photons of distant light, which can't start in unbounded media");
       emitter = load_emitter(luminaires, lights, geometry, loaded.groups, sensor);
       luminaires_around = luminaire_surroundings(bodies, loaded.groups, luminaires);
     }
