@@ -39,7 +39,7 @@ def scene(*surfaces: Scene, sensor: Scene | None = None) -> Scene:
 def render(document: Scene, folder: Path, *layers: str) -> dict[str, Any]:
     """Channels of the image, and the names of objects."""
     (folder / "scene.json").write_text(json.dumps(document))
-    output = folder / f"{'-'.join(layers)}.exr"
+    output = folder / f"{'-'.join(layers) or 'image'}.exr"
     render_scene(LocalRender(folder / "scene.json", [output], EDGE, EDGE, 8, 2, layers=layers))
     with OpenEXR.File(str(output), separate_channels=True) as file:
         names = {"objects": json.loads(file.header().get(OBJECTS, "[]"))}
@@ -204,7 +204,7 @@ def test_the_image_has_the_same_bits_with_and_without(tmp_path: Path) -> None:
     without, beside = render(scene(LEFT), tmp_path), render(scene(LEFT), tmp_path, "albedo", "depth")
     assert beside.keys() - without.keys() == {*CHANNELS["albedo"], *CHANNELS["depth"]}
     assert not channels & without.keys()
-    images = [Image.read(tmp_path / name) for name in (".exr", "albedo-depth.exr")]
+    images = [Image.read(tmp_path / name) for name in ("image.exr", "albedo-depth.exr")]
     assert differing_values(images[0], Image(**{**vars(images[1]), "further": {}})) == {}
 
 
