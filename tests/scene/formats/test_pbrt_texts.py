@@ -99,6 +99,17 @@ def test_booleans_in_letters_of_either_case(tmp_path: Path, word: str) -> None:
     assert lamp["luminaire"]["two_sided"]
 
 
+@pytest.mark.parametrize("name", ["srgb", "sRGB", "SRGB"])
+def test_colour_spaces_in_letters_of_either_case(tmp_path: Path, name: str) -> None:
+    """RGBColorSpace::GetNamed."""
+    assert imported(tmp_path, (SCENE + f'ColorSpace "{name}"\n').encode())["surfaces"]
+
+
+def test_other_colour_spaces_are_told(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match='no equal of the colour space "rec2020"'):
+        imported(tmp_path, (SCENE + 'ColorSpace "rec2020"\n').encode())
+
+
 def test_no_other_word_is_a_boolean(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="expected a string"):
         imported(tmp_path, (SCENE + 'AreaLightSource "diffuse" "bool twosided" yes Shape "sphere"').encode())

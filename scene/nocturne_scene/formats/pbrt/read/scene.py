@@ -132,7 +132,8 @@ def _option(reader: Reader, stream: Stream, place: str) -> None:
 
 def _colour_space(reader: Reader, stream: Stream, place: str) -> None:
     name = stream.string(place)
-    if name != "srgb":
+    # pbrt reads it in letters of either case.
+    if name.lower() != "srgb":
         reader.context.findings.lost(place, f'no equal of the colour space "{name}"; taken as srgb')
 
 
