@@ -167,3 +167,12 @@ def test_an_interface_has_no_light(tmp_path: Path, material: str) -> None:
     document, notes = imported(tmp_path, f'Material "{material}" {LAMP} Shape "disk" Shape "sphere"')
     assert not any("luminaire" in surface for surface in document["surfaces"])
     assert any('no light on shapes of an "interface" material' in note for note in notes)
+
+
+def test_a_shape_of_an_object_has_no_light(tmp_path: Path) -> None:
+    """As pbrt warns: "Area lights not supported with object instancing"."""
+    body = f'ObjectBegin "lamp" {LAMP} Shape "sphere" ObjectEnd ObjectInstance "lamp"'
+    document, notes = imported(tmp_path, body)
+    [members] = document["groups"].values()
+    assert "luminaire" not in members[0]
+    assert any("no light on shapes of objects, as in pbrt" in note for note in notes)

@@ -29,15 +29,16 @@ def opacity(context: Context, parameters: Parameters) -> Json:
     return min(max(float(found), 0.0), 1.0) if isinstance(found, float | int) else found
 
 
-def shines(context: Context, kernel: Json) -> bool:
+def shines(context: Context, kernel: Json, *, of_object: bool) -> bool:
     """Whether a shape of a kernel has the `AreaLightSource` of now."""
     if context.state.area_light is None:
         return False
-    if kernel == {"type": "null"}:
-        place = context.state.area_light[2]
-        context.findings.note(place, 'no light on shapes of an "interface" material, as in pbrt')
-        return False
-    return True
+    nowhere = (
+        'of an "interface" material' if kernel == {"type": "null"} else "of objects" if of_object else ""
+    )
+    if nowhere:
+        context.findings.note(context.state.area_light[2], f"no light on shapes {nowhere}, as in pbrt")
+    return not nowhere
 
 
 def luminaire(context: Context, opacity: Json, kind: str, shape: Json | Placed) -> Json:

@@ -79,7 +79,7 @@ def _add_members(context: Context, crowds: Crowds, recorded: list[RecordedShape]
         context.state = shape.state
         parameters = context.parameters(f"shape {shape.kind}", shape.place, shape.given)
         with context.findings.leaving_out():
-            add_surface(context, crowds, shape.kind, parameters)
+            add_surface(context, crowds, shape.kind, parameters, of_object=True)
     context.state, context.outer = state, kept
 
 

@@ -38,7 +38,7 @@ def _shape(reader: Reader, stream: Stream, place: str) -> None:
         return
     with context.findings.leaving_out():
         parameters = context.parameters(f"shape {kind}", place, given)
-        add_surface(context, context.crowds, kind, parameters, gathers=True)
+        add_surface(context, context.crowds, kind, parameters)
 
 
 def _kernel(reader: Reader, kind: str, parameters: Parameters) -> tuple[Json, Json]:

@@ -28,11 +28,12 @@ _MAX_LEVELS = 12
 
 
 def add_surface(
-    context: Context, crowds: Crowds, kind: str, parameters: Parameters, *, gathers: bool = False
+    context: Context, crowds: Crowds, kind: str, parameters: Parameters, *, of_object: bool = False
 ) -> None:
     """Add the surface of a `Shape` directive, where it has an equal.
 
-    `gathers`: curves are kept for `gathered`, as hair has one directive for each.
+    `of_object`: it is part of an object, where pbrt has no area lights. Elsewhere curves are kept for
+    `gathered`, as hair has one directive for each.
     """
     if kind not in _SHAPES:
         context.findings.lost(
@@ -47,7 +48,7 @@ def add_surface(
         if isinstance(state.material, str)
         else None
     )
-    shines = area_lights.shines(context, named or state.material)
+    shines = area_lights.shines(context, named or state.material, of_object=of_object)
     if opacity == 0.0 and shines:
         kernel = {"type": "null"}
     elif opacity != 1.0:
@@ -57,7 +58,7 @@ def add_surface(
         found |= state.normal_or_bump
     interior(context, parameters.place, found, kernel if named is None or isinstance(kernel, dict) else named)
     textured = any(word in json.dumps([found, named]) for word in ('"texture"', '"roughness_u"'))
-    if kind == "curve" and gathers:
+    if kind == "curve" and not of_object:
         if shines:
             found["luminaire"] = area_lights.luminaire(context, opacity, kind, None)
         curve = _curve(context, parameters)
