@@ -1,4 +1,4 @@
-"""What is left to a pilot, and what becomes of its choice."""
+"""What is left to a pilot, and what becomes of its choice. Long, as each choice has its cases."""
 
 import json
 from collections.abc import Sequence

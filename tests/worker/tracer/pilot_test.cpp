@@ -1,4 +1,5 @@
-// Which way a pilot chooses. That images are the same by all ways is for tests/accuracy.
+// Which way a pilot chooses. That images are the same by all ways is for tests/accuracy. Long, as
+// it has what each choice goes by beside the choices themselves.
 #include "tracer/pilot.h"
 
 #include <gtest/gtest.h>
