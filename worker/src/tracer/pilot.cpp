@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -55,6 +56,11 @@ constexpr double kGuideCost = 1.1, kGuidePart = 0.5;
 /// Part of the forward photons that is aimed where as many as the options say are too many: what is
 /// found elsewhere then weighs 1.4 times as much instead of 10 times (docs/decisions/0106).
 constexpr float kFewAimed = 0.3f;
+
+/// Of a mean; what found nothing is the least certain.
+double relative_error(double mean, double error) {
+  return mean > 0.0 ? error / mean : std::numeric_limits<double>::infinity();
+}
 
 class Pilot {
  public:
@@ -147,8 +153,10 @@ class Pilot {
       forward.push_back(trials_.images(before_.direction, 1, film, square, Trials::kImages, true));
     }
     scene_.options.guide = false;
-    const PilotImages& best = *std::ranges::min_element(
-        forward, {}, [](const PilotImages& each) { return mean_and_error(each)[1]; });
+    const PilotImages& best = *std::ranges::min_element(forward, {}, [](const auto& each) {
+      const auto [mean, error] = mean_and_error(each);
+      return relative_error(mean, error);
+    });
     const std::vector<double> shown = shown_by({&all}, {&rest, &best});
     unguided_ = adjoint_figures(plain, false, shown);
     guided_ = adjoint_figures(led, true, shown);
@@ -180,8 +188,9 @@ class Pilot {
       choose_forward(of_adjoint, of_aims, kWorthItCloser);
     }
     if (result_.choice.direction == Direction::kAdjoint) {
-      const PilotFigures& surest =
-          *std::ranges::min_element(of_aims, {}, &PilotFigures::mean_error);
+      const PilotFigures& surest = *std::ranges::min_element(
+          of_aims, {},
+          [](const PilotFigures& each) { return relative_error(each.mean, each.mean_error); });
       if (both) result_.unmet = may_be_unmet(of_adjoint, surest);
       look_for_rare_light(film, of_adjoint, surest);
     }
