@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <tuple>
 
 #include "surfaces/octahedron.h"
 #include "surfaces/sphere_intersection.h"
@@ -72,9 +74,21 @@ void find_again(Double3 a, Double3 ab, Double3 ac, Double3 across, Double3 origi
   const double inverse = 1.0 / dot(across, across);
   const double u = inverse * dot(cross(q, ac), across), v = inverse * dot(cross(ab, q), across);
   if (!std::isfinite(u) || !std::isfinite(v)) return;  // along its plane
-  // Where that is a little beside it, the nearest that is on it.
-  found.u = static_cast<float>(std::clamp(u, 0.0, 1.0));
-  found.v = static_cast<float>(std::clamp(v, 0.0, 1.0 - double{found.u}));
+  found.u = static_cast<float>(u);
+  found.v = static_cast<float>(v);
+  if (u >= 0.0 && v >= 0.0 && u + v <= 1.0) return;
+  // A little beside it: the nearest point of an edge.
+  double nearest = std::numeric_limits<double>::infinity();
+  const auto try_edge = [&](Double3 from, Double3 edge, const auto& coordinates) {
+    const double part = std::clamp(dot(q - from, edge) / dot(edge, edge), 0.0, 1.0);
+    const double off = length(q - from - part * edge);
+    if (!(off < nearest)) return;
+    nearest = off;
+    std::tie(found.u, found.v) = coordinates(static_cast<float>(part));
+  };
+  try_edge({}, ab, [](float part) { return std::tuple(part, 0.0f); });
+  try_edge({}, ac, [](float part) { return std::tuple(0.0f, part); });
+  try_edge(ab, ac - ab, [](float part) { return std::tuple(1.0f - part, part); });
 }
 
 Hit locate(const Sphere& sphere, Double3 origin, Double3 direction, const Found& found,
