@@ -16,8 +16,8 @@ namespace nocturne {
 namespace {
 
 std::string figures_json(const PilotFigures& figures) {
-  static constexpr const char* kNames[] = {"adjoint", "adjoint_of_both", "forward", "guide",
-                                           "sharing"};
+  static constexpr const char* kNames[] = {"adjoint", "adjoint_of_both", "forward",     "guide",
+                                           "sharing", "rare_forward",    "rare_adjoint"};
   std::ostringstream json;
   json.precision(6);
   json << "{\"photons\": \"" << kNames[figures.photons] << "\", \"sharing\": " << figures.sharing

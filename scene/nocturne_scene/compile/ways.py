@@ -42,8 +42,8 @@ GUIDED = "guided by what was learned"
 _WELL_KNOWN = 0.35
 """Standard error of a gain's logarithm, up to which it is told: its 95 % interval is from half to twice."""
 
-_TOLD_ABOVE = 0.01
-"""Part of the mean that may be missing and is told: twice the error that most renders are asked for."""
+_TOLD_ABOVE = 0.005
+"""Part of the mean that may be missing and is told: the error that most renders are asked for."""
 
 DIRECTIONS = {
     "adjoint": scene_pb2.DIRECTION_ADJOINT,
@@ -238,7 +238,7 @@ def unmet_light(part: float) -> str:
         return ""
     return (
         "; it met too few photons that mirrors and glass gather to compare, so that up to "
-        f'{part:.0%} of the mean may be missing: `"direction": "both"` would find it'
+        f'{part:.1%} of the mean may be missing: `"direction": "both"` would find it'
     )
 
 

@@ -80,7 +80,8 @@ TEST(PilotOfRareLight, IsBroughtWhereOthersMissIt) {
   EXPECT_TRUE(must_be_brought({{2.0, 0.1}, {0.0, 0.0}}, 365.0));
   EXPECT_TRUE(must_be_brought({{2.0, 0.8}, {0.0, 0.0}}, 365.0));
   EXPECT_FALSE(must_be_brought({{2.0, 1.2}, {0.0, 0.0}}, 365.0));
-  EXPECT_FALSE(must_be_brought({{2.0, 0.1}, {1.9, 0.1}}, 365.0));
+  EXPECT_TRUE(must_be_brought({{2.0, 0.1}, {1.4, 0.2}}, 365.0));
+  EXPECT_FALSE(must_be_brought({{2.0, 0.1}, {1.6, 0.2}}, 365.0));
   EXPECT_FALSE(must_be_brought({{2.0, 0.1}, {0.0, 0.0}}, 1e5));
   EXPECT_FALSE(must_be_brought({{0.0, 0.0}, {0.0, 0.0}}, 365.0));
 }

@@ -205,6 +205,10 @@ class Pilot {
                         rare_radiance(mean_of_probe_, pixels_of(request_.film) * request_.samples));
     scene_.options.guide = false;
     if (!light) return;
+    for (const auto& [photons, met] : {std::pair{PilotFigures::kRareForward, light->by_forward},
+                                       std::pair{PilotFigures::kRareAdjoint, light->by_adjoint}}) {
+      result_.tried.push_back({.photons = photons, .mean = met.mean, .mean_error = met.error});
+    }
     result_.unmet = std::max(result_.unmet, may_be_missing(*light, adjoint.alone.mean));
     if (!must_be_brought(*light, adjoint.alone.mean)) return;
     result_.unmet = 0.0;

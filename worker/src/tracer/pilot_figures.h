@@ -19,7 +19,7 @@ struct PilotImages {
 
 /// What photons of one kind did.
 struct PilotFigures {
-  enum Photons { kAdjoint, kAdjointOfBoth, kForward, kGuide, kSharing };
+  enum Photons { kAdjoint, kAdjointOfBoth, kForward, kGuide, kSharing, kRareForward, kRareAdjoint };
   Photons photons;
   /// Pixels that share.
   std::uint32_t sharing = 1;
