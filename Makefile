@@ -21,7 +21,7 @@ STAMPS := build/stamps
 PROCESSES := --numprocesses
 NOT_MINUTES := not soak and not references and not peers and not containers and not blender
 
-.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-coordinator test-services test-scene test-others heaviest format unit system screenshots visit soak accuracy fuzz fuzz-readers references peers blender stability preflights profile sanitize bench lock contract docs gallery clean
+.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-crossings test-coordinator test-services test-scene test-others heaviest format unit system screenshots visit soak accuracy fuzz fuzz-readers crossings references peers blender stability preflights profile sanitize bench lock contract docs gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -80,20 +80,22 @@ stop:  ## Stop the service that `make demo` started
 # One pool of jobs, the longest first. Python's tests are in parts, each of which collects only its own; those of whole services, of
 # coordinators and of the page wait most of the time, so there are more jobs than processors, and several processes where a part would
 # end last (tests/conftest.py).
-PARTS := services-at-work page accuracy others coordinator services scene
+PARTS := services-at-work page accuracy crossings others coordinator services scene
 IN_services-at-work := tests/system tests/faults
 IN_page := tests/web
 IN_accuracy := tests/accuracy
+IN_crossings := tests/crossings
 IN_services := tests/services
 IN_coordinator := tests/coordinator
 IN_scene := tests/scene
-IN_others := tests $(addprefix --ignore ,$(IN_page) $(IN_services-at-work) $(IN_accuracy) $(IN_services) $(IN_coordinator) $(IN_scene))
+IN_others := tests $(addprefix --ignore ,$(IN_page) $(IN_services-at-work) $(IN_accuracy) $(IN_crossings) $(IN_services) $(IN_coordinator) $(IN_scene))
 TEST_PARTS := $(addprefix test-,$(PARTS))
 CPU_TIMES := $(CURDIR)/build/cpu-times.txt
 JOBS := 9
 # What computes gives way to what waits for answers: otherwise a service takes half a minute to load here.
 COMPUTES := nice -n 10
 GIVES_WAY_test-accuracy := $(COMPUTES)
+GIVES_WAY_test-crossings := $(COMPUTES)
 GIVES_WAY_test-scene := $(COMPUTES)
 
 test: build  ## All checks and tests
@@ -151,7 +153,7 @@ soak: build  ## Random faults for SOAK_SECONDS (default 600), and all that takes
 
 accuracy: build  ## C++ tests and images against known values with all cases, and four times the samples of `make test` (ten minutes to half an hour)
 	NOCTURNE_ACCURACY=1 ctest --test-dir build/release --output-on-failure --no-tests=error
-	NOCTURNE_ACCURACY=1 pytest -m "not soak" $(PROCESSES) 4 tests/accuracy tests/scene/test_uncertainty.py tests/bench/test_stops.py
+	NOCTURNE_ACCURACY=1 pytest -m "not soak" $(PROCESSES) 4 tests/accuracy tests/crossings tests/scene/test_uncertainty.py tests/bench/test_stops.py
 
 fuzz: build  ## Any calls, messages, scenes and bytes, many times more than in the tests (about 20 minutes)
 	NOCTURNE_FUZZ_EXAMPLES=300 pytest tests/services/test_any_calls.py tests/scene/formats/test_any_scene.py \
@@ -160,6 +162,9 @@ fuzz: build  ## Any calls, messages, scenes and bytes, many times more than in t
 
 fuzz-readers: build  ## Files of every format that is read, made wrong, for ten minutes each (an hour)
 	$(PYTHON) -m tests.scene.formats.fuzz --seconds 600
+
+crossings: build  ## A thousand random scenes, each traced by methods that share little (an hour)
+	$(PYTHON) -m tests.crossings
 
 references: build  ## Other renderers' scenes against their own reference images (minutes)
 	pytest -m references -s

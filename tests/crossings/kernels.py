@@ -1,0 +1,143 @@
+"""Kernels of every type, and kernels inside kernels."""
+
+from typing import Any
+
+from tests.accuracy.tracing import Document
+from tests.crossings import assets
+from tests.crossings.draft import Draft
+from tests.crossings.spectra import colour, index, metal, plain_coefficient, reflectance, scalar
+
+_ROUGHEST = 0.6
+_ROUGH = 0.25
+"""From here on lamps of any size are found."""
+
+
+def kernel(draft: Draft, depth: int = 0) -> Any:
+    """Of a surface that bounds no body, or its name."""
+    simple = (_lambertian, _lambertian, _transmitter, _phong, _measured, _coated, _principled, _conductor)
+    sharp = (_pane, _null) if draft.sharp else ()
+    compound = (_blend, _mask, _two_sided) if depth < 2 else ()
+    made = draft.chance.pick([*simple, *sharp, *compound])(draft, depth)
+    return draft.used("kernels", made)
+
+
+def wall(draft: Draft) -> Any:
+    """Of a large surface: mostly diffuse."""
+    return kernel(draft, 1) if draft.chance.maybe(0.25) else draft.used("kernels", _lambertian(draft, 0))
+
+
+def dielectric(draft: Draft, priority: int | None = None) -> Any:
+    """Of a body's boundary, or its name."""
+    chance = draft.chance
+    made: Document = {"type": "dielectric", "index": index(draft)}
+    if chance.maybe(0.1):
+        # Nothing is reflected or refracted.
+        made["index"] = 1.0
+    if chance.maybe(0.4):
+        made |= _facets(draft)
+    if chance.maybe(0.4):
+        made["absorption"] = plain_coefficient(draft, chance.number(0.2, 3.0))
+    if priority is not None:
+        made["priority"] = priority
+    match chance.whole(0, 9):
+        case 0:
+            return {"type": "mask", "kernel": made, "opacity": scalar(draft, 0.2, 0.9)}
+        case 1:
+            other = {"type": "lambertian", "reflectance": reflectance(draft)}
+            return {"type": "blend", "first": made, "second": other, "weight": scalar(draft, 0.1, 0.6)}
+    return draft.used("kernels", made)
+
+
+def _facets(draft: Draft) -> Document:
+    """Roughness of microfacets, or nothing where they may be polished."""
+    chance = draft.chance
+    low = 0.02 if draft.sharp else _ROUGH
+    made: Document = {}
+    if draft.sharp and chance.maybe(0.3):
+        return {"roughness": 0.0} if chance.maybe(0.3) else made
+    if chance.maybe(0.3):
+        made |= {f"roughness_{axis}": scalar(draft, low, _ROUGHEST) for axis in "uv"}
+    else:
+        made["roughness"] = scalar(draft, low, _ROUGHEST)
+    if chance.maybe(0.5):
+        made["distribution"] = chance.pick(["ggx", "beckmann"])
+    return made
+
+
+def _lambertian(draft: Draft, depth: int) -> Document:
+    return {"type": "lambertian", "reflectance": colour(draft)}
+
+
+def _transmitter(draft: Draft, depth: int) -> Document:
+    return {
+        "type": "diffuse_transmitter",
+        "reflectance": colour(draft, 0.4),
+        "transmittance": colour(draft, 0.4),
+    }
+
+
+def _conductor(draft: Draft, depth: int) -> Document:
+    return {"type": "conductor", "index": metal(draft), **_facets(draft)}
+
+
+def _pane(draft: Draft, depth: int) -> Document:
+    made: Document = {"type": "thin_pane", "index": index(draft)}
+    if draft.chance.maybe(0.5):
+        made["transmittance"] = reflectance(draft)
+    return made
+
+
+def _coated(draft: Draft, depth: int) -> Document:
+    made = {"type": "coated_diffuse", "index": index(draft), "reflectance": colour(draft)}
+    return made | _facets(draft)
+
+
+def _phong(draft: Draft, depth: int) -> Document:
+    exponent = draft.chance.factor(1.0, 200.0 if draft.sharp else 10.0)
+    return {"type": "phong", "reflectance": colour(draft), "exponent": exponent}
+
+
+def _measured(draft: Draft, depth: int) -> Document:
+    return {"type": "measured", "asset": assets.MEASURED, "format": "table"}
+
+
+def _principled(draft: Draft, depth: int) -> Document:
+    chance = draft.chance
+    low = 0.15 if draft.sharp else 0.5
+    made: Document = {"type": "principled", "base": colour(draft)}
+    optional: dict[str, Any] = {
+        "metallic": lambda: scalar(draft, 0.0, 1.0),
+        "roughness": lambda: scalar(draft, low, 1.0),
+        "index": lambda: index(draft),
+        "coat": lambda: scalar(draft, 0.0, 1.0),
+        "coat_index": lambda: chance.number(1.2, 2.0),
+        "specular": lambda: scalar(draft, 0.0, 1.0),
+        "specular_colour": lambda: colour(draft),
+        "roughness_across": lambda: scalar(draft, low, 1.0),
+        "rotation": lambda: scalar(draft, 0.0, 1.0),
+        "sheen": lambda: colour(draft),
+        "sheen_roughness": lambda: scalar(draft, 0.2, 1.0),
+    }
+    made |= {name: value() for name, value in optional.items() if chance.maybe(0.35)}
+    if "coat" in made and (not draft.sharp or chance.maybe(0.6)):
+        made["coat_roughness"] = scalar(draft, low, 1.0)
+    return made
+
+
+def _null(draft: Draft, depth: int) -> Document:
+    """Where it is met: masked, as all light would pass it otherwise, and it would be left out."""
+    other = {"type": "lambertian", "reflectance": reflectance(draft)}
+    return {"type": "two_sided", "front": other, "back": {"type": "null"}}
+
+
+def _blend(draft: Draft, depth: int) -> Document:
+    first, second = kernel(draft, depth + 1), kernel(draft, depth + 1)
+    return {"type": "blend", "first": first, "second": second, "weight": scalar(draft, 0.1, 0.9)}
+
+
+def _mask(draft: Draft, depth: int) -> Document:
+    return {"type": "mask", "kernel": kernel(draft, depth + 1), "opacity": scalar(draft, 0.1, 0.9)}
+
+
+def _two_sided(draft: Draft, depth: int) -> Document:
+    return {"type": "two_sided", "front": kernel(draft, depth + 1), "back": kernel(draft, depth + 1)}

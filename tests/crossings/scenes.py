@@ -1,0 +1,191 @@
+"""The grammar: a scene from a seed.
+
+A room, or a floor under the sky; three places with bodies, which are balls that keep clear of each other, of
+lamps and of the sensor; media around everything. What a place may hold is in tests/crossings/bodies.py.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+from tests.accuracy.scenes import quad
+from tests.accuracy.tracing import Document
+from tests.crossings import assets, sensors
+from tests.crossings.bodies import PLACES, RADIUS, bodies_at, lamp_in_body, maps
+from tests.crossings.chance import Chance, Point
+from tests.crossings.draft import Draft
+from tests.crossings.kernels import dielectric, wall
+from tests.crossings.lights import disc, environment, important, lamp
+from tests.crossings.media import air, medium
+from tests.crossings.shapes import motion, rotation
+from tests.crossings.spectra import reflectance
+
+_FILMS = ((8, 8), (8, 8), (4, 4), (12, 8), (10, 6))
+_EDGE, _HEIGHT = 3.2, 2.6
+"""Of the room, m."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A document and the film that it is traced on."""
+
+    seed: int
+    document: Document
+    width: int
+    height: int
+    wide: bool
+    """Whether all lamps are so large that photons meet them by chance."""
+
+
+def scene(seed: int) -> Scene:
+    """The same for the same seed."""
+    chance = Chance(seed)
+    draft = Draft(chance, sharp=chance.maybe(0.65))
+    room = chance.maybe(0.5)
+    width, height = chance.pick(_FILMS)
+    document: Document = {"nocturne": 1, "name": f"crossing {seed}", "surfaces": []}
+    document["sensor"] = sensor = _sensor(draft)
+    if sensor["type"] == "intensity_meter":
+        return Scene(seed, _in_a_ball(draft, document), width, height, draft.sharp)
+    document["surfaces"] += _walls(draft) if room else _ground(draft)
+    lamp_at = [chance.number(-0.5, 0.5), 2.05, chance.number(-0.5, 0.2)]
+    far = not room or chance.maybe(0.1)
+    if not far or chance.maybe(0.5):
+        lit = lamp(draft, lamp_at, chance.number(0.3, 0.45) if draft.sharp else chance.factor(0.05, 0.4))
+        if chance.maybe(0.2):
+            lit["motion"] = motion(draft, lamp_at, 0.05, of=lit)
+        document["surfaces"].append(lit)
+    if far:
+        _put_sky(draft, document)
+    if not room and chance.maybe(0.1):
+        document["atmosphere"] = _planet(draft)
+    _put_bodies(draft, document)
+    _put_around(draft, document, far=far)
+    if chance.maybe(0.2):
+        document["important_directions"] = [important(draft, lamp_at, 0.4)]
+    if chance.maybe(0.1):
+        document["tracing"] = {"maximum_depth": chance.whole(1, 5)}
+    return Scene(seed, document | draft.named, width, height, draft.sharp)
+
+
+def _in_a_ball(draft: Draft, document: Document) -> Document:
+    """All that an intensity meter is for, see known.py."""
+    document["surfaces"] += lamp_in_body(draft, PLACES[0])
+    return document | draft.named
+
+
+def _sensor(draft: Draft) -> Document:
+    match draft.chance.whole(0, 9):
+        case 0 | 1 | 2:
+            return sensors.film(draft)
+        case 3:
+            return sensors.intensity(draft, PLACES[0], RADIUS + 0.05)
+    return sensors.camera(draft)
+
+
+def _walls(draft: Draft) -> list[Document]:
+    """Of a room whose corners look inwards."""
+    e, h = _EDGE, _HEIGHT
+    low, high = -0.5 * e, 0.5 * e
+    sides = [
+        ([low, 0, low], [0, 0, e], [e, 0, 0]),
+        ([low, h, low], [e, 0, 0], [0, 0, e]),
+        ([low, 0, low], [e, 0, 0], [0, h, 0]),
+        ([low, 0, high], [0, h, 0], [e, 0, 0]),
+        ([low, 0, low], [0, h, 0], [0, 0, e]),
+        ([high, 0, low], [0, 0, e], [0, h, 0]),
+    ]
+    return [_wall(draft, quad(*map(list, side))) for side in sides]
+
+
+def _ground(draft: Draft) -> list[Document]:
+    e = 4.0
+    made = [_wall(draft, quad([-0.5 * e, 0, -0.5 * e], [0, 0, e], [e, 0, 0]))]
+    if draft.chance.maybe(0.3):
+        made.append(_wall(draft, quad([-1.5, 0, -1.6], [3, 0, 0], [0, 2, 0])))
+    return made
+
+
+def _wall(draft: Draft, shape: Document) -> Document:
+    made: Document = {"shape": shape, "kernel": wall(draft)}
+    return made | (maps(draft) if draft.chance.maybe(0.1) else {})
+
+
+def _put_sky(draft: Draft, document: Document) -> None:
+    chance = draft.chance
+    sky = chance.maybe(0.7)
+    if sky:
+        document["environment"] = environment(draft)
+    if not sky or chance.maybe(0.5):
+        document["distant"] = [disc(draft) for _ in range(chance.whole(1, 2))]
+
+
+def _planet(draft: Draft) -> Document:
+    """The Earth, or a small one whose thick air ends soon."""
+    chance = draft.chance
+    made: Document = {"altitude": chance.number(0.5, 2.0)}
+    earth = chance.maybe(0.5)
+    if not earth:
+        made |= {"planet_radius": 1e4, "thickness": 300.0}
+    if chance.maybe(0.3):
+        made["up"] = [0.1, 1.0, 0.0]
+    if chance.maybe(0.5):
+        made["ground_reflectance"] = reflectance(draft)
+    match chance.whole(0, 2):
+        case 0:
+            made["air"] = None
+        case 1:
+            height = chance.number(7000, 9000) if earth else chance.number(50, 200)
+            made["air"] = {"pressure": chance.number(3e4, 1e5), "scale_height": height}
+    if earth and chance.maybe(0.6):
+        made["ozone"] = {"dobson_units": 300.0} if chance.maybe(0.5) else {}
+    if made.get("air", {}) is None or chance.maybe(0.5):
+        made["aerosol"] = {"medium": medium(draft, 3.0), "optical_depth": chance.number(0.05, 0.5)}
+        if not earth or chance.maybe(0.5):
+            made["aerosol"]["scale_height"] = 60.0
+    return made
+
+
+def _put_bodies(draft: Draft, document: Document) -> None:
+    """Each at a place of its own, by itself or as instances of a group."""
+    chance = draft.chance
+    places = PLACES[: chance.whole(1, 3)]
+    for place in places:
+        if chance.maybe(0.7):
+            document["surfaces"] += bodies_at(draft, place, grouped=False)
+        else:
+            document.setdefault("instances", []).append(_instance(draft, place, alone=len(places) == 1))
+
+
+def _instance(draft: Draft, place: Point, *, alone: bool) -> Document:
+    """Of a new group; `alone`: the other places are free."""
+    chance = draft.chance
+    name = draft.name("groups", bodies_at(draft, [0.0, 0.0, 0.0], grouped=True))
+    made: Document = {"group": name}
+    if alone and chance.maybe(0.5):
+        return made | {"placements": {"asset": assets.PLACEMENTS}, "translate": [0.0, 0.55, -0.45]}
+    if chance.maybe(0.3):
+        made["group"] = draft.name("groups", [{"group": name, "rotate": rotation(chance, 180.0)}])
+    made["translate"] = place
+    if chance.maybe(0.5):
+        made["rotate"] = rotation(chance, 180.0)
+    if chance.maybe(0.4):
+        made["scale"] = chance.number(0.6, 0.8)
+        if chance.maybe(0.5):
+            made["motion"] = motion(draft, place, 0.05)
+    return made
+
+
+def _put_around(draft: Draft, document: Document, *, far: bool) -> None:
+    """Media, glass or water that hold the whole scene, and air without an end."""
+    chance = draft.chance
+    if chance.maybe(0.15):
+        outer = {"type": "box", "minimum": [-2.2, -0.4, -2.2], "maximum": [2.2, 3.0, 2.2]}
+        around: dict[str, Any] = {"shape": outer}
+        glass = draft.sharp and chance.maybe(0.3)
+        if glass:
+            around["kernel"] = dielectric(draft, -1)
+        if not glass or chance.maybe(0.4):
+            around["interior"] = {"media": [medium(draft, 3.0)]}
+        document["surfaces"].append(around)
+    if chance.maybe(0.15):
+        document["unbounded_media"] = [air(draft, 3.0, even=not far)]

@@ -1,0 +1,102 @@
+"""Sensors of every type, with every way to read light."""
+
+from typing import Any
+
+from tests.accuracy.tracing import Document
+from tests.crossings.chance import Point, shortened
+from tests.crossings.draft import Draft
+from tests.crossings.shapes import motion
+from tests.crossings.spectra import coefficient
+
+CAMERA: Point = [0.0, 1.3, 1.3]
+_FILMS: list[tuple[Point, Point]] = [
+    ([0.0, 0.02, 1.15], [0.0, 1.0, 0.0]),
+    ([0.0, 1.2, 1.3], [0.0, 0.2, -1.0]),
+    ([0.0, 1.4, 1.0], [0.0, 1.0, 0.3]),
+]
+"""Centres and normals."""
+
+
+def camera(draft: Draft) -> Document:
+    """Looks at what stands in the middle."""
+    chance = draft.chance
+    made: Document = {
+        "type": chance.pick(
+            ["pinhole", "pinhole", "thin_lens", "orthographic", "panorama", "radiance_meter"]
+        ),
+        "position": chance.near(CAMERA, 0.1),
+        "look_at": chance.near([0.0, 0.5, -0.2], 0.15),
+    }
+    if chance.maybe(0.2):
+        made["up"] = [chance.number(-0.5, 0.5), 1.0, 0.1]
+    match made["type"]:
+        case "pinhole":
+            made["vertical_field_of_view_degrees"] = chance.number(30, 70)
+        case "thin_lens":
+            made["vertical_field_of_view_degrees"] = chance.number(30, 60)
+            made |= {"lens_radius": chance.number(0.01, 0.05), "focus_distance": chance.number(0.8, 2.0)}
+            if chance.maybe(0.5):
+                made["aperture"] = {"blades": chance.whole(3, 8)}
+                if chance.maybe(0.5):
+                    made["aperture"]["rotation_degrees"] = chance.number(0, 60)
+        case "orthographic":
+            # Its plane must not leave what is around the camera.
+            made |= {"height": 0.2}
+        case "radiance_meter":
+            made |= {"diameter": 0.06, "cone_degrees": chance.number(5, 40)}
+    return made | _reading(draft) | _moving(draft, made["position"])
+
+
+def film(draft: Draft) -> Document:
+    """On the floor, at a wall or in the air; it keeps clear of bodies, and within the room. Not small: few
+    photons from luminaires meet it."""
+    chance = draft.chance
+    position, normal = chance.pick(_FILMS)
+    made: Document = {"type": "irradiance_meter", "position": position, "height": chance.number(0.5, 0.8)}
+    if chance.maybe(0.3):
+        made["look_at"] = shortened([position[axis] + normal[axis] for axis in range(3)])
+    else:
+        made["normal"] = normal
+    if chance.maybe(0.3):
+        made["up"] = [1.0, 0.0, 0.1]
+    return made | _reading(draft) | _moving(draft, position)
+
+
+def intensity(draft: Draft, centre: Point, radius: float) -> Document:
+    """Of what is in a ball."""
+    chance = draft.chance
+    made: Document = {"type": "intensity_meter", "position": centre, "lamp_radius": radius}
+    if chance.maybe(0.5):
+        made |= {"axis": [0.1, -1.0, 0.2], "zero": [1.0, 0.3, 0.0]}
+    return made | _reading(draft) | _moving(draft, centre)
+
+
+def _moving(draft: Draft, position: Point) -> Document:
+    """Of cameras that move; without a scale."""
+    if not draft.chance.maybe(0.15):
+        return {}
+    made = motion(draft, position, 0.05)
+    for placement in made.get("placements", []):
+        placement.pop("scale", None)
+        placement.pop("rotate", None)
+        placement["translate"] = draft.chance.near([0.0, 0.0, 0.0], 0.05)
+    if "rotate" in made:
+        made["rotate"]["degrees"] = draft.chance.number(-10, 10)
+    return {"motion": made}
+
+
+def _reading(draft: Draft) -> Document:
+    """Observer, responses, bands, parts of the light."""
+    chance = draft.chance
+    made: dict[str, Any] = {}
+    if chance.maybe(0.2):
+        made["observer"] = chance.pick(["CIE 1931 2 degree", "CIE 1964 10 degree"])
+    if chance.maybe(0.2):
+        made["responses"] = {"eye": coefficient(draft, 0.5), "flat": 1.0}
+    if chance.maybe(0.15):
+        made["bands"] = {"first": 400, "last": 700, "width": chance.pick([50, 100])}
+    if chance.maybe(0.15):
+        made["light_parts"] = chance.maybe(0.9)
+    if chance.maybe(0.3):
+        made["wavelengths"] = chance.pick(["response", "uniform"])
+    return made

@@ -1,0 +1,58 @@
+"""The smallest scene by which two methods still differ."""
+
+from pathlib import Path
+from typing import Any
+
+from nocturne_client.errors import NocturneClientError
+
+from tests.accuracy.tracing import Document
+from tests.crossings.judging import differences
+from tests.crossings.looking import SAMPLES, SEEDS, Outcome
+from tests.crossings.methods import Failed, Readings, Refused, methods_of, traced
+from tests.crossings.reducing import inlined, reduced
+
+_PROBABILITY = 1e-4
+"""By seeds as well as by stated errors."""
+_KEPT = 0.5
+"""Part of the difference that a smaller scene must have, too."""
+
+
+def smallest(fault: Outcome, folder: Path, seconds: float) -> Document:
+    """A document with a note on what differs; one that no method traces stays whole."""
+    documents = methods_of(fault.scene)
+    worst = fault.worst
+    names = list(fault.broken) if worst is None else [worst.one, worst.other]
+    whole = {
+        "document": inlined(fault.scene.document),
+        "ways": {name: _own(documents[name], fault.scene.document) for name in names if name in documents},
+    }
+
+    def traced_by(candidate: Any, name: str) -> Readings:
+        tracing = {**candidate["document"].get("tracing", {}), **candidate["ways"][name]}
+        return traced(candidate["document"] | {"tracing": tracing}, fault.scene, folder, 8 * SAMPLES, SEEDS)
+
+    def fails(candidate: Any) -> bool:
+        try:
+            found = {name: traced_by(candidate, name) for name in names}
+        except Failed:
+            return worst is None
+        except (Refused, NocturneClientError, KeyError, TypeError, AttributeError):
+            return False
+        if worst is None:
+            return False
+        (now,) = differences(found)
+        return now.surely < _PROBABILITY and abs(now.off) >= _KEPT * abs(worst.off)
+
+    small = reduced(whole, fails, seconds) if len(names) == 2 or worst is None else whole
+    film = f"film {fault.scene.width}x{fault.scene.height}, {8 * SAMPLES} samples, seeds 1 to {SEEDS}"
+    why = str(worst) if worst is not None else "; ".join(fault.broken.values())
+    ways = "; ".join(f"{name}: {way}" for name, way in small["ways"].items())
+    note = f"seed {fault.scene.seed}: {why}; {film}; {ways}"
+    last = [*small["ways"].values(), {}][len(names) - 1]
+    return {**small["document"], "note": note, "tracing": {**small["document"].get("tracing", {}), **last}}
+
+
+def _own(document: Document, scene: Document) -> Document:
+    """How it is traced, but for what changes the image: that is the scene's."""
+    kept = scene.get("tracing", {})
+    return {name: value for name, value in document["tracing"].items() if name not in kept}

@@ -1,0 +1,82 @@
+"""A method that is wrong is found, and so are the parts of a scene that it is wrong with."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.accuracy.scenes import furnace
+from tests.accuracy.tracing import Document, write
+from tests.crossings import assets, methods
+from tests.crossings.judging import ALPHA
+from tests.crossings.looking import Outcome, look
+from tests.crossings.scenes import Scene, scene
+from tests.crossings.smallest import smallest
+
+pytestmark = pytest.mark.system
+
+_WITH_A_MASK = 186
+"""Seed of a scene that shows one."""
+_SAMPLES = 8
+
+
+def _break(monkeypatch: pytest.MonkeyPatch, wrong: Callable[[Any], Any]) -> None:
+    """Whatever is traced by the estimator "mixture" is another scene."""
+
+    def write_wrong(document: Document, folder: Path) -> Path:
+        is_mixture = document["tracing"].get("estimator") == "mixture"
+        return write(wrong(document) if is_mixture else document, folder)
+
+    monkeypatch.setattr(methods, "write", write_wrong)
+
+
+def _darker(value: Any) -> Any:
+    """Reflectances are 5 % less."""
+    if isinstance(value, list):
+        return [_darker(each) for each in value]
+    if not isinstance(value, dict):
+        return value
+    made = {name: _darker(inner) for name, inner in value.items()}
+    if made.get("reflectance") == "wall":
+        made["reflectance"] = 0.475
+    return made
+
+
+def _without_masks(value: Any) -> Any:
+    """What is half there is there."""
+    if isinstance(value, list):
+        return [_without_masks(each) for each in value]
+    if not isinstance(value, dict):
+        return value
+    if value.get("type") == "mask":
+        return _without_masks(value["kernel"])
+    return {name: _without_masks(inner) for name, inner in value.items()}
+
+
+def _is_found(outcome: Outcome) -> bool:
+    """Also among a thousand scenes."""
+    return outcome.probability < ALPHA / 1000.0
+
+
+def test_an_albedo_that_is_five_percent_off(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """1 / (1 - 0.475) instead of 1 / (1 - 0.5)."""
+    sound = Scene(0, furnace(0.5, 2.0), 8, 8, wide=True)
+    assert look(sound, tmp_path, _SAMPLES).probability == 1.0
+    _break(monkeypatch, _darker)
+    found = look(sound, tmp_path, _SAMPLES)
+    assert _is_found(found)
+    assert found.worst is not None
+    assert "mixture" in (found.worst.one, found.worst.other)
+    assert abs(found.worst.off) == pytest.approx(0.05, abs=0.02)
+
+
+@pytest.mark.soak
+def test_a_fault_of_masks_is_reduced_to_a_mask(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assets.write(tmp_path)
+    _break(monkeypatch, _without_masks)
+    found = look(scene(_WITH_A_MASK), tmp_path)
+    assert _is_found(found)
+    small = smallest(found, tmp_path, 240.0)
+    assert '"mask"' in repr(small).replace("'", '"')
+    assert len(small.get("surfaces", [])) + len(small.get("instances", [])) <= 3
