@@ -91,6 +91,23 @@ void find_again(Double3 a, Double3 ab, Double3 ac, Double3 across, Double3 origi
   try_edge(ab, ac - ab, [](float part) { return std::tuple(1.0f - part, part); });
 }
 
+Hit locate_needle(const Corners& p, Double3 origin, Double3 direction, Found found) {
+  const Double3 ab = Double3(p.b) - Double3(p.a), ac = Double3(p.c) - Double3(p.a);
+  const Double3 n = cross(ab, ac);
+  const double edge = std::fmax(max_abs(ab), max_abs(ac));
+  find_again(p.a, ab, ac, n, origin, direction, found);
+  const Vec3 position = (Double3(p.a) + double{found.u} * ab + double{found.v} * ac).rounded();
+  return {.position = position,
+          .normal = ((1.0 / length(n)) * n).rounded(),
+          .surface = found.surface,
+          .distance = found.distance,
+          .clearance = kClearanceUnits * (max_abs(position) + static_cast<float>(edge)),
+          .instance = Hit::kNoInstance,
+          .primitive = found.primitive,
+          .u = found.u,
+          .v = found.v};
+}
+
 Hit locate(const Sphere& sphere, Double3 origin, Double3 direction, const Found& found,
            float time) {
   const Double3 centre = centre_at(sphere, time);

@@ -15,11 +15,12 @@ struct Found {
   float u, v, distance;
 };
 
-/// Whether a search's barycentric coordinates may be of no use: what they are off by along the
-/// longest edge grows with that over the triangle's width. `across` is the length of the product of
-/// two edges, the longer of which is `edge` m long.
-inline bool is_needle(double edge, double across) {
-  constexpr double kLongest = 32.0;  // widths: more than a mesh of a ball has at its poles
+/// Whether a search's barycentric coordinates, and a normal in single precision, may be of no use:
+/// what they are off by grows with the longest edge over the triangle's width. `across` is the
+/// length of the product of two edges, the longer of which is `edge` m long.
+template <class Real>
+bool is_needle(Real edge, Real across) {
+  constexpr Real kLongest = 32;  // widths
   return edge * edge > kLongest * across;
 }
 
@@ -28,22 +29,24 @@ inline bool is_needle(double edge, double across) {
 void find_again(Double3 a, Double3 ab, Double3 ac, Double3 across, Double3 origin,
                 Double3 direction, Found& found);
 
+/// Of a needle in the scene itself, in double precision.
+Hit locate_needle(const Corners& p, Double3 origin, Double3 direction, Found found);
+
 /// A triangle in the scene itself, by its corners: the hot path. The point comes from the
 /// barycentric coordinates: its error depends on the triangle's coordinates, not on the ray's
 /// length. The line is the ray's.
-inline Hit locate(const Corners& p, Double3 origin, Double3 direction, Found found) {
-  const Double3 ab = Double3(p.b) - Double3(p.a), ac = Double3(p.c) - Double3(p.a);
-  const Double3 n = cross(ab, ac);
-  const double twice_the_area = length(n), edge = std::fmax(max_abs(ab), max_abs(ac));
-  if (is_needle(edge, twice_the_area)) [[unlikely]] {
-    find_again(p.a, ab, ac, n, origin, direction, found);
-  }
-  const Vec3 position = (Double3(p.a) + double{found.u} * ab + double{found.v} * ac).rounded();
+inline Hit locate(const Corners& p, Double3 origin, Double3 direction, const Found& found) {
+  const Vec3 ab = p.b - p.a, ac = p.c - p.a, n = cross(ab, ac);
+  const float edge = std::max(max_abs(ab), max_abs(ac));
+  // Also of what has no area.
+  if (is_needle(edge, length(n))) [[unlikely]]
+    return locate_needle(p, origin, direction, found);
+  const Vec3 position = p.a + found.u * ab + found.v * ac;
   return {.position = position,
-          .normal = ((1.0 / twice_the_area) * n).rounded(),
+          .normal = normalized(n),
           .surface = found.surface,
           .distance = found.distance,
-          .clearance = kClearanceUnits * (max_abs(position) + static_cast<float>(edge)),
+          .clearance = kClearanceUnits * (max_abs(position) + edge),
           .instance = Hit::kNoInstance,
           .primitive = found.primitive,
           .u = found.u,
