@@ -131,7 +131,7 @@ def test_an_orthographic_camera_is_half_in_fog(tmp_path: Path) -> None:
 
 def test_a_lens_is_half_in_fog(tmp_path: Path) -> None:
     """1.75 times too much before."""
-    lens = {"type": "thin_lens", "position": [0, 0, 0], "look_at": [0, 0, 1]}
+    lens: Document = {"type": "thin_lens", "position": [0, 0, 0], "look_at": [0, 0, 1]}
     lens |= {"vertical_field_of_view_degrees": 0.01, "lens_radius": 0.1, "focus_distance": 1e5}
     document = measured_scene(lens, [_fog([0, -2, -1], [2, 2, 2]), _LAMP]) | _FOG
     assert _agree(_read(document, tmp_path).mean(axis=1), (1.0 + math.exp(-2)) / 2)
