@@ -44,7 +44,7 @@ def test_bands_are_the_sensors() -> None:
 
 
 def test_all_layers_have_a_word() -> None:
-    assert len(layer_names("all")) == 6
+    assert len(layer_names("all")) == 7
     assert layer_names(" depth, albedo") == ("depth", "albedo")
 
 

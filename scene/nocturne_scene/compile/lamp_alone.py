@@ -1,5 +1,5 @@
 """An intensity meter is made for a lamp by itself. What stands or shines outside of its sphere counts where
-photons from the meter see it through the sphere; those from luminaires would bring another part of it.
+photons from the meter see it through the sphere; those from luminaires bring all of it that leaves the scene.
 """
 
 import numpy as np
@@ -12,7 +12,6 @@ from nocturne_scene.document.problems import path
 from nocturne_scene.document.sensors import IntensityMeter
 from nocturne_scene.document.shapes import MediumBox, Sphere
 from nocturne_scene.document.surfaces import Surface
-from nocturne_scene.errors import Problem
 from nocturne_scene.meshes.headers import UnusableMeshError
 
 _ROUNDING = 1e-5
@@ -20,7 +19,7 @@ _ROUNDING = 1e-5
 
 
 def check_lamp_alone(workspace: Workspace, shapes: Shapes, message: scene_pb2.CompiledScene) -> None:
-    """Warns of each thing outside, and lets no photons start at luminaires then.
+    """Warns of each thing outside; then photons start at luminaires only where the document says so.
 
     Surfaces that move are looked at where they stand at first, and those of groups are not.
     """
@@ -43,15 +42,14 @@ def check_lamp_alone(workspace: Workspace, shapes: Shapes, message: scene_pb2.Co
             outside.append(f"{place}.shape: reaches {farthest:.6g} m from the meter's position, outside")
     if not outside:
         return
+    counts = (
+        "it leaves the scene" if document.tracing.direction == "forward" else "it is seen through the sphere"
+    )
     workspace.warnings.extend(
-        f"{what} of the intensity meter's sphere of {sensor.lamp_radius:g} m; it counts where it is seen "
-        "through the sphere"
+        f"{what} of the intensity meter's sphere of {sensor.lamp_radius:g} m; it counts where {counts}"
         for what in outside
     )
     workspace.photons_can_start = False
-    if document.tracing.direction == "forward":
-        told = 'beyond its sphere an intensity meter needs photons of its own; expected "adjoint"'
-        workspace.problems.append(Problem("$.tracing.direction", told))
 
 
 def _farthest(

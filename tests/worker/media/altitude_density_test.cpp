@@ -145,6 +145,20 @@ TEST(AltitudeMajorants, StayLowOnLevelRays) {
   }
 }
 
+// Where a body's face lies in the plane where a layer ends, photons start a rounding above it.
+TEST(AltitudeMajorants, EndBesideTheStartOfARayThatLeavesAllLayers) {
+  const auto layers = AltitudeDensity::table(kFlat, {0.3, 1.0, 3.0}, {1.0f, 0.4f, 0.2f});
+  float height = 3.0f;
+  for (int i = 0; i < 8; ++i, height = std::nextafter(height, 4.0f)) {
+    AltitudeMajorants along(layers, {{1.0f, 2.0f, height}, {0.6f, 0.0f, 0.8f}}, kForever);
+    float from = 0.0f, bounded = 0.0f;
+    for (MajorantSegment segment; along.next(segment); from = segment.end) {
+      if (segment.majorant > 0.0f) bounded += segment.end - from;
+    }
+    EXPECT_LT(bounded, 1e-4f) << i;
+  }
+}
+
 TEST(ConstantDensity, IsOneSegment) {
   const ConstantDensity density{0.5f};
   const auto s = test::segments(density, {{1, 2, 3}, {0, 0, 1}}, 7.0f);

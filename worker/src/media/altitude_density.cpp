@@ -171,6 +171,12 @@ AltitudeMajorants::AltitudeMajorants(const AltitudeDensity& density, const Ray& 
   per_metre_ = kRounding * along(d);
   const auto above = std::ranges::upper_bound(density.edges_, altitude_(0.0));
   layer_ = static_cast<std::size_t>(above - density.edges_.begin());
+  // As far over an edge as rounding reaches, the denser layer below has not ended: a way from there
+  // out of all layers would have its bound for ever.
+  while (layer_ > 0 && density.majorant_[layer_ - 1] > density.majorant_[layer_] &&
+         altitude_(0.0) < density.edges_[layer_ - 1] + 2.0 * reach_) {
+    --layer_;
+  }
 }
 
 bool AltitudeMajorants::advance(MajorantSegment& segment) {

@@ -47,7 +47,7 @@ double best_forward_ratio(const PilotFigures& adjoint, const PilotFigures& forwa
 }
 
 bool guide_finds_more(const PilotFigures& unguided, const PilotFigures& guided) {
-  const double apart = kApart * math::hypot(unguided.mean_error, guided.mean_error);
+  const double apart = kMissed * math::hypot(unguided.mean_error, guided.mean_error);
   const bool found_again = guided.mean > kFoundAgain * guided.mean_error;
   return guided.mean - unguided.mean > apart ||
          (found_again && guided.mean > kHardlyFound * unguided.mean);

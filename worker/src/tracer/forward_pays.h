@@ -13,6 +13,9 @@ namespace nocturne {
 constexpr double kWorthIt = 1.25;
 /// Standard errors between two means that are told apart; of four images, so few are not enough.
 constexpr double kApart = 5.0;
+/// And those between two ways of which one seems to miss light that the other is known to look for:
+/// where chance alone says so, the other is right as well, and costs what it costs.
+constexpr double kMissed = 2.5;
 /// Forward photons whose mean is less certain have hardly found the sensor yet; where adjoint ones
 /// have found nothing at all of the same light, few are enough.
 constexpr double kCertain = 0.2, kSeen = 0.5;

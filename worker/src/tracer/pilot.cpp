@@ -338,11 +338,12 @@ class Pilot {
     if (first != film.end() && !votes_are_plain(gains, worth_it)) {
       std::tie(gains, ratio) = gains_of_sharing({first, film.end()}, alone, shared);
     }
-    const double error = error_of_median(gains);
+    const double error = error_of_log_ratio(alone_.of_squares, shared_.of_squares);
     const std::optional<double> gain = sharing_pays(std::move(gains), worth_it);
-    // One part of the film alone says nothing of how it is elsewhere.
-    if (!gain || !is_gain(*gain, error)) return;
-    if (const double differ = means_differ(alone_in_squares_, shared_in_squares_); differ != 0.0) {
+    // One part of the film alone says nothing of how it is elsewhere; of several, votes decide.
+    if (!gain || !std::isfinite(error)) return;
+    if (const double differ = means_differ(alone_.means_of_squares, shared_.means_of_squares);
+        differ != 0.0) {
       result_.fault = PilotResult::Fault::kShared;
       result_.differs_by = differ;
       return;
@@ -382,8 +383,8 @@ class Pilot {
     const PilotFigures one = figures_of(PilotFigures::kSharing, 1, alone, shown);
     PilotFigures sixteen = figures_of(PilotFigures::kSharing, 16, shared, shown);
     sixteen.cost = one.cost + kQueryCost * (sixteen.cost - one.cost);
-    alone_in_squares_ = one.means_of_squares;
-    shared_in_squares_ = sixteen.means_of_squares;
+    alone_ = one;
+    shared_ = sixteen;
     std::erase_if(result_.tried, [](const PilotFigures& before) {
       return before.photons == PilotFigures::kSharing;
     });
@@ -437,8 +438,8 @@ class Pilot {
   bool guided_first_ = false;
   PilotFigures unguided_{.photons = PilotFigures::kAdjoint};
   PilotFigures guided_{.photons = PilotFigures::kAdjoint};
-  /// Mean Y of squares, where sharing was tried.
-  std::vector<double> alone_in_squares_, shared_in_squares_;
+  /// Where sharing was tried.
+  PilotFigures alone_{.photons = PilotFigures::kSharing}, shared_ = alone_;
   /// Y, cd/m2.
   double mean_of_probe_ = 0.0;
   const double budget_;

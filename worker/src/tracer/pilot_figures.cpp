@@ -64,20 +64,20 @@ GroupErrors of_both(const PilotFigures& adjoint, const PilotFigures& forward, do
   return both;
 }
 
-double error_of_log_ratio(const GroupErrors& one, const GroupErrors& other) {
+double error_of_log_ratio(std::span<const double> one, std::span<const double> other) {
   const double all = std::accumulate(one.begin(), one.end(), 0.0),
                all_of_other = std::accumulate(other.begin(), other.end(), 0.0);
-  constexpr auto kCount = static_cast<double>(PilotFigures::kGroups);
-  GroupErrors logarithms{};
+  const auto count = static_cast<double>(one.size());
+  std::vector<double> logarithms;
   double mean = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < one.size(); ++i) {
     const double left = all - one[i], left_of_other = all_of_other - other[i];
     if (!(left > 0.0 && left_of_other > 0.0)) return std::numeric_limits<double>::infinity();
-    logarithms[i] = math::log(left / left_of_other);
-    mean += logarithms[i] / kCount;
+    logarithms.push_back(math::log(left / left_of_other));
+    mean += logarithms.back() / count;
   }
   for (const double each : logarithms) squares += (each - mean) * (each - mean);
-  return std::sqrt((kCount - 1.0) / kCount * squares);
+  return std::sqrt((count - 1.0) / count * squares);
 }
 
 double rays_of(const PilotImages& images) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "tile/tile_sums.h"
@@ -61,7 +62,7 @@ GroupErrors of_both(const PilotFigures& adjoint, const PilotFigures& forward, do
 /// Standard error of log(sum of one / sum of other), by leaving out one group of pixels after the
 /// other (the jackknife; Efron and Tibshirani, "An Introduction to the Bootstrap", 1993, equation
 /// 11.5). Large where few pixels decide. Infinite where either is zero without one of the groups.
-double error_of_log_ratio(const GroupErrors& one, const GroupErrors& other);
+double error_of_log_ratio(std::span<const double> one, std::span<const double> other);
 
 /// Of images whose pixels show `shown`.
 PilotFigures figures_of(PilotFigures::Photons photons, std::uint32_t sharing,

@@ -12,9 +12,8 @@ namespace {
 /// Part of the mean that one find is, from which light is rare; and part that counts where it is
 /// missing: a tenth of what most renders are asked for.
 constexpr double kOneFind = 1e-4, kCounts = 1e-3;
-/// Standard errors by which two means differ so far that it is told, and that both directions are
-/// taken: where chance alone says so, these are right, too, and cost at most what they cost.
-constexpr double kStandardErrors = 2.0, kDiffer = 2.5;
+/// Standard errors by which two means differ so far that it is told.
+constexpr double kStandardErrors = 2.0;
 
 bool is_unseen(const MeanLight& light) { return light.mean == 0.0 && light.error == 0.0; }
 
@@ -30,7 +29,7 @@ bool must_be_brought(const RareLight& light, double mean) {
   const auto& [forward, adjoint] = light;
   const double more = forward.mean - adjoint.mean;
   const bool differ =
-      is_unseen(adjoint) || more > kDiffer * math::hypot(forward.error, adjoint.error);
+      is_unseen(adjoint) || more > kMissed * math::hypot(forward.error, adjoint.error);
   return is_certain(light) && differ && more > kCounts * mean;
 }
 

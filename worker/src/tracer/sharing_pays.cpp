@@ -3,10 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
-#include <numbers>
-
-#include "math/functions.h"
 
 namespace nocturne {
 namespace {
@@ -35,16 +31,6 @@ std::optional<double> sharing_pays(std::vector<double> gains, double worth_it) {
   const auto middle = gains.begin() + static_cast<std::ptrdiff_t>((gains.size() - 1) / 2);
   std::ranges::nth_element(gains, middle);
   return *middle > worth_it ? std::optional(*middle) : std::nullopt;
-}
-
-double error_of_median(std::span<const double> gains) {
-  const auto count = static_cast<double>(gains.size());
-  if (gains.size() < 2) return std::numeric_limits<double>::infinity();
-  double mean = 0.0, squares = 0.0;
-  for (const double gain : gains) mean += math::log(gain) / count;
-  for (const double gain : gains) squares += square(math::log(gain) - mean);
-  // Of normal numbers a median has sqrt(pi / 2) times the error of the mean.
-  return std::sqrt(std::numbers::pi / 2.0 * squares / (count - 1.0) / count);
 }
 
 double means_differ(std::span<const double> alone, std::span<const double> shared) {

@@ -16,9 +16,6 @@ namespace nocturne {
 /// rare bright samples in one, it loses.
 std::optional<double> sharing_pays(std::vector<double> gains, double worth_it);
 
-/// Standard error of the logarithm of their median, by how they spread; infinite for one.
-double error_of_median(std::span<const double> gains);
-
 /// By how much the mean of all squares differs, `shared` over `alone` less 1, where that is beyond
 /// what these squares spread; else 0. Both show the same light.
 double means_differ(std::span<const double> alone, std::span<const double> shared);
