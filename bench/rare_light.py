@@ -32,7 +32,7 @@ def run(quick: bool) -> Figures:
     truths."""
     full = os.environ.get("BENCH") == "full"
     counts = (16,) if quick else (16, 64, 256, 1024)
-    truth = 64 if quick else 2048 if full else 512
+    truth = 64 if quick else 2048 if full else 256
     scenes = rare_scenes()
     chosen = dict(list(scenes.items())[::10]) if quick else scenes
     return {

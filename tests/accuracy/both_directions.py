@@ -112,6 +112,6 @@ SCENES = {
     ),
     "mirror, intensity": BothDirections(_mirror(_INTENSITY), (8, 8), {"adjoint": 4096, "forward": 1024}),
     "port": BothDirections(_port(), (8, 8), {"adjoint": 512, "forward": 2048}),
-    "lamp in glass": BothDirections(_inside_glass(), (8, 8), {"adjoint": 8192, "forward": 4096}),
+    "lamp in glass": BothDirections(_inside_glass(), (8, 8), {"adjoint": 16384, "forward": 8192}),
     "film in glass": BothDirections(_film_inside_glass(), (8, 8), {"adjoint": 8192, "forward": 4096}),
 }
