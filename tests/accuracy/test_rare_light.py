@@ -26,3 +26,4 @@ def test_a_ball_of_glass_on_a_wide_floor_is_found_by_what_may_gather_light(
 def test_light_that_a_pilot_hardly_met_is_told() -> None:
     assert (unmet_light(0.0), unmet_light(0.0049)) == ("", "")
     assert "up to 2.4% of the mean may be missing" in unmet_light(0.024)
+    assert '`"direction": "forward"` would find it' in unmet_light(0.024, "forward")

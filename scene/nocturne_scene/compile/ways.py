@@ -197,7 +197,7 @@ def choose(scene: scene_pb2.CompiledScene, blobs: Path, film: Film, ways: OpenWa
             _ratio(found, ways),
             found["hinted"],
         )
-        words = _sentence(better, default, found) + unmet_light(found["unmet"])
+        words = _sentence(better, default, found) + unmet_light(found["unmet"], asked.direction)
         return better, words + fault(found["fault"], found["differs_by"])
     except (OSError, subprocess.SubprocessError, ValueError, KeyError):
         return default, f"{default.named()}: nothing was compared, as the pilot failed"
@@ -232,13 +232,16 @@ def _run(
     return found
 
 
-def unmet_light(part: float) -> str:
-    """What to say where so large a part of the mean may be missing; nothing where it is small."""
+def unmet_light(part: float, direction: str = "both") -> str:
+    """What to say where so large a part of the mean may be missing; nothing where it is small.
+
+    `direction`: how photons from luminaires can take part.
+    """
     if part < _TOLD_ABOVE:
         return ""
     return (
         "; it met too few photons that mirrors and glass gather to compare, so that up to "
-        f'{part:.1%} of the mean may be missing: `"direction": "both"` would find it'
+        f'{part:.1%} of the mean may be missing: `"direction": "{direction}"` would find it'
     )
 
 
