@@ -8,12 +8,12 @@ from pathlib import Path
 from nocturne_client.local.programs import CHECKOUT
 
 from bench.machine import processor
+from bench.report import kept
 from bench.ways import WAYS
 from tests.stability.case import Case
 from tests.stability.cases import GROUPS
 from tests.stability.measure import measure
 from tests.stability.page import Matrix, as_json, from_json, page
-from tests.stability.rare_light import rare_light
 from tests.stability.verdict import Verdict
 
 _PAGE = CHECKOUT / "docs" / "explanation" / "stability.md"
@@ -30,7 +30,7 @@ def main() -> int:
     arguments = parser.parse_args()
     asked = arguments.cases
     if arguments.page:
-        _PAGE.write_text(page(from_json(_MATRIX.read_text()), rare_light()))
+        _PAGE.write_text(page(from_json(_MATRIX.read_text()), kept().get("rare_light")))
         return 0
     matrix: Matrix = from_json(_MATRIX.read_text()) if asked else {}
     with tempfile.TemporaryDirectory(prefix="nocturne-stability-") as folder:
@@ -38,7 +38,7 @@ def main() -> int:
             if not asked or any(part in case.name for part in asked):
                 matrix[case.name] = _row(case, Path(folder))
                 sys.stderr.write(f"{case.name}: {_short(matrix[case.name])}\n")
-    _PAGE.write_text(page(matrix, rare_light()))
+    _PAGE.write_text(page(matrix, kept().get("rare_light")))
     _MATRIX.write_text(as_json(matrix, processor()))
     return 0
 

@@ -3,6 +3,7 @@
 import json
 from typing import Any
 
+from bench.rare_light import AIM
 from bench.ways import WAYS
 from tests.stability.cases import GROUPS
 from tests.stability.verdict import NOISY, Verdict, Word
@@ -90,8 +91,8 @@ _RARE = """
 Forty scenes of small bright lights and of things that gather their light
 ([method](method.md#light-that-was-not-met)), each by the default alone: of an image's squares of 8 x 8
 pixels, how many hold the truth in their 95 % interval. The truth is a longer image by photons from both
-directions, {samples:,} samples of each pixel. **Bold**: fewer than 93 %. *Told*: the image says that light
-may be missing. Made by `python -m bench rare_light`.
+directions, {samples:,} samples of each pixel. **Bold**: fewer than {aim:g} %. *Told*: the image says that
+light may be missing. Made by `python -m bench rare_light`.
 
 | scene | {counts} |
 | --- |{rules}
@@ -104,6 +105,7 @@ def _rare_light(figures: dict[str, Any]) -> str:
     lines = [
         _RARE.format(
             samples=figures["truth_samples"],
+            aim=100 * AIM,
             counts=" | ".join(f"{count} samples" for count in counts),
             rules=" --- |" * len(counts),
         ).rstrip()
@@ -113,7 +115,7 @@ def _rare_light(figures: dict[str, Any]) -> str:
         for count in counts:
             held = f"{found[count]['held']:.0%}"
             cells.append(
-                (f"**{held}**" if found[count]["held"] < 0.93 else held)
+                (f"**{held}**" if found[count]["held"] < AIM else held)
                 + (", told" if found[count]["told"] else "")
             )
         lines.append(f"| {name} | {' | '.join(cells)} |")

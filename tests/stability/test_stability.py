@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from nocturne_client.local.programs import CHECKOUT
 
+from bench.report import kept
 from bench.ways import WAYS
 from tests.stability.case import Case
 from tests.stability.cases import GROUPS
 from tests.stability.measure import measure
 from tests.stability.page import from_json, page
-from tests.stability.rare_light import rare_light
 from tests.stability.verdict import Verdict, Word, judge
 
 _ALL = {case.name: case for cases in GROUPS.values() for case in cases}
@@ -90,7 +90,9 @@ def test_kept_matrix_has_all_cases_and_its_page() -> None:
     """docs/explanation/stability.md is what `make stability` makes of what it kept."""
     matrix = from_json((CHECKOUT / "bench" / "results" / "stability.json").read_text())
     assert list(matrix) == list(_ALL)
-    assert (CHECKOUT / "docs" / "explanation" / "stability.md").read_text() == page(matrix, rare_light())
+    assert (CHECKOUT / "docs" / "explanation" / "stability.md").read_text() == page(
+        matrix, kept().get("rare_light")
+    )
 
 
 def test_the_default_is_never_off_without_a_warning() -> None:

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "tracer/forward_pays.h"
+
 namespace nocturne {
 namespace {
 
@@ -11,8 +13,8 @@ namespace {
 /// times less: somebody waits for the pilot, and one part of five does not move the median.
 constexpr double kPlain = 1.25;
 
-/// Standard errors of a mean, squares of which its error must be made, and part of it that counts.
-constexpr double kApart = 5.0, kDiffers = 0.01;
+/// Squares of which the error of a mean must be made, and part of the mean that counts.
+constexpr double kDiffers = 0.01;
 constexpr std::size_t kFewest = 6;
 
 double square(double x) { return x * x; }
