@@ -30,7 +30,13 @@ class Guarded:
     def rest(self, token: str) -> httpx.AsyncClient:
         headers = {"Authorization": f"Bearer {token}"} if token else {}
         address = f"http://127.0.0.1:{self.service.port}"
-        return httpx.AsyncClient(base_url=address, timeout=60, trust_env=False, headers=headers, verify=False)  # noqa: S501
+        return httpx.AsyncClient(
+            base_url=address,
+            timeout=300,
+            trust_env=False,
+            headers=headers,
+            verify=False,  # noqa: S501
+        )
 
     def grpc(self) -> grpc.aio.Channel:
         return grpc_channel(self.service)

@@ -121,7 +121,7 @@ def test_a_full_disk_at_the_start(service: Service, tmp_path: Path, program: str
         ],
         stderr=subprocess.PIPE,
         text=True,
-        timeout=60,
+        timeout=300,
         check=False,
     )
     assert run.returncode == EXIT_UNUSABLE

@@ -145,7 +145,7 @@ def test_nocturne_up_on_a_full_disk_says_so(tmp_path: Path, command: list[str]) 
             ["prlimit", "--fsize=0", NOCTURNE, *command, "--data", data],
             stderr=subprocess.PIPE,
             text=True,
-            timeout=60,
+            timeout=300,
             check=False,
         )
         assert run.returncode == 2

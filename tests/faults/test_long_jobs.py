@@ -58,7 +58,7 @@ def submit(service: ServiceProcesses, scene: dict[str, Any], samples: int, edge:
     """Gives its id."""
     asked = {"scene": scene, "width": edge, "height": edge, "samples": samples}
     asked["request_id"] = f"{time.time()}"
-    answer = httpx.post(f"{service.url}/v1/renders", json=asked, timeout=30.0)
+    answer = httpx.post(f"{service.url}/v1/renders", json=asked, timeout=300)
     assert answer.is_success, answer.text
     return str(answer.json()["id"])
 

@@ -100,7 +100,7 @@ async def api(disk: Disk, tmp_path: Path) -> AsyncIterator[Api]:
 @pytest.fixture
 async def rest(api: Api) -> AsyncIterator[httpx.AsyncClient]:
     address = f"http://127.0.0.1:{api.port}"
-    async with httpx.AsyncClient(base_url=address, timeout=60, trust_env=False, verify=False) as client:  # noqa: S501
+    async with httpx.AsyncClient(base_url=address, timeout=300, trust_env=False, verify=False) as client:  # noqa: S501
         yield client
 
 

@@ -38,7 +38,7 @@ def rest_client(service: Service) -> httpx.AsyncClient:
     """A client of the REST endpoint."""
     address = f"http://127.0.0.1:{service.port}"
     # No certificates, whose reading would take a hundred times as long as a request.
-    return httpx.AsyncClient(base_url=address, timeout=60, trust_env=False, verify=False)  # noqa: S501
+    return httpx.AsyncClient(base_url=address, timeout=300, trust_env=False, verify=False)  # noqa: S501
 
 
 def grpc_channel(service: Service) -> grpc.aio.Channel:
@@ -61,7 +61,7 @@ async def refusal_of_upload(
         with grpc.insecure_channel(f"127.0.0.1:{service.grpc_port}") as channel:
             stub = asset_service_pb2_grpc.AssetServiceStub(channel)
             with pytest.raises(grpc.RpcError) as caught:
-                stub.Upload(messages, metadata=metadata, timeout=60)
+                stub.Upload(messages, metadata=metadata, timeout=300)
             code: grpc.StatusCode = caught.value.code()
             return code
 

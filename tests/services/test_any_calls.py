@@ -52,7 +52,7 @@ def _create_body(request_id: str) -> dict[str, Any]:
 @pytest.fixture(scope="module")
 def render_id(url: str) -> str:
     """A render that calls can be about."""
-    answer = httpx.post(f"{url}/v1/renders", json=_create_body("known"), timeout=60, trust_env=False)
+    answer = httpx.post(f"{url}/v1/renders", json=_create_body("known"), timeout=300, trust_env=False)
     assert answer.status_code == 201, answer.text
     return str(answer.json()["id"])
 
@@ -75,7 +75,7 @@ def test_any_call_by_the_description(described: Any, render_id: str) -> None:
         def call(case: Any, known: bool) -> None:
             if known and "render_id" in (case.path_parameters or {}):
                 case.path_parameters["render_id"] = render_id
-            answer = case.call(timeout=60)
+            answer = case.call(timeout=300)
             assert answer.status_code < 500, (case.as_curl_command(), answer.text)
 
         call()
@@ -127,7 +127,7 @@ def test_any_change_of_a_scene(url: str, data: st.DataObject) -> None:
             place = place[key]
         place[key] = data.draw(_values)
     text = json.dumps(body).encode("utf-8", "surrogatepass")
-    answer = httpx.post(f"{url}/v1/renders", content=text, timeout=60, trust_env=False)
+    answer = httpx.post(f"{url}/v1/renders", content=text, timeout=300, trust_env=False)
     assert answer.status_code < 500, (text, answer.text)
 
 
@@ -191,7 +191,7 @@ def test_any_message(service: Service, render_id: str, path: str, method: Any, d
         elif any(word in path for word in ("Watch", "Fetch")):
             list(itertools.islice(channel.unary_stream(path)(one(), timeout=0.2), 2))
         else:
-            channel.unary_unary(path)(one(), timeout=60)
+            channel.unary_unary(path)(one(), timeout=300)
     except grpc.RpcError as error:
         code = error.code()
     finally:

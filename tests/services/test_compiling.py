@@ -39,5 +39,5 @@ def test_a_compile_that_never_ends_is_ended() -> None:
         "from nocturne_api.compiling.pool import CompileLimits\n"
         "bound(CompileLimits(cpu_seconds=1))\nwhile True: pass"
     )
-    ended = subprocess.run([sys.executable, "-c", endless], timeout=60, check=False)
+    ended = subprocess.run([sys.executable, "-c", endless], timeout=300, check=False)
     assert ended.returncode in (-signal.SIGXCPU, -signal.SIGKILL)

@@ -231,7 +231,7 @@ async def test_can_be_closed_when_a_render_comes_just_then(folder: DataFolder) -
         for _ in range(turns):
             await asyncio.sleep(0)
         # Not by a timeout, which would cancel it once more.
-        closed, _ = await asyncio.wait([asyncio.create_task(maker.close())], timeout=30)
+        closed, _ = await asyncio.wait([asyncio.create_task(maker.close())], timeout=3000)
         assert closed, turns
 
 

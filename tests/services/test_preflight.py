@@ -82,7 +82,7 @@ async def test_files_that_nobody_uploaded_are_named(
 ) -> None:
     digest = "sha256:" + "0" * 64
     preflight_body["scene"]["surfaces"][0]["shape"] = {"type": "mesh", "asset": digest, "format": "ply"}
-    answer = await rest.post("/v1/preflights", json=preflight_body, timeout=60)
+    answer = await rest.post("/v1/preflights", json=preflight_body, timeout=300)
     assert answer.status_code == 422
     assert digest in answer.text
 
@@ -94,9 +94,9 @@ async def test_one_preflight_at_a_time_and_none_for_ever(
     refused."""
     monkeypatch.setattr(pool, "PREFLIGHT_WALL_S", 2.5)
     preflight_body |= {"budget_seconds": 120.0, "error": 1e-4}
-    first = asyncio.create_task(rest.post("/v1/preflights", json=preflight_body, timeout=60))
+    first = asyncio.create_task(rest.post("/v1/preflights", json=preflight_body, timeout=300))
     await asyncio.sleep(0.5)
-    second = await rest.post("/v1/preflights", json=preflight_body, timeout=60)
+    second = await rest.post("/v1/preflights", json=preflight_body, timeout=300)
     assert second.status_code == 503
     assert "another preflight" in second.json()["detail"]
     assert (await first).status_code == 503
@@ -126,6 +126,6 @@ async def test_without_the_tracer_it_says_so(
 ) -> None:
     assert service.port
     monkeypatch.setattr(pool, "_PROGRAM", ("-c", 'print(\'{"failed": "nocturne-trace is missing"}\')'))
-    answer = await rest.post("/v1/preflights", json=preflight_body, timeout=60)
+    answer = await rest.post("/v1/preflights", json=preflight_body, timeout=300)
     assert answer.status_code == 409
     assert "nocturne-trace is missing" in answer.json()["detail"]

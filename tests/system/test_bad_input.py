@@ -92,7 +92,9 @@ def test_both_endpoints_name_place_and_reason(
     spoil: Any, place: str, message: str, body: dict[str, Any], running_service: Up
 ) -> None:
     spoil(body)
-    answer = httpx.post(f"{running_service.url}/v1/renders", content=_text(body), trust_env=False, timeout=60)
+    answer = httpx.post(
+        f"{running_service.url}/v1/renders", content=_text(body), trust_env=False, timeout=300
+    )
     assert (answer.status_code, answer.headers["content-type"]) == (422, "application/problem+json")
     problem = answer.json()["problems"][0]
     assert problem["place"] == place
@@ -111,7 +113,7 @@ def test_100_mb_of_json_are_refused(running_service: Up) -> None:
         for _ in range(100):
             yield b"x" * 1_000_000
 
-    answer = httpx.post(f"{running_service.url}/v1/renders", content=pieces(), trust_env=False, timeout=60)
+    answer = httpx.post(f"{running_service.url}/v1/renders", content=pieces(), trust_env=False, timeout=300)
     assert answer.status_code == 422
     assert "more than 8388608 bytes" in answer.json()["detail"]
 
@@ -135,7 +137,7 @@ def test_a_billion_voxels_in_a_header(body: dict[str, Any], running_service: Up,
     body["scene"]["media"] = {"smoke": {"scattering": 1, "density": density}}
     box = {"shape": {"type": "medium_box", "medium": "smoke"}, "interior": {"media": ["smoke"]}}
     body["scene"]["surfaces"].append(box)
-    answer = httpx.post(f"{running_service.url}/v1/renders", json=body, trust_env=False, timeout=60)
+    answer = httpx.post(f"{running_service.url}/v1/renders", json=body, trust_env=False, timeout=300)
     assert answer.status_code == 422
     problem = answer.json()["problems"][0]
     assert problem["place"] == "$.media.smoke.density.asset"
@@ -150,7 +152,7 @@ def _refusal_by_grpc(target: str, body: dict[str, Any]) -> Any:
     with grpc.insecure_channel(target) as channel:
         service = render_service_pb2_grpc.RenderServiceStub(channel)
         with pytest.raises(grpc.RpcError) as caught:
-            service.CreateRender(request, timeout=60)
+            service.CreateRender(request, timeout=300)
     return caught.value
 
 

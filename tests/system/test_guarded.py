@@ -161,7 +161,7 @@ def test_an_authority_that_is_none_is_named(tmp_path: Path) -> None:
         ],
         capture_output=True,
         text=True,
-        timeout=30,
+        timeout=300,
         check=False,
     )
     assert said.returncode == 1

@@ -136,7 +136,7 @@ def test_files_elsewhere_are_refused_before_the_work(tmp_path: Path) -> None:
         "--take",
         str(tmp_path / "no" / "a.json"),
     ]
-    done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=300)
     assert done.returncode == 2
     assert "no such folder" in done.stderr
 

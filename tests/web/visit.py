@@ -28,7 +28,7 @@ def submit(url: str, scene: dict[str, Any], film: tuple[int, int], samples: int,
         "samples": samples,
         "group": group,
     }
-    response = httpx.post(f"{url}/v1/renders", json=body, timeout=30)
+    response = httpx.post(f"{url}/v1/renders", json=body, timeout=300)
     assert response.status_code == 201, response.text
     return str(response.json()["id"])
 
