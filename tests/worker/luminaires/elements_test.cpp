@@ -17,7 +17,11 @@ LightSamplingContext anywhere(Vec3 position) { return {position, {0, 0, 1}, true
 void expect_consistent(const LuminaireDirections& directions, const LightSamplingContext& from,
                        int parts = 48) {
   test::expect_samples_match_pdf(
-      [&](const Uniform4& u) { return directions.sample(from, u[1], u[2], u[3]); },
+      [&](const Uniform4& u) -> std::optional<Vec3> {
+        const auto drawn = directions.sample(from, u[1], u[2], u[3]);
+        if (!drawn) return std::nullopt;
+        return drawn->direction;
+      },
       [&](Vec3 w) { return directions.pdf(from, w); }, parts);
 }
 
@@ -195,7 +199,7 @@ TEST(Elements, OddPositions) {
       for (std::uint32_t i = 0; i < 500; ++i) {
         const auto u = test::numbers(i);
         const auto w = directions.sample(from, u[0], i % 5 == 0 ? 0.0f : u[1], u[2]);
-        const Vec3 d = w ? *w : UniformSphere::sample(u[1], u[2]);
+        const Vec3 d = w ? w->direction : UniformSphere::sample(u[1], u[2]);
         if (w) {
           ASSERT_NEAR(length(d), 1.0f, 1e-5f);
           ASSERT_GT(dot(d, n), 0.0f);

@@ -33,11 +33,12 @@ struct ManyLamps {
   // Irradiance from the point that is drawn from the middle of the unit square.
   double contribution(std::size_t i, const LightSamplingContext& from) const {
     const ElementBounds& b = elements.bounds(i);
-    const auto w = elements.sample(i, from, 0.5f, 0.5f);
-    if (!w || !from.sees(*w)) return 0.0;
-    const double pdf = elements.pdf(i, from, *w), cosine = std::fabs(dot(b.axis, *w));
+    const auto drawn = elements.sample(i, from, 0.5f, 0.5f);
+    if (!drawn || !from.sees(drawn->direction)) return 0.0;
+    const Vec3 w = drawn->direction;
+    const double pdf = elements.pdf(i, from, w), cosine = std::fabs(dot(b.axis, w));
     if (!(pdf > 0.0)) return 0.0;
-    return radiances[i] * std::pow(cosine, b.cosine_power) * dot(from.normal, *w) / pdf;
+    return radiances[i] * std::pow(cosine, b.cosine_power) * dot(from.normal, w) / pdf;
   }
 };
 

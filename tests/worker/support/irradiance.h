@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "luminaires/light_sampling_context.h"
+#include "luminaires/on_half_line.h"
 #include "sampling/philox.h"
 #include "sampling/sequence.h"
 #include "support/effort.h"
@@ -43,16 +44,20 @@ inline Estimate estimate(std::uint32_t count, const std::function<double(const U
   return {mean, std::max(0.0, squares / n - mean * mean), n};
 }
 
+inline Vec3 direction_of(Vec3 direction) { return direction; }
+inline Vec3 direction_of(const DrawnDirection& drawn) { return drawn.direction; }
+
 /// radiance x cosine / pdf, for any sampler with the usual interface.
 template <class Directions, class Radiance>
 Estimate irradiance(const Directions& directions, const LightSamplingContext& from,
                     const Radiance& radiance, std::uint32_t count = 100'000) {
   return estimate(part_of(count), [&](const Uniform4& u) {
-    const auto w = directions.sample(from, u[0], u[1], u[2]);
-    if (!w) return 0.0;
-    const float pdf = directions.pdf(from, *w);
+    const auto drawn = directions.sample(from, u[0], u[1], u[2]);
+    if (!drawn) return 0.0;
+    const Vec3 w = direction_of(*drawn);
+    const float pdf = directions.pdf(from, w);
     if (!(pdf > 0.0f)) return 0.0;
-    return std::fabs(static_cast<double>(dot(from.normal, *w))) * radiance(*w) / pdf;
+    return std::fabs(static_cast<double>(dot(from.normal, w))) * radiance(w) / pdf;
   });
 }
 

@@ -32,10 +32,11 @@ struct Ball {
     const float distance = distance_to(position, direction);
     return ElementSample{direction, view.pdf(), distance, point_at(position, direction, distance)};
   }
-  std::optional<Vec3> sample(Vec3 position, float u1, float u2) const {
+  std::optional<DrawnDirection> sample(Vec3 position, float u1, float u2) const {
     const View view(sphere, position);
     if (view.inside && !two_sided) return std::nullopt;
-    return view.inside ? UniformSphere::sample(u1, u2) : towards(view, u1, u2);
+    return DrawnDirection{view.inside ? UniformSphere::sample(u1, u2) : towards(view, u1, u2),
+                          view.pdf()};
   }
 
   float pdf(Vec3 position, Vec3 direction) const { return along(position, direction).pdf; }

@@ -169,8 +169,9 @@ Ball Elements::ball_at(const Entry& entry, float time) const {
           balls_[entry.first].two_sided};
 }
 
-std::optional<Vec3> Elements::sample_moving(const Entry& entry, const LightSamplingContext& from,
-                                            float u1, float u2) const {
+std::optional<DrawnDirection> Elements::sample_moving(const Entry& entry,
+                                                      const LightSamplingContext& from, float u1,
+                                                      float u2) const {
   if (entry.kind == Kind::kMovingPatch) {
     return patch_at(entry, from.time).sample(from.position, u1, u2);
   }

@@ -62,8 +62,8 @@ class Elements {
   const ElementBounds& bounds(std::size_t i) const { return entries_[i].bounds; }
   double total_weight() const;
 
-  std::optional<Vec3> sample(std::size_t i, const LightSamplingContext& from, float u1,
-                             float u2) const {
+  std::optional<DrawnDirection> sample(std::size_t i, const LightSamplingContext& from, float u1,
+                                       float u2) const {
     const Entry& entry = entries_[i];
     if (entry.kind == Kind::kPatch) return patches_[entry.first].sample(from.position, u1, u2);
     if (entry.kind == Kind::kBall) return balls_[entry.first].sample(from.position, u1, u2);
@@ -105,8 +105,8 @@ class Elements {
                  const Emission& emission);
   Patch patch_at(const Entry& entry, float time) const;
   Ball ball_at(const Entry& entry, float time) const;
-  std::optional<Vec3> sample_moving(const Entry& entry, const LightSamplingContext& from, float u1,
-                                    float u2) const;
+  std::optional<DrawnDirection> sample_moving(const Entry& entry, const LightSamplingContext& from,
+                                              float u1, float u2) const;
   std::optional<ElementSample> draw_moving(const Entry& entry, const LightSamplingContext& from,
                                            float u1, float u2) const;
   OnHalfLine moving_along(const Entry& entry, const LightSamplingContext& from,

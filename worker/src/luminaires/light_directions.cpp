@@ -51,21 +51,25 @@ void LightDirections::set_hints(bool kept) {
   important_share_ = important / scale;
 }
 
-std::optional<Vec3> LightDirections::sample(const LightSamplingContext& from, float choice,
-                                            float u1, float u2) const {
+std::optional<DrawnDirection> LightDirections::sample(const LightSamplingContext& from,
+                                                      float choice, float u1, float u2) const {
   FromEnvironment drawn;
   return sample(from, choice, u1, u2, drawn);
 }
 
-std::optional<Vec3> LightDirections::sample(const LightSamplingContext& from, float choice,
-                                            float u1, float u2, FromEnvironment& drawn) const {
+std::optional<DrawnDirection> LightDirections::sample(const LightSamplingContext& from,
+                                                      float choice, float u1, float u2,
+                                                      FromEnvironment& drawn) const {
   if (from.learned == LearnedLight::kNone) return sample_declared(from, choice, u1, u2, drawn);
   if (choice >= kLearned) {
-    return sample_declared(from, stretched(choice, kLearned, 1.0f - kLearned), u1, u2, drawn);
+    auto declared =
+        sample_declared(from, stretched(choice, kLearned, 1.0f - kLearned), u1, u2, drawn);
+    if (declared) declared->pdf *= 1.0f - kLearned;
+    return declared;
   }
   const Vec3 direction = learned_.sample(from.learned, stretched(choice, 0.0f, kLearned), u1, u2);
   if (!from.sees(direction)) return std::nullopt;
-  return direction;
+  return DrawnDirection{direction, 0.0f};
 }
 
 float LightDirections::pdf(const LightSamplingContext& from, Vec3 direction,
@@ -76,18 +80,26 @@ float LightDirections::pdf(const LightSamplingContext& from, Vec3 direction,
   return kLearned * learned + (1.0f - kLearned) * declared;
 }
 
-std::optional<Vec3> LightDirections::sample_declared(const LightSamplingContext& from, float choice,
-                                                     float u1, float u2,
-                                                     FromEnvironment& drawn) const {
+std::optional<DrawnDirection> LightDirections::sample_declared(const LightSamplingContext& from,
+                                                               float choice, float u1, float u2,
+                                                               FromEnvironment& drawn) const {
+  const auto towards = [&](const LuminaireDirections& elements, float part, float share) {
+    auto found = elements.sample(from, part, u1, u2);
+    if (found) found->pdf *= share;
+    return found;
+  };
   if (choice < luminaires_share_) {
-    return luminaires_.sample(from, stretched(choice, 0.0f, luminaires_share_), u1, u2);
+    return towards(luminaires_, stretched(choice, 0.0f, luminaires_share_), luminaires_share_);
   }
   const float before_important = luminaires_share_ + sky_share_;
   if (sky_share_ > 0.0f && (choice < before_important || !(important_share_ > 0.0f))) {
-    return sample_sky(from, stretched(choice, luminaires_share_, sky_share_), u1, u2, drawn);
+    const auto found =
+        sample_sky(from, stretched(choice, luminaires_share_, sky_share_), u1, u2, drawn);
+    return found ? std::optional(DrawnDirection{*found, 0.0f}) : std::nullopt;
   }
   if (!(important_share_ > 0.0f)) return std::nullopt;
-  return important_.sample(from, stretched(choice, before_important, important_share_), u1, u2);
+  return towards(important_, stretched(choice, before_important, important_share_),
+                 important_share_);
 }
 
 float LightDirections::declared_pdf(const LightSamplingContext& from, Vec3 direction,
@@ -110,9 +122,8 @@ std::optional<Environment::Draft> LightDirections::begin_light(const LightSampli
   return environment_->begin(from, u1, u2);
 }
 
-bool LightDirections::sample_light(const LightSamplingContext& from, Vec3 normal, float clearance,
-                                   float choice, float u1, float u2,
-                                   const std::optional<Environment::Draft>& begun,
+bool LightDirections::sample_light(const LightSamplingContext& from, float choice, float u1,
+                                   float u2, const std::optional<Environment::Draft>& begun,
                                    LightSample& light) const {
   light.pdf = 0.0f;
   light.distance = light.free_distance = std::numeric_limits<float>::infinity();
@@ -124,23 +135,27 @@ bool LightDirections::sample_light(const LightSamplingContext& from, Vec3 normal
     light.distance = nearest.distance;
     light.normal = nearest.point.normal;
     const float cosine = std::max(1e-3f, std::fabs(dot(light.normal, light.direction)));
-    light.free_distance =
-        std::max(0.0f, nearest.distance - (clearance + nearest.point.clearance) / cosine);
+    light.free_distance = std::max(0.0f, nearest.distance - nearest.point.clearance / cosine);
     light.luminaire = luminaires_.elements().luminaire(nearest.element);
   };
   if (choice < luminaires_share_) {
     const float stretched_choice = stretched(choice, 0.0f, luminaires_share_);
-    const auto drawn = luminaires_.draw(from, normal, clearance, stretched_choice, u1, u2);
+    const auto drawn = luminaires_.draw(from, stretched_choice, u1, u2);
     if (!drawn) return false;
     light.direction = drawn->direction;
     take(drawn->nearest);
   } else {
-    const auto direction = begun ? finished(from, *begun, light.environment)
-                                 : sample(from, choice, u1, u2, light.environment);
-    if (!direction) return false;
-    light.direction = *direction;
+    if (begun) {
+      const auto direction = finished(from, *begun, light.environment);
+      if (!direction) return false;
+      light.direction = *direction;
+    } else {
+      const auto drawn = sample(from, choice, u1, u2, light.environment);
+      if (!drawn) return false;
+      light.direction = drawn->direction;
+    }
     if (luminaires_share_ > 0.0f) {
-      take(luminaires_.nearest(from, *direction, normal, clearance));
+      take(luminaires_.nearest(from, light.direction));
     }
   }
   if (sky_share_ > 0.0f) {

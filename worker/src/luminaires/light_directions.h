@@ -2,6 +2,7 @@
 // discs, important shapes.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -36,15 +37,24 @@ class LightDirections {
   /// Whether `sample` may draw directions to important shapes.
   bool points_at_important() const { return important_share_ > 0.0f; }
 
-  /// A unit direction from there; three uniform numbers. Empty where the drawn way gives none.
-  std::optional<Vec3> sample(const LightSamplingContext& from, float choice, float u1,
-                             float u2) const;
+  /// A unit direction from there; three uniform numbers. Empty where the drawn way gives none. Its
+  /// density is that of the element that it was drawn towards, which is zero where it was not drawn
+  /// towards one.
+  std::optional<DrawnDirection> sample(const LightSamplingContext& from, float choice, float u1,
+                                       float u2) const;
 
   /// Where in the environment a direction is, for those who know.
   using SkyPlace = std::optional<Environment::Place>;
 
   /// Density of `sample`, 1/sr; finite, not negative.
   float pdf(const LightSamplingContext& from, Vec3 direction, const SkyPlace& place = {}) const;
+  /// The same of a direction that `sample` gave. Rounding moves it off a lamp that is drawn at its
+  /// rim: where the ray still meets the lamp, the density of all others alone would be smaller by
+  /// the lamp's size, and its light as much too bright.
+  float pdf(const LightSamplingContext& from, const DrawnDirection& drawn,
+            const SkyPlace& place = {}) const {
+    return std::max(drawn.pdf, pdf(from, drawn.direction, place));
+  }
 
   /// A direction drawn towards light, and what may be seen there.
   struct LightSample {
@@ -63,11 +73,10 @@ class LightDirections {
   /// Of the same numbers as sample_light; what it will look up is asked of memory.
   std::optional<Environment::Draft> begin_light(const LightSamplingContext& from, float choice,
                                                 float u1, float u2) const;
-  /// A ray starts `clearance` (m) off its surface, along the unit normal or against it. False where
-  /// the drawn way gives no direction. Where nothing was learned.
-  bool sample_light(const LightSamplingContext& from, Vec3 normal, float clearance, float choice,
-                    float u1, float u2, const std::optional<Environment::Draft>& begun,
-                    LightSample& light) const;
+  /// From where its ray starts. False where the drawn way gives no direction. Where nothing was
+  /// learned.
+  bool sample_light(const LightSamplingContext& from, float choice, float u1, float u2,
+                    const std::optional<Environment::Draft>& begun, LightSample& light) const;
 
   /// Important shapes keep their weight, or leave it to the others.
   void set_hints(bool kept);
@@ -86,10 +95,10 @@ class LightDirections {
  private:
   // Also tell what was drawn from the environment, if anything was.
   using FromEnvironment = std::optional<Environment::Drawn>;
-  std::optional<Vec3> sample(const LightSamplingContext& from, float choice, float u1, float u2,
-                             FromEnvironment& drawn) const;
-  std::optional<Vec3> sample_declared(const LightSamplingContext& from, float choice, float u1,
-                                      float u2, FromEnvironment& drawn) const;
+  std::optional<DrawnDirection> sample(const LightSamplingContext& from, float choice, float u1,
+                                       float u2, FromEnvironment& drawn) const;
+  std::optional<DrawnDirection> sample_declared(const LightSamplingContext& from, float choice,
+                                                float u1, float u2, FromEnvironment& drawn) const;
   std::optional<Vec3> sample_sky(const LightSamplingContext& from, float choice, float u1, float u2,
                                  FromEnvironment& drawn) const;
   std::optional<Vec3> finished(const LightSamplingContext& from, const Environment::Draft& begun,

@@ -32,14 +32,15 @@ class LuminaireDirections {
 
   /// A unit direction; three uniform numbers. Empty where nothing is to be seen, where the drawn
   /// element has no extent from there, and where it is drawn below the receiver's horizon.
-  std::optional<Vec3> sample(const LightSamplingContext& from, float choice, float u1,
-                             float u2) const {
+  std::optional<DrawnDirection> sample(const LightSamplingContext& from, float choice, float u1,
+                                       float u2) const {
     if (empty()) return std::nullopt;
     const auto chosen = tree_.choose(from, choice);
     if (!chosen) return std::nullopt;
-    const auto direction = elements_.sample(chosen->element, from, u1, u2);
-    if (!direction || !from.sees(*direction)) return std::nullopt;
-    return direction;
+    auto drawn = elements_.sample(chosen->element, from, u1, u2);
+    if (!drawn || !from.sees(drawn->direction)) return std::nullopt;
+    drawn->pdf *= chosen->probability;
+    return drawn;
   }
 
   /// Density of `sample`, 1/sr.
@@ -59,15 +60,11 @@ class LuminaireDirections {
     /// Where it is met.
     ElementPoint point{};
   };
-  /// What a ray in `direction` finds that starts `clearance` (m) off its surface, along the unit
-  /// normal or against it. What lies between is not met: a luminaire that the point is on itself
-  /// may be found there by rounding.
-  Nearest nearest(const LightSamplingContext& from, Vec3 direction, Vec3 normal,
-                  float clearance) const {
-    const Vec3 step = step_off_surface(normal, clearance, direction);
+  /// What a ray in `direction` finds.
+  Nearest nearest(const LightSamplingContext& from, Vec3 direction) const {
     Nearest nearest;
     for_each_on(from, direction, [&](float pdf, float distance, std::size_t element) {
-      add(nearest, from, direction, step, pdf, distance, element);
+      add(nearest, from, direction, pdf, distance, element);
     });
     return nearest;
   }
@@ -77,24 +74,25 @@ class LuminaireDirections {
     Vec3 direction;
     Nearest nearest;
   };
-  /// `normal` and `clearance` as in `nearest`.
-  std::optional<Drawn> draw(const LightSamplingContext& from, Vec3 normal, float clearance,
-                            float choice, float u1, float u2) const {
+  std::optional<Drawn> draw(const LightSamplingContext& from, float choice, float u1,
+                            float u2) const {
     if (empty()) return std::nullopt;
     const auto chosen = tree_.choose(from, choice);
     if (!chosen) return std::nullopt;
     const auto drawn = elements_.draw(chosen->element, from, u1, u2);
     if (!drawn || !from.sees(drawn->direction)) return std::nullopt;
     if (!(drawn->distance <= apart_up_to_[chosen->element])) {
-      return Drawn{drawn->direction, nearest(from, drawn->direction, normal, clearance)};
+      return Drawn{drawn->direction, nearest(from, drawn->direction)};
     }
-    Drawn found{drawn->direction, {.pdf = chosen->probability * drawn->pdf}};
-    const Vec3 step = step_off_surface(normal, clearance, drawn->direction);
-    take(found.nearest, chosen->element, drawn->distance, drawn->direction, step, drawn->point);
+    Drawn found{drawn->direction,
+                {.pdf = chosen->probability * drawn->pdf,
+                 .distance = drawn->distance,
+                 .element = chosen->element,
+                 .point = drawn->point}};
     for (std::size_t i = 0; i < elements_.size(); ++i) {
       if (i == chosen->element) continue;
       visit_on(from, drawn->direction, i, [&](float pdf, float distance, std::size_t element) {
-        add(found.nearest, from, drawn->direction, step, pdf, distance, element);
+        add(found.nearest, from, drawn->direction, pdf, distance, element);
       });
     }
     return found;
@@ -105,25 +103,14 @@ class LuminaireDirections {
   const LightTree& tree() const { return tree_; }
 
  private:
-  // Unless it lies between the point and where the ray starts.
-  static void take(Nearest& nearest, std::size_t element, float distance, Vec3 direction, Vec3 step,
-                   const ElementPoint& point) {
-    const float towards = dot(point.normal, direction);
-    if (distance * std::fabs(towards) <= std::copysign(1.0f, towards) * dot(point.normal, step)) {
-      return;
-    }
-    nearest.distance = distance;
-    nearest.element = element;
-    nearest.point = point;
-  }
-
   // One more element on the half-line.
-  void add(Nearest& nearest, const LightSamplingContext& from, Vec3 direction, Vec3 step, float pdf,
+  void add(Nearest& nearest, const LightSamplingContext& from, Vec3 direction, float pdf,
            float distance, std::size_t element) const {
     nearest.pdf += pdf;
     if (!(distance < nearest.distance)) return;
-    take(nearest, element, distance, direction, step,
-         elements_.point_at(element, from, direction, distance));
+    nearest.distance = distance;
+    nearest.element = element;
+    nearest.point = elements_.point_at(element, from, direction, distance);
   }
 
   // f(density, distance, element) where the element is on the half-line.

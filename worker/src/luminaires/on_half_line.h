@@ -15,6 +15,13 @@ struct OnHalfLine {
   float distance = std::numeric_limits<float>::infinity();
 };
 
+/// A direction drawn towards an element, and the density of such draws, 1/sr: `pdf` of the
+/// direction as it was rounded may miss the element at its rim.
+struct DrawnDirection {
+  Vec3 direction;
+  float pdf;
+};
+
 /// Where the half-line meets it.
 struct ElementPoint {
   /// Unit, on the side that emits.

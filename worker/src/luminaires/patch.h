@@ -56,10 +56,10 @@ struct Patch {
     if (!(distance > 0.0f) || !(two_sided ? towards != 0.0f : towards < 0.0f)) return std::nullopt;
     return ElementSample{direction, by_area(distance, towards), distance, meet(point, distance)};
   }
-  std::optional<Vec3> sample(Vec3 position, float u1, float u2) const {
+  std::optional<DrawnDirection> sample(Vec3 position, float u1, float u2) const {
     const auto drawn = draw(position, u1, u2);
     if (!drawn) return std::nullopt;
-    return drawn->direction;
+    return DrawnDirection{drawn->direction, drawn->pdf};
   }
 
   /// Density of `sample`, 1/sr.

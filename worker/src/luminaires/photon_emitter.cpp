@@ -101,16 +101,19 @@ std::optional<PhotonEmitter::Leaving> PhotonEmitter::leave(const LightSamplingCo
                                                            const LuminaireDirections& important,
                                                            float aimed, const Uniform4& u) {
   Vec3 direction;
+  float drawn_pdf = 0.0f;
   if (u[2] < aimed) {
     const auto towards = important.sample(from, u[3], u[0], u[1]);
     if (!towards) return std::nullopt;
-    direction = *towards;
+    direction = towards->direction;
+    drawn_pdf = towards->pdf;
   } else {
     direction = normalized(Frame(from.normal).to_world(CosineHemisphere::sample(u[0], u[1])));
   }
   if (!(aimed > 0.0f)) return Leaving{direction, kPi};
   const float cosine = dot(from.normal, direction);
-  const float pdf = (1.0f - aimed) * cosine / kPi + aimed * important.pdf(from, direction);
+  const float pdf =
+      (1.0f - aimed) * cosine / kPi + aimed * std::max(drawn_pdf, important.pdf(from, direction));
   if (!(cosine > 0.0f && pdf > 0.0f)) return std::nullopt;
   return Leaving{direction, cosine / pdf};
 }

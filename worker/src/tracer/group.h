@@ -32,6 +32,8 @@ struct MisState {
   Vec3 direction;
   /// Of the kernel, times the probability to survive, 1/sr.
   Spectral<N> kernel_pdf;
+  /// Of kLights: as LightDirections drew it, 1/sr (DrawnDirection).
+  float drawn_pdf = 0.0f;
   /// Of kLights: the largest weight that it left with, as it is outside of bodies.
   float worth = 1.0f;
 };

@@ -92,14 +92,15 @@ class Path {
   template <class Kernel>
   void ask_lights(const Hit& hit, const Frame& frame, Vec3 wo, const Kernel& kernel) {
     const Uniform4 u = sequence_.next();
-    const auto direction = scene_.lights.sample(from_, u[2], u[0], u[1]);
-    if (!direction) return;
-    const Vec3 wi = frame.to_local(*direction);
+    const auto drawn = scene_.lights.sample(from_, u[2], u[0], u[1]);
+    if (!drawn) return;
+    const Vec3 direction = drawn->direction;
+    const Vec3 wi = frame.to_local(direction);
     const float value = kernel.value(wo, wi)[0];
     if (!(value > 0.0f)) return;
-    const auto met = cast({leave_surface(hit, *direction), *direction});
-    const float seen = light(met, *direction);
-    const float pdf = scene_.lights.pdf(from_, *direction);
+    const auto met = cast({leave_surface(hit, direction), direction});
+    const float seen = light(met, direction);
+    const float pdf = scene_.lights.pdf(from_, *drawn);
     if (!(seen > 0.0f && pdf > 0.0f)) return;
     radiance_ += weight_ * value * seen / pdf * power_share(pdf, kernel.pdf(wo, wi)[0]);
   }

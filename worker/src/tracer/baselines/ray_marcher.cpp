@@ -119,13 +119,14 @@ class March {
           const LightSamplingContext from{hit.position, frame.normal, kernel.transmits(),
                                           start_.time};
           const Uniform4 u = sequence_.next();
-          const auto direction = scene_.lights.sample(from, u[2], u[0], u[1]);
-          if (!direction) return 0.0f;
+          const auto drawn = scene_.lights.sample(from, u[2], u[0], u[1]);
+          if (!drawn) return 0.0f;
+          const Vec3 direction = drawn->direction;
           const float value =
-              kernel.value(frame.to_local(-ray.direction), frame.to_local(*direction))[0];
-          const float pdf = scene_.lights.pdf(from, *direction);
+              kernel.value(frame.to_local(-ray.direction), frame.to_local(direction))[0];
+          const float pdf = scene_.lights.pdf(from, *drawn);
           if (!(value > 0.0f && pdf > 0.0f)) return 0.0f;
-          return value / pdf * arriving({leave_surface(hit, *direction), *direction}, inside);
+          return value / pdf * arriving({leave_surface(hit, direction), direction}, inside);
         });
   }
 

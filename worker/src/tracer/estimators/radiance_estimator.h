@@ -100,8 +100,9 @@ class RadianceEstimator {
     if (group.mis.technique != MisTechnique::kNone && largest(found) > 0.0f) {
       // Mirrors and glass may have turned it.
       const bool as_sent = place && group.mis.direction == group.ray.direction;
-      const float towards = scene_.lights.pdf(group.mis.context, group.mis.direction,
-                                              as_sent ? place : LightDirections::SkyPlace{});
+      const float towards =
+          scene_.lights.pdf(group.mis.context, {group.mis.direction, group.mis.drawn_pdf},
+                            as_sent ? place : LightDirections::SkyPlace{});
       const bool by_kernel = group.mis.technique == MisTechnique::kKernel;
       // Drawn at a rim and rounded off it. The photon from the kernel has the whole weight there.
       if (!by_kernel && !(towards > 0.0f)) return;

@@ -31,6 +31,48 @@ LightSamplingContext light_context(const Batch& batch, const Group<N>& group,
           vertex.learned};
 }
 
+/// Where the ray of a photon starts that leaves a vertex in `direction`: moved off its surface, by
+/// which a thin lamp lies elsewhere than it does from the vertex.
+template <class Batch, int N>
+Vec3 leaves_from(const Batch& batch, const Vertex<N>& vertex, Vec3 direction) {
+  const bool exact = batch.is_medium(vertex.hit) ||
+                     (batch.scene.materials[vertex.hit.surface].close && !batch.occlusion_decides);
+  return exact ? vertex.hit.position : leave_surface(vertex.hit, direction);
+}
+
+/// The same context for what leaves in `direction`.
+template <class Batch, int N, class Kernel>
+LightSamplingContext light_context(const Batch& batch, const Group<N>& group,
+                                   const Vertex<N>& vertex, const Kernel& kernel, Vec3 direction) {
+  LightSamplingContext from = light_context(batch, group, vertex, kernel);
+  from.position = leaves_from(batch, vertex, direction);
+  return from;
+}
+
+/// A direction towards light, from where its ray starts; three uniform numbers.
+struct TowardsLight {
+  LightSamplingContext from;
+  DrawnDirection drawn;
+};
+template <class Batch, int N, class Kernel>
+std::optional<TowardsLight> draw_towards_light(const Batch& batch, const Group<N>& group,
+                                               const Vertex<N>& vertex, const Kernel& kernel,
+                                               float choice, float u1, float u2) {
+  const auto draw = [&](Vec3 side) -> std::optional<TowardsLight> {
+    const LightSamplingContext from = light_context(batch, group, vertex, kernel, side);
+    const auto drawn = batch.scene.lights.sample(from, choice, u1, u2);
+    if (!drawn) return std::nullopt;
+    return TowardsLight{from, *drawn};
+  };
+  const auto is_beyond = [&](const TowardsLight& light) {
+    return dot(vertex.normal, light.drawn.direction) < 0.0f;
+  };
+  const auto on_this_side = draw(vertex.normal);
+  if (!on_this_side || !is_beyond(*on_this_side)) return on_this_side;
+  const auto beyond = draw(-vertex.normal);
+  return beyond && is_beyond(*beyond) ? beyond : std::nullopt;
+}
+
 template <class Kernel>
 Vec3 uniform_sample(const Kernel& kernel, float u, float v) {
   return kernel.transmits() ? UniformSphere::sample(u, v) : UniformHemisphere::sample(u, v);
@@ -84,10 +126,21 @@ void draw_from_kernel(Batch& batch, Group<N>& group, const Vertex<N>& vertex, co
     on.weight *= ratio(there.value, pdf);
     on.mis.technique = MisTechnique::kNone;
     if (shared) {
-      on.mis = {MisTechnique::kKernel, light_context(batch, group, vertex, kernel),
-                vertex.to_world(draw.wi), pdf};
+      const Vec3 direction = vertex.to_world(draw.wi);
+      on.mis = {MisTechnique::kKernel, light_context(batch, group, vertex, kernel, direction),
+                direction, pdf};
     }
   });
+}
+
+/// Density of directions towards light, where `wi` (in the vertex's frame) was drawn with `drawn`
+/// towards one, or 0.
+template <class Batch, int N, class Kernel>
+float pdf_of_lights(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
+                    const Kernel& kernel, Vec3 wi, float drawn) {
+  const Vec3 direction = vertex.to_world(wi);
+  return batch.scene.lights.pdf(light_context(batch, group, vertex, kernel, direction),
+                                {direction, drawn});
 }
 
 /// One photon from the mixture of kernel, lights and uniform domain: the density is the sum of all,
@@ -96,16 +149,17 @@ template <class Batch, int N, class Kernel>
 void draw_from_mixture(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
                        const KernelNumbers& numbers, float part, float survival) {
   const MixtureWeights& weights = batch.options.mixture;
-  const LightDirections& lights = batch.scene.lights;
-  const LightSamplingContext here = light_context(batch, group, vertex, kernel);
   const bool from_lights = part >= weights.kernel && part < weights.kernel + weights.lights;
+  float drawn_pdf = 0.0f;
   const auto weigh = [&](Group<N>& on, const Draw<N>& draw) {
     if (draw.delta) {
       on.weight *= (1.0f / (survival * weights.kernel)) * draw.factor;
       return;
     }
     const float by_lights =
-        weights.lights > 0.0f ? weights.lights * lights.pdf(here, vertex.to_world(draw.wi)) : 0.0f;
+        weights.lights > 0.0f
+            ? weights.lights * pdf_of_lights(batch, group, vertex, kernel, draw.wi, drawn_pdf)
+            : 0.0f;
     // Drawn at a rim and rounded off it, where only the other ways can have gone.
     if (from_lights && !(by_lights > 0.0f)) {
       on.weight = 0.0f;
@@ -122,9 +176,11 @@ void draw_from_mixture(Batch& batch, Group<N>& group, const Vertex<N>& vertex, c
   if (part < weights.kernel) return for_each_draw(batch, group, vertex, kernel, numbers, weigh);
   Draw<N> draw;
   if (from_lights) {
-    const auto world = lights.sample(here, numbers.part, numbers.u, numbers.v);
-    if (!world) return;
-    draw.wi = vertex.to_local(*world);
+    const auto light =
+        draw_towards_light(batch, group, vertex, kernel, numbers.part, numbers.u, numbers.v);
+    if (!light) return;
+    draw.wi = vertex.to_local(light->drawn.direction);
+    drawn_pdf = light->drawn.pdf;
   } else {
     draw.wi = uniform_sample(kernel, numbers.u, numbers.v);
   }
@@ -136,16 +192,15 @@ void draw_from_mixture(Batch& batch, Group<N>& group, const Vertex<N>& vertex, c
 template <class Batch, int N, class Kernel>
 void split(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
            const KernelNumbers& numbers, float survival) {
-  const LightDirections& lights = batch.scene.lights;
-  const LightSamplingContext here = light_context(batch, group, vertex, kernel);
   const bool uniform = batch.options.mixture.uniform > 0.0f;
+  float drawn_pdf = 0.0f;
   const auto weigh = [&](Group<N>& on, const Draw<N>& draw, int drawn_by) {
     if (draw.delta) {
       on.weight *= (1.0f / survival) * draw.factor;
       return;
     }
     const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, draw.wi);
-    const float by_lights = lights.pdf(here, vertex.to_world(draw.wi));
+    const float by_lights = pdf_of_lights(batch, group, vertex, kernel, draw.wi, drawn_pdf);
     const float by_uniform = uniform ? uniform_pdf(kernel, draw.wi) : 0.0f;
     on.mis.technique = MisTechnique::kNone;
     // value / p times p^2 over the sum of squares.
@@ -162,17 +217,20 @@ void split(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel&
     const Uniform4 u = sequence.next();
     Draw<N> draw;
     if (drawn_by == 1) {
-      const auto world = lights.sample(here, u[2], u[0], u[1]);
-      if (!world) continue;
-      draw.wi = vertex.to_local(*world);
+      const auto light = draw_towards_light(batch, group, vertex, kernel, u[2], u[0], u[1]);
+      if (!light) continue;
+      draw.wi = vertex.to_local(light->drawn.direction);
+      drawn_pdf = light->drawn.pdf;
     } else {
       draw.wi = uniform_sample(kernel, u[0], u[1]);
+      drawn_pdf = 0.0f;
     }
     go_on(batch, group, vertex, draw.wi, false, [&](Group<N>& on) {
       on.sequence = sequence;
       weigh(on, draw, drawn_by);
     });
   }
+  drawn_pdf = 0.0f;
   for_each_draw(batch, group, vertex, kernel, numbers,
                 [&](Group<N>& on, const Draw<N>& draw) { weigh(on, draw, 0); });
 }

@@ -35,10 +35,10 @@ void estimate_next_event(Batch& batch, const Group<N>& group, const Vertex<N>& v
                          const Kernel& kernel, float survival) {
   PhotonSequence sequence = group.sequence.branch(1);
   const Uniform4 u = sequence.next();
-  const LightSamplingContext here = light_context(batch, group, vertex, kernel);
-  const auto direction = batch.scene.lights.sample(here, u[2], u[0], u[1]);
-  if (!direction) return;
-  const Vec3 wi = vertex.to_local(*direction);
+  const auto light = draw_towards_light(batch, group, vertex, kernel, u[2], u[0], u[1]);
+  if (!light) return;
+  const DrawnDirection& drawn = light->drawn;
+  const Vec3 wi = vertex.to_local(drawn.direction);
   if (wi.z <= 0.0f && !kernel.transmits()) return;
   go_on(batch, group, vertex, wi, false, [&](Group<N>& photon) {
     photon.sequence = sequence;
@@ -46,8 +46,8 @@ void estimate_next_event(Batch& batch, const Group<N>& group, const Vertex<N>& v
     photon.tally = tally_from(batch, group, wi);
     const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, wi);
     photon.weight *= there.value;
-    photon.mis = {MisTechnique::kLights, here, *direction, survival * there.pdf,
-                  worth_outside(batch, photon)};
+    photon.mis = {MisTechnique::kLights, light->from, drawn.direction,
+                  survival * there.pdf,  drawn.pdf,   worth_outside(batch, photon)};
   });
 }
 
@@ -97,17 +97,24 @@ void ask_for_lights(Batch& batch, const Chunk<N, Bound>& chunk,
       which.size(), [&](std::size_t k) -> PhotonSequence& { return *sequences[k]; },
       numbers.data());
   const LightDirections& lights_of_scene = batch.scene.lights;
-  for (std::size_t k = 0; k < which.size(); ++k) {
+  const auto context = [&](std::size_t k, Vec3 side) {
     const std::size_t i = which[k];
+    return light_context(batch, *chunk.groups[i], *chunk.vertices[i], *chunk.kernels[i], side);
+  };
+  for (std::size_t k = 0; k < which.size(); ++k) {
     const Uniform4& u = numbers[k];
-    contexts[k] = light_context(batch, *chunk.groups[i], *chunk.vertices[i], *chunk.kernels[i]);
+    contexts[k] = context(k, chunk.vertices[which[k]]->normal);
     begun[k] = lights_of_scene.begin_light(contexts[k], u[2], u[0], u[1]);
   }
   for (std::size_t k = 0; k < which.size(); ++k) {
-    const Hit& hit = chunk.vertices[which[k]]->hit;
+    const Vec3 normal = chunk.vertices[which[k]]->normal;
     const Uniform4& u = numbers[k];
-    drawn[k] = lights_of_scene.sample_light(contexts[k], hit.normal, hit.clearance, u[2], u[0],
-                                            u[1], begun[k], lights[k]);
+    const auto draw = [&](const LightSamplingContext& from) {
+      return lights_of_scene.sample_light(from, u[2], u[0], u[1], begun[k], lights[k]);
+    };
+    const auto is_beyond = [&] { return dot(normal, lights[k].direction) < 0.0f; };
+    drawn[k] = draw(contexts[k]);
+    if (drawn[k] && is_beyond()) drawn[k] = draw(context(k, -normal)) && is_beyond();
   }
   for (std::size_t k = 0; k < which.size(); ++k) {
     const std::size_t i = which[k];

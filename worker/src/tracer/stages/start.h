@@ -23,14 +23,14 @@ void start_towards_lights(Batch<N, Estimator, Media>& batch, Vec3 film_normal) {
                    density(by_cosine.ray.direction)};
   PhotonSequence sequence = by_cosine.sequence.branch(1);
   const Uniform4 u = sequence.next();
-  const auto direction = lights.sample(here, u[2], u[0], u[1]);
-  if (!direction || !(density(*direction) > 0.0f)) return;
+  const auto drawn = lights.sample(here, u[2], u[0], u[1]);
+  if (!drawn || !(density(drawn->direction) > 0.0f)) return;
   Group<N> photon = by_cosine;
   photon.sequence = sequence;
-  photon.ray.direction = *direction;
-  photon.weight *= Spectral<N>(density(*direction));
-  photon.mis = {MisTechnique::kLights, here, *direction, density(*direction),
-                worth_outside(batch, photon)};
+  photon.ray.direction = drawn->direction;
+  photon.weight *= Spectral<N>(density(drawn->direction));
+  photon.mis = {MisTechnique::kLights,     here,       drawn->direction,
+                density(drawn->direction), drawn->pdf, worth_outside(batch, photon)};
   batch.groups.push_back(photon);
 }
 
