@@ -1,12 +1,17 @@
 """Light that photons meet too rarely for a pilot to learn where it comes from."""
 
+import json
+import re
+from math import radians, tan
 from pathlib import Path
 
 import pytest
 from nocturne_client.local.compiled import compile_to
-from nocturne_scene.compile.ways import unmet_light
+from nocturne_scene.compile.unmet import unmet_light
 from nocturne_scene.formats.import_scene import import_scene
 from nocturne_scene.formats.reading.options import ImportOptions
+
+from tests.accuracy.scenes import diffuse, quad, sphere, surface
 
 GLASS_BALL = Path(__file__).parents[2] / "examples" / "pbrt" / "glass_ball.pbrt"
 
@@ -27,3 +32,47 @@ def test_light_that_a_pilot_hardly_met_is_told() -> None:
     assert (unmet_light(0.0), unmet_light(0.0049)) == ("", "")
     assert "up to 2.4% of the mean may be missing" in unmet_light(0.024)
     assert '`"direction": "forward"` would find it' in unmet_light(0.024, "forward")
+
+
+SILVER = {"type": "conductor", "index": "Ag"}
+_TALL, _EDGE = 40.0, 64
+"""Field of view, degrees; edge of the film, pixels."""
+
+
+def _seen_in_a_mirror(radius: float, radiance: float, kernel: dict[str, object], folder: Path) -> str:
+    """What is said of an image of a mirror 3 m in front of the camera, in which a lamp behind this shows."""
+    document = {
+        "nocturne": 1,
+        "sensor": {
+            "type": "pinhole",
+            "position": [0, 0, -2],
+            "look_at": [0, 0, 0],
+            "up": [0, 1, 0],
+            "vertical_field_of_view_degrees": _TALL,
+        },
+        "environment": {"radiance": 0.05},
+        "surfaces": [
+            surface(quad([-5, -5, 1], [0, 10, 0], [10, 0, 0]), kernel),
+            surface(sphere([0.9, 0.6, -3], radius), diffuse(0.0), radiance),
+        ],
+    }
+    (folder / "scene.json").write_text(json.dumps(document))
+    return compile_to(folder / "scene.json", folder, _EDGE, _EDGE, 16).way
+
+
+def test_a_lamp_of_a_millimetre_in_a_mirror_is_named_where_it_shows(tmp_path: Path) -> None:
+    """Its image is 7 m off, 0.9 m to a side and 0.6 m up: one photon of 300 of that pixel meets it."""
+    said = _seen_in_a_mirror(5e-4, 1e7, SILVER, tmp_path)
+    named = [
+        [int(n) for n in each] for each in re.findall(r"across (\d+) to (\d+), down (\d+) to (\d+)", said)
+    ]
+    half = tan(radians(_TALL / 2.0))
+    column, row = (0.5 * _EDGE * (1.0 + side / 7.0 / half) for side in (-0.9, -0.6))
+    assert any(a <= column < b and c <= row < d for a, b, c, d in named), (said, column, row)
+    assert sum((b - a) * (d - c) for a, b, c, d in named) < 0.3 * _EDGE**2, said
+
+
+def test_nothing_is_named_where_a_lamp_is_met(tmp_path: Path) -> None:
+    """A lamp of 0.8 m, and a wall that mirrors nothing."""
+    assert "trusted" not in _seen_in_a_mirror(0.4, 20.0, SILVER, tmp_path)
+    assert "trusted" not in _seen_in_a_mirror(5e-4, 1e7, diffuse(0.5), tmp_path)

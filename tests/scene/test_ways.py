@@ -11,6 +11,7 @@ from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile import ways
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.compile.output import CompiledOutput
+from nocturne_scene.compile.unmet import unmet_parts
 from nocturne_scene.document.read import parse_document
 from nocturne_scene.film import Film
 
@@ -43,7 +44,7 @@ class Asked:
         hinted: bool = True,
     ) -> None:
         self.asked: list[tuple[list[str], scene_pb2.Tracing]] = []
-        answer = {
+        self.answer: dict[str, Any] = {
             "forward_photons": forward,
             "sharing": sharing,
             "forward_ratio": ratio,
@@ -55,6 +56,7 @@ class Asked:
             "aimed": 0.9 if forward else 0.0,
             "hinted": hinted,
             "unmet": 0.0,
+            "unmet_parts": [],
             "aims": list(aims),
             "learned_light": learned_light.hex(),
             "photons": 123456,
@@ -67,7 +69,7 @@ class Asked:
             copy = scene_pb2.Tracing()
             copy.CopyFrom(scene.tracing)
             self.asked.append((list(chosen), copy))
-            return answer
+            return self.answer
 
         monkeypatch.setattr(ways, "_run", run)
         monkeypatch.setattr(ways, "find_program", lambda name: Path(name))
@@ -164,10 +166,34 @@ def test_of_a_small_image_with_glass_is_asked_whether_light_is_missed(
     trace = Asked(monkeypatch, forward=True)
     document["kernels"]["white"] = {"type": "dielectric", "index": 1.5}
     compiled(document, blobs, SMALL)
-    assert [chosen for chosen, _ in trace.asked] == [["direction", "ratio", "learn"]]
+    assert [chosen for chosen, _ in trace.asked] == [["parts", "direction", "ratio", "learn"]]
     # One sample tells no error that could be too small.
     compiled(document, blobs, Film(64, 64, 1))
     assert len(trace.asked) == 1
+
+
+def test_parts_that_are_not_to_be_trusted_are_named_whatever_the_document_chose(
+    document: dict[str, Any], blobs: BlobStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trace = Asked(monkeypatch)
+    document["kernels"]["white"] = {"type": "dielectric", "index": 1.5}
+    document["tracing"] = {"direction": "adjoint", "sharing": 1, "guide": "none"}
+    output, _ = compiled(document, blobs, LARGE)
+    assert ([chosen for chosen, _ in trace.asked], output.way) == ([["parts"]], "")
+    trace.answer["unmet_parts"] = [[8, 16, 4, 4, 0.3], [12, 20, 4, 4, 25.0], [40, 40, 4, 4, 0.05]]
+    output, _ = compiled(document, blobs, LARGE)
+    assert output.way.startswith("photons from the sensor; parts of the image are not to be trusted")
+    assert (
+        "across 8 to 16, down 16 to 24 (up to 25 times); across 40 to 44, down 40 to 44 (up to 5%)"
+        in output.way
+    )
+
+
+def test_many_parts_are_named_by_what_is_around_them() -> None:
+    said = unmet_parts([[20 * i, 0, 4, 4, 0.1 * (i + 1)] for i in range(8)])
+    assert said.count("across") == 6
+    assert said.endswith("across 100 to 144, down 0 to 4 (up to 80%)")
+    assert unmet_parts([]) == ""
 
 
 @pytest.mark.parametrize(

@@ -29,6 +29,16 @@ std::string figures_json(const PilotFigures& figures) {
   return json.str();
 }
 
+std::string parts_json(const std::vector<UnmetPart>& parts) {
+  std::ostringstream json;
+  json.precision(3);
+  for (const UnmetPart& each : parts) {
+    json << (json.view().empty() ? "" : ", ") << '[' << each.x << ", " << each.y << ", "
+         << each.width << ", " << each.height << ", " << each.part << ']';
+  }
+  return json.str();
+}
+
 /// In place of an error that is not known: JSON has no infinity.
 constexpr double kUnknown = 1e9;
 
@@ -117,6 +127,7 @@ void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,
                                                .ratio = open("ratio"),
                                                .guide = !scene->lights.learned().empty(),
                                                .hint = open("hint"),
+                                               .parts = open("parts"),
                                                .lessons = learned.rays > 0 ? photons : 0.0,
                                                .threads = command.threads});
   std::string tried;
@@ -136,7 +147,8 @@ void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,
        << ", \"gain\": " << found.choice.gain
        << ", \"gain_error\": " << std::min(found.choice.gain_error, kUnknown)
        << ", \"unmet\": " << found.unmet << ", \"fault\": \"" << fault_name(found.fault)
-       << "\", \"differs_by\": " << found.differs_by
+       << "\", \"differs_by\": " << found.differs_by << ", \"unmet_parts\": ["
+       << parts_json(found.unmet_parts) << ']'
        << ", \"finds_more\": " << (found.choice.finds_more ? "true" : "false")
        << ", \"photons\": " << found.photons + learned.photons
        << ", \"rays\": " << found.rays + learned.rays

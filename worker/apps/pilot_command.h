@@ -17,8 +17,8 @@ struct PilotCommand {
   unsigned threads;
 };
 
-inline const std::vector<std::string> kPilotChooses{"direction", "aim",  "learn",  "ratio",
-                                                    "guide",     "hint", "sharing"};
+inline const std::vector<std::string> kPilotChooses{"direction", "aim",  "learn", "ratio",
+                                                    "guide",     "hint", "parts", "sharing"};
 
 /// A JSON file: what is best, and what each way did. Throws what loading and tracing throw.
 void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,

@@ -17,6 +17,7 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile.sky import has_sky
 from nocturne_scene.compile.trace_program import run_trace
+from nocturne_scene.compile.unmet import unmet_light, unmet_parts
 from nocturne_scene.document.checks import CAMERAS, MET_BY_PHOTONS
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.document.tracing import Mixture
@@ -36,14 +37,14 @@ MAX_SECONDS = 120.0
 _AIMED = 0.9
 """Part of the photons from luminaires that goes to what a person declared important, at most."""
 
+PARTS = "parts"
+"""As `nocturne-trace --pilot` takes it: the way is known, and where in the image may it miss light?"""
+
 GUIDED = "guided by what was learned"
 """In the words for a way of which that is true."""
 
 _WELL_KNOWN = 0.35
 """Standard error of a gain's logarithm, up to which it is told: its 95 % interval is from half to twice."""
-
-_TOLD_ABOVE = 0.005
-"""Part of the mean that may be missing and is told: the error that most renders are asked for."""
 
 DIRECTIONS = {
     "adjoint": scene_pb2.DIRECTION_ADJOINT,
@@ -118,9 +119,10 @@ def open_ways(
     """What a pilot is to choose. `photons_can_start`: at all luminaires."""
     tracing, default = document.tracing, given_ways(document)
     small = film.all_samples < WORTH_A_PILOT
-    if small and not (film.samples > 1 and may_gather(scene)):
+    gathers = film.samples > 1 and may_gather(scene)
+    if small and not gathers:
         return OpenWays([], default, default)
-    names, asked = [], default
+    names, asked = [PARTS] if gathers and (scene.distant_discs or scene.luminaires) else [], default
     may_forward = tracing.direction == "auto" and photons_can_start
     with_forward = _forward(document, scene, film) if may_forward else None
     if with_forward is not None:
@@ -197,8 +199,11 @@ def choose(scene: scene_pb2.CompiledScene, blobs: Path, film: Film, ways: OpenWa
             _ratio(found, ways),
             found["hinted"],
         )
-        words = _sentence(better, default, found) + unmet_light(found["unmet"], asked.direction)
-        return better, words + fault(found["fault"], found["differs_by"])
+        words = unmet_light(found["unmet"], asked.direction) + unmet_parts(found["unmet_parts"])
+        words += fault(found["fault"], found["differs_by"])
+        if ways.names == [PARTS]:
+            return better, f"{default.named()}{words}" if words else ""
+        return better, _sentence(better, default, found) + words
     except (OSError, subprocess.SubprocessError, ValueError, KeyError):
         return default, f"{default.named()}: nothing was compared, as the pilot failed"
 
@@ -230,19 +235,6 @@ def _run(
     words = ["--pilot", ",".join(chosen)]
     found: dict[str, Any] = json.loads(run_trace(program, scene, blobs, film, words, MAX_SECONDS))
     return found
-
-
-def unmet_light(part: float, direction: str = "both") -> str:
-    """What to say where so large a part of the mean may be missing; nothing where it is small.
-
-    `direction`: how photons from luminaires can take part.
-    """
-    if part < _TOLD_ABOVE:
-        return ""
-    return (
-        "; it met too few photons that mirrors and glass gather to compare, so that up to "
-        f'{part:.1%} of the mean may be missing: `"direction": "{direction}"` would find it'
-    )
 
 
 def fault(which: str, differs_by: float) -> str:

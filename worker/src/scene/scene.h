@@ -9,6 +9,7 @@
 #include "luminaires/light_directions.h"
 #include "luminaires/luminaire.h"
 #include "luminaires/photon_emitter.h"
+#include "luminaires/widened_lamps.h"
 #include "math/functions.h"
 #include "media/medium.h"
 #include "sampling/sequence.h"
@@ -87,6 +88,8 @@ struct Scene {
   /// something beside adjoint ones.
   bool has_mirrors = false;
   float near_sensor = 0.0f;
+  /// For a pilot that counts what photons nearly meet.
+  WidenedLamps widened_lamps = {};
 
   bool has_distant_light() const { return lights.environment() || !lights.discs().empty(); }
 

@@ -75,6 +75,10 @@ struct TracingOptions {
   /// Light of luminaires with a lower radiance does not count, W m-2 sr-1 nm-1: a pilot looks for
   /// what is bright and rare alone.
   float least_radiance = 0.0f;
+  /// The same of what mirrors and glass turn into a photon's way: all counts, or that alone as it
+  /// is met, or as photons nearly meet it (widened_lamps.h).
+  enum class Gathered : std::uint8_t { kWithAll, kMet, kNearlyMet };
+  Gathered gathered = Gathered::kWithAll;
 };
 
 }  // namespace nocturne

@@ -92,6 +92,7 @@ struct Batch {
       : scene(traced),
         options(traced.options),
         both(traced.options.direction == Direction::kBoth),
+        knows_ends(both || traced.options.gathered != TracingOptions::Gathered::kWithAll),
         occlusion_decides(traced.occlusion_decides &&
                           (traced.lights.learned().empty() || !traced.options.guide)),
         estimator(counts),
@@ -124,6 +125,8 @@ struct Batch {
   const Scene& scene;
   const TracingOptions& options;
   const bool both;
+  /// Whether groups note their paths' ends.
+  const bool knows_ends;
   /// Whether a way to a light is free is all that is asked. Guided photons pass mirrors.
   const bool occlusion_decides;
   Estimator& estimator;

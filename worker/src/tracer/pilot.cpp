@@ -93,6 +93,7 @@ class Pilot {
         before_.estimator == Estimator::kTwoPhotons) {
       choose_sharing();
     }
+    if (request_.parts && scene_.has_mirrors) look_for_unmet_parts();
     result_.photons = trials_.photons();
     result_.rays = trials_.rays();
     return result_;
@@ -194,6 +195,16 @@ class Pilot {
       if (both) result_.unmet = may_be_unmet(of_adjoint, surest);
       look_for_rare_light(film, of_adjoint, surest);
     }
+  }
+
+  /// By the way that was chosen.
+  void look_for_unmet_parts() {
+    if (result_.choice.direction == Direction::kForward) return;
+    scene_.options.guide = result_.choice.guided;
+    scene_.options.aimed_emission = result_.choice.aimed;
+    result_.unmet_parts = find_unmet_parts(scene_, trials_, result_.choice.direction, request_.film,
+                                           request_.samples, budget_ / 2, mean_of_probe_);
+    scene_.options.guide = false;
   }
 
   /// What is rare hides in the noise of other light: it is looked for alone.

@@ -8,6 +8,7 @@
 #include "scene/scene.h"
 #include "tracer/pilot_figures.h"
 #include "tracer/trace_tile.h"
+#include "tracer/unmet_parts.h"
 
 namespace nocturne {
 
@@ -24,6 +25,8 @@ struct PilotRequest {
   bool guide = false;
   /// Hint: whether adjoint photons are sent towards important shapes beside forward ones.
   bool hint = false;
+  /// Parts: where in the image the way that is chosen may miss light.
+  bool parts = false;
   /// Groups of photons that something was learned from before, a part of what the pilot may take.
   double lessons = 0.0;
   unsigned threads;
@@ -54,6 +57,8 @@ struct PilotResult {
   /// Where photons from the sensor alone were chosen: how much more light forward photons may bring
   /// than these met of the same kind, at most (two standard errors), in parts of the mean.
   double unmet = 0.0;
+  /// Where in the image the way that was chosen may miss light.
+  std::vector<UnmetPart> unmet_parts;
   /// A way whose mean differs from that of others beyond their errors: a fault, so that it was not
   /// chosen. By how much, in parts of the mean.
   enum class Fault { kNone, kGuided, kShared } fault = Fault::kNone;

@@ -12,6 +12,9 @@ namespace {
 /// Part of the mean that one find is, from which light is rare; and part that counts where it is
 /// missing: a tenth of what most renders are asked for.
 constexpr double kOneFind = 1e-4, kCounts = 1e-3;
+/// Photons from the sensor whose error is so many times larger meet the light in finds so rare that
+/// an image's errors don't tell of them; where it is less, both directions are about as sure.
+constexpr double kMuchLessCertain = 2.0;
 /// Standard errors by which two means differ so far that it is told.
 constexpr double kStandardErrors = 2.0;
 
@@ -30,7 +33,9 @@ bool must_be_brought(const RareLight& light, double mean) {
   const double more = forward.mean - adjoint.mean;
   const bool differ =
       is_unseen(adjoint) || more > kMissed * math::hypot(forward.error, adjoint.error);
-  return is_certain(light) && differ && more > kCounts * mean;
+  if (!is_certain(light)) return false;
+  return (differ && more > kCounts * mean) ||
+         (adjoint.error > kMuchLessCertain * forward.error && forward.mean > kCounts * mean);
 }
 
 double may_be_missing(const RareLight& light, double mean) {
@@ -42,10 +47,7 @@ double may_be_missing(const RareLight& light, double mean) {
 }
 
 float rare_radiance(double mean, double samples) {
-  // Y of a radiance of 1 at all wavelengths: 683 lm/W, and the integral of the CIE 1931 observer's
-  // y, CIE 018:2019.
-  constexpr double kLuminance = 683.0 * 106.857;
-  return static_cast<float>(std::min(kOneFind * mean * samples / kLuminance,
+  return static_cast<float>(std::min(kOneFind * mean * samples / kLuminanceOfOne,
                                      static_cast<double>(std::numeric_limits<float>::max())));
 }
 

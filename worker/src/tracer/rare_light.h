@@ -19,13 +19,17 @@ struct RareLight {
   MeanLight by_forward, by_adjoint;
 };
 
-/// Whether forward photons bring so much of it that others did not meet: a part of the image's mean
-/// that counts.
+/// Whether forward photons bring so much of it that others did not meet, or met in much rarer
+/// finds: a part of the image's mean that counts.
 bool must_be_brought(const RareLight& light, double mean);
 
 /// How much of it may be missing at most (two standard errors) where photons from the sensor bring
 /// it, in parts of the image's mean; 0 where both are as certain that they agree.
 double may_be_missing(const RareLight& light, double mean);
+
+/// Y of a radiance of 1 at all wavelengths: 683 lm/W, and the integral of the CIE 1931 observer's
+/// y, CIE 018:2019.
+constexpr double kLuminanceOfOne = 683.0 * 106.857;
 
 /// Radiance from which light is rare in an image of so many samples in all whose mean is Y (cd/m2),
 /// W m-2 sr-1 nm-1: one sample that finds it is 1e-4 of the mean, so that a hundredth of the light

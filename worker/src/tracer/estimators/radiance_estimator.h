@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "tracer/batch.h"
@@ -40,6 +41,7 @@ class RadianceEstimator {
   /// Its place in the environment where that was looked up.
   void flies(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit,
              const LightDirections::SkyPlace& place) {
+    if (scene_.options.gathered == Gathered::kNearlyMet) return nearly_meets(sample, group, hit);
     if (hit != nullptr || !scene_.has_distant_light()) return;
     const auto past = [&](HiddenFrom hidden) { return sees_past(group, hidden); };
     add_light(group, scene_.distant_radiance(group.ray.direction, sample.wavelengths, past, place),
@@ -49,6 +51,7 @@ class RadianceEstimator {
   void arrives(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
     const std::uint32_t luminaire = scene_.materials[hit.surface].luminaire;
     if (luminaire == SurfaceMaterial::kNone) return;
+    if (scene_.options.gathered == Gathered::kNearlyMet) return;
     if (sees_past(group, scene_.luminaires[luminaire].hidden_from)) return;
     add_light(group, scene_.emitted(scene_.luminaires[luminaire], hit, -group.ray.direction,
                                     sample.time, sample.wavelengths));
@@ -78,6 +81,7 @@ class RadianceEstimator {
 
  private:
   using Tally = std::array<double, N>;
+  using Gathered = TracingOptions::Gathered;
 
   static void add_to(Tally& sum, const Spectral<N>& found) {
     for (std::size_t i = 0; i < N; ++i) sum[i] += static_cast<double>(found[i]);
@@ -91,10 +95,37 @@ class RadianceEstimator {
     return rounded;
   }
 
+  // Whether light that a group meets is an adjoint photon's, and what is asked for.
+  bool counts_for(const Group<N>& group) const {
+    const bool forward_ones = scene_.options.direction == Direction::kBoth;
+    if (forward_ones && brought_by(group.ends) != Transport::kAdjoint) return false;
+    if (scene_.options.gathered == Gathered::kWithAll) return true;
+    return group.ends.specular_like_at_luminaire && is_turned(group);
+  }
+  // What goes straight on through panes meets lamps as if nothing were there.
+  static bool is_turned(const Group<N>& group) {
+    constexpr float kStraight = 1e-6f;  // square of an angle that no lens leaves by chance
+    if (group.mis.technique == MisTechnique::kNone) return true;
+    const Vec3 turn = group.ray.direction - group.mis.direction;
+    return dot(turn, turn) > kStraight;
+  }
+
+  void nearly_meets(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit) {
+    if (!counts_for(group)) return;
+    constexpr float kFree = std::numeric_limits<float>::infinity();
+    const std::uint32_t met =
+        hit == nullptr ? Emission::kNoLuminaire : scene_.materials[hit->surface].luminaire;
+    add(group.tally,
+        group.weight * scene_.widened_lamps.radiance(
+                           scene_.lights, group.ray.origin, group.ray.direction,
+                           hit == nullptr ? kFree : hit->distance, met, sample.wavelengths),
+        meets_direct_light(group));
+  }
+
   // With the MIS weight of the technique that met it.
   void add_light(const Group<N>& group, const Spectral<N>& light,
                  const LightDirections::SkyPlace& place = {}) {
-    if (brought_by(group.ends) != Transport::kAdjoint) return;
+    if (!counts_for(group)) return;
     if (largest(light) < scene_.options.least_radiance) return;
     Spectral<N> found = group.weight * light;
     if (group.mis.technique != MisTechnique::kNone && largest(found) > 0.0f) {

@@ -41,7 +41,7 @@ bool may_send(const Kernel& kernel, float cosine, Vec3 wi) {
 template <class Batch, int N>
 bool leave(const Batch& batch, Group<N>& group, const Vertex<N>& vertex, Vec3 wi, bool delta) {
   if (!(largest(group.weight) > 0.0f)) return false;
-  if (batch.both && !keep_in_partition(batch, group, vertex, wi, delta)) return false;
+  if (batch.knows_ends && !keep_in_partition(batch, group, vertex, wi, delta)) return false;
   // What passes straight through a pane or a hole has met nothing.
   if (delta && wi == -vertex.wo) {
     ++group.passes;

@@ -65,6 +65,7 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
                                    : scene.luminaires[light.luminaire].emitted(
                                          light.normal, -light.direction, {}, sample.wavelengths);
   if (!(largest(radiance) > 0.0f) || largest(radiance) < scene.options.least_radiance) return;
+  if (scene.options.gathered != TracingOptions::Gathered::kWithAll) return;
   const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, wi);
   Spectral<N> found = group.weight * there.value * radiance;
   if (!(largest(found) > 0.0f)) return;

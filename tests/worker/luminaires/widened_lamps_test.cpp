@@ -1,0 +1,90 @@
+// The light of a lamp that is widened to a cone is that of the lamp.
+#include "luminaires/widened_lamps.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "math/constants.h"
+#include "pdfs/directions.h"
+
+namespace nocturne {
+namespace {
+
+constexpr float kFar = std::numeric_limits<float>::infinity();
+constexpr std::uint32_t kNothing = Emission::kNoLuminaire;
+
+LightDirections directions(Elements elements, std::vector<DistantDisc> discs = {}) {
+  return {std::move(elements), std::nullopt, std::move(discs), {}, {1.0f, 1.0f, 0.0f}};
+}
+
+// Integral of radiance over all directions, W m-2 nm-1, by a grid.
+double light_at(const WidenedLamps& lamps, const LightDirections& lights, Vec3 place,
+                float distance = kFar, std::uint32_t met = kNothing) {
+  constexpr int kEdge = 1000;
+  double sum = 0.0;
+  for (int i = 0; i < kEdge; ++i) {
+    for (int k = 0; k < kEdge; ++k) {
+      const Vec3 direction = UniformSphere::sample((static_cast<float>(i) + 0.5f) / kEdge,
+                                                   (static_cast<float>(k) + 0.5f) / kEdge);
+      sum +=
+          double{lamps.radiance(lights, place, direction, distance, met, Spectral<1>(550.0f))[0]};
+    }
+  }
+  return 4.0 * std::numbers::pi * sum / (kEdge * kEdge);
+}
+
+TEST(WidenedLamps, BringTheLightOfADisc) {
+  constexpr double kHalfAngle = 0.00465;
+  const auto lights = directions({}, {DistantDisc({0, 0.6f, 0.8f}, kHalfAngle, Spectrum(1e6f))});
+  const WidenedLamps lamps(lights, {}, 1e5f);
+  EXPECT_NEAR(
+      light_at(lamps, lights, {1, 2, 3}) / (1e6 * std::numbers::pi * kHalfAngle * kHalfAngle), 1.0,
+      0.01);
+  EXPECT_EQ(light_at(lamps, lights, {1, 2, 3}, 100.0f), 0.0);
+  EXPECT_EQ(lamps.brightest(), 1e6f);
+  EXPECT_TRUE(WidenedLamps(lights, {}, 2e6f).empty());
+}
+
+TEST(WidenedLamps, BringTheLightOfASphereAndHideBehindWhatIsNearer) {
+  Elements elements;
+  const Sphere small{0.5, 1.6, 0.3, 1e-3};
+  elements.add_sphere({&small, 1}, {.radiance = 1e6f, .luminaire = 0});
+  const auto lights = directions(std::move(elements));
+  const std::vector<Luminaire> luminaires{Luminaire(0, Colour(Spectrum(1e6f)), false)};
+  const WidenedLamps lamps(lights, luminaires, 1e5f);
+  const double truth = 1e6 * std::numbers::pi * 1e-6 / (0.25 + 2.56 + 0.09);
+  EXPECT_NEAR(light_at(lamps, lights, {0, 0, 0}) / truth, 1.0, 0.01);
+  EXPECT_EQ(light_at(lamps, lights, {0, 0, 0}, 1.0f), 0.0);
+  EXPECT_NEAR(light_at(lamps, lights, {0, 0, 0}, 2.0f, 7) / truth, 1.0, 0.01);
+  // A direct hit ends on the near side of the lamp.
+  EXPECT_NEAR(light_at(lamps, lights, {0, 0, 0}, 1.0f, 0) / truth, 1.0, 0.01);
+}
+
+// A tilted square shines by the cosine, on one side; of many small ones some stand for all.
+TEST(WidenedLamps, BringTheLightOfPatches) {
+  Elements elements;
+  constexpr int kMany = 30;
+  constexpr float kEdge = 1e-3f / kMany;
+  for (int i = 0; i < kMany * kMany; ++i) {
+    const Vec3 corner{kEdge * static_cast<float>(i % kMany), 2.0f,
+                      kEdge * static_cast<float>(i / kMany)};
+    const std::array<Vec3, 3> corners{corner, corner + Vec3{kEdge, 0, 0},
+                                      corner + Vec3{0, 0, kEdge}};
+    elements.add_parallelogram({&corners, 1}, {.radiance = 1e6f, .luminaire = 0});
+  }
+  const auto lights = directions(std::move(elements));
+  const std::vector<Luminaire> luminaires{Luminaire(0, Colour(Spectrum(1e6f)), false)};
+  const WidenedLamps lamps(lights, luminaires, 1e5f);
+  // Its normal is -y.
+  const double squared = 1.0 + 4.0, truth = 1e6 * 1e-6 * (2.0 / std::sqrt(squared)) / squared;
+  EXPECT_NEAR(light_at(lamps, lights, {1, 0, 0}) / truth, 1.0, 0.02);
+  EXPECT_EQ(light_at(lamps, lights, {1, 4, 0}), 0.0);
+}
+
+}  // namespace
+}  // namespace nocturne
