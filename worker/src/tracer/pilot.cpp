@@ -29,10 +29,6 @@ constexpr double kEnoughSquares = 16.0;
 /// Edge of these squares, pixels: a film's few corners of much noise are one of many small ones,
 /// and one of few large ones (docs/decisions/0115).
 constexpr std::uint32_t kSquare = 8;
-/// What sharing has to gain where fewer pixels than this are looked at: a few that lie well do not
-/// tell 1.25 from a loss, and rooms, where sharing matters, gain 3 to 9 (docs/decisions/0062).
-constexpr double kFewPixels = kEnoughSquares * kSquare * kSquare;
-constexpr double kWorthItByFew = 2.0;
 constexpr std::size_t kParts = 5;
 /// Part of the render's samples that a pilot takes with its lessons, the most samples without
 /// these, and the most rays.
@@ -340,19 +336,23 @@ class Pilot {
     if (kMaxSharingSamples * kPixels * enough <= all) samples = kMaxSharingSamples;
     const double wanted = std::max(1.0, std::floor(all / samples / kPixels));
     const auto film = trials_.some_squares(wanted, kSquare, samples);
-    const double pixels = static_cast<double>(film.size()) * kPixels;
-    const double worth_it = pixels < kFewPixels ? kWorthItByFew : kWorthIt;
     const auto first = film.begin() + static_cast<std::ptrdiff_t>(std::min(kParts, film.size()));
     PilotImages alone, shared;
     auto [gains, ratio] = gains_of_sharing({film.begin(), first}, alone, shared);
+    // Of one part of the film alone the error is infinite.
+    const auto sure_gain = [&] {
+      const std::optional<double> gain = sharing_pays(gains, kWorthIt);
+      const double error = error_of_log_ratio(alone_.of_squares, shared_.of_squares);
+      return gain && is_gain(*gain, error) ? gain : std::nullopt;
+    };
     // The first squares, one for each part of the film, may decide alone.
-    if (first != film.end() && !votes_are_plain(gains, worth_it)) {
+    const bool plain =
+        votes_are_plain(gains, kWorthIt) && (sure_gain() || !sharing_pays(gains, kWorthIt));
+    if (first != film.end() && !plain) {
       std::tie(gains, ratio) = gains_of_sharing({first, film.end()}, alone, shared);
     }
-    const double error = error_of_log_ratio(alone_.of_squares, shared_.of_squares);
-    const std::optional<double> gain = sharing_pays(std::move(gains), worth_it);
-    // One part of the film alone says nothing of how it is elsewhere; of several, votes decide.
-    if (!gain || !std::isfinite(error)) return;
+    const std::optional<double> gain = sure_gain();
+    if (!gain) return;
     if (const double differ = means_differ(alone_.means_of_squares, shared_.means_of_squares);
         differ != 0.0) {
       result_.fault = PilotResult::Fault::kShared;
@@ -362,7 +362,8 @@ class Pilot {
     result_.choice.sharing = 16;
     result_.choice.forward_ratio = ratio;
     result_.choice.gain *= *gain;
-    result_.choice.gain_error = math::hypot(result_.choice.gain_error, error);
+    result_.choice.gain_error = math::hypot(
+        result_.choice.gain_error, error_of_log_ratio(alone_.of_squares, shared_.of_squares));
   }
 
   double ratio_with(const PilotFigures& adjoint, const PilotFigures& forward) const {
