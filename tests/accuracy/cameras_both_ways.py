@@ -6,7 +6,7 @@ Lamps are large, so that photons from the camera find them by themselves.
 from dataclasses import dataclass
 from typing import Any
 
-from tests.accuracy.scenes import bowl, diffuse, disc, quad, sphere, surface
+from tests.accuracy.scenes import BLACK, bowl, diffuse, disc, quad, sphere, surface
 from tests.accuracy.tracing import Document
 
 _FLOOR = surface(quad([-1, 0, -1], [0, 0, 2], [2, 0, 0]), diffuse(0.6))
@@ -46,6 +46,10 @@ def _bowl(kernel: Document) -> Document:
 _LAMP_IN_BOWL = surface(sphere([0, 1.15, 0], 0.2), diffuse(0.2), 1.0)
 _LAMP_ABOVE = surface(disc([0.1, 1.6, 0.1], [0, -1, 0], 0.25, 32), radiance=1.0)
 _BALL = surface(sphere([0, 0.45, 0], 0.25), _GLASS)
+_SIEVE = surface(
+    quad([-0.5, 0.4, -0.96], [1, 0, 0], [0, 0.8, 0]),
+    {"type": "mask", "kernel": diffuse(0.7), "opacity": 0.5},
+)
 _WALL = surface(quad([-1, 0, -1], [2, 0, 0], [0, 1, 0]), diffuse(0.5))
 
 
@@ -63,6 +67,25 @@ def _fog(sensor: Document) -> Document:
         ],
         media={"fog": fog},
     )
+
+
+def _fogged_housing() -> Document:
+    """A lamp in a ball of glass full of fog, which is near to it and far, and in a white bowl."""
+    glass = surface(sphere([0, 0.6, 0], 0.3), _GLASS) | {"interior": {"media": ["fog"]}}
+    both_sides = {"type": "two_sided", "front": diffuse(0.8), "back": diffuse(0.3)}
+    placed = {"rotate": {"axis": [1, 0, 0], "degrees": 90}, "translate": [0, 0.62, 0]}
+    shade = surface(bowl(0.34, 1.2, 12, 32), both_sides) | placed
+    fog = {"scattering": 8.0, "phase": {"type": "henyey_greenstein", "g": 0.5}}
+    lamp = surface(sphere([0, 0.6, 0], 0.2), diffuse(0.2), 1.0)
+    return _scene(_pinhole(), [_FLOOR, glass, lamp, shade], media={"fog": fog})
+
+
+def _lamp_at_a_wall(*more: Document) -> Document:
+    """So close that much of its light is near it first. Nothing is clear: unless there is more, only whether
+    the way to it is free is asked."""
+    lamp = surface(quad([-0.3, 0.5, -0.93], [0.6, 0, 0], [0, 0.6, 0.1]), BLACK, 1.0, two_sided=True)
+    ball = surface(sphere([0.3, 0.2, -0.2], 0.2), _SILVER)
+    return _scene(_pinhole(), [_FLOOR, _WALL, ball, lamp, *more])
 
 
 def _panes() -> Document:
@@ -132,6 +155,9 @@ SCENES = {
     "ball, lens": SeenBothWays(_scene(_pinhole(**_LENS), [_FLOOR, _LAMP_ABOVE, _BALL, _WALL])),
     "ball, all around": SeenBothWays(_scene(_PANORAMA, [_FLOOR, _LAMP_ABOVE, _BALL, _WALL]), (32, 16)),
     "lamp in glass in fog": SeenBothWays(_fog(_pinhole()), samples=1024),
+    "lamp in a fogged housing": SeenBothWays(_fogged_housing(), samples=1024),
+    "lamp at a wall": SeenBothWays(_lamp_at_a_wall()),
+    "lamp at a wall behind holes": SeenBothWays(_lamp_at_a_wall(_SIEVE)),
     "panes": SeenBothWays(_panes()),
     "lamp in a case": SeenBothWays(_case()),
     "Sun and sky": SeenBothWays(_distant()),

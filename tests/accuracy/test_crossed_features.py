@@ -14,7 +14,7 @@ from nocturne_client.local.compiled import compile_to
 from scipy import stats
 
 from tests.accuracy.meters import GREY
-from tests.accuracy.scenes import BLACK, box, diffuse, film, quad, sphere, surface
+from tests.accuracy.scenes import BLACK, bowl, box, diffuse, film, quad, sphere, surface
 from tests.accuracy.tracing import IN_FULL, Document, part_of, run_seeds, write
 
 pytestmark = pytest.mark.system
@@ -103,6 +103,36 @@ def test_a_wide_ground_leaves_caustics_to_photons_from_the_lamp(tmp_path: Path) 
     adjoint = _means(document, tmp_path / "adjoint", mixture=mixture)
     both = _means(document, tmp_path / "both", mixture=mixture, direction="both", aimed_emission=0.9)
     assert np.std(both) < 0.6 * np.std(adjoint)
+
+
+def _lamp_in_a_housing(fog_from: float) -> Document:
+    """A small lamp at x = -1.5 m, in a silver bowl behind a cover of glass, and fog from `fog_from` on. The
+    camera, in clear air behind the lamp, sees the floor and the fog before it."""
+    silver = {"type": "two_sided", "front": {"type": "conductor", "index": "Ag"}, "back": BLACK}
+    placed = {"rotate": {"axis": [0, 1, 0], "degrees": 90}, "translate": [-1.44, 0.9, 0]}
+    cover = surface(box([-1.43, 0.7, -0.2], [-1.41, 1.1, 0.2]), {"type": "dielectric", "index": 1.5})
+    camera = {"type": "pinhole", "position": [-1.9, 1.4, 2.6], "look_at": [0.9, 0.4, 0]}
+    fog = {"scattering": 0.25, "phase": {"type": "henyey_greenstein", "g": 0.5}}
+    surfaces = [
+        surface(quad([-3, 0, -3], [0, 0, 6], [6, 0, 0]), diffuse(0.5)),
+        surface(quad([2.5, 0, -3], [0, 0, 6], [0, 3, 0]), diffuse(0.5)),
+        surface(sphere([-1.5, 0.9, 0], 0.02), BLACK, 1e4),
+        surface(bowl(0.16, 1.2, 8, 24), silver) | placed,
+        cover,
+        {"shape": box([fog_from, -0.1, -2.9], [2.4, 2.9, 2.9]), "interior": {"media": ["fog"]}},
+    ]
+    sensor = camera | {"vertical_field_of_view_degrees": 50}
+    return {"nocturne": 1, "sensor": sensor, "surfaces": surfaces, "media": {"fog": fog}}
+
+
+def test_fog_in_a_lamp_leaves_its_light_to_photons_from_there(tmp_path: Path) -> None:
+    """What fog in the housing scatters first, and the cover gathers, was left to photons from the camera: six
+    times the scatter of the same lamp with fog before it alone, twice now."""
+    scatter = [
+        np.std(_means(_lamp_in_a_housing(fog_from), tmp_path / str(fog_from), direction="both"))
+        for fog_from in (-1.65, -1.405)
+    ]
+    assert scatter[0] < 3.0 * scatter[1]
 
 
 @pytest.mark.parametrize("direction", ["forward", "both"])

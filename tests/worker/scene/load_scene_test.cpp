@@ -43,7 +43,7 @@ TEST(LoadScene, WhatIsNearACameraIsMeasuredByWhatItSees) {
   for (const float half : {3.0f, 3000.0f}) {
     test::SceneBuilder builder = test::floor_and_lamp(true);
     builder.add_quad(0.5f, 0.0f, {-half, -1.001f, -half}, {0, 0, 2 * half}, {2 * half, 0, 0});
-    EXPECT_NEAR(builder.load()->near_sensor, 0.2f, 0.05f) << half;
+    EXPECT_NEAR(builder.load()->near_ends, 0.2f, 0.05f) << half;
   }
 }
 

@@ -154,7 +154,7 @@ Vec3 sensor_start(const v1::Sensor& s) {
 // Of the distance to what the camera sees, or of the scene's radius if that is less. Photons from
 // luminaires that are spread near a camera count by one over the square of their distance, which in
 // fog has no variance.
-constexpr float kNearSensor = 0.05f;
+constexpr float kNearEnds = 0.05f;
 
 bool fills_space_evenly(const Medium& medium) {
   return std::holds_alternative<ConstantDensity>(medium.density) && medium.scattering.most() > 0.0f;
@@ -271,8 +271,8 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
     for (std::uint32_t i = 0; i < kernels.size(); ++i) {
       has_mirrors = has_mirrors || may_turn_sharply(kernels, i);
     }
-    const float near_sensor = options.direction == Direction::kBoth
-                                  ? kNearSensor * std::min(geometry.bounds().radius,
+    const float near_ends = options.direction == Direction::kBoth
+                                  ? kNearEnds * std::min(geometry.bounds().radius,
                                                            median_view(sensor, geometry, materials))
                                   : 0.0f;
     const auto all_in_fog = find_all_in_fog(geometry, sensor_start(message.sensor()), everywhere,
@@ -300,7 +300,7 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
                                             all_in_fog,
                                             std::move(specular_like),
                                             has_mirrors,
-                                            near_sensor});
+                                            near_ends});
   });
 }
 

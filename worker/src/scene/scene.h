@@ -82,12 +82,13 @@ struct Scene {
   /// Holds all that photons can end at, where fog without end hides what is beyond it.
   std::optional<Geometry::Ball> all_in_fog;
   /// By kernel: whether it is specular-like (load_kernels.h). What scatters light closer to the
-  /// sensor than near_sensor, m, is left to photons from there. For Direction::kBoth.
+  /// sensor than near_ends, m, is left to photons from there, and so closer to a luminaire. For
+  /// Direction::kBoth.
   std::vector<bool> specular_like;
   /// Whether any kernel is, or has a mirror as the coat of paint has: then forward photons bring
   /// something beside adjoint ones.
   bool has_mirrors = false;
-  float near_sensor = 0.0f;
+  float near_ends = 0.0f;
   /// For a pilot that counts what photons nearly meet.
   WidenedLamps widened_lamps = {};
 

@@ -24,7 +24,9 @@ enum class MisTechnique {
   kLights,
 };
 
-/// The densities at the vertex where the direction was drawn.
+/// The densities at the vertex where the direction was drawn. With photons in both directions the
+/// context's position is known of all: that of the latest vertex that did not keep light together,
+/// or where a photon left a luminaire.
 template <int N>
 struct MisState {
   MisTechnique technique = MisTechnique::kNone;
@@ -53,8 +55,9 @@ struct Start {
   float width = 0.0f, spread = 0.0f;
   /// Of the film that it starts from by the cosine; see SensorSample.
   std::optional<Vec3> film_normal = {};
-  /// Of forward photons, W/nm.
+  /// Of forward photons, W/nm; and whether they come from a distance that no scene has.
   Spectral<N> flux = 1.0f;
+  bool distant = false;
 };
 
 template <int N>

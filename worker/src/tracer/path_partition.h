@@ -2,9 +2,12 @@
 // (docs/decisions/0032-each-path-by-one-direction.md). An interaction is specular-like (a mirror,
 // glass, or as good as one; the smooth coat of paint and a pane where they mirror) or diffuse-like
 // (all others, media too). A path is a forward photon's if its interaction next to the luminaire is
-// specular-like and the one next to the camera is diffuse-like; all others are adjoint photons'. So
-// both know from their own way what is theirs: no weights, no densities of the other direction.
+// specular-like, or so near to it as a lamp's housing is, and another one, next to the camera, is
+// diffuse-like and not near; all others are adjoint photons'. So both know from their own way what
+// is theirs: no weights, no densities of the other direction.
 #pragma once
+
+#include <cstdint>
 
 #include "kernels/kernel.h"
 
@@ -19,6 +22,9 @@ struct Interaction {
   bool straight;
   /// So near to the camera that a forward photon would count by far too much there.
   bool near_camera;
+  /// So near to the luminaire that an adjoint photon would come there by chance alone, through what
+  /// is around both. Of forward photons.
+  bool near_luminaire = false;
 
   constexpr bool as_if_nothing_were_there() const { return straight && !specular_like; }
   constexpr bool keeps_together() const { return specular_like || delta; }
@@ -26,6 +32,7 @@ struct Interaction {
 
 /// The ends of a path, as far as the photon that walks it knows them.
 struct PathEnds {
+  /// At the luminaire that counts which is near, too.
   bool diffuse_like_at_camera = false, specular_like_at_luminaire = false;
 };
 
@@ -42,9 +49,17 @@ constexpr PathEnds after_adjoint(PathEnds ends, const Interaction& i, bool first
   return ends;
 }
 
+/// An adjoint photon's where it meets a luminaire after `interactions`, those not counted that let
+/// it straight through; `near`: the latest was near to it.
+constexpr PathEnds at_luminaire(PathEnds ends, std::uint32_t interactions, bool near) {
+  if (near && interactions > 1) ends.specular_like_at_luminaire = true;
+  return ends;
+}
+
 /// A forward photon's. Once it is specular-like at the luminaire it stays so.
 constexpr PathEnds after_forward(PathEnds ends, const Interaction& i) {
-  if (!i.as_if_nothing_were_there() && i.keeps_together()) ends.specular_like_at_luminaire = true;
+  if (i.as_if_nothing_were_there()) return ends;
+  if (i.keeps_together() || i.near_luminaire) ends.specular_like_at_luminaire = true;
   return ends;
 }
 

@@ -52,8 +52,8 @@ PhotonStart<N> start_photon(const Scene& scene, const Geometry::Ball& lit,
   start.departure = emitted->departure;
   start.time = time;
   start.flux = emitted->flux;
-  const bool distant = emitted->luminaire == Emitted<N>::kDistant;
-  if (!distant) {
+  start.distant = emitted->luminaire == Emitted<N>::kDistant;
+  if (!start.distant) {
     start.inside =
         bodies_at_luminaire(scene, emitted->luminaire, emitted->from, emitted->ray.direction, time);
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tracer/batch.h"
+#include "tracer/near_ends.h"
 #include "tracer/power_heuristic.h"
 
 namespace nocturne {
@@ -53,6 +54,7 @@ class RadianceEstimator {
     if (luminaire == SurfaceMaterial::kNone) return;
     if (scene_.options.gathered == Gathered::kNearlyMet) return;
     if (sees_past(group, scene_.luminaires[luminaire].hidden_from)) return;
+    if (brought_from_luminaire(group, hit.position)) return;
     add_light(group, scene_.emitted(scene_.luminaires[luminaire], hit, -group.ray.direction,
                                     sample.time, sample.wavelengths));
   }
@@ -120,6 +122,14 @@ class RadianceEstimator {
                            scene_.lights, group.ray.origin, group.ray.direction,
                            hit == nullptr ? kFree : hit->distance, met, sample.wavelengths),
         meets_direct_light(group));
+  }
+
+  bool brought_from_luminaire(const Group<N>& group, Vec3 place) const {
+    const bool forward_ones = scene_.options.direction == Direction::kBoth;
+    if (!forward_ones || !group.ends.diffuse_like_at_camera) return false;
+    const bool near = near_luminaire(scene_, group, place);
+    return brought_by(at_luminaire(group.ends, group.depth - group.passes, near)) ==
+           Transport::kForward;
   }
 
   // With the MIS weight of the technique that met it.

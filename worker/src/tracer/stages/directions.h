@@ -31,15 +31,6 @@ LightSamplingContext light_context(const Batch& batch, const Group<N>& group,
           vertex.learned};
 }
 
-/// Where the ray of a photon starts that leaves a vertex in `direction`: moved off its surface, by
-/// which a thin lamp lies elsewhere than it does from the vertex.
-template <class Batch, int N>
-Vec3 leaves_from(const Batch& batch, const Vertex<N>& vertex, Vec3 direction) {
-  const bool exact = batch.is_medium(vertex.hit) ||
-                     (batch.scene.materials[vertex.hit.surface].close && !batch.occlusion_decides);
-  return exact ? vertex.hit.position : leave_surface(vertex.hit, direction);
-}
-
 /// The same context for what leaves in `direction`.
 template <class Batch, int N, class Kernel>
 LightSamplingContext light_context(const Batch& batch, const Group<N>& group,

@@ -1,14 +1,23 @@
 // From a vertex to the next ray.
 #pragma once
 
+#include "tracer/near_ends.h"
 #include "tracer/stages/travel.h"
 
 namespace nocturne {
 
 template <class Batch, int N>
 bool near_camera(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex) {
-  return batch.scene.sensor.distance_from(vertex.hit.position, batch.sample_of(group).time) <
-         batch.scene.near_sensor;
+  return near_camera(batch.scene, vertex.hit.position, batch.sample_of(group).time);
+}
+
+/// Where the ray of a photon starts that leaves a vertex in `direction`: moved off its surface, by
+/// which a thin lamp lies elsewhere than it does from the vertex.
+template <class Batch, int N>
+Vec3 leaves_from(const Batch& batch, const Vertex<N>& vertex, Vec3 direction) {
+  const bool exact = batch.is_medium(vertex.hit) ||
+                     (batch.scene.materials[vertex.hit.surface].close && !batch.occlusion_decides);
+  return exact ? vertex.hit.position : leave_surface(vertex.hit, direction);
 }
 
 /// With photons in both directions: notes the interaction that a group leaves by. False where the
@@ -17,12 +26,17 @@ template <class Batch, int N>
 bool keep_in_partition(const Batch& batch, Group<N>& group, const Vertex<N>& vertex, Vec3 wi,
                        bool delta) {
   const bool first = Batch::kAdjoint && group.depth == 1;
-  const Interaction latest{.specular_like = batch.scene.specular_like[vertex.kernel],
-                           .delta = delta,
-                           .straight = delta && wi == -vertex.wo,
-                           .near_camera = first && near_camera(batch, group, vertex)};
+  const bool of_luminaire = !Batch::kAdjoint && !group.ends.specular_like_at_luminaire;
+  const Vec3 here = vertex.hit.position;
+  const Interaction latest{
+      .specular_like = batch.scene.specular_like[vertex.kernel],
+      .delta = delta,
+      .straight = delta && wi == -vertex.wo,
+      .near_camera = first && near_camera(batch, group, vertex),
+      .near_luminaire = of_luminaire && near_luminaire(batch.scene, group, here)};
   if constexpr (Batch::kAdjoint) {
     group.ends = after_adjoint(group.ends, latest, first);
+    if (!delta) group.mis.context.position = leaves_from(batch, vertex, vertex.to_world(wi));
     return true;
   } else {
     group.ends = after_forward(group.ends, latest);

@@ -58,6 +58,11 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
                    const LightDirections::LightSample& light) {
   const Scene& scene = batch.scene;
   const BatchSample<N>& sample = batch.sample_of(group);
+  if (batch.both) {
+    const bool near = light.distance < scene.near_ends;
+    const PathEnds ends = at_luminaire(group.ends, group.depth - group.passes, near);
+    if (brought_by(ends) != Transport::kAdjoint) return;
+  }
   const Vec3 wi = vertex.to_local(light.direction);
   if (!may_send(kernel, dot(vertex.normal, light.direction), wi)) return;
   const Spectral<N> radiance = light.luminaire == Emission::kNoLuminaire

@@ -1,6 +1,8 @@
 // Stage: samples begin.
 #pragma once
 
+#include <limits>
+
 #include "pdfs/directions.h"
 #include "tracer/stages/travel.h"
 
@@ -55,6 +57,9 @@ void start(Batch<N, Estimator, Media>& batch, const Start<N>& from,
   group.inside = from.inside;
   if constexpr (Batch<N, Estimator, Media>::kAdjoint) {
     if (from.film_normal) start_towards_lights(batch, *from.film_normal);
+  } else {
+    constexpr float kFar = std::numeric_limits<float>::infinity();
+    group.mis.context.position = from.distant ? Vec3{kFar, kFar, kFar} : from.ray.origin;
   }
 }
 
