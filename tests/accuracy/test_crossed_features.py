@@ -13,6 +13,7 @@ from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import compile_to
 from scipy import stats
 
+from tests.accuracy.eight_seeds import differ, means
 from tests.accuracy.meters import GREY
 from tests.accuracy.scenes import BLACK, bowl, box, diffuse, film, quad, sphere, surface
 from tests.accuracy.tracing import IN_FULL, Document, part_of, run_seeds, write
@@ -20,19 +21,6 @@ from tests.accuracy.tracing import IN_FULL, Document, part_of, run_seeds, write
 pytestmark = pytest.mark.system
 
 _SEEDS = 8
-
-
-def _means(document: Document, folder: Path, **tracing: object) -> list[float]:
-    folder.mkdir()
-    plain = {"sequence": "independent", "sharing": 1, "guide": "none", "direction": "adjoint"}
-    compiled = compile_to(
-        write(document | {"tracing": plain | tracing}, folder), folder, 16, 16, part_of(512)
-    )
-    return [float(image.y.mean()) for image, _ in run_seeds(compiled, folder, _SEEDS)]
-
-
-def _differ(one: list[float], other: list[float]) -> bool:
-    return bool(stats.ttest_ind(one, other, equal_var=False).pvalue < 0.001)
 
 
 def _lit_floor(*between: Document) -> Document:
@@ -51,8 +39,8 @@ def _ball(index: float, roughness: float) -> Document:
 @pytest.mark.parametrize("roughness", [0.02, 0.2])
 def test_a_rough_ball_of_equal_index_is_not_there(roughness: float, tmp_path: Path) -> None:
     """Light sent towards the lamp goes on where the boundary is none: 0.35 of the right value before."""
-    without = _means(_lit_floor(), tmp_path / "without")
-    assert not _differ(without, _means(_lit_floor(_ball(1.0, roughness)), tmp_path / "ball"))
+    without = means(_lit_floor(), tmp_path / "without")
+    assert not differ(without, means(_lit_floor(_ball(1.0, roughness)), tmp_path / "ball"))
 
 
 def test_a_rough_body_of_lower_priority_within_another_is_not_seen(tmp_path: Path) -> None:
@@ -60,8 +48,8 @@ def test_a_rough_body_of_lower_priority_within_another_is_not_seen(tmp_path: Pat
     tank = surface(box([-3, -3, -3], [3, 3, 3]), {"type": "dielectric", "index": 1.33, "priority": 1})
     unseen = {"type": "dielectric", "index": 1.5, "roughness": 0.3, "priority": 0}
     within = surface(box([-0.4, 0.5, -0.4], [0.4, 0.9, 0.4]), unseen)
-    without = _means(_lit_floor(tank), tmp_path / "without")
-    assert not _differ(without, _means(_lit_floor(tank, within), tmp_path / "within"))
+    without = means(_lit_floor(tank), tmp_path / "without")
+    assert not differ(without, means(_lit_floor(tank, within), tmp_path / "within"))
 
 
 def test_a_lamp_that_grows_sends_photons_by_its_largest_size(tmp_path: Path) -> None:
@@ -70,10 +58,10 @@ def test_a_lamp_that_grows_sends_photons_by_its_largest_size(tmp_path: Path) -> 
     growing["motion"] = {"placements": [{"scale": s, "translate": [0, 1.5, 0]} for s in (0.001, 1.0)]}
     constant = surface(quad([1.4, 1.5, -0.1], [0.2, 0, 0], [0, 0, 0.2]), BLACK, 10.0)
     document = {"nocturne": 1, "sensor": film([0, 0, 0], [0, 1, 0], 0.3), "surfaces": [growing, constant]}
-    adjoint = _means(document, tmp_path / "adjoint")
-    forward = _means(document, tmp_path / "forward", direction="forward", photons_together=1)
+    adjoint = means(document, tmp_path / "adjoint")
+    forward = means(document, tmp_path / "forward", direction="forward", photons_together=1)
     assert np.std(forward) < 0.1 * np.mean(forward)
-    assert not _differ(adjoint, forward)
+    assert not differ(adjoint, forward)
 
 
 @pytest.mark.parametrize("direction", ["forward", "both"])
@@ -100,8 +88,8 @@ def test_a_wide_ground_leaves_caustics_to_photons_from_the_lamp(tmp_path: Path) 
         surface(sphere([0, 0.4, 0], 0.3), {"type": "dielectric", "index": 1.5}),
     ]
     mixture = {"kernel": 0.5, "luminaires": 0.5}
-    adjoint = _means(document, tmp_path / "adjoint", mixture=mixture)
-    both = _means(document, tmp_path / "both", mixture=mixture, direction="both", aimed_emission=0.9)
+    adjoint = means(document, tmp_path / "adjoint", mixture=mixture)
+    both = means(document, tmp_path / "both", mixture=mixture, direction="both", aimed_emission=0.9)
     assert np.std(both) < 0.6 * np.std(adjoint)
 
 
@@ -129,7 +117,7 @@ def test_fog_in_a_lamp_leaves_its_light_to_photons_from_there(tmp_path: Path) ->
     """What fog in the housing scatters first, and the cover gathers, was left to photons from the camera: six
     times the scatter of the same lamp with fog before it alone, twice now."""
     scatter = [
-        np.std(_means(_lamp_in_a_housing(fog_from), tmp_path / str(fog_from), direction="both"))
+        np.std(means(_lamp_in_a_housing(fog_from), tmp_path / str(fog_from), direction="both"))
         for fog_from in (-1.65, -1.405)
     ]
     assert scatter[0] < 3.0 * scatter[1]

@@ -51,21 +51,25 @@ inline Boundary boundary_at(const Scene& scene, const Hit& hit, const Contacts& 
   return cross_boundary(inside, scene.medium_interfaces, own, contacts);
 }
 
-/// Indices of refraction before and behind the boundary of a body; false where they are the same,
-/// because it lies inside a body of higher priority or is matched.
+/// What is there of bodies has this index of refraction.
+template <int N>
+Spectral<N> index_in(const Scene& scene, std::uint32_t body, const Spectral<N>& wavelengths) {
+  if (body == InteriorList::kOutside) return 1.0f;
+  return scene.medium_interfaces[body].index(wavelengths);
+}
+
+/// Indices of refraction before and behind a surface that bounds a body or touches one; false where
+/// they are the same, because it lies inside a body of higher priority or is matched.
 template <int N>
 bool enter_boundary(const Scene& scene, const Contacts& contacts, bool front, Vertex<N>& vertex) {
   const Boundary boundary = boundary_at(scene, vertex.hit, contacts, vertex.beyond, front);
   vertex.beyond = boundary.beyond;
-  if (boundary.from == boundary.to) return false;
-  const auto index = [&](std::uint32_t at) {
-    return at == InteriorList::kOutside
-               ? Spectral<N>(1.0f)
-               : scene.medium_interfaces[at].index(vertex.shading.wavelengths);
-  };
-  vertex.shading.index_from = index(boundary.from);
-  vertex.shading.index_to = index(boundary.to);
-  return true;
+  Shading<N>& shading = vertex.shading;
+  shading.index_from = index_in(scene, boundary.from, shading.wavelengths);
+  shading.index_to = boundary.from == boundary.to
+                         ? shading.index_from
+                         : index_in(scene, boundary.to, shading.wavelengths);
+  return boundary.from != boundary.to;
 }
 
 /// Texture coordinates and the frame of a surface that is not the same everywhere.
@@ -114,11 +118,17 @@ bool complete(const Scene& scene, const Contacts& contacts, const Group<N>& grou
               Vertex<N>& vertex) {
   const SurfaceMaterial& material = scene.materials[vertex.hit.surface];
   const bool bounds_body = material.medium_interface != SurfaceMaterial::kNone;
-  if ((bounds_body || !contacts.empty()) &&
-      !enter_boundary(scene, contacts, vertex.front, vertex) && bounds_body &&
-      (material.index_matched_only ||
-       !scene.medium_interfaces[material.medium_interface].index_matched)) {
-    return false;
+  if (bounds_body || !contacts.empty()) {
+    if (!enter_boundary(scene, contacts, vertex.front, vertex) && bounds_body &&
+        (material.index_matched_only ||
+         !scene.medium_interfaces[material.medium_interface].index_matched)) {
+      return false;
+    }
+  } else if (!vertex.beyond.empty() && !scene.is_medium(vertex.hit.surface)) {
+    // A pane, a mirror or paint under water.
+    const std::uint32_t around = vertex.beyond.current(scene.medium_interfaces);
+    vertex.shading.index_from = index_in(scene, around, vertex.shading.wavelengths);
+    vertex.shading.index_to = vertex.shading.index_from;
   }
   if (material.needs_detail) set_shading_frame(scene, material, group, time, vertex.front, vertex);
   vertex.wo = vertex.frame.to_local(-group.ray.direction);
