@@ -11,6 +11,7 @@ from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError
+from nocturne_scene.film import Film
 
 from tests.scene.conftest import Compile, Document, files_in
 
@@ -117,6 +118,29 @@ def test_fire_glows(document: Document, blobs: BlobStore, compiled: Compile) -> 
     assert medium.emission_scale == 0.5
     assert medium.temperature.scale == 1000
     assert blobs.path(medium.temperature.blob.hex()).read_bytes() == b"temperature of a file"
+
+
+@pytest.mark.parametrize(
+    "sensor",
+    [
+        {"type": "irradiance_meter", "position": [0, 1, 0], "normal": [0, -1, 0], "height": 0.5},
+        {"type": "intensity_meter", "position": [0, 0, 0], "lamp_radius": 9},
+    ],
+)
+def test_a_meter_beside_fire_counts_no_photons_of_luminaires(
+    document: Document, blobs: BlobStore, compiled: Compile, sensor: Document
+) -> None:
+    """A film beside a lamp and glowing smoke read 34 lx by those, where 93 is right."""
+    document = smoke(document, blobs)
+    grid = {**document["media"]["smoke"]["density"], "grid": "temperature", "factor": 1000}
+    document["media"]["smoke"] |= {"absorption": 2, "temperature": grid}
+    document |= {"sensor": sensor, "tracing": {"direction": "auto", "sharing": 1}}
+    # Large enough for a pilot, which is not asked.
+    output = compile_scene(check_document(document), blobs, Film(64, 64, 64))
+    assert output.way == ""
+    document["tracing"]["direction"] = "forward"
+    with pytest.raises(InputError, match=r"\$\.tracing\.direction: .*media glow.*expected \"adjoint\""):
+        compiled(document)
 
 
 @pytest.mark.parametrize(

@@ -127,6 +127,15 @@ def test_a_photometric_file_gives_its_candelas(
     assert values.max() == 200
 
 
+def test_a_photometric_file_is_of_one_surface(document: dict[str, Any], blobs: BlobStore) -> None:
+    """The tracer would refuse the scene, without the place."""
+    lamp = document["surfaces"].pop(1)
+    lamp["luminaire"]["profile"] = {"asset": photometric(blobs)}
+    document |= {"groups": {"lamps": [lamp]}, "instances": [{"group": "lamps"}]}
+    place = "$.groups.lamps[0].luminaire.profile"
+    expect_problem(document, blobs, place, "instances show this one again")
+
+
 def test_a_photometric_file_can_be_scaled_to_a_flux_and_turns_with_its_surface(
     document: dict[str, Any], compiled: Compile, blobs: BlobStore
 ) -> None:

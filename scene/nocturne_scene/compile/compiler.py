@@ -117,6 +117,8 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
         _refuse_distant_photons(workspace)
     if has_sky(message) and workspace.document.atmosphere is not None:
         _refuse_lost_photons(workspace, message)
+    if _glows(message) and workspace.document.sensor.type in MET_BY_PHOTONS:
+        _refuse_photons_beside_glow(workspace)
     tracing = workspace.document.tracing
     if message.media and tracing.direction == "forward" and tracing.photons_together == 4:
         # What a meter counts on the way must not depend on where photons part behind it.
@@ -169,6 +171,21 @@ def _refuse_distant_photons(workspace: Workspace) -> None:
         workspace.problems.append(Problem("$.tracing.direction", told))
 
 
+def _glows(message: scene_pb2.CompiledScene) -> bool:
+    return any(medium.HasField("temperature") for medium in message.media)
+
+
+def _refuse_photons_beside_glow(workspace: Workspace) -> None:
+    """Media are no luminaires: what a meter counts of photons from these has nothing of the glow. A camera's
+    own photons count it."""
+    workspace.photons_can_start = False
+    if workspace.document.tracing.direction == "forward":
+        told = (
+            'photons can\'t start where media glow, so that a meter would miss that light; expected "adjoint"'
+        )
+        workspace.problems.append(Problem("$.tracing.direction", told))
+
+
 def _refuse_lost_photons(workspace: Workspace, message: scene_pb2.CompiledScene) -> None:
     """Photons of the Sun and the sky start on a disc as large as the planet: none would meet a film, nor what
     makes a caustic, unless they are aimed at it."""
@@ -195,8 +212,7 @@ def _all_surfaces(workspace: Workspace, instances: Instances) -> Iterator[tuple[
 
 
 def _check_light(workspace: Workspace, message: scene_pb2.CompiledScene) -> None:
-    glows = any(medium.HasField("temperature") for medium in message.media)
-    if workspace.problems or message.luminaires or glows:
+    if workspace.problems or message.luminaires or _glows(message):
         return
     if not has_sky(message):
         workspace.problems.append(

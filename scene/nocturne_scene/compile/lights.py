@@ -62,7 +62,7 @@ class Lights:
                 self._photons_cant_start()
             message.radiance.CopyFrom(colour)
             message.hidden_from = self._hidden_from(luminaire.hidden_from)
-            self._put_profile(message, surface, luminaire)
+            self._put_profile(message, surface, luminaire, in_group=in_group)
             self._tell_of_lost_light(message, surface, place)
             return message
         return None
@@ -106,11 +106,19 @@ class Lights:
         ones = np.ones(published.visible_wavelengths().shape)
         return lambda spectrum: per_unit / float(spectra.integral(spectrum, ones))
 
-    def _put_profile(self, message: scene_pb2.Luminaire, surface: Surface, luminaire: Luminaire) -> None:
+    def _put_profile(
+        self, message: scene_pb2.Luminaire, surface: Surface, luminaire: Luminaire, *, in_group: bool
+    ) -> None:
         match luminaire.profile:
             case CosineProfile() as profile:
                 message.cosine_power = profile.cosine_power
             case PhotometricProfile() as profile:
+                if in_group:
+                    raise Unusable(
+                        "a photometric file is of one surface, and instances show this one again; expected a "
+                        '"cosine_power", or the surface in $.surfaces',
+                        ".profile",
+                    )
                 if message.radiance.HasField("texture"):
                     raise Unusable("can't have a texture together with a photometric file", ".radiance")
                 if not (isinstance(surface.shape, Sphere) or self._shapes.is_flat(surface.shape)):

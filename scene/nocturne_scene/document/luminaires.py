@@ -24,8 +24,8 @@ class PhotometricProfile(Node):
     """The intensity that a photometric file gives, IES LM-63 (type C) or EULUMDAT, spread over the surface.
 
     Of the luminaire's `radiance` only the spectrum's shape counts then: the candelas are the file's. The
-    surface's shape is a quad, a disc, a flat mesh or a sphere. What the file says of the directions behind a
-    flat one is lost without `two_sided`, and a warning says how much that is.
+    surface's shape is a quad, a disc, a flat mesh or a sphere, and it stands in no group. What the file says
+    of the directions behind a flat one is lost without `two_sided`, and a warning says how much that is.
     """
 
     asset: AssetReference = Field(
