@@ -145,7 +145,9 @@ def tile_sums(of_blocks: Values, tile_size: int) -> Values:
     """Over the blocks of each tile, row by row as C++ adds them; shape (tiles down, tiles across, ...)."""
     height, width, *more = of_blocks.shape
     down, across = min(blocks_in(tile_size), height), min(blocks_in(tile_size), width)
-    padded = np.pad(of_blocks, [(0, -height % down), (0, -width % across), *[(0, 0)] * len(more)])
+    padded = of_blocks
+    if height % down or width % across:
+        padded = np.pad(of_blocks, [(0, -height % down), (0, -width % across), *[(0, 0)] * len(more)])
     tiles = padded.reshape(padded.shape[0] // down, down, padded.shape[1] // across, across, *more)
     rows, columns = tiles.shape[0], tiles.shape[2]
     one_after_the_other = np.cumsum(tiles.swapaxes(1, 2).reshape(rows, columns, -1, *more), axis=2)

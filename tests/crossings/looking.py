@@ -10,7 +10,8 @@ from nocturne_scene.document.read import check_document
 from tests.accuracy.tracing import Document
 from tests.crossings.features import features_of
 from tests.crossings.judging import Difference, agree, differences, held
-from tests.crossings.methods import Failed, Readings, Refused, methods_of, traced
+from tests.crossings.methods import Readings, Refused, methods_of, traced
+from tests.crossings.program import Failed
 from tests.crossings.scenes import Scene
 
 SEEDS = 8

@@ -1,7 +1,6 @@
 """How a scene is traced: ways that share little, each by several seeds in one process."""
 
 import json
-import subprocess
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,7 +11,6 @@ import numpy.typing as npt
 from nocturne.v1 import scene_pb2
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import CompiledFolder, compile_to
-from nocturne_client.local.programs import need_program
 from nocturne_scene.compare.images import read_picture
 from nocturne_scene.compile.ways import WORTH_A_PILOT
 from nocturne_scene.document.checks import CAMERAS, MET_BY_PHOTONS
@@ -21,6 +19,7 @@ from nocturne_scene.uncertainty import ImageMoments, read_region
 
 from tests.accuracy.tracing import Document, write
 from tests.crossings.chance import Chance
+from tests.crossings.program import Failed, program
 from tests.crossings.scenes import Scene
 
 Values = npt.NDArray[np.float64]
@@ -30,18 +29,12 @@ CHOSEN = "chosen"
 """As a pilot chooses for a long render, which leaves it to nobody else."""
 _PLAIN = {"sequence": "independent", "sharing": 1, "guide": "none", "direction": "adjoint"}
 
-CPU_LIMIT_S = 120
-"""Of a method; most take a tenth of a second."""
 _FORWARD = 16
 """Samples of a film by photons from luminaires, most of which miss it, for each by photons from it."""
 
 
 class Refused(Exception):
     """The compiler does not take this method for this scene."""
-
-
-class Failed(Exception):
-    """The tracer ended without an image, or counted invalid samples."""
 
 
 @dataclass(frozen=True)
@@ -175,12 +168,9 @@ def _with_seed(made: CompiledFolder, folder: Path, seed: int) -> CompiledFolder:
 def _run(made: CompiledFolder, folder: Path, image: str, *options: str) -> float:
     """CPU seconds."""
     output = folder / image
-    command: list[object] = ["prlimit", f"--cpu={CPU_LIMIT_S}", "--", need_program("nocturne-trace")]
-    command += [made.scene, "-o", output, "--schedule", made.schedule, "--blobs", made.blobs, "--quiet"]
-    command += ["--threads", 1, "--statistics", output.with_suffix(".json"), *options]
-    done = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise Failed(f"status {done.returncode}: {done.stderr.strip()[-300:]}")
+    words: list[object] = [made.scene, "-o", output, "--schedule", made.schedule, "--blobs", made.blobs]
+    words += ["--quiet", "--threads", 1, "--statistics", output.with_suffix(".json"), *options]
+    program().run(words)
     statistics: list[Mapping[str, Any]] = [
         json.loads(path.read_text())
         for path in sorted(folder.glob(image.replace("{seed}", "*")[:-3] + "json"))

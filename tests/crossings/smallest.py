@@ -8,7 +8,8 @@ from nocturne_client.errors import NocturneClientError
 from tests.accuracy.tracing import Document
 from tests.crossings.judging import differences
 from tests.crossings.looking import SAMPLES, SEEDS, Outcome
-from tests.crossings.methods import Failed, Readings, Refused, methods_of, traced
+from tests.crossings.methods import Readings, Refused, methods_of, traced
+from tests.crossings.program import Failed
 from tests.crossings.reducing import inlined, reduced
 
 _PROBABILITY = 1e-4

@@ -9,6 +9,7 @@
 #include <iostream>
 #include <map>
 #include <new>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -276,17 +277,17 @@ void run(const Options& options) {
   run_film(options, message, schedule, sha256_of_file(options.scene));
 }
 
-}  // namespace
-}  // namespace nocturne
-
-int main(int argc, char** argv) {
-  nocturne::Options options;
+// One command line, without the program's name first; the program's status.
+int run_command(std::vector<std::string> words) {
+  Options options;
   CLI::App app{
       "Traces a compiled scene on this machine and writes an EXR (X, Y, Z in absolute units, "
       "Y.stderr, n, further "
       "responses).\n"
       "`nocturne compile SCENE.json -o DIR` makes DIR/scene.pb, DIR/schedule.pb and DIR/blobs.\n"
-      "Ends with status 0, or with 2 and one sentence where the scene can't be read or traced.",
+      "Ends with status 0, or with 2 and one sentence where the scene can't be read or traced.\n"
+      "`nocturne-trace --commands` takes such command lines from standard input, one a line with "
+      "tabs between words, and answers each with its status.",
       "nocturne-trace"};
   app.add_option("scene", options.scene, "Compiled scene (scene.pb)")
       ->required()
@@ -319,10 +320,10 @@ int main(int argc, char** argv) {
       "standard input");
   app.add_option("--method", options.method.kind,
                  "adjoint; or, for comparison only, path (path tracing) or march (ray marching)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, nocturne::Method::Kind>{
-          {"adjoint", nocturne::Method::kAdjointPhotons},
-          {"path", nocturne::Method::kPathTracing},
-          {"march", nocturne::Method::kRayMarching}}));
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Method::Kind>{{"adjoint", Method::kAdjointPhotons},
+                                              {"path", Method::kPathTracing},
+                                              {"march", Method::kRayMarching}}));
   app.add_option("--steps", options.method.steps, "Steps of a ray marcher (default 64)")
       ->check(CLI::Range(1, 1'000'000));
   app.add_option("--seeds", options.seeds,
@@ -341,7 +342,7 @@ int main(int argc, char** argv) {
          "way "
          "may miss light)")
       ->delimiter(',')
-      ->check(CLI::IsMember(nocturne::kPilotChooses))
+      ->check(CLI::IsMember(kPilotChooses))
       ->excludes(job);
   app.add_option("--layers", options.layer_samples,
                  "Instead of an image, what the surfaces in it are like, from this many samples of "
@@ -356,9 +357,14 @@ int main(int argc, char** argv) {
       ->expected(2)
       ->excludes(job);
   app.add_flag("--quiet", options.quiet, "No progress");
-  CLI11_PARSE(app, argc, argv);
   try {
-    nocturne::run(options);
+    std::ranges::reverse(words);  // as CLI::App takes them
+    app.parse(std::move(words));
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error);
+  }
+  try {
+    run(options);
   } catch (const std::bad_alloc&) {
     std::cerr << "nocturne-trace: there is not enough memory for this scene and film\n";
     return 2;
@@ -367,4 +373,26 @@ int main(int argc, char** argv) {
     return 2;
   }
   return 0;
+}
+
+// For many small scenes: the image library with all that it links costs a start 0.3 s.
+void run_commands() {
+  for (std::string line; std::getline(std::cin, line);) {
+    std::vector<std::string> words;
+    std::istringstream rest(line);
+    for (std::string word; std::getline(rest, word, '\t');) words.push_back(word);
+    std::cout << run_command(std::move(words)) << std::endl;
+  }
+}
+
+}  // namespace
+}  // namespace nocturne
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  if (words == std::vector<std::string>{"--commands"}) {
+    nocturne::run_commands();
+    return 0;
+  }
+  return nocturne::run_command(words);
 }
