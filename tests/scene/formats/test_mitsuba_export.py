@@ -211,6 +211,15 @@ def test_air_and_discs_without_an_equal_are_named(parts: Any, said: str, tmp_pat
     assert problem.startswith(said)
 
 
+def test_a_disc_does_not_hide_the_sky(tmp_path: Path) -> None:
+    """Of a floor under both, Mitsuba saw 0.94 of the light where the disc was black."""
+    disc = {"direction": [0, 1, 0], "angular_diameter_degrees": 51, "radiance": 1}
+    root, _ = export(tmp_path, environment={"radiance": 0.5}, distant=[disc])
+    [shape] = [each for each in root.iter("shape") if each.get("type") == "disk"]
+    [bsdf] = shape.iter("bsdf")
+    assert bsdf.get("type") == "null"
+
+
 def test_bodies_that_may_overlap_are_refused(tmp_path: Path) -> None:
     glass = {"kernel": {"type": "dielectric", "index": 1.5}}
     other = {"type": "sphere", "centre": [1.5, 0, 0], "radius": 1}

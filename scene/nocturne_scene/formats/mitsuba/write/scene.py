@@ -171,11 +171,10 @@ def _disc(context: Context, disc: scene_pb2.DistantDisc) -> Element:
     found = plugin("shape", "disk")
     axes = [radius * right, radius * np.cross(forward, right), forward]
     found.append(matrix("to_world", axes, -distance * forward))
-    black = plugin("bsdf", "diffuse")
-    black.append(spectrum("reflectance", Table(np.zeros(1))))
     emitter = plugin("emitter", "area")
     emitter.append(spectrum("radiance", table))
-    found.extend([black, emitter])
+    # What is behind it, sky or another disc, shines beside it.
+    found.extend([plugin("bsdf", "null"), emitter])
     return found
 
 
