@@ -234,6 +234,21 @@ TEST_F(GridMedia, SlabInLayers) {
   expect_all_pixels(trace(builder), 256, kResponseIntegral * 0.6609577);
 }
 
+// As AbsorbingSlab, where voxels are as dense as their bounds: of the photon with the largest
+// extinction nothing is left at a tentative collision, and not less by rounding.
+TEST_F(GridMedia, AbsorbingSlabAsDenseAsItsBounds) {
+  test::SceneBuilder builder;
+  builder.message.mutable_environment()->set_constant(builder.add_spectrum(5.0f));
+  const auto medium =
+      builder.add_medium(builder.add_ramp(0.5f, 2.0f), builder.add_spectrum(0.0f), 0.0);
+  set_grid(builder, *builder.message.mutable_media(static_cast<int>(medium))->mutable_grid(),
+           "bounds", [](int) { return 0.7f; });
+  const TileSums tile = trace(builder);
+  EXPECT_EQ(tile.invalid_samples, 0u);
+  const double a = 0.5 * 0.7, b = 2.0 * 0.7;
+  expect_all_pixels(tile, 256, kResponseIntegral * 5.0 * (std::exp(-a) - std::exp(-b)) / (b - a));
+}
+
 // Gas of one temperature that only absorbs: B (1 - exp(-a d)). Planck's law over 500-600 nm at
 // 3000 K is flat enough for Simpson's rule.
 TEST_F(GridMedia, GlowingSlab) {

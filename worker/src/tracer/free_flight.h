@@ -386,7 +386,10 @@ class FreeFlight {
                                          const Ray& ray, float end, FlightNumbers numbers) const {
     Spectral<N> left = 1.0f;
     const auto meet = [&](const Tentative& at) {
-      left *= Spectral<N>(1.0f) - (at.density / at.majorant) * extinction;
+      // By rounding it may be a little less than nothing.
+      left *=
+          each([&](float sigma) { return std::max(0.0f, 1.0f - at.density / at.majorant * sigma); },
+               extinction);
       const float best = largest(left);
       if (best >= kSmallTransmittance) return true;
       const bool survives = numbers() * kSmallTransmittance < best;
