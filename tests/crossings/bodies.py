@@ -10,7 +10,7 @@ from tests.crossings.kernels import dielectric, kernel
 from tests.crossings.lights import lamp
 from tests.crossings.media import medium, smoke
 from tests.crossings.shapes import file_mesh, motion, placed, rotation, standing_box
-from tests.crossings.spectra import lookup
+from tests.crossings.spectra import index, lookup
 
 PLACES: list[Point] = [[-0.7, 0.55, -0.45], [0.7, 0.55, -0.45], [0.0, 0.5, 0.3]]
 RADIUS = 0.42
@@ -27,7 +27,7 @@ def bodies_at(draft: Draft, centre: Point, *, grouped: bool) -> list[Document]:
     if not grouped:
         kinds += [_standing] + ([_smoke] if assets.has_grids() else [])
     if draft.sharp:
-        kinds += [_glass, _glass, _nested, _overlapping]
+        kinds += [_glass, _glass, _nested, _overlapping, _matched]
     return draft.chance.pick(kinds)(draft, centre)
 
 
@@ -46,6 +46,28 @@ def lamp_in_body(draft: Draft, centre: Point) -> list[Document]:
             outer["interior"] = _interior(draft)
         found.append(outer)
     return found
+
+
+def body_across(draft: Draft, point: Point, radius: float, *, glass: bool) -> Document:
+    """A body whose boundary may cut what is at a point, or pass over it while the shutter is open."""
+    chance = draft.chance
+    centre = chance.near(point, 1.2 * radius)
+    found = placed(draft, centre, radius, closed=True, mapped=glass)
+    if glass:
+        found["kernel"] = dielectric(draft)
+    if not glass or chance.maybe(0.3):
+        found["interior"] = _interior(draft)
+        if glass:
+            # The kernel has one.
+            found["interior"].pop("priority", None)
+    if chance.maybe(0.4):
+        found["motion"] = motion(draft, centre, 0.5 * radius, of=found)
+    return found
+
+
+def smoke_across(draft: Draft, point: Point) -> list[Document]:
+    """A grid of smoke around a point."""
+    return _smoke(draft, point)
 
 
 def surface_of(draft: Draft, made: object, centre: Point, radius: float, *, closed: bool = False) -> Document:
@@ -174,6 +196,21 @@ def _nested(draft: Draft, centre: Point) -> list[Document]:
         return [outer, *_inside(draft, centre)]
     inner = placed(draft, centre, 0.25 * RADIUS, closed=True, mapped=True)
     return [outer, inner | {"kernel": dielectric(draft, chance.pick([-1, 1]))}]
+
+
+def _matched(draft: Draft, centre: Point) -> list[Document]:
+    """Glass in glass of the same index, whose boundary is rough: it scatters nothing."""
+    draft.situations.add("rough boundary of equal index")
+    made: Document = {"type": "dielectric", "index": index(draft)}
+    outer = placed(draft, centre, RADIUS, closed=True, mapped=False) | {"kernel": made}
+    inner = placed(draft, centre, 0.3 * RADIUS, closed=True, mapped=False)
+    inner["kernel"] = made | {
+        "roughness": draft.chance.number(0.1, 0.5),
+        "priority": draft.chance.pick([0, 1, -1]),
+    }
+    if draft.chance.maybe(0.5):
+        inner["kernel"]["absorption"] = 1.5
+    return [outer, inner]
 
 
 def _overlapping(draft: Draft, centre: Point) -> list[Document]:

@@ -23,6 +23,8 @@ class Draft:
     glass gather is met by chance alone from the sensor, and no number of samples that a test can pay shows
     a method that is wrong."""
     named: dict[str, dict[str, Any]] = field(default_factory=dict)
+    situations: set[str] = field(default_factory=set)
+    """What the schema has no word for, see SITUATIONS in scenes.py."""
 
     def used(self, collection: str, value: Any) -> Any:
         """The value, or the name under which it now stands in `$.<collection>`."""

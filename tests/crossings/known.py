@@ -1,18 +1,14 @@
-"""What the grammar leaves out, and why; some of it works since, and is not made yet."""
+"""What the grammar leaves out, and why: mostly what the compiler refuses with its place."""
 
 KNOWN = {
-    "half in a medium": "sensors and lamps are wholly inside or outside of bodies of media and glass, and "
-    "no boundary moves over them: mended since (decision 0125), and tested in test_photon_starts.py",
-    "instances of lamps": "the same lamp stands in one medium only, in all of its instances",
-    "far films": "what distant light falls on is within the ball around all surfaces: mended since, and "
-    "tested in test_photon_starts.py",
-    "planets forwards": "scenes with an atmosphere are not traced from luminaires: of photons that start on "
-    "a ball around the planet none gets to a film",
-    "where layers end": "no surface lies in a plane where a layered medium without bounds ends: mended "
-    "since, and tested in altitude_density_test.cpp",
-    "things around an intensity meter": "nothing is outside of its ball: photons from it see what is there, "
-    "and photons from luminaires count where they leave the scene at last",
-    "lanes in media": 'photons from luminaires do not travel together through media: `"photons_together": 4` '
-    'with `"forward"` is refused',
-    "air that only scatters": "media without bounds absorb: light wanders in others for ever",
+    "planets forwards": "with an atmosphere films are not traced from luminaires, and cameras only with "
+    "aims: of photons that start on a ball around the planet none gets to a film",
+    "glow forwards": "meters beside media that glow are traced from the meter: no photon starts in a medium",
+    "beside an intensity meter": "what is outside of its ball is met by photons from the meter; those from "
+    "luminaires count where they leave the scene at last, so they are no second method there",
+    "lamps of one surface": "lamps in groups have no flux and no photometric file, which are of one surface",
+    "lanes in media": 'photons from luminaires travel alone through media: `"photons_together": 4` with '
+    '"forward" is for scenes without',
+    "air that only scatters": "media without bounds and without an end absorb: light wanders in others for "
+    "ever",
 }

@@ -27,6 +27,16 @@ def lamp(draft: Draft, centre: Point, radius: float) -> Document:
     return {"shape": shape} | made
 
 
+def in_group(made: Document) -> Document:
+    """The lamp without a flux and without a file, which are of one surface and not of each instance."""
+    kept = dict(made["luminaire"])
+    for name in ("lumens", "watts"):
+        kept.pop(name, None)
+    if "asset" in kept.get("profile", {}):
+        del kept["profile"]
+    return made | {"luminaire": kept}
+
+
 def emitter(draft: Draft, made: Document) -> Document:
     """The fields of a surface that have to do with its emission: mostly black."""
     chance = draft.chance

@@ -14,6 +14,8 @@ from tests.crossings.draft import Draft
 from tests.crossings.shapes import rotation
 from tests.crossings.spectra import coefficient, plain_coefficient
 
+LAMP_HEIGHT = 2.05
+"""Of the lamp above the floor, m."""
 _DROPLETS: tuple[Document, ...] = (
     {"mode_radius": 3e-7, "alpha": 4.0},
     {"mode_radius": 1e-6, "alpha": 6.0, "gamma": 1.5, "index": "water"},
@@ -32,12 +34,17 @@ def medium(draft: Draft, size: float) -> str:
 
 def air(draft: Draft, size: float, *, even: bool) -> str:
     """The same of a medium without bounds; `even`: perhaps the same everywhere, so that no light gets here
-    from infinitely far away. It absorbs: light that only scatters would wander in it for long."""
+    from infinitely far away. Without an end it absorbs: light that only scatters would wander in it for
+    long."""
     level = short(draft.chance.factor(0.1, 1.0) / size)
-    made: Document = {"absorption": coefficient(draft, level)}
-    if draft.chance.maybe(0.8):
-        made |= {"scattering": coefficient(draft, level), "phase": _phase(draft)}
     density = _density(draft, 1.0, size, even=even)
+    # In layers light only scatters until it leaves them.
+    has_end = isinstance(density, dict) and "layers" in density
+    made: Document = {}
+    if not has_end or draft.chance.maybe(0.7):
+        made["absorption"] = coefficient(draft, level)
+    if not made or draft.chance.maybe(0.8):
+        made |= {"scattering": coefficient(draft, level), "phase": _phase(draft)}
     return draft.name("media", made | ({"density": density} if density != 1.0 else {}))
 
 
@@ -145,6 +152,10 @@ def _density(draft: Draft, level: float, size: float, *, even: bool) -> Any:
         case 3 | 4:
             layers = [[-0.5, 0.0], [0.3, level], [1.0, short(0.4 * level)], [3.3, 0.0]]
             made = {"layers": layers[chance.whole(0, 1) :]}
+            if chance.maybe(0.4):
+                # It ends where the floor is, and where the lamp hangs.
+                draft.situations.add("a layer ends on a surface")
+                return {"layers": [[0.0, level], [LAMP_HEIGHT, short(0.5 * level)]]}
         case _:
             return level
     match chance.whole(0, 3):

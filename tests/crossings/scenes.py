@@ -10,15 +10,34 @@ from typing import Any
 from tests.accuracy.scenes import quad
 from tests.accuracy.tracing import Document
 from tests.crossings import assets, sensors
-from tests.crossings.bodies import PLACES, RADIUS, bodies_at, lamp_in_body, maps
-from tests.crossings.chance import Chance, Point
+from tests.crossings.bodies import (
+    PLACES,
+    RADIUS,
+    bodies_at,
+    body_across,
+    lamp_in_body,
+    maps,
+    smoke_across,
+)
+from tests.crossings.chance import Chance, Point, shortened
 from tests.crossings.draft import Draft
 from tests.crossings.kernels import dielectric, wall
-from tests.crossings.lights import disc, environment, important, lamp
-from tests.crossings.media import air, medium
+from tests.crossings.lights import disc, environment, important, in_group, lamp
+from tests.crossings.media import LAMP_HEIGHT, air, medium
 from tests.crossings.shapes import motion, rotation
 from tests.crossings.spectra import reflectance
 
+SITUATIONS = (
+    "a boundary across the sensor",
+    "a boundary across a lamp",
+    "smoke before the sensor",
+    "a far film",
+    "a lamp in two media",
+    "a layer ends on a surface",
+    "rough boundary of equal index",
+    "things around an intensity meter",
+)
+"""What has been wrong, and the schema has no word for."""
 _FILMS = ((8, 8), (8, 8), (4, 4), (12, 8), (10, 6))
 _EDGE, _HEIGHT = 3.2, 2.6
 """Of the room, m."""
@@ -34,6 +53,10 @@ class Scene:
     height: int
     wide: bool
     """Whether all lamps are so large that photons meet them by chance."""
+    alone: bool = True
+    """Whether nothing is outside of an intensity meter's ball."""
+    situations: frozenset[str] = frozenset()
+    """Of SITUATIONS."""
 
 
 def scene(seed: int) -> Scene:
@@ -43,11 +66,16 @@ def scene(seed: int) -> Scene:
     room = chance.maybe(0.5)
     width, height = chance.pick(_FILMS)
     document: Document = {"nocturne": 1, "name": f"crossing {seed}", "surfaces": []}
-    document["sensor"] = sensor = _sensor(draft)
-    if sensor["type"] == "intensity_meter":
-        return Scene(seed, _in_a_ball(draft, document), width, height, draft.sharp)
+    document["sensor"] = sensor = _sensor(draft, room=room)
+    meter = sensor["type"] == "intensity_meter"
+    alone = not meter or chance.maybe(0.6)
+    if meter:
+        document["surfaces"] += lamp_in_body(draft, PLACES[0])
+        if alone:
+            return _whole(draft, seed, document, width, height)
+        draft.situations.add("things around an intensity meter")
     document["surfaces"] += _walls(draft) if room else _ground(draft)
-    lamp_at = [chance.number(-0.5, 0.5), 2.05, chance.number(-0.5, 0.2)]
+    lamp_at = [chance.number(-0.5, 0.5), LAMP_HEIGHT, chance.number(-0.5, 0.2)]
     far = not room or chance.maybe(0.1)
     if not far or chance.maybe(0.5):
         lit = lamp(draft, lamp_at, chance.number(0.3, 0.45) if draft.sharp else chance.factor(0.05, 0.4))
@@ -58,25 +86,33 @@ def scene(seed: int) -> Scene:
         _put_sky(draft, document)
     if not room and chance.maybe(0.1):
         document["atmosphere"] = _planet(draft)
-    _put_bodies(draft, document)
+    _put_bodies(draft, document, PLACES[1:] if meter else PLACES)
     _put_around(draft, document, far=far)
+    if not meter:
+        _put_across(draft, document, lamp_at)
+    if chance.maybe(0.1):
+        _put_lamp_twice(draft, document)
     if chance.maybe(0.2):
         document["important_directions"] = [important(draft, lamp_at, 0.4)]
     if chance.maybe(0.1):
         document["tracing"] = {"maximum_depth": chance.whole(1, 5)}
-    return Scene(seed, document | draft.named, width, height, draft.sharp)
+    return _whole(draft, seed, document, width, height, alone=alone)
 
 
-def _in_a_ball(draft: Draft, document: Document) -> Document:
-    """All that an intensity meter is for, see known.py."""
-    document["surfaces"] += lamp_in_body(draft, PLACES[0])
-    return document | draft.named
+def _whole(
+    draft: Draft, seed: int, document: Document, width: int, height: int, *, alone: bool = True
+) -> Scene:
+    situations = frozenset(draft.situations)
+    return Scene(seed, document | draft.named, width, height, draft.sharp, alone, situations)
 
 
-def _sensor(draft: Draft) -> Document:
+def _sensor(draft: Draft, *, room: bool) -> Document:
     match draft.chance.whole(0, 9):
         case 0 | 1 | 2:
-            return sensors.film(draft)
+            far = not room and draft.chance.maybe(0.3)
+            if far:
+                draft.situations.add("a far film")
+            return sensors.film(draft, far=far)
         case 3:
             return sensors.intensity(draft, PLACES[0], RADIUS + 0.05)
     return sensors.camera(draft)
@@ -145,21 +181,24 @@ def _planet(draft: Draft) -> Document:
     return made
 
 
-def _put_bodies(draft: Draft, document: Document) -> None:
+def _put_bodies(draft: Draft, document: Document, free: list[Point]) -> None:
     """Each at a place of its own, by itself or as instances of a group."""
     chance = draft.chance
-    places = PLACES[: chance.whole(1, 3)]
+    places = free[: chance.whole(1, len(free))]
     for place in places:
         if chance.maybe(0.7):
             document["surfaces"] += bodies_at(draft, place, grouped=False)
         else:
-            document.setdefault("instances", []).append(_instance(draft, place, alone=len(places) == 1))
+            document.setdefault("instances", []).append(
+                _instance(draft, place, alone=len(places) == len(free) - 2)
+            )
 
 
 def _instance(draft: Draft, place: Point, *, alone: bool) -> Document:
     """Of a new group; `alone`: the other places are free."""
     chance = draft.chance
-    name = draft.name("groups", bodies_at(draft, [0.0, 0.0, 0.0], grouped=True))
+    members = bodies_at(draft, [0.0, 0.0, 0.0], grouped=True)
+    name = draft.name("groups", [in_group(each) if "luminaire" in each else each for each in members])
     made: Document = {"group": name}
     if alone and chance.maybe(0.5):
         return made | {"placements": {"asset": assets.PLACEMENTS}, "translate": [0.0, 0.55, -0.45]}
@@ -189,3 +228,37 @@ def _put_around(draft: Draft, document: Document, *, far: bool) -> None:
         document["surfaces"].append(around)
     if chance.maybe(0.15):
         document["unbounded_media"] = [air(draft, 3.0, even=not far)]
+
+
+def _put_across(draft: Draft, document: Document, lamp_at: Point) -> None:
+    """Bodies whose boundaries cut the sensor or the lamp, and smoke in front of the sensor."""
+    chance = draft.chance
+    sensor = document["sensor"]["position"]
+    if chance.maybe(0.12):
+        draft.situations.add("a boundary across the sensor")
+        glass = draft.sharp and chance.maybe(0.3)
+        document["surfaces"].append(body_across(draft, sensor, chance.number(0.1, 0.3), glass=glass))
+    if chance.maybe(0.12):
+        draft.situations.add("a boundary across a lamp")
+        glass = draft.sharp and chance.maybe(0.3)
+        document["surfaces"].append(body_across(draft, lamp_at, chance.number(0.2, 0.5), glass=glass))
+    if assets.has_grids() and chance.maybe(0.08):
+        draft.situations.add("smoke before the sensor")
+        ahead = [0.5 * (sensor[axis] + (0.0, 0.6, 0.2)[axis]) for axis in range(3)]
+        document["surfaces"] += smoke_across(draft, shortened(ahead))
+
+
+def _put_lamp_twice(draft: Draft, document: Document) -> None:
+    """Once in a ball of a medium; it may grow there."""
+    chance = draft.chance
+    draft.situations.add("a lamp in two media")
+    group = draft.name("groups", [in_group(lamp(draft, [0.0, 0.0, 0.0], 0.2))])
+    for x in (-0.8, 0.8):
+        instance: Document = {"group": group, "translate": [x, 1.9, -0.8]}
+        if chance.maybe(0.4):
+            part = chance.number(0.7, 1.0)
+            still = shortened([(1.0 - part) * each for each in instance["translate"]])
+            instance["motion"] = {"placements": [{"scale": 1.0}, {"scale": part, "translate": still}]}
+        document.setdefault("instances", []).append(instance)
+    ball = {"type": "sphere", "centre": [0.8, 1.9, -0.8], "radius": chance.number(0.22, 0.4)}
+    document["surfaces"].append({"shape": ball, "interior": {"media": [medium(draft, 0.5)]}})

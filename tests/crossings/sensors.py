@@ -15,6 +15,12 @@ _FILMS: list[tuple[Point, Point]] = [
     ([0.0, 1.4, 1.0], [0.0, 1.0, 0.3]),
 ]
 """Centres and normals."""
+_FAR_FILMS: list[tuple[Point, Point]] = [
+    ([0.2, 4.5, 0.3], [0.0, -1.0, 0.0]),
+    ([3.5, 0.4, 0.2], [-1.0, 0.2, 0.0]),
+    ([-0.3, -0.8, 2.9], [0.0, 1.0, 0.2]),
+]
+"""The same outside of the ball around all surfaces, or at its edge: above, beside and below the ground."""
 
 
 def camera(draft: Draft) -> Document:
@@ -47,11 +53,11 @@ def camera(draft: Draft) -> Document:
     return made | _reading(draft) | _moving(draft, made["position"])
 
 
-def film(draft: Draft) -> Document:
-    """On the floor, at a wall or in the air; it keeps clear of bodies, and within the room. Not small: few
-    photons from luminaires meet it."""
+def film(draft: Draft, *, far: bool = False) -> Document:
+    """On the floor, at a wall or in the air; it keeps clear of bodies, and within the room unless it is far.
+    Not small: few photons from luminaires meet it."""
     chance = draft.chance
-    position, normal = chance.pick(_FILMS)
+    position, normal = chance.pick(_FAR_FILMS if far else _FILMS)
     made: Document = {"type": "irradiance_meter", "position": position, "height": chance.number(0.5, 0.8)}
     if chance.maybe(0.3):
         made["look_at"] = shortened([position[axis] + normal[axis] for axis in range(3)])

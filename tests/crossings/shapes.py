@@ -35,7 +35,7 @@ def placed(draft: Draft, centre: Point, radius: float, *, closed: bool, mapped: 
 
 def shape(chance: Chance, centre: Point, radius: float, *, closed: bool, mapped: bool) -> Document:
     """A shape within a ball."""
-    kinds: list[Callable[[Chance, Point, float, bool], Document]] = [_sphere, _box, _solid, _file]
+    kinds: list[Callable[[Chance, Point, float, bool], Document]] = [_sphere, _box, _solid, _file, _needles]
     if not closed:
         kinds += [_quad, _disc, _sheet]
     return chance.pick(kinds)(chance, centre, radius, mapped)
@@ -133,6 +133,26 @@ def file_mesh(chance: Chance, *, mapped: bool) -> Document:
         made["format"] = name.rpartition(".")[2]
     if chance.maybe(0.5):
         made["smooth"] = chance.maybe(0.7)
+    return made
+
+
+def _needles(chance: Chance, centre: Point, radius: float, mapped: bool) -> Document:
+    """A closed double cone of long thin triangles."""
+    if mapped:
+        return _solid(chance, centre, radius, mapped)
+    count = chance.whole(40, 150)
+    around = np.arange(count) * 2.0 * np.pi / count
+    wide = radius * chance.number(0.5, 0.9)
+    high = radius * chance.number(0.3, 0.95)
+    ring = np.stack([wide * np.cos(around), np.zeros(count), wide * np.sin(around)], axis=-1)
+    points = [[0.0, high, 0.0], [0.0, -0.3 * high, 0.0], *ring]
+    made: Document = {"type": "mesh", "vertices": [shortened(np.array(centre) + each) for each in points]}
+    made["triangles"] = [
+        triangle
+        for index in range(count)
+        for one, other in [(2 + index, 2 + (index + 1) % count)]
+        for triangle in ([0, other, one], [1, one, other])
+    ]
     return made
 
 

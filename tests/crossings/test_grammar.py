@@ -4,7 +4,7 @@ from nocturne_scene.document.read import check_document
 
 from tests.crossings.features import all_features, features_of
 from tests.crossings.looking import features
-from tests.crossings.scenes import scene
+from tests.crossings.scenes import SITUATIONS, scene
 
 _SEEDS = 400
 
@@ -20,12 +20,14 @@ LEFT_OUT = {
 
 def test_nothing_of_the_language_is_left_out() -> None:
     """A new type, field or word fails here until the grammar has it."""
-    made = set[str]()
-    for seed in range(_SEEDS):
-        made |= features(scene(seed))
+    made, situations = set[str](), set[str]()
+    for each in map(scene, range(_SEEDS)):
+        made |= features(each)
+        situations |= each.situations
     assert all_features() - made - LEFT_OUT.keys() == set()
     # Reasons that are none any more.
     assert made & LEFT_OUT.keys() == set()
+    assert situations == {*SITUATIONS}
 
 
 def test_the_same_seed_makes_the_same_scene() -> None:
