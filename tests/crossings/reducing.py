@@ -4,9 +4,11 @@ After A. Zeller and R. Hildebrandt, "Simplifying and Isolating Failure-Inducing 
 nothing of what fields mean: what makes no sense is refused by the compiler, and counts as no failure.
 """
 
+import sys
 import time
 from collections.abc import Callable, Iterator
 from copy import deepcopy
+from itertools import islice
 from typing import Any
 
 Path = tuple[str | int, ...]
@@ -15,26 +17,31 @@ _SIMPLE: tuple[Any, ...] = ({"type": "lambertian", "reflectance": 0.5}, 0.5, 1.0
 """What may stand for something more complicated."""
 _INNER = ("kernel", "first", "second", "front", "back")
 """Fields whose value may stand for the whole."""
+_PLAIN: dict[str, Any] = {"shape": {"type": "sphere", "centre": [0.0, 0.0, 0.0], "radius": 0.3}}
+"""What may stand for the value of a field of that name."""
+_WHOLE = ("vertices", "triangles", "normals", "texture_coordinates", "layers", "table")
+"""Fields that mean something only as a whole: a body without one of its triangles is none."""
 _NAMED = ("spectra", "textures", "kernels")
 
 
-def reduced(whole: Any, fails: Callable[[Any], bool], seconds: float) -> Any:
-    """The smallest that was found in this time and still fails. `whole` is JSON and fails."""
+def reduced(whole: Any, fails: Callable[[Any], bool], seconds: float, tries: int = sys.maxsize) -> Any:
+    """The smallest that was found in this time and by so many tries, and still fails. `whole` is JSON and
+    fails."""
     end = time.monotonic() + seconds
     best, tried = whole, set[str]()
     changed = True
-    while changed and time.monotonic() < end:
-        changed = False
-        for smaller in _smaller(best):
-            if time.monotonic() > end:
-                break
+    while changed:
+        changed, place = False, 0
+        while (smaller := next(islice(_smaller(best), place, None), None)) is not None:
+            if time.monotonic() > end or len(tried) >= tries:
+                return best
             key = repr(smaller)
-            if key in tried:
-                continue
-            tried.add(key)
-            if fails(smaller):
+            if key not in tried and fails(smaller):
+                # What was tried before this place is tried again when all else is.
                 best, changed = smaller, True
-                break
+            else:
+                place += 1
+            tried.add(key)
     return best
 
 
@@ -70,7 +77,8 @@ def _smaller(whole: Any) -> Iterator[Any]:
             for name in _INNER:
                 if isinstance(value.get(name), dict) and path:
                     yield _with(whole, path, value[name])
-            for simple in _SIMPLE:
+            named = path[-1] if path else None
+            for simple in (*_SIMPLE, *(value for name, value in _PLAIN.items() if name == named)):
                 if path and value != simple and len(repr(value)) > len(repr(simple)):
                     yield _with(whole, path, simple)
 
@@ -80,7 +88,7 @@ def _paths(value: Any, path: Path) -> Iterator[Path]:
     yield path
     if isinstance(value, dict):
         for name, inner in value.items():
-            yield from _paths(inner, (*path, name))
+            yield from [(*path, name)] if name in _WHOLE else _paths(inner, (*path, name))
     elif isinstance(value, list) and not all(isinstance(each, int | float) for each in value):
         for index, inner in enumerate(value):
             yield from _paths(inner, (*path, index))

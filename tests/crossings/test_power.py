@@ -8,7 +8,7 @@ import pytest
 
 from tests.accuracy.scenes import furnace
 from tests.accuracy.tracing import Document, write
-from tests.crossings import assets, methods
+from tests.crossings import assets, injected, methods
 from tests.crossings.judging import ALPHA
 from tests.crossings.looking import Outcome, look
 from tests.crossings.scenes import Scene, scene
@@ -16,8 +16,10 @@ from tests.crossings.smallest import smallest
 
 pytestmark = pytest.mark.system
 
-_WITH_A_MASK = 186
+_WITH_A_MASK = 58
 """Seed of a scene that shows one."""
+_WITH_A_SUN = 28
+"""Seed of a scene with discs at infinity and much else."""
 _SAMPLES = 8
 
 
@@ -69,6 +71,40 @@ def test_an_albedo_that_is_five_percent_off(tmp_path: Path, monkeypatch: pytest.
     assert found.worst is not None
     assert "mixture" in (found.worst.one, found.worst.other)
     assert abs(found.worst.off) == pytest.approx(0.05, abs=0.02)
+
+
+def _parts(document: Document) -> int:
+    return sum(len(document.get(name, [])) for name in ("surfaces", "instances"))
+
+
+def test_a_fault_of_distant_light_is_found_and_reduced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assets.write(tmp_path)
+    injected.dim(monkeypatch, "discs")
+    whole = scene(_WITH_A_SUN)
+    found = look(whole, tmp_path, _SAMPLES, (methods.CHOSEN, "varied", "other"))
+    assert _is_found(found)
+    small = smallest(found, tmp_path, float("inf"), 40)
+    assert injected.classes_in(small) == {"discs"}
+    assert _parts(small) <= 2 < _parts(whole.document)
+    assert f"seed {_WITH_A_SUN}: mixture / " in small["note"] or "/ mixture" in small["note"]
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("light", injected.CLASSES)
+def test_a_tenth_of_a_class_of_light_is_found_in_300_scenes(
+    light: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By the samples of `make crossings`, and reduced to few parts that still have it."""
+    assets.write(tmp_path)
+    injected.dim(monkeypatch, light)
+    scenes = (each for each in map(scene, range(300)) if light in injected.classes_in(each.document))
+    outcomes = (look(each, tmp_path, without=(methods.CHOSEN, "varied", "other")) for each in scenes)
+    found = next(filter(_is_found, outcomes))
+    small = smallest(found, tmp_path, 60.0)
+    assert light in injected.classes_in(small)
+    assert _parts(small) <= 3
 
 
 @pytest.mark.soak

@@ -26,6 +26,36 @@ def test_only_what_fails_is_left() -> None:
     assert found == {"surfaces": [{"shape": 7}], "sensor": {"type": "pinhole"}}
 
 
+def test_bodies_stay_closed() -> None:
+    """A mesh is one thing, for which a sphere may stand."""
+    triangles = [[0, 1, 2], [0, 2, 1]]
+    mesh = {"type": "mesh", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": triangles}
+
+    def fails(candidate: Any) -> bool:
+        try:
+            shape = candidate["surfaces"][0]["shape"]
+            assert shape.get("triangles", triangles) == triangles
+            return bool(shape["type"] == "sphere" or (shape["vertices"] and shape["triangles"]))
+        except (KeyError, TypeError, AttributeError, IndexError):
+            return False
+
+    found = reduced({"surfaces": [{"shape": mesh, "motion": 1}]}, fails, 10.0)
+    assert found["surfaces"][0].keys() == {"shape"}
+    assert found["surfaces"][0]["shape"]["type"] == "sphere"
+
+
+def test_it_ends_after_so_many_tries() -> None:
+    asked = []
+
+    def fails(candidate: Any) -> bool:
+        asked.append(candidate)
+        return False
+
+    whole = {"surfaces": [{"name": index} for index in range(100)]}
+    assert reduced(whole, fails, 10.0, 7) == whole
+    assert len(asked) == 7
+
+
 def test_inner_kernels_stand_for_the_whole() -> None:
     whole = {
         "kernel": {"type": "mask", "opacity": 0.5, "kernel": {"type": "blend", "first": {"type": "glass"}}}
