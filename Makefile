@@ -163,8 +163,10 @@ fuzz: build  ## Any calls, messages, scenes and bytes, many times more than in t
 fuzz-readers: build  ## Files of every format that is read, made wrong, for ten minutes each (an hour)
 	$(PYTHON) -m tests.scene.formats.fuzz --seconds 600
 
-crossings: build  ## A thousand random scenes, each traced by methods that share little (an hour)
-	$(PYTHON) -m tests.crossings
+FIRST ?= 0
+SCENES ?= 1000
+crossings: build  ## SCENES random scenes (default 1000) from seed FIRST, each traced by methods that share little (an hour)
+	$(PYTHON) -m tests.crossings --first $(FIRST) --scenes $(SCENES)
 
 references: build  ## Other renderers' scenes against their own reference images (minutes)
 	pytest -m references -s

@@ -6,31 +6,45 @@ import sys
 import tempfile
 from pathlib import Path
 
+from tests.crossings import totals
 from tests.crossings.campaign import Campaign, run, told
 from tests.crossings.judging import holm
-from tests.crossings.looking import Outcome
+from tests.crossings.looking import SAMPLES, Outcome
 from tests.crossings.smallest import smallest
+from tests.crossings.totals import RESULTS
 
-_REDUCE_SECONDS = 120.0
+_REDUCE_SECONDS = 180.0
 _WORST_PAIRS = 20
+_PILOTS = 4
+"""One scene of so many is traced as a pilot chooses, too."""
+_WORTH_KEEPING = 50
+"""Scenes; fewer are for a look at one that failed."""
 _SEEDS_TOLD = 50
 
 
 def main() -> int:
     """Exit code 1 where there are faults."""
     parser = argparse.ArgumentParser(prog="python -m tests.crossings", description=__doc__)
-    parser.add_argument("--seeds", default="0:1000", metavar="A:B", help="scenes from A to before B")
+    parser.add_argument("--first", type=int, default=0, help="seed of the first scene")
+    parser.add_argument("--scenes", type=int, default=1000, help="how many")
     parser.add_argument("--minutes", type=float, default=60.0, help="no further scene begins after that")
-    parser.add_argument("--samples", type=int, default=128, help="of a pixel by one seed, at the first look")
+    parser.add_argument(
+        "--samples", type=int, default=SAMPLES, help="of a pixel by one seed, at the first look"
+    )
+    parser.add_argument(
+        "--results", type=Path, default=RESULTS, help="folder of what this and other runs found"
+    )
     parser.add_argument("--into", type=Path, default=Path("build/crossings"), help="folder of reduced scenes")
     parser.add_argument("--keep-whole", action="store_true", help="do not reduce scenes that fail")
     asked = parser.parse_args()
-    first, _, last = asked.seeds.partition(":")
-    seeds = range(int(first), int(last) if last else int(first) + 1)
+    seeds = range(asked.first, asked.first + asked.scenes)
     with tempfile.TemporaryDirectory(prefix="nocturne-crossings-") as folder:
-        found = run(seeds, Path(folder), 60.0 * asked.minutes, _tell, asked.samples)
+        found = run(seeds, Path(folder), 60.0 * asked.minutes, _tell, asked.samples, _PILOTS)
         _say(found.summary())
         _print_pairs(found)
+        if len(found.outcomes) >= _WORTH_KEEPING:
+            totals.write(totals.run_of(found, asked.first, asked.samples), asked.results)
+            _say(totals.summary(totals.read(asked.results)))
         for fault in found.faults:
             _say(told(fault))
             if not asked.keep_whole:

@@ -1,4 +1,4 @@
-"""Random scenes by methods that share little: thirty, or sixty in `make accuracy`.
+"""Random scenes by methods that share little: sixty, or two hundred in `make accuracy`.
 
 `make crossings` traces a thousand.
 False alarms: 1 % for all together. Seeds are fixed.
@@ -11,7 +11,7 @@ from tests.crossings.campaign import ENOUGH, Campaign, run, told
 
 pytestmark = pytest.mark.system
 
-_SCENES = 60 if IN_FULL else 30
+_SCENES = 200 if IN_FULL else 60
 _SAMPLES = 16
 _PILOTS = 4
 
