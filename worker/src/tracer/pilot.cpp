@@ -162,6 +162,7 @@ class Pilot {
     if (both) others = adjoint_figures(rest, guided_first_, shown, others.photons);
     if (hint) without = adjoint_figures(unhinted, guided_first_, shown, without.photons);
     without.hinted = false;
+    guided_brings_rest_ = both && guided_first_ && guide_finds_more(unguided_, others);
     const PilotFigures left_to_them = figures_of(PilotFigures::kAdjoint, 1, left, shown);
     result_.tried = {unguided_};
     if (request_.guide) result_.tried.push_back(guided_);
@@ -310,7 +311,7 @@ class Pilot {
       result_.differs_by = found.mean / before.mean - 1.0;
       return;
     }
-    const bool finds_more = guide_finds_more(before, found);
+    const bool finds_more = guide_finds_more(before, found) || (compared && guided_brings_rest_);
     const double error = error_of_log_ratio(before.of_groups, found.of_groups);
     result_.choice.guided = finds_more || is_gain(gain, error);
     scene_.options.guide = result_.choice.guided;
@@ -448,6 +449,9 @@ class Pilot {
   PilotFigures adjoint_{.photons = PilotFigures::kAdjoint, .relative_mse = 1.0};
   /// Adjoint photons alone, where they may be guided; whether they were for comparing directions.
   bool guided_first_ = false;
+  /// Those that are guided brought more than all that others met, even without what forward photons
+  /// bring: a bright sample of others can hide that when both are compared again.
+  bool guided_brings_rest_ = false;
   PilotFigures unguided_{.photons = PilotFigures::kAdjoint};
   PilotFigures guided_{.photons = PilotFigures::kAdjoint};
   /// Where sharing was tried.
