@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.library_words import said_by
+from nocturne_scene.picture_windows import in_window, windows_of
 from nocturne_scene.tile_sums import (
     BLOCK,
     PAIR_FIRST,
@@ -56,15 +57,18 @@ class Picture:
 
 
 def read_picture(file: Path, max_pixels: int = _MAX_PIXELS) -> Picture:
-    """Read channels X, Y, Z or else R, G, B (linear sRGB), or Y alone for all three. Raises InputError."""
+    """Read channels X, Y, Z or else R, G, B (linear sRGB), or Y alone for all three: what the display window
+    shows, 0 outside of the data window. Raises InputError."""
     picture = oiio.ImageInput.open(str(file))
     if picture is None:
         raise InputError.at(str(file), f"no image that can be read: {said_by(oiio.geterror)}")
     try:
         spec = picture.spec()
         names = list(spec.channelnames)
-        if not (0 < spec.width * spec.height <= max_pixels and spec.nchannels <= _MAX_CHANNELS):
-            raise InputError.at(str(file), f"{spec.width} x {spec.height} pixels are too many")
+        data, display = windows_of(spec)
+        for width, height in (data[2:], display[2:]):
+            if not (0 < width * height <= max_pixels and spec.nchannels <= _MAX_CHANNELS):
+                raise InputError.at(str(file), f"{width} x {height} pixels are too many")
         colour = next((each for each in ("XYZ", "RGB", "YYY") if all(name in names for name in each)), None)
         if colour is None:
             found = ", ".join(names)[:200]
@@ -78,7 +82,7 @@ def read_picture(file: Path, max_pixels: int = _MAX_PIXELS) -> Picture:
             values = picture.read_image(0, 0, index, index + 1, kind)
             if values is None:
                 raise InputError.at(str(file), f"can't be read: {said_by(picture.geterror)}")
-            channels[name] = np.asarray(values, dtype=np.float64)[..., 0]
+            channels[name] = in_window(np.asarray(values, dtype=np.float64)[..., 0], data, display)
         schedule = spec.get_string_attribute("nocturne:schedule")
     finally:
         picture.close()
@@ -87,7 +91,9 @@ def read_picture(file: Path, max_pixels: int = _MAX_PIXELS) -> Picture:
         raise InputError.at(str(file), "holds values that are not finite")
     xyz = pixels @ _RGB_TO_XYZ if colour == "RGB" else pixels
     read = Picture(xyz, channels.get("Y.stderr"), channels.get("n"))
-    return _with_moments(read, channels, schedule) if channels.keys() >= _TOGETHER else read
+    # Blocks of a part of an image are not where those of the whole were.
+    whole = data == display and channels.keys() >= _TOGETHER
+    return _with_moments(read, channels, schedule) if whole else read
 
 
 def _of_errors(names: Sequence[str]) -> list[str]:

@@ -20,6 +20,7 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from numpy.typing import NDArray
 
 from nocturne_scene.library_words import said_by
+from nocturne_scene.picture_windows import in_window, windows_of
 from nocturne_scene.spectra.rgb import xyz_to_rgb
 
 Pixels = NDArray[np.float32]
@@ -178,8 +179,7 @@ def _exr(source: Path, folder: Path) -> Path:
         chosen, is_xyz = _channels(list(spec.channelnames))
         primaries = tuple(float(each) for each in spec.getattribute("chromaticities") or _SRGB)
         matrix = _to_srgb(primaries, is_xyz) if len(chosen) >= 3 else None
-        data = (spec.x, spec.y, spec.width, spec.height)
-        display = (spec.full_x, spec.full_y, spec.full_width, spec.full_height)
+        data, display = windows_of(spec)
         in_order = chosen == list(range(spec.nchannels))
         if data == display and in_order and matrix is None:
             return source
@@ -188,7 +188,8 @@ def _exr(source: Path, folder: Path) -> Path:
     finally:
         picture.close()
     if data != display:
-        pixels = _in_window(pixels, data, display)
+        _check_window(*display[2:])
+        pixels = in_window(pixels, data, display)
     if matrix is not None:
         pixels, kind = np.concatenate([pixels[..., :3] @ matrix.T, pixels[..., 3:]], axis=2), oiio.FLOAT
     return _written(folder, pixels, kind)
@@ -229,23 +230,11 @@ def _read(picture: Any) -> Pixels:
     return np.asarray(pixels, dtype=np.float32).reshape(spec.height, spec.width, -1)
 
 
-def _in_window(pixels: Pixels, data: tuple[int, ...], display: tuple[int, ...]) -> Pixels:
-    """What the display window shows of pixels in a data window: nothing where there are none.
-
-    Windows: x, y, width, height.
-    """
-    left, top, width, height = display
+def _check_window(width: int, height: int) -> None:
     if not (0 < width <= _MAX_EDGE and 0 < height <= _MAX_EDGE and width * height <= _MAX_PIXELS):
         raise UnusableImageError(
             f"a display window of {width} x {height} pixels; at most {_MAX_EDGE} on an edge"
         )
-    shown = np.zeros((height, width, pixels.shape[2]), np.float32)
-    x, y = data[0] - left, data[1] - top
-    rows = slice(max(y, 0), max(min(y + data[3], height), 0))
-    columns = slice(max(x, 0), max(min(x + data[2], width), 0))
-    part = shown[rows, columns]
-    part[:] = pixels[rows.start - y :, columns.start - x :][: part.shape[0], : part.shape[1]]
-    return shown
 
 
 def _written(folder: Path, pixels: NDArray[Any], kind: Any) -> Path:
