@@ -12,6 +12,7 @@ from nocturne_scene.formats.import_scene import import_scene
 from nocturne_scene.formats.reading.options import ImportOptions
 
 from tests.accuracy.scenes import diffuse, quad, sphere, surface
+from tests.accuracy.tracing import Document
 
 GLASS_BALL = Path(__file__).parents[2] / "examples" / "pbrt" / "glass_ball.pbrt"
 
@@ -39,7 +40,7 @@ _TALL, _EDGE = 40.0, 64
 """Field of view, degrees; edge of the film, pixels."""
 
 
-def _seen_in_a_mirror(radius: float, radiance: float, kernel: dict[str, object], folder: Path) -> str:
+def _seen_in_a_mirror(radius: float, radiance: float, kernel: Document, folder: Path) -> str:
     """What is said of an image of a mirror 3 m in front of the camera, in which a lamp behind this shows."""
     document = {
         "nocturne": 1,

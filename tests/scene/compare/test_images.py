@@ -64,6 +64,7 @@ def test_a_picture_is_what_the_display_window_shows(tmp_path: Path) -> None:
     spec.x, spec.y = -2, 1
     spec.full_x, spec.full_y, spec.full_width, spec.full_height = 0, 0, 4, 6
     output = oiio.ImageOutput.create(str(tmp_path / "a.exr"))
+    assert output is not None
     assert output.open(str(tmp_path / "a.exr"), spec)
     output.write_image(stored[..., None])
     output.close()
@@ -77,6 +78,7 @@ def test_a_display_window_is_checked_before_memory_is_taken(tmp_path: Path) -> N
     spec.channelnames = ("Y",)
     spec.full_width, spec.full_height = 2**20, 2**20
     output = oiio.ImageOutput.create(str(tmp_path / "a.exr"))
+    assert output is not None
     assert output.open(str(tmp_path / "a.exr"), spec)
     output.write_image(np.ones((2, 2, 1), dtype=np.float32))
     output.close()
