@@ -122,7 +122,7 @@ def open_ways(
     gathers = film.samples > 1 and may_gather(scene)
     if small and not gathers:
         return OpenWays([], default, default)
-    names, asked = [PARTS] if gathers and (scene.distant_discs or scene.luminaires) else [], default
+    names, asked = [PARTS] if gathers and (scene.luminaires or has_sky(scene)) else [], default
     may_forward = tracing.direction == "auto" and photons_can_start
     with_forward = _forward(document, scene, film) if may_forward else None
     if with_forward is not None:

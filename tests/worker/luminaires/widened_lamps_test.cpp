@@ -18,8 +18,9 @@ namespace {
 constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr std::uint32_t kNothing = Emission::kNoLuminaire;
 
-LightDirections directions(Elements elements, std::vector<DistantDisc> discs = {}) {
-  return {std::move(elements), std::nullopt, std::move(discs), {}, {1.0f, 1.0f, 0.0f}};
+LightDirections directions(Elements elements, std::vector<DistantDisc> discs = {},
+                           std::optional<Environment> environment = {}) {
+  return {std::move(elements), std::move(environment), std::move(discs), {}, {1.0f, 1.0f, 0.0f}};
 }
 
 // Integral of radiance over all directions, W m-2 nm-1, by a grid.
@@ -48,6 +49,21 @@ TEST(WidenedLamps, BringTheLightOfADisc) {
   EXPECT_EQ(light_at(lamps, lights, {1, 2, 3}, 100.0f), 0.0);
   EXPECT_EQ(lamps.brightest(), 1e6f);
   EXPECT_TRUE(WidenedLamps(lights, {}, 2e6f).empty());
+}
+
+// One texel of a grey sky is 10,000 times as bright: three quarters of all light.
+TEST(WidenedLamps, BringTheLightOfTheSunInAPictureOfTheSky) {
+  constexpr std::uint32_t kColumns = 128, kRows = 64;
+  // S(x) = 1/2 + x / (2 sqrt(1 + x^2)), so that coefficients of zero are a reflectance of 1/2.
+  std::vector<EnvironmentMap::Texel> texels(kColumns * kRows, {2.0f, 0.0f, 0.0f, 0.0f});
+  texels[20 * kColumns + 30].scale = 2e4f;
+  const auto lights = directions(
+      {}, {}, Environment(EnvironmentMap(kColumns, kRows, std::move(texels), Spectrum(1.0f), {})));
+  const WidenedLamps lamps(lights, {}, 1e3f);
+  const double truth = 1e4 * 4.0 * std::numbers::pi / (kColumns * kRows);
+  EXPECT_NEAR(light_at(lamps, lights, {1, 2, 3}) / truth, 1.0, 0.05);
+  EXPECT_NEAR(lamps.brightest(), 1e4f, 1.0f);
+  EXPECT_TRUE(WidenedLamps(lights, {}, 2e4f).empty());
 }
 
 TEST(WidenedLamps, BringTheLightOfASphereAndHideBehindWhatIsNearer) {

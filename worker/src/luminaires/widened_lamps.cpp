@@ -9,12 +9,12 @@
 namespace nocturne {
 namespace {
 
-/// At the centre, mean over some visible wavelengths.
-float mean_radiance(const DistantDisc& disc) {
+/// Mean over some visible wavelengths.
+template <class Radiance>
+float mean_of(const Radiance& radiance) {
   constexpr std::array kWavelengths{450.0f, 530.0f, 590.0f, 650.0f};
   float sum = 0.0f;
-  for (const float each : kWavelengths)
-    sum += disc.radiance(disc.direction(), Spectral<1>(each))[0];
+  for (const float each : kWavelengths) sum += radiance(Spectral<1>(each))[0];
   return sum / static_cast<float>(kWavelengths.size());
 }
 
@@ -26,11 +26,13 @@ WidenedLamps::WidenedLamps(const LightDirections& lights, std::span<const Lumina
     const DistantDisc& disc = lights.discs()[i];
     const float tangent = disc.tan_half_angle();
     const float solid_angle = kTwoPi * (1.0f - 1.0f / std::sqrt(1.0f + tangent * tangent));
-    const float radiance = mean_radiance(disc);
+    const float radiance = mean_of(
+        [&](const Spectral<1>& wavelength) { return disc.radiance(disc.direction(), wavelength); });
     if (radiance < least) continue;
     discs_.push_back({i, std::min(1.0f, solid_angle / kCone)});
     brightest_ = std::max(brightest_, radiance);
   }
+  if (lights.environment()) add_sky(*lights.environment(), least);
   const Elements& all = lights.luminaires().elements();
   std::vector<std::size_t> bright;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -47,6 +49,24 @@ WidenedLamps::WidenedLamps(const LightDirections& lights, std::span<const Lumina
                          bounds.axis, bounds.cosine_power, bounds.cos_spread < 0.0f,
                          bounds.two_sided, luminaire, luminaires[luminaire].emission().radiance});
     brightest_ = std::max(brightest_, elements_.back().radiance);
+  }
+}
+
+void WidenedLamps::add_sky(const Environment& environment, float least) {
+  const LightSamplingContext from{.position = {}, .normal = {0, 0, 1}, .both_sides = true};
+  // By the golden ratio, as evenly as a grid in all directions.
+  constexpr float kGolden = 0.618034f;
+  for (int i = 0; i < kSkyDraws; ++i) {
+    const float u = (static_cast<float>(i) + 0.5f) / kSkyDraws,
+                turn = kGolden * static_cast<float>(i);
+    const auto drawn = environment.draw(from, u, u, turn - std::floor(turn));
+    if (!drawn || !(drawn->pdf > 0.0f)) continue;
+    const float radiance = mean_of(
+        [&](const Spectral<1>& wavelength) { return environment.radiance(*drawn, wavelength); });
+    if (radiance < least) continue;
+    const float part = 1.0f / (drawn->pdf * kCone * kSkyDraws);
+    sky_.push_back({drawn->direction, radiance * part});
+    brightest_ = std::max(brightest_, radiance);
   }
 }
 

@@ -22,10 +22,10 @@ class WidenedLamps {
  public:
   /// None.
   WidenedLamps() = default;
-  /// Those of a radiance of `least` or more, W m-2 sr-1 nm-1.
+  /// Those of a radiance of `least` or more, W m-2 sr-1 nm-1, the Sun in a picture of the sky too.
   WidenedLamps(const LightDirections& lights, std::span<const Luminaire> luminaires, float least);
 
-  bool empty() const { return discs_.empty() && elements_.empty(); }
+  bool empty() const { return discs_.empty() && sky_.empty() && elements_.empty(); }
   /// W m-2 sr-1 nm-1, mean over wavelengths; 0 where there are none.
   float brightest() const { return brightest_; }
 
@@ -43,11 +43,17 @@ class WidenedLamps {
       }
     }
     float near = 0.0f;
+    if (std::isinf(distance)) {
+      for (const Sky& each : sky_)
+        near += dot(each.direction, direction) < kCosine ? 0.0f : each.radiance;
+    }
     for (const Element& each : elements_) near += of(each, origin, direction, distance, met);
     return found + Spectral<N>(near);
   }
 
  private:
+  void add_sky(const Environment& environment, float least);
+
   /// Half angle of the cone: 11 degrees. Its solid angle is a hundredth of the sphere's, so that of
   /// a pilot's thousands of photons some meet it.
   static constexpr float kCosine = 0.98f, kCone = kTwoPi * (1.0f - kCosine);
@@ -57,6 +63,12 @@ class WidenedLamps {
   struct Disc {
     std::uint32_t index;
     float part_of_cone;
+  };
+  /// A bright part of the environment, of which so many are drawn by its radiance.
+  static constexpr int kSkyDraws = 64;
+  struct Sky {
+    Vec3 direction;
+    float radiance;
   };
   struct Element {
     Vec3 place;
@@ -73,6 +85,7 @@ class WidenedLamps {
 
   float brightest_ = 0.0f;
   std::vector<Disc> discs_;
+  std::vector<Sky> sky_;
   std::vector<Element> elements_;
 };
 
