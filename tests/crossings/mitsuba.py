@@ -24,6 +24,7 @@ _SCRIPT = Path(__file__).parents[1] / "mitsuba" / "mitsuba_batches.py"
 _ROUNDS = 12
 """In each of which all problems that are told are taken away; what has more stays out."""
 _SURFACE = re.compile(r"\$\.surfaces\[(\d+)\](\.?\w*)")
+_NOTED = ("hidden_from", "limb_darkening")
 _GREY: Document = {"type": "lambertian", "reflectance": 0.5}
 _EVEN: Document = {"radiance": 0.01}
 _PINHOLE: Document = {
@@ -36,6 +37,7 @@ _PINHOLE: Document = {
 
 def exportable(document: Document, folder: Path, film: Film) -> Document | None:
     """The scene without what can't be exported; None where that is not found."""
+    document = _plain(document)
     for _ in range(_ROUNDS):
         try:
             _export(document, folder, film)
@@ -74,8 +76,6 @@ def _without(document: Document, problems: Sequence[Problem]) -> Document:
             case "surfaces":
                 # No light is left.
                 made["environment"] = _EVEN
-            case "":
-                made = _seen(made)
             case _:
                 made.pop(field, None)
     made["surfaces"] = [each for index, each in enumerate(made["surfaces"]) if index not in gone]
@@ -109,11 +109,14 @@ def _drop(surface: Document, *names: str) -> bool:
     return bool(found)
 
 
-def _seen(value: Any) -> Any:
-    """Without lights that are hidden."""
+def _plain(value: Any) -> Any:
+    """Without what is exported with a note that it looks otherwise, and without narrow lines, which Mitsuba's
+    wavelengths, drawn evenly, meet once in thousands."""
     if isinstance(value, dict):
-        return {name: _seen(inner) for name, inner in value.items() if name != "hidden_from"}
-    return [_seen(each) for each in value] if isinstance(value, list) else value
+        if "lines" in value:
+            return {"constant": 1.0} | {name: each for name, each in value.items() if name != "lines"}
+        return {name: _plain(inner) for name, inner in value.items() if name not in _NOTED}
+    return [_plain(each) for each in value] if isinstance(value, list) else value
 
 
 def traced(document: Document, scene: Scene, folder: Path, samples: int, seeds: int) -> Readings:

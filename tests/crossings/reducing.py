@@ -17,8 +17,6 @@ _SIMPLE: tuple[Any, ...] = ({"type": "lambertian", "reflectance": 0.5}, 0.5, 1.0
 """What may stand for something more complicated."""
 _INNER = ("kernel", "first", "second", "front", "back")
 """Fields whose value may stand for the whole."""
-_PLAIN: dict[str, Any] = {"shape": {"type": "sphere", "centre": [0.0, 0.0, 0.0], "radius": 0.3}}
-"""What may stand for the value of a field of that name."""
 _WHOLE = ("vertices", "triangles", "normals", "texture_coordinates", "layers", "table")
 """Fields that mean something only as a whole: a body without one of its triangles is none."""
 _NAMED = ("spectra", "textures", "kernels")
@@ -77,10 +75,19 @@ def _smaller(whole: Any) -> Iterator[Any]:
             for name in _INNER:
                 if isinstance(value.get(name), dict) and path:
                     yield _with(whole, path, value[name])
-            named = path[-1] if path else None
-            for simple in (*_SIMPLE, *(value for name, value in _PLAIN.items() if name == named)):
+            for simple in (*_SIMPLE, *_ball(value)):
                 if path and value != simple and len(repr(value)) > len(repr(simple)):
                     yield _with(whole, path, simple)
+
+
+def _ball(shape: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """A sphere where a mesh or a box is."""
+    points = shape.get("vertices", [shape[name] for name in ("minimum", "maximum") if name in shape])
+    if len(points) > 1 and all(isinstance(each, list) for each in points):
+        low, high = ([pick(axis) for axis in zip(*points, strict=True)] for pick in (min, max))
+        centre = [round(0.5 * (a + b), 4) for a, b in zip(low, high, strict=True)]
+        radius = 0.4 * min(b - a for a, b in zip(low, high, strict=True))
+        yield {"type": "sphere", "centre": centre, "radius": round(radius, 4) or 0.1}
 
 
 def _paths(value: Any, path: Path) -> Iterator[Path]:

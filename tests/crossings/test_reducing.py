@@ -29,19 +29,21 @@ def test_only_what_fails_is_left() -> None:
 def test_bodies_stay_closed() -> None:
     """A mesh is one thing, for which a sphere may stand."""
     triangles = [[0, 1, 2], [0, 2, 1]]
-    mesh = {"type": "mesh", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": triangles}
+    mesh = {"type": "mesh", "vertices": [[0, 0, 0], [1, 0, 1], [0, 1, 1]], "triangles": triangles}
 
     def fails(candidate: Any) -> bool:
         try:
             shape = candidate["surfaces"][0]["shape"]
             assert shape.get("triangles", triangles) == triangles
-            return bool(shape["type"] == "sphere" or (shape["vertices"] and shape["triangles"]))
+            if shape["type"] == "sphere":
+                return len(shape["centre"]) == 3 and shape["radius"] > 0.0
+            return bool(shape["vertices"] and shape["triangles"])
         except (KeyError, TypeError, AttributeError, IndexError):
             return False
 
     found = reduced({"surfaces": [{"shape": mesh, "motion": 1}]}, fails, 10.0)
     assert found["surfaces"][0].keys() == {"shape"}
-    assert found["surfaces"][0]["shape"]["type"] == "sphere"
+    assert found["surfaces"][0]["shape"] == {"type": "sphere", "centre": [0.5, 0.5, 0.5], "radius": 0.4}
 
 
 def test_it_ends_after_so_many_tries() -> None:
