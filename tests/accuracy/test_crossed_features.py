@@ -16,7 +16,7 @@ from scipy import stats
 from tests.accuracy.eight_seeds import differ, means
 from tests.accuracy.meters import GREY
 from tests.accuracy.scenes import BLACK, bowl, box, diffuse, film, quad, sphere, surface
-from tests.accuracy.tracing import IN_FULL, Document, part_of, run_seeds, write
+from tests.accuracy.tracing import IN_FULL, Document, part_of, run_seeds, trace, write
 
 pytestmark = pytest.mark.system
 
@@ -41,6 +41,15 @@ def test_a_rough_ball_of_equal_index_is_not_there(roughness: float, tmp_path: Pa
     """Light sent towards the lamp goes on where the boundary is none: 0.35 of the right value before."""
     without = means(_lit_floor(), tmp_path / "without")
     assert not differ(without, means(_lit_floor(_ball(1.0, roughness)), tmp_path / "ball"))
+
+
+def test_frosted_glass_in_oil_of_its_index_is_not_there(tmp_path: Path) -> None:
+    """0.43 of the right value before."""
+    oil = surface(box([-3, -3, -3], [3, 3, 3]), {"type": "dielectric", "index": 1.5})
+    frosted = {"type": "dielectric", "index": 1.5, "roughness": 0.3, "priority": 1}
+    within = surface(sphere([0, 0.5, 0], 0.35), frosted)
+    without = means(_lit_floor(oil), tmp_path / "without")
+    assert not differ(without, means(_lit_floor(oil, within), tmp_path / "ball"))
 
 
 def test_a_rough_body_of_lower_priority_within_another_is_not_seen(tmp_path: Path) -> None:
@@ -133,6 +142,31 @@ def test_photons_of_the_sun_do_not_start_around_the_planet(direction: str, tmp_p
     with pytest.raises(NocturneClientError) as raised:
         compile_to(write(document, tmp_path), tmp_path, 8, 8, 16)
     assert [problem.place for problem in raised.value.problems] == ["$.tracing.direction"]
+
+
+def test_a_thousand_mirrors_keep_the_length_of_a_direction(tmp_path: Path) -> None:
+    """Between turned mirrors 1 m apart it is 950 m to a lamp 95 m away, through what absorbs 1/km. Directions
+    that grew or shrank by a rounding at each would change that. Each ray starts 2^-20 of its coordinates off
+    a mirror, which makes the way 1e-4 longer."""
+    axis, angle, sine = np.array([1.0, 0.3, 0.2]), math.radians(33.0), 0.1
+    axis /= np.linalg.norm(axis)
+    along = np.array([sine, 0.0, math.sqrt(1.0 - sine * sine)])
+    turned = along * math.cos(angle) + np.cross(axis, along) * math.sin(angle)
+    turned += axis * np.dot(axis, along) * (1.0 - math.cos(angle))
+    mirror = {"type": "conductor", "index": {"n": 0.001, "k": 1000.0}}
+    hall = [
+        surface(quad([-1, -5, -0.5], [97, 0, 0], [0, 10, 0]), mirror),
+        surface(quad([-1, -5, 0.5], [0, 10, 0], [97, 0, 0]), mirror),
+        surface(quad([95, -5, -1], [0, 0, 2], [0, 10, 0]), BLACK, 1.0, two_sided=True),
+    ]
+    thin = {"type": "dielectric", "index": 1.0, "absorption": 1e-3}
+    meter = {"type": "radiance_meter", "position": [0, 0, 0], "look_at": turned.tolist(), "diameter": 1e-6}
+    document: Document = {"nocturne": 1, "sensor": meter | {"cone_degrees": 1e-4, **GREY}}
+    document |= {"groups": {"hall": hall}, "surfaces": [surface(box([-300] * 3, [300] * 3), thin)]}
+    document["instances"] = [{"group": "hall", "rotate": {"axis": axis.tolist(), "degrees": 33.0}}]
+    document["tracing"] = {"direction": "adjoint", "h": 1e6}
+    read = trace(document, tmp_path, 4, 16).further["grey"] / 470.0
+    assert np.abs(read / math.exp(-0.95) - 1.0).max() < 3e-4
 
 
 def _needles(count: int) -> str:

@@ -109,3 +109,20 @@ def test_what_guides_photons_changes_no_image(name: str, tracing: dict[str, Any]
     reference = _image(SCENES[name], 1, tmp_path / "plain", guided=False, **plain)
     guided = _image(SCENES[name], 2, tmp_path / "guided", guided=True, **tracing)
     compare(reference, guided).check_mean_and_tiles()
+
+
+def test_guided_photons_caught_in_a_murky_ball_end(tmp_path: Path) -> None:
+    """Sent towards light from a collision in glass and totally reflected they went on until their weight
+    underflowed: 30 rays for each sample instead of 4."""
+    murky = surface(sphere([0, 0.4, 0], 0.3), {"type": "dielectric", "index": 1.5})
+    document = _scene(murky | {"interior": {"media": ["murk"]}})
+    document["media"] = {"murk": {"scattering": 3.0, "absorption": 0.3}}
+    rays = []
+    for guided in (False, True):
+        (tmp_path / str(guided)).mkdir()
+        measurement = Measurement(document, tmp_path / str(guided), 16, 16)
+        if guided:
+            measurement.guide(_arrivals())
+        measurement.image(64, 1)
+        rays.append(measurement.statistics["rays"])
+    assert rays[0] < rays[1] < 2.5 * rays[0]
