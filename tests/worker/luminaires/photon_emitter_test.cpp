@@ -106,5 +106,26 @@ TEST(PhotonEmitter, ASphereInAnInstanceEmitsAsTheEllipsoidThatItIs) {
   EXPECT_NEAR(of_the_middle / (pi * middle), 1.0, 2e-3);
 }
 
+// Of an even sky all photons carry the same, wherever they come from: by the cosine with some axis
+// those from across it had no bound, and no variance.
+TEST(PhotonEmitter, AnEvenSkySendsPhotonsOfEqualFlux) {
+  const std::vector<Luminaire> none;
+  const Geometry geometry({quad_mesh({0, 0, 0}, {1, 0, 0}, {0, 1, 0})});
+  const LightDirections lights({}, Environment(Spectrum(2.0f)), {}, {}, {1, 1, 0});
+  PhotonEmitter emitter;
+  emitter.finish(lights, geometry.bounds());
+  // Radiance times all directions times the ball's disc.
+  const float radius = geometry.bounds().radius;
+  const float flux =
+      2.0f * 4.0f * std::numbers::pi_v<float> * std::numbers::pi_v<float> * radius * radius;
+  for (int i = 0; i < 1000; ++i) {
+    const float u = (static_cast<float>(i) + 0.5f) * 1e-3f;
+    const auto emitted = emitter.emit<1>(none, lights, geometry, geometry.bounds(), 0.0f, 0.0f,
+                                         550.0f, {u, 0.4f, 0.5f, 0.5f}, {0.2f, 0.6f, 0.5f, 0.5f});
+    ASSERT_TRUE(emitted);
+    EXPECT_NEAR(emitted->flux[0], flux, 1e-4f * flux) << u;
+  }
+}
+
 }  // namespace
 }  // namespace nocturne

@@ -74,6 +74,16 @@ class Environment {
     return Drawn{direction, pdf(from, direction, {}), 0};
   }
 
+  /// For a photon that starts there, whatever it will meet: a constant from all sides alike, as by
+  /// a cosine what comes from across would be rare and without bounds. Two uniform numbers.
+  std::optional<Drawn> draw_all_around(float u1, float u2) const {
+    if (!(mean_ > 0.0)) return std::nullopt;
+    if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) {
+      return map->draw({.position = {}, .normal = {0.0f, 0.0f, 1.0f}, .both_sides = true}, u1, u2);
+    }
+    return Drawn{UniformSphere::sample(u1, u2), UniformSphere::pdf(), 0};
+  }
+
   /// A draw whose first half is done; empty where there is no map, or nothing in it.
   using Draft = EnvironmentMap::Draft;
   std::optional<Draft> begin(const LightSamplingContext& from, float u1, float u2) const {

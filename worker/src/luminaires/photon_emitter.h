@@ -136,7 +136,6 @@ class PhotonEmitter {
                                          const Geometry::Ball& lit, float aimed,
                                          const Spectral<N>& wavelengths_nm, const Uniform4& a,
                                          const Uniform4& b, float probability) const {
-    const LightSamplingContext anywhere{lit.centre, {0, 0, 1}, true, 0.0f};
     Vec3 towards;
     float pdf;
     Spectral<N> radiance;
@@ -145,7 +144,7 @@ class PhotonEmitter {
       pdf = discs[which].pdf(towards);
       radiance = discs[which].radiance(towards, wavelengths_nm);
     } else {
-      const auto drawn = environment->draw(anywhere, a[3], a[0], a[1]);
+      const auto drawn = environment->draw_all_around(a[0], a[1]);
       if (!drawn) return std::nullopt;
       towards = drawn->direction;
       pdf = drawn->pdf;
