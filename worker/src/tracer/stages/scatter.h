@@ -22,8 +22,9 @@ float chance_to_stay(const Batch& batch, const Group<N>& group, Vec3 position) {
 template <int N>
 float survival_of_many(const Group<N>& group) {
   const std::uint32_t surfaces = group.depth - group.collisions;
-  const float of_caught =
-      group.caught > TracingOptions::kCaughtAfter ? TracingOptions::kSurvivalOfCaught : 1.0f;
+  const float of_caught = group.caught > TracingOptions::kCaughtAfter
+                              ? 1.0f - 2.0f / static_cast<float>(group.caught)
+                              : 1.0f;
   return surfaces > TracingOptions::kManyBounces
              ? std::min(of_caught, 1.0f - 2.0f / static_cast<float>(surfaces))
              : of_caught;
