@@ -6,7 +6,6 @@ image by photons from both directions, of which those from the luminaires bring 
 """
 
 import os
-import re
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from nocturne_scene.compare.images import read_picture
+from nocturne_scene.compile.unmet import named_pixels
 from nocturne_scene.uncertainty import read_region
 
 from bench.peer.contenders import FilmSize, Ours
@@ -66,7 +66,7 @@ def rows(figures: Figures) -> list[Row]:
 
 
 def _is_right(found: Figures) -> bool:
-    """Of the squares that the image does not name as not to be trusted, or of the whole."""
+    """Of the squares in which the image does not say that light may be missing, or of the whole."""
     return bool(found["told"]) or max(found["held"], found["trusted_held"]) >= AIM
 
 
@@ -92,7 +92,7 @@ def _scene(scene: Document, counts: tuple[int, ...], truth_samples: int) -> Figu
                 "trusted": round(float(trusted.mean()), 4),
                 "trusted_held": round(float(held[trusted].mean()), 4) if trusted.any() else 1.0,
                 "mean": significant(float(means.mean() / truth.mean())),
-                "told": "may be missing" in compiled.way,
+                "told": "of the mean may be missing" in compiled.way,
                 "way": compiled.way.partition(":")[0],
             }
         return found
@@ -109,11 +109,10 @@ def _squares() -> Iterator[tuple[slice, slice]]:
 
 
 def _trusted(way: str) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    """Of squares, those that touch none of the rectangles which the image names as not to be trusted."""
+    """Of squares, those in no part of which light may be missing by what the image says."""
     trusted = np.ones((_FILM.height, _FILM.width), dtype=np.bool_)
-    for place in re.findall(r"across (\d+) to (\d+), down (\d+) to (\d+)", way):
-        left, right, top, bottom = map(int, place)
-        trusted[top:bottom, left:right] = False
+    for place in named_pixels(way):
+        trusted[place] = False
     return np.array([trusted[square].all() for square in _squares()])
 
 

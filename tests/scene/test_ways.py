@@ -11,7 +11,7 @@ from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile import ways
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.compile.output import CompiledOutput
-from nocturne_scene.compile.unmet import unmet_parts
+from nocturne_scene.compile.unmet import named_pixels, unmet_parts
 from nocturne_scene.document.read import parse_document
 from nocturne_scene.film import Film
 
@@ -182,18 +182,22 @@ def test_parts_that_are_not_to_be_trusted_are_named_whatever_the_document_chose(
     assert ([chosen for chosen, _ in trace.asked], output.way) == ([["parts"]], "")
     trace.answer["unmet_parts"] = [[8, 16, 4, 4, 0.3], [12, 20, 4, 4, 25.0], [40, 40, 4, 4, 0.05]]
     output, _ = compiled(document, blobs, LARGE)
-    assert output.way.startswith("photons from the sensor; parts of the image are not to be trusted")
-    assert (
-        "across 8 to 16, down 16 to 24 (up to 25 times); across 40 to 44, down 40 to 44 (up to 5%)"
-        in output.way
+    assert output.way.startswith("photons from the sensor; reflections, refractions or caustics of small")
+    assert output.way.endswith(
+        "at pixels x 8 to 15 y 16 to 23 (up to 25 times the light shown there), "
+        "x 40 to 43 y 40 to 43 (up to 5%)"
     )
 
 
-def test_many_parts_are_named_by_what_is_around_them() -> None:
-    said = unmet_parts([[20 * i, 0, 4, 4, 0.1 * (i + 1)] for i in range(8)])
-    assert said.count("across") == 6
-    assert said.endswith("across 100 to 144, down 0 to 4 (up to 80%)")
-    assert unmet_parts([]) == ""
+def test_parts_beyond_the_largest_are_counted() -> None:
+    many = [[20 * i, 0, 8 - i, 1, 0.1 * (i + 1)] for i in range(8)]
+    said = unmet_parts(many)
+    assert "at pixels x 0 to 7 y 0 (up to 10% of the light shown there), x 20 to 26 y 0 (up to 20%)" in said
+    assert said.endswith("x 80 to 83 y 0 (up to 50%), 3 smaller areas within x 100 to 140 y 0 (up to 80%)")
+    assert unmet_parts(many[:6]).endswith(", 1 smaller area within x 100 to 102 y 0 (up to 60%)")
+    assert named_pixels(said)[0] == (slice(0, 1), slice(0, 8))
+    assert named_pixels(said)[5] == (slice(0, 1), slice(100, 141))
+    assert (unmet_parts([]), named_pixels("")) == ("", [])
 
 
 @pytest.mark.parametrize(

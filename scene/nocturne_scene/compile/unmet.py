@@ -1,5 +1,6 @@
 """What a pilot found that a render may not meet, in sentences."""
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -7,7 +8,10 @@ TOLD_ABOVE = 0.005
 """Part of the mean that may be missing and is told: the error that most renders are asked for."""
 
 _NAMED = 5
-"""Rectangles of an image that are named one by one; all others together are one more."""
+"""Rectangles of an image that are named one by one; the others are counted, and named by one around them."""
+
+_MANY = 10.0
+"""So many times what is seen, and more, are no longer said as a percentage."""
 
 
 @dataclass(frozen=True)
@@ -34,8 +38,8 @@ class Rectangle:
         return (self.right - self.left) * (self.bottom - self.top)
 
     def named(self) -> str:
-        across, down = f"{self.left} to {self.right}", f"{self.top} to {self.bottom}"
-        return f"across {across}, down {down} (up to {_times(self.part)})"
+        """By its first and last pixels, from the upper left corner."""
+        return f"x {_span(self.left, self.right)} y {_span(self.top, self.bottom)}"
 
 
 def unmet_light(part: float, direction: str = "both") -> str:
@@ -46,7 +50,7 @@ def unmet_light(part: float, direction: str = "both") -> str:
     if part < TOLD_ABOVE:
         return ""
     return (
-        "; it met too few photons that mirrors and glass gather to compare, so that up to "
+        "; the pilot met too few photons that mirrors and glass gather to compare, so that up to "
         f'{part:.1%} of the mean may be missing: `"direction": "{direction}"` would find it'
     )
 
@@ -59,14 +63,27 @@ def unmet_parts(found: Iterable[Sequence[float]]) -> str:
     if not rectangles:
         return ""
     groups = sorted(_touching(rectangles), key=lambda each: each.area, reverse=True)
-    named = groups[:_NAMED]
+    named = [(each.named(), each.part) for each in groups[:_NAMED]]
     if rest := groups[_NAMED:]:
-        named.append(_around(rest))
+        areas = f"{len(rest)} smaller area{'s' if len(rest) > 1 else ''}"
+        around = _around(rest)
+        named.append((f"{areas} within {around.named()}", around.part))
+    (first, part), *others = named
+    places = [f"{first} (up to {_times(part)} {'of ' if part < _MANY else ''}the light shown there)"]
+    places += [f"{name} (up to {_times(part)})" for name, part in others]
     return (
-        "; parts of the image are not to be trusted, as mirrors or glass show or gather light of small lamps "
-        "there that so few samples may miss, and errors do not tell of it: pixels "
-        + "; ".join(each.named() for each in named)
+        "; reflections, refractions or caustics of small bright light sources may be missing, which the "
+        f"standard errors do not show, at pixels {', '.join(places)}"
     )
+
+
+def named_pixels(said: str) -> list[tuple[slice, slice]]:
+    """Rows and columns of the rectangles that a sentence of `unmet_parts` names."""
+    found = re.findall(r"x (\d+)(?: to (\d+))? y (\d+)(?: to (\d+))? \(up to", said)
+    return [
+        (slice(int(top), int(bottom or top) + 1), slice(int(left), int(right or left) + 1))
+        for left, right, top, bottom in found
+    ]
 
 
 def _touching(rectangles: list[Rectangle]) -> list[Rectangle]:
@@ -88,6 +105,10 @@ def _around(all_of: list[Rectangle]) -> Rectangle:
     )
 
 
+def _span(first: int, end: int) -> str:
+    return f"{first}" if end - first == 1 else f"{first} to {end - 1}"
+
+
 def _times(part: float) -> str:
     """Of what is seen."""
-    return f"{part:.0%}" if part < 10.0 else f"{part:.0f} times"
+    return f"{part:.0%}" if part < _MANY else f"{part:.0f} times"

@@ -16,7 +16,7 @@ from nocturne_coordinator.output.images import FINAL_COMPRESSION, write_preview
 from nocturne_scene.compare.images import read_picture
 from rich.progress import Progress
 
-from nocturne_client.cli.output import ERRORS
+from nocturne_client.cli.output import ERRORS, way_lines
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import CompiledFolder, compile_to
 from nocturne_client.local.image_error import image_error
@@ -68,8 +68,8 @@ def render_scene(asked: LocalRender) -> None:
         compiled = compile_to(asked.scene, Path(folder), *film, asked.seed, asked.layers, asked.changes)
         for warning in compiled.warnings:
             ERRORS.print(f"warning: {warning}", markup=False, soft_wrap=True)
-        if compiled.way:
-            ERRORS.print(f"traced by {compiled.way}", markup=False, soft_wrap=True)
+        for line in way_lines(compiled.way):
+            ERRORS.print(line, markup=False, soft_wrap=True)
         image = Path(folder) / "image.exr"
         command = [str(program), *_arguments(compiled, asked, image)]
         if asked.stop:
