@@ -275,6 +275,17 @@ def test_the_glare_of_a_fisheye_file(tmp_path: Path) -> None:
     assert "this image is of illuminance" in str(refused.value.problems[0])
 
 
+def test_a_file_that_has_not_the_shape_of_a_panorama_is_rated_with_a_note(tmp_path: Path) -> None:
+    for width, projection, warned in (
+        (32, "panorama", True),
+        (32, "equidistant", False),
+        (64, "panorama", False),
+    ):
+        path = image(tmp_path, np.full((2, 32, width, 3), 500.0))
+        notes = glare_of_file(path, projection, 180.0, (0.0, 0.0, None)).notes
+        assert any("another camera's image" in note for note in notes) == warned
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -80,8 +80,19 @@ def glare_of_file(
         background_luminance=found.background_luminance,
         sources=_sources(found.sources),
         dgp_sources=_sources(found.dgp_sources),
-        notes=[*found.notes],
+        notes=[*_of_another_camera(projection, moments.samples.shape), *found.notes],
     )
+
+
+def _of_another_camera(projection: str, shape: tuple[int, ...]) -> list[str]:
+    """Notes on the image's shape, the only thing that a file says of its camera."""
+    height, width = shape
+    if projection != "panorama" or width == 2 * height:
+        return []
+    return [
+        f"{width} x {height} pixels are rated as a panorama, which is usually twice as wide as high: a file "
+        "does not say of which sensor it is, and of another camera's image these numbers are wrong"
+    ]
 
 
 def _sources(found: Sequence[GlareSource]) -> list[contract.GlareSource]:
