@@ -20,6 +20,7 @@ from tests.pictures import read_pixels
 from tests.scene.formats.mitsuba_import import SENSOR
 
 ROOT = Path(__file__).parents[2]
+GLASS_BALL = ROOT / "examples" / "pbrt" / "glass_ball.pbrt"
 LAMP: dict[str, Any] = {
     "nocturne": 1,
     "sensor": {"type": "irradiance_meter", "position": [0, 0, 0], "normal": [0, 1, 0], "height": 0.1},
@@ -83,6 +84,20 @@ def test_an_error_ends_it_at_the_end_of_a_range(scene: Path) -> None:
     assert " lx, u' 0." in said
     assert " (95 %)" in said
     assert "10.000% was asked for" in said
+
+
+def test_one_sample_gives_no_error(scene: Path) -> None:
+    _, said = rendered(scene, "--samples", "1")
+    assert "one sample per pixel gives no error" in said
+    assert "0.000%" not in said
+
+
+def test_a_film_of_no_pixels_is_refused_by_the_name_of_the_file_that_was_imported(tmp_path: Path) -> None:
+    command = ["render", str(GLASS_BALL), "-o", str(tmp_path / "a.exr"), "--samples", "1"]
+    for film in (["--width", "0"], ["--height", "0"]):
+        result = CliRunner().invoke(app, [*command, *film])
+        assert result.exit_code != 0
+        assert str(result.exception) == f"{GLASS_BALL} can't be rendered"
 
 
 def test_a_time_ends_it(scene: Path) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import grpc
 import httpx
 import pytest
+import typer
 from nocturne.v1 import render_service_pb2 as pb
 from nocturne.v1 import render_service_pb2_grpc
 from nocturne_api.service import Service
@@ -270,4 +271,7 @@ def test_a_clock_on_the_wall_gets_its_zone(monkeypatch: pytest.MonkeyPatch) -> N
     finally:
         monkeypatch.undo()
         time.tzset()
+    for typed in ("2", "100%"):
+        with pytest.raises(typer.BadParameter, match="less than 100 %"):
+            Stops(error=typed).asked()
     assert Stops(error="2.5%", duration="1.5 h").asked() == {"relative_error": 0.025, "wall_seconds": 5400.0}

@@ -150,9 +150,10 @@ def render(
     threads = threads or len(os.sched_getaffinity(0))
     names, changes = layer_names(layers), changes_of(settings, bands, layers)
     with imported_or_same(scene, light, allow_missing, DEFAULT_EDGE) as (document, film):
-        edges = width or film[0], height or film[1]
+        # 0 is refused, and not taken for nothing.
+        edges = film[0] if width is None else width, film[1] if height is None else height
         asked = LocalRender(
-            document, output, *edges, samples, threads, seed, statistics, stop, names, changes
+            document, output, *edges, samples, threads, seed, statistics, stop, names, changes, f"{scene}"
         )
         render_scene(asked)
     for path in output:

@@ -52,10 +52,8 @@ def preflight(
     from nocturne_client.scene_files import read_scene
 
     target = share(error, "--error")
-    if not 0 < target < 1:
-        raise typer.BadParameter(
-            f"{error!r}: expected more than 0 % and less than 100 %", param_hint="--error"
-        )
+    if not target:
+        raise typer.BadParameter(f"{error!r}: expected more than 0 %", param_hint="--error")
     on_disk = read_scene(scene)
     if take is not None:
         # Before the work rather than after it.

@@ -102,7 +102,12 @@ def share(text: str, option: str) -> float:
         raise typer.BadParameter(f'{text!r}: expected "1%" or 0.01', param_hint=option)
     if not float(match[1]):
         raise typer.BadParameter(_nothing(text), param_hint=option)
-    return float(match[1]) / (100.0 if match[2] else 1.0)
+    part = float(match[1]) / (100.0 if match[2] else 1.0)
+    if part >= 1.0:
+        raise typer.BadParameter(
+            f'{text!r}: expected less than 100 %, such as "1%" or 0.01', param_hint=option
+        )
+    return part
 
 
 def _seconds(text: str, option: str) -> float:

@@ -49,11 +49,13 @@ def compile_to(
     seed: int | None = None,
     layers: Sequence[str] | None = None,
     changes: Mapping[str, Any] | None = None,
+    name: str = "",
 ) -> CompiledFolder:
     """Writes scene.pb, schedule.pb and blobs/ into `folder`. Raises NocturneClientError with all problems.
 
     `seed` instead of the scene's own. `layers`: see `nocturne_scene.layers`; beside these, those that are
-    made without being asked for; None: none at all. `changes`: see `nocturne_client.changes`.
+    made without being asked for; None: none at all. `changes`: see `nocturne_client.changes`. `name`: what
+    errors call the scene; empty: its path.
     """
     on_disk = read_scene(scene)
     made = {**(changes or {}), **({} if seed is None else {"tracing.seed": seed})}
@@ -77,7 +79,7 @@ def compile_to(
         compiled.schedule.write_bytes(schedule.SerializeToString(deterministic=True))
     except InputError as error:
         problems = [Problem(each.place, each.message) for each in error.problems]
-        raise NocturneClientError(f"{scene} can't be rendered", problems=problems) from error
+        raise NocturneClientError(f"{name or scene} can't be rendered", problems=problems) from error
     except NocturneError as error:
         raise NocturneClientError(str(error)) from error
     except OSError as error:

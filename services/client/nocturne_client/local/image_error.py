@@ -36,6 +36,8 @@ class ImageError:
         what = "" if estimate.pixels == 1 else "mean "
         interval = f" +- {CONFIDENCE * estimate.mean_error:.2g}" if estimate.mean_error else ""
         mean = f"{what}{quantity.name or 'Y'} {estimate.mean:.5g}{interval} {quantity.unit}".rstrip()
+        if estimate.samples < 2:
+            return f"{mean}; one sample per pixel gives no error."
         told = f"{mean}{self._colour()} (95 %), relative error {estimate.relative_error:.3%}"
         unseen = (
             f"; nothing seen in {estimate.unseen_pixels:,} of {estimate.pixels:,} pixels"

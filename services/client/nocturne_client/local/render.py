@@ -49,6 +49,8 @@ class LocalRender:
     """Names of layers beside those that are made without being asked for; see nocturne_scene.layers."""
     changes: Mapping[str, Any] = field(default_factory=dict)
     """Of the scene document; see nocturne_client.changes."""
+    name: str = ""
+    """What people call the scene, such as the file that was imported; empty: by its document."""
 
 
 def render_scene(asked: LocalRender) -> None:
@@ -65,7 +67,8 @@ def render_scene(asked: LocalRender) -> None:
         check_output(asked.statistics)
     with tempfile.TemporaryDirectory(prefix="nocturne-") as folder:
         film = asked.width, asked.height, asked.samples
-        compiled = compile_to(asked.scene, Path(folder), *film, asked.seed, asked.layers, asked.changes)
+        name = asked.name or str(asked.scene)
+        compiled = compile_to(asked.scene, Path(folder), *film, asked.seed, asked.layers, asked.changes, name)
         for warning in compiled.warnings:
             ERRORS.print(f"warning: {warning}", markup=False, soft_wrap=True)
         for line in way_lines(compiled.way):
@@ -76,9 +79,9 @@ def render_scene(asked: LocalRender) -> None:
             sums = Path(folder) / "sums"
             schedule = job_pb2.RangeSchedule.FromString(compiled.schedule.read_bytes())
             stop = LocalStop(asked.stop, schedule)
-            _trace([*command, "--ask-after-ranges", str(sums)], asked.scene.name, stop, sums)
+            _trace([*command, "--ask-after-ranges", str(sums)], Path(name).name, stop, sums)
         else:
-            _trace(command, asked.scene.name)
+            _trace(command, Path(name).name)
         if compiled.layers:
             add_layers(image, compiled.layers)
         error = image_error(image)

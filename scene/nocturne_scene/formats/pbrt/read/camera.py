@@ -137,7 +137,7 @@ def add_integrator(context: Context, kind: str, parameters: Parameters) -> None:
     if depth < 1:
         context.findings.lost(parameters.place, "maxdepth 0 has no equal; light goes on to the first surface")
     context.writer.document["tracing"] = {"maximum_depth": max(1, depth)}
-    context.findings.note(parameters.place, "of its integrator only the depth counts")
+    context.findings.note(parameters.place, "of the integrator only maxdepth is used")
 
 
 def add_sampler(context: Context, kind: str, parameters: Parameters) -> None:
