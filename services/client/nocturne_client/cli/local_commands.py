@@ -196,7 +196,8 @@ def import_scene(
     file: Annotated[
         Path,
         typer.Argument(
-            metavar="FILE", help="Mitsuba 3 (.xml), pbrt-v4 (.pbrt), glTF (.gltf, .glb), or a .zip of one."
+            metavar="FILE",
+            help="Mitsuba 3 or 0.x (.xml), pbrt-v4 or v3 (.pbrt), glTF (.gltf, .glb), or a .zip of one.",
         ),
     ],
     output: Annotated[
