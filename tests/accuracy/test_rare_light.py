@@ -61,9 +61,14 @@ def _seen_in_a_mirror(radius: float, radiance: float, kernel: Document, folder: 
     return compile_to(folder / "scene.json", folder, _EDGE, _EDGE, 16).way
 
 
-def test_a_lamp_of_a_millimetre_in_a_mirror_is_named_where_it_shows(tmp_path: Path) -> None:
-    """Its image is 7 m off, 0.9 m to a side and 0.6 m up: one photon of 300 of that pixel meets it."""
-    said = _seen_in_a_mirror(5e-4, 1e7, SILVER, tmp_path)
+PHONG: Document = {"type": "phong", "reflectance": 0.9}
+"""With an exponent from 20 on it gathers, too, and nothing else in the scene need."""
+
+
+@pytest.mark.parametrize("kernel", [SILVER, PHONG | {"exponent": 1e6}], ids=["silver", "phong"])
+def test_a_lamp_of_a_millimetre_in_a_mirror_is_named_where_it_shows(kernel: Document, tmp_path: Path) -> None:
+    """Its image is 7 m off, 0.9 m to a side and 0.6 m up: one photon of 8,000 of that pixel meets it."""
+    said = _seen_in_a_mirror(5e-4, 1e7, kernel, tmp_path)
     named = np.zeros((_EDGE, _EDGE), dtype=np.bool_)
     for pixels in named_pixels(said):
         named[pixels] = True
@@ -77,3 +82,4 @@ def test_nothing_is_named_where_a_lamp_is_met(tmp_path: Path) -> None:
     """A lamp of 0.8 m, and a wall that mirrors nothing."""
     assert not named_pixels(_seen_in_a_mirror(0.4, 20.0, SILVER, tmp_path))
     assert not named_pixels(_seen_in_a_mirror(5e-4, 1e7, diffuse(0.5), tmp_path))
+    assert not _seen_in_a_mirror(5e-4, 1e7, PHONG | {"exponent": 19.0}, tmp_path)

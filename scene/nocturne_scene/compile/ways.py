@@ -152,10 +152,16 @@ def open_ways(
 _GATHER = {"conductor", "dielectric", "thin_pane", "coated_diffuse", "principled"}
 """Kernels that mirror or refract, or may."""
 
+_SHARP_EXPONENT = 20.0
+"""Of a Phong lobe that gathers: is_specular_like in worker/src/scene/load_kernels.cpp."""
+
 
 def may_gather(scene: scene_pb2.CompiledScene) -> bool:
     """Whether surfaces may gather light, so that photons from the sensor meet little of it, or none."""
-    return any(kernel.WhichOneof("model") in _GATHER for kernel in scene.kernels)
+    return any(
+        kernel.WhichOneof("model") in _GATHER or kernel.phong.exponent >= _SHARP_EXPONENT
+        for kernel in scene.kernels
+    )
 
 
 def _may_lose_hints(mixture: Mixture, scene: scene_pb2.CompiledScene) -> bool:
