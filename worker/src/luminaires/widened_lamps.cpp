@@ -9,6 +9,9 @@
 namespace nocturne {
 namespace {
 
+/// So many times the mean of the sky, and more, is a lamp in it.
+constexpr float kSun = 10.0f;
+
 /// Mean over some visible wavelengths.
 template <class Radiance>
 float mean_of(const Radiance& radiance) {
@@ -22,34 +25,17 @@ float mean_of(const Radiance& radiance) {
 
 WidenedLamps::WidenedLamps(const LightDirections& lights, std::span<const Luminaire> luminaires,
                            float least) {
-  for (std::uint32_t i = 0; i < lights.discs().size(); ++i) {
-    const DistantDisc& disc = lights.discs()[i];
+  for (const DistantDisc& disc : lights.discs()) {
     const float tangent = disc.tan_half_angle();
     const float solid_angle = kTwoPi * (1.0f - 1.0f / std::sqrt(1.0f + tangent * tangent));
     const float radiance = mean_of(
         [&](const Spectral<1>& wavelength) { return disc.radiance(disc.direction(), wavelength); });
     if (radiance < least) continue;
-    discs_.push_back({i, std::min(1.0f, solid_angle / kCone)});
-    brightest_ = std::max(brightest_, radiance);
+    discs_.push_back(
+        {disc.direction(), radiance, std::min(1.0f, solid_angle / kCone), disc.hidden_from});
   }
   if (lights.environment()) add_sky(*lights.environment(), least);
-  const Elements& all = lights.luminaires().elements();
-  std::vector<std::size_t> bright;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const bool shines = all.bounds(i).weight > 0.0;
-    if (shines && luminaires[all.luminaire(i)].emission().radiance >= least) bright.push_back(i);
-  }
-  const std::size_t step = (bright.size() + kMostElements - 1) / kMostElements;
-  for (std::size_t k = 0; k < bright.size(); k += std::max<std::size_t>(1, step)) {
-    const ElementBounds& bounds = all.bounds(bright[k]);
-    const std::uint32_t luminaire = all.luminaire(bright[k]);
-    const std::size_t stands_for = std::min(step, bright.size() - k);
-    elements_.push_back({0.5f * (bounds.low + bounds.high),
-                         static_cast<float>(bounds.weight) * static_cast<float>(stands_for),
-                         bounds.axis, bounds.cosine_power, bounds.cos_spread < 0.0f,
-                         bounds.two_sided, luminaire, luminaires[luminaire].emission().radiance});
-    brightest_ = std::max(brightest_, elements_.back().radiance);
-  }
+  add_elements(lights.luminaires().elements(), luminaires, least);
 }
 
 void WidenedLamps::add_sky(const Environment& environment, float least) {
@@ -63,19 +49,59 @@ void WidenedLamps::add_sky(const Environment& environment, float least) {
     if (!drawn || !(drawn->pdf > 0.0f)) continue;
     const float radiance = mean_of(
         [&](const Spectral<1>& wavelength) { return environment.radiance(*drawn, wavelength); });
-    if (radiance < least) continue;
-    const float part = 1.0f / (drawn->pdf * kCone * kSkyDraws);
-    sky_.push_back({drawn->direction, radiance * part});
-    brightest_ = std::max(brightest_, radiance);
+    if (radiance < std::max(least, kSun * static_cast<float>(environment.mean_radiance())))
+      continue;
+    sky_.push_back({drawn->direction, radiance, 1.0f / (drawn->pdf * kCone * kSkyDraws),
+                    environment.hidden_from});
   }
 }
 
-float WidenedLamps::of(const Element& lamp, Vec3 origin, Vec3 direction, float distance,
-                       std::uint32_t met) {
-  const Vec3 there = lamp.place - origin;
-  const float squared = dot(there, there), along = dot(there, direction);
-  if (!(along > 0.0f) || along * along < kCosine * kCosine * squared) return 0.0f;
-  if (met != lamp.luminaire && distance < along) return 0.0f;
+void WidenedLamps::add_elements(const Elements& all, std::span<const Luminaire> luminaires,
+                                float least) {
+  std::vector<std::size_t> bright;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool shines = all.bounds(i).weight > 0.0;
+    if (shines && luminaires[all.luminaire(i)].emission().radiance >= least) bright.push_back(i);
+  }
+  if (bright.empty()) return;
+  const std::size_t step = (bright.size() + kPoints - 1) / kPoints;
+  // A strip is longer than the cone is wide: it has points all along it.
+  const std::size_t points = std::max<std::size_t>(1, kPoints / bright.size());
+  constexpr float kGolden = 0.618034f;
+  for (std::size_t k = 0; k < bright.size(); k += step) {
+    const ElementBounds& bounds = all.bounds(bright[k]);
+    const Luminaire& luminaire = luminaires[all.luminaire(bright[k])];
+    const float stands_for = static_cast<float>(std::min(step, bright.size() - k));
+    const Vec3 middle = 0.5f * (bounds.low + bounds.high), extent = bounds.high - bounds.low;
+    const bool ball = bounds.cos_spread < 0.0f;
+    // From so far off that a flat element is drawn evenly over its area.
+    const float far = 100.0f * length(extent);
+    const LightSamplingContext from{
+        .position = middle + far * bounds.axis, .normal = -bounds.axis, .both_sides = true};
+    const std::size_t count = ball ? 1 : points;
+    for (std::size_t i = 0; i < count; ++i) {
+      const float turn = kGolden * static_cast<float>(i);
+      const auto drawn = ball ? std::nullopt
+                              : all.draw(bright[k], from,
+                                         (static_cast<float>(i) + 0.5f) / static_cast<float>(count),
+                                         turn - std::floor(turn));
+      const bool on_it = drawn && std::isfinite(drawn->distance);
+      const Vec3 place = on_it ? from.position + drawn->distance * drawn->direction : middle;
+      elements_.push_back(
+          {.place = place,
+           .radius = ball ? 0.5f * std::max({extent.x, extent.y, extent.z}) : 0.0f,
+           .intensity = static_cast<float>(bounds.weight) * stands_for / static_cast<float>(count),
+           .axis = bounds.axis,
+           .cosine_power = bounds.cosine_power,
+           .to_all_sides = ball,
+           .two_sided = bounds.two_sided,
+           .radiance = luminaire.emission().radiance,
+           .hidden_from = luminaire.hidden_from});
+    }
+  }
+}
+
+float WidenedLamps::part_of_cone(const Element& lamp, Vec3 there, float squared) {
   float intensity = lamp.intensity;
   if (!lamp.to_all_sides) {
     float cosine = -dot(lamp.axis, there) / std::sqrt(squared);
@@ -84,7 +110,7 @@ float WidenedLamps::of(const Element& lamp, Vec3 origin, Vec3 direction, float d
     intensity *= math::pow(cosine, lamp.cosine_power + 1.0f);
   }
   // From close by the lamp fills the cone.
-  return std::min(lamp.radiance, intensity / (squared * kCone));
+  return std::min(1.0f, intensity / (squared * kCone * lamp.radiance));
 }
 
 }  // namespace nocturne

@@ -7,8 +7,9 @@
 // Computer Graphics Forum 32 (2), 2013, section 4: a delta distribution as a narrow cone.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -26,66 +27,74 @@ class WidenedLamps {
   WidenedLamps(const LightDirections& lights, std::span<const Luminaire> luminaires, float least);
 
   bool empty() const { return discs_.empty() && sky_.empty() && elements_.empty(); }
-  /// W m-2 sr-1 nm-1, mean over wavelengths; 0 where there are none.
-  float brightest() const { return brightest_; }
 
-  /// Radiance of the widened lamps on a half-line that is free for `distance`, m, and then meets
-  /// the luminaire `met`, Emission::kNoLuminaire where it meets none.
-  template <int N>
-  Spectral<N> radiance(const LightDirections& lights, Vec3 origin, Vec3 direction, float distance,
-                       std::uint32_t met, const Spectral<N>& wavelengths_nm) const {
-    Spectral<N> found = 0.0f;
-    if (std::isinf(distance)) {
-      for (const Disc& each : discs_) {
-        const DistantDisc& disc = lights.discs()[each.index];
-        if (dot(disc.direction(), direction) < kCosine) continue;
-        found += each.part_of_cone * disc.radiance(disc.direction(), wavelengths_nm);
+  /// Of the lamps that `reaches(hidden_from, direction, distance)`: whether they can be seen so far
+  /// off, m, from the origin.
+  struct Met {
+    /// Radiance of the widened lamps, W m-2 sr-1 nm-1: the mean of what photons meet that hit a
+    /// lamp, or miss it, by chance; and the mean of its square.
+    float mean = 0.0f, square = 0.0f;
+  };
+  template <class Reaches>
+  Met met(Vec3 origin, Vec3 direction, const Reaches& reaches) const {
+    Met found;
+    const auto add = [&](float radiance, float part) {
+      found.mean += part * radiance;
+      found.square += part * radiance * radiance;
+    };
+    constexpr float kFar = std::numeric_limits<float>::infinity();
+    for (const auto* distant : {&discs_, &sky_}) {
+      for (const Distant& each : *distant) {
+        if (dot(each.direction, direction) < kCosine) continue;
+        if (reaches(each.hidden_from, each.direction, kFar)) add(each.radiance, each.part_of_cone);
       }
     }
-    float near = 0.0f;
-    if (std::isinf(distance)) {
-      for (const Sky& each : sky_)
-        near += dot(each.direction, direction) < kCosine ? 0.0f : each.radiance;
+    for (const Element& each : elements_) {
+      const Vec3 there = each.place - origin;
+      const float squared = dot(there, there), along = dot(there, direction);
+      if (!(along > 0.0f) || along * along < kCosine * kCosine * squared) continue;
+      const float part = part_of_cone(each, there, squared);
+      if (!(part > 0.0f)) continue;
+      const float distance = std::sqrt(squared);
+      const float before = std::max(0.0f, distance - each.radius - kShort * distance);
+      if (reaches(each.hidden_from, (1.0f / distance) * there, before)) add(each.radiance, part);
     }
-    for (const Element& each : elements_) near += of(each, origin, direction, distance, met);
-    return found + Spectral<N>(near);
+    return found;
   }
 
  private:
-  void add_sky(const Environment& environment, float least);
-
   /// Half angle of the cone: 11 degrees. Its solid angle is a hundredth of the sphere's, so that of
   /// a pilot's thousands of photons some meet it.
   static constexpr float kCosine = 0.98f, kCone = kTwoPi * (1.0f - kCosine);
-  /// Of more elements every so many is taken for those beside it.
-  static constexpr std::size_t kMostElements = 64;
-
-  struct Disc {
-    std::uint32_t index;
-    float part_of_cone;
-  };
-  /// A bright part of the environment, of which so many are drawn by its radiance.
+  /// Points of all elements; of more elements every so many is taken for those beside it.
+  static constexpr std::size_t kPoints = 64;
+  /// Bright parts of the environment that are drawn by its radiance.
   static constexpr int kSkyDraws = 64;
-  struct Sky {
+  /// Part of the way to a lamp that may be hidden.
+  static constexpr float kShort = 1e-3f;
+
+  struct Distant {
     Vec3 direction;
-    float radiance;
+    float radiance, part_of_cone;
+    HiddenFrom hidden_from;
   };
   struct Element {
     Vec3 place;
+    /// Of a sphere, m.
+    float radius;
     /// Intensity along the axis, W/(sr nm).
     float intensity;
     Vec3 axis;
     float cosine_power;
     bool to_all_sides, two_sided;
-    std::uint32_t luminaire;
     float radiance;
+    HiddenFrom hidden_from;
   };
-  static float of(const Element& lamp, Vec3 origin, Vec3 direction, float distance,
-                  std::uint32_t met);
+  void add_sky(const Environment& environment, float least);
+  void add_elements(const Elements& all, std::span<const Luminaire> luminaires, float least);
+  static float part_of_cone(const Element& lamp, Vec3 there, float squared);
 
-  float brightest_ = 0.0f;
-  std::vector<Disc> discs_;
-  std::vector<Sky> sky_;
+  std::vector<Distant> discs_, sky_;
   std::vector<Element> elements_;
 };
 

@@ -76,8 +76,8 @@ struct TracingOptions {
   /// what is bright and rare alone.
   float least_radiance = 0.0f;
   /// The same of what mirrors and glass turn into a photon's way: all counts, or that alone as it
-  /// is met, or as photons nearly meet it (widened_lamps.h).
-  enum class Gathered : std::uint8_t { kWithAll, kMet, kNearlyMet };
+  /// is met, or as photons nearly meet it (widened_lamps.h), or the square of what they would find.
+  enum class Gathered : std::uint8_t { kWithAll, kMet, kNearlyMet, kNearlyMetSquared };
   Gathered gathered = Gathered::kWithAll;
 };
 

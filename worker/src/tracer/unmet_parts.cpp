@@ -15,7 +15,7 @@ constexpr double kSquare = 64.0;
 /// From so many finds on an error of a mean is what it says: of a Poisson number of 20 the usual
 /// 95 % interval holds the truth 94 times of a hundred, of 5 it does 88 times.
 constexpr double kFinds = 20.0;
-/// What may be missing and is not told, in parts of what is seen there.
+/// What the error of a square lacks and is not told, in parts of what is seen there.
 constexpr double kSmall = 0.02;
 /// What is seen in the dark beside bright parts counts as so much of the image's mean.
 constexpr double kDark = 0.1;
@@ -43,18 +43,39 @@ std::vector<PixelLight> pixels_of(const PilotImages& images) {
   return found;
 }
 
-/// The most of a pixel and its neighbours. Where a cone ends the light of a lamp that is met often
-/// looks like that of one that is not.
-double most_around(const std::vector<PixelLight>& image, Film film, std::uint32_t x,
-                   std::uint32_t y) {
-  double most = 0.0;
+/// What a pilot's pixel tells of light that a square there finds by chance.
+struct Chance {
+  /// Of the square's mean, cd/m2 squared; and how many finds of one brightness would have the same.
+  double variance = 0.0, finds = 0.0;
+};
+
+/// Whether a neighbour has as much variance by many finds: where a cone ends, a lamp that is met
+/// often looks like one that is not.
+bool is_rim(const std::vector<Chance>& chances, Film film, std::uint32_t x, std::uint32_t y) {
+  const auto at = [&](std::uint32_t column, std::uint32_t row) -> const Chance& {
+    return chances[std::size_t{row} * film.width + column];
+  };
   for (std::uint32_t row = std::max(1u, y) - 1; row < std::min(film.height, y + 2); ++row) {
     for (std::uint32_t column = std::max(1u, x) - 1; column < std::min(film.width, x + 2);
          ++column) {
-      most = std::max(most, image[std::size_t{row} * film.width + column].mean);
+      const Chance& there = at(column, row);
+      if (there.finds >= kFinds && there.variance >= at(x, y).variance) return true;
     }
   }
-  return most;
+  return false;
+}
+
+/// Of a sample, in parts of what is seen; the median of all pixels, as one of them may have met
+/// what others did not.
+double usual_error(const std::vector<PixelLight>& seen, double samples) {
+  std::vector<double> errors;
+  for (const PixelLight& each : seen) {
+    if (each.mean > 0.0) errors.push_back(each.error / each.mean * std::sqrt(samples));
+  }
+  if (errors.empty()) return 0.0;
+  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+  std::ranges::nth_element(errors, middle);
+  return *middle;
 }
 
 bool is_met(const PixelLight& met, const PixelLight& nearly) {
@@ -79,16 +100,25 @@ std::vector<UnmetPart> find_unmet_parts(Scene& scene, Trials& trials, Direction 
   const auto seen = light(TracingOptions::Gathered::kWithAll);
   scene.options.least_radiance = radiance;
   const auto nearly = light(TracingOptions::Gathered::kNearlyMet);
+  const auto squares = light(TracingOptions::Gathered::kNearlyMetSquared);
+  const double of_square = kSquare * samples;
+  std::vector<Chance> chances(nearly.size());
+  for (std::size_t pixel = 0; pixel < nearly.size(); ++pixel) {
+    const double light_there = nearly[pixel].mean;
+    if (!(light_there > 0.0)) continue;
+    const double variance = kLuminanceOfOne * squares[pixel].mean / of_square;
+    chances[pixel] = {variance, light_there * light_there / variance};
+  }
+  const double usual = usual_error(seen, double{Trials::kImages} * kSamples) / std::sqrt(of_square);
   std::vector<PixelLight> met;
-  const double one_find = scene.widened_lamps.brightest() * kLuminanceOfOne / (kSquare * samples);
   for (std::size_t pixel = 0; pixel < nearly.size(); ++pixel) {
     const PixelLight& there = nearly[pixel];
     const auto x = static_cast<std::uint32_t>(pixel % small.width);
     const auto y = static_cast<std::uint32_t>(pixel / small.width);
-    if (!(there.mean > 0.0) || most_around(nearly, small, x, y) >= kFinds * one_find) continue;
+    if (!(there.mean > 0.0) || is_rim(chances, small, x, y)) continue;
     const double around = std::max(seen[pixel].mean, kDark * mean);
+    if (!(std::sqrt(chances[pixel].variance) > std::max(kSmall, usual) * around)) continue;
     const double most = there.mean + kStandardErrors * there.error;
-    if (!(most > kSmall * around)) continue;
     if (met.empty()) met = light(TracingOptions::Gathered::kMet);
     if (is_met(met[pixel], there)) continue;
     const auto edge = [](std::uint32_t i, std::uint32_t of, std::uint32_t full) {

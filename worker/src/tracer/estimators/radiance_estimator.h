@@ -42,7 +42,7 @@ class RadianceEstimator {
   /// Its place in the environment where that was looked up.
   void flies(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit,
              const LightDirections::SkyPlace& place) {
-    if (scene_.options.gathered == Gathered::kNearlyMet) return nearly_meets(sample, group, hit);
+    if (nearly()) return nearly_meets(sample, group);
     if (hit != nullptr || !scene_.has_distant_light()) return;
     const auto past = [&](HiddenFrom hidden) { return sees_past(group, hidden); };
     add_light(group, scene_.distant_radiance(group.ray.direction, sample.wavelengths, past, place),
@@ -52,7 +52,7 @@ class RadianceEstimator {
   void arrives(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
     const std::uint32_t luminaire = scene_.materials[hit.surface].luminaire;
     if (luminaire == SurfaceMaterial::kNone) return;
-    if (scene_.options.gathered == Gathered::kNearlyMet) return;
+    if (nearly()) return;
     if (sees_past(group, scene_.luminaires[luminaire].hidden_from)) return;
     if (brought_from_luminaire(group, hit.position)) return;
     add_light(group, scene_.emitted(scene_.luminaires[luminaire], hit, -group.ray.direction,
@@ -112,15 +112,21 @@ class RadianceEstimator {
     return dot(turn, turn) > kStraight;
   }
 
-  void nearly_meets(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit) {
+  bool nearly() const { return scene_.options.gathered >= Gathered::kNearlyMet; }
+  void nearly_meets(const BatchSample<N>& sample, const Group<N>& group) {
     if (!counts_for(group)) return;
-    constexpr float kFree = std::numeric_limits<float>::infinity();
-    const std::uint32_t met =
-        hit == nullptr ? Emission::kNoLuminaire : scene_.materials[hit->surface].luminaire;
-    add(group.tally,
-        group.weight * scene_.widened_lamps.radiance(
-                           scene_.lights, group.ray.origin, group.ray.direction,
-                           hit == nullptr ? kFree : hit->distance, met, sample.wavelengths),
+    const auto reaches = [&](HiddenFrom hidden_from, Vec3 direction, float distance) {
+      if (sees_past(group, hidden_from)) return false;
+      const TimedRay way{{group.ray.origin, direction}, sample.time, distance};
+      std::uint8_t blocked = 0;
+      scene_.geometry.occluded({&way, 1}, {&blocked, 1});
+      return blocked == 0;
+    };
+    const auto [mean, square] =
+        scene_.widened_lamps.met(group.ray.origin, group.ray.direction, reaches);
+    if (!(mean > 0.0f)) return;
+    const bool squared = scene_.options.gathered == Gathered::kNearlyMetSquared;
+    add(group.tally, squared ? square * group.weight * group.weight : mean * group.weight,
         meets_direct_light(group));
   }
 

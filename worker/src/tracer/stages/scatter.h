@@ -58,7 +58,7 @@ float survival_at(const Batch& batch, Group<N>& group, const Vertex<N>& vertex,
 template <class Batch, int N, class Bound>
 void prepare(Batch& batch, Chunk<N, Bound>& chunk) {
   std::array<PhotonSequence*, kChunk> sequences;
-  const bool nearly = batch.options.gathered == TracingOptions::Gathered::kNearlyMet;
+  const bool nearly = batch.options.gathered >= TracingOptions::Gathered::kNearlyMet;
   const bool second = batch.kAdjoint && batch.options.estimator == Estimator::kTwoPhotons &&
                       !batch.scene.lights.empty() && !nearly;
   for (std::size_t i = 0; i < chunk.count; ++i) {
