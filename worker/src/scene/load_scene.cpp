@@ -272,9 +272,9 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
       has_mirrors = has_mirrors || may_turn_sharply(kernels, i);
     }
     const float near_ends = options.direction == Direction::kBoth
-                                  ? kNearEnds * std::min(geometry.bounds().radius,
-                                                           median_view(sensor, geometry, materials))
-                                  : 0.0f;
+                                ? kNearEnds * std::min(geometry.bounds().radius,
+                                                       median_view(sensor, geometry, materials))
+                                : 0.0f;
     const auto all_in_fog = find_all_in_fog(geometry, sensor_start(message.sensor()), everywhere,
                                             medium_interfaces, media);
     LearnedLight learned(LearnedLight::unpacked(message.learned_light()));
