@@ -49,7 +49,16 @@ TEST(WidenedLamps, BringTheLightOfADisc) {
   EXPECT_TRUE(WidenedLamps(lights, {}, 2e6f).empty());
 }
 
-// One texel of a grey sky is 10,000 times as bright: three quarters of all light.
+// The solid angle of 0.1 degrees is 4e-7 of the half sphere's: less than float's 1 - cosine tells.
+TEST(WidenedLamps, BringTheLightOfATinyDisc) {
+  constexpr double kHalfAngle = 0.05 * std::numbers::pi / 180.0;
+  const auto lights = directions({}, {DistantDisc({0, 0.6f, 0.8f}, kHalfAngle, Spectrum(1e8f))});
+  EXPECT_NEAR(light_at(WidenedLamps(lights, {}, 1e5f), {1, 2, 3}, kAll) /
+                  (1e8 * std::numbers::pi * kHalfAngle * kHalfAngle),
+              1.0, 0.01);
+}
+
+// One texel of a grey sky is 10,000 times as bright: more than half of all light.
 TEST(WidenedLamps, BringTheLightOfTheSunInAPictureOfTheSky) {
   constexpr std::uint32_t kColumns = 128, kRows = 64;
   // S(x) = 1/2 + x / (2 sqrt(1 + x^2)), so that coefficients of zero are a reflectance of 1/2.

@@ -26,13 +26,13 @@ float mean_of(const Radiance& radiance) {
 WidenedLamps::WidenedLamps(const LightDirections& lights, std::span<const Luminaire> luminaires,
                            float least) {
   for (const DistantDisc& disc : lights.discs()) {
-    const float tangent = disc.tan_half_angle();
-    const float solid_angle = kTwoPi * (1.0f - 1.0f / std::sqrt(1.0f + tangent * tangent));
     const float radiance = mean_of(
         [&](const Spectral<1>& wavelength) { return disc.radiance(disc.direction(), wavelength); });
     if (radiance < least) continue;
+    // One over the disc's solid angle.
+    const float density = disc.pdf(disc.direction());
     discs_.push_back(
-        {disc.direction(), radiance, std::min(1.0f, solid_angle / kCone), disc.hidden_from});
+        {disc.direction(), radiance, std::min(1.0f, 1.0f / (density * kCone)), disc.hidden_from});
   }
   if (lights.environment()) add_sky(*lights.environment(), least);
   add_elements(lights.luminaires().elements(), luminaires, least);
