@@ -190,13 +190,16 @@ def _run(made: CompiledFolder, folder: Path, image: str, *options: str) -> float
     return float(sum(each["cpu_seconds"] for each in statistics))
 
 
-def _regions(moments: ImageMoments) -> tuple[Values, Values, Values]:
-    """Means, errors and interval factors of the whole and of its quarters."""
-    height, width = moments.samples.shape
+def quarters(height: int, width: int) -> list[npt.NDArray[np.bool_]]:
+    """Which pixels are in each quarter of an image: above before below, left before right."""
     rows, columns = np.mgrid[0:height, 0:width]
     quarter = 2 * (rows >= height // 2) + (columns >= width // 2)
-    chosen = [None, *(quarter == which for which in range(4))]
-    readings = [read_region(moments, each) for each in chosen]
+    return [quarter == which for which in range(4)]
+
+
+def _regions(moments: ImageMoments) -> tuple[Values, Values, Values]:
+    """Means, errors and interval factors of the whole and of its quarters."""
+    readings = [read_region(moments, each) for each in (None, *quarters(*moments.samples.shape))]
     found = [each for each in readings if each is not None]
     return (
         np.array([each.mean for each in found]),

@@ -3,7 +3,7 @@
 import re
 import shutil
 import subprocess
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from nocturne_scene.film import Film
 from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT
 
 from tests.accuracy.tracing import Document, write
-from tests.crossings.methods import Readings, Values
+from tests.crossings.methods import Readings, Values, quarters
 from tests.crossings.scenes import Scene
 from tests.crossings.sensors import CAMERA
 
@@ -133,12 +133,5 @@ def traced(document: Document, scene: Scene, folder: Path, samples: int, seeds: 
 
 def _regions(image: Values) -> Values:
     """The whole and its quarters, as Readings has them."""
-    rows, columns = image.shape[0] // 2, image.shape[1] // 2
-    halves: list[Callable[[Values], Values]] = [
-        lambda each: each[:rows, :columns],
-        lambda each: each[:rows, columns:],
-        lambda each: each[rows:, :columns],
-        lambda each: each[rows:, columns:],
-    ]
-    parts = [image, *(half(image) for half in halves)]
-    return np.array([each.reshape(-1, 3).mean(axis=0) for each in parts])
+    parts = [image.reshape(-1, 3), *(image[each] for each in quarters(*image.shape[:2]))]
+    return np.array([each.mean(axis=0) for each in parts])

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "math/functions.h"
+#include "sampling/golden_ratio.h"
 
 namespace nocturne {
 namespace {
@@ -39,13 +40,10 @@ WidenedLamps::WidenedLamps(const LightDirections& lights, std::span<const Lumina
 }
 
 void WidenedLamps::add_sky(const Environment& environment, float least) {
-  const LightSamplingContext from{.position = {}, .normal = {0, 0, 1}, .both_sides = true};
-  // By the golden ratio, as evenly as a grid in all directions.
-  constexpr float kGolden = 0.618034f;
   for (int i = 0; i < kSkyDraws; ++i) {
-    const float u = (static_cast<float>(i) + 0.5f) / kSkyDraws,
-                turn = kGolden * static_cast<float>(i);
-    const auto drawn = environment.draw(from, u, u, turn - std::floor(turn));
+    const auto step = static_cast<float>(i);
+    const auto drawn =
+        environment.draw_all_around((step + 0.5f) / kSkyDraws, by_golden_ratio(step));
     if (!drawn || !(drawn->pdf > 0.0f)) continue;
     const float radiance = mean_of(
         [&](const Spectral<1>& wavelength) { return environment.radiance(*drawn, wavelength); });
@@ -67,7 +65,6 @@ void WidenedLamps::add_elements(const Elements& all, std::span<const Luminaire> 
   const std::size_t step = (bright.size() + kPoints - 1) / kPoints;
   // A strip is longer than the cone is wide: it has points all along it.
   const std::size_t points = std::max<std::size_t>(1, kPoints / bright.size());
-  constexpr float kGolden = 0.618034f;
   for (std::size_t k = 0; k < bright.size(); k += step) {
     const ElementBounds& bounds = all.bounds(bright[k]);
     const Luminaire& luminaire = luminaires[all.luminaire(bright[k])];
@@ -80,11 +77,11 @@ void WidenedLamps::add_elements(const Elements& all, std::span<const Luminaire> 
         .position = middle + far * bounds.axis, .normal = -bounds.axis, .both_sides = true};
     const std::size_t count = ball ? 1 : points;
     for (std::size_t i = 0; i < count; ++i) {
-      const float turn = kGolden * static_cast<float>(i);
-      const auto drawn = ball ? std::nullopt
-                              : all.draw(bright[k], from,
-                                         (static_cast<float>(i) + 0.5f) / static_cast<float>(count),
-                                         turn - std::floor(turn));
+      const auto number = static_cast<float>(i);
+      const auto drawn =
+          ball ? std::nullopt
+               : all.draw(bright[k], from, (number + 0.5f) / static_cast<float>(count),
+                          by_golden_ratio(number));
       const bool on_it = drawn && std::isfinite(drawn->distance);
       const Vec3 place = on_it ? from.position + drawn->distance * drawn->direction : middle;
       elements_.push_back(

@@ -94,10 +94,9 @@ ForwardPays forward_pays(const AdjointFigures& adjoint, const PilotFigures& forw
 }
 
 double may_be_unmet(const AdjointFigures& adjoint, const PilotFigures& forward) {
-  constexpr double kStandardErrors = 2.0;
   const bool certain = forward.mean_error <= kCertain * forward.mean;
   if (certain || !(forward.mean > 0.0 && adjoint.alone.mean > 0.0)) return 0.0;
-  const double most = forward.mean + kStandardErrors * forward.mean_error;
+  const double most = forward.mean + kAtMost * forward.mean_error;
   return std::max(0.0, most - adjoint.left.mean) / adjoint.alone.mean;
 }
 

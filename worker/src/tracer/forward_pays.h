@@ -19,6 +19,8 @@ constexpr double kMissed = 2.5;
 /// Forward photons whose mean is less certain have hardly found the sensor yet; where adjoint ones
 /// have found nothing at all of the same light, few are enough.
 constexpr double kCertain = 0.2, kSeen = 0.5;
+/// Standard errors above what was met: so much light there is at most.
+constexpr double kAtMost = 2.0;
 
 /// A power of two: how many forward photons for each adjoint one give the least error for the same
 /// time. Each kind keeps a sixteenth of the time at least, so that one whose error the pilot has

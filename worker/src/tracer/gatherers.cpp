@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "pdfs/directions.h"
+#include "sampling/golden_ratio.h"
 
 namespace nocturne {
 namespace {
@@ -29,12 +30,10 @@ std::vector<Vec3> points_of(const Shape& shape, std::size_t count) {
     return points;
   }
   const auto& sphere = std::get<Sphere>(shape);
-  constexpr float kGolden = 0.618034f;
   for (std::size_t i = 0; i < count; ++i) {
     const auto step = static_cast<float>(i);
-    const float turn = step * kGolden;
     const Vec3 out =
-        UniformSphere::sample((step + 0.5f) / static_cast<float>(count), turn - std::floor(turn));
+        UniformSphere::sample((step + 0.5f) / static_cast<float>(count), by_golden_ratio(step));
     points.push_back(
         (Double3{sphere.x, sphere.y, sphere.z} + sphere.radius * Double3(out)).rounded());
   }

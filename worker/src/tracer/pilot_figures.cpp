@@ -46,6 +46,27 @@ std::array<double, 2> mean_and_error(const PilotImages& images) {
   return {mean, std::sqrt(squares / (count - 1.0) / count)};
 }
 
+std::vector<PixelLight> light_of_pixels(const PilotImages& images) {
+  const auto count = static_cast<double>(images.images.size());
+  std::vector<double> sums, squares;
+  for (const auto& image : images.images) {
+    for_each_pixel(image, images.samples, [&](std::size_t pixel, double y) {
+      if (pixel == sums.size()) {
+        sums.push_back(0.0);
+        squares.push_back(0.0);
+      }
+      sums[pixel] += y;
+      squares[pixel] += y * y;
+    });
+  }
+  std::vector<PixelLight> light(sums.size());
+  for (std::size_t i = 0; i < light.size(); ++i) {
+    light[i] = {sums[i] / count,
+                std::max(0.0, squares[i] - sums[i] * sums[i] / count) / (count - 1.0)};
+  }
+  return light;
+}
+
 void subtract(PilotImages& from, const PilotImages& others) {
   for (std::size_t i = 0; i < from.images.size(); ++i) {
     for (std::size_t square = 0; square < from.images[i].size(); ++square) {
@@ -158,13 +179,7 @@ PilotFigures figures_of(PilotFigures::Photons photons, std::uint32_t sharing,
                         const PilotImages& images, const std::vector<double>& shown) {
   const auto pixels = static_cast<double>(shown.size());
   const auto count = static_cast<double>(images.images.size());
-  std::vector<double> sums(shown.size()), squares(shown.size());
-  for (const auto& image : images.images) {
-    for_each_pixel(image, images.samples, [&](std::size_t pixel, double y) {
-      sums[pixel] += y;
-      squares[pixel] += y * y;
-    });
-  }
+  const std::vector<PixelLight> light = light_of_pixels(images);
   double all = 0.0;
   for (const double y : shown) all += y / pixels;
   const auto [mean, error] = mean_and_error(images);
@@ -174,12 +189,10 @@ PilotFigures figures_of(PilotFigures::Photons photons, std::uint32_t sharing,
     const std::size_t begin = pixel, end = pixel + std::size_t{square.width} * square.height;
     double errors = 0.0, total = 0.0;
     for (; pixel < end; ++pixel) {
-      const double variance =
-          std::max(0.0, squares[pixel] - sums[pixel] * sums[pixel] / count) / (count - 1.0);
       const double scale = shown[pixel] * shown[pixel] + 0.01 * all * all;
-      total += sums[pixel] / count;
+      total += light[pixel].mean;
       if (!(scale > 0.0)) continue;
-      const double of_pixel = images.samples * variance / scale;
+      const double of_pixel = images.samples * light[pixel].variance / scale;
       errors += of_pixel;
       // Neighbours are in different groups.
       const std::size_t x = (pixel - begin) % square.width, y = (pixel - begin) / square.width;

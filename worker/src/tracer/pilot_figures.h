@@ -51,6 +51,13 @@ std::vector<double> shown_by(const std::vector<const PilotImages*>& one,
 /// Of Y over all pixels, and its standard error by how the images differ; needs two.
 std::array<double, 2> mean_and_error(const PilotImages& images);
 
+/// Y of a pixel, and its variance between images, which needs two.
+struct PixelLight {
+  double mean = 0.0, variance = 0.0;
+};
+/// Of all squares, one after the other.
+std::vector<PixelLight> light_of_pixels(const PilotImages& images);
+
 double rays_of(const PilotImages& images);
 
 /// Of each image another, of the same squares.

@@ -33,9 +33,9 @@ bool must_be_brought(const RareLight& light, double mean) {
   const double more = forward.mean - adjoint.mean;
   const bool differ =
       is_unseen(adjoint) || more > kMissed * math::hypot(forward.error, adjoint.error);
-  if (!is_certain(light)) return false;
-  return (differ && more > kCounts * mean) ||
-         (adjoint.error > kMuchLessCertain * forward.error && forward.mean > kCounts * mean);
+  const bool less_certain = adjoint.error > kMuchLessCertain * forward.error;
+  return is_certain(light) &&
+         ((differ && more > kCounts * mean) || (less_certain && forward.mean > kCounts * mean));
 }
 
 double may_be_missing(const RareLight& light, double mean) {
@@ -43,7 +43,7 @@ double may_be_missing(const RareLight& light, double mean) {
   const double more = forward.mean - adjoint.mean;
   const bool differ = more > kStandardErrors * math::hypot(forward.error, adjoint.error);
   if (!(mean > 0.0 && forward.mean > 0.0) || (is_certain(light) && !differ)) return 0.0;
-  return std::max(0.0, more + kStandardErrors * forward.error) / mean;
+  return std::max(0.0, more + kAtMost * forward.error) / mean;
 }
 
 float rare_radiance(double mean, double samples) {

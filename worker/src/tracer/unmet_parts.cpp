@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tracer/forward_pays.h"
 #include "tracer/rare_light.h"
 
 namespace nocturne {
@@ -19,28 +20,14 @@ constexpr double kFinds = 20.0;
 constexpr double kSmall = 0.02;
 /// What is seen in the dark beside bright parts counts as so much of the image's mean.
 constexpr double kDark = 0.1;
-constexpr double kStandardErrors = 2.0, kCertain = 0.2;
 
-struct PixelLight {
-  double mean = 0.0, error = 0.0;
-};
-
-/// Y of each pixel, by how the images differ.
-std::vector<PixelLight> pixels_of(const PilotImages& images) {
-  const auto count = static_cast<double>(images.images.size());
-  const TileSums& first = images.images.front().front();
-  std::vector<PixelLight> found(std::size_t{first.width} * first.height);
-  for (std::size_t pixel = 0; pixel < found.size(); ++pixel) {
-    double sum = 0.0, squares = 0.0;
-    for (const auto& image : images.images) {
-      const double y = image.front().sums[pixel * first.channels + 1] / images.samples;
-      sum += y;
-      squares += y * y;
-    }
-    const double variance = std::max(0.0, squares - sum * sum / count) / (count - 1.0);
-    found[pixel] = {sum / count, std::sqrt(variance / count)};
+std::vector<MeanLight> means_of_pixels(const PilotImages& images) {
+  std::vector<MeanLight> means;
+  for (const PixelLight& each : light_of_pixels(images)) {
+    const auto count = static_cast<double>(images.images.size());
+    means.push_back({each.mean, std::sqrt(each.variance / count)});
   }
-  return found;
+  return means;
 }
 
 /// What a pilot's pixel tells of light that a square there finds by chance.
@@ -67,9 +54,9 @@ bool is_rim(const std::vector<Chance>& chances, Film film, std::uint32_t x, std:
 
 /// Of a sample, in parts of what is seen; the median of all pixels, as one of them may have met
 /// what others did not.
-double usual_error(const std::vector<PixelLight>& seen, double samples) {
+double usual_error(const std::vector<MeanLight>& seen, double samples) {
   std::vector<double> errors;
-  for (const PixelLight& each : seen) {
+  for (const MeanLight& each : seen) {
     if (each.mean > 0.0) errors.push_back(each.error / each.mean * std::sqrt(samples));
   }
   if (errors.empty()) return 0.0;
@@ -78,7 +65,7 @@ double usual_error(const std::vector<PixelLight>& seen, double samples) {
   return *middle;
 }
 
-bool is_met(const PixelLight& met, const PixelLight& nearly) {
+bool is_met(const MeanLight& met, const MeanLight& nearly) {
   return met.error <= kCertain * met.mean && 2.0 * met.mean >= nearly.mean;
 }
 
@@ -95,7 +82,7 @@ std::vector<UnmetPart> find_unmet_parts(Scene& scene, Trials& trials, Direction 
   const Film small = trials.reduced(budget / (2 * Trials::kImages * kSamples));
   const auto light = [&](TracingOptions::Gathered gathered) {
     scene.options.gathered = gathered;
-    return pixels_of(trials.images(direction, 1, small, whole(small, kSamples)));
+    return means_of_pixels(trials.images(direction, 1, small, whole(small, kSamples)));
   };
   const auto seen = light(TracingOptions::Gathered::kWithAll);
   scene.options.least_radiance = radiance;
@@ -110,15 +97,15 @@ std::vector<UnmetPart> find_unmet_parts(Scene& scene, Trials& trials, Direction 
     chances[pixel] = {variance, light_there * light_there / variance};
   }
   const double usual = usual_error(seen, double{Trials::kImages} * kSamples) / std::sqrt(of_square);
-  std::vector<PixelLight> met;
+  std::vector<MeanLight> met;
   for (std::size_t pixel = 0; pixel < nearly.size(); ++pixel) {
-    const PixelLight& there = nearly[pixel];
+    const MeanLight& there = nearly[pixel];
     const auto x = static_cast<std::uint32_t>(pixel % small.width);
     const auto y = static_cast<std::uint32_t>(pixel / small.width);
     if (!(there.mean > 0.0) || is_rim(chances, small, x, y)) continue;
     const double around = std::max(seen[pixel].mean, kDark * mean);
     if (!(std::sqrt(chances[pixel].variance) > std::max(kSmall, usual) * around)) continue;
-    const double most = there.mean + kStandardErrors * there.error;
+    const double most = there.mean + kAtMost * there.error;
     if (met.empty()) met = light(TracingOptions::Gathered::kMet);
     if (is_met(met[pixel], there)) continue;
     const auto edge = [](std::uint32_t i, std::uint32_t of, std::uint32_t full) {

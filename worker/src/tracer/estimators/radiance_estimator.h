@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <vector>
 
 #include "tracer/batch.h"
@@ -99,8 +98,7 @@ class RadianceEstimator {
 
   // Whether light that a group meets is an adjoint photon's, and what is asked for.
   bool counts_for(const Group<N>& group) const {
-    const bool forward_ones = scene_.options.direction == Direction::kBoth;
-    if (forward_ones && brought_by(group.ends) != Transport::kAdjoint) return false;
+    if (both() && brought_by(group.ends) != Transport::kAdjoint) return false;
     if (scene_.options.gathered == Gathered::kWithAll) return true;
     return group.ends.specular_like_at_luminaire && is_turned(group);
   }
@@ -112,6 +110,8 @@ class RadianceEstimator {
     return dot(turn, turn) > kStraight;
   }
 
+  // Photons start at luminaires, too.
+  bool both() const { return scene_.options.direction == Direction::kBoth; }
   bool nearly() const { return scene_.options.gathered >= Gathered::kNearlyMet; }
   void nearly_meets(const BatchSample<N>& sample, const Group<N>& group) {
     if (!counts_for(group)) return;
@@ -131,8 +131,7 @@ class RadianceEstimator {
   }
 
   bool brought_from_luminaire(const Group<N>& group, Vec3 place) const {
-    const bool forward_ones = scene_.options.direction == Direction::kBoth;
-    if (!forward_ones || !group.ends.diffuse_like_at_camera) return false;
+    if (!both() || !group.ends.diffuse_like_at_camera) return false;
     const bool near = near_luminaire(scene_, group, place);
     return brought_by(at_luminaire(group.ends, group.depth - group.passes, near)) ==
            Transport::kForward;
