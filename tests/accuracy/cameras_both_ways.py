@@ -144,6 +144,23 @@ def _moving() -> Document:
     return _scene(camera, [_FLOOR, ball, lamp, _WALL])
 
 
+def _rough_metal() -> Document:
+    """White floors between walls of rough metal under an even sky: most light has met a floor, then metal and
+    a floor again. Nothing is clear."""
+    metal = _SILVER | {"roughness": 0.2}
+    walls = {"type": "two_sided", "front": metal, "back": metal}
+    return _scene(
+        _pinhole(),
+        [
+            surface(quad([-1, 0, -1], [0, 0, 2], [2, 0, 0]), diffuse(0.9)),
+            surface(quad([-1, 0, -1], [2, 0, 0], [0, 1, 0.3]), walls),
+            surface(quad([-1, 0, -1], [0, 0, 2], [0.3, 1, 0]), walls),
+            surface(quad([1, 0, -1], [0, 0, 2], [-0.3, 1, 0]), walls),
+        ],
+        environment={"radiance": 1.0},
+    )
+
+
 _LENS = {"type": "thin_lens", "lens_radius": 0.1, "focus_distance": 1.5}
 _PANORAMA = {"type": "panorama", "position": [0.5, 0.5, 0.5], "look_at": [0, 0.3, 0]}
 
@@ -162,4 +179,5 @@ SCENES = {
     "lamp in a case": SeenBothWays(_case()),
     "Sun and sky": SeenBothWays(_distant()),
     "motion": SeenBothWays(_moving()),
+    "rough metal": SeenBothWays(_rough_metal(), samples=1024),
 }

@@ -20,22 +20,28 @@ Vec3 leaves_from(const Batch& batch, const Vertex<N>& vertex, Vec3 direction) {
   return exact ? vertex.hit.position : leave_surface(vertex.hit, direction);
 }
 
+/// What a photon met at a vertex, as far as path_partition.h asks.
+template <class Batch, int N>
+Interaction interaction_at(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
+                           bool delta, bool straight) {
+  const bool first = Batch::kAdjoint && group.depth == 1;
+  const bool of_luminaire = !Batch::kAdjoint && !group.ends.specular_like_at_luminaire;
+  return {
+      .specular_like = batch.scene.specular_like[vertex.kernel],
+      .delta = delta,
+      .straight = straight,
+      .near_camera = first && near_camera(batch, group, vertex),
+      .near_luminaire = of_luminaire && near_luminaire(batch.scene, group, vertex.hit.position)};
+}
+
 /// With photons in both directions: notes the interaction that a group leaves by. False where the
 /// other direction has all that could come of it.
 template <class Batch, int N>
 bool keep_in_partition(const Batch& batch, Group<N>& group, const Vertex<N>& vertex, Vec3 wi,
                        bool delta) {
-  const bool first = Batch::kAdjoint && group.depth == 1;
-  const bool of_luminaire = !Batch::kAdjoint && !group.ends.specular_like_at_luminaire;
-  const Vec3 here = vertex.hit.position;
-  const Interaction latest{
-      .specular_like = batch.scene.specular_like[vertex.kernel],
-      .delta = delta,
-      .straight = delta && wi == -vertex.wo,
-      .near_camera = first && near_camera(batch, group, vertex),
-      .near_luminaire = of_luminaire && near_luminaire(batch.scene, group, here)};
+  const Interaction latest = interaction_at(batch, group, vertex, delta, delta && wi == -vertex.wo);
   if constexpr (Batch::kAdjoint) {
-    group.ends = after_adjoint(group.ends, latest, first);
+    group.ends = after_adjoint(group.ends, latest, group.depth == 1);
     if (!delta) group.mis.context.position = leaves_from(batch, vertex, vertex.to_world(wi));
     return true;
   } else {

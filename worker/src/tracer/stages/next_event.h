@@ -59,8 +59,11 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
   const Scene& scene = batch.scene;
   const BatchSample<N>& sample = batch.sample_of(group);
   if (batch.both) {
+    // What it meets after this vertex, and not after the one before.
+    const PathEnds after = after_adjoint(
+        group.ends, interaction_at(batch, group, vertex, false, false), group.depth == 1);
     const bool near = light.distance < scene.near_ends;
-    const PathEnds ends = at_luminaire(group.ends, group.depth - group.passes, near);
+    const PathEnds ends = at_luminaire(after, group.depth - group.passes, near);
     if (brought_by(ends) != Transport::kAdjoint) return;
   }
   const Vec3 wi = vertex.to_local(light.direction);
