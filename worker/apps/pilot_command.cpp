@@ -16,14 +16,13 @@ namespace nocturne {
 namespace {
 
 std::string figures_json(const PilotFigures& figures) {
-  static constexpr const char* kNames[] = {"adjoint", "adjoint_of_both", "forward",     "guide",
-                                           "sharing", "rare_forward",    "rare_adjoint"};
+  static constexpr const char* kNames[] = {"adjoint", "adjoint_of_both", "forward"};
+  const PhotonKind& kind = figures.kind;
   std::ostringstream json;
   json.precision(6);
-  json << "{\"photons\": \"" << kNames[figures.photons] << "\", \"sharing\": " << figures.sharing
-       << ", \"aimed\": " << figures.aimed
-       << ", \"hinted\": " << (figures.hinted ? "true" : "false")
-       << ", \"guided\": " << (figures.guided ? "true" : "false") << ", \"mean\": " << figures.mean
+  json << "{\"photons\": \"" << kNames[kind.from] << "\", \"sharing\": " << kind.sharing
+       << ", \"aimed\": " << kind.aimed << ", \"hinted\": " << (kind.hinted ? "true" : "false")
+       << ", \"guided\": " << (kind.guided ? "true" : "false") << ", \"mean\": " << figures.mean
        << ", \"mean_error\": " << figures.mean_error
        << ", \"relative_mse\": " << figures.relative_mse << ", \"cost\": " << figures.cost << '}';
   return json.str();
@@ -68,8 +67,9 @@ std::string aims_json(const std::vector<Aim>& aims) {
 // Part of a render's samples from which aims are learned, and light to guide photons by: at least
 // so many, and at most as many as are enough to find what a thousandth of the photons is worth.
 constexpr double kLearnedFrom = 0.005, kMinLearnedFrom = 1e4, kMaxLearnedFrom = 3e5;
-// Part of the photons that are then aimed at most; the others leave as luminaires emit.
-constexpr double kAimed = 0.9;
+// Part of the photons that are then aimed; the others leave as luminaires emit, and what they find
+// weighs 2.5 times as much (docs/decisions/0130).
+constexpr double kAimed = 0.6;
 
 double lessons(const FilmPlan& plan) {
   const double samples =

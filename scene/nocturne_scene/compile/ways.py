@@ -34,8 +34,8 @@ is missed, where surfaces may gather it: an error of such an image may be small,
 MAX_SECONDS = 120.0
 """After which a pilot is given up."""
 
-_AIMED = 0.9
-"""Part of the photons from luminaires that goes to what a person declared important, at most."""
+_AIMED = 0.6
+"""Part of the photons from luminaires that goes to what a person declared important (docs/decisions/0130)."""
 
 PARTS = "parts"
 """As `nocturne-trace --pilot` takes it: the way is known, and where in the image may it miss light?"""
@@ -263,8 +263,8 @@ def _sentence(ways: Ways, default: Ways, found: dict[str, Any]) -> str:
         return f"{ways.named()}: {default.named()} missed light that these found, {tried}"
     gain = found["gain"]
     if gain <= 1.0:
-        # Guided photons showed the noise of light that the default had not met.
-        return f"{ways.named()}: less error than by {default.named()} once these are guided, {tried}"
+        # Or guided photons showed the noise of light that the default had not met.
+        return f"{ways.named()}: about as much error as by {default.named()}, which may miss light, {tried}"
     times = _times(gain, found["gain_error"])
     return f"{ways.named()}: {times}less time to the same error than by {default.named()}, {tried}"
 

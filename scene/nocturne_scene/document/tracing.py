@@ -104,7 +104,7 @@ class Tracing(Node):
         default=None,
         description="For photons from luminaires, the sky and the Sun, with `forward` and `both`: the part "
         "that is sent towards `$.important_directions`, such as glass that makes a caustic. The others leave "
-        "as the luminaire emits, so that no light is lost. Default: 0, or 0.3 or 0.9 where the pilot "
+        "as the luminaire emits, so that no light is lost. Default: 0, or 0.6 where the pilot "
         "that chooses the direction finds that better; where the scene declares no important directions, the "
         "pilot then learns some for these photons.",
     )

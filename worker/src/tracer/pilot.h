@@ -52,6 +52,7 @@ struct PilotChoice {
 
 struct PilotResult {
   PilotChoice choice;
+  /// What each kind of photons did.
   std::vector<PilotFigures> tried;
   std::uint64_t photons, rays;
   /// Where photons from the sensor alone were chosen: how much more light forward photons may bring

@@ -11,9 +11,8 @@
 namespace nocturne {
 namespace {
 
-/// Half an edge of the neighbourhood, pixels, whose mean is taken for what its middle shows: a
-/// pixel's own samples are so few that one bright one would hide how far it is off.
-constexpr std::uint32_t kAround = 3;
+/// Half an edge of the neighbourhood, pixels, whose mean is taken for what its middle shows.
+constexpr std::uint32_t kAround = 1;
 
 /// f(place among all pixels, Y) for an image.
 template <class F>
@@ -28,22 +27,29 @@ void for_each_pixel(const std::vector<TileSums>& image, std::uint32_t samples, c
 
 }  // namespace
 
-std::array<double, 2> mean_and_error(const PilotImages& images) {
+MeanLight mean_and_error(std::span<const double> numbers) {
+  const auto count = static_cast<double>(numbers.size());
+  double mean = 0.0, squares = 0.0;
+  for (const double each : numbers) mean += each / count;
+  for (const double each : numbers) squares += (each - mean) * (each - mean);
+  return {mean, std::sqrt(squares / (count - 1.0) / count)};
+}
+
+std::vector<double> means_of_images(const PilotImages& images) {
   std::vector<double> means;
   for (const auto& image : images.images) {
-    double total = 0.0;
-    std::size_t pixels = 0;
+    double total = 0.0, pixels = 0.0;
     for_each_pixel(image, images.samples, [&](std::size_t, double y) {
       total += y;
       ++pixels;
     });
-    means.push_back(total / static_cast<double>(pixels));
+    means.push_back(total / pixels);
   }
-  const auto count = static_cast<double>(means.size());
-  double mean = 0.0, squares = 0.0;
-  for (const double each : means) mean += each / count;
-  for (const double each : means) squares += (each - mean) * (each - mean);
-  return {mean, std::sqrt(squares / (count - 1.0) / count)};
+  return means;
+}
+
+MeanLight mean_and_error(const PilotImages& images) {
+  return mean_and_error(means_of_images(images));
 }
 
 std::vector<PixelLight> light_of_pixels(const PilotImages& images) {
@@ -77,28 +83,35 @@ void subtract(PilotImages& from, const PilotImages& others) {
   }
 }
 
-GroupErrors of_both(const PilotFigures& adjoint, const PilotFigures& forward, double ratio) {
-  GroupErrors both{};
-  for (std::size_t i = 0; i < both.size(); ++i) {
-    both[i] = adjoint.of_groups[i] + forward.of_groups[i] / ratio;
+void extend(PilotImages& to, PilotImages more) {
+  if (to.images.empty()) {
+    to = std::move(more);
+    return;
   }
-  return both;
+  to.samples += more.samples;
+  for (std::size_t i = 0; i < to.images.size(); ++i) {
+    for (std::size_t square = 0; square < to.images[i].size(); ++square) {
+      to.images[i][square] += more.images[i][square];
+    }
+  }
 }
 
-double error_of_log_ratio(std::span<const double> one, std::span<const double> other) {
+double error_of_log_ratio(const GroupErrors& one, const GroupErrors& other) {
   const double all = std::accumulate(one.begin(), one.end(), 0.0),
                all_of_other = std::accumulate(other.begin(), other.end(), 0.0);
-  const auto count = static_cast<double>(one.size());
   std::vector<double> logarithms;
-  double mean = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < one.size(); ++i) {
     const double left = all - one[i], left_of_other = all_of_other - other[i];
     if (!(left > 0.0 && left_of_other > 0.0)) return std::numeric_limits<double>::infinity();
     logarithms.push_back(math::log(left / left_of_other));
-    mean += logarithms.back() / count;
   }
-  for (const double each : logarithms) squares += (each - mean) * (each - mean);
-  return std::sqrt((count - 1.0) / count * squares);
+  return (static_cast<double>(one.size()) - 1.0) * mean_and_error(logarithms).error;
+}
+
+double error_of_log(const GroupErrors& one) {
+  GroupErrors even;
+  even.fill(1.0);
+  return error_of_log_ratio(one, even);
 }
 
 double rays_of(const PilotImages& images) {
@@ -109,100 +122,51 @@ double rays_of(const PilotImages& images) {
   return rays;
 }
 
-namespace {
-
-double square_of_error(const std::vector<const PilotImages*>& way) {
-  double square = 0.0;
-  for (const PilotImages* images : way) {
-    if (images->images.empty()) continue;
-    const double error = mean_and_error(*images)[1];
-    square += error * error;
-  }
-  return square;
-}
-
-/// Mean of a sample in the images of each part, all parts added up, times `weight`.
-std::vector<TileSums> weighted(const std::vector<const PilotImages*>& way, double weight) {
-  std::vector<TileSums> sum;
-  for (const PilotImages* images : way) {
-    const double samples = static_cast<double>(images->images.size()) * images->samples;
-    for (const auto& image : images->images) {
-      std::vector<TileSums> part = image;
-      for (TileSums& square : part) {
-        for (double& value : square.sums) value *= weight / samples;
-      }
-      if (sum.empty()) {
-        sum = std::move(part);
-      } else {
-        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += part[i];
-      }
-    }
-  }
-  return sum;
-}
-
-double mean_around(const TileSums& image, std::uint32_t x, std::uint32_t y) {
-  const auto from = [](std::uint32_t at) { return at < kAround ? 0 : at - kAround; };
-  const std::uint32_t end_x = std::min(image.width, x + kAround + 1);
-  const std::uint32_t end_y = std::min(image.height, y + kAround + 1);
-  double sum = 0.0, pixels = 0.0;
-  for (std::uint32_t row = from(y); row < end_y; ++row) {
-    for (std::uint32_t column = from(x); column < end_x; ++column) {
-      sum += image.sums[(std::size_t{row} * image.width + column) * image.channels + 1];
-      ++pixels;
-    }
-  }
-  return sum / pixels;
-}
-
-}  // namespace
-
-std::vector<double> shown_by(const std::vector<const PilotImages*>& one,
-                             const std::vector<const PilotImages*>& other) {
-  const double certain = 1.0 / square_of_error(one), other_certain = 1.0 / square_of_error(other);
-  const bool both = std::isfinite(certain) && std::isfinite(other_certain);
-  const double weight = both ? certain / (certain + other_certain) : 0.5;
-  std::vector<TileSums> mean = weighted(one, weight);
-  const std::vector<TileSums> rest = weighted(other, 1.0 - weight);
+std::vector<double> light_around(const std::vector<double>& light, const PilotImages& like) {
   std::vector<double> around;
-  for (std::size_t i = 0; i < mean.size(); ++i) {
-    mean[i] += rest[i];
-    for (std::uint32_t y = 0; y < mean[i].height; ++y) {
-      for (std::uint32_t x = 0; x < mean[i].width; ++x)
-        around.push_back(mean_around(mean[i], x, y));
+  std::size_t square = 0;
+  for (const TileSums& of : like.images.front()) {
+    const auto from = [](std::uint32_t at) { return at < kAround ? 0 : at - kAround; };
+    for (std::uint32_t y = 0; y < of.height; ++y) {
+      for (std::uint32_t x = 0; x < of.width; ++x) {
+        double sum = 0.0, pixels = 0.0;
+        for (std::uint32_t row = from(y); row < std::min(of.height, y + kAround + 1); ++row) {
+          for (std::uint32_t column = from(x); column < std::min(of.width, x + kAround + 1);
+               ++column) {
+            sum += light[square + std::size_t{row} * of.width + column];
+            ++pixels;
+          }
+        }
+        around.push_back(sum / pixels);
+      }
     }
+    square += std::size_t{of.width} * of.height;
   }
   return around;
 }
 
-PilotFigures figures_of(PilotFigures::Photons photons, std::uint32_t sharing,
-                        const PilotImages& images, const std::vector<double>& shown) {
+PilotFigures figures_of(const PhotonKind& kind, const PilotImages& images,
+                        const std::vector<double>& shown, double cost) {
   const auto pixels = static_cast<double>(shown.size());
-  const auto count = static_cast<double>(images.images.size());
   const std::vector<PixelLight> light = light_of_pixels(images);
   double all = 0.0;
   for (const double y : shown) all += y / pixels;
   const auto [mean, error] = mean_and_error(images);
-  PilotFigures found{.photons = photons, .sharing = sharing, .mean = mean, .mean_error = error};
+  PilotFigures found{.kind = kind, .mean = mean, .mean_error = error};
   std::size_t pixel = 0;
   for (const TileSums& square : images.images.front()) {
-    const std::size_t begin = pixel, end = pixel + std::size_t{square.width} * square.height;
-    double errors = 0.0, total = 0.0;
-    for (; pixel < end; ++pixel) {
-      const double scale = shown[pixel] * shown[pixel] + 0.01 * all * all;
-      total += light[pixel].mean;
-      if (!(scale > 0.0)) continue;
-      const double of_pixel = images.samples * light[pixel].variance / scale;
-      errors += of_pixel;
-      // Neighbours are in different groups.
-      const std::size_t x = (pixel - begin) % square.width, y = (pixel - begin) / square.width;
-      found.of_groups[(x + 5 * y) % PilotFigures::kGroups] += of_pixel / pixels;
+    for (std::uint32_t y = 0; y < square.height; ++y) {
+      for (std::uint32_t x = 0; x < square.width; ++x, ++pixel) {
+        const double scale = shown[pixel] * shown[pixel] + 0.01 * all * all;
+        if (!(scale > 0.0)) continue;
+        const double of_pixel = images.samples * light[pixel].variance / scale / pixels;
+        found.of_groups[(x + 5 * y) % found.of_groups.size()] += of_pixel;
+        found.relative_mse += of_pixel;
+      }
     }
-    found.relative_mse += errors / pixels;
-    found.of_squares.push_back(errors / (square.width * square.height));
-    found.means_of_squares.push_back(total / (square.width * square.height));
   }
-  found.cost = rays_of(images) / (pixels * count * images.samples);
+  const auto count = static_cast<double>(images.images.size());
+  found.cost = cost * rays_of(images) / (pixels * count * images.samples);
   return found;
 }
 

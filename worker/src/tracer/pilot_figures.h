@@ -1,4 +1,4 @@
-// What a pilot's images tell of a way to trace.
+// What a pilot's images tell of photons of one kind.
 #pragma once
 
 #include <array>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tile/tile_sums.h"
+#include "tracer/pilot_method.h"
 
 namespace nocturne {
 
@@ -18,38 +19,31 @@ struct PilotImages {
   std::vector<std::vector<TileSums>> images;
 };
 
+/// Of pixels in groups, such that neighbours are in different ones.
+using GroupErrors = std::array<double, 16>;
+
 /// What photons of one kind did.
 struct PilotFigures {
-  enum Photons { kAdjoint, kAdjointOfBoth, kForward, kGuide, kSharing, kRareForward, kRareAdjoint };
-  Photons photons;
-  /// Pixels that share.
-  std::uint32_t sharing = 1;
-  /// Part of forward photons that is aimed at important shapes.
-  float aimed = 0.0f;
-  /// Adjoint photons that are sent towards important shapes, where there are any.
-  bool hinted = true;
-  /// Adjoint photons that are sent to where light was learned to come from.
-  bool guided = false;
+  PhotonKind kind;
   /// Mean Y of the pilot's pixels, and its standard error.
   double mean = 0.0, mean_error = 0.0;
-  /// Relative MSE of Y (docs/explanation/units-and-errors.md) of one sample of each pixel.
+  /// Relative MSE of Y (docs/explanation/units-and-errors.md) of one sample of each pixel; and what
+  /// each group of pixels has of it.
   double relative_mse = 0.0;
-  /// The same over the pixels of each square; and the mean Y of each.
-  std::vector<double> of_squares = {}, means_of_squares = {};
-  /// What each group of pixels has of it: the sum is relative_mse.
-  static constexpr std::size_t kGroups = 16;
-  std::array<double, kGroups> of_groups = {};
+  GroupErrors of_groups{};
   /// Of a sample, in rays of the usual cost.
   double cost = 0.0;
 };
 
-/// Y around each pixel: of two ways, each of which is a sum of images, by what is certain of their
-/// means.
-std::vector<double> shown_by(const std::vector<const PilotImages*>& one,
-                             const std::vector<const PilotImages*>& other);
-
-/// Of Y over all pixels, and its standard error by how the images differ; needs two.
-std::array<double, 2> mean_and_error(const PilotImages& images);
+/// A mean over the film, Y, and its standard error.
+struct MeanLight {
+  double mean = 0.0, error = 0.0;
+};
+/// By how much numbers differ of which this is the mean; needs two.
+MeanLight mean_and_error(std::span<const double> numbers);
+/// Of Y over all pixels of each image.
+std::vector<double> means_of_images(const PilotImages& images);
+MeanLight mean_and_error(const PilotImages& images);
 
 /// Y of a pixel, and its variance between images, which needs two.
 struct PixelLight {
@@ -62,17 +56,22 @@ double rays_of(const PilotImages& images);
 
 /// Of each image another, of the same squares.
 void subtract(PilotImages& from, const PilotImages& others);
+/// Of each image further samples, of the same squares.
+void extend(PilotImages& to, PilotImages more);
 
-using GroupErrors = std::array<double, PilotFigures::kGroups>;
-/// Of both kinds of photons together, for each from the sensor `ratio` forward ones.
-GroupErrors of_both(const PilotFigures& adjoint, const PilotFigures& forward, double ratio);
+/// Y around each pixel: the mean of 3 x 3 pixels within its square. A pixel's own samples are so
+/// few that one bright one would hide how far it is off. `light`: of pixels as in `like`.
+std::vector<double> light_around(const std::vector<double>& light, const PilotImages& like);
+
 /// Standard error of log(sum of one / sum of other), by leaving out one group of pixels after the
 /// other (the jackknife; Efron and Tibshirani, "An Introduction to the Bootstrap", 1993, equation
 /// 11.5). Large where few pixels decide. Infinite where either is zero without one of the groups.
-double error_of_log_ratio(std::span<const double> one, std::span<const double> other);
+double error_of_log_ratio(const GroupErrors& one, const GroupErrors& other);
+/// The same of log(sum of one).
+double error_of_log(const GroupErrors& one);
 
-/// Of images whose pixels show `shown`.
-PilotFigures figures_of(PilotFigures::Photons photons, std::uint32_t sharing,
-                        const PilotImages& images, const std::vector<double>& shown);
+/// Of images whose pixels show `shown`. `cost`: of a ray of theirs.
+PilotFigures figures_of(const PhotonKind& kind, const PilotImages& images,
+                        const std::vector<double>& shown, double cost);
 
 }  // namespace nocturne

@@ -8,10 +8,8 @@
 
 namespace nocturne {
 
-/// A mean over the film, Y, and its standard error.
-struct MeanLight {
-  double mean = 0.0, error = 0.0;
-};
+/// A mean of rare light that is so many standard errors is certain.
+constexpr double kSure = 5.0;
 
 /// What photons from both ends met of it. That of the luminaires is what they would bring; that of
 /// the sensor is the same light, where these have to bring it.
@@ -36,9 +34,15 @@ constexpr double kLuminanceOfOne = 683.0 * 106.857;
 /// rests on a hundred finds.
 float rare_radiance(double mean, double samples);
 
-/// Of the scene as its options say. `direction`: how photons from luminaires take part. Empty where
+/// `luminaires`: photons that would bring it; `sensor`: those that meet it otherwise. Empty where
 /// nothing shines so brightly.
-std::optional<RareLight> find_rare_light(Scene& scene, Trials& trials, Direction direction,
-                                         Film film, std::uint32_t samples, float radiance);
+std::optional<RareLight> find_rare_light(Scene& scene, Trials& trials, const PhotonKind& luminaires,
+                                         const PhotonKind& sensor, Film film, std::uint32_t samples,
+                                         float radiance);
+
+/// How much more light photons from luminaires may bring than those from the sensor met of the same
+/// kind, at most (two standard errors), in parts of the mean; 0 where their mean is certain enough
+/// to be compared, or they found nothing.
+double may_be_unmet(const MeanLight& by_luminaires, const MeanLight& met, double mean);
 
 }  // namespace nocturne

@@ -6,22 +6,25 @@
 
 #include "scene/scene.h"
 #include "tracer/pilot_figures.h"
+#include "tracer/pilot_method.h"
 
 namespace nocturne {
 
 double pixels_of(Film film);
 
-/// All of a film, so many samples a pixel.
-std::vector<TileRange> whole(Film film, std::uint32_t samples);
+/// All of a film, samples [first, end) of each pixel.
+std::vector<TileRange> whole(Film film, std::uint32_t end, std::uint32_t first = 0);
 
-/// Counts what its images take. Changes direction, sharing and seed of the scene's options, and
-/// leaves them changed.
+/// Counts what its images take. The options and hints of the scene change meanwhile, and are what
+/// they were when it is destroyed.
 class Trials {
  public:
-  /// Independent images by each way.
   static constexpr std::uint32_t kImages = 4;
 
   Trials(Scene& scene, Film film, unsigned threads);
+  ~Trials();
+  Trials(const Trials&) = delete;
+  Trials& operator=(const Trials&) = delete;
 
   /// The same view in so many pixels, about.
   Film reduced(double pixels) const;
@@ -31,11 +34,13 @@ class Trials {
                                       std::uint32_t samples) const;
   std::uint32_t squares_of_film(std::uint32_t edge) const;
 
-  /// Independent images of some squares of a film.
-  PilotImages images(Direction direction, std::uint32_t sharing, Film film,
-                     const std::vector<TileRange>& squares, std::uint32_t count = kImages,
-                     bool from_luminaires = false);
+  /// Images of some squares of a film: independent of each other, and by the same numbers for each
+  /// kind of photons.
+  PilotImages images(const PhotonKind& kind, Film film, const std::vector<TileRange>& squares,
+                     std::uint32_t count = kImages);
 
+  /// As the scene was given.
+  const TracingOptions& given() const { return given_; }
   std::uint64_t photons() const { return photons_; }
   std::uint64_t rays() const { return rays_; }
 
@@ -46,7 +51,7 @@ class Trials {
   Scene& scene_;
   const Film film_;
   const unsigned threads_;
-  const std::uint64_t seed_;
+  const TracingOptions given_;
   std::uint64_t photons_ = 0, rays_ = 0;
 };
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tracer/forward_pays.h"
 #include "tracer/rare_light.h"
 
 namespace nocturne {
@@ -20,6 +19,8 @@ constexpr double kFinds = 20.0;
 constexpr double kSmall = 0.02;
 /// What is seen in the dark beside bright parts counts as so much of the image's mean.
 constexpr double kDark = 0.1;
+/// Standard errors above what was met: so much light there is at most.
+constexpr double kStandardErrors = 2.0;
 
 std::vector<MeanLight> means_of_pixels(const PilotImages& images) {
   std::vector<MeanLight> means;
@@ -66,12 +67,12 @@ double usual_error(const std::vector<MeanLight>& seen, double samples) {
 }
 
 bool is_met(const MeanLight& met, const MeanLight& nearly) {
-  return met.error <= kCertain * met.mean && 2.0 * met.mean >= nearly.mean;
+  return met.mean >= kSure * met.error && 2.0 * met.mean >= nearly.mean;
 }
 
 }  // namespace
 
-std::vector<UnmetPart> find_unmet_parts(Scene& scene, Trials& trials, Direction direction,
+std::vector<UnmetPart> find_unmet_parts(Scene& scene, Trials& trials, const PhotonKind& kind,
                                         Film film, std::uint32_t samples, double budget,
                                         double mean) {
   std::vector<UnmetPart> parts;
@@ -82,7 +83,7 @@ std::vector<UnmetPart> find_unmet_parts(Scene& scene, Trials& trials, Direction 
   const Film small = trials.reduced(budget / (2 * Trials::kImages * kSamples));
   const auto light = [&](TracingOptions::Gathered gathered) {
     scene.options.gathered = gathered;
-    return means_of_pixels(trials.images(direction, 1, small, whole(small, kSamples)));
+    return means_of_pixels(trials.images(kind, small, whole(small, kSamples)));
   };
   const auto seen = light(TracingOptions::Gathered::kWithAll);
   scene.options.least_radiance = radiance;
@@ -105,7 +106,7 @@ std::vector<UnmetPart> find_unmet_parts(Scene& scene, Trials& trials, Direction 
     if (!(there.mean > 0.0) || is_rim(chances, small, x, y)) continue;
     const double around = std::max(seen[pixel].mean, kDark * mean);
     if (!(std::sqrt(chances[pixel].variance) > std::max(kSmall, usual) * around)) continue;
-    const double most = there.mean + kAtMost * there.error;
+    const double most = there.mean + kStandardErrors * there.error;
     if (met.empty()) met = light(TracingOptions::Gathered::kMet);
     if (is_met(met[pixel], there)) continue;
     const auto edge = [](std::uint32_t i, std::uint32_t of, std::uint32_t full) {
