@@ -7,13 +7,13 @@ image by photons from both directions, of which those from the luminaires bring 
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from nocturne_scene.compare.images import read_picture
-from nocturne_scene.compile.unmet import named_pixels
+from nocturne_scene.render_warnings import RenderWarning, WarningKind
 from nocturne_scene.uncertainty import read_region
 
 from bench.peer.contenders import FilmSize, Ours
@@ -86,13 +86,13 @@ def _scene(scene: Document, counts: tuple[int, ...], truth_samples: int) -> Figu
             trace_to(compiled, image, THREADS, [])
             means, errors = _readings(image)
             held = np.abs(means - truth) <= np.sqrt(errors**2 + (_CONFIDENCE * truth_error) ** 2)
-            trusted = _trusted(compiled.way)
+            trusted = _trusted(compiled.warnings)
             found[str(samples)] = {
                 "held": round(float(held.mean()), 4),
                 "trusted": round(float(trusted.mean()), 4),
                 "trusted_held": round(float(held[trusted].mean()), 4) if trusted.any() else 1.0,
                 "mean": significant(float(means.mean() / truth.mean())),
-                "told": "of the mean may be missing" in compiled.way,
+                "told": any(each.kind is WarningKind.MISSING_LIGHT for each in compiled.warnings),
                 "way": compiled.way.partition(":")[0],
             }
         return found
@@ -108,11 +108,11 @@ def _squares() -> Iterator[tuple[slice, slice]]:
             yield slice(y, y + _SQUARE), slice(x, x + _SQUARE)
 
 
-def _trusted(way: str) -> np.ndarray[Any, np.dtype[np.bool_]]:
+def _trusted(warnings: Sequence[RenderWarning]) -> np.ndarray[Any, np.dtype[np.bool_]]:
     """Of squares, those in no part of which light may be missing by what the image says."""
     trusted = np.ones((_FILM.height, _FILM.width), dtype=np.bool_)
-    for place in named_pixels(way):
-        trusted[place] = False
+    for part in (part for warning in warnings for part in warning.parts):
+        trusted[part.pixels] = False
     return np.array([trusted[square].all() for square in _squares()])
 
 

@@ -36,4 +36,5 @@ def schedule_of(
     )
     schedule.quantity = quantity_of(scene.sensor).name
     schedule.way = scene.tracing.way
+    schedule.warnings.extend(scene.tracing.warnings)
     return schedule

@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from nocturne_client.local.compiled import compile_to
-from nocturne_scene.compile.unmet import named_pixels, unmet_light
+from nocturne_scene.compile.unmet import unmet_light
 from nocturne_scene.formats.import_scene import import_scene
 from nocturne_scene.formats.reading.options import ImportOptions
+from nocturne_scene.render_warnings import RenderWarning
 
 from tests.accuracy.scenes import diffuse, quad, sphere, surface
 from tests.accuracy.tracing import Document
@@ -30,9 +31,12 @@ def test_a_ball_of_glass_on_a_wide_floor_is_found_by_what_may_gather_light(
 
 
 def test_light_that_a_pilot_hardly_met_is_told() -> None:
-    assert (unmet_light(0.0), unmet_light(0.0049)) == ("", "")
-    assert "up to 2.4% of the mean may be missing" in unmet_light(0.024)
-    assert '`"direction": "forward"` would find it' in unmet_light(0.024, "forward")
+    assert unmet_light(0.0) is None
+    assert unmet_light(0.0049) is None
+    for told, direction in ((unmet_light(0.024), "both"), (unmet_light(0.024, "forward"), "forward")):
+        assert told is not None
+        assert "up to 2.4% of the mean may be missing" in told.sentence
+        assert f'`"direction": "{direction}"` would find it' in told.sentence
 
 
 SILVER: dict[str, object] = {"type": "conductor", "index": "Ag"}
@@ -40,7 +44,9 @@ _TALL, _EDGE = 40.0, 64
 """Field of view, degrees; edge of the film, pixels."""
 
 
-def _seen_in_a_mirror(radius: float, radiance: float, kernel: Document, folder: Path) -> str:
+def _seen_in_a_mirror(
+    radius: float, radiance: float, kernel: Document, folder: Path
+) -> tuple[RenderWarning, ...]:
     """What is said of an image of a mirror 3 m in front of the camera, in which a lamp behind this shows."""
     document = {
         "nocturne": 1,
@@ -58,7 +64,7 @@ def _seen_in_a_mirror(radius: float, radiance: float, kernel: Document, folder: 
         ],
     }
     (folder / "scene.json").write_text(json.dumps(document))
-    return compile_to(folder / "scene.json", folder, _EDGE, _EDGE, 16).way
+    return compile_to(folder / "scene.json", folder, _EDGE, _EDGE, 16).warnings
 
 
 PHONG: Document = {"type": "phong", "reflectance": 0.9}
@@ -70,8 +76,8 @@ def test_a_lamp_of_a_millimetre_in_a_mirror_is_named_where_it_shows(kernel: Docu
     """Its image is 7 m off, 0.9 m to a side and 0.6 m up: one photon of 8,000 of that pixel meets it."""
     said = _seen_in_a_mirror(5e-4, 1e7, kernel, tmp_path)
     named = np.zeros((_EDGE, _EDGE), dtype=np.bool_)
-    for pixels in named_pixels(said):
-        named[pixels] = True
+    for part in (part for warning in said for part in warning.parts):
+        named[part.pixels] = True
     half = tan(radians(_TALL / 2.0))
     column, row = (0.5 * _EDGE * (1.0 + side / 7.0 / half) for side in (-0.9, -0.6))
     assert named[int(row), int(column)], (said, column, row)
@@ -80,6 +86,6 @@ def test_a_lamp_of_a_millimetre_in_a_mirror_is_named_where_it_shows(kernel: Docu
 
 def test_nothing_is_named_where_a_lamp_is_met(tmp_path: Path) -> None:
     """A lamp of 0.8 m, and a wall that mirrors nothing."""
-    assert not named_pixels(_seen_in_a_mirror(0.4, 20.0, SILVER, tmp_path))
-    assert not named_pixels(_seen_in_a_mirror(5e-4, 1e7, diffuse(0.5), tmp_path))
+    assert not _seen_in_a_mirror(0.4, 20.0, SILVER, tmp_path)
+    assert not _seen_in_a_mirror(5e-4, 1e7, diffuse(0.5), tmp_path)
     assert not _seen_in_a_mirror(5e-4, 1e7, PHONG | {"exponent": 19.0}, tmp_path)

@@ -1,6 +1,7 @@
 """Images: right numbers, canonical files."""
 
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from nocturne_coordinator.output.images import (
     write_thumbnail,
 )
 from nocturne_scene.pixel_errors import pixel_variance, variance_of_mean
+from nocturne_scene.render_warnings import RenderWarning, UnmetPart, WarningKind
 from nocturne_scene.tile_sums import Values, block_sums
 
 from tests.coordinator.service import read_exr, read_further_responses, read_rgb
@@ -84,6 +86,24 @@ def test_exr_keeps_every_bit(tmp_path: Path, count: int) -> None:
     assert np.array_equal(xyz, (sums[..., :3] / np.maximum(counts, 1)[..., None]).astype(np.float32))
     assert np.array_equal(stderr, np.sqrt(variance_of_y(sums, counts)).astype(np.float32))
     assert [path.name for path in path.parent.iterdir()] == ["image.exr"]
+
+
+def test_exr_says_what_it_may_not_show_in_lines(tmp_path: Path) -> None:
+    parts = (UnmetPart(0, 4, 8, 3, 0.25), UnmetPart(8, 0, 1, 7, 31.6228))
+    warnings = (
+        RenderWarning(WarningKind.MISSING_LIGHT, "up to 2% of the mean may be missing"),
+        RenderWarning(WarningKind.MISSING_IN_PARTS, "light may be missing at pixels", parts),
+    )
+    write_image(tmp_path / "image.exr", *film(), SQUARES, replace(PROVENANCE, warnings=warnings))
+    write_image(tmp_path / "plain.exr", *film(), SQUARES, PROVENANCE)
+    with (
+        OpenEXR.File(str(tmp_path / "image.exr")) as image,
+        OpenEXR.File(str(tmp_path / "plain.exr")) as plain,
+    ):
+        told = image.header()
+        assert told["nocturne:warnings"].splitlines() == [each.sentence for each in warnings]
+        assert told["nocturne:unmetParts"].splitlines() == ["0 4 8 3 0.25", "8 0 1 7 31.6"]
+        assert not {"nocturne:warnings", "nocturne:unmetParts"} & plain.header().keys()
 
 
 def test_exr_has_channels_for_each_further_response(tmp_path: Path) -> None:

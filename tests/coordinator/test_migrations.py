@@ -1,5 +1,6 @@
 """Database migrations: numbered files, each applied once, all or nothing."""
 
+import json
 import shutil
 import sqlite3
 from collections.abc import Iterator
@@ -101,6 +102,18 @@ def test_the_sensors_of_older_renders_are_known(old: sqlite3.Connection) -> None
         )
     upgrade(old, MIGRATIONS)
     assert old.execute("SELECT sensor FROM render ORDER BY id").fetchall() == [("panorama",), ("",), ("",)]
+
+
+def test_the_warnings_of_older_renders_get_a_kind(old: sqlite3.Connection) -> None:
+    old.execute("PRAGMA user_version = 15")
+    before = ['$.surfaces[2].shape: is "open"', "It has no layers: nocturne-trace failed"]
+    old.execute("UPDATE render SET warnings = ?", (json.dumps(before),))
+    upgrade(old, MIGRATIONS)
+    [(kept,)] = old.execute("SELECT warnings FROM render").fetchall()
+    assert json.loads(kept) == [
+        {"kind": "scene", "sentence": before[0], "parts": []},
+        {"kind": "layers", "sentence": before[1], "parts": []},
+    ]
 
 
 def test_two_may_open_a_new_one_at_once(tmp_path: Path) -> None:

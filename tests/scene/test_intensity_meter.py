@@ -42,7 +42,9 @@ def test_what_is_beyond_the_sphere_is_warned_of(place: str, blobs: BlobStore) ->
     """By photons from luminaires an intensity under a sky of radiance 1 read 6,883, by those from the meter
     20,635 (2,293 of the lamp alone, and the sky through the sphere)."""
     found = compile_scene(parse_document(json.dumps(_lamp(**BEYOND[place]))), blobs, Film(64, 64, 64))
-    assert any(each.startswith(place) and "sphere of 0.3 m" in each for each in found.warnings)
+    assert any(
+        each.sentence.startswith(place) and "sphere of 0.3 m" in each.sentence for each in found.warnings
+    )
     scene = scene_pb2.CompiledScene.FromString(blobs.path(found.scene_sha256).read_bytes())
     assert scene.tracing.direction == scene_pb2.DIRECTION_ADJOINT
 
@@ -50,7 +52,7 @@ def test_what_is_beyond_the_sphere_is_warned_of(place: str, blobs: BlobStore) ->
 def test_photons_from_luminaires_count_what_leaves_the_scene(blobs: BlobStore) -> None:
     """As of a drop in the Sun, whose rainbow is what is asked for."""
     found = compile_scene(parse_document(json.dumps(_lamp("forward", **BEYOND["$.distant"]))), blobs)
-    assert any("it counts where it leaves the scene" in each for each in found.warnings)
+    assert any("it counts where it leaves the scene" in each.sentence for each in found.warnings)
 
 
 def test_a_lamp_alone_is_measured_either_way(blobs: BlobStore) -> None:

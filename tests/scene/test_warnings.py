@@ -25,7 +25,9 @@ OPEN = {**TETRAHEDRON, "triangles": TETRAHEDRON["triangles"][:3]}
 
 
 def warnings(document: dict[str, Any], blobs: BlobStore, film: Film | None = None) -> list[str]:
-    return compile_scene(parse_document(json.dumps(document)), blobs, film).warnings
+    return [
+        each.sentence for each in compile_scene(parse_document(json.dumps(document)), blobs, film).warnings
+    ]
 
 
 def test_a_scene_without_fault_has_no_warning(document: dict[str, Any], blobs: BlobStore) -> None:

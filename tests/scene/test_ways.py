@@ -5,15 +5,18 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from nocturne.v1 import scene_pb2
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile import ways
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.compile.output import CompiledOutput
-from nocturne_scene.compile.unmet import named_pixels, unmet_parts
+from nocturne_scene.compile.unmet import unmet_light, unmet_parts
 from nocturne_scene.document.read import parse_document
 from nocturne_scene.film import Film
+from nocturne_scene.render_warnings import UnmetPart, from_messages
+from nocturne_scene.scene_ranges import schedule_for_scene
 
 LARGE, SMALL = Film(64, 64, 64), Film(64, 64, 63)
 
@@ -104,8 +107,11 @@ def test_a_way_that_brings_other_light_is_told_as_a_fault(
     Asked(monkeypatch, fault="shared")
     output, tracing = compiled(document, blobs, LARGE)
     assert tracing.sharing == 1
-    assert "pixels that share brought 38% more light than others" in output.way
-    assert "a fault of the program" in output.way
+    [told] = output.warnings
+    assert told.kind == "fault"
+    assert told.sentence.startswith("pixels that share brought 38% more light than others")
+    assert "a fault of the program" in told.sentence
+    assert "fault" not in output.way
 
 
 def test_no_gain_is_told_that_is_none(
@@ -181,23 +187,68 @@ def test_parts_that_are_not_to_be_trusted_are_named_whatever_the_document_chose(
     output, _ = compiled(document, blobs, LARGE)
     assert ([chosen for chosen, _ in trace.asked], output.way) == ([["parts"]], "")
     trace.answer["unmet_parts"] = [[8, 16, 4, 4, 0.3], [12, 20, 4, 4, 25.0], [40, 40, 4, 4, 0.05]]
-    output, _ = compiled(document, blobs, LARGE)
-    assert output.way.startswith("photons from the sensor; reflections, refractions or caustics of small")
-    assert output.way.endswith(
+    output, tracing = compiled(document, blobs, LARGE)
+    # Nothing was to be chosen.
+    assert output.way == ""
+    [told] = output.warnings
+    assert told.kind == "missing_in_parts"
+    assert told.sentence.startswith(
+        "reflections, refractions or caustics of small bright light sources may be"
+    )
+    assert told.sentence.endswith(
         "at pixels x 8 to 15 y 16 to 23 (up to 25 times the light shown there), "
         "x 40 to 43 y 40 to 43 (up to 5%)"
     )
+    # The pixels themselves, which touch at a corner only.
+    assert told.parts == (
+        UnmetPart(8, 16, 4, 4, 0.3),
+        UnmetPart(12, 20, 4, 4, 25.0),
+        UnmetPart(40, 40, 4, 4, 0.05),
+    )
+    assert from_messages(tracing.warnings) == (told,)
+    schedule = schedule_for_scene(blobs, output.scene_sha256, LARGE.width, LARGE.height, LARGE.samples)
+    assert list(schedule.warnings) == list(tracing.warnings)
+
+
+def test_how_much_of_the_mean_may_be_missing_is_told(
+    document: dict[str, Any], blobs: BlobStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trace = Asked(monkeypatch)
+    trace.answer["unmet"] = 0.02
+    output, _ = compiled(document, blobs, LARGE)
+    assert [(each.kind, each.parts) for each in output.warnings] == [("missing_light", ())]
+    assert "up to 2.0% of the mean may be missing" in output.warnings[0].sentence
+    assert unmet_light(0.004) is None
+
+
+def test_parts_are_told_by_few_rectangles_of_the_same_pixels() -> None:
+    """A row's neighbours and equal rows become one; a pilot's pixels are not all of one size."""
+    warning = unmet_parts([[8 * x, 6 * y, 8, 6, 0.1 + x] for x in (0, 1, 2, 4) for y in (0, 1, 2)])
+    assert warning is not None
+    assert warning.parts == (UnmetPart(0, 0, 24, 18, 2.1), UnmetPart(32, 0, 8, 18, 4.1))
+    board = [[x, y, 1, 1, 0.1] for x in range(60) for y in range(60) if (x + y) % 2 == 0]
+    warning = unmet_parts(board)
+    assert warning is not None
+    assert len(warning.parts) <= 200
+    film = np.zeros((60, 60), dtype=np.bool_)
+    for each in warning.parts:
+        film[each.pixels] = True
+        assert each.x + each.width <= 60
+        assert each.y + each.height <= 60
+    assert all(film[int(y), int(x)] for x, y, *_ in board)
 
 
 def test_parts_beyond_the_largest_are_counted() -> None:
     many = [[20 * i, 0, 8 - i, 1, 0.1 * (i + 1)] for i in range(8)]
-    said = unmet_parts(many)
+    warning, fewer = unmet_parts(many), unmet_parts(many[:6])
+    assert warning is not None
+    assert fewer is not None
+    said = warning.sentence
     assert "at pixels x 0 to 7 y 0 (up to 10% of the light shown there), x 20 to 26 y 0 (up to 20%)" in said
     assert said.endswith("x 80 to 83 y 0 (up to 50%), 3 smaller areas within x 100 to 140 y 0 (up to 80%)")
-    assert unmet_parts(many[:6]).endswith(", 1 smaller area within x 100 to 102 y 0 (up to 60%)")
-    assert named_pixels(said)[0] == (slice(0, 1), slice(0, 8))
-    assert named_pixels(said)[5] == (slice(0, 1), slice(100, 141))
-    assert (unmet_parts([]), named_pixels("")) == ("", [])
+    assert fewer.sentence.endswith(", 1 smaller area within x 100 to 102 y 0 (up to 60%)")
+    assert [(each.x, each.width) for each in warning.parts] == [(20 * i, 8 - i) for i in range(8)]
+    assert unmet_parts([]) is None
 
 
 @pytest.mark.parametrize(

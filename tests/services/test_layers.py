@@ -104,7 +104,8 @@ async def test_that_can_not_be_made_are_told_and_nothing_waits(
     await until(lambda: not folder.layers.due())
     told = (await rest.get(f"/v1/renders/{made['id']}")).json()
     assert told["layers"] == []
-    assert told["warnings"] == ["It has no layers: $.layers: can't be made, as nocturne-trace failed"]
+    sentence = "It has no layers: $.layers: can't be made, as nocturne-trace failed"
+    assert told["warnings"] == [{"kind": "layers", "sentence": sentence, "parts": []}]
 
 
 async def test_what_failed_for_now_is_tried_again(

@@ -14,14 +14,13 @@ from typing import Any
 import pytest
 from nocturne_client import NocturneClientError
 from nocturne_client.cli import local_commands
-from nocturne_client.cli.output import print_error, way_lines
+from nocturne_client.cli.output import print_error
 from nocturne_client.errors import Problem
 from nocturne_client.local import children, programs, up
 from nocturne_client.local.children import Child
 from nocturne_client.local.compiled import compile_to
 from nocturne_client.local.doctor import examine
 from nocturne_scene.blobs import BlobStore
-from nocturne_scene.compile.unmet import unmet_light, unmet_parts
 
 SLEEP = "/bin/sleep"
 
@@ -132,15 +131,6 @@ def test_compile_says_what_it_left_out(
     assert left_out == "left out: $.spectra.spare: nothing uses it"
     assert way.startswith("traced by photons from the sensor: no other way was found better")
     assert len(said.out.strip()) == 64
-
-
-def test_warnings_of_a_pilot_have_lines_of_their_own() -> None:
-    found = unmet_light(0.02) + unmet_parts([(8, 0, 8, 8, 0.5)])
-    chosen, light, parts = way_lines(f"photons from the sensor: no other, by a pilot{found}")
-    assert chosen == "traced by photons from the sensor: no other, by a pilot"
-    assert light.startswith("warning: the pilot met too few photons")
-    assert parts.startswith("warning: reflections, refractions or caustics")
-    assert way_lines("") == []
 
 
 def test_no_problem_is_told_twice(capsys: pytest.CaptureFixture[str]) -> None:

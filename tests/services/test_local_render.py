@@ -11,9 +11,11 @@ import OpenEXR
 import pytest
 from nocturne_client import NocturneClientError
 from nocturne_client.cli.app import app
+from nocturne_client.local.compiled import compile_to
 from nocturne_client.local.image_error import image_error
 from nocturne_client.local.local_stop import LocalStop
 from nocturne_client.local.render import LocalRender, render_scene
+from nocturne_scene.render_warnings import header_lines
 from typer.testing import CliRunner
 
 from tests.pictures import read_pixels
@@ -30,6 +32,28 @@ LAMP: dict[str, Any] = {
             "kernel": {"type": "lambertian", "reflectance": 0},
             "luminaire": {"radiance": {"illuminant": "A"}, "lumens": 800},
         }
+    ],
+}
+MIRROR: dict[str, Any] = {
+    "nocturne": 1,
+    "sensor": {
+        "type": "pinhole",
+        "position": [0, 0, -2],
+        "look_at": [0, 0, 0],
+        "vertical_field_of_view_degrees": 40,
+    },
+    "environment": {"radiance": 0.05},
+    "tracing": {"direction": "adjoint", "sharing": 1, "guide": "none"},
+    "surfaces": [
+        {
+            "shape": {"type": "quad", "corner": [-5, -5, 1], "edge_u": [0, 10, 0], "edge_v": [10, 0, 0]},
+            "kernel": {"type": "conductor", "index": "Ag"},
+        },
+        {
+            "shape": {"type": "sphere", "centre": [0.9, 0.6, -3], "radius": 5e-4},
+            "kernel": {"type": "lambertian", "reflectance": 0},
+            "luminaire": {"radiance": 1e7},
+        },
     ],
 }
 AXIS = 800 / math.pi / (1 + 4)
@@ -54,6 +78,23 @@ def rendered(scene: Path, *options: str, name: str = "image.exr", size: int = 8)
 def channels(path: Path) -> dict[str, npt.NDArray[Any]]:
     with OpenEXR.File(str(path), separate_channels=True) as file:
         return {name: channel.pixels.copy() for name, channel in file.channels().items()}
+
+
+def test_what_the_image_may_not_show_is_told_and_in_its_header(tmp_path: Path) -> None:
+    """A lamp of a millimetre that shows in a mirror. The tracer writes it as the service does."""
+    scene = tmp_path / "mirror.json"
+    scene.write_text(json.dumps(MIRROR))
+    image, said = rendered(scene, "--samples", "16", size=64)
+    warnings = compile_to(scene, tmp_path, 64, 64, 16).warnings
+    assert [each.kind for each in warnings] == ["missing_in_parts"]
+    [line] = [line for line in said.splitlines() if line.startswith("warning: ")]
+    assert line == f"warning: {warnings[0].sentence}"
+    with OpenEXR.File(str(image)) as file:
+        header = {name: value for name, value in file.header().items() if name.startswith("nocturne:")}
+    lines = header_lines(warnings)
+    assert lines
+    assert {name: header[name] for name in lines} == lines
+    assert "nocturne:way" not in header
 
 
 def test_a_seed_changes_the_samples_and_nothing_else(scene: Path) -> None:

@@ -4,6 +4,7 @@
  *   small, other: ids of renders 128 x 128 of the Cornell box that have ended; `other` is by another engine;
  *   panorama: a render of a bright sky, as an eye has it around;
  *   guided: a render of a pool from above, whose photons are guided;
+ *   unmet: a render whose left upper quarter may lack light, by what it says;
  *   quarantine: a command that puts the worker named after it in quarantine;
  *   exr: the image of `small`; pixel: {x, y, values} of it, read by OpenImageIO; archive, scene_folder: a ZIP of the Cornell box, its folder;
  *   screenshots: a folder; empty: no pictures are kept;
@@ -139,6 +140,30 @@ const checks = {
     await page.goto(at(showing(given.small)));
     await page.locator("canvas[data-updates]").waitFor();
     assert.ok(await page.getByText("Learned light").isHidden());
+  },
+
+  async "parts in which light may be missing are hatched, until a switch takes that back"({ page }) {
+    const hatched = (x, y) => page.locator("canvas.overlay").evaluate((canvas, [across, down]) => {
+      const { width, height } = canvas;
+      const edge = Math.min(width, height) / 4;
+      // The film is square, in the middle; an eighth of it around a point, so that some line crosses that.
+      const at = (part, whole) => Math.round(whole / 2 + (part - 0.5) * 2 * edge - edge / 8);
+      return canvas.getContext("2d").getImageData(at(across, width), at(down, height), edge / 4, edge / 4).data.some((value) => value > 0);
+    }, [x, y]);
+    await page.goto(at(showing(given.unmet)));
+    await page.locator("canvas[data-updates]").waitFor();
+    await page.getByRole("list", { name: "Warnings" }).getByText(/^reflections, refractions or caustics/).waitFor();
+    await page.getByText("Hatched, 25 % of the image: light of small bright sources may be missing there").waitFor();
+    await until(page, "the quarter is hatched", () => hatched(0.25, 0.25));
+    assert.equal(await hatched(0.75, 0.75), false);
+    await look(page, "doubtful-parts");
+    await page.getByRole("checkbox", { name: "Doubtful parts" }).focus();
+    await page.keyboard.press("Space");
+    await until(page, "nothing is hatched", async () => !(await hatched(0.25, 0.25)));
+    await page.keyboard.press("Space");
+    await page.goto(at(showing(given.small)));
+    await page.locator("canvas[data-updates]").waitFor();
+    assert.ok(await page.getByRole("checkbox", { name: "Doubtful parts" }).isHidden());
   },
 
   async "keys and buttons zoom, until values stand on pixels; the address keeps where"({ page }) {

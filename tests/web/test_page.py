@@ -43,6 +43,14 @@ PANORAMA: dict[str, Any] = {
 }
 """Glare has something to find."""
 
+DOUBTFUL: dict[str, Any] = {
+    "kind": "missing_in_parts",
+    "sentence": "reflections, refractions or caustics of small bright light sources may be missing",
+    "parts": [{"x": 0, "y": 0, "width": 32, "height": 32, "part": 0.3}],
+}
+"""What a pilot says of the left upper quarter of 64 x 64 pixels; put into the data folder, as for a test of a
+page it does not matter whether it is right."""
+
 QUARANTINE = """
 import sqlite3, sys, time
 with sqlite3.connect(sys.argv[1], timeout=20) as database:
@@ -119,11 +127,15 @@ def test_the_page(brief: bool, page_service: Up, guarded_url: str, tmp_path: Pat
     # The smaller one has no pilot, so that its pixels are alone and its noise is another.
     small, other = (submit(url, cornell, (128, 128), samples, "boxes") for samples in (64, 8))
     around = submit(url, PANORAMA, (64, 32), 4)
+    unmet = submit(url, cornell, (64, 64), 4)
     wait_for(
-        lambda: all(has_ended(url, each) for each in (small, other, around, guided)), "renders to end", 400
+        lambda: all(has_ended(url, each) for each in (small, other, around, unmet, guided)),
+        "renders to end",
+        400,
     )
     with sqlite3.connect(page_service.data / "nocturne.db", timeout=20) as database:
         database.execute("UPDATE render SET engine = engine - 1 WHERE id = ?", (other,))
+        database.execute("UPDATE render SET warnings = ? WHERE id = ?", (json.dumps([DOUBTFUL]), unmet))
     exr = tmp_path / "small.exr"
     exr.write_bytes(httpx.get(f"{url}/v1/renders/{small}/image.exr").content)
     given = {
@@ -135,6 +147,7 @@ def test_the_page(brief: bool, page_service: Up, guarded_url: str, tmp_path: Pat
         "other": other,
         "panorama": around,
         "guided": guided,
+        "unmet": unmet,
         "quarantine": [sys.executable, "-c", QUARANTINE, str(page_service.data / "nocturne.db")],
         "exr": str(as_mitsuba_writes_it(exr, tmp_path / "piz.exr")),
         "pixel": pixel_of(exr),

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <iomanip>
 #include <iostream>
 #include <map>
 #include <new>
@@ -154,6 +155,26 @@ void run_job(const Options& options) {
   write_sums(options.output, trace_job(*scene, job));
 }
 
+// As `nocturne_scene.render_warnings` spells them for an image's header.
+std::string warning_lines(const v1::RangeSchedule& schedule) {
+  std::string lines;
+  for (const auto& warning : schedule.warnings()) {
+    lines += (lines.empty() ? "" : "\n") + warning.sentence();
+  }
+  return lines;
+}
+std::string unmet_part_lines(const v1::RangeSchedule& schedule) {
+  std::ostringstream lines;
+  lines << std::setprecision(3);
+  for (const auto& warning : schedule.warnings()) {
+    for (const auto& part : warning.parts()) {
+      lines << (lines.tellp() > 0 ? "\n" : "") << part.x() << ' ' << part.y() << ' ' << part.width()
+            << ' ' << part.height() << ' ' << part.part();
+    }
+  }
+  return lines.str();
+}
+
 // An image, its statistics, and its warnings; `scene_sha256` goes into the image.
 void run_film(const Options& options, const v1::CompiledScene& message,
               const v1::RangeSchedule& schedule, const std::string& scene_sha256) {
@@ -178,7 +199,8 @@ void run_film(const Options& options, const v1::CompiledScene& message,
   const Quantity quantity = quantity_of(message.sensor());
   write_exr(options.output, image, plan.tile_size, further_responses, samples,
             {scene_sha256, schedule_json(schedule), v1::ENGINE_CURRENT, profile, quantity.name,
-             quantity.unit, quantity.response_unit, image.truncated_paths, schedule.way()});
+             quantity.unit, quantity.response_unit, image.truncated_paths, schedule.way(),
+             warning_lines(schedule), unmet_part_lines(schedule)});
   if (!options.statistics.empty()) {
     write_statistics(options.statistics, image, cpu, wall.count());
   }

@@ -16,6 +16,7 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne_scene.bands import spectral_attributes
 from nocturne_scene.layers import NO_LAYERS, Layers
 from nocturne_scene.quantities import LUMINANCE, quantity_named
+from nocturne_scene.render_warnings import RenderWarning, header_lines
 from nocturne_scene.tile_sums import (
     BLOCK,
     PAIR_FIRST,
@@ -80,6 +81,8 @@ class Provenance:
     """Photons that a limit of the tracer ended, so that their light is missing."""
     way: str = ""
     """How the scene is traced and why, where a pilot chose."""
+    warnings: tuple[RenderWarning, ...] = ()
+    """What a pilot found that the image may not show."""
 
 
 def manifest_text(samples: Sequence[int]) -> str:
@@ -202,6 +205,7 @@ def write_image(
         header["nocturne:errorDoubt"] = provenance.doubt
     if provenance.way:
         header["nocturne:way"] = provenance.way
+    header |= header_lines(provenance.warnings)
     if provenance.truncated_paths:
         header["nocturne:truncatedPaths"] = str(provenance.truncated_paths)
     # A sensor may have responses with such names: they go first.

@@ -11,6 +11,7 @@ from pathlib import Path
 from nocturne.v1 import job_pb2
 from nocturne_scene.errors import NotFound
 from nocturne_scene.layers import NO_LAYERS, Layers, read_layers
+from nocturne_scene.render_warnings import from_messages
 from nocturne_scene.replacing import replacing, sync
 
 from nocturne_coordinator.dispatch.records import FailedTile
@@ -153,6 +154,7 @@ def provenance_of(render: RunningRender) -> Provenance:
         render.image_doubt,
         render.totals.truncated_paths,
         render.planned.schedule.way,
+        from_messages(render.planned.schedule.warnings),
     )
 
 

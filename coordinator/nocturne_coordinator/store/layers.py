@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from nocturne_scene.layers import CHANNELS
+from nocturne_scene.render_warnings import RenderWarning, WarningKind
 
 from nocturne_coordinator.errors import FilesGone
 from nocturne_coordinator.store.database import Database
@@ -72,10 +73,11 @@ class RenderLayers:
                 (sha256, render_id),
             )
 
-    def give_up(self, render_id: str, warning: str) -> None:
+    def give_up(self, render_id: str, why: str) -> None:
         """The render does without layers, and says why."""
+        warning = RenderWarning(WarningKind.LAYERS, why)
         self._database.execute(
-            f"""UPDATE render SET layers = '[]', warnings = json_insert(warnings, '$[#]', ?),
+            f"""UPDATE render SET layers = '[]', warnings = json_insert(warnings, '$[#]', json(?)),
                     sequence = sequence + 1 WHERE id = ? AND {LAYERS_DUE}""",  # noqa: S608
-            (warning, render_id),
+            (json.dumps(warning.to_json()), render_id),
         )

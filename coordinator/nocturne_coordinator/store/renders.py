@@ -14,6 +14,7 @@ from pathlib import Path
 from nocturne.v1 import job_pb2
 from nocturne_scene.errors import InputError, NotFound, Problem
 from nocturne_scene.ranges import TileGrid, ranges_planned
+from nocturne_scene.render_warnings import RenderWarning
 from nocturne_scene.tile_sums import numbers_in
 
 from nocturne_coordinator import limits
@@ -101,7 +102,7 @@ class Renders:
                 tiles,
                 new.floating_point_profile,
                 new.schedule.quantity,
-                json.dumps(new.warnings),
+                json.dumps([each.to_json() for each in new.warnings]),
                 new.way,
                 new.sensor,
                 json.dumps(new.all_layers),
@@ -275,7 +276,7 @@ def _render_row(row: sqlite3.Row) -> RenderRow:
     values = {field.name: row[field.name] for field in fields(RenderRow)}
     values["state"] = RenderState(values["state"])
     values["image_final"] = bool(values["image_final"])
-    values["warnings"] = tuple(json.loads(values["warnings"]))
+    values["warnings"] = tuple(map(RenderWarning.from_json, json.loads(values["warnings"])))
     values["layers"] = tuple(json.loads(values["layers"]))
     values["tags"] = tuple(json.loads(values["tags"]))
     values["stop"] = StopConditions.from_json(values["stop"])

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from nocturne.v1 import job_pb2
 from nocturne_scene.layers import known_layers
 from nocturne_scene.ranges import PHOTON_BUNDLE
+from nocturne_scene.render_warnings import RenderWarning
 
 from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
@@ -30,8 +31,8 @@ class NewRender:
     """Name of the token that asked for it; empty without authentication."""
     floating_point_profile: str = ""
     """How its workers must round; empty: as the first one does."""
-    warnings: tuple[str, ...] = ()
-    """What of the scene can hardly be meant, with its place."""
+    warnings: tuple[RenderWarning, ...] = ()
+    """What of the scene can hardly be meant, and what the image may not show."""
     way: str = ""
     """How it is traced and why; empty where no pilot chose."""
     sensor: str = ""
@@ -83,8 +84,8 @@ class RenderRow:
     invalid_samples: int
     quantity: str
     """What Y measures; see nocturne_scene.quantities."""
-    warnings: tuple[str, ...]
-    """What of the scene can hardly be meant, with its place."""
+    warnings: tuple[RenderWarning, ...]
+    """What of the scene can hardly be meant, and what the image may not show."""
     way: str
     """How it is traced and why; empty where no pilot chose."""
     sensor: str

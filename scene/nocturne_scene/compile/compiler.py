@@ -37,6 +37,7 @@ from nocturne_scene.document.problems import path
 from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.film import Film
+from nocturne_scene.render_warnings import RenderWarning, from_messages, of_scene
 
 # Layouts of CompiledScene; raised with every change that an older worker would misread. The second one is
 # that of scenes whose sensor tells parts of the light, the third of those with a forward_ratio, the
@@ -58,7 +59,8 @@ def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None =
     # After the blobs, which a pilot reads.
     _put_tracing(workspace, message, film, scatters=scatters)
     scene_sha256 = blobs.put(message.SerializeToString(deterministic=True))
-    return CompiledOutput(scene_sha256, workspace.dropped, workspace.warnings, message.tracing.way)
+    warnings = [*of_scene(workspace.warnings), *from_messages(message.tracing.warnings)]
+    return CompiledOutput(scene_sha256, workspace.dropped, warnings, message.tracing.way)
 
 
 def compile_layers(document: SceneDocument, blobs: BlobStore, film: Film, layers: Sequence[str]) -> str:
@@ -143,7 +145,7 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
 def _put_tracing(
     workspace: Workspace, message: scene_pb2.CompiledScene, film: Film | None, *, scatters: bool
 ) -> None:
-    ways, said = given_ways(workspace.document), ""
+    ways, said, warnings = given_ways(workspace.document), "", list[RenderWarning]()
     if film is not None:
         start = workspace.photons_can_start
         left_open = open_ways(workspace.document, message, film, photons_can_start=start)
@@ -151,11 +153,12 @@ def _put_tracing(
             before = len(workspace.dropped)
             message.tracing.CopyFrom(compile_tracing(workspace, message, left_open.asked, scatters=scatters))
             del workspace.dropped[before:]
-            ways, said = choose(message, workspace.blobs.root, film, left_open)
+            ways, said, warnings = choose(message, workspace.blobs.root, film, left_open)
             message.important_shapes.extend(ways.aims)
             message.learned_light = ways.learned_light
     message.tracing.CopyFrom(compile_tracing(workspace, message, ways, scatters=scatters))
     message.tracing.way = said
+    message.tracing.warnings.extend(each.message() for each in warnings)
     if message.tracing.forward_ratio:
         message.format = FORMAT_WITH_RATIO
     if message.learned_light:

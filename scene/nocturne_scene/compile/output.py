@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from nocturne_scene.render_warnings import RenderWarning
+
 
 @dataclass(frozen=True)
 class CompiledOutput:
@@ -11,7 +13,7 @@ class CompiledOutput:
 
     scene_sha256: str
     dropped: list[str]
-    warnings: list[str] = field(default_factory=list)
-    """What can hardly be meant, in words with their places."""
+    warnings: list[RenderWarning] = field(default_factory=list)
+    """What can hardly be meant, in words with their places, and what the image may not show."""
     way: str = ""
     """How it is traced and why, in words; empty where no pilot chose."""

@@ -1,112 +1,129 @@
-"""What a pilot found that a render may not meet, in sentences."""
+"""What a pilot found that a render may not meet, as warnings."""
 
-import re
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
+
+from nocturne_scene.render_warnings import RenderWarning, UnmetPart, WarningKind
 
 TOLD_ABOVE = 0.005
 """Part of the mean that may be missing and is told: the error that most renders are asked for."""
 
 _NAMED = 5
-"""Rectangles of an image that are named one by one; the others are counted, and named by one around them."""
+"""Rectangles that a sentence names one by one; it counts the others, and names one around them."""
 
 _MANY = 10.0
 """So many times what is seen, and more, are no longer said as a percentage."""
 
-
-@dataclass(frozen=True)
-class Rectangle:
-    """Pixels, `right` and `bottom` not among them."""
-
-    left: int
-    top: int
-    right: int
-    bottom: int
-    part: float
-    """What may be missing there, in parts of what is seen."""
-
-    def touches(self, other: "Rectangle") -> bool:
-        return (
-            self.left <= other.right
-            and other.left <= self.right
-            and self.top <= other.bottom
-            and other.top <= self.bottom
-        )
-
-    @property
-    def area(self) -> int:
-        return (self.right - self.left) * (self.bottom - self.top)
-
-    def named(self) -> str:
-        """By its first and last pixels, from the upper left corner."""
-        return f"x {_span(self.left, self.right)} y {_span(self.top, self.bottom)}"
+_PARTS = 200
+"""Rectangles of a warning, which goes with each event of its render; more are told by coarser squares."""
 
 
-def unmet_light(part: float, direction: str = "both") -> str:
-    """What to say where so large a part of the mean may be missing; nothing where it is small.
+def unmet_light(part: float, direction: str = "both") -> RenderWarning | None:
+    """What to say where so large a part of the mean may be missing; None where it is small.
 
     `direction`: how photons from luminaires can take part.
     """
     if part < TOLD_ABOVE:
-        return ""
-    return (
-        "; the pilot met too few photons that mirrors and glass gather to compare, so that up to "
-        f'{part:.1%} of the mean may be missing: `"direction": "{direction}"` would find it'
+        return None
+    return RenderWarning(
+        WarningKind.MISSING_LIGHT,
+        "the pilot met too few photons that mirrors and glass gather to compare, so that up to "
+        f'{part:.1%} of the mean may be missing: `"direction": "{direction}"` would find it',
     )
 
 
-def unmet_parts(found: Iterable[Sequence[float]]) -> str:
+def unmet_parts(found: Iterable[Sequence[float]]) -> RenderWarning | None:
     """What to say of the rectangles in which the render may miss light: left, top, width and height in
-    pixels, and what may be missing in parts of what is seen there. Nothing where there are none.
+    pixels, and what may be missing in parts of what is seen there. None where there are none.
     """
-    rectangles = [Rectangle(int(x), int(y), int(x + w), int(y + h), part) for x, y, w, h, part in found]
+    rectangles = [UnmetPart(int(x), int(y), int(w), int(h), part) for x, y, w, h, part in found]
     if not rectangles:
-        return ""
-    groups = sorted(_touching(rectangles), key=lambda each: each.area, reverse=True)
-    named = [(each.named(), each.part) for each in groups[:_NAMED]]
+        return None
+    groups = sorted(_touching(rectangles), key=lambda each: each.width * each.height, reverse=True)
+    named = [(_name(each), each.part) for each in groups[:_NAMED]]
     if rest := groups[_NAMED:]:
         areas = f"{len(rest)} smaller area{'s' if len(rest) > 1 else ''}"
         around = _around(rest)
-        named.append((f"{areas} within {around.named()}", around.part))
+        named.append((f"{areas} within {_name(around)}", around.part))
     (first, part), *others = named
     places = [f"{first} (up to {_times(part)} {'of ' if part < _MANY else ''}the light shown there)"]
     places += [f"{name} (up to {_times(part)})" for name, part in others]
-    return (
-        "; reflections, refractions or caustics of small bright light sources may be missing, which the "
-        f"standard errors do not show, at pixels {', '.join(places)}"
+    return RenderWarning(
+        WarningKind.MISSING_IN_PARTS,
+        "reflections, refractions or caustics of small bright light sources may be missing, which the "
+        f"standard errors do not show, at pixels {', '.join(places)}",
+        tuple(_few(rectangles)),
     )
 
 
-def named_pixels(said: str) -> list[tuple[slice, slice]]:
-    """Rows and columns of the rectangles that a sentence of `unmet_parts` names."""
-    found = re.findall(r"x (\d+)(?: to (\d+))? y (\d+)(?: to (\d+))? \(up to", said)
-    return [
-        (slice(int(top), int(bottom or top) + 1), slice(int(left), int(right or left) + 1))
-        for left, right, top, bottom in found
-    ]
+def _few(rectangles: list[UnmetPart]) -> list[UnmetPart]:
+    """All their pixels in fewer rectangles; if these are many still, with others in the same squares."""
+    joined, square, around = _joined(rectangles), 8, _around(rectangles)
+    while len(joined) > _PARTS:
+        joined, square = _joined([_in_squares(each, square, around) for each in joined]), 2 * square
+    return joined
 
 
-def _touching(rectangles: list[Rectangle]) -> list[Rectangle]:
-    groups: list[Rectangle] = []
+def _joined(rectangles: list[UnmetPart]) -> list[UnmetPart]:
+    """Those that meet at a whole edge become one."""
+    across: dict[tuple[int, int], list[UnmetPart]] = defaultdict(list)
+    for each in sorted(set(rectangles), key=lambda each: each.x):
+        row = across[each.y, each.height]
+        if row and each.x <= row[-1].x + row[-1].width:
+            row[-1] = _around([row[-1], each])
+        else:
+            row.append(each)
+    down: dict[tuple[int, int], list[UnmetPart]] = defaultdict(list)
+    for each in sorted((each for row in across.values() for each in row), key=lambda each: each.y):
+        column = down[each.x, each.width]
+        if column and each.y <= column[-1].y + column[-1].height:
+            column[-1] = _around([column[-1], each])
+        else:
+            column.append(each)
+    return sorted((each for column in down.values() for each in column), key=lambda each: (each.y, each.x))
+
+
+def _in_squares(of: UnmetPart, edge: int, within: UnmetPart) -> UnmetPart:
+    """All squares of the film that it touches, so far as they are `within` that."""
+    left, top = max(of.x // edge * edge, within.x), max(of.y // edge * edge, within.y)
+    right = min(-(-(of.x + of.width) // edge) * edge, within.x + within.width)
+    bottom = min(-(-(of.y + of.height) // edge) * edge, within.y + within.height)
+    return replace(of, x=left, y=top, width=right - left, height=bottom - top)
+
+
+def _touching(rectangles: list[UnmetPart]) -> list[UnmetPart]:
+    groups: list[UnmetPart] = []
     for each in rectangles:
-        near = [group for group in groups if group.touches(each)]
+        near = [group for group in groups if _touch(group, each)]
         groups = [group for group in groups if group not in near]
         groups.append(_around([each, *near]))
     return groups
 
 
-def _around(all_of: list[Rectangle]) -> Rectangle:
-    return Rectangle(
-        min(each.left for each in all_of),
-        min(each.top for each in all_of),
-        max(each.right for each in all_of),
-        max(each.bottom for each in all_of),
-        max(each.part for each in all_of),
+def _touch(one: UnmetPart, other: UnmetPart) -> bool:
+    return (
+        one.x <= other.x + other.width
+        and other.x <= one.x + one.width
+        and one.y <= other.y + other.height
+        and other.y <= one.y + one.height
     )
 
 
-def _span(first: int, end: int) -> str:
-    return f"{first}" if end - first == 1 else f"{first} to {end - 1}"
+def _around(all_of: Sequence[UnmetPart]) -> UnmetPart:
+    left, top = min(each.x for each in all_of), min(each.y for each in all_of)
+    right = max(each.x + each.width for each in all_of)
+    bottom = max(each.y + each.height for each in all_of)
+    return UnmetPart(left, top, right - left, bottom - top, max(each.part for each in all_of))
+
+
+def _name(of: UnmetPart) -> str:
+    """By its first and last pixels, from the upper left corner."""
+    return f"x {_span(of.x, of.width)} y {_span(of.y, of.height)}"
+
+
+def _span(first: int, length: int) -> str:
+    return f"{first}" if length == 1 else f"{first} to {first + length - 1}"
 
 
 def _times(part: float) -> str:

@@ -24,6 +24,7 @@ from nocturne_scene.document.tracing import Mixture
 from nocturne_scene.errors import InputError
 from nocturne_scene.film import Film
 from nocturne_scene.programs import find_program
+from nocturne_scene.render_warnings import RenderWarning, WarningKind
 from nocturne_scene.scene_ranges import schedule_of
 from nocturne_scene.uncertainty import CONFIDENCE
 
@@ -184,15 +185,18 @@ def _forward(document: SceneDocument, scene: scene_pb2.CompiledScene, film: Film
     return direction
 
 
-def choose(scene: scene_pb2.CompiledScene, blobs: Path, film: Film, ways: OpenWays) -> tuple[Ways, str]:
-    """The better ones, and how that was found, in a sentence. `scene` is compiled for `ways.asked`.
+def choose(
+    scene: scene_pb2.CompiledScene, blobs: Path, film: Film, ways: OpenWays
+) -> tuple[Ways, str, list[RenderWarning]]:
+    """The better ones; how that was found, in a sentence, empty where nothing was to be chosen; and what the
+    image may not show. `scene` is compiled for `ways.asked`.
 
     Without nocturne-trace, or where it fails, nothing is chosen, and the sentence says so.
     """
     default, asked = ways.default, ways.asked
     program = find_program("nocturne-trace")
     if program is None:
-        return default, f"{default.named()}: nothing was compared, as nocturne-trace is missing here"
+        return default, f"{default.named()}: nothing was compared, as nocturne-trace is missing here", []
     try:
         found = _run(program, scene, blobs, film, ways.names)
         learned = tuple(_aim(each) for each in found["aims"])
@@ -205,13 +209,15 @@ def choose(scene: scene_pb2.CompiledScene, blobs: Path, film: Film, ways: OpenWa
             _ratio(found, ways),
             found["hinted"],
         )
-        words = unmet_light(found["unmet"], asked.direction) + unmet_parts(found["unmet_parts"])
-        words += fault(found["fault"], found["differs_by"])
-        if ways.names == [PARTS]:
-            return better, f"{default.named()}{words}" if words else ""
-        return better, _sentence(better, default, found) + words
+        told = [
+            unmet_light(found["unmet"], asked.direction),
+            unmet_parts(found["unmet_parts"]),
+            _fault(found["fault"], found["differs_by"]),
+        ]
+        warnings = [each for each in told if each is not None]
+        return better, "" if ways.names == [PARTS] else _sentence(better, default, found), warnings
     except (OSError, subprocess.SubprocessError, ValueError, KeyError):
-        return default, f"{default.named()}: nothing was compared, as the pilot failed"
+        return default, f"{default.named()}: nothing was compared, as the pilot failed", []
 
 
 def _ratio(found: Mapping[str, Any], ways: OpenWays) -> float:
@@ -243,15 +249,16 @@ def _run(
     return found
 
 
-def fault(which: str, differs_by: float) -> str:
-    """What to say where a way's mean differs from another's beyond their errors; nothing where none does."""
+def _fault(which: str, differs_by: float) -> RenderWarning | None:
+    """What to say where a way's mean differs from another's beyond their errors; None where none does."""
     what = {"guided": "photons that are guided", "shared": "pixels that share"}.get(which)
     if what is None:
-        return ""
-    return (
-        f"; {what} brought {abs(differs_by):.0%} {'more' if differs_by > 0 else 'less'} light than others in "
+        return None
+    return RenderWarning(
+        WarningKind.FAULT,
+        f"{what} brought {abs(differs_by):.0%} {'more' if differs_by > 0 else 'less'} light than others in "
         "the pilot, beyond their errors, and were not chosen: this is a fault of the program, please report "
-        "the scene"
+        "the scene",
     )
 
 

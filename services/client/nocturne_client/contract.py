@@ -16,6 +16,44 @@ RenderState = Literal[
 """Where a render stands; from SUCCEEDED on it has ended, though it may be extended."""
 
 
+WarningKind = Literal[
+    "scene",
+    "layers",
+    "missing_light",
+    "missing_in_parts",
+    "fault",
+]
+"""What a warning is about."""
+
+
+@dataclass(frozen=True)
+class UnmetPart:
+    """Pixels [x, x + width) times [y, y + height), from the upper left corner, in which light may be
+    missing that no error shows.
+    """
+
+    x: int
+    y: int
+    width: int
+    height: int
+    part: float
+    """At most so much (two standard errors above what a pilot found), in parts of what is seen there."""
+
+
+@dataclass(frozen=True)
+class RenderWarning:
+    """What whoever reads a render should know beside its error."""
+
+    kind: WarningKind
+    """scene: the document says what can hardly be meant. layers: they could not be made. missing_light: so
+    much of the image's mean may be missing. missing_in_parts: light may be missing in parts of the
+    image. fault: of the program.
+    """
+    sentence: str
+    parts: list[UnmetPart]
+    """Of missing_in_parts: all pixels in which light may be missing."""
+
+
 @dataclass(frozen=True)
 class StopConditions:
     """When a render ends besides at its last sample: at the first that is met. 0 or empty: not asked for."""
@@ -131,8 +169,8 @@ class Render:
     """Unit of Y: "cd/m2", "lx" or "cd"."""
     response_unit: str
     """Unit of further responses, for one without a unit: "W m-2 sr-1", "W m-2" or "W sr-1"."""
-    warnings: list[str]
-    """What of the scene can hardly be meant, with its place."""
+    warnings: list[RenderWarning]
+    """What of the scene can hardly be meant, with its place, and what the image may not show."""
     way: str
     """How it is traced and why, in words: what a pilot chose. Empty: the scene left nothing open, or the
     render is too small for a pilot.

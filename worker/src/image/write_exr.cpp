@@ -288,6 +288,12 @@ void write_exr(const std::filesystem::path& path, const TileSums& film, std::uin
   if (!provenance.way.empty()) {
     header.insert("nocturne:way", Imf::StringAttribute(provenance.way));
   }
+  if (!provenance.warnings.empty()) {
+    header.insert("nocturne:warnings", Imf::StringAttribute(provenance.warnings));
+  }
+  if (!provenance.unmet_parts.empty()) {
+    header.insert("nocturne:unmetParts", Imf::StringAttribute(provenance.unmet_parts));
+  }
   if (provenance.truncated_paths > 0) {
     header.insert("nocturne:truncatedPaths",
                   Imf::StringAttribute(std::to_string(provenance.truncated_paths)));

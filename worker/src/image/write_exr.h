@@ -22,6 +22,9 @@ struct ImageProvenance {
   std::uint64_t truncated_paths = 0;
   /// How the scene is traced and why, where a pilot chose.
   std::string way = {};
+  /// What a pilot found that the image may not show: a sentence a line; and rectangles in which
+  /// light may be missing, "x y width height part" a line.
+  std::string warnings = {}, unmet_parts = {};
 };
 
 /// Writes means and errors of a film whose tiles have edges of `tile_size` pixels, over `samples`

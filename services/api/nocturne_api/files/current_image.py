@@ -12,6 +12,7 @@ from nocturne_coordinator.store.rows import RenderRow, TileChange
 from nocturne_scene.errors import NotFound
 from nocturne_scene.layers import NO_LAYERS, Layers
 from nocturne_scene.ranges import TileGrid
+from nocturne_scene.render_warnings import from_messages
 from nocturne_scene.tile_sums import BLOCK, PRODUCTS, blocks_in, decode, sums_per_pixel
 
 MAX_PIXELS = 2**24
@@ -65,6 +66,7 @@ def write_current(
         row.doubt,
         row.truncated_paths,
         schedule.way,
+        from_messages(schedule.warnings),
     )
     of_tiles = whole.reshape(-1, grid.columns, PRODUCTS)
     write_image(

@@ -90,8 +90,19 @@ RENDER: dict[str, Any] = {
     "unit": "cd/m2",
     "response_unit": "W m-2 sr-1",
     "warnings": [
-        "$.surfaces[2].shape: bounds a body, and is open: 4 edges belong to one face only; light that passes "
-        "there is taken to be inside"
+        {
+            "kind": "scene",
+            "sentence": "$.surfaces[2].shape: bounds a body, and is open: 4 edges belong to one face only; "
+            "light that passes there is taken to be inside",
+            "parts": [],
+        },
+        {
+            "kind": "missing_in_parts",
+            "sentence": "reflections, refractions or caustics of small bright light sources may be missing, "
+            "which the standard errors do not show, at pixels x 320 to 335 y 96 to 111 (up to 30% of the "
+            "light shown there)",
+            "parts": [{"x": 320, "y": 96, "width": 16, "height": 16, "part": 0.3}],
+        },
     ],
     "sensor": "pinhole",
     "guided": False,

@@ -10,6 +10,7 @@ from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.store.rows import RenderRow
 from nocturne_scene.compile.ways import GUIDED
 from nocturne_scene.quantities import quantity_named
+from nocturne_scene.render_warnings import WarningKind
 from pydantic import ConfigDict, Field
 
 from nocturne_api.models import examples
@@ -118,6 +119,34 @@ class Region(Answer):
     height: int
 
 
+class UnmetPart(Answer):
+    """Pixels [x, x + width) times [y, y + height), from the upper left corner, in which light may be missing
+    that no error shows."""
+
+    x: int
+    y: int
+    width: int
+    height: int
+    part: float = Field(
+        description="At most so much (two standard errors above what a pilot found), in parts of what is "
+        "seen there."
+    )
+
+
+class RenderWarning(Answer):
+    """What whoever reads a render should know beside its error."""
+
+    kind: WarningKind = Field(
+        description="scene: the document says what can hardly be meant. layers: they could not be made. "
+        "missing_light: so much of the image's mean may be missing. missing_in_parts: light may be missing "
+        "in parts of the image. fault: of the program."
+    )
+    sentence: str
+    parts: list[UnmetPart] = Field(
+        description="Of missing_in_parts: all pixels in which light may be missing."
+    )
+
+
 class Render(Answer):
     """One render."""
 
@@ -143,7 +172,9 @@ class Render(Answer):
     response_unit: str = Field(
         description='Unit of further responses, for one without a unit: "W m-2 sr-1", "W m-2" or "W sr-1".'
     )
-    warnings: list[str] = Field(description="What of the scene can hardly be meant, with its place.")
+    warnings: list[RenderWarning] = Field(
+        description="What of the scene can hardly be meant, with its place, and what the image may not show."
+    )
     way: str = Field(
         description="How it is traced and why, in words: what a pilot chose. Empty: the scene left nothing "
         "open, or the render is too small for a pilot."
@@ -184,7 +215,8 @@ class Render(Answer):
     @classmethod
     def of(cls, row: RenderRow) -> Self:
         """The public side of a row of the data folder."""
-        converted = {"progress", "stop", "look_first", "unit", "response_unit", "group", "after", "guided"}
+        converted = {"progress", "stop", "look_first", "unit", "response_unit", "group", "after"}
+        converted |= {"guided", "warnings"}
         quantity = quantity_named(row.quantity)
         first = region.Region.from_json(row.look_first) if row.look_first else None
         return cls(
@@ -194,6 +226,7 @@ class Render(Answer):
             group=row.in_group,
             after=row.after_group,
             guided=GUIDED in row.way,
+            warnings=[RenderWarning.model_validate(each.to_json()) for each in row.warnings],
             unit=quantity.unit,
             response_unit=quantity.response_unit,
             **{name: getattr(row, name) for name in cls.model_fields.keys() - converted},

@@ -23,6 +23,7 @@ from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.film import Film
 from nocturne_scene.layers import known_layers
 from nocturne_scene.ranges import make_schedule
+from nocturne_scene.render_warnings import RenderWarning
 from nocturne_scene.scene_ranges import schedule_for_scene
 
 from nocturne_api.compiling.pool import CompileLimits, compile_in_child
@@ -120,7 +121,7 @@ class _Scene:
 
     sha256: str
     schedule: job_pb2.RangeSchedule
-    warnings: tuple[str, ...]
+    warnings: tuple[RenderWarning, ...]
     way: str
     files: tuple[str, ...]
 

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import typer
 
 from nocturne_client.cli.additions import BandEdges, LayerNames, Settings, changes_of, layer_names
-from nocturne_client.cli.output import CONSOLE, ERRORS, AsJson, print_json, way_lines
+from nocturne_client.cli.output import CONSOLE, ERRORS, AsJson, print_json
 from nocturne_client.cli.scene_options import (
     DEFAULT_EDGE,
     AllowMissing,
@@ -185,9 +185,7 @@ def compile_scene(
     compiled = compile_to(scene, output, width, height, samples)
     for part in compiled.dropped:
         typer.echo(f"left out: {part}", err=True)
-    for warning in compiled.warnings:
-        typer.echo(f"warning: {warning}", err=True)
-    for line in way_lines(compiled.way):
+    for line in compiled.said():
         typer.echo(line, err=True)
     typer.echo(compiled.scene_sha256)
 

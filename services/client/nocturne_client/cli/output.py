@@ -54,16 +54,6 @@ def print_json(value: Any) -> None:
     typer.echo(json.dumps(value))
 
 
-def way_lines(way: str) -> list[str]:
-    """How a scene is traced, and a line for each warning about that; none where the service says nothing."""
-    return [f"{name}{':' if name == 'warning' else ''} {text}" for name, text in _way_rows(way)]
-
-
-def _way_rows(way: str) -> list[tuple[str, str]]:
-    chosen, *doubts = way.split("; ")
-    return [("traced by", chosen), *(("warning", doubt) for doubt in doubts)] if way else []
-
-
 def print_render(render: Render, as_json: bool, price: Usage | None = None) -> None:
     """One render; with its price where one is given."""
     if as_json:
@@ -77,8 +67,8 @@ def print_render(render: Render, as_json: bool, price: Usage | None = None) -> N
         ("state", f"{render.state} {render.reason}".strip()),
         ("film", f"{render.width} x {render.height}, {render.samples} samples per pixel"),
         ("merged", f"{render.fraction:.1%}, {progress.samples_merged:,} samples, {progress.rays:,} rays"),
-        *(("warning", warning) for warning in render.warnings),
-        *_way_rows(render.way),
+        *(("warning", warning.sentence) for warning in render.warnings),
+        *([("traced by", render.way)] if render.way else []),
         *([("layers", ", ".join(render.layers))] if render.layers else []),
         ("relative error", _error(progress)),
         (_mean_name(render), _mean(render)),

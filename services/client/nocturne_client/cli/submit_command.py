@@ -156,7 +156,7 @@ def _told(path: Path, sent: int, size: int) -> None:
 
 def _print(renders: Sequence[Render], as_json: bool, *, whether_watched: bool) -> None:
     """Warnings once, the group's name, and ids; ids come after the watching where that is wanted."""
-    for warning in dict.fromkeys(warning for render in renders for warning in render.warnings):
+    for warning in dict.fromkeys(each.sentence for render in renders for each in render.warnings):
         ERRORS.print(f"warning: {warning}", markup=False, soft_wrap=True)
     if len(renders) > 1 and not as_json:
         typer.echo(f"group {renders[0].group}")

@@ -13,6 +13,7 @@ from nocturne_scene.errors import InputError, NocturneError
 from nocturne_scene.film import Film
 from nocturne_scene.layers import known_layers
 from nocturne_scene.ranges import make_schedule
+from nocturne_scene.render_warnings import RenderWarning
 from nocturne_scene.scene_ranges import schedule_for_scene
 
 from nocturne_client.changes import changed
@@ -32,12 +33,17 @@ class CompiledFolder:
     scene_sha256: str
     dropped: tuple[str, ...] = ()
     """What the compiler left out, with its place."""
-    warnings: tuple[str, ...] = ()
-    """What of the scene can hardly be meant, with its place."""
+    warnings: tuple[RenderWarning, ...] = ()
+    """What of the scene can hardly be meant, with its place, and what the image may not show."""
     way: str = ""
     """How it is traced and why, where a pilot chose."""
     layers: Path | None = None
     """What goes beside the image, where it has any layers."""
+
+    def said(self) -> list[str]:
+        """How the scene is traced, where that was chosen, and a line for each warning."""
+        chosen = [f"traced by {self.way}"] if self.way else []
+        return [*chosen, *(f"warning: {each.sentence}" for each in self.warnings)]
 
 
 def compile_to(

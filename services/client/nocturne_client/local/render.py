@@ -16,7 +16,7 @@ from nocturne_coordinator.output.images import FINAL_COMPRESSION, write_preview
 from nocturne_scene.compare.images import read_picture
 from rich.progress import Progress
 
-from nocturne_client.cli.output import ERRORS, way_lines
+from nocturne_client.cli.output import ERRORS
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import CompiledFolder, compile_to
 from nocturne_client.local.image_error import image_error
@@ -69,9 +69,7 @@ def render_scene(asked: LocalRender) -> None:
         film = asked.width, asked.height, asked.samples
         name = asked.name or str(asked.scene)
         compiled = compile_to(asked.scene, Path(folder), *film, asked.seed, asked.layers, asked.changes, name)
-        for warning in compiled.warnings:
-            ERRORS.print(f"warning: {warning}", markup=False, soft_wrap=True)
-        for line in way_lines(compiled.way):
+        for line in compiled.said():
             ERRORS.print(line, markup=False, soft_wrap=True)
         image = Path(folder) / "image.exr"
         command = [str(program), *_arguments(compiled, asked, image)]

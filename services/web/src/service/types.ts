@@ -12,6 +12,7 @@ export type RenderState = Schemas["RenderState"];
 export type Group = Schemas["Group"];
 export type RenderPage = Schemas["RenderPage"];
 export type Region = Schemas["Region"];
+export type UnmetPart = Schemas["UnmetPart"];
 export type RegionReading = Schemas["Reading"];
 export type LearnedLight = Schemas["LearnedLight"];
 export type Outline = Schemas["Outline"];

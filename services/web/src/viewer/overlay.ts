@@ -1,10 +1,11 @@
-/** What lies over the image: isolines with their values, outlines that are measured, and the values of pixels when they are large. */
+/** What lies over the image: where light may be missing, isolines with their values, outlines that are measured, and the values of pixels when they are large. */
 import { element } from "../dom.ts";
 import { formatValue } from "../format.ts";
 import type { TiledImage } from "../image/tiled_image.ts";
 import type { Show } from "../image/look.ts";
 import type { Placement, Point } from "../image/placement.ts";
-import type { Isolines, Outline } from "../service/types.ts";
+import type { Isolines, Outline, UnmetPart } from "../service/types.ts";
+import type { Side } from "./viewer.ts";
 
 /** Edge of a pixel on the screen from which its value has room, in pixels of the style sheet. */
 const roomForValue_px = 44;
@@ -17,6 +18,9 @@ const labelRoom_px = { x: 56, y: 16 };
 const ink = "#ffffff";
 const halo = "rgb(0 0 0 / 75%)";
 const drawn = "#ffd166";
+const tint = "rgb(255 209 102 / 20%)";
+/** Between lines of a hatched part, pixels of the style sheet. */
+const hatch_px = 10;
 
 export interface Seen {
   image: TiledImage | undefined;
@@ -25,6 +29,7 @@ export interface Seen {
   /** Of the canvas, device pixels. */
   width: number;
   height: number;
+  side: Side;
 }
 
 interface Label {
@@ -38,19 +43,24 @@ export class Overlay {
   outlines: readonly Outline[] = [];
   /** What is being drawn. */
   draft: Outline | undefined;
+  /** Where light of the first side's render may be missing. */
+  unmet: readonly UnmetPart[] = [];
   #isEmpty = true;
 
   paint(seen: Seen): void {
     const values = showsValues(seen) ? seen.image : undefined;
     const outlines = this.draft ? [...this.outlines, this.draft] : this.outlines;
-    const isEmpty = !values && !this.isolines && outlines.length === 0;
+    const unmet = seen.side === "first" ? this.unmet : [];
+    const isEmpty = !values && !this.isolines && outlines.length === 0 && unmet.length === 0;
     if (isEmpty && this.#isEmpty) return;
     this.#isEmpty = isEmpty;
     // Also clears it.
     this.canvas.width = seen.width;
     this.canvas.height = seen.height;
     const context = this.canvas.getContext("2d");
-    if (context) this.#draw(context, seen, values, outlines);
+    if (!context) return;
+    paintHatched(context, unmet, seen);
+    this.#draw(context, seen, values, outlines);
   }
 
   #draw(context: CanvasRenderingContext2D, seen: Seen, values: TiledImage | undefined, outlines: readonly Outline[]): void {
@@ -77,6 +87,31 @@ function showsValues({ show, placement }: Seen): boolean {
 /** From a point of the film to pixels of the canvas. */
 export function onCanvas({ x, y }: Point, { placement, width, height }: Pick<Seen, "placement" | "width" | "height">): Point {
   return { x: (x - placement.x) * placement.scale + width / 2, y: (y - placement.y) * placement.scale + height / 2 };
+}
+
+/** Lines across all of them, and a tint for those that are smaller than the lines are apart. */
+function paintHatched(context: CanvasRenderingContext2D, parts: readonly UnmetPart[], seen: Seen): void {
+  if (parts.length === 0) return;
+  context.save();
+  context.beginPath();
+  for (const { x, y, width, height } of parts) {
+    const corner = onCanvas({ x, y }, seen);
+    context.rect(corner.x, corner.y, width * seen.placement.scale, height * seen.placement.scale);
+  }
+  context.fillStyle = tint;
+  context.fill();
+  context.clip();
+  context.beginPath();
+  for (let x = -seen.height; x < seen.width; x += hatch_px * devicePixelRatio) {
+    context.moveTo(x, seen.height);
+    context.lineTo(x + seen.height, 0);
+  }
+  for (const [width, style] of [[2.5, halo], [1, drawn]] as const) {
+    context.lineWidth = width * devicePixelRatio;
+    context.strokeStyle = style;
+    context.stroke();
+  }
+  context.restore();
 }
 
 function paintValues(context: CanvasRenderingContext2D, image: TiledImage, seen: Seen, ratio: number): void {

@@ -15,6 +15,7 @@ import { learnedLightView, type LearnedLightView } from "./learned_light.ts";
 import { legend } from "./legend.ts";
 import { Overlay } from "./overlay.ts";
 import { rangeForm } from "./range_form.ts";
+import { unmetParts } from "./unmet_parts.ts";
 import { Viewer } from "./viewer.ts";
 
 const keys = "Arrow keys move from pixel to pixel, with Shift they pan. Plus and minus zoom, 1 shows pixel for pixel, 0 the whole image. With Region, Line or Polygon pressed, Enter sets a corner at the pixel looked at; Escape forgets what is drawn.";
@@ -55,6 +56,11 @@ export function renderImage(id: string, hooks: Hooks = {}): RenderImage {
   const frame = element("div", { class: "frame" }, canvas, overlay.canvas, waiting);
   const node = element("div", { class: "picture" });
   const parts = assemble(canvas, node, frame, overlay, { id, ...hooks });
+  const unmet = unmetParts((drawn) => {
+    overlay.unmet = drawn;
+    parts?.viewer.repaint();
+  });
+  if (parts) frame.after(unmet.node);
   const source = new ImageSource(tilesAddress(id), {
     onImage: (image) => {
       parts?.begin(image);
@@ -76,6 +82,7 @@ export function renderImage(id: string, hooks: Hooks = {}): RenderImage {
     show: (render) => {
       parts?.measure(measured(render));
       parts?.learned.show(render);
+      unmet.show(render);
       canvas.setAttribute("aria-label", `Image of ${render.name}, ${samplesText(render)}`);
       setText(waiting, whyNothingIsShown(render));
     },
@@ -109,7 +116,7 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
   try {
     viewer = new Viewer(canvas, {
       onLook: () => { refresh(); },
-      onPaint: () => { overlay.paint({ image: viewer.images[side()], show: viewer.look.show, placement: viewer.placement, width: canvas.width, height: canvas.height }); },
+      onPaint: () => { overlay.paint({ image: viewer.images[side()], show: viewer.look.show, placement: viewer.placement, width: canvas.width, height: canvas.height, side: side() }); },
       onPlacement: ({ scale }) => {
         remember();
         setText(zoom, `${Number((100 * scale).toPrecision(3))} %`);

@@ -46,7 +46,7 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
     reason.hidden = reason.textContent === "";
     setText(miss, render.out_of_reach);
     miss.hidden = render.out_of_reach === "";
-    warnings.replaceChildren(...render.warnings.map((warning) => element("li", {}, warning)));
+    warnings.replaceChildren(...render.warnings.map(({ sentence }) => element("li", {}, sentence)));
     warnings.hidden = render.warnings.length === 0;
     setText(way, render.way === "" ? "" : `Traced by ${render.way}.`);
     way.hidden = render.way === "";
